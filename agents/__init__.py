@@ -1,0 +1,1 @@
+"""Agents for the warehouse, the episode runner and the command line."""

@@ -1,0 +1,108 @@
+"""The chapter's greedy agent: lower the Manhattan distance, and break loops by chance.
+
+It sees the observation and nothing else. Source: the chapter's exercise (Russell and Norvig, 4th
+ed., ch. 2); its questions about loop escape are asked with ``escape_steps=0``.
+"""
+
+from __future__ import annotations
+
+import random
+from collections import deque
+
+from warehouse_core.layout import MOVE_DELTAS, WALL, Cell
+from warehouse_core.warehouse_env import Observation
+
+
+class GreedyAgent:
+    """Drives to the pickup, picks, drives to the dropoff, drops.
+
+    It takes a move that lowers the Manhattan distance to its goal. Where every open move would
+    raise it the agent is stuck and takes a random open move. Where it has stood before, among the
+    last ``memory`` positions on the way to this goal, it takes random open moves for
+    ``escape_steps`` steps.
+
+    Args:
+        seed: of the agent's own random stream, begun anew at each ``reset``; ``None`` draws from
+            Python's global ``random``, as in the chapter.
+        memory: positions remembered, at least 0.
+        escape_steps: random moves of one escape; 0 turns the escape off.
+
+    Raises:
+        ValueError: ``memory`` or ``escape_steps`` is negative.
+
+    """
+
+    def __init__(self, seed: int | None = None, memory: int = 10, escape_steps: int = 3) -> None:
+        for name, value in (("memory", memory), ("escape_steps", escape_steps)):
+            if value < 0:
+                raise ValueError(f"{name} is {value}; it must be at least 0")
+        self.seed = seed
+        self.memory = memory
+        self.escape_steps = escape_steps
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the last episode."""
+        self._random = random if self.seed is None else random.Random(self.seed)
+        self._visited: deque[Cell] = deque(maxlen=self.memory)
+        self._escape_left = 0
+        self._had_item = False
+        self.reason = ""
+
+    def act(self, observation: Observation) -> str:
+        """Return the action for ``observation``; ``reason`` then says why it was chosen.
+
+        Reasons are ``"greedy"``, ``"stuck"`` and ``"escape"``, and ``"no goal"`` where the layout
+        has no pickup or dropoff to go to.
+        """
+        here, has_item = observation["robot_pos"], observation["has_item"]
+        goal = observation["dropoff_pos"] if has_item else observation["pickup_pos"]
+        looping = self._notice_loop(here, has_item)
+        if goal is None:
+            return self._choose("no goal", "WAIT")
+        if here == goal:
+            return self._choose("greedy", "DROP" if has_item else "PICK")
+        moves = open_moves(observation["local_grid"])
+        if looping or self._escape_left:
+            self._escape_left = (self._escape_left or self.escape_steps) - 1
+            return self._choose("escape", *moves)
+        closer = [move for move in moves if distance_after(move, here, goal) < distance(here, goal)]
+        return self._choose("greedy", closer[0]) if closer else self._choose("stuck", *moves)
+
+    def _notice_loop(self, here: Cell, has_item: bool) -> bool:
+        """Remember ``here`` and say whether it was visited lately on the way to this goal."""
+        if has_item != self._had_item:
+            self._visited.clear()
+            self._had_item = has_item
+        looping = here in self._visited and self.escape_steps > 0
+        self._visited.append(here)
+        return looping
+
+    def _choose(self, reason: str, *actions: str) -> str:
+        self.reason = reason
+        if len(actions) < 2:
+            return actions[0] if actions else "WAIT"
+        return self._random.choice(actions)
+
+
+def distance(a: Cell, b: Cell) -> int:
+    """Return the Manhattan distance ``|x1 - x2| + |y1 - y2|`` in cells."""
+    return abs(a[0] - b[0]) + abs(a[1] - b[1])
+
+
+def distance_after(move: str, here: Cell, goal: Cell) -> int:
+    """Return the Manhattan distance to ``goal`` once ``move`` has been made from ``here``."""
+    down, right = MOVE_DELTAS[move]
+    return distance((here[0] + down, here[1] + right), goal)
+
+
+def open_moves(local_grid: list[str]) -> list[str]:
+    """Return the moves that no wall in view stops; all four where nothing is in view."""
+    centre = len(local_grid) // 2
+    if centre == 0:
+        return list(MOVE_DELTAS)
+    return [
+        move
+        for move, (down, right) in MOVE_DELTAS.items()
+        if local_grid[centre + down][centre + right] != WALL
+    ]

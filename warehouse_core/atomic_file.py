@@ -1,0 +1,31 @@
+"""Files that appear whole or not at all, so that an interrupted export leaves no half file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+
+@contextmanager
+def atomic_path(path: str | Path) -> Iterator[Path]:
+    """Yield a path beside ``path`` to write to; rename it to ``path`` when the block succeeds.
+
+    The suffix is kept, because writers choose their format by it. On any error the part is
+    removed and what stood at ``path`` before is untouched.
+
+    Raises:
+        OSError: the folder does not exist or cannot be written.
+
+    """
+    target = Path(path)
+    if target.is_dir():
+        raise IsADirectoryError(f"{target} is a folder, not a file")
+    if not target.parent.is_dir():
+        raise FileNotFoundError(f"the folder {target.parent} does not exist")
+    part = target.with_name(f".{target.stem}.part{target.suffix}")
+    try:
+        yield part
+        part.replace(target)
+    finally:
+        part.unlink(missing_ok=True)

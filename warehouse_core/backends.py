@@ -1,0 +1,87 @@
+"""Find a motion backend by its name among what is installed.
+
+A backend is a class in the entry-point group ``warehouse_core.backends`` of any installed
+distribution; ``grid`` and ``physics`` are registered no other way than a third party's.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING
+
+from warehouse_core.motion import Motion
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+GROUP = "warehouse_core.backends"
+
+Backend = str | Motion | type[Motion]
+
+
+class BackendError(ValueError):
+    """No backend of that name, or one whose requirements are not installed."""
+
+
+def make_motion(backend: Backend) -> Motion:
+    """Return a motion for a backend given by name, as a class or as an instance.
+
+    Raises:
+        BackendError: the name is not installed, or its requirements are missing.
+        TypeError: ``backend`` is none of the three.
+
+    """
+    if isinstance(backend, str):
+        return load_backend(backend)()
+    if isinstance(backend, type) and issubclass(backend, object) and hasattr(backend, "advance"):
+        return backend()
+    if isinstance(backend, Motion):
+        return backend
+    raise TypeError(
+        f"backend {backend!r} is {type(backend).__name__}; allowed: a name "
+        f"({', '.join(backend_names())}), or a class or instance with reset, advance and close"
+    )
+
+
+def backend_names() -> list[str]:
+    """Return the names of all installed backends in alphabetical order."""
+    return sorted(_entry_points())
+
+
+@cache
+def load_backend(name: str) -> type[Motion]:
+    """Import the backend called ``name``.
+
+    Raises:
+        BackendError: listing what is installed, or saying which command installs what is missing.
+
+    """
+    entry_point = _entry_points().get(name)
+    if entry_point is None:
+        installed = ", ".join(backend_names()) or "none"
+        raise BackendError(f"no backend is called {name!r}; installed: {installed}")
+    try:
+        backend: type[Motion] = entry_point.load()
+    except ImportError as error:
+        raise BackendError(
+            f"backend {name!r} needs {error.name or error}, which is not installed: "
+            f"pip install '{_requirement(entry_point)}'"
+        ) from error
+    return backend
+
+
+@cache
+def _entry_points() -> dict[str, EntryPoint]:
+    from importlib.metadata import entry_points
+
+    return {entry_point.name: entry_point for entry_point in entry_points(group=GROUP)}
+
+
+def _requirement(entry_point: EntryPoint) -> str:
+    """Return what to give to pip: the distribution, with the extra named like the backend."""
+    distribution = entry_point.dist
+    if distribution is None:
+        return entry_point.module.partition(".")[0]
+    extras = distribution.metadata.get_all("Provides-Extra") or []
+    name: str = distribution.metadata["Name"]
+    return f"{name}[{entry_point.name}]" if entry_point.name in extras else name

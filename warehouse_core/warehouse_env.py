@@ -1,0 +1,315 @@
+"""The chapter's environment: one robot, one pickup, one dropoff, a grid of walls.
+
+It owns the state and the observation. What an action earns is in ``rules.py``; how the robot gets
+from cell to cell is the motion backend's (``motion.py``). Neither Gymnasium nor matplotlib nor
+pymunk is needed here.
+"""
+
+from __future__ import annotations
+
+import operator
+import random
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, SupportsIndex, TypedDict
+
+from warehouse_core.backends import Backend, make_motion
+from warehouse_core.layout import (
+    DEFAULT_LAYOUT,
+    MOVE_DELTAS,
+    TILES,
+    Cell,
+    Layout,
+    LayoutError,
+)
+from warehouse_core.motion import Motion, Outcome
+from warehouse_core.rules import (
+    ACTIONS,
+    DISPLACEMENTS,
+    INVALID,
+    action_index,
+    is_truncated,
+    judge,
+)
+from warehouse_core.settings import Settings
+from warehouse_core.sight import ROBOT_EMPTY, ROBOT_LOADED, Sight
+
+LEGEND = TILES | {ROBOT_EMPTY: "robot (empty)", ROBOT_LOADED: "robot (loaded)"}
+
+
+@dataclass(slots=True)
+class WarehouseState:
+    """What changes from step to step.
+
+    It may be written between steps: a robot that is put on another open cell starts from rest in
+    the middle of it.
+    """
+
+    robot_pos: Cell
+    has_item: bool
+    battery: int
+    steps: int
+
+
+class Observation(TypedDict):
+    """What an agent is given; nothing in it is shared with a later observation.
+
+    ``local_grid`` is ``2 * view_radius + 1`` equally long strings centred on the robot, ``#``
+    outside the grid, the robot itself ``R`` (empty) or ``r`` (loaded). ``pickup_pos`` and
+    ``dropoff_pos`` are the first ``P`` and ``D`` in row-major order, ``None`` without any.
+    """
+
+    local_grid: list[str]
+    robot_pos: Cell
+    has_item: bool
+    battery: int
+    steps: int
+    pickup_pos: Cell | None
+    dropoff_pos: Cell | None
+
+
+class WarehouseEnv:
+    """A warehouse with the ``reset``/``step`` of the chapter's exercise.
+
+    Args:
+        grid: equally long strings of ``#.PD``, or a ``Layout``; ``None`` is the chapter's 7 x 12.
+        start_pos: cell of the robot after ``reset()`` without ``randomize``.
+        max_steps: steps until the episode is truncated, at least 1.
+        battery: battery units of a full charge, at least 1; every step costs one.
+        view_radius: cells seen in each direction, at least 0.
+        backend: name, class or instance of the motion that carries out the moves.
+
+    Raises:
+        ValueError: a bad layout (``LayoutError``), a start that is a wall or off the grid, a
+            budget below 1, a negative radius, or an unknown backend.
+        TypeError: an argument of another type.
+
+    Source: the chapter's exercise (Russell and Norvig, 4th ed., ch. 2).
+
+    """
+
+    ACTIONS: ClassVar[list[str]] = list(ACTIONS)
+    MOVE_DELTAS: ClassVar[dict[str, Cell]] = dict(MOVE_DELTAS)
+
+    def __init__(
+        self,
+        grid: Sequence[str] | Layout | None = None,
+        start_pos: Cell = (1, 1),
+        max_steps: int = 200,
+        battery: int = 200,
+        view_radius: int = 2,
+        *,
+        backend: Backend = "grid",
+    ) -> None:
+        self.max_steps = _whole_number("max_steps", max_steps, least=1)
+        self.max_battery = _whole_number("battery", battery, least=1)
+        self._view_radius = _whole_number("view_radius", view_radius, least=0)
+        if grid is None:
+            grid = DEFAULT_LAYOUT
+        self._use(grid if isinstance(grid, Layout) else Layout(grid))
+        self._start_pos = _cell("start_pos", start_pos)
+        if not self.layout.is_open(self._start_pos):
+            raise LayoutError(
+                f"start_pos {self.layout.describe(self._start_pos)}; "
+                "the robot must start on an open cell"
+            )
+        self._motion = make_motion(backend)
+        self.last_motion: Outcome | None = None
+        self._placed: Cell = self._start_pos
+        self.backend = backend if isinstance(backend, str) else type(self._motion).__name__
+        self.reset()
+
+    @property
+    def grid(self) -> list[str]:
+        """The layout in force as a fresh list of strings, without the robot."""
+        return list(self.layout.rows)
+
+    @property
+    def height(self) -> int:
+        """Rows of the layout."""
+        return self.layout.height
+
+    @property
+    def width(self) -> int:
+        """Columns of the layout."""
+        return self.layout.width
+
+    @property
+    def start_pos(self) -> Cell:
+        """Where the robot starts without ``randomize``."""
+        return self._start_pos
+
+    @property
+    def view_radius(self) -> int:
+        """How many cells the robot sees in each direction."""
+        return self._view_radius
+
+    @property
+    def motion(self) -> Motion:
+        """The motion that carries out the moves."""
+        return self._motion
+
+    @property
+    def settings(self) -> Settings:
+        """How this environment is set up, but for its layout."""
+        return Settings(
+            backend=self.backend,
+            cell_size=self._motion.cell_size,
+            start_pos=self._start_pos,
+            max_steps=self.max_steps,
+            battery=self.max_battery,
+            view_radius=self._view_radius,
+        )
+
+    def reset(self, randomize: bool = False, seed: int | None = None) -> Observation:
+        """Start an episode: hands empty, battery full, no steps taken.
+
+        Args:
+            randomize: draw pickup, dropoff and start uniformly over the open cells, in this
+                order; the new pickup and dropoff replace the old ones for later resets too.
+            seed: draw from a private stream that gives what Python's ``random`` gives after
+                ``random.seed(seed)``; ``None`` draws from the global ``random`` itself.
+
+        Raises:
+            LayoutError: ``randomize`` with fewer than two open cells; nothing has changed.
+            TypeError: ``seed`` is not an integer.
+
+        """
+        seed = None if seed is None else _whole_number("seed", seed)
+        start = self._start_pos
+        if randomize:
+            start = self._randomize(random if seed is None else random.Random(seed))
+        self._seed = seed
+        self.state = WarehouseState(start, False, self.max_battery, 0)
+        self._place(start)
+        return self._observe()
+
+    def step(
+        self, action: str | SupportsIndex
+    ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """Carry out one action, a word (any case) or its index.
+
+        Returns:
+            Observation, reward, terminated, truncated and info, which is empty but for
+            ``invalid_action`` after an unknown word or an index out of range. What the motion did
+            is in ``last_motion``.
+
+        Raises:
+            TypeError: ``action`` is neither a word nor an integer; nothing has changed.
+            LayoutError: ``state.robot_pos`` was set to a cell that is not open.
+
+        """
+        index = action_index(action)
+        state = self.state
+        if state.robot_pos is not self._placed:
+            self._place(state.robot_pos)
+        has_item = state.has_item
+        outcome = self._motion.advance((DISPLACEMENTS[index],), (has_item,))[0]
+        row, col = self._placed = state.robot_pos = outcome.cell
+        tile = self.layout.rows[row][col]
+        reward, state.has_item, delivered = judge(index, tile, has_item, outcome.blocked)
+        state.steps += 1
+        state.battery -= 1
+        self.last_motion = outcome
+        return (
+            self._observe(),
+            reward,
+            delivered,
+            is_truncated(state.steps, self.max_steps, state.battery),
+            {"invalid_action": True} if index == INVALID else {},
+        )
+
+    def render_grid(self) -> list[list[str]]:
+        """Return the grid as ``H`` lists of ``W`` characters, the robot ``R`` or ``r`` on top."""
+        frame = [list(row) for row in self.layout.rows]
+        row, col = self.state.robot_pos
+        frame[row][col] = ROBOT_LOADED if self.state.has_item else ROBOT_EMPTY
+        return frame
+
+    def render(self) -> str:
+        """Return ``render_grid()`` as one string."""
+        return "\n".join("".join(row) for row in self.render_grid())
+
+    def render_with_legend(self) -> str:
+        """Return ``render()`` with a line under it for each character."""
+        lines = "\n".join(f"{character} = {meaning}" for character, meaning in LEGEND.items())
+        return f"{self.render()}\n\nLegend:\n{lines}"
+
+    def close(self) -> None:
+        """Let the motion backend go."""
+        self._motion.close()
+
+    def _use(self, layout: Layout) -> None:
+        self.layout = layout
+        self._sight = Sight(layout, self._view_radius)
+        self._pickup = layout.pickups[0] if layout.pickups else None
+        self._dropoff = layout.dropoffs[0] if layout.dropoffs else None
+
+    def _place(self, cell: Cell) -> None:
+        self._motion.reset(self.layout, [cell], self._seed)
+        self._placed = cell
+        self.last_motion = None
+
+    def _randomize(self, stream: Any) -> Cell:
+        """Draw pickup and dropoff into the layout and return the start.
+
+        The stations are drawn over the cells that were empty before, the start over those that
+        are empty with the new stations in place. That order, and that too few empty cells leave a
+        layout without stations, is what the chapter's recorded episodes show.
+        """
+        layout = self.layout
+        count = len(layout.open_cells)
+        if count < 2:
+            raise LayoutError(
+                f"randomize needs two open cells for pickup and dropoff; the layout has {count}"
+            )
+        old, new = layout.station_ranks(), list[int]()
+        if count - len(old) >= 2:
+            for _ in range(2):
+                new.append(_draw(stream, count, without=old + new))
+        pickup, dropoff = map(layout.open_cell, new) if new else (None, None)
+        self._use(layout.with_stations(pickup, dropoff))
+        if count == len(new):
+            return self._start_pos
+        return layout.open_cell(_draw(stream, count, without=new))
+
+    def _observe(self) -> Observation:
+        state = self.state
+        return {
+            "local_grid": self._sight.window(state.robot_pos, state.has_item),
+            "robot_pos": state.robot_pos,
+            "has_item": state.has_item,
+            "battery": state.battery,
+            "steps": state.steps,
+            "pickup_pos": self._pickup,
+            "dropoff_pos": self._dropoff,
+        }
+
+
+def _draw(stream: Any, count: int, without: list[int]) -> int:
+    """Draw one of ``range(count)`` but not of ``without``.
+
+    It is the draw that ``choice`` would make over a list of what is left, without making the list.
+    """
+    index: int = stream.choice(range(count - len(without)))
+    for taken in sorted(without):
+        index += index >= taken
+    return index
+
+
+def _whole_number(name: str, value: SupportsIndex, least: int | None = None) -> int:
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} is {value!r}; it must be an integer") from None
+    if least is not None and number < least:
+        raise ValueError(f"{name} is {number}; it must be at least {least}")
+    return number
+
+
+def _cell(name: str, value: Cell) -> Cell:
+    try:
+        row, col = value
+        return operator.index(row), operator.index(col)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} is {value!r}; it must be two integers (row, column)") from None
