@@ -7,6 +7,18 @@ from contextlib import contextmanager
 from pathlib import Path
 
 
+def check_target(target: Path) -> None:
+    """Refuse a path that no file can be written to.
+
+    Raises:
+        OSError: it is a folder, or its folder does not exist.
+    """
+    if target.is_dir():
+        raise IsADirectoryError(f"{target} is a folder, not a file")
+    if not target.parent.is_dir():
+        raise FileNotFoundError(f"the folder {target.parent} does not exist")
+
+
 @contextmanager
 def atomic_path(path: str | Path) -> Iterator[Path]:
     """Yield a path beside ``path`` to write to; rename it to ``path`` when the block succeeds.
@@ -19,10 +31,7 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
 
     """
     target = Path(path)
-    if target.is_dir():
-        raise IsADirectoryError(f"{target} is a folder, not a file")
-    if not target.parent.is_dir():
-        raise FileNotFoundError(f"the folder {target.parent} does not exist")
+    check_target(target)
     part = target.with_name(f".{target.stem}.part{target.suffix}")
     try:
         yield part

@@ -1,0 +1,67 @@
+"""The command ``warehouse``."""
+
+from __future__ import annotations
+
+from importlib.metadata import version
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from agents import console, layout_commands
+from agents.console import SaveOption, ShowOption
+from agents.play import play
+from agents.replaying import check_targets, replay_or_save
+from agents.run_episode import report, run
+from warehouse_core import Episode
+
+app = typer.Typer(
+    name="warehouse",
+    help="A grid warehouse for rational agents, with a motion backend you can swap.",
+    no_args_is_help=True,
+    add_completion=False,
+)
+app.command()(run)
+app.command()(play)
+app.add_typer(layout_commands.app, name="layout")
+
+
+@app.command()
+def replay(
+    file: Annotated[Path, typer.Argument(help="An episode saved as .npz.")],
+    save: SaveOption = None,
+    show: ShowOption = None,
+    interval_ms: Annotated[
+        float, typer.Option("--interval-ms", min=1, help="From one frame to the next.")
+    ] = 150,
+    speed: Annotated[float, typer.Option("--speed", min=0.01, help="Playing speed.")] = 1.0,
+) -> None:
+    """Replay a saved episode."""
+    targets: list[Path] = save or []
+    check_targets(targets)
+    episode = Episode.load(file)
+    report(episode)
+    replay_or_save(episode, targets, show, interval_ms, speed)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"warehouse-lab {version('warehouse-lab')}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    show_version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version."
+        ),
+    ] = False,
+) -> None:
+    """Take the options that stand before a command."""
+
+
+def main() -> None:
+    """Run the command line."""
+    console.main(app)

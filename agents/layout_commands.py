@@ -1,0 +1,83 @@
+"""``warehouse layout``: make up, check and print layouts."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from agents.console import load_layout
+from warehouse_core import Layout, LayoutError, random_layout, shelf_layout
+
+app = typer.Typer(no_args_is_help=True, help="Make up, check and print layouts.")
+
+SeedOption = Annotated[int, typer.Option("--seed", help="Repeats a layout.")]
+OutputOption = Annotated[
+    Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write it to a file.")
+]
+
+
+@app.command()
+def generate(
+    height: Annotated[int, typer.Option(help="Rows, with the border.")] = 10,
+    width: Annotated[int, typer.Option(help="Columns, with the border.")] = 16,
+    density: Annotated[float, typer.Option(help="Share of walls inside the border.")] = 0.2,
+    seed: SeedOption = 0,
+    output: OutputOption = None,
+) -> None:
+    """Make up walls at random; every open cell can be reached."""
+    _hand_over(random_layout(height, width, density, seed), output)
+
+
+@app.command()
+def shelves(
+    rows: Annotated[int, typer.Option(help="Shelf blocks from top to bottom.")] = 2,
+    columns: Annotated[int, typer.Option(help="Shelf blocks from left to right.")] = 3,
+    length: Annotated[int, typer.Option(help="Cells of a block from left to right.")] = 4,
+    depth: Annotated[int, typer.Option(help="Cells of a block from top to bottom.")] = 1,
+    aisle: Annotated[int, typer.Option(help="Cells between blocks.")] = 1,
+    seed: SeedOption = 0,
+    output: OutputOption = None,
+) -> None:
+    """Make up a warehouse of shelf blocks and aisles."""
+    _hand_over(shelf_layout(rows, columns, length, depth, aisle, seed), output)
+
+
+@app.command()
+def check(file: Annotated[Path, typer.Argument(help="A layout file.")]) -> None:
+    """Say whether a layout can be read, and whether an item can be delivered in it."""
+    layout = Layout.load(file)
+    for name, stations in (("pickup P", layout.pickups), ("dropoff D", layout.dropoffs)):
+        if not stations:
+            raise LayoutError(f"{file}: there is no {name}")
+    first = layout.pickups[0]
+    reached = layout.reachable_from(first)
+    for station in layout.pickups + layout.dropoffs:
+        if station not in reached:
+            raise LayoutError(
+                f"{file}: {layout.describe(station)}, which cannot be reached from "
+                f"the pickup at row {first[0]}, column {first[1]}"
+            )
+    cut_off = len(layout.open_cells) - len(reached)
+    typer.echo(
+        f"{file}: {layout.height} x {layout.width}, {len(layout.open_cells)} open cells "
+        f"({cut_off} of them cut off), pickups: {len(layout.pickups)}, "
+        f"dropoffs: {len(layout.dropoffs)}; an item can be delivered"
+    )
+
+
+@app.command("print")
+def print_layout(
+    file: Annotated[Path | None, typer.Argument(help="A layout file.")] = None,
+) -> None:
+    """Print a layout as it is read; without a file the chapter's."""
+    typer.echo(load_layout(file))
+
+
+def _hand_over(layout: Layout, output: Path | None) -> None:
+    if output is None:
+        typer.echo(layout)
+    else:
+        layout.save(output)
+        typer.echo(f"saved {output}")

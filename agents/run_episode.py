@@ -1,0 +1,110 @@
+"""Run one whole episode from a random start, say how it went, and replay it.
+
+``warehouse run``, ``python agents/run_episode.py`` and ``python -m agents.run_episode`` are the
+same command.
+"""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from agents.agent_names import make_agent
+from agents.console import (
+    BackendOption,
+    BatteryOption,
+    LayoutOption,
+    MaxStepsOption,
+    SaveOption,
+    SeedOption,
+    ShowOption,
+    load_layout,
+    main,
+)
+from agents.replaying import check_targets, replay_or_save
+from warehouse_core import DEFAULT_LAYOUT, Cell, Episode, Layout, WarehouseEnv, record_episode
+
+HIGHEST_SEED = 999_999
+"""Of the seeds that are drawn here; short enough to type again."""
+
+
+def run_episode(
+    agent: str = "greedy",
+    backend: str = "grid",
+    layout: Layout | None = None,
+    seed: int | None = None,
+    battery: int = 200,
+    max_steps: int = 200,
+) -> Episode:
+    """Run one whole episode from a random start and return its record.
+
+    Args:
+        agent: name of an agent, see ``agent_names.py``.
+        backend: name of a motion backend.
+        layout: ``None`` is the chapter's.
+        seed: of layout, start and agent; ``None`` draws one, which the record keeps.
+        battery: units of a full battery, at least 1.
+        max_steps: at least 1.
+
+    Raises:
+        ValueError: a name or number that is not allowed.
+
+    """
+    env = make_env(layout or DEFAULT_LAYOUT, backend, battery, max_steps)
+    seed = draw_seed() if seed is None else seed
+    try:
+        return record_episode(env, make_agent(agent, seed), seed=seed)
+    finally:
+        env.close()
+
+
+def make_env(layout: Layout, backend: str, battery: int, max_steps: int) -> WarehouseEnv:
+    """Return an environment whose start is the usual one or, where that is a wall, the first."""
+    start: Cell = (1, 1)
+    if not layout.is_open(start) and len(layout.open_cells):
+        start = layout.open_cell(0)
+    return WarehouseEnv(layout, start, max_steps, battery, backend=backend)
+
+
+def draw_seed() -> int:
+    """Return a seed that nobody chose."""
+    return random.SystemRandom().randint(0, HIGHEST_SEED)
+
+
+def report(episode: Episode) -> None:
+    """Log how an episode went."""
+    settings = episode.settings
+    typer.echo(f"{episode.agent} on the {settings.backend} backend, seed {episode.seed}")
+    typer.echo(f"outcome         {episode.outcome}")
+    typer.echo(f"total reward    {episode.total_reward:.2f}")
+    typer.echo(f"final battery   {episode.battery[-1]} of {settings.battery}")
+    typer.echo(f"episode length  {episode.steps} of at most {settings.max_steps} steps")
+
+
+def run(
+    agent: Annotated[
+        str, typer.Option("--agent", help="A name, or your own as file.py:Class.")
+    ] = "greedy",
+    backend: BackendOption = "grid",
+    layout: LayoutOption = None,
+    seed: SeedOption = None,
+    battery: BatteryOption = 200,
+    max_steps: MaxStepsOption = 200,
+    save: SaveOption = None,
+    show: ShowOption = None,
+) -> None:
+    """Run one episode from a random start and replay it."""
+    targets: list[Path] = save or []
+    check_targets(targets)
+    episode = run_episode(agent, backend, load_layout(layout), seed, battery, max_steps)
+    report(episode)
+    replay_or_save(episode, targets, show)
+
+
+if __name__ == "__main__":
+    app = typer.Typer(add_completion=False)
+    app.command()(run)
+    main(app)

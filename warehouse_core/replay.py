@@ -1,0 +1,159 @@
+"""A replay: a track played in a window, shown in a notebook, or saved to a file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Generator, Iterator
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.animation import FuncAnimation
+from matplotlib.backend_bases import Event, KeyEvent
+
+from warehouse_core.display import NoDisplayError, make_figure, make_window
+from warehouse_core.export import export, progress_bar, self_contained
+from warehouse_core.scene import Scene
+from warehouse_core.track import Track
+
+
+class Replay(FuncAnimation):
+    """A matplotlib animation of a track, with keys.
+
+    Space pauses and resumes (and starts again from the end), left and right step one frame and
+    pause, ``q`` closes the window.
+
+    Args:
+        track: with at least one frame.
+        interval_ms: from one frame to the next at speed 1, in milliseconds.
+        speed: factor on the playing speed.
+        window: draw into a window, which ``show`` opens.
+
+    Raises:
+        ValueError: ``interval_ms`` or ``speed`` is not a positive finite number.
+
+    """
+
+    def __init__(self, track: Track, interval_ms: float, speed: float, *, window: bool) -> None:
+        for name, value in (("interval_ms", interval_ms), ("speed", speed)):
+            if not (math.isfinite(value) and value > 0):
+                raise ValueError(f"{name} is {value!r}; it must be positive and finite")
+        self.track = track
+        self.frame = 0
+        self.playing = True
+        self.frame_ms = interval_ms / speed
+        # Matplotlib asks for an integer and takes any number; slow replays need a fraction.
+        self.fps: Any = 1000 / self.frame_ms
+        self.window = window
+        self._scene = Scene(track, make_window if window else make_figure)
+        self.figure = self._scene.figure
+        super().__init__(
+            self.figure,
+            self._show,
+            frames=self._frames_to_play,
+            interval=max(1, round(self.frame_ms)),
+            cache_frame_data=False,
+        )
+        self.figure.canvas.mpl_connect("key_press_event", self._on_key)
+        # The figure keeps its replay alive, so that nobody has to hold on to what is returned.
+        self.figure.replay = self
+
+    def __del__(self) -> None:
+        """Say nothing: a replay that was made and never drawn is no mistake."""
+
+    def show(self) -> None:
+        """Open the window and wait until it is closed.
+
+        Raises:
+            NoDisplayError: the replay was made without a window.
+
+        """
+        if not self.window:
+            raise NoDisplayError("no window can be opened here: there is no display")
+        import matplotlib.pyplot as plt
+
+        plt.show()
+
+    def go_to(self, frame: int) -> None:
+        """Show ``frame``, or the nearest that there is, and stay there."""
+        self.playing = False
+        self.frame = min(max(frame, 0), len(self.track) - 1)
+        self.refresh()
+
+    def toggle(self) -> None:
+        """Pause or resume; at the end begin again."""
+        self.playing = not self.playing
+        if self.playing and self.frame == len(self.track) - 1:
+            self.frame = 0
+            self.refresh()
+
+    def refresh(self) -> None:
+        """Draw the current frame again."""
+        self._scene.show(self.frame)
+        self.figure.canvas.draw_idle()
+
+    def show_end(self) -> None:
+        """Draw the last frame, for a picture, without going there."""
+        self._scene.show(len(self.track) - 1)
+
+    def save(  # type: ignore[override]
+        self, filename: str | Path, writer: Any = None, **options: Any
+    ) -> None:
+        """Save to ``.gif``, ``.mp4``, ``.html``, or as a picture of the end ``.png`` or ``.svg``.
+
+        With a ``writer`` it is matplotlib's own ``Animation.save``.
+
+        Raises:
+            ValueError: another suffix, or an MP4 without imageio-ffmpeg installed.
+            OSError: the file cannot be written.
+
+        """
+        if writer is None:
+            export(self, Path(filename))
+        else:
+            with progress_bar(len(self.track), "Drawing") as report:
+                options.setdefault("progress_callback", report)
+                super().save(str(filename), writer=writer, **options)
+
+    def to_jshtml(
+        self, fps: int | None = None, embed_frames: bool = True, default_mode: str | None = None
+    ) -> str:
+        """Return the replay as HTML with controls; nothing is loaded from elsewhere."""
+        with mpl.rc_context({"animation.embed_limit": math.inf}):
+            page = super().to_jshtml(
+                self.fps if fps is None else fps, embed_frames, default_mode or "once"
+            )
+        return self_contained(page)
+
+    def _repr_html_(self) -> str:
+        return self.to_jshtml()
+
+    def new_saved_frame_seq(self) -> Iterator[int]:  # type: ignore[override]
+        """Return every frame once, wherever the playing has got to."""
+        return iter(range(len(self.track)))
+
+    def _frames_to_play(self) -> Generator[int, None, None]:
+        """Yield what to show at each tick of the clock, for ever: a pause is a frame that stays."""
+        while True:
+            yield self.frame
+            last = len(self.track) - 1
+            if self.playing and self.frame < last:
+                self.frame += 1
+            self.playing = self.playing and self.frame < last
+
+    def _show(self, frame: int) -> tuple[()]:
+        self._scene.show(frame)
+        return ()
+
+    def _on_key(self, event: Event) -> None:
+        key = event.key if isinstance(event, KeyEvent) else None
+        if key == " ":
+            self.toggle()
+        elif key == "left":
+            self.go_to(self.frame - 1)
+        elif key == "right":
+            self.go_to(self.frame + 1)
+        elif key == "q" and self.window:
+            import matplotlib.pyplot as plt
+
+            plt.close(self.figure)

@@ -1,0 +1,102 @@
+"""Pictures of an episode: an animated replay, or its frames as SVG files.
+
+Matplotlib is imported when something is drawn, not when this module is; without it both functions
+say so and return. What is drawn is in ``scene.py``, how it plays in ``replay.py``, the file
+formats in ``export.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from warehouse_core.episode import Episode
+from warehouse_core.track import Track, track_of_episode, track_of_frames
+
+if TYPE_CHECKING:
+    from warehouse_core.replay import Replay
+
+Frames = Sequence[Sequence[Sequence[str]]]
+Metrics = Mapping[str, Sequence[float | None]]
+
+
+def replay_animation(
+    frames: Episode | Frames,
+    metrics: Metrics | None = None,
+    interval_ms: float = 150,
+    speed: float = 1.0,
+    *,
+    window: bool | None = None,
+) -> Replay | None:
+    """Return the animated replay of an episode.
+
+    ``replay_animation(episode).show()`` opens a window (as ``matplotlib.pyplot.show()`` does),
+    ``.save("replay.gif")`` writes ``.gif``, ``.mp4``, ``.html``, ``.png`` or ``.svg``, and as the
+    last value of a notebook cell it shows itself. In the window space pauses and resumes, left
+    and right step one frame and pause.
+
+    Args:
+        frames: an ``Episode``, or frames as ``WarehouseEnv.render_grid`` returns them.
+        metrics: lists ``rewards``, ``battery``, ``dist_pickup`` and ``dist_dropoff``, each
+            optional, with one entry a frame; an ``Episode`` brings its own.
+        interval_ms: from one frame to the next at speed 1, in milliseconds.
+        speed: factor on the playing speed.
+        window: whether ``show`` is to open a window; ``None`` means wherever there is a display.
+
+    Returns:
+        A ``matplotlib.animation.FuncAnimation``; ``None`` without frames or without matplotlib.
+
+    Raises:
+        ValueError: bad frames, metrics, interval or speed; the message names which and where.
+        TypeError: metrics beside an ``Episode``.
+
+    """
+    track = _track_of(frames, metrics)
+    if track is None or not _matplotlib_is_installed():
+        return None
+    from warehouse_core.display import has_display
+    from warehouse_core.replay import Replay
+
+    return Replay(track, interval_ms, speed, window=has_display() if window is None else window)
+
+
+def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: float = 120) -> None:
+    """Write every frame as ``frame_0000.svg`` and so on, and the legend as ``legend.svg``.
+
+    The same frames give the same bytes. Does nothing without frames, and says so without
+    matplotlib.
+
+    Args:
+        frames: an ``Episode``, or frames as ``WarehouseEnv.render_grid`` returns them.
+        output_dir: made if need be; files of these names in it are replaced.
+        dpi: dots an inch for viewers that draw the files as pixels.
+
+    Raises:
+        ValueError: bad frames or ``dpi``.
+        OSError: the folder cannot be made or written to.
+
+    """
+    track = _track_of(frames, None)
+    if track is None or not _matplotlib_is_installed():
+        return
+    from warehouse_core.frame_files import save_frames
+
+    save_frames(track, Path(output_dir), dpi)
+
+
+def _track_of(frames: Episode | Frames, metrics: Metrics | None) -> Track | None:
+    if isinstance(frames, Episode):
+        if metrics is not None:
+            raise TypeError("an Episode brings its own metrics; give none beside it")
+        return track_of_episode(frames)
+    return track_of_frames(frames, metrics) if len(frames) else None
+
+
+def _matplotlib_is_installed() -> bool:
+    try:
+        import matplotlib  # noqa: F401 - only asked for
+    except ImportError:
+        print("matplotlib is not installed, so nothing is drawn: pip install matplotlib")
+        return False
+    return True
