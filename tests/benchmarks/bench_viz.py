@@ -1,0 +1,122 @@
+"""Exports and replays, against matplotlib's own way of doing the same."""
+
+import tracemalloc
+from time import perf_counter
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.animation import FuncAnimation, PillowWriter
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from agents.run_episode import run_episode
+from warehouse_core import Episode, WarehouseEnv, random_layout
+from warehouse_core.warehouse_viz import replay_animation, save_frames_to_svg
+
+STEPS = 100
+TILES = "#.PDRr"
+
+
+class Waiter:
+    """Walks up and down, so that an episode has as many steps as it may have."""
+
+    def reset(self) -> None:
+        self.turn = 0
+
+    def act(self, observation) -> str:
+        self.turn += 1
+        return "NS"[self.turn // 3 % 2]
+
+
+def episode_of(steps: int, layout=None) -> Episode:
+    from warehouse_core import record_episode
+
+    start = (1, 1) if layout is None else layout.open_cell(0)
+    env = WarehouseEnv(layout, start, max_steps=steps, battery=steps)
+    return record_episode(env, Waiter(), seed=1, randomize=False)
+
+
+def plain_animation(episode: Episode) -> FuncAnimation:
+    """What one would write first: ``imshow`` and two lines, all drawn anew for each frame."""
+    images = [[[TILES.index(tile) for tile in row] for row in frame] for frame in episode.frames]
+    figure = Figure(figsize=(11.05, 5.75), dpi=100)
+    FigureCanvasAgg(figure)
+    grid, chart = figure.subplots(1, 2)
+    picture = grid.imshow(np.array(images[0]), vmin=0, vmax=5)
+    line = chart.plot(episode.rewards)[0]
+
+    def show(frame: int) -> tuple[()]:
+        picture.set_data(np.array(images[frame]))
+        line.set_data(range(frame + 1), episode.rewards[: frame + 1])
+        return ()
+
+    return FuncAnimation(figure, show, frames=len(images), cache_frame_data=False)
+
+
+def test_a_gif_of_a_hundred_steps(times_faster, tmp_path):
+    episode = episode_of(STEPS)
+    assert episode.steps == STEPS
+    start = perf_counter()
+    replay_animation(episode, window=False).save(tmp_path / "ours.gif")
+    assert perf_counter() - start < 5
+    ratio = times_faster(
+        lambda: replay_animation(episode, window=False).save(tmp_path / "ours.gif"),
+        lambda: plain_animation(episode).save(tmp_path / "plain.gif", writer=PillowWriter(fps=7)),
+        rounds=3,
+    )
+    assert ratio >= 1.0
+
+
+def test_a_page_of_a_hundred_steps(times_faster, tmp_path):
+    episode = episode_of(STEPS)
+    start = perf_counter()
+    replay_animation(episode, window=False).save(tmp_path / "ours.html")
+    assert perf_counter() - start < 10
+
+    def plain() -> None:
+        with mpl.rc_context({"animation.embed_limit": 1000}):
+            plain_animation(episode).to_jshtml()
+
+    ratio = times_faster(
+        lambda: replay_animation(episode, window=False).save(tmp_path / "ours.html"),
+        plain,
+        rounds=3,
+    )
+    assert ratio >= 1.0
+
+
+def test_a_frame_of_a_fifty_by_fifty_grid(times_faster):
+    layout = random_layout(50, 50, 0.3, seed=1)
+    episode = run_episode(layout=layout, seed=5)
+    replay = replay_animation(episode, window=False)
+    plain = plain_animation(episode)
+    frames = range(min(60, len(episode.cells)))
+
+    def draw_ours() -> None:
+        for frame in frames:
+            replay.go_to(frame)
+            replay.figure.canvas.draw()
+
+    def draw_plain() -> None:
+        for frame in frames:
+            plain._func(frame)
+            plain._fig.canvas.draw()
+
+    start = perf_counter()
+    draw_ours()
+    assert len(frames) / (perf_counter() - start) >= 30
+    assert times_faster(draw_ours, draw_plain, rounds=3) >= 1.0
+
+
+def test_a_thousand_svg_frames_take_no_more_memory_than_a_hundred(tmp_path, capsys):
+    peaks = {}
+    for steps in (99, 999):
+        episode = episode_of(steps)
+        tracemalloc.start()
+        save_frames_to_svg(episode, tmp_path / str(steps))
+        peaks[steps + 1] = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert len(list((tmp_path / str(steps)).glob("frame_*.svg"))) == steps + 1
+    with capsys.disabled():
+        print("\npeak memory by frames:", {n: f"{p / 1e6:.1f} MB" for n, p in peaks.items()})
+    assert peaks[1000] < peaks[100] + 4e6

@@ -1,0 +1,74 @@
+"""Every code block of the README is run, in order, in an empty folder."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from agents import cli
+from agents.console import main
+from warehouse_core import Layout
+
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"^```(\w+) ?([\w.]*)\n(.*?)^```$", README, flags=re.DOTALL | re.MULTILINE)
+INSTALL = "python3 -m venv .venv && .venv/bin/pip install -e "
+
+
+def run_command(line: str) -> None:
+    words = shlex.split(line)
+    assert words[0] == "warehouse", f"the README has a command of another program: {line}"
+    with pytest.raises(SystemExit) as ended:
+        main(cli.app, words[1:])
+    assert not ended.value.code, f"{line} failed"
+
+
+def test_every_block_of_the_readme_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    names: dict[str, object] = {}
+    for language, file, text in BLOCKS:
+        if file:
+            Path(file).write_text(text, encoding="utf-8")
+        if language == "python":
+            exec(compile(text, file or "README.md", "exec"), names)
+        elif language == "sh":
+            for line in text.splitlines():
+                if not line.startswith(INSTALL):
+                    run_command(line)
+        else:
+            assert language == "text"
+            Layout.load(file)
+    written = {path.name for path in tmp_path.iterdir()}
+    assert {"replay.html", "replay.gif", "episode.npz", "hall.txt", "replay-12.gif"} <= written
+    assert (tmp_path / "frames" / "legend.svg").exists()
+
+
+def test_the_two_install_commands_are_the_ones_that_ci_runs():
+    commands = [line for line in README.splitlines() if line.startswith(INSTALL)]
+    ci = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    searched = re.findall(r"readme_line '([^']*)'", ci)
+    assert [sum(words in line for line in README.splitlines()) for words in searched] == [1, 1]
+    assert all(words in line for words, line in zip(searched, commands, strict=True))
+    assert len(commands) == 2
+
+
+def test_the_animation_on_the_first_screen_exists_and_moves():
+    from PIL import Image
+
+    picture = re.search(r"!\[.*?\]\((.*?)\)", README)
+    assert picture is not None
+    with Image.open(ROOT / picture.group(1)) as image:
+        assert image.n_frames > 10
+
+
+def test_the_readme_names_no_file_that_is_not_there():
+    table = README.split("## Where things are")[1].split("\n\n")[1]
+    for row in table.splitlines()[2:]:
+        folder = None
+        for name in re.findall(r"`([\w/]+\.py)`", row):
+            folder = Path(name).parent if "/" in name else folder
+            assert folder is not None
+            assert (ROOT / folder / Path(name).name).is_file(), name
