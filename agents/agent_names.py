@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import inspect
+import sys
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -58,6 +59,8 @@ def _load_class(name: str) -> type[Agent]:
 
 def _load_module(source: str) -> ModuleType:
     if not source.endswith(".py"):
+        if not all(part.isidentifier() for part in source.split(".")):
+            raise AgentError(f"{source!r} is neither a .py file nor the name of a module")
         try:
             return importlib.import_module(source)
         except ImportError as error:
@@ -65,12 +68,16 @@ def _load_module(source: str) -> ModuleType:
     path = Path(source)
     if not path.is_file():
         raise AgentError(f"agent file {source} does not exist")
-    spec = importlib.util.spec_from_file_location(path.stem, path)
+    # The name must not be that of a module which is imported under it.
+    spec = importlib.util.spec_from_file_location(f"agent file {path.stem}", path)
     assert spec is not None, "a .py file always has a spec"
     assert spec.loader is not None, "a .py file always has a loader"
     module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # where dataclasses look their module up
     try:
         spec.loader.exec_module(module)
     except SyntaxError as error:
         raise AgentError(f"{source}, line {error.lineno}: {error.msg}") from error
+    except ImportError as error:
+        raise AgentError(f"cannot import agent file {source}: {error}") from error
     return module

@@ -32,9 +32,11 @@ def replay(
     save: SaveOption = None,
     show: ShowOption = None,
     interval_ms: Annotated[
-        float, typer.Option("--interval-ms", min=1, help="From one frame to the next.")
+        float, typer.Option("--interval-ms", min=1, max=60_000, help="From one frame to the next.")
     ] = 150,
-    speed: Annotated[float, typer.Option("--speed", min=0.01, help="Playing speed.")] = 1.0,
+    speed: Annotated[
+        float, typer.Option("--speed", min=0.01, max=100, help="Playing speed.")
+    ] = 1.0,
 ) -> None:
     """Replay a saved episode."""
     targets: list[Path] = save or []

@@ -18,6 +18,9 @@ from warehouse_core.export import FormatError
 
 USER_ERROR, INTERRUPTED = 1, 130
 
+MOST = 1_000_000_000
+"""Of battery units and steps; a record keeps them as 64-bit numbers."""
+
 EXPECTED = (
     AgentError,
     BackendError,
@@ -35,8 +38,12 @@ LayoutOption = Annotated[
 SeedOption = Annotated[
     int | None, typer.Option("--seed", metavar="N", help="Repeats a run; drawn if not given.")
 ]
-BatteryOption = Annotated[int, typer.Option("--battery", min=1, help="Units of a full battery.")]
-MaxStepsOption = Annotated[int, typer.Option("--max-steps", min=1, help="Steps of an episode.")]
+BatteryOption = Annotated[
+    int, typer.Option("--battery", min=1, max=MOST, help="Units of a full battery.")
+]
+MaxStepsOption = Annotated[
+    int, typer.Option("--max-steps", min=1, max=MOST, help="Steps of an episode.")
+]
 BackendOption = Annotated[str, typer.Option("--backend", help="What carries out the moves.")]
 SaveOption = Annotated[
     list[Path] | None,

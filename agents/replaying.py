@@ -48,9 +48,11 @@ def replay_or_save(
     if replay is not None and replay.window:
         typer.echo("space pauses, left and right step, q closes the window")
         replay.show()
-    elif not targets:
+        return
+    instead = "" if targets else ", so the replay goes to a file"
+    typer.echo(f"there is no display to open a window on{instead}")
+    if not targets:
         target = Path(f"replay-{'unseeded' if episode.seed is None else episode.seed}.gif")
-        typer.echo("there is no display to open a window on, so the replay goes to a file")
         save_episode(episode, target, interval_ms, speed)
 
 

@@ -12,6 +12,7 @@ def check_target(target: Path) -> None:
 
     Raises:
         OSError: it is a folder, or its folder does not exist.
+
     """
     if target.is_dir():
         raise IsADirectoryError(f"{target} is a folder, not a file")

@@ -110,12 +110,14 @@ class BatteryBar:
     def show(self, track: Track, frame: int) -> None:
         """Draw the level of ``frame``."""
         level = track.metrics["battery"][frame]
-        share = 0.0 if math.isnan(level) else min(1.0, max(0.0, level / track.full_battery))
-        low = share < LOW_BATTERY
+        known = not math.isnan(level)
+        share = min(1.0, max(0.0, level / track.full_battery)) if known else 0.0
+        low = known and share < LOW_BATTERY
         self._paper.set_facecolor(PALE_WARNING if low else "white")
         self._bar.set(width=share, facecolor=WARNING if low else BATTERY)
-        warning = "  EMPTY!" if share == 0 else "  LOW!" if low else ""
-        self._text.set_text(f"battery {level:g} of {track.full_battery:g}{warning}")
+        warning = "" if not low else "  EMPTY!" if share == 0 else "  LOW!"
+        units = f"{level:.10g} of {track.full_battery:.10g}" if known else "unknown"
+        self._text.set_text(f"battery {units}{warning}")
 
 
 def _prepare(axes: Axes, title: str, count: int) -> None:

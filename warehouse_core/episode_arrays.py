@@ -11,8 +11,9 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from warehouse_core.layout import Cell, Layout
+from warehouse_core.layout import MAX_CELLS, Cell, Layout
 from warehouse_core.motion_arrays import (
     MOTION_SCHEMA,
     decode_words,
@@ -76,7 +77,7 @@ def unpack_fields(arrays: Arrays) -> Fields:
     steps = len(arrays["actions"])
     _check_columns(arrays, steps)
     fields: Fields = {
-        "layout": Layout([row.tobytes().decode("ascii") for row in arrays["layout"]]),
+        "layout": _read_layout(arrays["layout"]),
         "settings": Settings.from_json(header["settings"]),
         "cells": [(row, col) for row, col in arrays["cells"].tolist()],
         "actions": decode_words(header["actions"], arrays["actions"], "actions"),
@@ -87,6 +88,13 @@ def unpack_fields(arrays: Arrays) -> Fields:
     fields |= {name: arrays[name].tolist() for name in ("loaded", "battery", "rewards")}
     _check_cells(fields["layout"], [fields["settings"].start_pos, *fields["cells"]])
     return fields
+
+
+def _read_layout(tiles: NDArray[np.uint8]) -> Layout:
+    # Checked first, because rows without columns take no room in a file and any number in memory.
+    if not 0 < tiles.size <= MAX_CELLS:
+        raise RecordError(f"layout: {tiles.shape} tiles; there must be 1..{MAX_CELLS}")
+    return Layout([row.tobytes().decode("ascii") for row in tiles])
 
 
 def _read_header(arrays: Arrays) -> dict[str, Any]:

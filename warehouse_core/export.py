@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 LAST_FRAME_MS = 2000
 """How long a GIF rests on its last frame before it starts again."""
 
+GIF_FRAME_MS = (20, 655_350)
+"""Shortest and longest time of a frame: viewers play shorter ones slowly, the file has 16 bits."""
+
 LONG_EXPORT = 40
 """Frames from which a progress bar is shown, on a terminal."""
 
@@ -127,7 +130,8 @@ class _GifWriter(AbstractMovieWriter):
 
     def __init__(self, figure: SceneFigure, frame_ms: float) -> None:
         super().__init__(fps=1000 / frame_ms)  # type: ignore[arg-type] # any number will do
-        self._figure, self._frame_ms = figure, round(frame_ms)
+        shortest, longest = GIF_FRAME_MS
+        self._figure, self._frame_ms = figure, round(min(max(frame_ms, shortest), longest))
         self._frames: list[bytes] = []
 
     def setup(self, fig: Any, outfile: Any, dpi: float | None = None) -> None:
@@ -137,13 +141,13 @@ class _GifWriter(AbstractMovieWriter):
         self._frames.append(zlib.compress(self._figure.indexed_pixels().tobytes(), 1))
 
     def finish(self) -> None:
-        first, *others = self._images()
-        durations = [self._frame_ms] * len(others) + [LAST_FRAME_MS]
-        first.save(
+        images = self._images()
+        durations = [self._frame_ms] * (len(self._frames) - 1) + [LAST_FRAME_MS]
+        next(images).save(
             self.outfile,
             format="GIF",
             save_all=True,
-            append_images=others,
+            append_images=images,
             duration=durations,
             loop=0,
         )

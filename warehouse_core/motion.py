@@ -74,6 +74,10 @@ class Outcome(NamedTuple):
             if mine is not self.path
         )
 
+    def __ne__(self, other: object) -> bool:
+        # A tuple brings its own, which would compare the paths as arrays.
+        return not self == other
+
     def __hash__(self) -> int:
         return hash((self.cell, self.blocked, self.seconds, self.joules, self.contacts))
 

@@ -114,6 +114,7 @@ class Replay(FuncAnimation):
             with progress_bar(len(self.track), "Drawing") as report:
                 options.setdefault("progress_callback", report)
                 super().save(str(filename), writer=writer, **options)
+            self.refresh()
 
     def to_jshtml(
         self, fps: int | None = None, embed_frames: bool = True, default_mode: str | None = None

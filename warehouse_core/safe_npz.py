@@ -28,6 +28,8 @@ Schema = Mapping[str, tuple[str, int]]
 
 _END_RECORD = struct.Struct("<4s4H2LH")
 _ZIP64_LOCATOR_SIZE = 20
+_MAX_ENTRY_SIZE = 256
+"""Of an array in the directory of a file: 46 bytes, its name, and some to spare."""
 
 
 class RecordError(ValueError):
@@ -79,17 +81,21 @@ def _check_directory(file: IO[bytes], count: int) -> None:
     tail = file.read(tail_size)
     if not tail or tail_size < _END_RECORD.size:
         raise RecordError("not an .npz file")
-    signature, _, _, _, entries, *_ = _END_RECORD.unpack(tail[-_END_RECORD.size :])
+    signature, _, _, _, entries, directory_size, *_ = _END_RECORD.unpack(tail[-_END_RECORD.size :])
     if signature != b"PK\x05\x06" or tail.startswith(b"PK\x06\x07"):
         raise RecordError("not an .npz file")
     if entries != count:
         raise RecordError(f"{entries} arrays; there must be {count}")
+    # zipfile reads as many entries as fit into the directory, whatever their number is said to be.
+    if directory_size > count * _MAX_ENTRY_SIZE:
+        raise RecordError(f"its directory of {directory_size} bytes is too large")
 
 
 def _read_all(archive: zipfile.ZipFile, schema: Schema) -> Arrays:
     entries = {entry.filename: entry for entry in archive.infolist()}
-    if entries.keys() != {f"{name}.npy" for name in schema}:
-        raise RecordError(f"arrays are {sorted(entries)}; there must be {sorted(schema)}")
+    names = sorted(entry.filename for entry in archive.infolist())
+    if names != sorted(f"{name}.npy" for name in schema):
+        raise RecordError(f"arrays are {names}; there must be {sorted(schema)}")
     if sum(entry.file_size for entry in entries.values()) > MAX_BYTES:
         raise RecordError(f"its arrays take more than MAX_BYTES = {MAX_BYTES}")
     return {
@@ -106,7 +112,10 @@ def _read_one(
     with archive.open(entry) as file:
         if np.lib.format.read_magic(file) != (1, 0):
             raise RecordError(f"array {name}: not of .npy version 1.0")
-        shape, fortran_order, found = np.lib.format.read_array_header_1_0(file)
+        try:
+            shape, fortran_order, found = np.lib.format.read_array_header_1_0(file)
+        except Exception as error:  # the header is Python text, which fails in a dozen ways
+            raise RecordError(f"array {name}: damaged header") from error
         if found != np.dtype(dtype) or len(shape) != dimensions or fortran_order:
             raise RecordError(
                 f"array {name} is {found} with {len(shape)} dimensions; "

@@ -42,19 +42,17 @@ class SceneFigure(Figure):
             self._draw_still(renderer, with_movers=True)
             return
         size = (renderer.width, renderer.height, renderer.dpi)
-        fresh = self.stale or size != self._background_size
-        if fresh:
-            self._draw_still(renderer, with_movers=False)
+        if self.stale or size != self._background_size:
+            # A listener told before the movers are drawn may change them: a replay does.
+            with self.canvas.callbacks.blocked(signal="draw_event"):
+                self._draw_still(renderer, with_movers=False)
             self._background = renderer.copy_from_bbox(self.bbox)
             self._background_size = size
         else:
             renderer.restore_region(self._background)
         for artist in self._movers:
             artist.draw(renderer)
-        if not fresh:  # Figure.draw has told the listeners otherwise
-            self.canvas.callbacks.process(
-                "draw_event", DrawEvent("draw_event", self.canvas, renderer)
-            )
+        self.canvas.callbacks.process("draw_event", DrawEvent("draw_event", self.canvas, renderer))
 
     def savefig(self, fname: Any, *, transparent: bool | None = None, **options: Any) -> None:
         """Save as ``Figure.savefig`` does; pixels of the figure's own size go the short way."""

@@ -85,7 +85,7 @@ def track_of_episode(episode: Episode) -> Track:
         for motion in episode.motions
     ]
     captions = [
-        f"{action} ({reason})" if reason else str(action)
+        _printable(f"{action} ({reason})" if reason else str(action))
         for action, reason in zip(episode.actions, episode.reasons, strict=True)
     ]
     seed = "" if episode.seed is None else f", seed {episode.seed}"
@@ -96,7 +96,9 @@ def track_of_episode(episode: Episode) -> Track:
         captions=["", *captions],
         hits=[(), *hits],
         full_battery=episode.settings.battery,
-        title=f"{episode.agent or 'Warehouse'} on the {episode.settings.backend} backend{seed}",
+        title=_printable(
+            f"{episode.agent or 'Warehouse'} on the {episode.settings.backend} backend{seed}"
+        ),
         ending="" if episode.outcome == UNFINISHED else episode.outcome,
     )
 
@@ -111,8 +113,8 @@ def track_of_frames(
     has the robot elsewhere.
 
     Raises:
-        ValueError: frames of different sizes, an unknown character, an unknown metric, or one
-            with another number of entries than there are frames.
+        ValueError: frames of different sizes, an unknown character, an unknown metric, one with
+            another number of entries than there are frames, or an entry that cannot be plotted.
 
     """
     grids = [["".join(row) for row in frame] for frame in frames]
@@ -132,6 +134,11 @@ def track_of_frames(
         hits=[()] * len(grids),
         full_battery=max([1.0, *checked.get("battery", [])]),
     )
+
+
+def _printable(text: str) -> str:
+    """Return ``text`` with a space for each character that nobody sees and SVG may not hold."""
+    return "".join(character if character.isprintable() else " " for character in text)
 
 
 def _check_sizes(grids: list[list[str]]) -> None:
@@ -188,6 +195,18 @@ def _check_metrics(
         if len(values) != frames:
             raise ValueError(f"metric {name!r} has {len(values)} entries for {frames} frames")
     return {
-        name: [math.nan if value is None else float(value) for value in values]
+        name: [_number(name, frame, value) for frame, value in enumerate(values)]
         for name, values in metrics.items()
     }
+
+
+def _number(name: str, frame: int, value: float | None) -> float:
+    try:
+        number = math.nan if value is None else float(value)
+    except (TypeError, ValueError):
+        number = math.inf
+    if math.isinf(number):
+        raise ValueError(
+            f"metric {name!r}, frame {frame}: {value!r} is no finite number, nor None or NaN"
+        )
+    return number

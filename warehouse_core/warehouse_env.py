@@ -154,7 +154,7 @@ class WarehouseEnv:
         """How this environment is set up, but for its layout."""
         return Settings(
             backend=self.backend,
-            cell_size=self._motion.cell_size,
+            cell_size=float(self._motion.cell_size),
             start_pos=self._start_pos,
             max_steps=self.max_steps,
             battery=self.max_battery,

@@ -1,0 +1,92 @@
+"""What several test files share: a recorded episode, its file, and a watch on memory."""
+
+import random
+import tracemalloc
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import settings
+
+from warehouse_core import Episode, WarehouseEnv, record_episode
+from warehouse_core.safe_npz import Arrays
+
+settings.register_profile("warehouse", deadline=None, database=None, derandomize=True)
+settings.load_profile("warehouse")
+
+LITTLE_MEMORY = 64 * 1024 * 1024
+
+
+class ClumsyAgent:
+    """Does anything at all, words, indices and nonsense, and says so in two languages."""
+
+    ACTIONS = ("N", "e", "S", "w", "WAIT", "PICK", "DROP", 0, 1, 2, 3, 99, "fly")
+
+    def __init__(self, seed: int) -> None:
+        self.seed = seed
+        self.reset()
+
+    def reset(self) -> None:
+        self.stream = random.Random(self.seed)
+        self.reason = ""
+
+    def act(self, observation: object) -> str | int:
+        self.reason = self.stream.choice(("", "because", "müde"))
+        return self.stream.choice(self.ACTIONS)
+
+
+@pytest.fixture
+def clumsy_agent() -> ClumsyAgent:
+    return ClumsyAgent(seed=1)
+
+
+@pytest.fixture(scope="session")
+def episode() -> Episode:
+    """Return an episode with moves, bumps, words, indices and invalid actions."""
+    return record_episode(WarehouseEnv(max_steps=60), ClumsyAgent(seed=1), seed=3)
+
+
+@pytest.fixture
+def saved(episode: Episode, tmp_path: Path) -> Path:
+    """Return the file of that episode."""
+    path = tmp_path / "episode.npz"
+    episode.save(path)
+    return path
+
+
+@pytest.fixture
+def arrays(saved: Path) -> Arrays:
+    """Return the arrays in that file, free to be changed."""
+    with np.load(saved) as file:
+        return dict(file)
+
+
+@pytest.fixture
+def load_changed(arrays: Arrays, tmp_path: Path) -> Callable[..., Episode]:
+    """Return a function that loads the episode with some of its arrays replaced."""
+
+    def load(**changed: np.ndarray) -> Episode:
+        path = tmp_path / "changed.npz"
+        np.savez_compressed(path, **(arrays | changed))
+        return Episode.load(path)
+
+    return load
+
+
+@pytest.fixture
+def little_memory() -> Callable[[], AbstractContextManager[None]]:
+    """Return a context manager that allows its block 64 MiB on top of what is in use."""
+
+    @contextmanager
+    def watch() -> Iterator[None]:
+        tracemalloc.start()
+        try:
+            yield
+            peak = tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+        assert peak < LITTLE_MEMORY
+
+    return watch

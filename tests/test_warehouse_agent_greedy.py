@@ -1,0 +1,272 @@
+import random
+from collections.abc import Sequence
+from typing import Any
+
+import pytest
+
+from agents.warehouse_agent_greedy import (
+    GreedyAgent,
+    distance,
+    distance_after,
+    open_moves,
+)
+from warehouse_core import Cell, Observation, WarehouseEnv, record_episode
+
+OPEN = ["...", ".R.", "..."]
+
+
+def seen(
+    here: Cell = (5, 5),
+    *,
+    pickup: Cell | None = (9, 9),
+    dropoff: Cell | None = (0, 0),
+    loaded: bool = False,
+    view: Sequence[str] = OPEN,
+) -> Observation:
+    return {
+        "local_grid": list(view),
+        "robot_pos": here,
+        "has_item": loaded,
+        "battery": 100,
+        "steps": 0,
+        "pickup_pos": pickup,
+        "dropoff_pos": dropoff,
+    }
+
+
+def chosen(agent: GreedyAgent, *observations: Observation) -> list[tuple[str, str]]:
+    """Return action and reason for each observation."""
+    return [(agent.act(observation), agent.reason) for observation in observations]
+
+
+# One step.
+
+
+def test_distance_is_manhattans() -> None:
+    assert distance((1, 2), (4, 0)) == distance((4, 0), (1, 2)) == 5
+    assert distance((3, 3), (3, 3)) == 0
+
+
+def test_distance_after_a_move_is_from_where_it_leads() -> None:
+    after = [distance_after(move, (2, 2), (0, 4)) for move in ("N", "E", "S", "W")]
+    assert after == [3, 3, 5, 5]
+
+
+@pytest.mark.parametrize(
+    ("view", "moves"),
+    [
+        (OPEN, "NESW"),
+        (["###", "#R#", "###"], ""),
+        ([".#.", "#r.", "..."], "ES"),
+        (["#P#", "DR#", "#D#"], "NSW"),
+        (["..#..", ".....", "..R#.", "..#..", "....."], "NW"),
+        (["R"], "NESW"),
+    ],
+)
+def test_open_moves_are_those_that_no_wall_in_view_stops(view: list[str], moves: str) -> None:
+    assert open_moves(view) == list(moves)
+
+
+@pytest.mark.parametrize(
+    ("goal", "action"),
+    [((2, 5), "N"), ((8, 5), "S"), ((5, 9), "E"), ((5, 0), "W"), ((2, 9), "N"), ((9, 9), "E")],
+)
+def test_a_move_that_lowers_the_distance_is_taken(goal: Cell, action: str) -> None:
+    assert chosen(GreedyAgent(seed=0), seen(pickup=goal)) == [(action, "greedy")]
+
+
+def test_a_wall_in_the_way_is_not_driven_at() -> None:
+    walled = seen(pickup=(2, 9), view=[".#.", ".R.", "..."])
+    assert chosen(GreedyAgent(seed=0), walled) == [("E", "greedy")]
+
+
+def test_empty_hands_go_to_the_pickup_and_full_ones_to_the_dropoff() -> None:
+    places: dict[str, Any] = {"pickup": (5, 9), "dropoff": (5, 0)}
+    assert GreedyAgent(seed=0).act(seen(**places)) == "E"
+    assert GreedyAgent(seed=0).act(seen(**places, loaded=True)) == "W"
+
+
+def test_at_the_goal_it_picks_and_drops() -> None:
+    assert chosen(GreedyAgent(seed=0), seen(pickup=(5, 5))) == [("PICK", "greedy")]
+    loaded = seen(dropoff=(5, 5), loaded=True)
+    assert chosen(GreedyAgent(seed=0), loaded) == [("DROP", "greedy")]
+    assert GreedyAgent(seed=0).act(seen(dropoff=(5, 5))) != "DROP"
+
+
+@pytest.mark.parametrize("loaded", [False, True])
+def test_without_a_goal_it_waits(loaded: bool) -> None:
+    nowhere = seen(pickup=None, dropoff=None, loaded=loaded)
+    assert chosen(GreedyAgent(seed=0), *[nowhere] * 5) == [("WAIT", "no goal")] * 5
+
+
+def test_where_every_open_move_leads_away_it_is_stuck_and_takes_any() -> None:
+    stuck = seen(pickup=(2, 5), view=[".#.", ".R.", "..."])
+    answers = [chosen(GreedyAgent(seed=seed), stuck)[0] for seed in range(60)]
+    assert set(answers) == {("E", "stuck"), ("S", "stuck"), ("W", "stuck")}
+
+
+def test_walled_in_it_waits() -> None:
+    walled_in = seen(view=["###", "#R#", "###"])
+    assert chosen(GreedyAgent(seed=0), walled_in) == [("WAIT", "stuck")]
+
+
+# Loops.
+
+
+def test_on_a_cell_visited_lately_it_escapes_for_three_steps() -> None:
+    cells = [(5, 5), (5, 6), (5, 5), (5, 7), (5, 8), (5, 9), (5, 10)]
+    reasons = [reason for _, reason in chosen(GreedyAgent(seed=0), *map(seen, cells))]
+    assert reasons == ["greedy", "greedy", "escape", "escape", "escape", "greedy", "greedy"]
+
+
+@pytest.mark.parametrize("escape_steps", [1, 2, 5])
+def test_an_escape_lasts_as_long_as_asked(escape_steps: int) -> None:
+    cells = [(5, 5), (5, 5), *((5, col) for col in range(20, 30))]
+    agent = GreedyAgent(seed=0, escape_steps=escape_steps)
+    reasons = [reason for _, reason in chosen(agent, *map(seen, cells))]
+    assert reasons == ["greedy"] + ["escape"] * escape_steps + ["greedy"] * (11 - escape_steps)
+
+
+def test_another_loop_during_an_escape_does_not_lengthen_it() -> None:
+    cells = [(5, 5), (5, 5), (5, 5), (5, 5), (5, 9)]
+    reasons = [reason for _, reason in chosen(GreedyAgent(seed=0), *map(seen, cells))]
+    assert reasons == ["greedy", "escape", "escape", "escape", "greedy"]
+
+
+def test_an_escape_takes_any_open_move() -> None:
+    view = [".#.", ".R.", "..."]
+    moves = {
+        chosen(GreedyAgent(seed=seed), seen(view=view), seen(view=view))[1] for seed in range(60)
+    }
+    assert moves == {("E", "escape"), ("S", "escape"), ("W", "escape")}
+
+
+def test_an_escape_does_not_pass_over_the_goal() -> None:
+    answers = chosen(GreedyAgent(seed=0), seen(), seen(), seen((9, 9)))
+    assert answers[1][1] == "escape"
+    assert answers[2] == ("PICK", "greedy")
+    again = chosen(GreedyAgent(seed=0), seen((9, 9)), seen((9, 9)))
+    assert again == [("PICK", "greedy")] * 2
+
+
+def test_without_escape_steps_it_never_escapes() -> None:
+    agent = GreedyAgent(seed=0, escape_steps=0)
+    assert {reason for _, reason in chosen(agent, *[seen()] * 30)} == {"greedy"}
+
+
+@pytest.mark.parametrize("memory", [0, 1, 4, 10])
+def test_it_remembers_as_many_positions_as_asked(memory: int) -> None:
+    for between in range(14):
+        detour = [seen((20 + step, 5)) for step in range(between)]
+        agent = GreedyAgent(seed=0, memory=memory)
+        reason = chosen(agent, seen(), *detour, seen())[-1][1]
+        assert (reason == "escape") == (between < memory)
+
+
+def test_it_remembers_ten_positions_by_default() -> None:
+    assert (GreedyAgent().memory, GreedyAgent().escape_steps) == (10, 3)
+
+
+def test_with_a_new_goal_old_positions_do_not_count() -> None:
+    answers = chosen(GreedyAgent(seed=0), seen(), seen(loaded=True), seen(loaded=True))
+    assert [reason for _, reason in answers] == ["greedy", "greedy", "escape"]
+
+
+def test_a_reset_forgets_positions_and_escapes() -> None:
+    agent = GreedyAgent(seed=0)
+    chosen(agent, seen(), seen())
+    agent.reset()
+    assert agent.reason == ""
+    assert chosen(agent, seen(), seen((6, 6))) == [("E", "greedy"), ("E", "greedy")]
+
+
+# Chance.
+
+
+def test_a_reset_begins_the_seeded_stream_anew() -> None:
+    agent, stuck = GreedyAgent(seed=3), seen(pickup=(2, 5), view=["###", ".R.", "#.#"])
+    runs = []
+    for _ in range(2):
+        runs.append([agent.act(stuck) for _ in range(40)])
+        agent.reset()
+    assert runs[0] == runs[1]
+    assert len(set(runs[0])) == 3
+    assert runs[0] != [GreedyAgent(seed=4).act(stuck) for _ in range(40)]
+
+
+def test_a_seeded_agent_leaves_the_global_stream_alone() -> None:
+    state = random.getstate()
+    chosen(GreedyAgent(seed=3), *[seen()] * 20)
+    assert random.getstate() == state
+
+
+def test_an_unseeded_agent_draws_from_the_global_stream() -> None:
+    runs = []
+    for _ in range(2):
+        random.seed(8)
+        runs.append(chosen(GreedyAgent(), *[seen()] * 20))
+    assert runs[0] == runs[1]
+
+
+@pytest.mark.parametrize("name", ["memory", "escape_steps"])
+def test_a_negative_number_is_refused(name: str) -> None:
+    with pytest.raises(ValueError, match=f"{name} is -1; it must be at least 0"):
+        GreedyAgent(**{name: -1})  # type: ignore[arg-type]
+
+
+# Whole episodes.
+
+
+class Blinkered(dict[str, Any]):
+    """An observation that notes what is looked at."""
+
+    asked: set[str]
+
+    def __getitem__(self, key: str) -> Any:
+        self.asked.add(key)
+        return super().__getitem__(key)
+
+
+def test_it_uses_nothing_but_the_observation() -> None:
+    blinkered, plain = GreedyAgent(seed=1), GreedyAgent(seed=1)
+    env = WarehouseEnv()
+    observation = env.reset(randomize=True, seed=1)
+    for _ in range(100):
+        frozen = Blinkered(observation)
+        frozen.asked = set()
+        action = blinkered.act(frozen)  # type: ignore[arg-type]
+        assert action == plain.act(observation)
+        assert frozen.asked <= {
+            "robot_pos", "has_item", "pickup_pos", "dropoff_pos", "local_grid",
+        }  # fmt: skip
+        assert frozen == observation
+        observation = env.step(action)[0]
+
+
+def test_it_never_drives_at_a_wall_in_view() -> None:
+    for seed in range(50):
+        episode = record_episode(WarehouseEnv(), GreedyAgent(seed=seed), seed=seed)
+        assert not any(motion.blocked for motion in episode.motions)
+
+
+def delivered(**options: int) -> float:
+    """Return the share of 300 random episodes that end with a delivery."""
+    env = WarehouseEnv()
+    episodes = (
+        record_episode(env, GreedyAgent(seed=seed, **options), seed=seed) for seed in range(300)
+    )
+    return sum(episode.terminated for episode in episodes) / 300
+
+
+def test_it_delivers_in_about_85_of_100_episodes() -> None:
+    # The standard error of 300 episodes is 0.02; one escape step instead of three gives 0.75.
+    assert 0.80 < delivered() < 0.90
+
+
+def test_without_escape_it_delivers_in_fewer_than_half() -> None:
+    assert 0.30 < delivered(escape_steps=0) < 0.48
+
+
+def test_with_fewer_escape_steps_or_positions_it_delivers_less_often() -> None:
+    assert delivered(escape_steps=1) < 0.80
+    assert delivered(memory=3) < 0.80
