@@ -9,7 +9,9 @@ from typing import Annotated
 import typer
 
 from agents import console, layout_commands
+from agents.compare import compare
 from agents.console import SaveOption, ShowOption
+from agents.demos import demo
 from agents.play import play
 from agents.replaying import check_targets, replay_or_save
 from agents.run_episode import report, run
@@ -23,6 +25,8 @@ app = typer.Typer(
 )
 app.command()(run)
 app.command()(play)
+app.command()(compare)
+app.command()(demo)
 app.add_typer(layout_commands.app, name="layout")
 
 

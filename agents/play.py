@@ -31,6 +31,9 @@ KEYS = {
     "d": "DROP",
     " ": "WAIT",
 }  # fmt: skip
+FRAME_MS = 40
+"""Milliseconds between the frames of a continuous motion."""
+
 AGAIN, QUIT = ("enter", "return"), ("q", "escape")
 HELP = "arrows or NESW move, P picks, D drops, space waits, Enter starts again, Q quits"
 
@@ -48,8 +51,10 @@ class Driver:
         self._env = env
         self._begin(seed)
         self._scene = Scene(track_of_episode(self.episode), make_window, length=env.max_steps + 1)
-        self.figure = self._scene.figure
+        self.figure = self._scene.root
         self.figure.canvas.mpl_connect("key_press_event", self._on_key)
+        self._timer = self.figure.canvas.new_timer(interval=FRAME_MS)
+        self._timer.add_callback(self._glide)
         self._show()
 
     @property
@@ -73,16 +78,29 @@ class Driver:
             self._show()
 
     def _begin(self, seed: int) -> None:
+        self._frame = 0
         self._env.reset(randomize=True, seed=seed)
         self._recorder = EpisodeRecorder(self._env, seed=seed, agent="You")
 
     def _show(self) -> None:
-        track = track_of_episode(self.episode)
+        """Show what is new: a step of the grid at once, a continuous motion frame by frame."""
+        track = self._track = track_of_episode(self.episode)
         track.captions[0] = HELP
         if self._recorder.ended:
             track.captions[-1] += ", Enter starts again"
-        self._scene.show(len(track) - 1, track)
+        if not track.clock:
+            self._frame = len(track) - 1
+        self._glide()
+        self._timer.start()
+
+    def _glide(self) -> None:
+        """Show the next frame, and stop the clock at the last."""
+        last = len(self._track) - 1
+        self._frame = min(self._frame + 1, last)
+        self._scene.show(self._frame, self._track)
         self.figure.canvas.draw_idle()
+        if self._frame == last:
+            self._timer.stop()
 
     def _on_key(self, event: Event) -> None:
         if isinstance(event, KeyEvent) and event.key is not None:

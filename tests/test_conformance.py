@@ -82,9 +82,9 @@ ALTERATIONS: dict[str, list[Callable[[Outcome], Outcome]]] = {
     "check_waiting_stays": [lambda outcome: outcome._replace(blocked=True)],
     "check_a_move_costs_more_than_waiting": [lambda outcome: outcome._replace(joules=1.0)],
     "check_values_are_plain": [
-        lambda outcome: outcome._replace(cell=list(outcome.cell)),  # type: ignore[arg-type]
+        lambda outcome: outcome._replace(cell=list(outcome.cell)),
         lambda outcome: outcome._replace(cell=(np.int64(outcome.cell[0]), outcome.cell[1])),
-        lambda outcome: outcome._replace(blocked=np.bool_(outcome.blocked)),  # type: ignore[arg-type]
+        lambda outcome: outcome._replace(blocked=np.bool_(outcome.blocked)),
         lambda outcome: outcome._replace(seconds=1),
         lambda outcome: outcome._replace(seconds=0.0),
         lambda outcome: outcome._replace(joules=0.0),
@@ -93,7 +93,7 @@ ALTERATIONS: dict[str, list[Callable[[Outcome], Outcome]]] = {
         lambda outcome: outcome._replace(joules=math.inf),
     ],
     "check_paths_are_well_formed": [
-        lambda outcome: outcome._replace(path=outcome.path.tolist()),  # type: ignore[arg-type]
+        lambda outcome: outcome._replace(path=outcome.path.tolist()),
         lambda outcome: outcome._replace(path=outcome.path.copy()),
         with_path(lambda path: path.astype(np.float32)),
         with_path(lambda path: path[:1]),

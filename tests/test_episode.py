@@ -111,7 +111,7 @@ def test_a_recorder_is_driven_by_hand() -> None:
 def test_a_step_that_is_refused_is_not_recorded() -> None:
     recorder = EpisodeRecorder(WarehouseEnv(), agent="me")
     with pytest.raises(TypeError):
-        recorder.step(1.5)  # type: ignore[arg-type]
+        recorder.step(1.5)
     assert recorder.episode.steps == 0
     assert len(recorder.episode.cells) == 1
 

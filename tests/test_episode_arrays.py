@@ -19,7 +19,7 @@ def as_text(header: object) -> np.ndarray:
 
 
 def header_of(arrays: Arrays) -> dict[str, Any]:
-    return json.loads(arrays["header"].tobytes())  # type: ignore[no-any-return]
+    return json.loads(arrays["header"].tobytes())
 
 
 def refused(load: Load, **changed: np.ndarray) -> str:

@@ -100,13 +100,13 @@ def test_an_unknown_tile_is_answered_with_the_allowed_ones() -> None:
 @pytest.mark.parametrize("rows", ["..", 5, None, {"..": 1}, iter(["."])])
 def test_rows_must_be_a_list(rows: object) -> None:
     with pytest.raises(TypeError, match="list of strings"):
-        Layout(rows)  # type: ignore[arg-type]
+        Layout(rows)
 
 
 @pytest.mark.parametrize("row", [b"..", 5, None, [".", "."]])
 def test_a_row_must_be_a_string(row: object) -> None:
     with pytest.raises(TypeError, match="row 1 of the layout"):
-        Layout(["..", row])  # type: ignore[list-item]
+        Layout(["..", row])
 
 
 def test_a_layout_above_the_limit_is_refused(
@@ -173,7 +173,7 @@ def test_a_missing_file_is_an_os_error(tmp_path: Path) -> None:
 def test_a_layout_cannot_be_changed() -> None:
     layout = Layout(["#.P"])
     with pytest.raises(AttributeError):
-        layout.rows = ("...",)  # type: ignore[misc]
+        layout.rows = ("...",)
     with pytest.raises(ValueError, match="read-only"):
         layout.open_cells[0] = 0
 
@@ -192,7 +192,7 @@ def test_layouts_are_equal_when_their_rows_are() -> None:
 
 @pytest.mark.parametrize("clone", [copy.deepcopy, lambda it: pickle.loads(pickle.dumps(it))])
 def test_a_copy_is_equal_in_every_field(clone: object) -> None:
-    twin = clone(DEFAULT_LAYOUT)  # type: ignore[operator]
+    twin = clone(DEFAULT_LAYOUT)
     assert all(getattr(twin, name) == getattr(DEFAULT_LAYOUT, name) for name in FIELDS)
     assert twin.open_cells.tolist() == DEFAULT_LAYOUT.open_cells.tolist()
 

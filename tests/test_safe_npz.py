@@ -317,7 +317,7 @@ class Trap:
     sprung = False
 
     def __reduce__(self) -> tuple[type, tuple[()]]:
-        return (spring, ())  # type: ignore[return-value]
+        return (spring, ())
 
 
 def spring() -> None:

@@ -11,7 +11,7 @@ SETTINGS = Settings("grid", 0.5, (2, 3), 100, 50, 1)
 
 
 def as_json(settings: Settings) -> dict[str, Any]:
-    return json.loads(json.dumps(asdict(settings)))  # type: ignore[no-any-return]
+    return json.loads(json.dumps(asdict(settings)))
 
 
 def test_settings_survive_json() -> None:
@@ -32,7 +32,7 @@ def test_a_whole_cell_size_is_kept_as_a_float() -> None:
 
 def test_settings_cannot_be_changed() -> None:
     with pytest.raises(AttributeError):
-        SETTINGS.battery = 9  # type: ignore[misc]
+        SETTINGS.battery = 9
 
 
 @pytest.mark.parametrize(

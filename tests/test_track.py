@@ -8,7 +8,7 @@ from pictures import HOSTILE_NAMES, ROOM, named, short_episode
 
 from warehouse_core import Layout, WarehouseEnv
 from warehouse_core.motion import Contact
-from warehouse_core.track import METRICS, Hit, Pose, track_of_episode, track_of_frames
+from warehouse_core.track import METRICS, Pose, track_of_episode, track_of_frames
 
 
 def frame(*rows: str) -> list[list[str]]:
@@ -60,7 +60,7 @@ def test_hits_are_in_cells_whatever_the_size_of_a_cell() -> None:
     motions = [episode.motions[0]._replace(contacts=(contact,)), *episode.motions[1:]]
     settings = dataclasses.replace(episode.settings, cell_size=2.0)
     track = track_of_episode(dataclasses.replace(episode, motions=motions, settings=settings))
-    assert track.hits == [(), (Hit((2.5, 1.0), "robot 3"),), *[()] * 5]
+    assert [[hit.at for hit in hits] for hits in track.hits] == [[], [(2.5, 1.0)], *[[]] * 5]
 
 
 def test_captions_say_what_was_done_and_why() -> None:
@@ -218,3 +218,65 @@ def test_the_fullest_battery_counts_as_full() -> None:
     assert track_of_frames(frames, {"battery": [None, 9]}).full_battery == 9
     assert track_of_frames(frames, {"battery": [0, 0]}).full_battery == 1
     assert track_of_frames(frames).full_battery == 1
+
+
+# Of continuous motions.
+
+
+def straight_on(seconds: float = 2.0) -> np.ndarray:
+    """A path of 1 m to the east at an even pace, with a row every tenth of a second."""
+    times = np.linspace(0, seconds, 21)
+    return np.column_stack([times, 2.5 + times / seconds, np.full(21, 1.5), np.zeros(21)])
+
+
+def continuous_track(frame_seconds: float = 0.5):
+    episode = short_episode()
+    contact = Contact(1.0, 28.4, (3.5, 1.5), "wall")
+    moving = episode.motions[3]._replace(
+        seconds=2.0, joules=100.0, path=straight_on(), contacts=(contact,)
+    )
+    motions = [*episode.motions[:3], moving, *episode.motions[4:]]
+    return track_of_episode(dataclasses.replace(episode, motions=motions), frame_seconds)
+
+
+def test_a_continuous_motion_has_a_frame_for_every_bit_of_time() -> None:
+    track = continuous_track()
+    along = [pose.at[0] for pose, p in zip(track.poses, track.progress, strict=True) if 3 < p <= 4]
+    assert along == pytest.approx([2.75, 3.0, 3.25, 3.5])
+    assert len(track) == 1 + 2 * 3 + 4 + 2 * 2
+    assert track.steps == 6
+    assert [track.step_at(frame) for frame in (0, 1, 2, 7, 10)] == [0, 0, 1, 3, 4]
+
+
+def test_the_clock_speed_and_energy_run_through_all_motions() -> None:
+    track = continuous_track()
+    assert track.clock[-1] == pytest.approx(5 * 1.0 + 2.0)
+    assert all(a < b for a, b in pairwise(track.clock))
+    inside = [v for v, p in zip(track.speed, track.progress, strict=True) if 3 < p <= 4]
+    assert inside == pytest.approx([0.5] * 4)
+    joules = [motion.joules for motion in short_episode().motions]
+    assert track.energy[-1] == pytest.approx(sum(joules) - joules[3] + 100.0)
+
+
+def test_a_hit_flashes_from_when_it_happened_with_its_impulse() -> None:
+    track = continuous_track(0.2)
+    shown = [
+        (round(time - 3.0, 6), hits[0].label)
+        for time, hits, p in zip(track.clock, track.hits, track.progress, strict=True)
+        if hits and 3 < p <= 4
+    ]
+    assert shown == [(1.0, "28 N·s"), (1.2, "28 N·s"), (1.4, "28 N·s"), (1.6, "28 N·s")]
+
+
+def test_the_robot_is_loaded_only_once_the_action_is_over() -> None:
+    track = continuous_track()
+    picking = [
+        pose.loaded for pose, p in zip(track.poses, track.progress, strict=True) if 2 < p <= 3
+    ]
+    assert picking == [False, True]
+
+
+@pytest.mark.parametrize("seconds", [0.0, -1.0, math.nan, math.inf])
+def test_frames_need_some_time_between_them(seconds: float) -> None:
+    with pytest.raises(ValueError, match="frame_seconds"):
+        track_of_episode(short_episode(), seconds)

@@ -211,7 +211,7 @@ def test_an_unseeded_agent_draws_from_the_global_stream() -> None:
 @pytest.mark.parametrize("name", ["memory", "escape_steps"])
 def test_a_negative_number_is_refused(name: str) -> None:
     with pytest.raises(ValueError, match=f"{name} is -1; it must be at least 0"):
-        GreedyAgent(**{name: -1})  # type: ignore[arg-type]
+        GreedyAgent(**{name: -1})
 
 
 # Whole episodes.
@@ -234,7 +234,7 @@ def test_it_uses_nothing_but_the_observation() -> None:
     for _ in range(100):
         frozen = Blinkered(observation)
         frozen.asked = set()
-        action = blinkered.act(frozen)  # type: ignore[arg-type]
+        action = blinkered.act(frozen)
         assert action == plain.act(observation)
         assert frozen.asked <= {
             "robot_pos", "has_item", "pickup_pos", "dropoff_pos", "local_grid",

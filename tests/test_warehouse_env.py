@@ -375,7 +375,7 @@ def test_a_bad_value_is_refused(arguments: dict[str, Any], message: str) -> None
 @pytest.mark.parametrize("value", [None, 1.0, "5", [5]])
 def test_a_budget_is_an_integer(name: str, value: object) -> None:
     with pytest.raises(TypeError, match=f"{name} is .*; it must be an integer"):
-        WarehouseEnv(**{name: value})  # type: ignore[arg-type]
+        WarehouseEnv(**{name: value})
 
 
 @pytest.mark.parametrize("value", [None, 5, (1,), (1, 1, 1), (1.0, 1), "11", ("1", "1"), (1, None)])

@@ -214,7 +214,7 @@ class EnvironmentMachine(RuleBasedStateMachine):
     @rule()
     def spoil_the_last_observation(self) -> None:
         self.observation["local_grid"].clear()
-        self.observation.clear()  # type: ignore[attr-defined]
+        self.observation.clear()
         self.step("WAIT")
 
     @invariant()

@@ -20,20 +20,20 @@ Backend = str | Motion | type[Motion]
 
 
 class BackendError(ValueError):
-    """No backend of that name, or one whose requirements are not installed."""
+    """No backend of that name, or one whose requirements are missing or broken."""
 
 
 def make_motion(backend: Backend) -> Motion:
     """Return a motion for a backend given by name, as a class or as an instance.
 
     Raises:
-        BackendError: the name is not installed, or its requirements are missing.
+        BackendError: the name is not installed, or its requirements are missing or broken.
         TypeError: ``backend`` is none of the three.
 
     """
     if isinstance(backend, str):
         return load_backend(backend)()
-    if isinstance(backend, type) and issubclass(backend, object) and hasattr(backend, "advance"):
+    if isinstance(backend, type) and hasattr(backend, "advance"):
         return backend()
     if isinstance(backend, Motion):
         return backend
@@ -53,7 +53,8 @@ def load_backend(name: str) -> type[Motion]:
     """Import the backend called ``name``.
 
     Raises:
-        BackendError: listing what is installed, or saying which command installs what is missing.
+        BackendError: listing what is installed, or saying which command installs what is missing
+            or broken.
 
     """
     entry_point = _entry_points().get(name)
@@ -62,11 +63,8 @@ def load_backend(name: str) -> type[Motion]:
         raise BackendError(f"no backend is called {name!r}; installed: {installed}")
     try:
         backend: type[Motion] = entry_point.load()
-    except ImportError as error:
-        raise BackendError(
-            f"backend {name!r} needs {error.name or error}, which is not installed: "
-            f"pip install '{_requirement(entry_point)}'"
-        ) from error
+    except Exception as error:
+        raise BackendError(f"backend {name!r} {_complaint(error, entry_point)}") from error
     return backend
 
 
@@ -75,6 +73,15 @@ def _entry_points() -> dict[str, EntryPoint]:
     from importlib.metadata import entry_points
 
     return {entry_point.name: entry_point for entry_point in entry_points(group=GROUP)}
+
+
+def _complaint(error: Exception, entry_point: EntryPoint) -> str:
+    """Say in one line why a backend cannot be loaded, and which command may help."""
+    command = f"pip install '{_requirement(entry_point)}'"
+    if isinstance(error, ModuleNotFoundError):
+        return f"needs {error.name or error}, which is not installed: {command}"
+    reason = " ".join(str(error).split()) or type(error).__name__
+    return f"cannot be loaded: {reason}; to repair it: {command}"
 
 
 def _requirement(entry_point: EntryPoint) -> str:

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.patches import Rectangle
+from matplotlib.patches import Polygon, Rectangle
 from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 
@@ -39,15 +39,16 @@ class RewardChart:
         self._fit(track)
 
     def show(self, track: Track, frame: int) -> None:
-        """Draw everything up to ``frame``."""
-        rewards, totals = _rewards(track, frame + 1)
+        """Draw everything up to the last step that is complete in ``frame``."""
+        last = track.step_at(frame)
+        rewards, totals = _rewards(track, last + 1)
         _fit(self._axes, [*rewards, *totals])
         self._bars.set_segments([[(step, 0.0), (step, r)] for step, r in enumerate(rewards)])
-        self._line.set_data(range(frame + 1), totals)
-        self._head.set_data([frame], [totals[-1]])
+        self._line.set_data(range(last + 1), totals)
+        self._head.set_data([last], [totals[-1]])
 
     def _fit(self, track: Track) -> None:
-        rewards, totals = _rewards(track, len(track))
+        rewards, totals = _rewards(track, track.steps + 1)
         _fit(self._axes, [*rewards, *totals])
 
 
@@ -76,20 +77,54 @@ class DistanceChart:
             _fit(axes, track.metrics[self.NAMES[tile]])
 
     def show(self, track: Track, frame: int) -> None:
-        """Draw everything up to ``frame``."""
+        """Draw everything up to the last step that is complete in ``frame``."""
+        last = track.step_at(frame)
         for tile in self._tiles:
-            distances = track.metrics[self.NAMES[tile]][: frame + 1]
+            distances = track.metrics[self.NAMES[tile]][: last + 1]
             _fit(self._axes, distances)
-            self._lines[tile].set_data(range(frame + 1), distances)
+            self._lines[tile].set_data(range(last + 1), distances)
             here = distances[-1]
             self._letters[tile].set_visible(not math.isnan(here))
-            self._letters[tile].set_position((frame, 0.0 if math.isnan(here) else here))
+            self._letters[tile].set_position((last, 0.0 if math.isnan(here) else here))
 
     def _letter(self, tile: str) -> Text:
         disc = {"boxstyle": "circle,pad=0.15", "facecolor": COLORS[tile], "linewidth": 0}
         return self._axes.text(
             0, 0, tile, fontsize=8, fontweight="bold", ha="center", va="center", bbox=disc
         )
+
+
+class MotionChart:
+    """Speed as a line, and on a scale of its own the energy used so far."""
+
+    def __init__(self, figure: SceneFigure, axes: Axes, track: Track, length: int) -> None:
+        _prepare(axes, "speed (m/s, line) and energy used (J, area)", length)
+        self._axes, self._energy_axes = axes, axes.twinx()
+        self._energy_axes.set_zorder(axes.get_zorder() - 1)
+        axes.patch.set_visible(False)
+        self._energy_axes.spines[:].set_visible(False)
+        self._energy_axes.tick_params(labelsize=7, labelcolor="0.45", length=0, pad=1)
+        self._energy_axes.yaxis.set_major_locator(MaxNLocator(nbins=3))
+        self._area = Polygon([(0, 0), (0, 0)], closed=True, facecolor=FAINT, linewidth=0)
+        self._energy_axes.add_patch(self._area)
+        self._line = axes.plot([], [], color=BATTERY, linewidth=1.2)[0]
+        for mover in (self._area, self._line):
+            figure.add_mover(mover)
+        axes.set_ylim(-0.05, 1)
+        self._energy_axes.set_ylim(0, 100)
+        self._fit(track)
+
+    def show(self, track: Track, frame: int) -> None:
+        """Draw everything up to ``frame``."""
+        self._fit(track)
+        progress = track.progress[: frame + 1]
+        self._line.set_data(progress, track.speed[: frame + 1])
+        edge = zip(progress, track.energy, strict=False)
+        self._area.set_xy([(0.0, 0.0), *edge, (progress[-1], 0.0)])
+
+    def _fit(self, track: Track) -> None:
+        _fit(self._axes, [max(track.speed)])
+        _fit(self._energy_axes, [track.energy[-1]])
 
 
 class BatteryBar:
@@ -109,7 +144,7 @@ class BatteryBar:
 
     def show(self, track: Track, frame: int) -> None:
         """Draw the level of ``frame``."""
-        level = track.metrics["battery"][frame]
+        level = track.metrics["battery"][track.step_at(frame)]
         known = not math.isnan(level)
         share = min(1.0, max(0.0, level / track.full_battery)) if known else 0.0
         low = known and share < LOW_BATTERY

@@ -3,7 +3,6 @@
 A check is handed a factory that returns a fresh motion at each call, and its docstring is its rule.
 ``CHECKS`` holds all of them; ``conformance.py`` runs them.
 """
-# ruff: noqa: D401 - a rule is no command: it says what a motion does
 
 from __future__ import annotations
 

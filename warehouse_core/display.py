@@ -13,6 +13,9 @@ from warehouse_core.scene_figure import SceneFigure
 
 DPI = 100
 
+PAIR_DPI = 70
+"""Of two pictures side by side, which would be wider than a screen."""
+
 
 class NoDisplayError(RuntimeError):
     """A window was asked for where none can be opened."""
@@ -35,21 +38,21 @@ def has_display() -> bool:
     return toolkit is not None
 
 
-def make_figure(size: tuple[float, float]) -> SceneFigure:
+def make_figure(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:
     """Return a figure of ``size`` inches that needs no display."""
-    figure = SceneFigure(figsize=size, dpi=DPI)
+    figure = SceneFigure(figsize=size, dpi=dpi)
     FigureCanvasAgg(figure)
     return figure
 
 
-def make_window(size: tuple[float, float]) -> SceneFigure:
+def make_window(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:
     """Return a figure in a window that ``matplotlib.pyplot.show`` will open.
 
     Matplotlib's own keys are taken off it: its arrows and ``p`` would clash with ours.
     """
     import matplotlib.pyplot as plt
 
-    figure = plt.figure(figsize=size, dpi=DPI, FigureClass=SceneFigure)
+    figure = plt.figure(figsize=size, dpi=dpi, FigureClass=SceneFigure)
     assert isinstance(figure, SceneFigure)
     manager = figure.canvas.manager
     if manager is not None:

@@ -25,13 +25,13 @@ def save_frames(track: Track, folder: Path, dpi: float) -> None:
     if not (math.isfinite(dpi) and dpi > 0):
         raise ValueError(f"dpi is {dpi!r}; it must be positive and finite")
     folder.mkdir(parents=True, exist_ok=True)
-    track.metrics = {}
+    track.metrics, track.clock = {}, []
     scene = Scene(track, make_figure, legend=False)
     with progress_bar(len(track), "Drawing") as report:
         for frame in range(len(track)):
             scene.show(frame)
             with atomic_path(folder / f"frame_{frame:04d}.svg") as part:
-                save_svg(scene.figure, part, dpi)
+                save_svg(scene.root, part, dpi)
             report(frame, None)
     legend = make_figure(LEGEND_INCHES)
     draw_legend(legend)

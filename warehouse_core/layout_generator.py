@@ -26,7 +26,8 @@ def random_layout(height: int, width: int, density: float, seed: int) -> Layout:
         height: rows, border included, at least 4.
         width: columns, border included, at least 4.
         density: share of the cells inside the border that are walls, 0 to ``MAX_DENSITY``. A
-            very small layout may end a few walls short, where any more would cut a loop.
+            layout that is very small, or near the limit, may end a few walls short, where any
+            more would cut a loop.
         seed: of the drawing.
 
     Raises:

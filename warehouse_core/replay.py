@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,13 @@ import matplotlib as mpl
 from matplotlib.animation import FuncAnimation
 from matplotlib.backend_bases import Event, KeyEvent
 
-from warehouse_core.display import NoDisplayError, make_figure, make_window
+from warehouse_core.display import PAIR_DPI, NoDisplayError, make_figure, make_window
 from warehouse_core.export import export, progress_bar, self_contained
-from warehouse_core.scene import Scene
+from warehouse_core.scene import PairScene, Scene
 from warehouse_core.track import Track
+
+CONTINUOUS_FRAMES = 3
+"""Frames of a continuous motion that are shown in the time of one step of a grid."""
 
 
 class Replay(FuncAnimation):
@@ -28,25 +32,38 @@ class Replay(FuncAnimation):
         interval_ms: from one frame to the next at speed 1, in milliseconds.
         speed: factor on the playing speed.
         window: draw into a window, which ``show`` opens.
+        beside: another track, to be drawn to the right of the first, step by step.
 
     Raises:
         ValueError: ``interval_ms`` or ``speed`` is not a positive finite number.
 
     """
 
-    def __init__(self, track: Track, interval_ms: float, speed: float, *, window: bool) -> None:
+    def __init__(
+        self,
+        track: Track,
+        interval_ms: float,
+        speed: float,
+        *,
+        window: bool,
+        beside: Track | None = None,
+    ) -> None:
         for name, value in (("interval_ms", interval_ms), ("speed", speed)):
             if not (math.isfinite(value) and value > 0):
                 raise ValueError(f"{name} is {value!r}; it must be positive and finite")
         self.track = track
         self.frame = 0
         self.playing = True
-        self.frame_ms = interval_ms / speed
+        is_continuous = bool(track.clock or (beside and beside.clock))
+        self.frame_ms = interval_ms / speed / (CONTINUOUS_FRAMES if is_continuous else 1)
         # Matplotlib asks for an integer and takes any number; slow replays need a fraction.
         self.fps: Any = 1000 / self.frame_ms
         self.window = window
-        self._scene = Scene(track, make_window if window else make_figure)
-        self.figure = self._scene.figure
+        make = make_window if window else make_figure
+        self._scene = (
+            PairScene(track, beside, partial(make, dpi=PAIR_DPI)) if beside else Scene(track, make)
+        )
+        self.figure = self._scene.root
         super().__init__(
             self.figure,
             self._show,
@@ -77,13 +94,13 @@ class Replay(FuncAnimation):
     def go_to(self, frame: int) -> None:
         """Show ``frame``, or the nearest that there is, and stay there."""
         self.playing = False
-        self.frame = min(max(frame, 0), len(self.track) - 1)
+        self.frame = min(max(frame, 0), len(self._scene) - 1)
         self.refresh()
 
     def toggle(self) -> None:
         """Pause or resume; at the end begin again."""
         self.playing = not self.playing
-        if self.playing and self.frame == len(self.track) - 1:
+        if self.playing and self.frame == len(self._scene) - 1:
             self.frame = 0
             self.refresh()
 
@@ -94,7 +111,7 @@ class Replay(FuncAnimation):
 
     def show_end(self) -> None:
         """Draw the last frame, for a picture, without going there."""
-        self._scene.show(len(self.track) - 1)
+        self._scene.show(len(self._scene) - 1)
 
     def save(  # type: ignore[override]
         self, filename: str | Path, writer: Any = None, **options: Any
@@ -111,7 +128,7 @@ class Replay(FuncAnimation):
         if writer is None:
             export(self, Path(filename))
         else:
-            with progress_bar(len(self.track), "Drawing") as report:
+            with progress_bar(len(self._scene), "Drawing") as report:
                 options.setdefault("progress_callback", report)
                 super().save(str(filename), writer=writer, **options)
             self.refresh()
@@ -131,13 +148,13 @@ class Replay(FuncAnimation):
 
     def new_saved_frame_seq(self) -> Iterator[int]:  # type: ignore[override]
         """Return every frame once, wherever the playing has got to."""
-        return iter(range(len(self.track)))
+        return iter(range(len(self._scene)))
 
     def _frames_to_play(self) -> Generator[int, None, None]:
         """Yield what to show at each tick of the clock, for ever: a pause is a frame that stays."""
         while True:
             yield self.frame
-            last = len(self.track) - 1
+            last = len(self._scene) - 1
             if self.playing and self.frame < last:
                 self.frame += 1
             self.playing = self.playing and self.frame < last

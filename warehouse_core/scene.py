@@ -5,15 +5,19 @@ It is the one place that lays a picture out, for windows, files and notebooks al
 
 from __future__ import annotations
 
+import math
+from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from matplotlib.axes import Axes
+from matplotlib.figure import SubFigure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 
-from warehouse_core.charts import BatteryBar, DistanceChart, RewardChart
+from warehouse_core.charts import BatteryBar, DistanceChart, MotionChart, RewardChart
 from warehouse_core.grid_view import GridView
 from warehouse_core.palette import COLORS, HIT, INK, TRAIL_COLORS, TRAIL_STYLES
 from warehouse_core.scene_figure import SceneFigure
@@ -21,11 +25,11 @@ from warehouse_core.sight import ROBOT_EMPTY, ROBOT_LOADED
 from warehouse_core.track import Track
 from warehouse_core.warehouse_env import LEGEND
 
-Chart = RewardChart | DistanceChart | BatteryBar
+Chart = RewardChart | DistanceChart | MotionChart | BatteryBar
 DISTANCES = tuple(DistanceChart.NAMES.values())
 
-MakeFigure = Callable[[tuple[float, float]], SceneFigure]
-"""Makes a figure of a width and height in inches."""
+MakeFigure = Callable[[tuple[float, float]], SceneFigure | SubFigure]
+"""Makes a figure of a width and height in inches, or a part of a ``SceneFigure``."""
 
 GRID_INCHES = (6.4, 4.6)
 """Largest width and height of the grid."""
@@ -61,13 +65,13 @@ class _Plan:
 def _plan(track: Track, foot: float) -> _Plan:
     height, width = len(track.tiles[0]), len(track.tiles[0][0])
     cell = min(GRID_INCHES[0] / width, GRID_INCHES[1] / height, MAX_CELL_INCHES)
-    has_charts = bool(track.metrics.keys() - {"battery"})
+    has_charts = bool(track.metrics.keys() - {"battery"}) or bool(track.clock)
     return _Plan(
         cell=cell,
         grid_width=cell * width,
         grid_height=cell * height,
         left_width=max(cell * width, 4.8),
-        body_height=max(cell * height, 3.2 if has_charts else 0.0),
+        body_height=max(cell * height, 4.2 if track.clock else 3.2 if has_charts else 0.0),
         has_charts=has_charts,
         has_battery="battery" in track.metrics,
         foot=foot,
@@ -80,7 +84,7 @@ class Scene:
     Args:
         track: with at least one frame.
         make_figure: makes the figure, once its size is known.
-        length: frames to leave room for, where the track is still growing.
+        length: steps, and one, to leave room for where the track is still growing.
         legend: draw the legend along the bottom.
 
     """
@@ -91,13 +95,17 @@ class Scene:
         make_figure: MakeFigure,
         *,
         length: int | None = None,
+        height: float = 0.0,
         legend: bool = True,
     ) -> None:
         self._track = track
-        self._length = length or len(track)
+        self._length = length or track.steps + 1
         plan = _plan(track, FOOT if legend else MARGIN)
         self.figure = make_figure(plan.size)
-        self._width, self._height = plan.size
+        root = self.figure.get_figure(root=True)
+        assert isinstance(root, SceneFigure), "make_figure makes nothing else"
+        self.root = root
+        self._width, self._height = plan.size[0], max(height, plan.size[1])
         self._grid = self._make_grid(plan)
         self._charts = [*self._make_charts(plan), *self._make_battery(plan)]
         self._make_texts()
@@ -105,17 +113,22 @@ class Scene:
             draw_legend(self.figure)
         self.show(0)
 
+    def __len__(self) -> int:
+        return len(self._track)
+
     def show(self, frame: int, track: Track | None = None) -> None:
         """Change everything that moves to what it is in ``frame``, of a grown track if given."""
         track = self._track = track or self._track
         self._grid.show_tiles(track.tiles[frame])
-        self._grid.show_trail(track.poses[: frame + 1])
-        self._grid.show_robot(track.poses[frame])
+        for robot, poses in zip(self._grid.robots, [track.poses, *track.others], strict=True):
+            robot.show(poses[: frame + 1])
         self._grid.show_hits(track.hits[frame])
         for chart in self._charts:
             chart.show(track, frame)
         self._title.set_text(track.title)
-        self._counter.set_text(f"step {frame} of {self._length - 1}")
+        clock = f"   {track.clock[frame]:.1f} s" if track.clock else ""
+        step = math.ceil(track.progress[frame])
+        self._counter.set_text(f"step {step} of {self._length - 1}{clock}")
         self._caption.set_text(track.captions[frame])
         self._ending.set_text(track.ending.upper() if frame == len(track) - 1 else "")
 
@@ -123,21 +136,24 @@ class Scene:
         left = MARGIN + (plan.left_width - plan.grid_width) / 2
         top = HEAD + (plan.body_height - plan.grid_height) / 2
         axes = self._axes(left, top, plan.grid_width, plan.grid_height)
-        return GridView(self.figure, axes, plan.cell * 72, self._track.tiles[0])
+        return GridView(
+            self.root, axes, plan.cell * 72, self._track.tiles[0], 1 + len(self._track.others)
+        )
 
     def _make_charts(self, plan: _Plan) -> list[Chart]:
-        kinds = [
+        kinds: list[type[RewardChart | DistanceChart | MotionChart]] = [
             kind
             for kind, names in ((RewardChart, ("rewards",)), (DistanceChart, DISTANCES))
             if any(name in self._track.metrics for name in names)
         ]
+        kinds += [MotionChart] if self._track.clock else []
         gap = 0.55
         height = (plan.body_height - gap * (len(kinds) - 1)) / max(len(kinds), 1)
         charts: list[Chart] = []
         for kind in kinds:
             top = HEAD + len(charts) * (height + gap)
             axes = self._axes(MARGIN + plan.left_width + 0.75, top, CHART_INCHES, height)
-            charts.append(kind(self.figure, axes, self._track, self._length))
+            charts.append(kind(self.root, axes, self._track, self._length))
             if kind is kinds[-1]:
                 axes.set_xlabel("step", fontsize=8, labelpad=1)
         return charts
@@ -147,7 +163,7 @@ class Scene:
             return []
         left = MARGIN + (plan.left_width - plan.grid_width) / 2
         axes = self._axes(left, HEAD + plan.body_height + 0.12, plan.grid_width, BAR)
-        return [BatteryBar(self.figure, axes)]
+        return [BatteryBar(self.root, axes)]
 
     def _make_texts(self) -> None:
         left, right = MARGIN / self._width, 1 - MARGIN / self._width
@@ -156,13 +172,18 @@ class Scene:
         self._title = self.figure.text(left, title, "", fontsize=10, fontweight="bold", **common)
         self._counter = self.figure.text(left, line, "", fontsize=9, **common)
         self._caption = self.figure.text(
-            (MARGIN + 1.4) / self._width, line, "", fontsize=9, fontweight="bold", **common
+            (MARGIN + (2.1 if self._track.clock else 1.4)) / self._width,
+            line,
+            "",
+            fontsize=9,
+            fontweight="bold",
+            **common,
         )
         self._ending = self.figure.text(
             right, title, "", fontsize=10, fontweight="bold", ha="right", **common
         )
         for text in (self._title, self._counter, self._caption, self._ending):
-            self.figure.add_mover(text)
+            self.root.add_mover(text)
 
     def _axes(self, left: float, top: float, width: float, height: float) -> Axes:
         """Add axes at a place in inches from the top left corner."""
@@ -176,7 +197,51 @@ class Scene:
         )
 
 
-def draw_legend(figure: SceneFigure) -> Legend:
+def _part(part: SubFigure, size: tuple[float, float]) -> SubFigure:
+    """Return ``part``, which has been made already, as a ``MakeFigure``."""
+    return part
+
+
+class PairScene:
+    """Two tracks side by side in one figure, under one legend.
+
+    Two continuous ones go by the clock, others step by step.
+
+    Args:
+        left: a track with at least one frame.
+        right: another; the shorter one waits at its end.
+        make_figure: makes the figure, once its size is known.
+    """
+
+    def __init__(
+        self, left: Track, right: Track, make_figure: Callable[[tuple[float, float]], SceneFigure]
+    ) -> None:
+        sizes = [_plan(track, MARGIN).size for track in (left, right)]
+        width, height = sizes[0][0] + sizes[1][0], max(size[1] for size in sizes)
+        self.root = make_figure((width, height + FOOT))
+        halves: Any = self.root.subfigures(2, 1, height_ratios=[height, FOOT])
+        top, bottom = halves
+        parts = top.subfigures(1, 2, width_ratios=[size[0] for size in sizes])
+        length = max(left.steps, right.steps) + 1
+        self._tracks = (left, right)
+        self._times = [t.clock if left.clock and right.clock else t.progress for t in self._tracks]
+        self._scenes = [
+            Scene(track, partial(_part, part), length=length, height=height, legend=False)
+            for track, part in zip(self._tracks, parts, strict=True)
+        ]
+        self._moments = sorted({*self._times[0], *self._times[1]})
+        draw_legend(bottom)
+
+    def __len__(self) -> int:
+        return len(self._moments)
+
+    def show(self, frame: int) -> None:
+        """Show both tracks as far as they have got at the same moment."""
+        for times, scene in zip(self._times, self._scenes, strict=True):
+            scene.show(bisect_right(times, self._moments[frame]) - 1)
+
+
+def draw_legend(figure: SceneFigure | SubFigure) -> Legend:
     """Draw the one legend along the bottom: tiles, robots and trails, with their letters."""
     handles: list[Line2D] = []
     labels = []

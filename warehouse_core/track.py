@@ -11,9 +11,18 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from warehouse_core.episode import UNFINISHED, Episode
 from warehouse_core.layout import ALLOWED_TILES, EMPTY, TILES, Cell
+from warehouse_core.motion import Contact, Outcome
 from warehouse_core.sight import ROBOT_EMPTY, ROBOT_LOADED
+
+FRAME_SECONDS = 0.2
+"""Simulated seconds from one frame of a continuous motion to the next."""
+
+FLASH_SECONDS = 0.6
+"""Simulated seconds for which a hit is shown."""
 
 METRICS = ("rewards", "battery", "dist_pickup", "dist_dropoff")
 
@@ -23,7 +32,7 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Hit:
-    """Something that the robot ran into: where, in cells, and with what."""
+    """Something that the robot ran into: where, in cells, and what to write beside it."""
 
     at: Point
     label: str
@@ -40,67 +49,135 @@ class Pose:
 
 @dataclass(slots=True)
 class Track:
-    """Everything a replay shows, one entry a drawn frame.
+    """Everything a replay shows. ``F`` is the number of drawn frames, ``S`` of steps plus one.
 
     Attributes:
         tiles: ``[F]`` rows of tiles without the robot.
         poses: ``[F]`` of the robot, ``None`` where a frame has none.
-        metrics: for some of ``METRICS`` a list ``[F]``; NaN is not drawn.
+        progress: ``[F]`` steps taken, with a fraction inside a continuous motion.
+        metrics: for some of ``METRICS`` a list ``[S]``; NaN is not drawn.
         captions: ``[F]`` what was done and why.
         hits: ``[F]`` what the robot ran into.
+        others: for each further robot its poses ``[F]``.
+        clock: ``[F]`` simulated seconds; empty where motions are not continuous, as are the next.
+        speed: ``[F]`` in m/s.
+        energy: ``[F]`` used so far, in joules.
         full_battery: units of a full battery.
         title: shown above the grid.
         ending: how it ended, shown with the last frame.
-
     """
 
     tiles: list[Rows]
     poses: list[Pose | None]
+    progress: list[float]
     metrics: dict[str, list[float]]
-    captions: list[str] = field(default_factory=list)
-    hits: list[tuple[Hit, ...]] = field(default_factory=list)
+    captions: list[str]
+    hits: list[tuple[Hit, ...]]
+    others: list[list[Pose | None]] = field(default_factory=list)
+    clock: list[float] = field(default_factory=list)
+    speed: list[float] = field(default_factory=list)
+    energy: list[float] = field(default_factory=list)
     full_battery: float = 1.0
     title: str = ""
     ending: str = ""
 
     def __len__(self) -> int:
-        return len(self.tiles)
+        return len(self.poses)
+
+    def step_at(self, frame: int) -> int:
+        """Return how many steps were complete in ``frame``."""
+        return math.floor(self.progress[frame])
+
+    @property
+    def steps(self) -> int:
+        """The number of steps that the track shows."""
+        return math.ceil(self.progress[-1])
 
 
-def track_of_episode(episode: Episode) -> Track:
-    """Return the track of a record."""
-    size = episode.settings.cell_size
-    headings = [motion.path[-1, 3] for motion in episode.motions]
-    poses = [
-        Pose((col + 0.5, row + 0.5), heading, loaded)
-        for (row, col), heading, loaded in zip(
-            episode.cells, [None, *map(float, headings)], episode.loaded, strict=True
-        )
-    ]
-    hits = [
-        tuple(
-            Hit((contact.point[0] / size, contact.point[1] / size), contact.counterpart)
-            for contact in motion.contacts
-        )
-        for motion in episode.motions
-    ]
+def track_of_episode(episode: Episode, frame_seconds: float = FRAME_SECONDS) -> Track:
+    """Return the track of a record.
+
+    Where its motions are continuous there is a frame for every ``frame_seconds`` of simulated
+    time, elsewhere one for every step.
+
+    Raises:
+        ValueError: ``frame_seconds`` is not a positive finite number.
+    """
+    if not (math.isfinite(frame_seconds) and frame_seconds > 0):
+        raise ValueError(f"frame_seconds is {frame_seconds!r}; it must be positive and finite")
     captions = [
         _printable(f"{action} ({reason})" if reason else str(action))
         for action, reason in zip(episode.actions, episode.reasons, strict=True)
     ]
+    first: Pose | None = Pose(_middle(episode.cells[0]), None, episode.loaded[0])
+    track = Track([], [first], [0.0], episode.metrics, [""], [()])
+    if any(len(motion.path) > 2 for motion in episode.motions):
+        _follow_motions(track, episode, captions, frame_seconds)
+    else:
+        _follow_steps(track, episode, captions)
+    track.tiles = [episode.layout.rows] * len(track)
+    track.full_battery = episode.settings.battery
     seed = "" if episode.seed is None else f", seed {episode.seed}"
-    return Track(
-        tiles=[episode.layout.rows] * len(episode.cells),
-        poses=list(poses),
-        metrics=episode.metrics,
-        captions=["", *captions],
-        hits=[(), *hits],
-        full_battery=episode.settings.battery,
-        title=_printable(
-            f"{episode.agent or 'Warehouse'} on the {episode.settings.backend} backend{seed}"
-        ),
-        ending="" if episode.outcome == UNFINISHED else episode.outcome,
+    track.title = _printable(
+        f"{episode.agent or 'Warehouse'} on the {episode.settings.backend} backend{seed}"
     )
+    track.ending = "" if episode.outcome == UNFINISHED else episode.outcome
+    return track
+
+
+def _follow_steps(track: Track, episode: Episode, captions: list[str]) -> None:
+    """Add a frame for every step."""
+    size = episode.settings.cell_size
+    for step, motion in enumerate(episode.motions, start=1):
+        heading = float(motion.path[-1, 3])
+        track.poses.append(Pose(_middle(episode.cells[step]), heading, episode.loaded[step]))
+        track.progress.append(float(step))
+        track.captions.append(captions[step - 1])
+        track.hits.append(tuple(_hit(contact, size, "") for contact in motion.contacts))
+
+
+def _follow_motions(
+    track: Track, episode: Episode, captions: list[str], frame_seconds: float
+) -> None:
+    """Add frames along the path of every motion, the last of each where it ends."""
+    size = episode.settings.cell_size
+    clock = energy = 0.0
+    track.clock, track.speed, track.energy = [0.0], [0.0], [0.0]
+    for step, motion in enumerate(episode.motions, start=1):
+        path, loaded = motion.path, episode.loaded[step - 1]
+        frames = max(1, round(motion.seconds / frame_seconds))
+        times = [motion.seconds * frame / frames for frame in range(frames + 1)]
+        xs, ys, angles = (np.interp(times, path[:, 0], path[:, k]).tolist() for k in (1, 2, 3))
+        for k in range(1, frames + 1):
+            moved = math.dist((xs[k - 1], ys[k - 1]), (xs[k], ys[k]))
+            is_last = k == frames
+            at = (xs[k] / size, ys[k] / size)
+            track.poses.append(Pose(at, angles[k], episode.loaded[step] if is_last else loaded))
+            track.progress.append(step - 1 + k / frames)
+            track.captions.append(captions[step - 1])
+            track.hits.append(_hits_about(motion, times[k], size))
+            track.clock.append(clock + times[k])
+            track.speed.append(moved / (times[k] - times[k - 1]))
+            track.energy.append(energy + motion.joules * k / frames)
+        clock, energy = clock + motion.seconds, energy + motion.joules
+
+
+def _hits_about(motion: Outcome, seconds: float, size: float) -> tuple[Hit, ...]:
+    """Return the hits that still flash at a time, with their impulses."""
+    return tuple(
+        _hit(contact, size, f"{contact.impulse:.0f} N·s")
+        for contact in motion.contacts
+        if contact.seconds <= seconds <= contact.seconds + FLASH_SECONDS
+    )
+
+
+def _hit(contact: Contact, size: float, label: str) -> Hit:
+    x, y = contact.point
+    return Hit((x / size, y / size), label)
+
+
+def _middle(cell: Cell) -> Point:
+    return cell[1] + 0.5, cell[0] + 0.5
 
 
 def track_of_frames(
@@ -130,6 +207,7 @@ def track_of_frames(
         tiles=tiles,
         poses=[_pose_in(grid, cell) for grid, cell in zip(grids, robots, strict=True)],
         metrics=checked,
+        progress=[float(frame) for frame in range(len(grids))],
         captions=[""] * len(grids),
         hits=[()] * len(grids),
         full_battery=max([1.0, *checked.get("battery", [])]),

@@ -168,7 +168,9 @@ class WarehouseEnv:
             randomize: draw pickup, dropoff and start uniformly over the open cells, in this
                 order; the new pickup and dropoff replace the old ones for later resets too.
             seed: draw from a private stream that gives what Python's ``random`` gives after
-                ``random.seed(seed)``; ``None`` draws from the global ``random`` itself.
+                ``random.seed(seed)``; ``None`` draws from the global ``random`` itself. The
+                stations are drawn over the cells that are empty before, so the same seed gives
+                the same layout only where the stations were the same.
 
         Raises:
             LayoutError: ``randomize`` with fewer than two open cells; nothing has changed.

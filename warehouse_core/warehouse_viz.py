@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from warehouse_core.episode import Episode
-from warehouse_core.track import Track, track_of_episode, track_of_frames
+from warehouse_core.track import FRAME_SECONDS, Track, track_of_episode, track_of_frames
 
 if TYPE_CHECKING:
     from warehouse_core.replay import Replay
@@ -28,6 +28,8 @@ def replay_animation(
     speed: float = 1.0,
     *,
     window: bool | None = None,
+    beside: Episode | None = None,
+    frame_seconds: float = FRAME_SECONDS,
 ) -> Replay | None:
     """Return the animated replay of an episode.
 
@@ -43,6 +45,9 @@ def replay_animation(
         interval_ms: from one frame to the next at speed 1, in milliseconds.
         speed: factor on the playing speed.
         window: whether ``show`` is to open a window; ``None`` means wherever there is a display.
+        beside: an episode to be replayed to the right of the first, step by step.
+        frame_seconds: simulated time between two frames of a continuous motion, three of which
+            are shown in ``interval_ms``.
 
     Returns:
         A ``matplotlib.animation.FuncAnimation``; ``None`` without frames or without matplotlib.
@@ -52,13 +57,19 @@ def replay_animation(
         TypeError: metrics beside an ``Episode``.
 
     """
-    track = _track_of(frames, metrics)
+    track = _track_of(frames, metrics, frame_seconds)
     if track is None or not _matplotlib_is_installed():
         return None
     from warehouse_core.display import has_display
     from warehouse_core.replay import Replay
 
-    return Replay(track, interval_ms, speed, window=has_display() if window is None else window)
+    return Replay(
+        track,
+        interval_ms,
+        speed,
+        window=has_display() if window is None else window,
+        beside=None if beside is None else track_of_episode(beside, frame_seconds),
+    )
 
 
 def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: float = 120) -> None:
@@ -77,7 +88,7 @@ def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: fl
         OSError: the folder cannot be made or written to.
 
     """
-    track = _track_of(frames, None)
+    track = _track_of(frames, None, FRAME_SECONDS)
     if track is None or not _matplotlib_is_installed():
         return
     from warehouse_core.frame_files import save_frames
@@ -85,11 +96,13 @@ def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: fl
     save_frames(track, Path(output_dir), dpi)
 
 
-def _track_of(frames: Episode | Frames, metrics: Metrics | None) -> Track | None:
+def _track_of(
+    frames: Episode | Frames, metrics: Metrics | None, frame_seconds: float
+) -> Track | None:
     if isinstance(frames, Episode):
         if metrics is not None:
             raise TypeError("an Episode brings its own metrics; give none beside it")
-        return track_of_episode(frames)
+        return track_of_episode(frames, frame_seconds)
     return track_of_frames(frames, metrics) if len(frames) else None
 
 

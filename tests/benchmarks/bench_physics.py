@@ -1,0 +1,123 @@
+"""The physics backend against a bare ``space.step``, and the long runs of its tests."""
+
+import random
+import tracemalloc
+from statistics import median
+from time import perf_counter
+
+import pytest
+from test_backend_swap import steps_differ
+from test_fleet_motion import fleet_keeps_the_table
+from test_rigid_body_motion import drive_at_walls
+
+from warehouse_core import DEFAULT_LAYOUT, Layout, WarehouseEnv, random_layout
+from warehouse_physics import RigidBodyMotion, RobotSpec, rigid_body_motion
+
+MOVES = 2_000
+"""In a round of a measurement."""
+
+COMPARED_MOVES = 100_000
+TUNNEL_MOVES = 100_000
+FLEET_ACTIONS = 20_000
+STEADY_MOVES = 1_000_000
+RESETS = 20
+ENDLESS = 10**9
+
+LAYOUTS = {"default": DEFAULT_LAYOUT, "100 x 100": random_layout(100, 100, 0.2, seed=1)}
+over_layouts = pytest.mark.parametrize("layout", LAYOUTS.values(), ids=LAYOUTS.keys())
+
+
+def env_in(layout: Layout, *, record_path: bool = False) -> WarehouseEnv:
+    backend = RigidBodyMotion(record_path=record_path)
+    start = layout.open_cell(0)
+    return WarehouseEnv(layout, start, max_steps=ENDLESS, battery=ENDLESS, backend=backend)
+
+
+def random_moves(moves: int = MOVES) -> list[str]:
+    return random.Random(0).choices("NESW", k=moves)
+
+
+def step_many(env: WarehouseEnv, actions: list[str]) -> int:
+    """Step, and return how many substeps of physics that took."""
+    substeps = 0
+    per_second = 1 / env.motion.spec.time_step
+    for action in actions:
+        env.step(action)
+        substeps += round(env.last_motion.seconds * per_second)
+    return substeps
+
+
+def bare_loop(env: WarehouseEnv, substeps: int) -> None:
+    """Step the same space as often, and do nothing else."""
+    step, dt = env.motion._arena.space.step, env.motion.spec.time_step
+    for _ in range(substeps):
+        step(dt)
+
+
+@over_layouts
+def test_moves_a_second_against_the_bare_space(layout, times_faster) -> None:
+    """The target is 0.7."""
+    env, actions = env_in(layout), random_moves()
+    substeps = step_many(env, actions)
+    ratio = times_faster(
+        lambda: [env.step(action) for action in actions], lambda: bare_loop(env, substeps)
+    )
+    assert ratio >= 0.5
+
+
+@over_layouts
+def test_recording_paths_costs_at_most_a_quarter_more(layout, times_faster) -> None:
+    kept, left_off = env_in(layout, record_path=True), env_in(layout)
+    actions = random_moves()
+    ratio = times_faster(lambda: step_many(kept, actions), lambda: step_many(left_off, actions))
+    assert ratio >= 1 / 1.25
+
+
+@pytest.mark.parametrize(
+    ("layout", "milliseconds"), [(DEFAULT_LAYOUT, 1.0), (LAYOUTS["100 x 100"], 20.0)]
+)
+def test_a_reset_takes_no_longer_than_allowed(layout, milliseconds, benchmark, capsys) -> None:
+    motion, start = RigidBodyMotion(), layout.open_cell(0)
+    taken = []
+    for _ in range(RESETS):
+        begin = perf_counter()
+        motion.reset(layout, [start], 0)
+        taken.append(1000 * (perf_counter() - begin))
+    with capsys.disabled():
+        print(f"\nreset of {layout.height} x {layout.width}: {median(taken):.3g} ms")
+    benchmark.pedantic(lambda: motion.reset(layout, [start], 0), rounds=1)
+    assert median(taken) < milliseconds
+
+
+def test_memory_stays_as_it_is_over_a_million_moves(capsys) -> None:
+    env, stream = env_in(DEFAULT_LAYOUT, record_path=True), random.Random(0)
+    used = []
+    tracemalloc.start()
+    for _ in range(10):
+        for _ in range(STEADY_MOVES // 10):
+            env.step(stream.choice("NESW"))
+        used.append(tracemalloc.get_traced_memory()[0])
+        env.reset()
+    tracemalloc.stop()
+    with capsys.disabled():
+        print("\nkB in use:", [round(size / 1000) for size in used])
+    assert max(used[1:]) < used[0] + 100_000
+
+
+@pytest.mark.parametrize("spec", [RobotSpec(), RobotSpec.fast()], ids=["1/60", "1/30"])
+def test_a_hundred_thousand_moves_are_those_of_the_grid(spec: RobotSpec) -> None:
+    blocked = steps_differ(spec, COMPARED_MOVES, layouts=200)
+    assert blocked > COMPARED_MOVES / 8
+
+
+@pytest.mark.parametrize("time_step", [1 / 60, 1 / 30])
+def test_nothing_gets_through_a_wall_in_a_hundred_thousand_moves(time_step, monkeypatch) -> None:
+    monkeypatch.setattr(rigid_body_motion, "PATH_EVERY", 1)
+    drive_at_walls(time_step, TUNNEL_MOVES // 2)
+
+
+def test_fleets_keep_the_table_over_twenty_thousand_actions() -> None:
+    for spec in (RobotSpec(), RobotSpec.fast()):
+        for robots in range(2, 11):
+            for seed in range(10):
+                fleet_keeps_the_table(spec, robots, seed, actions=FLEET_ACTIONS // (2 * 9 * 10) + 1)

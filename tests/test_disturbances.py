@@ -1,0 +1,247 @@
+"""What keeps a robot from its goal: off by default, seeded, and told truthfully."""
+
+import math
+import random
+from itertools import combinations
+from typing import Any
+
+import pytest
+
+from warehouse_core import Cell, Layout, Outcome, WarehouseEnv
+from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
+from warehouse_physics.disturbances import Floor
+
+HALL = Layout(["......."] * 7)
+ALL_CELLS = frozenset((row, col) for row in range(7) for col in range(7))
+STAY, NORTH, EAST, SOUTH, WEST = STEPS = ((0, 0), (-1, 0), (0, 1), (1, 0), (0, -1))
+NUMBERS = ["actuation_noise", "grip", "motor_strength", "drag_spread", "patience"]
+
+ICE = Disturbances(slippery=ALL_CELLS, grip=0.02)
+KINDS = {
+    "noise": Disturbances(actuation_noise=0.2),
+    "ice": Disturbances(slippery=frozenset({(3, 3), (3, 4), (2, 2)})),
+    "weak motor": Disturbances(motor_strength=0.4),
+    "drag": Disturbances(drag_spread=0.9),
+}
+over_kinds = pytest.mark.parametrize("disturbances", KINDS.values(), ids=KINDS.keys())
+
+
+def motion_with(
+    disturbances: Disturbances | None, seed: int = 0, cell: Cell = (3, 3)
+) -> RigidBodyMotion:
+    motion = RigidBodyMotion(disturbances=disturbances)
+    motion.reset(HALL, [cell], seed)
+    return motion
+
+
+def wander(motion: RigidBodyMotion, moves: int = 60) -> list[Outcome]:
+    """Move at random, some of the time loaded."""
+    stream = random.Random(0)
+    return [
+        motion.advance([stream.choice(STEPS)], [stream.random() < 0.5])[0] for _ in range(moves)
+    ]
+
+
+def cell_at(outcome: Outcome) -> Cell:
+    """Return the cell under the end of a path, for cells of 1 m."""
+    return math.floor(outcome.path[-1, 2]), math.floor(outcome.path[-1, 1])
+
+
+# Settings.
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+@pytest.mark.parametrize("value", [True, "0.1", None, (0.1,)], ids=repr)
+def test_what_is_no_number_is_refused_with_the_fields_name(name: str, value: Any) -> None:
+    with pytest.raises(ValueError, match=rf"^{name} is .*; it must be a number$"):
+        Disturbances(**{name: value})
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, -0.1, 1e3, 10**400])
+def test_what_is_out_of_range_is_refused_with_the_fields_name(name: str, value: Any) -> None:
+    with pytest.raises(ValueError, match=rf"^{name} is .*; it must be [\d.]+\.\.[\d.]+$"):
+        Disturbances(**{name: value})
+
+
+@pytest.mark.parametrize("cells", [5, [5], [(1,)], [(1, 2, 3)], ["12"], [(1.5, 2)], [("1", "2")]])
+def test_slippery_cells_that_are_no_cells_are_refused(cells: Any) -> None:
+    with pytest.raises(ValueError, match=r"^slippery is .*; it must be cells \(row, column\)$"):
+        Disturbances(slippery=cells)
+
+
+def test_slippery_cells_may_come_in_any_collection() -> None:
+    assert Disturbances(slippery=[(1, 2), (1, 2)]).slippery == frozenset({(1, 2)})
+
+
+# Off by default.
+
+
+def test_they_are_off_by_default() -> None:
+    assert not Disturbances().any
+    assert not Disturbances(grip=0.5, patience=5).any
+    assert all(disturbances.any for disturbances in KINDS.values())
+
+
+@pytest.mark.parametrize("off", [Disturbances(), Disturbances(grip=0.9, patience=9)])
+def test_off_is_to_the_last_bit_as_without(off: Disturbances) -> None:
+    assert wander(motion_with(off)) == wander(motion_with(None))
+
+
+def test_a_floor_that_disturbs_nothing_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = wander(motion_with(None))
+    monkeypatch.setattr(Disturbances, "any", True)
+    motion = motion_with(Disturbances(patience=100))
+    assert motion._arena.robots[0]._uneven is not None
+    assert wander(motion) == plain
+
+
+@over_kinds
+def test_each_kind_makes_a_difference(disturbances: Disturbances) -> None:
+    assert wander(motion_with(disturbances)) != wander(motion_with(None))
+
+
+# Seeded.
+
+
+@over_kinds
+def test_the_same_seed_gives_the_same_world(disturbances: Disturbances) -> None:
+    assert wander(motion_with(disturbances, 4)) == wander(motion_with(disturbances, 4))
+
+
+@pytest.mark.parametrize("kind", ["noise", "drag"])
+def test_another_seed_gives_another_world(kind: str) -> None:
+    assert wander(motion_with(KINDS[kind], 4)) != wander(motion_with(KINDS[kind], 5))
+
+
+def test_without_a_seed_chance_comes_from_pythons_own_stream() -> None:
+    worlds = []
+    for seed in (1, 1, 2):
+        random.seed(seed)
+        worlds.append(wander(motion_with(KINDS["noise"], None), 10))
+    assert worlds[0] == worlds[1] != worlds[2]
+
+
+def test_a_reset_starts_the_chance_again() -> None:
+    motion = motion_with(KINDS["noise"], 3)
+    first = wander(motion)
+    motion.reset(HALL, [(3, 3)], 3)
+    assert wander(motion) == first
+
+
+# Truthful.
+
+
+@over_kinds
+@pytest.mark.parametrize("seed", range(5))
+def test_the_cell_is_the_one_under_the_body_and_only_hits_block(disturbances, seed) -> None:
+    for outcome in wander(motion_with(disturbances, seed), 40):
+        assert outcome.cell == cell_at(outcome)
+        assert outcome.contacts or not outcome.blocked
+        assert outcome.seconds == pytest.approx(outcome.path[-1, 0])
+
+
+def test_on_ice_a_robot_ends_short_without_being_blocked() -> None:
+    outcome = motion_with(ICE).advance([EAST], [False])[0]
+    assert (outcome.cell, outcome.blocked, outcome.contacts) == ((3, 3), False, ())
+    assert 3.5 < outcome.path[-1, 1] < 4.0
+
+
+def test_onto_ice_a_robot_slides_past_its_goal() -> None:
+    ahead = Disturbances(slippery=frozenset({(3, col) for col in range(4, 7)}), grip=0.01)
+    motion = motion_with(ahead)
+    nominal = motion_with(None).advance([EAST], [False])[0]
+    outcome = motion.advance([EAST], [False])[0]
+    assert outcome.path[:, 1].max() > 4.5 + 0.05
+    assert outcome.seconds > nominal.seconds
+    assert not outcome.blocked
+    assert outcome.cell == cell_at(outcome)
+
+
+def test_less_grip_takes_longer_or_gets_less_far() -> None:
+    reached = []
+    for grip in (0.1, 0.04, 0.02, 0.01):
+        motion = motion_with(Disturbances(slippery=ALL_CELLS, grip=grip))
+        outcome = motion.advance([EAST], [False])[0]
+        reached.append(outcome.path[-1, 1])
+    assert reached[0] == pytest.approx(4.5, abs=0.01)
+    assert reached[0] > reached[-1]
+    assert reached[-1] < 4.0
+
+
+def test_from_where_it_ended_short_the_robot_drives_on() -> None:
+    motion = motion_with(ICE)
+    first, second = (motion.advance([EAST], [False])[0] for _ in range(2))
+    assert first.cell == (3, 3)
+    assert second.path[0, 1:3] == pytest.approx(first.path[-1, 1:3])
+    assert second.path[-1, 1] > first.path[-1, 1] + 0.05
+
+
+def test_an_uneven_drag_changes_what_a_move_costs_and_stays_where_it_is() -> None:
+    motion = motion_with(Disturbances(drag_spread=0.9), 1)
+    costs = [motion.advance([move], [False])[0].joules for move in (EAST, WEST) * 3]
+    nominal = motion_with(None).advance([EAST], [False])[0].joules
+    assert costs[0] == pytest.approx(costs[2], rel=0.02)
+    assert abs(costs[0] - nominal) > 0.02 * nominal
+
+
+def test_the_drag_of_a_cell_depends_on_seed_and_cell_and_on_nothing_else() -> None:
+    rough = Disturbances(drag_spread=0.5)
+    floor, again = Floor(rough, 7), Floor(rough, 7)
+    factors = [floor.drag_factor(cell) for cell in sorted(ALL_CELLS)]
+    backwards = [again.drag_factor(cell) for cell in sorted(ALL_CELLS, reverse=True)]
+    assert factors == backwards[::-1]
+    assert all(0.5 <= factor <= 1.5 for factor in factors)
+    assert len(set(factors)) == len(factors)
+    assert factors != [Floor(rough, 8).drag_factor(cell) for cell in sorted(ALL_CELLS)]
+
+
+def test_noise_turns_no_drive_round_and_at_most_doubles_its_speed() -> None:
+    floor = Floor(Disturbances(actuation_noise=0.5), 0)
+    factors = [floor.speed_factor() for _ in range(5_000)]
+    assert min(factors) == 0
+    assert max(factors) == 2
+    assert sum(factors) / len(factors) == pytest.approx(1, abs=0.05)
+
+
+# A stall.
+
+
+@pytest.mark.parametrize("strength", [0.0, 0.1])
+def test_a_motor_too_weak_for_the_floor_stalls(strength: float) -> None:
+    outcome = motion_with(Disturbances(motor_strength=strength)).advance([EAST], [False])[0]
+    assert (outcome.cell, outcome.blocked, outcome.contacts) == ((3, 3), False, ())
+    assert outcome.path[-1, 1:3] == pytest.approx((3.5, 3.5), abs=0.01)
+    nominal = motion_with(None).advance([EAST], [False])[0]
+    assert outcome.seconds == pytest.approx(2 * nominal.seconds, rel=0.6)
+    assert outcome.joules == pytest.approx(RobotSpec().idle_power * outcome.seconds)
+
+
+def test_a_stall_costs_what_a_step_costs_and_nothing_more() -> None:
+    backend = RigidBodyMotion(disturbances=Disturbances(motor_strength=0.1))
+    env = WarehouseEnv(backend=backend)
+    before = env.reset(seed=1)
+    observation, reward, terminated, truncated, info = env.step("E")
+    assert reward == -0.1
+    assert observation == before | {"steps": 1, "battery": before["battery"] - 1}
+    assert (terminated, truncated, info) == (False, False, {})
+
+
+def test_a_weak_motor_that_can_just_move_is_slower() -> None:
+    weak = motion_with(Disturbances(motor_strength=0.5)).advance([EAST], [False])[0]
+    nominal = motion_with(None).advance([EAST], [False])[0]
+    assert weak.cell == (3, 4)
+    assert weak.seconds > nominal.seconds
+
+
+@over_kinds
+def test_a_fleet_on_a_bad_floor_is_told_of_truthfully(disturbances: Disturbances) -> None:
+    """Robots that end off the middle may well share a cell; bodies still never overlap."""
+    motion, stream = RigidBodyMotion(disturbances=disturbances), random.Random(2)
+    motion.reset(HALL, [(2, 2), (2, 3), (3, 3), (3, 4)], 0)
+    for _ in range(40):
+        outcomes = motion.advance(stream.choices(STEPS, k=4), [False] * 4)
+        assert [outcome.cell for outcome in outcomes] == [cell_at(outcome) for outcome in outcomes]
+        for one, other in combinations(outcomes, 2):
+            apart = math.dist(one.path[-1, 1:3], other.path[-1, 1:3])
+            assert apart >= 2 * RobotSpec().radius - 0.01

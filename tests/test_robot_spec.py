@@ -1,0 +1,99 @@
+"""Every number of a robot is checked before the physics engine sees it."""
+
+import math
+from dataclasses import fields, replace
+from typing import Any
+
+import pytest
+
+from warehouse_physics import RobotSpec
+from warehouse_physics.robot_spec import GRAVITY, LARGEST
+
+NAMES = [each.name for each in fields(RobotSpec)]
+MAY_BE_ZERO = {"payload_mass", "floor_drag", "idle_power"}
+NO_NUMBERS = [True, False, "1", None, (1.0,), 1j]
+NO_AMOUNTS = [math.nan, math.inf, -math.inf, -1, -0.5, -5e-324, 2 * LARGEST, 10**400]
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("value", NO_NUMBERS, ids=repr)
+def test_what_is_no_number_is_refused_with_the_fields_name(name: str, value: Any) -> None:
+    with pytest.raises(ValueError, match=rf"^{name} is .*; it must be a number$"):
+        RobotSpec(**{name: value})
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("value", NO_AMOUNTS, ids=lambda value: repr(value)[:9])
+def test_what_no_robot_can_have_is_refused_with_the_fields_name(name: str, value: Any) -> None:
+    least = "at least 0" if name in MAY_BE_ZERO else "above 0"
+    with pytest.raises(ValueError, match=rf"^{name} is .*; it must be {least} and at most 1e\+09$"):
+        RobotSpec(**{name: value})
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("zero", [0, 0.0, -0.0])
+def test_zero_is_refused_but_for_what_may_be_missing(name: str, zero: float) -> None:
+    if name in MAY_BE_ZERO:
+        assert getattr(RobotSpec(**{name: zero}), name) == 0
+    else:
+        with pytest.raises(ValueError, match=rf"^{name} is .*; it must be above 0"):
+            RobotSpec(**{name: zero})
+
+
+def test_whole_numbers_are_numbers() -> None:
+    assert RobotSpec(mass=40, idle_power=0).total_mass(loaded=False) == 40
+
+
+def test_an_efficiency_above_one_is_refused() -> None:
+    assert RobotSpec(drivetrain_efficiency=1.0).drivetrain_efficiency == 1
+    with pytest.raises(ValueError, match=r"^drivetrain_efficiency is 1\.01; .* at most 1$"):
+        RobotSpec(drivetrain_efficiency=1.01)
+
+
+@pytest.mark.parametrize("radius", [0.5, 0.6, 2.0])
+def test_a_robot_that_does_not_fit_its_cell_is_refused(radius: float) -> None:
+    with pytest.raises(ValueError, match=r"^radius is .*; it must be below half of cell_size 1\.0"):
+        RobotSpec(radius=radius)
+    assert RobotSpec(radius=radius, cell_size=2.1 * radius).radius == radius
+
+
+@pytest.mark.parametrize("time_step", [1 / 60, 1 / 30, 0.01])
+def test_no_robot_moves_further_than_half_its_radius_in_a_substep(time_step: float) -> None:
+    most = 0.35 / 2 / time_step
+    assert RobotSpec(top_speed=most, time_step=time_step).top_speed == most
+    with pytest.raises(ValueError, match=rf"^top_speed is .* must be at most {most!r}$"):
+        RobotSpec(top_speed=most * 1.0001, time_step=time_step)
+
+
+def test_a_motor_that_cannot_move_the_loaded_robot_is_refused() -> None:
+    drag = 0.015 * 70 * GRAVITY
+    assert RobotSpec().drag_force(loaded=True) == pytest.approx(drag)
+    assert RobotSpec(motor_force=2 * drag)
+    with pytest.raises(ValueError, match=r"^motor_force is .*; to move the loaded robot it must"):
+        RobotSpec(motor_force=0.99 * drag)
+
+
+@pytest.mark.parametrize("changes", [{"time_step": 1e-4}, {"top_speed": 0.01}])
+def test_a_move_that_would_take_thousands_of_substeps_is_refused(changes: dict[str, float]) -> None:
+    with pytest.raises(ValueError, match=r"^time_step is .*; the loaded robot would take .* 2000$"):
+        RobotSpec(**changes)
+
+
+def test_the_fast_preset_is_the_default_robot_with_a_longer_substep() -> None:
+    assert RobotSpec().time_step == 1 / 60
+    assert RobotSpec.fast() == replace(RobotSpec(), time_step=1 / 30)
+
+
+def test_a_load_adds_mass_and_drag_and_lowers_the_acceleration() -> None:
+    spec = RobotSpec(mass=40, payload_mass=40, motor_force=60, floor_drag=0.02)
+    assert (spec.total_mass(loaded=False), spec.total_mass(loaded=True)) == (40, 80)
+    assert spec.drag_force(loaded=True) == 2 * spec.drag_force(loaded=False)
+    assert spec.attainable_acceleration(loaded=False) == 1.0
+    # What is left of 60 N after the drag moves 80 kg.
+    expected = (60 - 0.02 * 80 * GRAVITY) / 80
+    assert spec.attainable_acceleration(loaded=True) == pytest.approx(expected)
+
+
+def test_a_strong_motor_needs_at_least_a_substep_to_reach_top_speed() -> None:
+    spec = RobotSpec(acceleration=1e4, motor_force=1e7)
+    assert spec.attainable_acceleration(loaded=True) == 1.0 / (1 / 60)

@@ -1,0 +1,114 @@
+"""The physics backend: every grid move as the motion of a rigid body."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+
+import numpy as np
+
+from warehouse_core import Cell, Layout, Outcome
+from warehouse_core.motion import check_moves, check_starts
+from warehouse_physics.arena import Arena
+from warehouse_physics.disturbances import Disturbances, Floor
+from warehouse_physics.robot import Robot
+from warehouse_physics.robot_spec import RobotSpec
+
+Row = tuple[float, float, float, float]
+
+PATH_EVERY = 6
+"""Substeps from one row of the path to the next."""
+
+MOST_SUBSTEPS = 10_000
+"""After so many substeps an action ends, wherever the robots are."""
+
+STAY = (0, 0)
+
+
+class RigidBodyMotion:
+    """Moves ``R`` robots as discs with mass, driven by finite force, that collide.
+
+    Nothing is looked up in the grid: ``cell`` is the cell under the body, and a robot is blocked
+    because Chipmunk reports that it touched something. It then drives back to the middle of its
+    cell. Robots that move at the same time keep the pace of the slowest, as a loaded robot is.
+
+    Args:
+        spec: what the robots are made of.
+        disturbances: how far the world departs from the nominal.
+        record_path: keep the way of each robot; without it a path is its start and its end.
+    """
+
+    def __init__(
+        self,
+        spec: RobotSpec | None = None,
+        disturbances: Disturbances | None = None,
+        *,
+        record_path: bool = True,
+    ) -> None:
+        self.spec = spec or RobotSpec()
+        self.disturbances = disturbances or Disturbances()
+        self.cell_size = self.spec.cell_size
+        self._record_path = record_path
+        self._paces = [self.spec.attainable_acceleration(loaded) for loaded in (False, True)]
+        self._arena: Arena | None = None
+
+    def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
+        """Build the world anew with robots at rest; see ``Motion.reset``."""
+        check_starts(layout, cells)
+        floor = None
+        if self.disturbances.any:
+            # Without a seed chance comes from Python's global stream, as in the chapter.
+            floor = Floor(self.disturbances, random.getrandbits(32) if seed is None else seed)
+        self._arena = Arena(layout, cells, self.spec, floor)
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        """Carry out one action for each robot; see ``Motion.advance``."""
+        if self._arena is None:
+            raise RuntimeError("advance() needs a reset() before it")
+        robots = self._arena.robots
+        check_moves(len(robots), displacements, loaded)
+        paths = [[self._row(0.0, robot)] for robot in robots]
+        pace = self._pace_of(displacements, loaded)
+        for robot, displacement, load in zip(robots, displacements, loaded, strict=True):
+            robot.set_out(displacement, load, pace)
+        substeps = self._drive(self._arena, paths)
+        seconds = substeps * self.spec.time_step if substeps else self.spec.dwell
+        return [self._outcome(*each, seconds) for each in zip(robots, paths, strict=True)]
+
+    def close(self) -> None:
+        """Let the world go; see ``Motion.close``."""
+        self._arena = None
+
+    def _pace_of(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> float:
+        """Return the acceleration in m/s² that every robot on the move can keep."""
+        pairs = zip(displacements, loaded, strict=True)
+        loads = [load for displacement, load in pairs if displacement != STAY]
+        return min([self._paces[bool(load)] for load in loads], default=self.spec.acceleration)
+
+    def _drive(self, arena: Arena, paths: list[list[Row]]) -> int:
+        """Run until all robots rest, and return after how many substeps they do."""
+        now = 0
+        every = PATH_EVERY if self._record_path else MOST_SUBSTEPS
+        while now < MOST_SUBSTEPS and (busy := arena.busy()):
+            until = min([robot.until for robot in busy])
+            now = arena.run(now, min(until, now + every))
+            if self._record_path:
+                for robot, path in zip(arena.robots, paths, strict=True):
+                    path.append(self._row(now * self.spec.time_step, robot))
+            for robot in arena.busy():
+                if robot.until <= now:
+                    robot.next_phase(now)
+        return now
+
+    def _outcome(self, robot: Robot, path: list[Row], seconds: float) -> Outcome:
+        if path[-1][0] < seconds:
+            path.append(self._row(seconds, robot))
+        rows = np.array(path)
+        rows.flags.writeable = False
+        joules = robot.work / self.spec.drivetrain_efficiency + self.spec.idle_power * seconds
+        return Outcome(robot.cell, robot.gave_up, seconds, joules, rows, tuple(robot.contacts))
+
+    @staticmethod
+    def _row(seconds: float, robot: Robot) -> Row:
+        x, y = robot.position
+        return seconds, x, y, robot.body.angle

@@ -1,0 +1,50 @@
+"""The walls of a layout as few rectangles, in a fixed order.
+
+A box for every cell would have seams that stop a sliding body, and the order of insertion changes
+results, so wall cells are merged greedily: along rows first, then downward.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from warehouse_core import Layout
+from warehouse_core.layout import WALL
+
+Box = tuple[int, int, int, int]
+"""Left, top, right and bottom edge, in cells."""
+
+
+def wall_boxes(layout: Layout) -> list[Box]:
+    """Return boxes that cover the walls exactly, and four around the grid, which ends there."""
+    height, width = layout.height, layout.width
+    around = [
+        (-1, -1, width + 1, 0),
+        (-1, height, width + 1, height + 1),
+        (-1, 0, 0, height),
+        (width, 0, width + 1, height),
+    ]
+    return around + _merged(layout)
+
+
+def _merged(layout: Layout) -> list[Box]:
+    done: list[Box] = []
+    growing: dict[tuple[int, int], int] = {}
+    for row, line in enumerate([*layout.rows, ""]):
+        runs = list(_runs(line))
+        for run in [run for run in growing if run not in runs]:
+            done.append((run[0], growing.pop(run), run[1], row))
+        for run in runs:
+            growing.setdefault(run, row)
+    return done
+
+
+def _runs(line: str) -> Iterator[tuple[int, int]]:
+    """Yield start and end of each run of walls."""
+    start = line.find(WALL)
+    while start >= 0:
+        end = start
+        while end < len(line) and line[end] == WALL:
+            end += 1
+        yield start, end
+        start = line.find(WALL, end)
