@@ -155,6 +155,13 @@ def test_a_robot_in_a_wall_is_refused(
     assert f"no robot can be where {message}" in refused(load_changed, cells=cells)
 
 
+def test_motions_that_end_elsewhere_than_the_robot_was_are_refused(
+    arrays: Arrays, load_changed: Load
+) -> None:
+    cells = changed_at(arrays["motion_cells"], 2, (0, 0))
+    assert "other cells" in refused(load_changed, motion_cells=cells)
+
+
 @pytest.mark.parametrize("start", [[0, 0], [7, 1], [-1, 1], [10**30, 1]])
 def test_a_start_in_a_wall_is_refused(arrays: Arrays, load_changed: Load, start: list[int]) -> None:
     header = header_of(arrays)

@@ -21,12 +21,13 @@ contacts = st.builds(
     Contact, floats, floats, st.tuples(floats, floats), st.sampled_from(["wall", "robot 3"])
 )
 paths = st.lists(st.tuples(floats, floats, floats, floats), min_size=2, max_size=5).map(np.array)
+amounts = st.floats(min_value=0, exclude_min=True, allow_infinity=False)
 outcomes = st.builds(
     Outcome,
     st.tuples(st.integers(0, 2**31 - 1), st.integers(0, 2**31 - 1)),
     st.booleans(),
-    floats,
-    floats,
+    amounts,
+    amounts,
     paths,
     st.lists(contacts, max_size=3).map(tuple),
 )
@@ -117,3 +118,12 @@ def test_motions_are_checked_when_a_record_is_loaded(
     lengths[0] += 1
     with pytest.raises(RecordError, match=r"changed\.npz: path: 120; there must be 121"):
         load_changed(path_lengths=lengths)
+
+
+@pytest.mark.parametrize("name", ["motion_seconds", "motion_joules"])
+@pytest.mark.parametrize("amount", [0.0, -1.0])
+def test_a_motion_takes_some_time_and_some_energy(name: str, amount: float) -> None:
+    arrays, counterparts = packed(TWO)
+    arrays[name][1] = amount
+    with pytest.raises(RecordError, match="no time or no energy"):
+        unpack_motions(arrays, counterparts, len(TWO))

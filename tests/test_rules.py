@@ -96,3 +96,8 @@ def test_an_episode_is_cut_off_when_steps_or_battery_are_used_up(
     steps: int, battery: int, expected: bool
 ) -> None:
     assert is_truncated(steps, 10, battery) is expected
+
+
+def test_a_letter_that_only_looks_like_an_action_in_upper_case_is_none() -> None:
+    assert "\u017f".upper() == "S"
+    assert action_index("\u017f") == INVALID

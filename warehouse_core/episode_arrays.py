@@ -87,6 +87,8 @@ def unpack_fields(arrays: Arrays) -> Fields:
     fields |= {name: header[name] for name in ("seed", "agent", "terminated", "truncated")}
     fields |= {name: arrays[name].tolist() for name in ("loaded", "battery", "rewards")}
     _check_cells(fields["layout"], [fields["settings"].start_pos, *fields["cells"]])
+    if [motion.cell for motion in fields["motions"]] != fields["cells"][1:]:
+        raise RecordError("the motions end in other cells than the robot was in")
     return fields
 
 

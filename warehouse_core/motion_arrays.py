@@ -116,6 +116,8 @@ def _check(arrays: Arrays, steps: int) -> None:
     for name in ("motion_seconds", "motion_joules", "path", "contacts"):
         if not np.isfinite(arrays[name]).all():
             raise RecordError(f"{name} holds a number that is not finite")
+    if min(arrays["motion_seconds"].min(initial=1), arrays["motion_joules"].min(initial=1)) <= 0:
+        raise RecordError("a motion took no time or no energy")
 
 
 def _expect(name: str, found: int, expected: int) -> None:

@@ -65,7 +65,9 @@ def action_index(action: str | SupportsIndex) -> int:
     """
     if isinstance(action, str):
         index = _INDEX_OF_WORD.get(action)
-        return _INDEX_OF_WORD.get(action.upper(), INVALID) if index is None else index
+        if index is None:  # some letters beyond ASCII have an upper case within it
+            return _INDEX_OF_WORD.get(action.upper() if action.isascii() else "", INVALID)
+        return index
     try:
         number = operator.index(action)
     except TypeError:

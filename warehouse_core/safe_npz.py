@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.atomic_file import atomic_path
 
-MAX_BYTES = 256 * 1024 * 1024
+MAX_BYTES = 64 * 1024 * 1024
 """Uncompressed size of all arrays together above which a file is neither written nor read."""
 
 Arrays = dict[str, NDArray[Any]]
