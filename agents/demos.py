@@ -56,9 +56,10 @@ def delivery() -> Demo:
 
 def bump() -> Demo:
     """A robot runs into a wall, in slow motion, with the force of the hit."""
-    from warehouse_physics import RobotSpec
+    from warehouse_physics import RigidBodyMotion, RobotSpec
 
-    episode = drive(WarehouseEnv(HALL, (2, 1), backend="physics"), ["W"], "bump")
+    env = WarehouseEnv(HALL, (2, 1), backend=RigidBodyMotion(path_every=1))
+    episode = drive(env, ["W"], "bump")
     contact = episode.motions[0].contacts[0]
     step = RobotSpec().time_step
     force = contact.impulse / step
@@ -111,8 +112,10 @@ def slip() -> Demo:
 
 def head_on() -> Demo:
     """Two robots that want each other's cells."""
+    from warehouse_physics import RigidBodyMotion
+
     cells: list[Cell] = [(2, 2), (2, 3)]
-    motion = load_backend("physics")()
+    motion = RigidBodyMotion(path_every=1)
     motion.reset(HALL, cells, 0)
     outcomes = motion.advance([(0, 1), (0, -1)], [False, False])
     settings = Settings("physics", motion.cell_size, cells[0], 1, 1, 0)

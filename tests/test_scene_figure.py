@@ -170,6 +170,13 @@ def test_indexed_pixels_share_one_palette(replay: Replay) -> None:
     assert first.tobytes() != last.tobytes()
 
 
+def test_a_colour_has_one_index_wherever_it_is(replay: Replay) -> None:
+    replay.go_to(6)
+    colors = (pixels(replay) * (65536, 256, 1)).sum(axis=2).ravel()
+    pairs = set(zip(colors.tolist(), replay.figure.indexed_pixels().tobytes(), strict=True))
+    assert len(pairs) == len(set(colors.tolist()))
+
+
 def test_a_figure_without_pixels_says_so() -> None:
     figure = SceneFigure(figsize=(2, 1))
     FigureCanvasSVG(figure)

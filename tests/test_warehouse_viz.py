@@ -170,10 +170,29 @@ def test_the_keys_of_matplotlib_are_taken_off_the_window() -> None:
     replay = replay_animation(short_episode(), window=True)
     assert replay is not None
     canvas, axes = replay.figure.canvas, replay.figure.axes[1]
-    for key in ("l", "k", "g", "G", "s", "h", "f"):
-        canvas.callbacks.process("key_press_event", KeyEvent("key_press_event", canvas, key))
+    canvas.draw()
+    middle = axes.transAxes.transform((0.5, 0.5))
+    for key in ("l", "k"):  # each would change a scale of the chart that the mouse is over
+        canvas.callbacks.process(
+            "key_press_event", KeyEvent("key_press_event", canvas, key, *middle)
+        )
     assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "linear")
     plt.close("all")
+
+
+def test_a_toolkit_that_cannot_open_a_window_is_no_display(monkeypatch: pytest.MonkeyPatch) -> None:
+    import matplotlib.pyplot as plt
+
+    from warehouse_core.display import has_display
+
+    def switched(backend: str) -> None:
+        if backend == "qtagg":
+            raise ImportError("there is no such toolkit here")
+
+    monkeypatch.setattr(plt, "switch_backend", switched)
+    for backend, expected in (("tkagg", True), ("qtagg", False), ("agg", False), ("svg", False)):
+        monkeypatch.setattr(plt, "get_backend", lambda backend=backend: backend)
+        assert has_display() == expected, backend
 
 
 # Frames as files.

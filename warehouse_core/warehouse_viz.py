@@ -81,7 +81,7 @@ def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: fl
     Args:
         frames: an ``Episode``, or frames as ``WarehouseEnv.render_grid`` returns them.
         output_dir: made if need be; files of these names in it are replaced.
-        dpi: dots an inch for viewers that draw the files as pixels.
+        dpi: dots an inch of whatever is drawn as pixels; here everything is drawn as lines.
 
     Raises:
         ValueError: bad frames or ``dpi``.

@@ -11,7 +11,7 @@ import pymunk
 from warehouse_core import Cell, Layout
 from warehouse_core.motion import WALL_CONTACT, Contact, robot_contact
 from warehouse_physics.disturbances import Floor
-from warehouse_physics.robot import ROBOT, WALL, Phase, Position, Robot, Touch
+from warehouse_physics.robot import ROBOT, WALL, Position, Robot, Touch
 from warehouse_physics.robot_spec import RobotSpec
 from warehouse_physics.walls import wall_boxes
 
@@ -62,10 +62,6 @@ class Arena:
             for robot in feelers:
                 robot.feel_floor()
         return until
-
-    def busy(self) -> list[Robot]:
-        """Return the robots that are not at rest."""
-        return [robot for robot in self.robots if robot.phase is not Phase.REST]
 
     def touching(self, robot: Robot) -> list[Robot]:
         """Return the robots that touch ``robot``."""

@@ -11,12 +11,12 @@ from warehouse_core import Cell, Layout, Outcome
 from warehouse_core.motion import check_moves, check_starts
 from warehouse_physics.arena import Arena
 from warehouse_physics.disturbances import Disturbances, Floor
-from warehouse_physics.robot import Robot
+from warehouse_physics.robot import NEVER, Robot
 from warehouse_physics.robot_spec import RobotSpec
 
 Row = tuple[float, float, float, float]
 
-PATH_EVERY = 6
+PATH_EVERY = 10
 """Substeps from one row of the path to the next."""
 
 MOST_SUBSTEPS = 10_000
@@ -36,6 +36,11 @@ class RigidBodyMotion:
         spec: what the robots are made of.
         disturbances: how far the world departs from the nominal.
         record_path: keep the way of each robot; without it a path is its start and its end.
+        path_every: substeps from one row of the path to the next, at least 1; ``None`` is
+            ``PATH_EVERY``.
+
+    Raises:
+        ValueError: ``path_every`` is below 1.
     """
 
     def __init__(
@@ -44,7 +49,12 @@ class RigidBodyMotion:
         disturbances: Disturbances | None = None,
         *,
         record_path: bool = True,
+        path_every: int | None = None,
     ) -> None:
+        if path_every is not None and path_every < 1:
+            raise ValueError(f"path_every is {path_every}; it must be at least 1")
+        every = PATH_EVERY if path_every is None else path_every
+        self._path_every = every if record_path else MOST_SUBSTEPS
         self.spec = spec or RobotSpec()
         self.disturbances = disturbances or Disturbances()
         self.cell_size = self.spec.cell_size
@@ -67,10 +77,10 @@ class RigidBodyMotion:
             raise RuntimeError("advance() needs a reset() before it")
         robots = self._arena.robots
         check_moves(len(robots), displacements, loaded)
-        paths = [[self._row(0.0, robot)] for robot in robots]
         pace = self._pace_of(displacements, loaded)
         for robot, displacement, load in zip(robots, displacements, loaded, strict=True):
             robot.set_out(displacement, load, pace)
+        paths = [[self._row(0.0, robot)] for robot in robots]
         substeps = self._drive(self._arena, paths)
         seconds = substeps * self.spec.time_step if substeps else self.spec.dwell
         return [self._outcome(*each, seconds) for each in zip(robots, paths, strict=True)]
@@ -88,19 +98,21 @@ class RigidBodyMotion:
     def _drive(self, arena: Arena, paths: list[list[Row]]) -> int:
         """Run until all robots rest, and return after how many substeps they do."""
         now = 0
-        every = PATH_EVERY if self._record_path else MOST_SUBSTEPS
-        while now < MOST_SUBSTEPS and (busy := arena.busy()):
-            until = min([robot.until for robot in busy])
-            now = arena.run(now, min(until, now + every))
+        robots = arena.robots
+        while now < MOST_SUBSTEPS and (until := min([robot.until for robot in robots])) < NEVER:
+            now = arena.run(now, min(until, now + self._path_every))
             if self._record_path:
-                for robot, path in zip(arena.robots, paths, strict=True):
-                    path.append(self._row(now * self.spec.time_step, robot))
-            for robot in arena.busy():
+                seconds = now * self.spec.time_step
+                for robot, path in zip(robots, paths, strict=True):
+                    robot.look()
+                    path.append(self._row(seconds, robot))
+            for robot in robots:
                 if robot.until <= now:
                     robot.next_phase(now)
         return now
 
     def _outcome(self, robot: Robot, path: list[Row], seconds: float) -> Outcome:
+        robot.look()
         if path[-1][0] < seconds:
             path.append(self._row(seconds, robot))
         rows = np.array(path)

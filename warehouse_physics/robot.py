@@ -7,6 +7,7 @@ thing that is ever commanded. Position and velocity of the robot itself are only
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable
 from enum import Enum
 from typing import NamedTuple
@@ -24,8 +25,8 @@ Position = tuple[float, float]
 ROBOT, WALL = 1, 2
 """Collision types."""
 
-TURNING = 60.0
-"""Angular acceleration of the heading in rad/s²; it has no effect on where a disc goes."""
+TURN_RATE, TURNING = math.pi, 60.0
+"""Angular speed and acceleration of the heading, in rad/s and rad/s²; no disc goes elsewhere."""
 
 ARRIVED = 1e-3
 """Share of a cell within which a robot is where it wants to be."""
@@ -48,6 +49,10 @@ MOST_RETURNS = 8
 
 FITTING = 0.9
 """Share of the room beside a robot in its lane that it may use up."""
+
+
+NEVER = sys.maxsize
+"""The substep at which a robot at rest has something to do."""
 
 
 class Phase(Enum):
@@ -91,31 +96,28 @@ class Robot:
         self._motor = pymunk.PivotJoint(self.body, self._control, (0, 0), (0, 0))
         self._steering = pymunk.GearJoint(self.body, self._control, 0.0, 1.0)
         self._floor.max_bias = self._motor.max_bias = 0.0
+        self._steering.max_bias = TURN_RATE
         # The motor comes after the floor: the last word in the solver's round is the drive's.
         space.add(self.body, shape, self._control, self._floor, self._motor, self._steering)
-        self.phase, self.until = Phase.REST, 0
-        self.gave_up = self._returning = self._turning = False
+        self.gave_up = self._returning = False
         self.touching: Callable[[], list[Robot]] = list
         self._heading = 0.0
-        self._rest_position: Position | None = None
+        self.look()
         self._on = cell
         self._loaded: bool | None = None
         self._load(False)
         self._pace = spec.acceleration
         self._brake(0, 0)
-        self.phase = Phase.REST
+        self.phase, self.until = Phase.REST, NEVER
 
-    @property
-    def position(self) -> Position:
-        """Where the middle of the body is, in metres; read once while it stands still."""
-        if self._rest_position is None or self.phase is not Phase.REST:
-            x, y = self.body.position
-            self._rest_position = x, y
-        return self._rest_position
+    def look(self) -> None:
+        """Read where the middle of the body is, in metres."""
+        x, y = self.body.position
+        self.position = x, y
 
     @property
     def cell(self) -> Cell:
-        """The cell under the middle of the body."""
+        """The cell that the middle of the body was over at the last look."""
         x, y = self.position
         return math.floor(y / self._spec.cell_size), math.floor(x / self._spec.cell_size)
 
@@ -129,6 +131,7 @@ class Robot:
         """
         if loaded != self._loaded:
             self._load(loaded)
+        self.look()
         row, col = self.home = self.cell
         self.goal = goal = (row + displacement[0], col + displacement[1])
         self._pace = pace
@@ -142,6 +145,7 @@ class Robot:
 
     def next_phase(self, now: int) -> None:
         """Do what comes next at substep ``now``: brake, or drive on if it is not there yet."""
+        self.look()
         if self.phase is Phase.GO:
             self._count_work(self.body.velocity)
             self._brake(now, self._braking)
@@ -150,7 +154,7 @@ class Robot:
         if speed > AT_REST:
             self._brake(now, self._braking_from(speed))
         elif now >= self._deadline or self._has_arrived():
-            self.phase = Phase.REST
+            self.phase, self.until = Phase.REST, NEVER
         elif self.gave_up and self._must_wait(now):
             self._give_way(now)
         else:
@@ -159,6 +163,7 @@ class Robot:
     def meet(self, now: int, touch: Touch, contact: Contact) -> None:
         """Take note of a hit at substep ``now``, and give up if it is in the way."""
         self.contacts.append(contact)
+        self.look()
         if self.phase is Phase.GO:
             self._count_work(touch.velocity)
         if self._is_hindered_by(touch):
@@ -176,6 +181,7 @@ class Robot:
 
     def feel_floor(self) -> None:
         """Take account of the floor under the robot, where that differs from cell to cell."""
+        self.look()
         cell = self.cell
         if self._uneven is not None and cell != self._on:
             if self.phase is Phase.GO:
@@ -211,8 +217,13 @@ class Robot:
         """Say whether a touch is against the way, or of a robot that wants its own cell back."""
         if self.gave_up or self.goal == self.home:
             return False
-        if touch.other is not None and touch.other.gave_up and self.came_after(touch.other):
-            return True
+        other = touch.other
+        if other is not None and other.gave_up:
+            if self.came_after(other):
+                return True
+            # Pushed aside by a third, it goes back to where it is not in the way.
+            if self.goal not in (other.home, other.goal):
+                return False
         down, right = self.goal[0] - self.home[0], self.goal[1] - self.home[1]
         return touch.push[0] * right + touch.push[1] * down < -AGAINST
 
@@ -250,9 +261,6 @@ class Robot:
 
     def _brake(self, now: int, substeps: int) -> None:
         self._control.velocity = (0.0, 0.0)
-        if self._turning:
-            self._control.angular_velocity = 0.0
-            self._turning = False
         # The floor brakes too; the motor does the rest, so that the pace is the same both ways.
         self._push(max(self._mass * self._pace - self._nominal_drag, 0.0))
         self.phase, self.until = Phase.BRAKE, now + substeps
@@ -268,8 +276,7 @@ class Robot:
         turn = math.remainder(wanted - self._heading, math.tau)
         if turn:
             self._heading += turn
-            self._control.angular_velocity = turn / (leg.go * self._spec.time_step)
-            self._turning = True
+            self._control.angle = self._heading
 
     def _push(self, force: float) -> None:
         """Let the motor push with up to ``force`` N, or with what it and the floor allow."""
@@ -282,10 +289,9 @@ class Robot:
     def _count_work(self, velocity: Position) -> None:
         """Add what the motor has done since it was counted: speed gained, and drag overcome."""
         energy = 0.5 * self._mass * (velocity[0] ** 2 + velocity[1] ** 2)
-        position = self.position
-        way = math.dist(self._start, position)
+        way = math.dist(self._start, self.position)
         self.work += max(0.0, energy - self._energy + self._drag * way)
-        self._start, self._energy = position, energy
+        self._start, self._energy = self.position, energy
 
     def _has_arrived(self) -> bool:
         return math.dist(self.position, self._target) <= ARRIVED * self._spec.cell_size
