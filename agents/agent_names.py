@@ -29,7 +29,6 @@ def make_agent(name: str, seed: int | None = None) -> Agent:
 
     Raises:
         AgentError: saying what is wrong with the name.
-
     """
     kind = AGENTS.get(name) or _load_class(name)
     takes_seed = "seed" in inspect.signature(kind).parameters

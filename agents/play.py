@@ -44,7 +44,6 @@ class Driver:
     Args:
         env: to be driven.
         seed: of the first episode.
-
     """
 
     def __init__(self, env: WarehouseEnv, seed: int) -> None:

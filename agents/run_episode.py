@@ -51,7 +51,6 @@ def run_episode(
 
     Raises:
         ValueError: a name or number that is not allowed.
-
     """
     env = make_env(layout or DEFAULT_LAYOUT, backend, battery, max_steps)
     seed = draw_seed() if seed is None else seed

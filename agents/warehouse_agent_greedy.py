@@ -29,7 +29,6 @@ class GreedyAgent:
 
     Raises:
         ValueError: ``memory`` or ``escape_steps`` is negative.
-
     """
 
     def __init__(self, seed: int | None = None, memory: int = 10, escape_steps: int = 3) -> None:

@@ -41,7 +41,6 @@ def steps_differ(spec: RobotSpec, moves: int, layouts: int = LAYOUTS) -> int:
 
     Raises:
         AssertionError: one of the five values differs.
-
     """
     stream, blocked = random.Random(0), 0
     for seed in range(layouts):

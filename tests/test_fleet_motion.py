@@ -85,7 +85,6 @@ def fleet_keeps_the_table(spec: RobotSpec, robots: int, seed: int, actions: int)
 
     Raises:
         AssertionError: a robot ended elsewhere than ``find_stops`` says.
-
     """
     stream = random.Random(100 * seed + robots)
     layout = random_layout(6, 8, 0.15, seed=seed) if seed else DEFAULT_LAYOUT

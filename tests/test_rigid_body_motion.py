@@ -285,7 +285,6 @@ def drive_at_walls(time_step: float, moves: int) -> None:
 
     Raises:
         AssertionError: it got through one, or deeper into it than a substep takes it.
-
     """
     radius = 0.35
     top_speed = radius / 2 / time_step

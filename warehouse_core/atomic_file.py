@@ -12,7 +12,6 @@ def check_target(target: Path) -> None:
 
     Raises:
         OSError: it is a folder, or its folder does not exist.
-
     """
     if target.is_dir():
         raise IsADirectoryError(f"{target} is a folder, not a file")
@@ -29,7 +28,6 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
 
     Raises:
         OSError: the folder does not exist or cannot be written.
-
     """
     target = Path(path)
     check_target(target)

@@ -29,7 +29,6 @@ def make_motion(backend: Backend) -> Motion:
     Raises:
         BackendError: the name is not installed, or its requirements are missing or broken.
         TypeError: ``backend`` is none of the three.
-
     """
     if isinstance(backend, str):
         return load_backend(backend)()
@@ -55,7 +54,6 @@ def load_backend(name: str) -> type[Motion]:
     Raises:
         BackendError: listing what is installed, or saying which command installs what is missing
             or broken.
-
     """
     entry_point = _entry_points().get(name)
     if entry_point is None:

@@ -33,7 +33,6 @@ class Result:
         rule: which it checks, a sentence.
         status: ``"passed"``, ``"failed"``, ``"expected failure"`` or ``"unexpected pass"``.
         detail: how it failed, or why it was expected to; "" where it passed.
-
     """
 
     name: str
@@ -61,7 +60,6 @@ class Report:
 
         Raises:
             ConformanceError: listing every one.
-
         """
         if self.failures:
             raise ConformanceError("\n".join(map(str, self.failures)))
@@ -82,7 +80,6 @@ def run_conformance(
 
     Raises:
         ValueError: ``expected_failures`` names no check, or gives no reason.
-
     """
     expected = dict(expected_failures or {})
     unknown = expected.keys() - {check.__name__ for check in CHECKS}

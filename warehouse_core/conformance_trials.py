@@ -38,7 +38,6 @@ class Step(NamedTuple):
         starts: the cells that the robots were in.
         wanted: the cells that they were told to go to.
         outcomes: what came of it.
-
     """
 
     number: int

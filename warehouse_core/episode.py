@@ -61,7 +61,6 @@ class Episode:
         motions: ``[T]`` what the backend did.
         terminated: the item was delivered.
         truncated: the battery or the steps were used up.
-
     """
 
     layout: Layout
@@ -125,7 +124,6 @@ class Episode:
         Raises:
             RecordError: it is larger than ``safe_npz.MAX_BYTES``.
             OSError: the file cannot be written.
-
         """
         fields = {name: getattr(self, name) for name in self.__slots__}
         write_arrays(path, pack_fields(fields), EPISODE_SCHEMA)
@@ -137,7 +135,6 @@ class Episode:
         Raises:
             RecordError: the file is damaged or was never a record; it names what is wrong.
             OSError: the file cannot be read.
-
         """
         arrays = read_arrays(path, EPISODE_SCHEMA)
         try:
@@ -196,7 +193,6 @@ def record_episode(
 
     Returns:
         The record, which ended by delivery or because the steps or the battery were used up.
-
     """
     observation = env.reset(randomize=randomize, seed=seed)
     agent.reset()
@@ -215,7 +211,6 @@ def replay_episode(episode: Episode, backend: Backend | None = None) -> Episode:
     Args:
         episode: the record.
         backend: carry out the moves with another backend than the recorded one.
-
     """
     settings = episode.settings
     env = WarehouseEnv(

@@ -71,7 +71,6 @@ def unpack_fields(arrays: Arrays) -> Fields:
 
     Raises:
         ValueError: they do not; ``RecordError`` and ``LayoutError`` are among them.
-
     """
     header = _read_header(arrays)
     steps = len(arrays["actions"])

@@ -44,7 +44,6 @@ def export(replay: Replay, path: Path) -> None:
     Raises:
         FormatError: a suffix that is not in ``FORMATS``, or MP4 without imageio-ffmpeg.
         OSError: the file cannot be written.
-
     """
     write = FORMATS[check_format(path)]
     try:
@@ -59,7 +58,6 @@ def check_format(path: Path, also: Sequence[str] = ()) -> str:
 
     Raises:
         FormatError: listing what is allowed.
-
     """
     suffix = path.suffix.lower()
     if suffix not in (allowed := [*FORMATS, *also]):

@@ -20,7 +20,6 @@ def save_frames(track: Track, folder: Path, dpi: float) -> None:
     Raises:
         ValueError: ``dpi`` is not a positive finite number.
         OSError: the folder cannot be made or written to.
-
     """
     if not (math.isfinite(dpi) and dpi > 0):
         raise ValueError(f"dpi is {dpi!r}; it must be positive and finite")

@@ -48,7 +48,6 @@ class GridMotion:
 
     Raises:
         ValueError: ``cell_size`` is not a positive finite number.
-
     """
 
     def __init__(self, cell_size: float = 1.0) -> None:

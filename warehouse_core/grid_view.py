@@ -26,7 +26,6 @@ class GridView:
         cell_points: side of a cell in points, 1/72 inch, which the letters are scaled by.
         rows: the tiles to begin with.
         robots: how many there are to draw.
-
     """
 
     def __init__(

@@ -44,7 +44,6 @@ class Layout:
         TypeError: ``rows`` is not a sequence of strings.
 
     Source: the chapter's exercise; every field besides ``rows`` follows from it.
-
     """
 
     rows: tuple[str, ...]
@@ -80,7 +79,6 @@ class Layout:
 
         Raises:
             LayoutError: as for the class.
-
         """
         if len(text) > 2 * MAX_CELLS:
             raise LayoutError(f"layout text is longer than MAX_CELLS = {MAX_CELLS} cells allow")
@@ -94,7 +92,6 @@ class Layout:
         Raises:
             LayoutError: as for the class, with the file's name in front.
             OSError: the file cannot be read.
-
         """
         with Path(path).open("rb") as file:
             data = file.read(2 * MAX_CELLS + 1)
@@ -158,7 +155,6 @@ class Layout:
 
         Raises:
             LayoutError: a station is not on an open cell.
-
         """
         rows = list(self.rows)
         for row in {row for row, _ in self.pickups + self.dropoffs}:

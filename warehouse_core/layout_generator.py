@@ -32,7 +32,6 @@ def random_layout(height: int, width: int, density: float, seed: int) -> Layout:
 
     Raises:
         LayoutError: a size or density that is not allowed.
-
     """
     if min(height, width) < 4 or height * width > MAX_CELLS:
         raise LayoutError(
@@ -70,7 +69,6 @@ def shelf_layout(
 
     Raises:
         LayoutError: a size that is not allowed.
-
     """
     sizes = {
         "shelf_rows": shelf_rows,

@@ -35,7 +35,6 @@ class Contact(NamedTuple):
         impulse: in N·s, positive.
         point: position ``(x, y)`` in metres.
         counterpart: ``"wall"`` or ``"robot 3"``.
-
     """
 
     seconds: float
@@ -55,7 +54,6 @@ class Outcome(NamedTuple):
         path: ``[K, 4]`` float64, read-only, ``K >= 2``: time from the start of the motion in
             seconds, x, y, heading. The first row is the start, the last row the end.
         contacts: every hit, in order of time; never empty when ``blocked``.
-
     """
 
     cell: Cell
@@ -99,7 +97,6 @@ class Motion(Protocol):
 
         Raises:
             LayoutError: a cell is a wall, off the grid, or given twice; nothing has changed.
-
         """
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -116,7 +113,6 @@ class Motion(Protocol):
             ValueError: not one of each for every robot, or another displacement; nothing has
                 changed.
             RuntimeError: ``advance`` before ``reset`` or after ``close``.
-
         """
 
     def close(self) -> None:
@@ -134,7 +130,6 @@ def check_starts(layout: Layout, cells: Sequence[Cell]) -> None:
 
     Raises:
         LayoutError: naming the robot and the cell.
-
     """
     for robot, cell in enumerate(cells):
         if not layout.is_open(cell):
@@ -151,7 +146,6 @@ def check_moves(robots: int, displacements: Sequence[Cell], loaded: Sequence[boo
 
     Raises:
         ValueError: naming the robot and the displacement, or the two counts.
-
     """
     if not len(displacements) == len(loaded) == robots:
         raise ValueError(

@@ -41,7 +41,6 @@ def decode_words(vocabulary: Sequence[Word], codes: NDArray[Any], name: str) -> 
 
     Raises:
         RecordError: a code beyond the vocabulary.
-
     """
     if codes.size and not (codes.min() >= 0 and codes.max() < len(vocabulary)):
         raise RecordError(f"{name} has a code outside 0..{len(vocabulary) - 1}")
@@ -73,7 +72,6 @@ def unpack_motions(arrays: Arrays, counterparts: list[str], steps: int) -> list[
 
     Raises:
         RecordError: the arrays do not fit together, or hold what no motion can be.
-
     """
     _check(arrays, steps)
     names = decode_words(counterparts, arrays["contact_counterparts"], "contact_counterparts")

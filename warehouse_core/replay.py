@@ -36,7 +36,6 @@ class Replay(FuncAnimation):
 
     Raises:
         ValueError: ``interval_ms`` or ``speed`` is not a positive finite number.
-
     """
 
     def __init__(
@@ -83,7 +82,6 @@ class Replay(FuncAnimation):
 
         Raises:
             NoDisplayError: the replay was made without a window.
-
         """
         if not self.window:
             raise NoDisplayError("no window can be opened here: there is no display")
@@ -123,7 +121,6 @@ class Replay(FuncAnimation):
         Raises:
             ValueError: another suffix, or an MP4 without imageio-ffmpeg installed.
             OSError: the file cannot be written.
-
         """
         if writer is None:
             export(self, Path(filename))

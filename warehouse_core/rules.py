@@ -61,7 +61,6 @@ def action_index(action: str | SupportsIndex) -> int:
 
     Raises:
         TypeError: ``action`` is neither a word nor an integer.
-
     """
     if isinstance(action, str):
         index = _INDEX_OF_WORD.get(action)
@@ -87,7 +86,6 @@ def judge(action: int, tile: str, has_item: bool, blocked: bool) -> Verdict:
         tile: the tile under the robot after its motion.
         has_item: whether the robot held an item before the step.
         blocked: whether something stopped the motion.
-
     """
     if action < WAIT:
         return Verdict(STEP_REWARD + (BLOCKED_REWARD if blocked else 0.0), has_item, False)

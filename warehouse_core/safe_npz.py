@@ -42,7 +42,6 @@ def write_arrays(path: str | Path, arrays: Arrays, schema: Schema) -> None:
     Raises:
         RecordError: they take more than ``MAX_BYTES``.
         OSError: the file cannot be written.
-
     """
     size = sum(array.nbytes for array in arrays.values())
     if size > MAX_BYTES:
@@ -58,7 +57,6 @@ def read_arrays(path: str | Path, schema: Schema) -> Arrays:
     Raises:
         RecordError: anything in the file is not as ``schema`` says.
         OSError: the file cannot be opened.
-
     """
     with Path(path).open("rb") as file:
         try:

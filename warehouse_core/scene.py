@@ -86,7 +86,6 @@ class Scene:
         make_figure: makes the figure, once its size is known.
         length: steps, and one, to leave room for where the track is still growing.
         legend: draw the legend along the bottom.
-
     """
 
     def __init__(

@@ -29,7 +29,6 @@ class Settings:
 
         Raises:
             ValueError: a key is missing or unknown, or a value is of the wrong type or size.
-
         """
         if not isinstance(values, dict) or values.keys() != set(cls.__slots__):
             raise ValueError(f"settings must have the keys {', '.join(cls.__slots__)}")

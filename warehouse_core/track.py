@@ -192,7 +192,6 @@ def track_of_frames(
     Raises:
         ValueError: frames of different sizes, an unknown character, an unknown metric, one with
             another number of entries than there are frames, or an entry that cannot be plotted.
-
     """
     grids = [["".join(row) for row in frame] for frame in frames]
     _check_sizes(grids)

@@ -36,7 +36,6 @@ def find_stops(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -
         layout: where the walls are.
         cells: ``R`` different open cells.
         targets: for each robot its own cell or a neighbour of it.
-
     """
     stops: list[Stop] = [None if layout.is_open(target) else WALL_CONTACT for target in targets]
     robot_in = {cell: robot for robot, cell in enumerate(cells)}

@@ -85,7 +85,6 @@ class WarehouseEnv:
         TypeError: an argument of another type.
 
     Source: the chapter's exercise (Russell and Norvig, 4th ed., ch. 2).
-
     """
 
     ACTIONS: ClassVar[list[str]] = list(ACTIONS)
@@ -175,7 +174,6 @@ class WarehouseEnv:
         Raises:
             LayoutError: ``randomize`` with fewer than two open cells; nothing has changed.
             TypeError: ``seed`` is not an integer.
-
         """
         seed = None if seed is None else _whole_number("seed", seed)
         start = self._start_pos
@@ -199,7 +197,6 @@ class WarehouseEnv:
         Raises:
             TypeError: ``action`` is neither a word nor an integer; nothing has changed.
             LayoutError: ``state.robot_pos`` was set to a cell that is not open.
-
         """
         index = action_index(action)
         state = self.state

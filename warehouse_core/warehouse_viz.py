@@ -55,7 +55,6 @@ def replay_animation(
     Raises:
         ValueError: bad frames, metrics, interval or speed; the message names which and where.
         TypeError: metrics beside an ``Episode``.
-
     """
     track = _track_of(frames, metrics, frame_seconds)
     if track is None or not _matplotlib_is_installed():
@@ -86,7 +85,6 @@ def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: fl
     Raises:
         ValueError: bad frames or ``dpi``.
         OSError: the folder cannot be made or written to.
-
     """
     track = _track_of(frames, None, FRAME_SECONDS)
     if track is None or not _matplotlib_is_installed():

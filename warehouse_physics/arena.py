@@ -43,7 +43,7 @@ class Arena:
         self._step = spec.time_step
         self._build_walls(layout, spec.cell_size)
         self.robots = [Robot(self.space, spec, cell, floor) for cell in cells]
-        self._feelers = [] if floor is None else self.robots
+        self._is_uneven = floor is not None
         self._number = {robot.body: number for number, robot in enumerate(self.robots)}
         for robot in self.robots:
             robot.touching = partial(self.touching, robot)
@@ -53,15 +53,20 @@ class Arena:
 
     def run(self, now: int, until: int) -> int:
         """Step from substep ``now`` to ``until`` or to the first hit, and return which it is."""
-        step, dt, hits, feelers = self.space.step, self._step, self._hits, self._feelers
+        step = self._step_and_feel if self._is_uneven else self.space.step
+        dt, hits = self._step, self._hits
         for substep in range(now + 1, until + 1):
             step(dt)
             if hits:
                 self._report_hits(substep)
                 return substep
-            for robot in feelers:
-                robot.feel_floor()
         return until
+
+    def _step_and_feel(self, dt: float) -> None:
+        """Step once, and let the robots feel the floor that they have got to."""
+        self.space.step(dt)
+        for robot in self.robots:
+            robot.feel_floor()
 
     def touching(self, robot: Robot) -> list[Robot]:
         """Return the robots that touch ``robot``."""

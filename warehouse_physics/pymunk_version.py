@@ -12,7 +12,6 @@ def check_version(version: str) -> None:
 
     Raises:
         ImportError: it is none of those that this backend was written for.
-
     """
     try:
         major, minor = map(int, version.split(".")[:2])
