@@ -17,7 +17,7 @@ import pymunk
 from warehouse_core import Cell
 from warehouse_core.motion import Contact, centre_of
 from warehouse_physics.disturbances import Floor
-from warehouse_physics.leg import Leg, braking, plan_leg
+from warehouse_physics.leg import braking, plan_leg
 from warehouse_physics.robot_spec import RobotSpec
 
 Position = tuple[float, float]
@@ -141,6 +141,7 @@ class Robot:
         self._target = centre_of(goal, self._spec.cell_size)
         self._deadline = self._patience()
         if goal != self.home:
+            self._turn_towards(displacement)
             self._go(0)
 
     def next_phase(self, now: int) -> None:
@@ -234,7 +235,6 @@ class Robot:
         if self._uneven is not None:
             leg = leg.scaled(self._uneven.speed_factor())
         self._control.velocity = leg.velocity
-        self._turn_towards(leg)
         self._push(self._mass * self._pace + self._nominal_drag)
         self.phase, self.until, self._braking = Phase.GO, now + leg.go, leg.brake
 
@@ -268,12 +268,9 @@ class Robot:
     def _braking_from(self, speed: float) -> int:
         return braking(speed, self._pace, self._spec.time_step)
 
-    def _turn_towards(self, leg: Leg) -> None:
-        """Turn the heading while driving, unless the robot drives back."""
-        if self.gave_up:
-            return
-        wanted = math.atan2(leg.velocity[1], leg.velocity[0])
-        turn = math.remainder(wanted - self._heading, math.tau)
+    def _turn_towards(self, displacement: Cell) -> None:
+        """Turn the heading, the shorter way round, while driving; back it drives as it stands."""
+        turn = math.remainder(math.atan2(*displacement) - self._heading, math.tau)
         if turn:
             self._heading += turn
             self._control.angle = self._heading
