@@ -71,7 +71,7 @@ class Arena:
     def touching(self, robot: Robot) -> list[Robot]:
         """Return the robots that touch ``robot``."""
         bodies: list[pymunk.Body] = []
-        robot.body.each_arbiter(lambda arbiter: bodies.extend(s.body for s in arbiter.shapes))
+        robot.body.each_arbiter(lambda arbiter: bodies.extend(arbiter.bodies))
         numbers = sorted({self._number[body] for body in bodies if body in self._number})
         return [self.robots[number] for number in numbers if self.robots[number] is not robot]
 
@@ -85,7 +85,7 @@ class Arena:
 
     def _note_hit(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
         """Remember a hit as it begins, before the solver changes any velocity."""
-        bodies = [shape.body for shape in arbiter.shapes if shape.body is not None]
+        bodies = arbiter.bodies
         points = arbiter.contact_point_set
         self._hits.append(
             (bodies, points.normal, points.points[0].point_a, [body.velocity for body in bodies])
@@ -115,7 +115,7 @@ def _impulse_between(body: pymunk.Body, other: pymunk.Body) -> float:
     found = [0.0]
 
     def look(arbiter: pymunk.Arbiter) -> None:
-        if {shape.body for shape in arbiter.shapes} == {body, other}:
+        if set(arbiter.bodies) == {body, other}:
             found.append(arbiter.total_impulse.length)
 
     body.each_arbiter(look)

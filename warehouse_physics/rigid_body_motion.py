@@ -59,7 +59,8 @@ class RigidBodyMotion:
         self.disturbances = disturbances or Disturbances()
         self.cell_size = self.spec.cell_size
         self._record_path = record_path
-        self._paces = [self.spec.attainable_acceleration(loaded) for loaded in (False, True)]
+        self._empty_pace = self.spec.attainable_acceleration(loaded=False)
+        self._loaded_pace = self.spec.attainable_acceleration(loaded=True)
         self._arena: Arena | None = None
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
@@ -91,9 +92,11 @@ class RigidBodyMotion:
 
     def _pace_of(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> float:
         """Return the acceleration in m/s² that every robot on the move can keep."""
-        pairs = zip(displacements, loaded, strict=True)
-        loads = [load for displacement, load in pairs if displacement != STAY]
-        return min([self._paces[bool(load)] for load in loads], default=self.spec.acceleration)
+        pace = self.spec.acceleration
+        for displacement, load in zip(displacements, loaded, strict=True):
+            if load and displacement != STAY:
+                pace = self._loaded_pace
+        return min(pace, self._empty_pace)
 
     def _drive(self, arena: Arena, paths: list[list[Row]]) -> int:
         """Run until all robots rest, and return after how many substeps they do."""
