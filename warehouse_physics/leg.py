@@ -38,9 +38,8 @@ def plan_leg(
     """Return the fastest leg from rest at ``start`` to rest at ``target``, positions in metres."""
     dx, dy = target[0] - start[0], target[1] - start[1]
     length = math.hypot(dx, dy)
-    at_top_speed = length / (top_speed * time_step)
-    speeding_up = math.sqrt(length / acceleration) / time_step
-    go = max(1, math.ceil(max(at_top_speed, speeding_up) - _SLACK))
+    seconds = max(length / top_speed, math.sqrt(length / acceleration))
+    go = max(1, math.ceil(seconds / time_step - _SLACK))
     seconds = go * time_step
     return Leg((dx / seconds, dy / seconds), go, braking(length / seconds, acceleration, time_step))
 

@@ -105,8 +105,7 @@ class Robot:
         self.look()
         self._on = cell
         self._loaded: bool | None = None
-        self._load(False)
-        self._pace = spec.acceleration
+        self._load(False, spec.acceleration)
         self._brake(0, 0)
         self.phase, self.until = Phase.REST, NEVER
 
@@ -129,17 +128,16 @@ class Robot:
             loaded: whether it carries an item.
             pace: acceleration in m/s² to drive with.
         """
-        if loaded != self._loaded:
-            self._load(loaded)
+        if loaded != self._loaded or pace != self._pace:
+            self._load(loaded, pace)
         self.look()
         row, col = self.home = self.cell
         self.goal = goal = (row + displacement[0], col + displacement[1])
-        self._pace = pace
         self.gave_up, self._waits, self._returns = False, 0, 0
         self.contacts: list[Contact] = []
         self.work = 0.0
         self._target = centre_of(goal, self._spec.cell_size)
-        self._deadline = self._patience()
+        self._deadline = math.inf if self._uneven is None else self._patience(self._uneven)
         if goal != self.home:
             self._turn_towards(displacement)
             self._go(0)
@@ -235,7 +233,7 @@ class Robot:
         if self._uneven is not None:
             leg = leg.scaled(self._uneven.speed_factor())
         self._control.velocity = leg.velocity
-        self._push(self._mass * self._pace + self._nominal_drag)
+        self._push(self._going_force)
         self.phase, self.until, self._braking = Phase.GO, now + leg.go, leg.brake
 
     def _waypoint(self) -> Position:
@@ -261,8 +259,7 @@ class Robot:
 
     def _brake(self, now: int, substeps: int) -> None:
         self._control.velocity = (0.0, 0.0)
-        # The floor brakes too; the motor does the rest, so that the pace is the same both ways.
-        self._push(max(self._mass * self._pace - self._nominal_drag, 0.0))
+        self._push(self._braking_force)
         self.phase, self.until = Phase.BRAKE, now + substeps
 
     def _braking_from(self, speed: float) -> int:
@@ -293,19 +290,21 @@ class Robot:
     def _has_arrived(self) -> bool:
         return math.dist(self.position, self._target) <= ARRIVED * self._spec.cell_size
 
-    def _patience(self) -> float:
+    def _patience(self, floor: Floor) -> float:
         """Return after how many substeps no new attempt is made."""
-        if self._uneven is None:
-            return math.inf
         spec = self._spec
         leg = plan_leg((0, 0), (spec.cell_size, 0), spec.top_speed, self._pace, spec.time_step)
-        return self._uneven.patience * (leg.go + leg.brake)
+        return floor.patience * (leg.go + leg.brake)
 
-    def _load(self, loaded: bool) -> None:
-        self._loaded = loaded
+    def _load(self, loaded: bool, pace: float) -> None:
+        """Take account of a load, and of the acceleration in m/s² to drive with."""
+        self._loaded, self._pace = loaded, pace
         self._drag = self._nominal_drag = self._spec.drag_force(loaded)
         self.body.mass = self._mass = self._spec.total_mass(loaded)
         self.body.moment = _moment(self._spec, loaded)
+        # The floor brakes too; the motor does the rest, so that the pace is the same both ways.
+        self._going_force = self._mass * pace + self._nominal_drag
+        self._braking_force = max(self._mass * pace - self._nominal_drag, 0.0)
         if self._uneven is not None:
             self._drag *= self._uneven.drag_factor(self._on)
         self._floor.max_force = self._drag
