@@ -16,6 +16,7 @@ from agents.play import play
 from agents.replaying import check_targets, replay_or_save
 from agents.run_episode import report, run
 from warehouse_core import Episode
+from warehouse_core.warehouse_viz import INTERVAL_MS
 
 app = typer.Typer(
     name="warehouse",
@@ -37,7 +38,7 @@ def replay(
     show: ShowOption = None,
     interval_ms: Annotated[
         float, typer.Option("--interval-ms", min=1, max=60_000, help="From one frame to the next.")
-    ] = 150,
+    ] = INTERVAL_MS,
     speed: Annotated[
         float, typer.Option("--speed", min=0.01, max=100, help="Playing speed.")
     ] = 1.0,

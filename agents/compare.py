@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from agents.console import (
+    AgentOption,
     BatteryOption,
     LayoutOption,
     MaxStepsOption,
@@ -28,8 +29,8 @@ ROWS: dict[str, Callable[[Episode], str]] = {
     "outcome": lambda episode: episode.outcome,
     "steps": lambda episode: str(episode.steps),
     "total reward": lambda episode: f"{episode.total_reward:.2f}",
-    "seconds": lambda episode: f"{sum(motion.seconds for motion in episode.motions):.1f}",
-    "joules": lambda episode: f"{sum(motion.joules for motion in episode.motions):.0f}",
+    "seconds": lambda episode: f"{episode.seconds:.1f}",
+    "joules": lambda episode: f"{episode.joules:.0f}",
     "hits": lambda episode: str(sum(len(motion.contacts) for motion in episode.motions)),
 }
 
@@ -64,9 +65,7 @@ def comparison_table(left: Episode, right: Episode) -> Table:
 
 
 def compare(
-    agent: Annotated[
-        str, typer.Option("--agent", help="A name, or your own as file.py:Class.")
-    ] = "greedy",
+    agent: AgentOption = "greedy",
     left: Annotated[str, typer.Option("--left", help="One backend.")] = "grid",
     right: Annotated[str, typer.Option("--right", help="The other backend.")] = "physics",
     layout: LayoutOption = None,

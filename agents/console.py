@@ -32,6 +32,7 @@ EXPECTED = (
 )
 """Errors of what the user gave. Everything else is a fault, and its traceback is wanted."""
 
+AgentOption = Annotated[str, typer.Option("--agent", help="A name, or your own as file.py:Class.")]
 LayoutOption = Annotated[
     Path | None, typer.Option("--layout", metavar="FILE", help="Text file of # . P D rows.")
 ]

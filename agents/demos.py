@@ -25,6 +25,7 @@ from warehouse_core.backends import load_backend
 from warehouse_core.display import has_display
 from warehouse_core.replay import Replay
 from warehouse_core.track import Track, track_of_episode
+from warehouse_core.warehouse_viz import INTERVAL_MS
 
 CORRIDOR = Layout(["########", "#P....D#", "########"])
 SLOW_MOTION = 0.025
@@ -34,23 +35,20 @@ HALL = Layout(["#######", "#.....#", "#.....#", "#.....#", "#######"])
 
 
 class Demo(NamedTuple):
-    """What a demonstration shows: one track or two, and how slowly to play them.
-
-    ``said`` is computed from what happened.
-    """
+    """What a demonstration shows, one track or two; ``said`` is computed from what happened."""
 
     said: str
     track: Track
     beside: Track | None = None
-    interval_ms: float = 150
 
 
 def delivery() -> Demo:
     """A whole delivery by the greedy agent."""
     episode = run_episode("greedy", "physics", seed=12)
-    seconds = sum(motion.seconds for motion in episode.motions)
-    joules = sum(motion.joules for motion in episode.motions)
-    said = f"{episode.outcome} in {episode.steps} steps, {seconds:.0f} s and {joules:.0f} J"
+    said = (
+        f"{episode.outcome} in {episode.steps} steps, "
+        f"{episode.seconds:.0f} s and {episode.joules:.0f} J"
+    )
     return Demo(said, _titled(track_of_episode(episode), "A delivery"))
 
 
@@ -79,15 +77,13 @@ def load() -> Demo:
         drive(WarehouseEnv(CORRIDOR, backend="physics"), ["E"] * 5, name, loaded=name == "loaded")
         for name in ("empty", "loaded")
     )
-    seconds = [sum(motion.seconds for motion in e.motions) for e in (empty, loaded)]
-    joules = [sum(motion.joules for motion in e.motions) for e in (empty, loaded)]
     said = (
-        f"empty {seconds[0]:.1f} s and {joules[0]:.0f} J, "
-        f"loaded {seconds[1]:.1f} s and {joules[1]:.0f} J"
+        f"empty {empty.seconds:.1f} s and {empty.joules:.0f} J, "
+        f"loaded {loaded.seconds:.1f} s and {loaded.joules:.0f} J"
     )
     tracks = [
-        _titled(track_of_episode(episode), f"{episode.agent.title()}: {s:.1f} s, {j:.0f} J")
-        for episode, s, j in zip((empty, loaded), seconds, joules, strict=True)
+        _titled(track_of_episode(e), f"{e.agent.title()}: {e.seconds:.1f} s, {e.joules:.0f} J")
+        for e in (empty, loaded)
     ]
     return Demo(said, tracks[0], tracks[1])
 
@@ -181,7 +177,7 @@ def demo(
 
     def make_replay(window: bool | None) -> Replay:
         opened = has_display() if window is None else window
-        return Replay(shown.track, shown.interval_ms, 1.0, window=opened, beside=shown.beside)
+        return Replay(shown.track, INTERVAL_MS, 1.0, window=opened, beside=shown.beside)
 
     show_or_save(make_replay, targets, show, Path(f"demo-{name}.gif"))
 

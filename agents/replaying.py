@@ -11,7 +11,7 @@ from warehouse_core import Episode
 from warehouse_core.atomic_file import check_target
 from warehouse_core.export import check_format
 from warehouse_core.replay import Replay
-from warehouse_core.warehouse_viz import replay_animation
+from warehouse_core.warehouse_viz import INTERVAL_MS, replay_animation
 
 RECORD_SUFFIX = ".npz"
 
@@ -39,7 +39,7 @@ def replay_or_save(
     episode: Episode,
     targets: Sequence[Path],
     show: bool | None,
-    interval_ms: float = 150,
+    interval_ms: float = INTERVAL_MS,
     speed: float = 1.0,
 ) -> None:
     """Do with an episode what ``show_or_save`` does; ``.npz`` is its record."""
@@ -85,7 +85,7 @@ def save(make_replay: MakeReplay, target: Path, episode: Episode | None = None) 
 
 
 def save_episode(
-    episode: Episode, target: Path, interval_ms: float = 150, speed: float = 1.0
+    episode: Episode, target: Path, interval_ms: float = INTERVAL_MS, speed: float = 1.0
 ) -> None:
     """Write an episode in the format that the suffix of ``target`` names, and say so."""
     save(_replay_of(episode, interval_ms, speed), target, episode)

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import random
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
 from agents.agent_names import make_agent
 from agents.console import (
+    AgentOption,
     BackendOption,
     BatteryOption,
     LayoutOption,
@@ -84,9 +84,7 @@ def report(episode: Episode) -> None:
 
 
 def run(
-    agent: Annotated[
-        str, typer.Option("--agent", help="A name, or your own as file.py:Class.")
-    ] = "greedy",
+    agent: AgentOption = "greedy",
     backend: BackendOption = "grid",
     layout: LayoutOption = None,
     seed: SeedOption = None,

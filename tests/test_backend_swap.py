@@ -1,12 +1,10 @@
 """One word swaps the backend, and nothing that an agent is told changes."""
 
-import gzip
-import json
 import random
-from pathlib import Path
 from typing import Any
 
 import pytest
+from traces import assert_as_recorded, env_of, over_traces
 
 from warehouse_core import DEFAULT_LAYOUT, WarehouseEnv, random_layout
 from warehouse_core.conformance import run_conformance
@@ -18,22 +16,9 @@ MOVES = 10_000
 
 LAYOUTS = 20
 
-RECORDED = gzip.decompress((Path(__file__).parent / "data" / "traces.jsonl.gz").read_bytes())
-TRACES = [json.loads(line) for line in RECORDED.splitlines()]
 ACTIONS = (*WarehouseEnv.ACTIONS, *"NESW" * 3, 0, 1, 2, 3, 99, "fly")
 
 over_specs = pytest.mark.parametrize("spec", [RobotSpec(), RobotSpec.fast()], ids=["1/60", "1/30"])
-
-
-def env_of(trace: dict[str, Any], spec: RobotSpec) -> WarehouseEnv:
-    arguments = dict(trace["constructor"])
-    if "start_pos" in arguments:
-        arguments["start_pos"] = tuple(arguments["start_pos"])
-    return WarehouseEnv(**arguments, backend=RigidBodyMotion(spec, record_path=False))
-
-
-def as_json(observation: object) -> Any:
-    return json.loads(json.dumps(observation))
 
 
 def steps_differ(spec: RobotSpec, moves: int, layouts: int = LAYOUTS) -> int:
@@ -65,24 +50,10 @@ def steps_differ(spec: RobotSpec, moves: int, layouts: int = LAYOUTS) -> int:
 
 
 @over_specs
-@pytest.mark.parametrize("trace", TRACES, ids=range(len(TRACES)))
+@over_traces
 def test_recorded_episodes_come_out_as_recorded(trace: dict[str, Any], spec: RobotSpec) -> None:
-    env = env_of(trace, spec)
-    for episode in trace["episodes"]:
-        random.seed(episode["seed"])
-        observation = env.reset(randomize=episode["randomize"])
-        assert as_json(observation) == episode["first_observation"]
-        for step in episode["steps"]:
-            observation, reward, terminated, truncated, info = env.step(step["action"])
-            assert as_json(observation) == step["observation"]
-            assert reward == pytest.approx(step["reward"], abs=1e-9)
-            assert (terminated, truncated) == (step["terminated"], step["truncated"])
-            assert info == step["info"]
-        assert env.render() == episode["final_render"]
-
-
-def test_there_are_240_recorded_episodes() -> None:
-    assert sum(len(trace["episodes"]) for trace in TRACES) == 240
+    env = env_of(trace, RigidBodyMotion(spec, record_path=False))
+    assert_as_recorded(env, trace)
 
 
 @over_specs

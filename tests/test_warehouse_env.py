@@ -1,32 +1,17 @@
 import copy
-import gzip
 import inspect
-import json
 import random
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from traces import TRACES, as_json, assert_as_recorded, env_of, over_traces
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError, WarehouseEnv, WarehouseState
 from warehouse_core.grid_motion import GridMotion
 
-RECORDED = gzip.decompress((Path(__file__).parent / "data" / "traces.jsonl.gz").read_bytes())
-TRACES = [json.loads(line) for line in RECORDED.splitlines()]
 NO_ACTIONS = [None, 1.5, [], b"N", (), {}, np.float64(1), object()]
-
-
-def env_of(trace: dict[str, Any]) -> WarehouseEnv:
-    arguments = dict(trace["constructor"])
-    if "start_pos" in arguments:
-        arguments["start_pos"] = tuple(arguments["start_pos"])
-    return WarehouseEnv(**arguments)
-
-
-def as_json(observation: object) -> Any:
-    return json.loads(json.dumps(observation))
 
 
 def everything(env: WarehouseEnv) -> tuple[object, ...]:
@@ -42,23 +27,13 @@ def test_there_are_240_recorded_episodes() -> None:
     assert sum(len(trace["episodes"]) for trace in TRACES) == 240
 
 
-@pytest.mark.parametrize("trace", TRACES, ids=range(len(TRACES)))
+@over_traces
 def test_recorded_episodes_come_out_as_recorded(trace: dict[str, Any]) -> None:
     env = env_of(trace)
-    for episode in trace["episodes"]:
-        random.seed(episode["seed"])
-        observation = env.reset(randomize=episode["randomize"])
-        assert as_json(observation) == episode["first_observation"]
-        for step in episode["steps"]:
-            observation, reward, terminated, truncated, info = env.step(step["action"])
-            assert as_json(observation) == step["observation"]
-            assert reward == pytest.approx(step["reward"], abs=1e-9)
-            assert (terminated, truncated) == (step["terminated"], step["truncated"])
-            assert info == step["info"]
-        assert env.render() == episode["final_render"]
+    assert_as_recorded(env, trace)
 
 
-@pytest.mark.parametrize("trace", TRACES, ids=range(len(TRACES)))
+@over_traces
 def test_a_seed_draws_what_the_global_seed_draws_and_leaves_it_alone(trace: dict[str, Any]) -> None:
     env = env_of(trace)
     random.seed("anything")

@@ -88,6 +88,16 @@ class Episode:
         return math.fsum(self.rewards)
 
     @property
+    def seconds(self) -> float:
+        """The simulated time that all motions took."""
+        return sum(motion.seconds for motion in self.motions)
+
+    @property
+    def joules(self) -> float:
+        """The energy that all motions cost."""
+        return sum(motion.joules for motion in self.motions)
+
+    @property
     def outcome(self) -> str:
         """How it ended; a delivery with the last battery unit is a delivery."""
         if self.terminated:

@@ -10,7 +10,7 @@ from matplotlib.collections import LineCollection, PatchCollection
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
-from warehouse_core.layout import DROPOFF, EMPTY, PICKUP, WALL
+from warehouse_core.layout import DROPOFF, EMPTY, PICKUP, WALL, runs_of
 from warehouse_core.palette import COLORS, FAINT, HIT, INK
 from warehouse_core.robot_view import RobotView, letter
 from warehouse_core.scene_figure import SceneFigure
@@ -86,10 +86,15 @@ class GridView:
         axes.xaxis.tick_top()
 
     def _rectangles(self, rows: Rows, tile: str, inset: float) -> PatchCollection:
+        # Walls are drawn run by run, stations cell by cell.
+        def spans(line: str) -> list[tuple[int, int]]:
+            runs = list(runs_of(tile, line))
+            return runs if tile == WALL else [(c, c + 1) for run in runs for c in range(*run)]
+
         rectangles = [
-            Rectangle((start + inset, row + inset), length - 2 * inset, 1 - 2 * inset)
+            Rectangle((left + inset, row + inset), right - left - 2 * inset, 1 - 2 * inset)
             for row, line in enumerate(rows)
-            for start, length in _runs(line, tile, whole=tile == WALL)
+            for left, right in spans(line)
         ]
         color = COLORS[tile]
         # A hair of an edge and no smoothing let the walls of neighbouring rows meet with no seam.
@@ -121,14 +126,3 @@ class GridView:
                         va="top",
                         zorder=2,
                     )
-
-
-def _runs(line: str, tile: str, *, whole: bool) -> Iterator[tuple[int, int]]:
-    """Yield start and length of each run of ``tile``; runs of one cell unless ``whole``."""
-    start = 0
-    while (start := line.find(tile, start)) >= 0:
-        end = start + 1
-        while whole and end < len(line) and line[end] == tile:
-            end += 1
-        yield start, end - start
-        start = end

@@ -6,7 +6,7 @@ width of a layout in cells. How layouts are made up is in ``layout_generator.py`
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from textwrap import dedent
@@ -207,6 +207,17 @@ def _cells_of(tile: str, rows: Iterable[str]) -> Iterable[Cell]:
     for r, row in enumerate(rows):
         if tile in row:
             yield from ((r, c) for c, found in enumerate(row) if found == tile)
+
+
+def runs_of(tile: str, row: str) -> Iterator[tuple[int, int]]:
+    """Yield the first column of each run of ``tile`` in a row, and the column after its last."""
+    start = row.find(tile)
+    while start >= 0:
+        end = start
+        while end < len(row) and row[end] == tile:
+            end += 1
+        yield start, end
+        start = row.find(tile, end)
 
 
 DEFAULT_LAYOUT = Layout.from_text(

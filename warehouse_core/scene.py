@@ -222,11 +222,11 @@ class PairScene:
         top, bottom = halves
         parts = top.subfigures(1, 2, width_ratios=[size[0] for size in sizes])
         length = max(left.steps, right.steps) + 1
-        self._tracks = (left, right)
-        self._times = [t.clock if left.clock and right.clock else t.progress for t in self._tracks]
+        tracks, by_clock = (left, right), bool(left.clock and right.clock)
+        self._times = [track.clock if by_clock else track.progress for track in tracks]
         self._scenes = [
             Scene(track, partial(_part, part), length=length, height=height, legend=False)
-            for track, part in zip(self._tracks, parts, strict=True)
+            for track, part in zip(tracks, parts, strict=True)
         ]
         self._moments = sorted({*self._times[0], *self._times[1]})
         draw_legend(bottom)

@@ -17,6 +17,9 @@ from warehouse_core.track import FRAME_SECONDS, Track, track_of_episode, track_o
 if TYPE_CHECKING:
     from warehouse_core.replay import Replay
 
+INTERVAL_MS = 150
+"""Milliseconds from one frame to the next, unless asked otherwise."""
+
 Frames = Sequence[Sequence[Sequence[str]]]
 Metrics = Mapping[str, Sequence[float | None]]
 
@@ -24,7 +27,7 @@ Metrics = Mapping[str, Sequence[float | None]]
 def replay_animation(
     frames: Episode | Frames,
     metrics: Metrics | None = None,
-    interval_ms: float = 150,
+    interval_ms: float = INTERVAL_MS,
     speed: float = 1.0,
     *,
     window: bool | None = None,

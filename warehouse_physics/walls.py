@@ -6,10 +6,8 @@ results, so wall cells are merged greedily: along rows first, then downward.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from warehouse_core import Layout
-from warehouse_core.layout import WALL
+from warehouse_core.layout import WALL, runs_of
 
 Box = tuple[int, int, int, int]
 """Left, top, right and bottom edge, in cells."""
@@ -31,20 +29,9 @@ def _merged(layout: Layout) -> list[Box]:
     done: list[Box] = []
     growing: dict[tuple[int, int], int] = {}
     for row, line in enumerate([*layout.rows, ""]):
-        runs = list(_runs(line))
+        runs = list(runs_of(WALL, line))
         for run in [run for run in growing if run not in runs]:
             done.append((run[0], growing.pop(run), run[1], row))
         for run in runs:
             growing.setdefault(run, row)
     return done
-
-
-def _runs(line: str) -> Iterator[tuple[int, int]]:
-    """Yield start and end of each run of walls."""
-    start = line.find(WALL)
-    while start >= 0:
-        end = start
-        while end < len(line) and line[end] == WALL:
-            end += 1
-        yield start, end
-        start = line.find(WALL, end)
