@@ -25,7 +25,7 @@ from agents.console import (
     main,
 )
 from agents.replaying import check_targets, replay_or_save
-from warehouse_core import DEFAULT_LAYOUT, Cell, Episode, Layout, WarehouseEnv, record_episode
+from warehouse_core import DEFAULT_LAYOUT, Episode, Layout, WarehouseEnv, record_episode
 
 HIGHEST_SEED = 999_999
 """Of the seeds that are drawn here; short enough to type again."""
@@ -62,10 +62,7 @@ def run_episode(
 
 def make_env(layout: Layout, backend: str, battery: int, max_steps: int) -> WarehouseEnv:
     """Return an environment whose start is the usual one or, where that is a wall, the first."""
-    start: Cell = (1, 1)
-    if not layout.is_open(start) and len(layout.open_cells):
-        start = layout.open_cell(0)
-    return WarehouseEnv(layout, start, max_steps, battery, backend=backend)
+    return WarehouseEnv(layout, layout.usual_start(), max_steps, battery, backend=backend)
 
 
 def draw_seed() -> int:

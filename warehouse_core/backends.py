@@ -6,9 +6,12 @@ distribution; ``grid`` and ``physics`` are registered no other way than a third 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 from typing import TYPE_CHECKING
 
+from warehouse_core.batch_motion import Batchable, BatchMotion
+from warehouse_core.layout import Layout
 from warehouse_core.motion import Motion
 
 if TYPE_CHECKING:
@@ -40,6 +43,21 @@ def make_motion(backend: Backend) -> Motion:
         f"backend {backend!r} is {type(backend).__name__}; allowed: a name "
         f"({', '.join(backend_names())}), or a class or instance with reset, advance and close"
     )
+
+
+def make_batch_motion(backend: Backend, layouts: Sequence[Layout]) -> BatchMotion:
+    """Return a motion for one robot in each of these layouts, like that of a backend.
+
+    Raises:
+        BackendError: as for ``make_motion``, or the backend has no ``batch``.
+        TypeError: as for ``make_motion``.
+    """
+    motion = make_motion(backend)
+    if not isinstance(motion, Batchable):
+        raise BackendError(
+            f"backend {backend!r} cannot move a batch; it would need a method batch(layouts)"
+        )
+    return motion.batch(layouts)
 
 
 def backend_names() -> list[str]:

@@ -19,6 +19,8 @@ from warehouse_core.layout import Layout
 
 Integers = NDArray[np.integer]
 Flags = NDArray[np.bool_]
+Rows = Integers | slice
+"""Rows of a batch: some by their numbers, or all."""
 
 
 class BatchOutcome(NamedTuple):

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from warehouse_core.grid_batch import GridBatch
 from warehouse_core.layout import EMPTY, MOVE_DELTAS, Cell, Layout
 from warehouse_core.motion import (
     WALL_CONTACT,
@@ -92,6 +93,15 @@ class GridMotion:
     def close(self) -> None:
         """Forget the robots; see ``Motion.close``."""
         self._cells, self._headings, self._lone = [], [], {}
+
+    def batch(self, layouts: Sequence[Layout]) -> GridBatch:
+        """Return what moves one robot in each of these layouts; see ``batch_motion.py``."""
+        return GridBatch(
+            layouts,
+            seconds=NOMINAL_SECONDS,
+            moving_joules=self._moving_joules,
+            waiting_joules=self._waiting_joules,
+        )
 
     def _remember(self, key: tuple[Cell, Cell, Cell]) -> tuple[Outcome]:
         cell, (down, right), heading = key

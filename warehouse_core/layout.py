@@ -24,6 +24,9 @@ ALLOWED_TILES = ", ".join(f"{tile} ({name})" for tile, name in TILES.items())
 
 MOVE_DELTAS: dict[str, Cell] = {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
 
+CHAPTER_START: Cell = (1, 1)
+"""Where a robot starts unless it is told otherwise."""
+
 MAX_CELLS = 16_000_000
 """The largest layout that is accepted, in cells; a larger text is refused before it is parsed."""
 
@@ -115,10 +118,27 @@ class Layout:
         row, col = cell
         return 0 <= row < self.height and 0 <= col < self.width and self.rows[row][col] != WALL
 
+    def open_sides(self, cell: Cell) -> tuple[bool, ...]:
+        """Say whether the neighbours of ``cell`` to the N, E, S and W are open."""
+        row, col = cell
+        return tuple(self.is_open((row + dr, col + dc)) for dr, dc in MOVE_DELTAS.values())
+
     def open_cell(self, index: int) -> Cell:
         """Return the ``index``-th open cell in row-major order."""
         row, col = divmod(int(self.open_cells[index]), self.width)
         return row, col
+
+    def usual_start(self) -> Cell:
+        """Return the chapter's start, or the first open cell where that is a wall.
+
+        Raises:
+            LayoutError: no cell is open.
+        """
+        if self.is_open(CHAPTER_START):
+            return CHAPTER_START
+        if not len(self.open_cells):
+            raise LayoutError("the layout has no open cell; a robot needs one to start on")
+        return self.open_cell(0)
 
     def station_ranks(self) -> list[int]:
         """Return which open cells, by their index, hold a pickup or a dropoff."""

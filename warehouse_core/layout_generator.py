@@ -7,13 +7,10 @@ from __future__ import annotations
 
 import random
 
-from warehouse_core.layout import EMPTY, MAX_CELLS, WALL, Cell, Layout, LayoutError
+from warehouse_core.layout import CHAPTER_START, EMPTY, MAX_CELLS, WALL, Layout, LayoutError
 
 MAX_DENSITY = 0.4
 """Densest walls of ``random_layout``; a connected grid of single cells gets hardly denser."""
-
-CORNER: Cell = (1, 1)
-"""Kept open, since robots start there by default."""
 
 MIN_OPEN = 3
 """Cells for a pickup, a dropoff and a robot."""
@@ -101,7 +98,7 @@ def _strew_walls(tiles: list[list[str]], density: float, stream: random.Random) 
     height, width = len(tiles), len(tiles[0])
     candidates = [(r, c) for r in range(1, height - 1) for c in range(1, width - 1)]
     wanted = min(round(density * len(candidates)), len(candidates) - MIN_OPEN)
-    candidates.remove(CORNER)
+    candidates.remove(CHAPTER_START)  # robots start there by default
     while wanted > 0:
         stream.shuffle(candidates)
         left = []

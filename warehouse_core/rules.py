@@ -98,6 +98,19 @@ def judge(action: int, tile: str, has_item: bool, blocked: bool) -> Verdict:
     return Verdict(STEP_REWARD + MISTAKE_REWARD, has_item, False)
 
 
+@cache
+def useful_actions(open_sides: tuple[bool, ...], tile: str, has_item: bool) -> tuple[bool, ...]:
+    """Say of each action whether it does something: whatever else only costs its penalty.
+
+    Args:
+        open_sides: whether the neighbouring cell can be driven to, in the order N E S W.
+        tile: the tile under the robot.
+        has_item: whether the robot holds an item.
+    """
+    picks = judge(PICK, tile, has_item, False).has_item != has_item
+    return (*open_sides, True, picks, judge(DROP, tile, has_item, False).delivered)
+
+
 def is_truncated(steps: int, max_steps: int, battery: int) -> bool:
     """Say whether an episode is cut off: the steps or the battery are used up."""
     return steps >= max_steps or battery <= 0

@@ -5,9 +5,18 @@ It changes only with the layout, so each window is cut once and remembered.
 
 from __future__ import annotations
 
-from warehouse_core.layout import WALL, Cell, Layout
+from warehouse_core.layout import DROPOFF, EMPTY, PICKUP, WALL, Cell, Layout
 
 ROBOT_EMPTY, ROBOT_LOADED = "R", "r"
+
+CELL_CODES = {
+    character: code
+    for code, character in enumerate((EMPTY, WALL, PICKUP, DROPOFF, ROBOT_EMPTY, ROBOT_LOADED))
+}
+"""What stands for each character of a window where it is an array."""
+
+CODE_OF_BYTE = bytes(CELL_CODES.get(chr(byte), 255) for byte in range(256))
+"""The same as a table for ``bytes.translate``."""
 
 _MAX_REMEMBERED_CHARACTERS = 32_000_000
 

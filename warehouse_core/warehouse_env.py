@@ -15,6 +15,7 @@ from typing import Any, ClassVar, SupportsIndex, TypedDict
 
 from warehouse_core.backends import Backend, make_motion
 from warehouse_core.layout import (
+    CHAPTER_START,
     DEFAULT_LAYOUT,
     MOVE_DELTAS,
     TILES,
@@ -33,6 +34,7 @@ from warehouse_core.rules import (
 )
 from warehouse_core.settings import Settings
 from warehouse_core.sight import ROBOT_EMPTY, ROBOT_LOADED, Sight
+from warehouse_core.station_draw import check_room
 
 LEGEND = TILES | {ROBOT_EMPTY: "robot (empty)", ROBOT_LOADED: "robot (loaded)"}
 
@@ -93,25 +95,21 @@ class WarehouseEnv:
     def __init__(
         self,
         grid: Sequence[str] | Layout | None = None,
-        start_pos: Cell = (1, 1),
+        start_pos: Cell = CHAPTER_START,
         max_steps: int = 200,
         battery: int = 200,
         view_radius: int = 2,
         *,
         backend: Backend = "grid",
     ) -> None:
-        self.max_steps = _whole_number("max_steps", max_steps, least=1)
-        self.max_battery = _whole_number("battery", battery, least=1)
-        self._view_radius = _whole_number("view_radius", view_radius, least=0)
+        self.max_steps = whole_number("max_steps", max_steps, least=1)
+        self.max_battery = whole_number("battery", battery, least=1)
+        self._view_radius = whole_number("view_radius", view_radius, least=0)
         if grid is None:
             grid = DEFAULT_LAYOUT
         self._use(grid if isinstance(grid, Layout) else Layout(grid))
-        self._start_pos = _cell("start_pos", start_pos)
-        if not self.layout.is_open(self._start_pos):
-            raise LayoutError(
-                f"start_pos {self.layout.describe(self._start_pos)}; "
-                "the robot must start on an open cell"
-            )
+        self._start_pos = as_cell("start_pos", start_pos)
+        check_start(self.layout, self._start_pos)
         self._motion = make_motion(backend)
         self.last_motion: Outcome | None = None
         self._placed: Cell = self._start_pos
@@ -175,14 +173,27 @@ class WarehouseEnv:
             LayoutError: ``randomize`` with fewer than two open cells; nothing has changed.
             TypeError: ``seed`` is not an integer.
         """
-        seed = None if seed is None else _whole_number("seed", seed)
-        start = self._start_pos
+        seed = None if seed is None else whole_number("seed", seed)
+        layout, start = self.layout, self._start_pos
         if randomize:
-            start = self._randomize(random if seed is None else random.Random(seed))
-        self._seed = seed
-        self.state = WarehouseState(start, False, self.max_battery, 0)
-        self._place(start)
-        return self._observe()
+            layout, start = self._drawn(random if seed is None else random.Random(seed))
+        return self._begin(layout, start, seed)
+
+    def reset_to(self, layout: Layout, start_pos: Cell, seed: int | None = None) -> Observation:
+        """Start an episode in a layout and from a cell that the caller has chosen.
+
+        The layout stays for later resets.
+
+        Args:
+            layout: of any size.
+            start_pos: for this episode.
+            seed: of whatever chance the motion backend knows.
+
+        Raises:
+            LayoutError: the start is not open; nothing has changed.
+        """
+        check_start(layout, start_pos)
+        return self._begin(layout, start_pos, seed)
 
     def step(
         self, action: str | SupportsIndex
@@ -199,6 +210,19 @@ class WarehouseEnv:
             LayoutError: ``state.robot_pos`` was set to a cell that is not open.
         """
         index = action_index(action)
+        reward, terminated, truncated = self.advance(index)
+        info = {"invalid_action": True} if index == INVALID else {}
+        return self.observe(), reward, terminated, truncated, info
+
+    def advance(self, index: int) -> tuple[float, bool, bool]:
+        """Carry out one action as ``step`` does, and look at nothing afterwards.
+
+        Args:
+            index: of the action, or ``INVALID``; it is not checked.
+
+        Returns:
+            Reward, terminated and truncated.
+        """
         state = self.state
         if state.robot_pos is not self._placed:
             self._place(state.robot_pos)
@@ -210,13 +234,20 @@ class WarehouseEnv:
         state.steps += 1
         state.battery -= 1
         self.last_motion = outcome
-        return (
-            self._observe(),
-            reward,
-            delivered,
-            is_truncated(state.steps, self.max_steps, state.battery),
-            {"invalid_action": True} if index == INVALID else {},
-        )
+        return reward, delivered, is_truncated(state.steps, self.max_steps, state.battery)
+
+    def observe(self) -> Observation:
+        """Return what the robot senses now."""
+        state = self.state
+        return {
+            "local_grid": self._sight.window(state.robot_pos, state.has_item),
+            "robot_pos": state.robot_pos,
+            "has_item": state.has_item,
+            "battery": state.battery,
+            "steps": state.steps,
+            "pickup_pos": self._pickup,
+            "dropoff_pos": self._dropoff,
+        }
 
     def render_grid(self) -> list[list[str]]:
         """Return the grid as ``H`` lists of ``W`` characters, the robot ``R`` or ``r`` on top."""
@@ -238,6 +269,14 @@ class WarehouseEnv:
         """Let the motion backend go."""
         self._motion.close()
 
+    def _begin(self, layout: Layout, start: Cell, seed: int | None) -> Observation:
+        if layout is not self.layout:
+            self._use(layout)
+        self._seed = seed
+        self.state = WarehouseState(start, False, self.max_battery, 0)
+        self._place(start)
+        return self.observe()
+
     def _use(self, layout: Layout) -> None:
         self.layout = layout
         self._sight = Sight(layout, self._view_radius)
@@ -249,40 +288,25 @@ class WarehouseEnv:
         self._placed = cell
         self.last_motion = None
 
-    def _randomize(self, stream: Any) -> Cell:
-        """Draw pickup and dropoff into the layout and return the start.
+    def _drawn(self, stream: Any) -> tuple[Layout, Cell]:
+        """Draw pickup and dropoff into the layout, and the start.
 
         The stations are drawn over the cells that were empty before, the start over those that
         are empty with the new stations in place. That order, and that too few empty cells leave a
         layout without stations, is what the chapter's recorded episodes show.
         """
         layout = self.layout
+        check_room(layout)
         count = len(layout.open_cells)
-        if count < 2:
-            raise LayoutError(
-                f"randomize needs two open cells for pickup and dropoff; the layout has {count}"
-            )
         old, new = layout.station_ranks(), list[int]()
         if count - len(old) >= 2:
             for _ in range(2):
                 new.append(_draw(stream, count, without=old + new))
         pickup, dropoff = map(layout.open_cell, new) if new else (None, None)
-        self._use(layout.with_stations(pickup, dropoff))
-        if count == len(new):
-            return self._start_pos
-        return layout.open_cell(_draw(stream, count, without=new))
-
-    def _observe(self) -> Observation:
-        state = self.state
-        return {
-            "local_grid": self._sight.window(state.robot_pos, state.has_item),
-            "robot_pos": state.robot_pos,
-            "has_item": state.has_item,
-            "battery": state.battery,
-            "steps": state.steps,
-            "pickup_pos": self._pickup,
-            "dropoff_pos": self._dropoff,
-        }
+        start = self._start_pos
+        if count > len(new):
+            start = layout.open_cell(_draw(stream, count, without=new))
+        return layout.with_stations(pickup, dropoff), start
 
 
 def _draw(stream: Any, count: int, without: list[int]) -> int:
@@ -296,7 +320,13 @@ def _draw(stream: Any, count: int, without: list[int]) -> int:
     return index
 
 
-def _whole_number(name: str, value: SupportsIndex, least: int | None = None) -> int:
+def whole_number(name: str, value: SupportsIndex, least: int | None = None) -> int:
+    """Return an argument as an ``int``.
+
+    Raises:
+        TypeError: it is not an integer.
+        ValueError: it is less than ``least``.
+    """
     try:
         number = operator.index(value)
     except TypeError:
@@ -306,7 +336,24 @@ def _whole_number(name: str, value: SupportsIndex, least: int | None = None) -> 
     return number
 
 
-def _cell(name: str, value: Cell) -> Cell:
+def check_start(layout: Layout, start: Cell) -> None:
+    """Refuse a start that is not an open cell.
+
+    Raises:
+        LayoutError: naming what is there.
+    """
+    if not layout.is_open(start):
+        raise LayoutError(
+            f"start_pos {layout.describe(start)}; the robot must start on an open cell"
+        )
+
+
+def as_cell(name: str, value: Cell) -> Cell:
+    """Return an argument as a cell of two ``int``.
+
+    Raises:
+        TypeError: it is something else.
+    """
     try:
         row, col = value
         return operator.index(row), operator.index(col)

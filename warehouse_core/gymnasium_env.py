@@ -1,0 +1,492 @@
+"""The warehouse as Gymnasium knows environments: ``Warehouse-v0``, one at a time or a batch.
+
+``gymnasium.make("warehouse_core.gymnasium_env:Warehouse-v0", backend="physics")`` imports this
+module, which registers the name. Nothing else in this package imports Gymnasium, and no rule is
+here: ``WarehouseEnv`` and ``BatchEnv`` do the work, and this file makes spaces and info of it.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any, NamedTuple, TypeGuard, cast
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.error import ResetNeeded
+from gymnasium.vector.utils import batch_space, iterate
+from numpy.typing import ArrayLike, NDArray
+
+from warehouse_core.backends import Backend
+from warehouse_core.batch_env import NEXT_STEP, BatchEnv, EndedError, Seeds
+from warehouse_core.encoding import Arrays, Encoder, vector, vector_limits
+from warehouse_core.layout import DEFAULT_LAYOUT, Cell, Layout, LayoutError
+from warehouse_core.motion import Outcome
+from warehouse_core.observation_image import ObservationImage
+from warehouse_core.picture_window import PictureWindow
+from warehouse_core.rules import ACTIONS, useful_actions
+from warehouse_core.sight import CELL_CODES
+from warehouse_core.station_draw import DRAWS, NO_RANK, check_room, draw_ranks, motion_seed
+from warehouse_core.tile_painter import TilePainter, tile_pixels_for
+from warehouse_core.warehouse_env import WarehouseEnv, as_cell, check_start
+
+ID = "Warehouse-v0"
+FORMS = ("dict", "vector", "image")
+RENDER_FPS = 8
+
+GivenLayout = Layout | Sequence[str] | str
+"""A layout, its rows, or its text; of the three only the last two can be kept as JSON."""
+
+AutoresetMode: Any = getattr(gymnasium.vector, "AutoresetMode", str)
+"""Gymnasium's own enumeration; version 1.0 had none, and its name has to do."""
+
+
+class Form(NamedTuple):
+    """One way to give observations: their space, and what makes them of arrays."""
+
+    space: spaces.Space[Any]
+    of: Callable[[Arrays], Any]
+
+
+class Extent(NamedTuple):
+    """What bounds every value of an observation."""
+
+    height: int
+    width: int
+    view_radius: int
+    battery: int
+    max_steps: int
+
+
+def make_form(name: str, extent: Extent) -> Form:
+    """Return a form of observation by its name.
+
+    ============  =================================================================================
+    ``"dict"``    a flat ``Dict`` with the keys of the chapter's observation, as ``Arrays`` in
+                  ``encoding.py`` says; a pickup or dropoff that does not exist is ``(-1, -1)``
+    ``"vector"``  a ``Box`` of one dimension, as ``encoding.vector`` says
+    ``"image"``   a ``Box`` of uint8 ``[8 (H + 1), 8 W, 3]``, as ``observation_image.py`` says
+    ============  =================================================================================
+
+    Raises:
+        ValueError: no form is called so.
+    """
+    height, width, view_radius, battery, max_steps = extent
+    if name == "dict":
+        return Form(_dict_space(extent), lambda arrays: arrays)
+    if name == "vector":
+        low, high = vector_limits(height, width, view_radius, battery, max_steps)
+        return Form(spaces.Box(low, high, dtype=np.float32), vector)
+    if name == "image":
+        image = ObservationImage(height, width, battery, max_steps)
+        return Form(spaces.Box(0, 255, image.shape, np.uint8), image.paint)
+    raise ValueError(f"observation is {name!r}; allowed: {', '.join(FORMS)}")
+
+
+def _dict_space(extent: Extent) -> spaces.Dict:
+    last_cell = np.array([extent.height - 1, extent.width - 1])
+    window = (2 * extent.view_radius + 1) ** 2
+
+    def whole(low: int, high: ArrayLike, size: int) -> spaces.Box[Any]:
+        highest = np.broadcast_to(np.asarray(high, np.int32), (size,))
+        return spaces.Box(np.full(size, low, np.int32), highest, dtype=np.int32)
+
+    return spaces.Dict(
+        {
+            "local_grid": spaces.Box(0, max(CELL_CODES.values()), (window,), np.uint8),
+            "robot_pos": whole(0, last_cell, 2),
+            "has_item": spaces.Discrete(2),
+            "battery": whole(0, extent.battery, 1),
+            "steps": whole(0, extent.max_steps, 1),
+            "pickup_pos": whole(-1, last_cell, 2),
+            "dropoff_pos": whole(-1, last_cell, 2),
+        }
+    )
+
+
+class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
+    """One warehouse. Actions are 0 to 6: N, E, S, W, WAIT, PICK, DROP.
+
+    ``info`` has ``action_mask``, ``[7]`` int8 with 1 for each action that does something now, and
+    after a step ``motion``, the ``Outcome`` of its motion.
+
+    Args:
+        layout: a ``Layout``, its rows or its text; ``None`` is the chapter's.
+        backend: name, class or instance of the motion that carries out the moves.
+        observation: the form of the observations, see ``make_form``.
+        start_pos: where the robot starts without ``randomize``; ``None`` is the usual start.
+        max_steps: steps until the episode is truncated, at least 1.
+        battery: battery units of a full charge, at least 1; every step costs one.
+        view_radius: cells seen in each direction, at least 0.
+        randomize: draw pickup, dropoff and start of each episode.
+        render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``.
+        tile_pixels: side of a cell in a picture, at least 2; ``None`` fits it to the layout.
+
+    Raises:
+        ValueError: a value that is not allowed; ``LayoutError`` and ``BackendError`` are such.
+        TypeError: an argument of another type.
+    """
+
+    metadata: dict[str, Any] = {  # noqa: RUF012 - so declared by Gymnasium
+        "render_modes": ["human", "rgb_array", "ansi"],
+        "render_fps": RENDER_FPS,
+    }
+
+    def __init__(
+        self,
+        layout: GivenLayout | None = None,
+        backend: Backend = "grid",
+        observation: str = "dict",
+        start_pos: Cell | None = None,
+        max_steps: int = 200,
+        battery: int = 200,
+        view_radius: int = 2,
+        randomize: bool = True,
+        render_mode: str | None = None,
+        tile_pixels: int | None = None,
+    ) -> None:
+        check_render_mode(render_mode, self.metadata["render_modes"])
+        self._layout = as_layout(layout)
+        self._start = self._layout.usual_start() if start_pos is None else start_pos
+        self._warehouse = WarehouseEnv(
+            self._layout, self._start, max_steps, battery, view_radius, backend=backend
+        )
+        self._encoder = Encoder(self._warehouse)
+        self._randomize = randomize
+        if randomize:
+            check_room(self._layout)
+        height, width = self._layout.height, self._layout.width
+        form = make_form(observation, Extent(height, width, view_radius, battery, max_steps))
+        self.observation_space, self._form = form.space, form.of
+        self.action_space = spaces.Discrete(len(ACTIONS))
+        self.render_mode = render_mode
+        self._painter = TilePainter(tile_pixels or tile_pixels_for(height, width))
+        self._window: PictureWindow | None = None
+        self._masks: dict[tuple[Cell, bool], NDArray[np.int8]] = {}
+        self._sides: dict[Cell, tuple[bool, ...]] = {}
+        self._over = "step() needs a reset() before it"
+
+    @property
+    def warehouse(self) -> WarehouseEnv:
+        """The chapter's environment within."""
+        return self._warehouse
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Start an episode.
+
+        Args:
+            seed: of ``np_random``, from which pickup, dropoff, start and whatever chance the
+                motion knows are drawn; ``None`` goes on with it.
+            options: ``randomize`` (bool), ``layout`` (of the same size) and ``start_pos`` for
+                this episode alone, in place of what the environment was made with.
+
+        Raises:
+            ValueError: an unknown option or a bad value; nothing has changed.
+        """
+        layout, start, randomize = self._options(options or {})
+        super().reset(seed=seed)
+        uniforms = self.np_random.random(DRAWS)
+        if randomize:
+            layout, drawn = _drawn(layout, uniforms)
+            start = start or drawn
+        start = start or self._start
+        if layout.open_cells is not self._warehouse.layout.open_cells:
+            self._sides = {}
+        self._warehouse.reset_to(layout, start, motion_seed(uniforms))
+        self._encoder.forget()
+        self._masks = {}
+        self._over = ""
+        if self.render_mode == "human":
+            self._show()
+        return self._form(self._encoder.encode()), {"action_mask": self.action_masks()}
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Carry out one action, an integer 0 to 6.
+
+        Raises:
+            ValueError: an action out of range; nothing has changed.
+            TypeError: an action that is not an integer.
+            ResetNeeded: before a reset or after the end of an episode.
+        """
+        index = as_action(action)
+        if self._over:
+            raise ResetNeeded(self._over)
+        warehouse = self._warehouse
+        reward, terminated, truncated = warehouse.advance(index)
+        if terminated or truncated:
+            self._over = "the episode has ended; step() needs a reset() first"
+        motion = warehouse.last_motion
+        assert motion is not None, "every step has a motion"
+        info = {"motion": _own(motion), "action_mask": self.action_masks()}
+        if self.render_mode == "human":
+            self._show()
+        return self._form(self._encoder.encode()), reward, terminated, truncated, info
+
+    def action_masks(self) -> NDArray[np.int8]:
+        """Return ``[7]`` int8: 1 for each action that does something now."""
+        state = self._warehouse.state
+        key = (state.robot_pos, state.has_item)
+        mask = self._masks.get(key)
+        if mask is None:
+            self._masks[key] = mask = self._mask(*key)
+        return mask.copy()
+
+    def render(self) -> Any:
+        """Return a picture ``[H, W, 3]`` uint8 or the text; a window is shown by itself."""
+        if self.render_mode == "rgb_array":
+            return self._picture()
+        if self.render_mode == "ansi":
+            return self._warehouse.render()
+        if self.render_mode is None:
+            gymnasium.logger.warn("render() needs a render_mode, given to gymnasium.make")
+        return None
+
+    def close(self) -> None:
+        """Close the window and let the motion backend go."""
+        if self._window is not None:
+            self._window.close()
+            self._window = None
+        self._warehouse.close()
+
+    def _options(self, options: dict[str, Any]) -> tuple[Layout, Cell | None, bool]:
+        """Return the layout, the start if one is given, and whether to draw."""
+        unknown = options.keys() - {"layout", "start_pos", "randomize"}
+        if unknown:
+            raise ValueError(
+                f"unknown options: {', '.join(sorted(unknown))}; "
+                "allowed: layout, start_pos, randomize"
+            )
+        layout = as_layout(options["layout"]) if "layout" in options else self._layout
+        if (layout.height, layout.width) != (self._layout.height, self._layout.width):
+            raise LayoutError(
+                f"the layout has {layout.height} x {layout.width} cells; this environment was "
+                f"made for {self._layout.height} x {self._layout.width}"
+            )
+        randomize = options.get("randomize", self._randomize)
+        if randomize:
+            check_room(layout)
+        given = options.get("start_pos")
+        start = None if given is None else as_cell("start_pos", given)
+        check_start(layout, start or (self._start if not randomize else layout.usual_start()))
+        return layout, start, randomize
+
+    def _mask(self, cell: Cell, has_item: bool) -> NDArray[np.int8]:
+        layout, (row, col) = self._warehouse.layout, cell
+        sides = self._sides.get(cell)
+        if sides is None:
+            self._sides[cell] = sides = layout.open_sides(cell)
+        return _mask_array(sides, layout.rows[row][col], has_item)
+
+    def _picture(self) -> NDArray[np.uint8]:
+        state = self._warehouse.state
+        return self._painter.picture(self._warehouse.layout, state.robot_pos, state.has_item)
+
+    def _show(self) -> None:
+        self._window = self._window or PictureWindow("Warehouse")
+        self._window.show(self._picture(), self.metadata["render_fps"])
+
+
+class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
+    """A batch of warehouses, stepped together by NumPy; see ``BatchEnv``.
+
+    Rows are what ``WarehouseGymnasiumEnv`` gives for the seeds ``seed, seed + 1, ...``.
+
+    Args:
+        num_envs: ``B``, at least 1.
+        layout: one for all rows, or a list of ``B`` of ``Layout`` for each its own.
+        autoreset_mode: an ``AutoresetMode`` or its value, ``"NextStep"``, ``"SameStep"`` or
+            ``"Disabled"``.
+        backend: as for ``WarehouseGymnasiumEnv``, and so are all further arguments.
+
+    Raises:
+        ValueError: a value that is not allowed; ``LayoutError`` and ``BackendError`` are such.
+        TypeError: an argument of another type.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        layout: GivenLayout | Sequence[Layout] | None = None,
+        backend: Backend = "grid",
+        observation: str = "dict",
+        start_pos: Cell | Sequence[Cell] | None = None,
+        max_steps: int = 200,
+        battery: int = 200,
+        view_radius: int = 2,
+        randomize: bool = True,
+        autoreset_mode: Any = NEXT_STEP,
+        render_mode: str | None = None,
+        tile_pixels: int | None = None,
+    ) -> None:
+        modes = ["rgb_array"]
+        check_render_mode(render_mode, modes)
+        mode = getattr(autoreset_mode, "value", autoreset_mode)
+        layouts = layout if _is_many(layout) else as_layout(layout)
+        self._batch = batch = BatchEnv(
+            num_envs,
+            layouts,
+            start_pos,
+            max_steps,
+            battery,
+            view_radius,
+            randomize=randomize,
+            autoreset_mode=mode,
+            backend=backend,
+        )
+        self.metadata = {
+            "render_modes": modes,
+            "render_fps": RENDER_FPS,
+            "autoreset_mode": AutoresetMode(mode),
+        }
+        self.num_envs, self.render_mode = num_envs, render_mode
+        height, width = batch.size
+        form = make_form(observation, Extent(height, width, view_radius, battery, max_steps))
+        self._form = form.of
+        self.single_observation_space = form.space
+        self.observation_space = batch_space(form.space, num_envs)
+        self.single_action_space = spaces.Discrete(len(ACTIONS))
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self._painter = TilePainter(tile_pixels or tile_pixels_for(height, width))
+
+    def reset(
+        self, *, seed: Seeds = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Start an episode in every row, or in those of ``options["reset_mask"]``.
+
+        Raises:
+            ValueError: an unknown option or a bad value; nothing has changed.
+            TypeError: a value of another type.
+            ResetNeeded: a mask before the first reset.
+        """
+        unknown = (options or {}).keys() - {"reset_mask"}
+        if unknown:
+            raise ValueError(f"unknown options: {', '.join(sorted(unknown))}; allowed: reset_mask")
+        try:
+            arrays, info = self._batch.reset(seed, (options or {}).get("reset_mask"))
+        except EndedError as error:
+            raise ResetNeeded(str(error)) from error
+        return self._form(arrays), info
+
+    def step(self, actions: ArrayLike) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Carry out one action in each row; see ``BatchEnv.step``.
+
+        Raises:
+            ValueError: a wrong shape, or an action out of range; nothing has changed.
+            TypeError: actions that are not integers.
+            ResetNeeded: before a reset, or where rows have ended with autoreset disabled.
+        """
+        try:
+            arrays, rewards, terminated, truncated, info = self._batch.step(actions)
+        except EndedError as error:
+            raise ResetNeeded(str(error)) from error
+        if "final_obs" in info:
+            info["final_obs"] = self._final(info["final_obs"], info["_final_obs"])
+        return self._form(arrays), rewards, terminated, truncated, info
+
+    def action_masks(self) -> NDArray[np.int8]:
+        """Return ``[B, 7]`` int8: 1 for each action that does something now."""
+        return self._batch.action_masks()
+
+    def render(self) -> Any:
+        """Return a picture of each row, ``[H, W, 3]`` uint8."""
+        if self.render_mode == "rgb_array":
+            rows = map(self._batch.row, range(self.num_envs))
+            return tuple(
+                self._painter.picture(layout, state.robot_pos, state.has_item)
+                for layout, state in rows
+            )
+        gymnasium.logger.warn("render() needs a render_mode, given to gymnasium.make_vec")
+        return None
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Let the motion backend go."""
+        self._batch.close()
+
+    def _final(self, arrays: Arrays, ended: NDArray[np.bool_]) -> NDArray[Any]:
+        """Return ``[B]`` last observations of rows that have ended, as Gymnasium gives them."""
+        final = np.full(self.num_envs, None, object)
+        observations = self._form(arrays)
+        for row, observation in enumerate(iterate(self.observation_space, observations)):
+            if ended[row]:
+                final[row] = observation
+        return final
+
+
+def as_layout(layout: GivenLayout | Sequence[Layout] | None) -> Layout:
+    """Return a layout that was given as one, as rows or as text.
+
+    Raises:
+        LayoutError: it cannot be used.
+        TypeError: it is something else.
+    """
+    if layout is None:
+        return DEFAULT_LAYOUT
+    if isinstance(layout, Layout):
+        return layout
+    return Layout.from_text(layout) if isinstance(layout, str) else Layout(cast("Any", layout))
+
+
+def as_action(action: Any) -> int:
+    """Return an action as an ``int`` 0 to 6.
+
+    Raises:
+        ValueError: it is out of range.
+        TypeError: it is not an integer.
+    """
+    try:
+        index = operator.index(action)
+    except TypeError:
+        raise TypeError(
+            f"action {action!r} is {type(action).__name__}; allowed: an integer "
+            f"0..{len(ACTIONS) - 1}"
+        ) from None
+    if not 0 <= index < len(ACTIONS):
+        raise ValueError(f"action {index} is out of range; allowed: 0..{len(ACTIONS) - 1}")
+    return index
+
+
+def check_render_mode(mode: str | None, allowed: list[str]) -> None:
+    """Refuse an unknown render mode.
+
+    Raises:
+        ValueError: listing those allowed.
+    """
+    if mode is not None and mode not in allowed:
+        raise ValueError(f"render_mode is {mode!r}; allowed: None, {', '.join(allowed)}")
+
+
+def _is_many(layout: GivenLayout | Sequence[Layout] | None) -> TypeGuard[Sequence[Layout]]:
+    return (
+        not isinstance(layout, (str, Layout))
+        and isinstance(layout, Sequence)
+        and any(isinstance(each, Layout) for each in layout)
+    )
+
+
+def _drawn(layout: Layout, uniforms: NDArray[np.float64]) -> tuple[Layout, Cell | None]:
+    """Return the layout with stations drawn into it, and the start if a cell is left for it."""
+    pickup, dropoff, start = draw_ranks(uniforms, len(layout.open_cells)).tolist()
+    drawn = layout.with_stations(layout.open_cell(pickup), layout.open_cell(dropoff))
+    return drawn, None if start == NO_RANK else layout.open_cell(start)
+
+
+def _own(motion: Outcome) -> Outcome:
+    """Return the same outcome with a path that is shared with no other."""
+    cell, blocked, seconds, joules, path, contacts = motion
+    return Outcome(cell, blocked, seconds, joules, path.copy(), contacts)
+
+
+@cache
+def _mask_array(open_sides: tuple[bool, ...], tile: str, has_item: bool) -> NDArray[np.int8]:
+    return np.array(useful_actions(open_sides, tile, has_item), np.int8)
+
+
+gymnasium.register(
+    ID,
+    entry_point=f"{__name__}:{WarehouseGymnasiumEnv.__name__}",
+    vector_entry_point=f"{__name__}:{WarehouseVectorEnv.__name__}",
+)
