@@ -3,12 +3,13 @@
 import math
 import random
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 
 from warehouse_core import Cell, Contact, Layout, Motion, Outcome
+from warehouse_core.batch_motion import BatchOutcome
 from warehouse_core.conformance import CHECKS, ConformanceError, run_conformance
 from warehouse_core.grid_motion import GridMotion
 
@@ -27,7 +28,13 @@ def path_of(rows: object) -> Any:
     return path
 
 
-class Altered(GridMotion):
+class LoneGrid(GridMotion):
+    """A grid that cannot be multiplied, so that what is broken of it is broken by itself."""
+
+    batch = None
+
+
+class Altered(LoneGrid):
     """A grid motion that reports something else than what happened."""
 
     def __init__(self, alter: Callable[[Outcome], Outcome]) -> None:
@@ -137,13 +144,13 @@ def test_a_false_report_is_noticed(name: str, alter: Callable[[Outcome], Outcome
     assert name in failed_by(lambda: Altered(alter))
 
 
-class WithoutWalls(GridMotion):
+class WithoutWalls(LoneGrid):
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         super().reset(layout, cells, seed)
         self._layout = Layout(["." * layout.width] * layout.height)
 
 
-class WithoutEdge(GridMotion):
+class WithoutEdge(LoneGrid):
     """Takes row -1 for the last one, as lists do."""
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
@@ -151,7 +158,7 @@ class WithoutEdge(GridMotion):
         self._layout = Layout([*layout.rows, "." * layout.width])
 
 
-class Forgetful(GridMotion):
+class Forgetful(LoneGrid):
     """Never takes note of a new layout of the same size."""
 
     _first: Layout | None = None
@@ -162,7 +169,7 @@ class Forgetful(GridMotion):
         super().reset(self._first if same_size else layout, cells, seed)
 
 
-class Overloaded(GridMotion):
+class Overloaded(LoneGrid):
     """Cannot move with a load in row 5."""
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -171,7 +178,7 @@ class Overloaded(GridMotion):
         return super().advance(displacements, loaded)
 
 
-class Ghosts(GridMotion):
+class Ghosts(LoneGrid):
     """Robots that do not notice each other."""
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -186,7 +193,7 @@ class Ghosts(GridMotion):
         return outcomes
 
 
-class Cautious(GridMotion):
+class Cautious(LoneGrid):
     """Robots that do not drive into a cell that another one is about to leave."""
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -197,7 +204,7 @@ class Cautious(GridMotion):
         return super().advance(calm or displacements, loaded)
 
 
-class EmergencyStop(GridMotion):
+class EmergencyStop(LoneGrid):
     """All robots stop where one drives at a wall."""
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -213,7 +220,7 @@ class EmergencyStop(GridMotion):
         return super().advance(displacements, loaded)
 
 
-class Nervous(GridMotion):
+class Nervous(LoneGrid):
     """A robot that waits beside another one feels stopped."""
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -222,7 +229,7 @@ class Nervous(GridMotion):
         return [outcome._replace(blocked=outcome.blocked or waiting) for outcome in outcomes]
 
 
-class Recycling(GridMotion):
+class Recycling(LoneGrid):
     """Hands out the same memory again and again."""
 
     def __init__(self) -> None:
@@ -239,7 +246,7 @@ class Recycling(GridMotion):
         return [o._replace(path=view) for o, view in zip(outcomes, views, strict=False)]
 
 
-class Lasting(GridMotion):
+class Lasting(LoneGrid):
     """Keeps its headings through a reset."""
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
@@ -248,7 +255,7 @@ class Lasting(GridMotion):
         self._headings[: len(headings)] = headings[: len(cells)]
 
 
-class Restless(GridMotion):
+class Restless(LoneGrid):
     """Cannot wait where there is room to the east."""
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -257,7 +264,7 @@ class Restless(GridMotion):
         return super().advance(displacements, loaded)
 
 
-class Leaning(GridMotion):
+class Leaning(LoneGrid):
     """Feels the wall beside it even when it waits."""
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -295,7 +302,7 @@ class Wearing(Altered):
         return outcome._replace(joules=outcome.joules + self.worn)
 
 
-class Obliging(GridMotion):
+class Obliging(LoneGrid):
     """Makes of a move that is not allowed one that is."""
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -303,7 +310,7 @@ class Obliging(GridMotion):
         return super().advance(nearest, loaded)
 
 
-class Rash(GridMotion):
+class Rash(LoneGrid):
     """Turns the robots before it looks whether it can move them."""
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -312,14 +319,14 @@ class Rash(GridMotion):
         return super().advance(displacements, loaded)
 
 
-class Careless(GridMotion):
+class Careless(LoneGrid):
     """Puts robots anywhere."""
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         super().reset(Layout(["." * 9] * 9), sorted({(abs(r), abs(c)) for r, c in cells}), seed)
 
 
-class Hasty(GridMotion):
+class Hasty(LoneGrid):
     """Takes over a layout before it looks whether the robots can stand in it."""
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
@@ -327,7 +334,7 @@ class Hasty(GridMotion):
         super().reset(layout, cells, seed)
 
 
-class Premature(GridMotion):
+class Premature(LoneGrid):
     """Has a robot before it is given one."""
 
     def __init__(self) -> None:
@@ -335,12 +342,12 @@ class Premature(GridMotion):
         self.reset(Layout(["..."]), [(0, 0)], None)
 
 
-class Undying(GridMotion):
+class Undying(LoneGrid):
     def close(self) -> None:
         pass
 
 
-class ClosesOnce(GridMotion):
+class ClosesOnce(LoneGrid):
     closed = False
 
     def close(self) -> None:
@@ -348,6 +355,41 @@ class ClosesOnce(GridMotion):
             raise OSError("closed already")
         self.closed = True
         super().close()
+
+
+class AlteredBatch(GridMotion):
+    """A grid whose batch reports something else than what happened."""
+
+    changed: ClassVar[dict[str, Callable[[Any], Any]]] = {}
+
+    def batch(self, layouts: Sequence[Layout]) -> Any:
+        batch, changed = super().batch(layouts), self.changed
+
+        class Wrapped:
+            place, close = batch.place, batch.close
+
+            def advance(self, actions: Any, loaded: Any) -> BatchOutcome:
+                outcome = batch.advance(actions, loaded)
+                changes = {name: change(getattr(outcome, name)) for name, change in changed.items()}
+                return outcome._replace(**changes)
+
+        return Wrapped()
+
+
+class LateBatch(AlteredBatch):
+    changed: ClassVar = {"seconds": lambda seconds: seconds * 1.001}
+
+
+class DearBatch(AlteredBatch):
+    changed: ClassVar = {"joules": lambda joules: joules * 1.001}
+
+
+class SmoothBatch(AlteredBatch):
+    changed: ClassVar = {"blocked": np.zeros_like}
+
+
+class MixedUpBatch(AlteredBatch):
+    changed: ClassVar = {"cells": lambda cells: cells[::-1]}
 
 
 BROKEN: dict[type[GridMotion], set[str]] = {
@@ -383,6 +425,10 @@ BROKEN: dict[type[GridMotion], set[str]] = {
     Premature: {"check_advance_needs_a_reset"},
     Undying: {"check_advance_needs_a_reset"},
     ClosesOnce: {"check_advance_needs_a_reset"},
+    LateBatch: {"check_a_batch_moves_as_single_motions_do"},
+    DearBatch: {"check_a_batch_moves_as_single_motions_do"},
+    SmoothBatch: {"check_a_batch_moves_as_single_motions_do"},
+    MixedUpBatch: {"check_a_batch_moves_as_single_motions_do"},
 }
 
 
@@ -393,7 +439,18 @@ def test_a_broken_motion_is_noticed(motion: type[GridMotion]) -> None:
 
 @pytest.mark.parametrize(
     "motion",
-    [WithoutEdge, Forgetful, Lasting, Wearing, Rash, Hasty, Premature, Undying, ClosesOnce],
+    [
+        WithoutEdge,
+        Forgetful,
+        Lasting,
+        Wearing,
+        Rash,
+        Hasty,
+        Premature,
+        Undying,
+        ClosesOnce,
+        LateBatch,
+    ],
 )
 def test_a_check_fails_for_its_own_rule_only(motion: type[GridMotion]) -> None:
     assert failed_by(motion).keys() == BROKEN[motion]
@@ -421,9 +478,14 @@ def test_a_check_states_its_rule_in_a_sentence(check: Any) -> None:
 
 
 def test_no_check_is_left_out_or_run_twice() -> None:
-    from warehouse_core import conformance_checks
+    from warehouse_core import conformance_batch, conformance_checks
 
-    assert sorted(NAMES) == sorted(n for n in vars(conformance_checks) if n.startswith("check_"))
+    written = [*vars(conformance_checks), *vars(conformance_batch)]
+    assert sorted(NAMES) == sorted(name for name in written if name.startswith("check_"))
+
+
+def test_a_motion_that_cannot_be_multiplied_conforms() -> None:
+    run_conformance(LoneGrid).raise_for_failures()
 
 
 def test_a_failure_is_raised_with_all_its_details() -> None:

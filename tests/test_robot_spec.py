@@ -50,9 +50,11 @@ def test_an_efficiency_above_one_is_refused() -> None:
         RobotSpec(drivetrain_efficiency=1.01)
 
 
-@pytest.mark.parametrize("radius", [0.5, 0.6, 2.0])
+@pytest.mark.parametrize("radius", [0.4995, 0.5, 0.6, 2.0])
 def test_a_robot_that_does_not_fit_its_cell_is_refused(radius: float) -> None:
-    with pytest.raises(ValueError, match=r"^radius is .*; it must be below half of cell_size 1\.0"):
+    with pytest.raises(
+        ValueError, match=r"^radius is .*; with cell_size 1\.0 it must be at most 0\.499"
+    ):
         RobotSpec(radius=radius)
     assert RobotSpec(radius=radius, cell_size=2.1 * radius).radius == radius
 

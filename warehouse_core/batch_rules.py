@@ -62,9 +62,9 @@ def station_numbers(tiles: NDArray[np.uint8]) -> NDArray[np.intp]:
     return numbers[tiles]
 
 
-def sides_number(sides: Flags) -> Integers:
+def sides_number(sides: Flags) -> NDArray[np.uint8]:
     """Return ``[...]`` numbers, 0 to 15, of ``[..., 4]`` sides that are open, for ``masks``."""
-    return np.packbits(sides, axis=-1)[..., 0].astype(np.intp) >> 4
+    return (np.packbits(sides, axis=-1)[..., 0] >> 4).astype(np.uint8)
 
 
 def masks(sides: Integers, stations: Integers, has_item: Flags) -> NDArray[np.int8]:

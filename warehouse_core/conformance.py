@@ -7,7 +7,8 @@ No test runner is needed. A third party tests its own backend with three lines::
     report = run_conformance(MyMotion)
     report.raise_for_failures()
 
-The rules themselves, each a plain function, are in ``conformance_checks.py``.
+The rules themselves, each a plain function, are in ``conformance_checks.py`` and, for batches,
+``conformance_batch.py``.
 """
 
 from __future__ import annotations
@@ -15,10 +16,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from warehouse_core.conformance_checks import CHECKS, Check
+from warehouse_core.conformance_batch import BATCH_CHECKS
+from warehouse_core.conformance_checks import CHECKS as SINGLE_CHECKS
+from warehouse_core.conformance_checks import Check
 from warehouse_core.conformance_trials import ConformanceError, MakeMotion
 
 __all__ = ["CHECKS", "ConformanceError", "Report", "Result", "run_conformance"]
+
+CHECKS: tuple[Check, ...] = SINGLE_CHECKS + BATCH_CHECKS
+"""Every check, in the order in which they run."""
 
 PASSED, FAILED = "passed", "failed"
 EXPECTED_FAILURE, UNEXPECTED_PASS = "expected failure", "unexpected pass"

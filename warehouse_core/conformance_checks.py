@@ -1,7 +1,7 @@
 """The rules of the seam in ``motion.py``, each as a function that raises where it is broken.
 
 A check is handed a factory that returns a fresh motion at each call, and its docstring is its rule.
-``CHECKS`` holds all of them; ``conformance.py`` runs them.
+``CHECKS`` holds all of them; ``conformance.py`` runs them, and those of ``conformance_batch.py``.
 """
 
 from __future__ import annotations
@@ -301,7 +301,7 @@ def check_advance_needs_a_reset(make_motion: MakeMotion) -> None:
 CHECKS: tuple[Check, ...] = tuple(
     check for name, check in list(globals().items()) if name.startswith("check_")
 )
-"""Every check, in the order of this file."""
+"""The checks of this file, in its order."""
 
 
 def _expect_stops(

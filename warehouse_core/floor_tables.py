@@ -77,9 +77,11 @@ def tiles_table(layouts: Sequence[Layout]) -> NDArray[np.uint8]:
 
 def places_table(layouts: Sequence[Layout]) -> NDArray[np.int32]:
     """Return row and column of every cell in its layout, ``[N, 2]``."""
-    return np.concatenate(
-        [np.indices((layout.height, layout.width), np.int32).reshape(2, -1).T for layout in layouts]
-    )
+    places = [
+        np.indices((layout.height, layout.width), np.int32).reshape(2, -1).T for layout in layouts
+    ]
+    # Row and column side by side in memory: otherwise each look would copy the whole table first.
+    return np.ascontiguousarray(np.concatenate(places))
 
 
 def sides_table(layouts: Sequence[Layout]) -> NDArray[np.bool_]:

@@ -33,7 +33,7 @@ class GridBatch:
         waiting_joules: float,
     ) -> None:
         rows = LayoutSet(layouts)
-        self._cells = np.zeros(len(rows.kind), np.intp)
+        self._cells = np.zeros(len(rows.kind), np.int32)
         self._base = rows.base * _ACTIONS
         self._next = np.concatenate([_next_cells(layout) for layout in rows.kinds])
         self._seconds = np.full(len(rows.kind), seconds)
@@ -50,7 +50,7 @@ class GridBatch:
         self._cells = self._next.take(self._base + before * _ACTIONS + actions)
         blocked = (self._cells == before) & (actions < WAIT)
         joules = self._joules.take(actions)
-        return BatchOutcome(self._cells.copy(), blocked, self._seconds.copy(), joules)
+        return BatchOutcome(self._cells.astype(np.intp), blocked, self._seconds.copy(), joules)
 
     def close(self) -> None:
         """Do nothing; see ``BatchMotion.close``."""
@@ -62,4 +62,4 @@ def _next_cells(layout: Layout) -> Integers:
     steps = np.array([row * layout.width + col for row, col in DISPLACEMENTS])
     cells = np.repeat(np.arange(len(sides))[:, None], _ACTIONS, axis=1)
     cells[:, :WAIT] += sides * steps[:WAIT]
-    return cells.ravel()
+    return cells.ravel().astype(np.int32)  # half as much to fetch from memory as intp

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import Any
 
@@ -13,7 +13,7 @@ from warehouse_core.motion import WALL_CONTACT, Contact, robot_contact
 from warehouse_physics.disturbances import Floor
 from warehouse_physics.robot import ROBOT, WALL, Position, Robot, Touch
 from warehouse_physics.robot_spec import RobotSpec
-from warehouse_physics.walls import wall_boxes
+from warehouse_physics.walls import Box, wall_boxes
 
 ITERATIONS = 5
 """Rounds of the solver in a substep; enough for a lone robot, whose joints do not fight."""
@@ -41,7 +41,7 @@ class Arena:
         self.space.iterations = ITERATIONS if len(cells) == 1 else FLEET_ITERATIONS
         self.space.collision_slop = SLOP
         self._step = spec.time_step
-        self._build_walls(layout, spec.cell_size)
+        add_walls(self.space, wall_boxes(layout), spec.cell_size)
         self.robots = [Robot(self.space, spec, cell, floor) for cell in cells]
         self._is_uneven = floor is not None
         self._number = {robot.body: number for number, robot in enumerate(self.robots)}
@@ -75,14 +75,6 @@ class Arena:
         numbers = sorted({self._number[body] for body in bodies if body in self._number})
         return [self.robots[number] for number in numbers if self.robots[number] is not robot]
 
-    def _build_walls(self, layout: Layout, size: float) -> None:
-        ground = self.space.static_body
-        for left, top, right, bottom in wall_boxes(layout):
-            corners = [(left, top), (right, top), (right, bottom), (left, bottom)]
-            shape = pymunk.Poly(ground, [(x * size, y * size) for x, y in corners])
-            shape.collision_type = WALL
-            self.space.add(shape)
-
     def _note_hit(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
         """Remember a hit as it begins, before the solver changes any velocity."""
         bodies = arbiter.bodies
@@ -108,6 +100,19 @@ class Arena:
                     push: Position = (sign * normal[0], sign * normal[1])
                     met = None if other is None else self.robots[other]
                     self.robots[number].meet(now, Touch(met, push, velocity), contact)
+
+
+def add_walls(
+    space: pymunk.Space, boxes: Iterable[Box], size: float, corner: Position = (0.0, 0.0)
+) -> None:
+    """Add walls, given as boxes in cells of ``size`` metres from a position on."""
+    left_edge, top_edge = corner
+    for left, top, right, bottom in boxes:
+        corners = [(left, top), (right, top), (right, bottom), (left, bottom)]
+        vertices = [(left_edge + x * size, top_edge + y * size) for x, y in corners]
+        shape = pymunk.Poly(space.static_body, vertices)
+        shape.collision_type = WALL
+        space.add(shape)
 
 
 def _impulse_between(body: pymunk.Body, other: pymunk.Body) -> float:

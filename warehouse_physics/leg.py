@@ -5,12 +5,20 @@ Chipmunk moves positions before it changes velocities. A robot at rest whose com
 ``a * dt`` a substep either way, speeds up and slows down along the same steps; what it misses
 while it speeds up it makes up while it slows down. It ends at rest exactly ``n * dt * v`` further,
 whatever ``a`` is, if only ``v <= n * a * dt``. So ``n`` is chosen first and ``v`` follows.
+
+The second half of the file is the first half for ``N`` robots at once.
 """
 
 from __future__ import annotations
 
 import math
 from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Substeps = NDArray[np.int64]
 
 _SLACK = 1e-9
 """Of a substep; keeps a quotient that is whole but for rounding from being rounded up."""
@@ -47,3 +55,35 @@ def plan_leg(
 def braking(speed: float, acceleration: float, time_step: float) -> int:
     """Return the substeps until a robot that brakes from ``speed`` stands still."""
     return max(1, math.ceil(speed / (acceleration * time_step) - _SLACK))
+
+
+class Legs(NamedTuple):
+    """Commanded velocities ``[N, 2]`` in m/s, and for how many substeps ``[N]`` to go and brake."""
+
+    velocities: Floats
+    go: Substeps
+    brake: Substeps
+
+
+def plan_legs(ways: Floats, top_speed: float, accelerations: Floats, time_step: float) -> Legs:
+    """Return the fastest legs from rest to rest over ``ways``, ``[N, 2]`` in metres."""
+    lengths = lengths_of(ways)
+    seconds = np.maximum(lengths / top_speed, np.sqrt(lengths / accelerations))
+    go = _whole(seconds / time_step)
+    seconds = go * time_step
+    brake = brakings(lengths / seconds, accelerations, time_step)
+    return Legs(ways / seconds[:, None], go, brake)
+
+
+def brakings(speeds: Floats, accelerations: Floats, time_step: float) -> Substeps:
+    """Return the substeps ``[N]`` until robots that brake from ``speeds`` stand still."""
+    return _whole(speeds / (accelerations * time_step))
+
+
+def lengths_of(vectors: Floats) -> Floats:
+    """Return the lengths ``[N]`` of vectors ``[N, 2]``."""
+    return np.hypot(vectors[:, 0], vectors[:, 1])
+
+
+def _whole(substeps: Floats) -> Substeps:
+    return np.maximum(np.ceil(substeps - _SLACK), 1).astype(np.int64)

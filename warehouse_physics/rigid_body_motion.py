@@ -11,16 +11,14 @@ from warehouse_core import Cell, Layout, Outcome
 from warehouse_core.motion import check_moves, check_starts
 from warehouse_physics.arena import Arena
 from warehouse_physics.disturbances import Disturbances, Floor
-from warehouse_physics.robot import NEVER, Robot
+from warehouse_physics.rigid_body_batch import RigidBodyBatch
+from warehouse_physics.robot import MOST_SUBSTEPS, NEVER, Robot
 from warehouse_physics.robot_spec import RobotSpec
 
 Row = tuple[float, float, float, float]
 
 PATH_EVERY = 10
 """Substeps from one row of the path to the next."""
-
-MOST_SUBSTEPS = 10_000
-"""After so many substeps an action ends, wherever the robots are."""
 
 STAY = (0, 0)
 
@@ -85,6 +83,18 @@ class RigidBodyMotion:
         substeps = self._drive(self._arena, paths)
         seconds = substeps * self.spec.time_step if substeps else self.spec.dwell
         return [self._outcome(*each, seconds) for each in zip(robots, paths, strict=True)]
+
+    def batch(self, layouts: Sequence[Layout]) -> RigidBodyBatch:
+        """Return a motion for one robot in each of these layouts; see ``Batchable``.
+
+        Raises:
+            ValueError: no layouts, or this motion has disturbances, which a batch does not know.
+        """
+        if self.disturbances.any:
+            raise ValueError(
+                f"{self.disturbances} cannot be batched; a batch is nominal, without disturbances"
+            )
+        return RigidBodyBatch(self.spec, layouts)
 
     def close(self) -> None:
         """Let the world go; see ``Motion.close``."""

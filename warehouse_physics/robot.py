@@ -18,7 +18,7 @@ from warehouse_core import Cell
 from warehouse_core.motion import Contact, centre_of
 from warehouse_physics.disturbances import Floor
 from warehouse_physics.leg import braking, plan_leg
-from warehouse_physics.robot_spec import RobotSpec
+from warehouse_physics.robot_spec import ARRIVED, RobotSpec
 
 Position = tuple[float, float]
 
@@ -27,10 +27,6 @@ ROBOT, WALL = 1, 2
 
 TURN_RATE, TURNING = math.pi, 60.0
 """Angular speed and acceleration of the heading, in rad/s and rad/s²; no disc goes elsewhere."""
-
-ARRIVED = 1e-3
-"""Share of a cell within which a robot is where it wants to be."""
-
 
 AT_REST = 1e-9
 """Speed in m/s below which a robot stands still."""
@@ -53,6 +49,9 @@ FITTING = 0.9
 
 NEVER = sys.maxsize
 """The substep at which a robot at rest has something to do."""
+
+MOST_SUBSTEPS = 10_000
+"""After so many substeps an action ends, wherever the robots are."""
 
 
 class Phase(Enum):

@@ -14,6 +14,9 @@ ACCURATE_STEP, FAST_STEP = 1 / 60, 1 / 30
 LARGEST = 1e9
 """What no value exceeds, in its unit; products of such values are still finite."""
 
+ARRIVED = 1e-3
+"""Share of a cell within which a robot is where it wants to be."""
+
 MOST_LEG_SUBSTEPS = 2_000
 """Substeps that a free move may take, 33 s at 1/60 s."""
 
@@ -74,9 +77,12 @@ class RobotSpec:
             raise ValueError(
                 f"drivetrain_efficiency is {self.drivetrain_efficiency!r}; it must be at most 1"
             )
-        if self.radius >= self.cell_size / 2:
+        # Where it stands off the middle by as much as passes for arrived it must touch no wall.
+        largest = (0.5 - ARRIVED) * self.cell_size
+        if self.radius > largest:
             raise ValueError(
-                f"radius is {self.radius!r}; it must be below half of cell_size {self.cell_size!r}"
+                f"radius is {self.radius!r}; with cell_size {self.cell_size!r} it must be at most "
+                f"{largest!r}"
             )
         # A body that moves further than its radius in a substep could pass through a wall.
         fastest = self.radius / 2 / self.time_step

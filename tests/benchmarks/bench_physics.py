@@ -6,9 +6,11 @@ import sys
 from statistics import median
 from time import perf_counter
 
+import numpy as np
 import pytest
 from test_backend_swap import steps_differ
 from test_fleet_motion import fleet_keeps_the_table
+from test_rigid_body_batch import batch_in, rows_differ
 from test_rigid_body_motion import drive_at_walls
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, WarehouseEnv, random_layout
@@ -22,6 +24,12 @@ TUNNEL_MOVES = 100_000
 FLEET_ACTIONS = 20_000
 STEADY_MOVES = 1_000_000
 RESETS = 20
+BATCH_STEPS = 4
+"""Actions of a whole batch in a round of a measurement, or more for as many ``MOVES``."""
+
+LEAST_RATIOS = {1: 0.5, 16: 2.5, 64: 3.0, 256: 3.0, 1024: 3.0}
+"""Rows of a batch, and how many times more moves a second it must make than one environment."""
+
 ENDLESS = 10**9
 
 LAYOUTS = {"default": DEFAULT_LAYOUT, "100 x 100": random_layout(100, 100, 0.2, seed=1)}
@@ -124,3 +132,23 @@ def test_fleets_keep_the_table_over_twenty_thousand_actions() -> None:
         for robots in range(2, 11):
             for seed in range(10):
                 fleet_keeps_the_table(spec, robots, seed, actions=FLEET_ACTIONS // (2 * 9 * 10) + 1)
+
+
+@pytest.mark.parametrize(("rows", "least"), LEAST_RATIOS.items())
+def test_moves_a_second_of_a_batch_against_one_environment(rows, least, times_faster) -> None:
+    """The target is 4 at 256 rows."""
+    steps = max(BATCH_STEPS, MOVES // rows)
+    batch, env = batch_in([DEFAULT_LAYOUT] * rows), env_in(DEFAULT_LAYOUT)
+    actions, empty = random_moves(steps * rows), np.zeros(rows, bool)
+    drawn = np.array(["NESW".index(action) for action in actions]).reshape(steps, rows)
+    ratio = times_faster(
+        lambda: [batch.advance(each, empty) for each in drawn],
+        lambda: [env.step(action) for action in actions],
+    )
+    assert ratio >= least
+
+
+@pytest.mark.parametrize("spec", [RobotSpec(), RobotSpec.fast()], ids=["1/60", "1/30"])
+def test_a_hundred_thousand_moves_of_a_batch_are_those_of_single_motions(spec: RobotSpec) -> None:
+    blocked = sum(rows_differ(spec, rows=50, steps=100, seed=seed) for seed in range(20))
+    assert blocked > COMPARED_MOVES / 8
