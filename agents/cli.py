@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from agents import console, layout_commands
+from agents.bench import bench
 from agents.compare import compare
 from agents.console import SaveOption, ShowOption
 from agents.demos import demo
@@ -28,6 +29,7 @@ app.command()(run)
 app.command()(play)
 app.command()(compare)
 app.command()(demo)
+app.command()(bench)
 app.add_typer(layout_commands.app, name="layout")
 
 

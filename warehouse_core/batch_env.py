@@ -170,10 +170,16 @@ class BatchEnv:
         return masks(floor.sides(rows, cells), floor.stations(rows, cells), self._has_item)
 
     def row(self, row: int) -> tuple[Layout, WarehouseState]:
-        """Return how one warehouse stands: its layout, and the state that it alone would have."""
-        layout = self.layouts.rows[row]
+        """Return how one warehouse stands: its layout, and the state that it alone would have.
+
+        Raises:
+            EndedError: before a reset.
+        """
+        if not self._started:
+            raise EndedError("row() needs a reset() before it")
+        layout = self.layouts.kinds[self.layouts.kind[row]]
         if self.randomize:
-            pickup, dropoff = self._floor.station_places(slice(row, row + 1))[:, 0].tolist()
+            pickup, dropoff = self._floor.station_places(np.array([row]))[:, 0].tolist()
             layout = layout.with_stations(tuple(pickup), tuple(dropoff))
         robot, steps = divmod(int(self._cells[row]), layout.width), int(self._steps[row])
         has_item = bool(self._has_item[row])
@@ -208,7 +214,8 @@ class BatchEnv:
         """Start the rows that have ended again, and return info with how they ended."""
         rows, ended = np.flatnonzero(self._ended), self._ended.copy()
         final_info = {
-            "motion": info["motion"] | {f"_{key}": ended.copy() for key in info["motion"]},
+            "motion": {key: values.copy() for key, values in info["motion"].items()}
+            | {f"_{key}": ended.copy() for key in info["motion"]},
             "_motion": ended.copy(),
             "action_mask": self.action_masks(),
             "_action_mask": ended.copy(),
@@ -293,6 +300,8 @@ def _checked_seeds(seed: Seeds, rows: int) -> Sequence[int | None]:
     if isinstance(seed, (int, np.integer)):
         first = whole_number("seed", seed, least=0)
         return range(first, first + rows)
+    if not isinstance(seed, (Sequence, np.ndarray)):
+        raise TypeError(f"seed is {seed!r}; it must be an integer or one for each row")
     if len(seed) != rows:
         raise ValueError(f"{len(seed)} seeds for {rows} rows; give one, or one for each row")
     return [

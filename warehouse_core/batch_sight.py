@@ -58,7 +58,9 @@ class BatchSight:
     ) -> None:
         """Write a code where the stations are; those out of sight go where the robot will."""
         way = stations - robots
-        distance = way[:, 0] * self._stride + way[:, 1] + self._reach
+        # Long ways on a wide grid come to more than 32 bits hold.
+        distance = np.multiply(way[:, 0], self._stride, dtype=np.intp)
+        distance += way[:, 1] + self._reach
         place = self._place_of.take(distance, mode="clip")
         place += np.arange(0, windows.size, self._cells)
         windows.reshape(-1)[place] = code

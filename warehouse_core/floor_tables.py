@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.layout import MOVE_DELTAS, WALL, Layout, LayoutError
-from warehouse_core.sight import CELL_CODES, CODE_OF_BYTE
+from warehouse_core.sight import CELL_CODES, tile_codes
 
 MAX_TABLE_BYTES = 2**30
 """Of the windows of a batch; larger ones are refused before they are made."""
@@ -63,13 +63,6 @@ def size_of(layout: Layout) -> int:
     return layout.height * layout.width
 
 
-def tile_codes(layout: Layout, margin: int = 0) -> NDArray[np.uint8]:
-    """Return ``[H + 2 * margin, W + 2 * margin]`` codes of the tiles, walls around them."""
-    text = "".join(layout.rows).encode("ascii").translate(CODE_OF_BYTE)
-    tiles = np.frombuffer(text, np.uint8).reshape(layout.height, layout.width)
-    return np.pad(tiles, margin, constant_values=CELL_CODES[WALL])
-
-
 def tiles_table(layouts: Sequence[Layout]) -> NDArray[np.uint8]:
     """Return the code of the tile of every cell, ``[N]``."""
     return np.concatenate([tile_codes(layout).ravel() for layout in layouts])
@@ -105,8 +98,13 @@ def windows_table(layouts: Sequence[Layout], radius: int) -> NDArray[np.uint8]:
     return np.concatenate([_windows(layout, radius) for layout in layouts])
 
 
+def _walled(layout: Layout, margin: int) -> NDArray[np.uint8]:
+    """Return the codes of the tiles with a margin of walls around them."""
+    return np.pad(tile_codes(layout), margin, constant_values=CELL_CODES[WALL])
+
+
 def _sides(layout: Layout) -> NDArray[np.bool_]:
-    is_open = tile_codes(layout, margin=1) != CELL_CODES[WALL]
+    is_open = _walled(layout, 1) != CELL_CODES[WALL]
     height, width = layout.height, layout.width
     return np.stack(
         [
@@ -119,5 +117,5 @@ def _sides(layout: Layout) -> NDArray[np.bool_]:
 
 def _windows(layout: Layout, radius: int) -> NDArray[np.uint8]:
     side = 2 * radius + 1
-    views = np.lib.stride_tricks.sliding_window_view(tile_codes(layout, radius), (side, side))
+    views = np.lib.stride_tricks.sliding_window_view(_walled(layout, radius), (side, side))
     return views.reshape(size_of(layout), side**2)

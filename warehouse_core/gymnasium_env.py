@@ -28,13 +28,23 @@ from warehouse_core.observation_image import ObservationImage
 from warehouse_core.picture_window import PictureWindow
 from warehouse_core.rules import ACTIONS, useful_actions
 from warehouse_core.sight import CELL_CODES
-from warehouse_core.station_draw import DRAWS, NO_RANK, check_room, draw_ranks, motion_seed
+from warehouse_core.station_draw import (
+    DRAWS,
+    NEEDED,
+    NO_RANK,
+    check_room,
+    draw_ranks,
+    motion_seed,
+)
 from warehouse_core.tile_painter import TilePainter, tile_pixels_for
 from warehouse_core.warehouse_env import WarehouseEnv, as_cell, check_start
 
 ID = "Warehouse-v0"
 FORMS = ("dict", "vector", "image")
 RENDER_FPS = 8
+
+LEAST = 2
+"""Rows and columns that spaces have room for: Gymnasium warns of bounds that leave no choice."""
 
 GivenLayout = Layout | Sequence[str] | str
 """A layout, its rows, or its text; of the three only the last two can be kept as JSON."""
@@ -75,9 +85,10 @@ def make_form(name: str, extent: Extent) -> Form:
     """
     height, width, view_radius, battery, max_steps = extent
     if name == "dict":
-        return Form(_dict_space(extent), lambda arrays: arrays)
+        return Form(_dict_space(extent), _as_it_is)
     if name == "vector":
-        low, high = vector_limits(height, width, view_radius, battery, max_steps)
+        rows, columns = max(height, LEAST), max(width, LEAST)
+        low, high = vector_limits(rows, columns, view_radius, battery, max_steps)
         return Form(spaces.Box(low, high, dtype=np.float32), vector)
     if name == "image":
         image = ObservationImage(height, width, battery, max_steps)
@@ -85,8 +96,12 @@ def make_form(name: str, extent: Extent) -> Form:
     raise ValueError(f"observation is {name!r}; allowed: {', '.join(FORMS)}")
 
 
+def _as_it_is(arrays: Arrays) -> Arrays:
+    return arrays  # a lambda could not be pickled
+
+
 def _dict_space(extent: Extent) -> spaces.Dict:
-    last_cell = np.array([extent.height - 1, extent.width - 1])
+    last_cell = np.maximum([extent.height, extent.width], LEAST) - 1
     window = (2 * extent.view_radius + 1) ** 2
 
     def whole(low: int, high: ArrayLike, size: int) -> spaces.Box[Any]:
@@ -149,9 +164,10 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
     ) -> None:
         check_render_mode(render_mode, self.metadata["render_modes"])
         self._layout = as_layout(layout)
-        self._start = self._layout.usual_start() if start_pos is None else start_pos
+        self._start = None if start_pos is None else as_cell("start_pos", start_pos)
+        start = self._start or self._layout.usual_start()
         self._warehouse = WarehouseEnv(
-            self._layout, self._start, max_steps, battery, view_radius, backend=backend
+            self._layout, start, max_steps, battery, view_radius, backend=backend
         )
         self._encoder = Encoder(self._warehouse)
         self._randomize = randomize
@@ -162,7 +178,9 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         self.observation_space, self._form = form.space, form.of
         self.action_space = spaces.Discrete(len(ACTIONS))
         self.render_mode = render_mode
-        self._painter = TilePainter(tile_pixels or tile_pixels_for(height, width))
+        if tile_pixels is None:
+            tile_pixels = tile_pixels_for(height, width)
+        self._painter = TilePainter(tile_pixels)
         self._window: PictureWindow | None = None
         self._masks: dict[tuple[Cell, bool], NDArray[np.int8]] = {}
         self._sides: dict[Cell, tuple[bool, ...]] = {}
@@ -193,7 +211,7 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         if randomize:
             layout, drawn = _drawn(layout, uniforms)
             start = start or drawn
-        start = start or self._start
+        assert start is not None, "what is not drawn has been told"
         if layout.open_cells is not self._warehouse.layout.open_cells:
             self._sides = {}
         self._warehouse.reset_to(layout, start, motion_seed(uniforms))
@@ -253,7 +271,7 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         self._warehouse.close()
 
     def _options(self, options: dict[str, Any]) -> tuple[Layout, Cell | None, bool]:
-        """Return the layout, the start if one is given, and whether to draw."""
+        """Return the layout, the start unless it is to be drawn, and whether to draw."""
         unknown = options.keys() - {"layout", "start_pos", "randomize"}
         if unknown:
             raise ValueError(
@@ -270,8 +288,11 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         if randomize:
             check_room(layout)
         given = options.get("start_pos")
-        start = None if given is None else as_cell("start_pos", given)
-        check_start(layout, start or (self._start if not randomize else layout.usual_start()))
+        if given is None and randomize and len(layout.open_cells) > NEEDED:
+            return layout, None, True
+        start = self._start if given is None else as_cell("start_pos", given)
+        start = start or layout.usual_start()
+        check_start(layout, start)
         return layout, start, randomize
 
     def _mask(self, cell: Cell, has_item: bool) -> NDArray[np.int8]:
@@ -350,7 +371,9 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self.observation_space = batch_space(form.space, num_envs)
         self.single_action_space = spaces.Discrete(len(ACTIONS))
         self.action_space = batch_space(self.single_action_space, num_envs)
-        self._painter = TilePainter(tile_pixels or tile_pixels_for(height, width))
+        if tile_pixels is None:
+            tile_pixels = tile_pixels_for(height, width)
+        self._painter = TilePainter(tile_pixels)
 
     def reset(
         self, *, seed: Seeds = None, options: dict[str, Any] | None = None
@@ -392,9 +415,16 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return self._batch.action_masks()
 
     def render(self) -> Any:
-        """Return a picture of each row, ``[H, W, 3]`` uint8."""
+        """Return a picture of each row, ``[H, W, 3]`` uint8.
+
+        Raises:
+            ResetNeeded: before a reset.
+        """
         if self.render_mode == "rgb_array":
-            rows = map(self._batch.row, range(self.num_envs))
+            try:
+                rows = [self._batch.row(row) for row in range(self.num_envs)]
+            except EndedError as error:
+                raise ResetNeeded(str(error)) from error
             return tuple(
                 self._painter.picture(layout, state.robot_pos, state.has_item)
                 for layout, state in rows
@@ -404,7 +434,9 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     def close_extras(self, **kwargs: Any) -> None:
         """Let the motion backend go."""
-        self._batch.close()
+        # Some versions of Gymnasium close what could not even be made.
+        if hasattr(self, "_batch"):
+            self._batch.close()
 
     def _final(self, arrays: Arrays, ended: NDArray[np.bool_]) -> NDArray[Any]:
         """Return ``[B]`` last observations of rows that have ended, as Gymnasium gives them."""

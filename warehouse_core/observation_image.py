@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.encoding import Arrays
-from warehouse_core.layout import DROPOFF, PICKUP
+from warehouse_core.layout import DROPOFF, EMPTY, PICKUP
 from warehouse_core.palette import BATTERY, INK
-from warehouse_core.sight import ROBOT_EMPTY, ROBOT_LOADED
-from warehouse_core.tile_painter import CODES, NO_ROBOT, UNSEEN, Pixels, TilePainter, bar
+from warehouse_core.tile_atlas import CODES, NO_ROBOT, ROBOT_CODES, UNSEEN, Pixels
+from warehouse_core.tile_painter import TilePainter, bar
 
 TILE_PIXELS = 8
 """Side of a tile; the default layout becomes 64 x 96 pixels."""
@@ -68,11 +68,11 @@ class ObservationImage:
         cells[each[:, None, None], rows[:, :, None], cols[:, None, :]] = windows.reshape(
             -1, side, side
         )
-        loaded = np.asarray(arrays["has_item"]).reshape(-1).astype(bool)
+        under = np.full(len(robots), CODES[EMPTY, NO_ROBOT])
         for tile, stations in ((PICKUP, arrays["pickup_pos"]), (DROPOFF, arrays["dropoff_pos"])):
-            on = (stations.reshape(-1, 2) == robots).all(axis=1)
-            code = np.where(loaded, CODES[tile, ROBOT_LOADED], CODES[tile, ROBOT_EMPTY])
-            cells[each[on], robots[on, 0] + radius, robots[on, 1] + radius] = code[on]
+            under[(stations.reshape(-1, 2) == robots).all(axis=1)] = CODES[tile, NO_ROBOT]
+        loaded = np.asarray(arrays["has_item"]).reshape(-1)
+        cells[each, robots[:, 0] + radius, robots[:, 1] + radius] = ROBOT_CODES[loaded, under]
         inner = cells[:, radius : radius + self._height, radius : radius + self._width]
         return inner.reshape(*batch, self._height, self._width)
 

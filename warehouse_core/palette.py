@@ -26,11 +26,13 @@ COLORS: dict[str, Color] = {
 PAPER: Color = (1.0, 1.0, 1.0)
 INK: Color = (0.12, 0.12, 0.15)
 FAINT: Color = (0.82, 0.82, 0.84)
-UNKNOWN: Color = (0.62, 0.62, 0.66)
 BATTERY: Color = (0.35, 0.45, 0.6)
 WARNING: Color = COLORS[ROBOT_EMPTY]
 PALE_WARNING: Color = (1.0, 0.85, 0.85)
 HIT: Color = (1.0, 0.85, 0.1)
+
+UNKNOWN: Color = (0.62, 0.62, 0.66)
+"""Of a cell that a robot does not see. No replay has one, nor has the palette of its files."""
 
 LineStyle = Literal["-"] | tuple[float, tuple[float, ...]]
 

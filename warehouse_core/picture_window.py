@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 DPI = 100
+"""Of the figure. Sizes are pixels here, so that it is as good as any."""
 
 NAP_SECONDS = 0.01
 """The longest that a key, a click or a changed size waits while the next picture is not due."""
@@ -57,7 +58,7 @@ class PictureWindow:
         between two pictures is part of that time. Once the window is closed it does nothing.
         """
         if self._canvas is None and not self._is_closed:
-            self._open()
+            self._open(picture)
         self._wait_until(0.0)
         if self._is_closed:
             return
@@ -75,7 +76,7 @@ class PictureWindow:
         if self._canvas is not None and not was_closed:
             self._canvas.manager.destroy()
 
-    def _open(self) -> None:
+    def _open(self, picture: NDArray[np.uint8]) -> None:
         import matplotlib as mpl
         import matplotlib.pyplot as plt
         from matplotlib.backends.registry import backend_registry
@@ -83,13 +84,14 @@ class PictureWindow:
 
         registry: Any = backend_registry
         toolkit = registry.load_backend_module(plt.get_backend())
-        figure = Figure(dpi=DPI)
+        height, width = picture.shape[:2]
+        figure = Figure((width / DPI, height / DPI), DPI)
         figure.set_layout_engine("none")
         with mpl.rc_context({"toolbar": "None"}):
             manager = toolkit.FigureCanvas.new_manager(figure, 0)
         axes = figure.add_axes((0, 0, 1, 1))
         axes.set_axis_off()
-        self._image = axes.imshow([[0]], interpolation="nearest")
+        self._image = axes.imshow(picture, interpolation="nearest")
         self._canvas = figure.canvas
         # Matplotlib's own keys would save a file or change the axes.
         self._canvas.mpl_disconnect(manager.key_press_handler_id)

@@ -5,6 +5,9 @@ It changes only with the layout, so each window is cut once and remembered.
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from warehouse_core.layout import DROPOFF, EMPTY, PICKUP, WALL, Cell, Layout
 
 ROBOT_EMPTY, ROBOT_LOADED = "R", "r"
@@ -19,6 +22,12 @@ CODE_OF_BYTE = bytes(CELL_CODES.get(chr(byte), 255) for byte in range(256))
 """The same as a table for ``bytes.translate``."""
 
 _MAX_REMEMBERED_CHARACTERS = 32_000_000
+
+
+def tile_codes(layout: Layout) -> NDArray[np.uint8]:
+    """Return the codes of all tiles of a layout, ``[H, W]``, fresh."""
+    codes = bytearray("".join(layout.rows).encode("ascii").translate(CODE_OF_BYTE))
+    return np.frombuffer(codes, np.uint8).reshape(layout.height, layout.width)
 
 
 class Sight:
