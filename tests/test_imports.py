@@ -16,6 +16,22 @@ FORBIDDEN = {
     "warehouse_physics": ("agents", "tests"),
     "agents": ("tests",),
 }
+PROGRAMS = {
+    "one": """
+import warehouse_core
+env = warehouse_core.WarehouseEnv()
+env.reset(randomize=True, seed=1)
+env.step("E")
+""",
+    "a batch": """
+from warehouse_core.batch_env import BatchEnv
+batch = BatchEnv(3)
+batch.reset(seed=1)
+batch.step([1, 2, 3])
+""",
+}
+"""What can be done without them."""
+
 FILES = [path for package in FORBIDDEN for path in sorted((ROOT / package).rglob("*.py"))]
 
 
@@ -41,17 +57,20 @@ def test_every_package_is_looked_at() -> None:
     assert {path.relative_to(ROOT).parts[0] for path in FILES} == set(FORBIDDEN)
 
 
-def test_a_bare_environment_loads_none_of_the_heavy_libraries() -> None:
-    program = f"""
-import sys
-import warehouse_core
-env = warehouse_core.WarehouseEnv()
-env.reset(randomize=True, seed=1)
-env.step("E")
-print([name for name in {HEAVY} if name in sys.modules])
-"""
+def test_gymnasium_is_imported_in_one_place() -> None:
+    core = [path for path in FILES if path.relative_to(ROOT).parts[0] != "agents"]
+    assert [path.name for path in core if "gymnasium" in imported_by(path)] == ["gymnasium_env.py"]
+
+
+@pytest.mark.parametrize("program", PROGRAMS.values(), ids=PROGRAMS.keys())
+def test_a_bare_environment_loads_none_of_the_heavy_libraries(program: str) -> None:
+    look = f"import sys; print([name for name in {HEAVY} if name in sys.modules])"
     done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=ROOT
+        [sys.executable, "-c", f"{program}\n{look}"],
+        capture_output=True,
+        text=True,
+        check=True,
+        cwd=ROOT,
     )
     assert done.stdout.strip() == "[]"
 

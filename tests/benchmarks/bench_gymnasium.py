@@ -1,0 +1,132 @@
+"""``Warehouse-v0``, one and thousands, against environments that Gymnasium and MiniGrid bring."""
+
+import random
+from collections.abc import Callable
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+from warehouse_core import DEFAULT_LAYOUT, Layout, WarehouseEnv
+from warehouse_core.gymnasium_env import ID
+
+STEPS, PHYSICS_STEPS, FRAMES = 30_000, 3_000, 200
+BATCH, BATCH_STEPS = 4096, 25
+WARM_UP = 250
+MAX_STEPS, WAIT = 200, 4
+
+ENDLESS = 10**9
+
+
+def hall(side: int) -> Layout:
+    """Return a square of open floor with a wall around it."""
+    inside = ["#" + "." * (side - 2) + "#"] * (side - 2)
+    return Layout(["#" * side, *inside, "#" * side])
+
+
+def stepping(env: Any, steps: int, actions: int) -> Callable[[], None]:
+    """Return the work of a random walk of so many steps, through as many episodes as it takes."""
+    chosen = random.Random(0).choices(range(actions), k=steps)
+    env.reset()
+
+    def work() -> None:
+        step, reset = env.step, env.reset
+        for action in chosen:
+            _, _, terminated, truncated, _ = step(action)
+            if terminated or truncated:
+                reset()
+
+    return work
+
+
+def stepping_all(env: Any, actions: int, steps: int = BATCH_STEPS) -> Callable[[], None]:
+    """Return the work of so many random steps of a batch that is well under way."""
+    stream = np.random.default_rng(0)
+    for _ in range(WARM_UP):
+        env.step(stream.integers(actions, size=env.num_envs))
+    chosen = stream.integers(actions, size=(steps, env.num_envs))
+
+    def work() -> None:
+        for each in chosen:
+            env.step(each)
+
+    return work
+
+
+def warehouses(count: int, layout: Layout = DEFAULT_LAYOUT, view_radius: int = 2) -> Any:
+    """Return a batch whose rows are out of step: with every step some end and some begin."""
+    env = gymnasium.make_vec(
+        ID, count, "vector_entry_point", layout=layout, view_radius=view_radius
+    )
+    env.reset(seed=0)
+    for step in range(MAX_STEPS):
+        env.step(np.full(count, WAIT))
+        mask = np.arange(count) % MAX_STEPS == step
+        env.reset(options={"reset_mask": mask})
+    return env
+
+
+def carts(count: int) -> Any:
+    """Return the batch of CartPole, whose rows fall over all by themselves."""
+    env = gymnasium.make_vec("CartPole-v1", count, "vector_entry_point")
+    env.reset(seed=0)
+    return env
+
+
+def test_a_step_keeps_up_with_frozen_lake(times_faster) -> None:
+    ours = stepping(gymnasium.make(ID).unwrapped, STEPS, 7)
+    lake = stepping(gymnasium.make("FrozenLake-v1").unwrapped, STEPS, 4)
+    assert times_faster(ours, lake) >= 1.0
+
+
+def test_a_picture_is_painted_three_times_as_fast_as_a_minigrid(times_faster) -> None:
+    import minigrid  # noqa: F401 - registers its environments
+
+    def filming(name: str) -> Callable[[], None]:
+        env = gymnasium.make(name, render_mode="rgb_array").unwrapped
+        env.reset(seed=0)
+        assert min(env.render().shape[:2]) >= 256
+
+        def work() -> None:
+            for number in range(FRAMES):
+                env.step(number % 3)
+                env.render()
+            env.reset()
+
+        return work
+
+    assert times_faster(filming(ID), filming("MiniGrid-Empty-8x8-v0")) >= 3.0
+
+
+@pytest.mark.parametrize(("view_radius", "share"), [(2, 0.4), (0, 0.8)])
+def test_a_batch_against_gymnasiums_fastest(view_radius, share, times_faster) -> None:
+    """CartPole's batch is a few operations on one array of four numbers a row."""
+    ours = stepping_all(warehouses(BATCH, view_radius=view_radius), 7)
+    assert times_faster(ours, stepping_all(carts(BATCH), 2)) >= share
+
+
+@pytest.mark.parametrize("view_radius", [0, 2])
+@pytest.mark.parametrize("count", [4_096, 16_384, 65_536])
+def test_a_row_costs_no_more_where_there_are_more(count, view_radius, times_faster) -> None:
+    """As many steps of rows in all as a batch of 1,024 takes them, which is the dearer way."""
+    few = 1_024
+    ours, theirs = (warehouses(rows, view_radius=view_radius) for rows in (count, few))
+    works = stepping_all(ours, 7, steps=5), stepping_all(theirs, 7, steps=5 * count // few)
+    assert times_faster(*works) >= 1 / 1.1
+
+
+@pytest.mark.parametrize(("side", "share"), [(100, 0.8), (1_000, 0.4)])
+def test_the_size_of_the_map_matters_to_the_caches_alone(side, share, times_faster) -> None:
+    """What is looked up is as much, but no cache holds the tables of a million cells."""
+    ours, usual = (
+        stepping_all(warehouses(BATCH, each), 7) for each in (hall(side), DEFAULT_LAYOUT)
+    )
+    assert times_faster(ours, usual) >= share
+
+
+def test_gymnasium_adds_little_to_a_step_of_the_physics(times_faster) -> None:
+    limits = {"max_steps": ENDLESS, "battery": ENDLESS, "backend": "physics"}
+    ours = stepping(gymnasium.make(ID, randomize=False, **limits).unwrapped, PHYSICS_STEPS, 7)
+    plain = stepping(WarehouseEnv(**limits), PHYSICS_STEPS, 7)
+    assert times_faster(ours, plain) >= 1 / 1.15
