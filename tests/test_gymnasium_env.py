@@ -792,6 +792,26 @@ def test_a_batch_is_gymnasiums_own_bit_for_bit(mode: str, form: str, randomize: 
     sync.close()
 
 
+@over_modes
+def test_a_batch_of_physics_does_what_each_robot_would_do_by_itself(mode: str) -> None:
+    settings = {"layout": ROOM, "backend": "physics", "max_steps": 9}
+    batch, sync = (kind(3, mode, **settings) for kind in (make_vec, make_sync))
+    with closing(batch), closing(sync):
+        assert same(*(each.reset(seed=2)[0] for each in (batch, sync)))
+        for actions in np.random.default_rng(4).integers(7, size=(24, 3)):
+            told = [each.step(actions) for each in (batch, sync)]
+            assert same(*(each[:4] for each in told))
+            rows = np.flatnonzero(told[0][4]["_motion"])
+            for row in rows:
+                motion = told[1][4]["motion"][row]
+                assert told[0][4]["motion"]["blocked"][row] == motion.blocked
+                assert told[0][4]["motion"]["seconds"][row] == pytest.approx(motion.seconds)
+            ended = told[0][2] | told[0][3]
+            if mode == "Disabled" and ended.any():
+                starts = [each.reset(options={"reset_mask": ended})[0] for each in (batch, sync)]
+                assert same(*starts)
+
+
 @allow_fork
 @pytest.mark.parametrize("context", ["fork", "spawn"])
 def test_processes_of_their_own_give_the_same(context: str) -> None:
@@ -942,3 +962,17 @@ def test_episodes_are_the_same_in_every_process_and_version() -> None:
         env=os.environ | {"PYTHONHASHSEED": "123"},
     )
     assert done.stdout.strip() == trajectory_hash() == HASH
+
+
+@pytest.mark.parametrize("budget", ["battery", "max_steps"])
+def test_budgets_that_arrays_have_no_room_for_are_refused(budget: str) -> None:
+    for made in (make, partial(make_vec, 2, "NextStep")):
+        with pytest.raises(ValueError, match=f"{budget} is {2**31}; it must be at most"):
+            made(**{budget: 2**31})
+        made(**{budget: 2**31 - 1}).close()
+
+
+def test_a_layout_of_none_is_the_one_that_the_environment_has() -> None:
+    env = make(layout=ROOM, randomize=False)
+    env.reset(options={"layout": None})
+    assert env.unwrapped.warehouse.layout == ROOM

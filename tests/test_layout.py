@@ -230,3 +230,12 @@ def test_reachable_is_what_a_robot_can_drive_to() -> None:
     }  # fmt: skip
     assert Layout([".#."]).reachable_from((0, 2)) == {(0, 2)}
     assert Layout([".#", "#."]).reachable_from((0, 0)) == {(0, 0)}
+
+
+def test_a_copy_of_a_layout_cannot_be_written_to_either() -> None:
+    layout = Layout(["P.#", "..D"])
+    for copied in (copy.deepcopy(layout), pickle.loads(pickle.dumps(layout))):
+        assert copied == layout
+        assert copied.open_cells.tolist() == [0, 1, 3, 4, 5]
+        with pytest.raises(ValueError, match="read-only"):
+            copied.open_cells[0] = 2

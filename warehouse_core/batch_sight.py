@@ -42,7 +42,8 @@ class BatchSight:
             cells: ``[N]``, the robots' cells by their number in the tables.
             has_item: ``[N]``, whether they are loaded.
             robots: ``[N, 2]``, row and column of the robots.
-            *stations: ``[N, 2]`` of the pickups and of the dropoffs that are not in the tables.
+            *stations: ``[N, 2]`` of the pickups and of the dropoffs that are not in the tables;
+                there must be one for each robot.
         """
         windows = self._table.take(cells, axis=0)
         if self._radius:

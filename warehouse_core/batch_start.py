@@ -103,6 +103,7 @@ def _robot_starts(layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None) -
         )
     cells = np.broadcast_to(given, (rows, 2))
     for row, (cell, kind) in enumerate(zip(cells, layouts.kind, strict=True)):
-        check_start(layouts.kinds[kind], as_cell(f"start_pos of row {row}", tuple(cell)))
+        name = f"start_pos[{row}]"
+        check_start(layouts.kinds[kind], as_cell(name, tuple(cell)), name)
     starts: NDArray[np.intp] = cells[:, 0] * layouts.width + cells[:, 1]
     return starts

@@ -20,6 +20,9 @@ from warehouse_core.warehouse_env import Observation, WarehouseEnv
 NOWHERE: Cell = (-1, -1)
 """Stands for a pickup or dropoff that the layout does not have, which is ``None`` elsewhere."""
 
+MOST_STEPS = 2**31 - 1
+"""Of an episode, and battery units, that arrays have room for."""
+
 CELLS_PER_UNIT, STEPS_PER_UNIT = 10.0, 100.0
 """What a vector counts distances and times in, so that on usual layouts they are about 1."""
 

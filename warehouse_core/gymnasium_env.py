@@ -7,9 +7,7 @@ here: ``WarehouseEnv`` and ``BatchEnv`` do the work, and this file makes spaces 
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable, Sequence
-from functools import cache
 from typing import Any, NamedTuple, TypeGuard, cast
 
 import gymnasium
@@ -19,25 +17,18 @@ from gymnasium.error import ResetNeeded
 from gymnasium.vector.utils import batch_space, iterate
 from numpy.typing import ArrayLike, NDArray
 
+from warehouse_core.action_masks import ActionMasks
 from warehouse_core.backends import Backend
 from warehouse_core.batch_env import NEXT_STEP, BatchEnv, EndedError, Seeds
-from warehouse_core.encoding import Arrays, Encoder, vector, vector_limits
-from warehouse_core.layout import DEFAULT_LAYOUT, Cell, Layout, LayoutError
-from warehouse_core.motion import Outcome
+from warehouse_core.encoding import MOST_STEPS, Arrays, Encoder, vector, vector_limits
+from warehouse_core.layout import Cell, GivenLayout, Layout, LayoutError, as_layout
 from warehouse_core.observation_image import ObservationImage
 from warehouse_core.picture_window import PictureWindow
-from warehouse_core.rules import ACTIONS, useful_actions
+from warehouse_core.rules import ACTIONS, valid_action
 from warehouse_core.sight import CELL_CODES
-from warehouse_core.station_draw import (
-    DRAWS,
-    NEEDED,
-    NO_RANK,
-    check_room,
-    draw_ranks,
-    motion_seed,
-)
+from warehouse_core.station_draw import DRAWS, NEEDED, check_room, draw_stations, motion_seed
 from warehouse_core.tile_painter import TilePainter, tile_pixels_for
-from warehouse_core.warehouse_env import WarehouseEnv, as_cell, check_start
+from warehouse_core.warehouse_env import WarehouseEnv, as_cell, check_start, whole_number
 
 ID = "Warehouse-v0"
 FORMS = ("dict", "vector", "image")
@@ -45,9 +36,6 @@ RENDER_FPS = 8
 
 LEAST = 2
 """Rows and columns that spaces have room for: Gymnasium warns of bounds that leave no choice."""
-
-GivenLayout = Layout | Sequence[str] | str
-"""A layout, its rows, or its text; of the three only the last two can be kept as JSON."""
 
 AutoresetMode: Any = getattr(gymnasium.vector, "AutoresetMode", str)
 """Gymnasium's own enumeration; version 1.0 had none, and its name has to do."""
@@ -81,9 +69,11 @@ def make_form(name: str, extent: Extent) -> Form:
     ============  =================================================================================
 
     Raises:
-        ValueError: no form is called so.
+        ValueError: no form is called so, or a battery or steps above ``MOST_STEPS``.
     """
     height, width, view_radius, battery, max_steps = extent
+    whole_number("battery", battery, 1, MOST_STEPS)
+    whole_number("max_steps", max_steps, 1, MOST_STEPS)
     if name == "dict":
         return Form(_dict_space(extent), _as_it_is)
     if name == "vector":
@@ -132,8 +122,8 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         backend: name, class or instance of the motion that carries out the moves.
         observation: the form of the observations, see ``make_form``.
         start_pos: where the robot starts without ``randomize``; ``None`` is the usual start.
-        max_steps: steps until the episode is truncated, at least 1.
-        battery: battery units of a full charge, at least 1; every step costs one.
+        max_steps: steps until the episode is truncated, 1 to ``MOST_STEPS``.
+        battery: battery units of a full charge, 1 to ``MOST_STEPS``; every step costs one.
         view_radius: cells seen in each direction, at least 0.
         randomize: draw pickup, dropoff and start of each episode.
         render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``.
@@ -169,7 +159,7 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         self._warehouse = WarehouseEnv(
             self._layout, start, max_steps, battery, view_radius, backend=backend
         )
-        self._encoder = Encoder(self._warehouse)
+        self._encoder, self._masks = Encoder(self._warehouse), ActionMasks(self._warehouse)
         self._randomize = randomize
         if randomize:
             check_room(self._layout)
@@ -182,8 +172,6 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
             tile_pixels = tile_pixels_for(height, width)
         self._painter = TilePainter(tile_pixels)
         self._window: PictureWindow | None = None
-        self._masks: dict[tuple[Cell, bool], NDArray[np.int8]] = {}
-        self._sides: dict[Cell, tuple[bool, ...]] = {}
         self._over = "step() needs a reset() before it"
 
     @property
@@ -209,14 +197,12 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         super().reset(seed=seed)
         uniforms = self.np_random.random(DRAWS)
         if randomize:
-            layout, drawn = _drawn(layout, uniforms)
+            layout, drawn = draw_stations(layout, uniforms)
             start = start or drawn
         assert start is not None, "what is not drawn has been told"
-        if layout.open_cells is not self._warehouse.layout.open_cells:
-            self._sides = {}
         self._warehouse.reset_to(layout, start, motion_seed(uniforms))
         self._encoder.forget()
-        self._masks = {}
+        self._masks.forget()
         self._over = ""
         if self.render_mode == "human":
             self._show()
@@ -230,7 +216,7 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
             TypeError: an action that is not an integer.
             ResetNeeded: before a reset or after the end of an episode.
         """
-        index = as_action(action)
+        index = valid_action(action)
         if self._over:
             raise ResetNeeded(self._over)
         warehouse = self._warehouse
@@ -239,19 +225,14 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
             self._over = "the episode has ended; step() needs a reset() first"
         motion = warehouse.last_motion
         assert motion is not None, "every step has a motion"
-        info = {"motion": _own(motion), "action_mask": self.action_masks()}
+        info = {"motion": motion.copy(), "action_mask": self.action_masks()}
         if self.render_mode == "human":
             self._show()
         return self._form(self._encoder.encode()), reward, terminated, truncated, info
 
     def action_masks(self) -> NDArray[np.int8]:
         """Return ``[7]`` int8: 1 for each action that does something now."""
-        state = self._warehouse.state
-        key = (state.robot_pos, state.has_item)
-        mask = self._masks.get(key)
-        if mask is None:
-            self._masks[key] = mask = self._mask(*key)
-        return mask.copy()
+        return self._masks.mask()
 
     def render(self) -> Any:
         """Return a picture ``[H, W, 3]`` uint8 or the text; a window is shown by itself."""
@@ -278,7 +259,8 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
                 f"unknown options: {', '.join(sorted(unknown))}; "
                 "allowed: layout, start_pos, randomize"
             )
-        layout = as_layout(options["layout"]) if "layout" in options else self._layout
+        other = options.get("layout")
+        layout = self._layout if other is None else as_layout(other)
         if (layout.height, layout.width) != (self._layout.height, self._layout.width):
             raise LayoutError(
                 f"the layout has {layout.height} x {layout.width} cells; this environment was "
@@ -294,13 +276,6 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         start = start or layout.usual_start()
         check_start(layout, start)
         return layout, start, randomize
-
-    def _mask(self, cell: Cell, has_item: bool) -> NDArray[np.int8]:
-        layout, (row, col) = self._warehouse.layout, cell
-        sides = self._sides.get(cell)
-        if sides is None:
-            self._sides[cell] = sides = layout.open_sides(cell)
-        return _mask_array(sides, layout.rows[row][col], has_item)
 
     def _picture(self) -> NDArray[np.uint8]:
         state = self._warehouse.state
@@ -346,7 +321,7 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         modes = ["rgb_array"]
         check_render_mode(render_mode, modes)
         mode = getattr(autoreset_mode, "value", autoreset_mode)
-        layouts = layout if _is_many(layout) else as_layout(layout)
+        layouts = layout if _is_many(layout) else as_layout(cast("GivenLayout | None", layout))
         self._batch = batch = BatchEnv(
             num_envs,
             layouts,
@@ -438,47 +413,15 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         if hasattr(self, "_batch"):
             self._batch.close()
 
-    def _final(self, arrays: Arrays, ended: NDArray[np.bool_]) -> NDArray[Any]:
+    def _final(self, arrays: dict[str, NDArray[Any]], ended: NDArray[np.bool_]) -> NDArray[Any]:
         """Return ``[B]`` last observations of rows that have ended, as Gymnasium gives them."""
-        final = np.full(self.num_envs, None, object)
-        observations = self._form(arrays)
-        for row, observation in enumerate(iterate(self.observation_space, observations)):
-            if ended[row]:
-                final[row] = observation
+        final, rows = np.full(self.num_envs, None, object), np.flatnonzero(ended)
+        # Most rows go on, and it would take far longer than the step to make these of all of them.
+        some: Any = {key: values[rows] for key, values in arrays.items()}
+        observations = iterate(self.observation_space, self._form(some))
+        for row, observation in zip(rows, observations, strict=True):
+            final[row] = observation
         return final
-
-
-def as_layout(layout: GivenLayout | Sequence[Layout] | None) -> Layout:
-    """Return a layout that was given as one, as rows or as text.
-
-    Raises:
-        LayoutError: it cannot be used.
-        TypeError: it is something else.
-    """
-    if layout is None:
-        return DEFAULT_LAYOUT
-    if isinstance(layout, Layout):
-        return layout
-    return Layout.from_text(layout) if isinstance(layout, str) else Layout(cast("Any", layout))
-
-
-def as_action(action: Any) -> int:
-    """Return an action as an ``int`` 0 to 6.
-
-    Raises:
-        ValueError: it is out of range.
-        TypeError: it is not an integer.
-    """
-    try:
-        index = operator.index(action)
-    except TypeError:
-        raise TypeError(
-            f"action {action!r} is {type(action).__name__}; allowed: an integer "
-            f"0..{len(ACTIONS) - 1}"
-        ) from None
-    if not 0 <= index < len(ACTIONS):
-        raise ValueError(f"action {index} is out of range; allowed: 0..{len(ACTIONS) - 1}")
-    return index
 
 
 def check_render_mode(mode: str | None, allowed: list[str]) -> None:
@@ -497,24 +440,6 @@ def _is_many(layout: GivenLayout | Sequence[Layout] | None) -> TypeGuard[Sequenc
         and isinstance(layout, Sequence)
         and any(isinstance(each, Layout) for each in layout)
     )
-
-
-def _drawn(layout: Layout, uniforms: NDArray[np.float64]) -> tuple[Layout, Cell | None]:
-    """Return the layout with stations drawn into it, and the start if a cell is left for it."""
-    pickup, dropoff, start = draw_ranks(uniforms, len(layout.open_cells)).tolist()
-    drawn = layout.with_stations(layout.open_cell(pickup), layout.open_cell(dropoff))
-    return drawn, None if start == NO_RANK else layout.open_cell(start)
-
-
-def _own(motion: Outcome) -> Outcome:
-    """Return the same outcome with a path that is shared with no other."""
-    cell, blocked, seconds, joules, path, contacts = motion
-    return Outcome(cell, blocked, seconds, joules, path.copy(), contacts)
-
-
-@cache
-def _mask_array(open_sides: tuple[bool, ...], tile: str, has_item: bool) -> NDArray[np.int8]:
-    return np.array(useful_actions(open_sides, tile, has_item), np.int8)
 
 
 gymnasium.register(

@@ -113,6 +113,12 @@ class Layout:
     def __str__(self) -> str:
         return "\n".join(self.rows)
 
+    def __deepcopy__(self, memo: object) -> Layout:
+        return self  # it never changes, and a copied array could be written to
+
+    def __reduce__(self) -> tuple[type[Layout], tuple[tuple[str, ...]]]:
+        return Layout, (self.rows,)
+
     def is_open(self, cell: Cell) -> bool:
         """Say whether a robot can stand on ``cell``: inside the grid and not a wall."""
         row, col = cell
@@ -240,6 +246,10 @@ def runs_of(tile: str, row: str) -> Iterator[tuple[int, int]]:
         start = row.find(tile, end)
 
 
+GivenLayout = Layout | Sequence[str] | str
+"""A layout, its rows, or its text; of the three only the last two can be kept as JSON."""
+
+
 DEFAULT_LAYOUT = Layout.from_text(
     """
     ############
@@ -252,3 +262,17 @@ DEFAULT_LAYOUT = Layout.from_text(
     """
 )
 """The chapter's warehouse, 7 x 12."""
+
+
+def as_layout(layout: GivenLayout | None) -> Layout:
+    """Return a layout that was given as one, as rows or as text; the chapter's where none was.
+
+    Raises:
+        LayoutError: it cannot be used.
+        TypeError: it is something else.
+    """
+    if layout is None:
+        return DEFAULT_LAYOUT
+    if isinstance(layout, Layout):
+        return layout
+    return Layout.from_text(layout) if isinstance(layout, str) else Layout(layout)

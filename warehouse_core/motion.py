@@ -63,6 +63,11 @@ class Outcome(NamedTuple):
     path: NDArray[np.float64]
     contacts: tuple[Contact, ...] = ()
 
+    def copy(self) -> Outcome:
+        """Return the same outcome with a path that is shared with no other."""
+        cell, blocked, seconds, joules, path, contacts = self
+        return Outcome(cell, blocked, seconds, joules, path.copy(), contacts)
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Outcome):
             return NotImplemented

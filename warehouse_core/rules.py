@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import operator
 from functools import cache
-from typing import NamedTuple, SupportsIndex
+from typing import Any, NamedTuple, SupportsIndex
 
 from warehouse_core.layout import DROPOFF, MOVE_DELTAS, PICKUP, Cell
 
@@ -75,6 +75,24 @@ def action_index(action: str | SupportsIndex) -> int:
             f"or its index 0..{INVALID - 1}"
         ) from None
     return number if 0 <= number < INVALID else INVALID
+
+
+def valid_action(action: Any) -> int:
+    """Return the index of an action that must be one, and given as an integer.
+
+    Raises:
+        ValueError: it is out of range.
+        TypeError: it is not an integer.
+    """
+    try:
+        index = operator.index(action)
+    except TypeError:
+        raise TypeError(
+            f"action {action!r} is {type(action).__name__}; allowed: an integer 0..{INVALID - 1}"
+        ) from None
+    if not 0 <= index < INVALID:
+        raise ValueError(f"action {index} is out of range; allowed: 0..{INVALID - 1}")
+    return index
 
 
 @cache

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from warehouse_core.layout import Layout, LayoutError
+from warehouse_core.layout import Cell, Layout, LayoutError
 
 NEEDED = 2
 """Open cells without which there is no room for pickup and dropoff."""
@@ -62,3 +62,15 @@ def draw_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArray[np.i
 def motion_seed(uniforms: NDArray[np.float64]) -> int:
     """Return the seed of the motion's chance from the ``[DRAWS]`` numbers of one episode."""
     return int(uniforms[-1] * 2**32)
+
+
+def draw_stations(layout: Layout, uniforms: NDArray[np.float64]) -> tuple[Layout, Cell | None]:
+    """Return a layout with pickup and dropoff drawn into it, and the start if a cell is left.
+
+    Args:
+        layout: with room for both, see ``check_room``.
+        uniforms: ``[DRAWS]``, in [0, 1).
+    """
+    pickup, dropoff, start = draw_ranks(uniforms, len(layout.open_cells)).tolist()
+    drawn = layout.with_stations(layout.open_cell(pickup), layout.open_cell(dropoff))
+    return drawn, None if start == NO_RANK else layout.open_cell(start)

@@ -320,12 +320,14 @@ def _draw(stream: Any, count: int, without: list[int]) -> int:
     return index
 
 
-def whole_number(name: str, value: SupportsIndex, least: int | None = None) -> int:
+def whole_number(
+    name: str, value: SupportsIndex, least: int | None = None, most: int | None = None
+) -> int:
     """Return an argument as an ``int``.
 
     Raises:
         TypeError: it is not an integer.
-        ValueError: it is less than ``least``.
+        ValueError: it is less than ``least`` or more than ``most``.
     """
     try:
         number = operator.index(value)
@@ -333,19 +335,19 @@ def whole_number(name: str, value: SupportsIndex, least: int | None = None) -> i
         raise TypeError(f"{name} is {value!r}; it must be an integer") from None
     if least is not None and number < least:
         raise ValueError(f"{name} is {number}; it must be at least {least}")
+    if most is not None and number > most:
+        raise ValueError(f"{name} is {number}; it must be at most {most}")
     return number
 
 
-def check_start(layout: Layout, start: Cell) -> None:
+def check_start(layout: Layout, start: Cell, name: str = "start_pos") -> None:
     """Refuse a start that is not an open cell.
 
     Raises:
         LayoutError: naming what is there.
     """
     if not layout.is_open(start):
-        raise LayoutError(
-            f"start_pos {layout.describe(start)}; the robot must start on an open cell"
-        )
+        raise LayoutError(f"{name} {layout.describe(start)}; the robot must start on an open cell")
 
 
 def as_cell(name: str, value: Cell) -> Cell:
