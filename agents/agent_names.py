@@ -1,4 +1,4 @@
-"""Agents by name, for the command line: a built-in name, or somebody's own class."""
+"""Agents by name, for the command line: a built-in name, a trained one, or somebody's own class."""
 
 from __future__ import annotations
 
@@ -6,44 +6,71 @@ import importlib
 import importlib.util
 import inspect
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from agents.agent_error import AgentError
+from agents.ppo_agent import PPOAgent
+from agents.q_table_file import load_agent
 from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core import Agent
+from warehouse_core import Agent, RecordError
+
+__all__ = ["AGENTS", "TRAINED", "AgentError", "make_agent"]
 
 AGENTS: dict[str, type[Agent]] = {"greedy": GreedyAgent}
 
-
-class AgentError(ValueError):
-    """No agent of that name, or a file or class that is none."""
+TRAINED: dict[str, Callable[..., Agent]] = {"ppo": PPOAgent.load, "q": load_agent}
+"""What loads an agent that ``warehouse train`` made, by the word before the colon."""
 
 
 def make_agent(name: str, seed: int | None = None) -> Agent:
     """Return an agent by name.
 
     Args:
-        name: one of ``AGENTS``, or ``file.py:Class`` or ``package.module:Class``.
-        seed: given to the agent if its class takes a ``seed``.
+        name: one of ``AGENTS``; one of ``TRAINED``, a colon and a file; or ``file.py:Class`` or
+            ``package.module:Class``.
+        seed: given to the agent if it takes a ``seed``.
 
     Raises:
         AgentError: saying what is wrong with the name.
     """
+    word, colon, file = name.partition(":")
+    if colon and word in TRAINED:
+        return _load_trained(word, file, seed)
     kind = AGENTS.get(name) or _load_class(name)
-    takes_seed = "seed" in inspect.signature(kind).parameters
-    options: dict[str, Any] = {"seed": seed} if takes_seed else {}
     try:
-        return kind(**options)
+        return kind(**_seed_for(kind, seed))
     except TypeError as error:
         raise AgentError(f"agent {name!r} cannot be made without arguments: {error}") from error
+
+
+def _seed_for(make: Callable[..., Agent], seed: int | None) -> dict[str, Any]:
+    """Return the seed as an argument, if there is one of that name."""
+    return {"seed": seed} if "seed" in inspect.signature(make).parameters else {}
+
+
+def _load_trained(word: str, file: str, seed: int | None) -> Agent:
+    load = TRAINED[word]
+    if not file:
+        raise AgentError(f"agent '{word}:' names no file; allowed: {word}:FILE")
+    try:
+        return load(Path(file), **_seed_for(load, seed))
+    except OSError as error:
+        raise AgentError(f"agent file {file}: {error.strerror or error}") from error
+    except RecordError as error:
+        raise AgentError(
+            f"{error}; agent {word} needs what 'warehouse train {word}' saves"
+        ) from error
 
 
 def _load_class(name: str) -> type[Agent]:
     source, colon, class_name = name.rpartition(":")
     if not colon:
+        allowed = [*AGENTS, *(f"{word}:FILE" for word in TRAINED)]
         raise AgentError(
-            f"no agent is called {name!r}; allowed: {', '.join(AGENTS)}, "
+            f"no agent is called {name!r}; allowed: {', '.join(allowed)}, "
             "or your own as file.py:Class or module:Class"
         )
     kind: Any = getattr(_load_module(source), class_name, None)

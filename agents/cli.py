@@ -16,6 +16,8 @@ from agents.demos import demo
 from agents.play import play
 from agents.replaying import check_targets, replay_or_save
 from agents.run_episode import report, run
+from agents.train_ppo import train_ppo
+from agents.train_q import train_q
 from warehouse_core import Episode
 from warehouse_core.warehouse_viz import INTERVAL_MS
 
@@ -31,6 +33,11 @@ app.command()(compare)
 app.command()(demo)
 app.command()(bench)
 app.add_typer(layout_commands.app, name="layout")
+
+training = typer.Typer(no_args_is_help=True, help="Train an agent by reinforcement learning.")
+training.command("ppo")(train_ppo)
+training.command("q")(train_q)
+app.add_typer(training, name="train")
 
 
 @app.command()

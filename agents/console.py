@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 from typer.exceptions import TyperException
 
-from agents.agent_names import AgentError
+from agents.agent_error import AgentError
 from warehouse_core import DEFAULT_LAYOUT, BackendError, Layout, LayoutError, RecordError
 from warehouse_core.display import NoDisplayError
 from warehouse_core.export import FormatError
@@ -32,7 +32,10 @@ EXPECTED = (
 )
 """Errors of what the user gave. Everything else is a fault, and its traceback is wanted."""
 
-AgentOption = Annotated[str, typer.Option("--agent", help="A name, or your own as file.py:Class.")]
+AgentOption = Annotated[
+    str,
+    typer.Option("--agent", help="greedy, ppo:FILE, q:FILE, or your own as file.py:Class."),
+]
 LayoutOption = Annotated[
     Path | None, typer.Option("--layout", metavar="FILE", help="Text file of # . P D rows.")
 ]

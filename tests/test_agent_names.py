@@ -2,8 +2,13 @@ import sys
 from pathlib import Path
 
 import pytest
+from networks import random_network
 
-from agents.agent_names import AGENTS, AgentError, make_agent
+from agents.agent_names import AGENTS, TRAINED, AgentError, make_agent
+from agents.policy_network import PolicyNetwork
+from agents.ppo_agent import PPOAgent
+from agents.q_learning import QAgent, QTable
+from agents.q_table_file import save_table
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import WarehouseEnv, record_episode
 
@@ -97,7 +102,8 @@ def test_an_agent_may_be_a_dataclass(agent_file: Path) -> None:
 
 def test_an_unknown_name_is_refused_with_what_is_allowed() -> None:
     assert refusal("clever") == (
-        "no agent is called 'clever'; allowed: greedy, or your own as file.py:Class or module:Class"
+        "no agent is called 'clever'; allowed: greedy, ppo:FILE, q:FILE, "
+        "or your own as file.py:Class or module:Class"
     )
     assert "no agent is called ''" in refusal("")
 
@@ -176,3 +182,61 @@ def test_a_fault_in_an_agents_own_code_is_not_hidden(agent_file: Path) -> None:
     agent_file.write_text("1 / 0\n")
     with pytest.raises(ZeroDivisionError):
         make_agent(f"{agent_file}:Mine")
+
+
+# Trained agents.
+
+
+@pytest.fixture
+def network_file(tmp_path: Path) -> Path:
+    path = tmp_path / "model.npz"
+    random_network(1).save(path)
+    return path
+
+
+@pytest.fixture
+def table_file(tmp_path: Path) -> Path:
+    path = tmp_path / "table.npz"
+    save_table(QTable({((1, 1), (1, 3), False): [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]}), path)
+    return path
+
+
+def test_a_trained_network_is_an_agent(network_file: Path) -> None:
+    agent = make_agent(f"ppo:{network_file}", 7)
+    assert isinstance(agent, PPOAgent)
+    observation = WarehouseEnv().reset()
+    assert agent.act(observation) == PPOAgent(PolicyNetwork.load(network_file)).act(observation)
+
+
+def test_a_trained_table_is_an_agent_with_the_seed(table_file: Path) -> None:
+    agent = make_agent(f"q:{table_file}", 7)
+    assert isinstance(agent, QAgent)
+    assert agent.seed == 7
+    assert agent.act(WarehouseEnv().reset()) == "E"
+
+
+@pytest.mark.parametrize("word", TRAINED)
+def test_a_trained_agent_needs_a_file(word: str, tmp_path: Path) -> None:
+    assert refusal(f"{word}:") == f"agent '{word}:' names no file; allowed: {word}:FILE"
+    missing = tmp_path / "missing.npz"
+    assert refusal(f"{word}:{missing}") == f"agent file {missing}: No such file or directory"
+    assert refusal(f"{word}:{tmp_path}") == f"agent file {tmp_path}: Is a directory"
+    assert f"no agent is called '{word}'" in refusal(word)
+
+
+def test_the_file_of_another_kind_of_agent_is_refused(network_file: Path, table_file: Path) -> None:
+    for word, file in (("ppo", table_file), ("q", network_file)):
+        message = refusal(f"{word}:{file}")
+        assert message.startswith(f"{file}: ")
+        assert message.endswith(f"; agent {word} needs what 'warehouse train {word}' saves")
+
+
+def test_what_is_no_archive_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "model.npz"
+    path.write_bytes(b"import os; os.system('ls')")
+    assert refusal(f"ppo:{path}").startswith(f"{path}: not an .npz file; ")
+
+
+def test_a_class_in_a_file_called_like_a_trained_agent_is_still_found(tmp_path: Path) -> None:
+    (tmp_path / "q.py").write_text(WITH_SEED)
+    assert make_agent(f"{tmp_path / 'q.py'}:Mine", 5).seed == 5  # type: ignore[attr-defined]

@@ -13,6 +13,7 @@ from warehouse_core import Layout
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```(\w+) ?([\w.]*)\n(.*?)^```$", README, flags=re.DOTALL | re.MULTILINE)
+NEEDS_TORCH = ("sh", "rl")
 INSTALL = "python3 -m venv .venv && .venv/bin/pip install -e "
 
 
@@ -30,6 +31,8 @@ def test_every_block_of_the_readme_runs(tmp_path, monkeypatch):
     monkeypatch.setenv("MPLBACKEND", "agg")
     names: dict[str, object] = {}
     for language, file, text in BLOCKS:
+        if (language, file) == NEEDS_TORCH:
+            continue
         if file:
             Path(file).write_text(text, encoding="utf-8")
         if language == "python":
@@ -46,6 +49,19 @@ def test_every_block_of_the_readme_runs(tmp_path, monkeypatch):
     assert (tmp_path / "frames" / "legend.svg").exists()
 
 
+@pytest.mark.learning
+def test_the_commands_that_need_pytorch_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    lines = [
+        line for *kind, text in BLOCKS if tuple(kind) == NEEDS_TORCH for line in text.split("\n")
+    ]
+    for line in filter(None, lines):
+        run_command(line)
+    assert (tmp_path / "model.png").exists()
+
+
 def test_the_two_install_commands_are_the_ones_that_ci_runs():
     commands = [line for line in README.splitlines() if line.startswith(INSTALL)]
     ci = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
@@ -58,6 +74,8 @@ def test_the_two_install_commands_are_the_ones_that_ci_runs():
 def test_the_animation_on_the_first_screen_exists_and_moves():
     from PIL import Image
 
+    pictures = re.findall(r"!\[.*?\]\((.*?)\)", README)
+    assert all((ROOT / picture).is_file() for picture in pictures)
     picture = re.search(r"!\[.*?\]\((.*?)\)", README)
     assert picture is not None
     with Image.open(ROOT / picture.group(1)) as image:
