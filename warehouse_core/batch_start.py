@@ -102,8 +102,8 @@ def _robot_starts(layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None) -
             f"rows, or one for each, shape ({rows}, 2)"
         )
     cells = np.broadcast_to(given, (rows, 2))
-    for row, (cell, kind) in enumerate(zip(cells, layouts.kind, strict=True)):
-        name = f"start_pos[{row}]"
-        check_start(layouts.kinds[kind], as_cell(name, tuple(cell)), name)
+    for row, (cell, kind) in enumerate(zip(cells.tolist(), layouts.kind, strict=True)):
+        name = "start_pos" if given.ndim == 1 else f"start_pos[{row}]"
+        check_start(layouts.kinds[kind], as_cell(name, cell), name)
     starts: NDArray[np.intp] = cells[:, 0] * layouts.width + cells[:, 1]
     return starts
