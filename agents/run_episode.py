@@ -26,6 +26,7 @@ from agents.console import (
 )
 from agents.replaying import check_targets, replay_or_save
 from warehouse_core import DEFAULT_LAYOUT, Episode, Layout, WarehouseEnv, record_episode
+from warehouse_core.failure_modes import diagnose
 
 HIGHEST_SEED = 999_999
 """Of the seeds that are drawn here; short enough to type again."""
@@ -74,7 +75,10 @@ def report(episode: Episode) -> None:
     """Log how an episode went."""
     settings = episode.settings
     typer.echo(f"{episode.agent} on the {settings.backend} backend, seed {episode.seed}")
+    diagnosis = diagnose(episode)
+    mode = "" if diagnosis.mode == episode.outcome else f"{diagnosis.mode}: "
     typer.echo(f"outcome         {episode.outcome}")
+    typer.echo(f"diagnosis       {mode}{diagnosis.sentence}")
     typer.echo(f"total reward    {episode.total_reward:.2f}")
     typer.echo(f"final battery   {episode.battery[-1]} of {settings.battery}")
     typer.echo(f"episode length  {episode.steps} of at most {settings.max_steps} steps")

@@ -8,7 +8,15 @@ from command_line import ROOT, command, in_a_process, without_display
 from agents import run_episode as module
 from agents.agent_names import AgentError
 from agents.run_episode import HIGHEST_SEED, draw_seed, make_env, report, run, run_episode
-from warehouse_core import BackendError, Episode, Layout, WarehouseEnv, replay_episode
+from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core import (
+    BackendError,
+    Episode,
+    Layout,
+    WarehouseEnv,
+    record_episode,
+    replay_episode,
+)
 
 ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
 app = typer.Typer(add_completion=False)
@@ -122,10 +130,23 @@ def test_the_report_names_reward_battery_and_length(capsys: pytest.CaptureFixtur
     assert capsys.readouterr().out.splitlines() == [
         "GreedyAgent on the grid backend, seed 5",
         f"outcome         {episode.outcome}",
+        f"diagnosis       delivered in {episode.steps} steps; the shortest way takes 14",
         f"total reward    {sum(episode.rewards):.2f}",
         f"final battery   {200 - episode.steps} of 200",
         f"episode length  {episode.steps} of at most 200 steps",
     ]
+
+
+def test_the_report_names_the_failure_mode_where_the_outcome_does_not(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    env = WarehouseEnv(["P.#.D", "....."], (1, 0), max_steps=40)
+    report(record_episode(env, GreedyAgent(seed=1, escape_steps=0), seed=1, randomize=False))
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1] == "outcome         out of time"
+    assert lines[2] == (
+        "diagnosis       oscillation: swung between (0, 0), (0, 1) and (1, 1) for the last 38 steps"
+    )
 
 
 # The command.

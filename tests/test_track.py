@@ -63,9 +63,12 @@ def test_hits_are_in_cells_whatever_the_size_of_a_cell() -> None:
     assert [[hit.at for hit in hits] for hits in track.hits] == [[], [(2.5, 1.0)], *[[]] * 5]
 
 
-def test_captions_say_what_was_done_and_why() -> None:
+def test_captions_say_what_was_done_and_why_and_at_last_what_became_of_it() -> None:
     track = track_of_episode(short_episode())
-    assert track.captions == ["", "N (why not)", "W", "PICK", "E", "E", "DROP"]
+    done = ["", "N (why not)", "W", "PICK", "E", "E"]
+    assert track.captions == [*done, "delivered in 6 steps; the shortest way takes 5"]
+    unfinished = track_of_episode(short_episode(terminated=False))
+    assert unfinished.captions == [*done, "DROP"]
 
 
 def test_the_title_names_agent_backend_and_seed() -> None:

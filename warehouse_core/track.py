@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from warehouse_core.episode import UNFINISHED, Episode
+from warehouse_core.failure_modes import diagnose
 from warehouse_core.layout import ALLOWED_TILES, EMPTY, TILES, Cell
 from warehouse_core.motion import Contact, Outcome
 from warehouse_core.sight import ROBOT_EMPTY, ROBOT_LOADED
@@ -56,7 +57,7 @@ class Track:
         poses: ``[F]`` of the robot, ``None`` where a frame has none.
         progress: ``[F]`` steps taken, with a fraction inside a continuous motion.
         metrics: for some of ``METRICS`` a list ``[S]``; NaN is not drawn.
-        captions: ``[F]`` what was done and why.
+        captions: ``[F]`` what was done and why; last of all what became of it.
         hits: ``[F]`` what the robot ran into.
         others: for each further robot its poses ``[F]``.
         clock: ``[F]`` simulated seconds; empty where motions are not continuous, as are the next.
@@ -121,7 +122,9 @@ def track_of_episode(episode: Episode, frame_seconds: float = FRAME_SECONDS) -> 
     track.title = _printable(
         f"{episode.agent or 'Warehouse'} on the {episode.settings.backend} backend{seed}"
     )
-    track.ending = "" if episode.outcome == UNFINISHED else episode.outcome
+    if episode.outcome != UNFINISHED:
+        diagnosis = diagnose(episode)
+        track.ending, track.captions[-1] = diagnosis.mode, diagnosis.sentence
     return track
 
 
