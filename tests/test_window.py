@@ -156,6 +156,8 @@ class Program:
         """Wait for its window, give it the keyboard and return its number."""
         found = self._xdotool("search", "--sync", "--onlyvisible", "--name", "^Warehouse$").split()
         self._xdotool("windowfocus", "--sync", found[-1])
+        # Keys that mean nothing: on a busy machine the toolkit loses the first after a change.
+        self._xdotool("key", "--delay", "150", *["F9"] * 4)
         return found[-1]
 
     def press(self, *keys: str) -> None:
