@@ -1,5 +1,6 @@
-"""Steps a second on this machine: each form of the warehouse beside an environment of Gymnasium's.
+"""Steps a second on this machine: each form of the warehouse beside something that is known.
 
+That is an environment of Gymnasium's or MiniGrid's or, for the physics, a plainer form of its own.
 Both of a pair run in turn, so that a machine that changes its pace slows both alike.
 """
 
@@ -19,6 +20,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 from warehouse_core import BackendError, WarehouseEnv
+from warehouse_core.rules import ACTIONS, WAIT
 
 Work = Callable[[], int]
 """Does a piece of work and returns how many steps that were."""
@@ -26,6 +28,9 @@ Work = Callable[[], int]
 ROUNDS = 5
 STEPS, FRAMES, BATCH_STEPS = 500, 50, 20
 """Of one piece of work."""
+
+MAX_STEPS = 200
+"""Of an episode, as it is where nothing else is said."""
 
 BATCH, PHYSICS_BATCH = 4096, 256
 
@@ -49,24 +54,17 @@ class MissingError(Exception):
 
 def chapter_env(backend: str = "grid") -> Work:
     """Steps of the chapter's own environment."""
-    env, actions = WarehouseEnv(backend=backend), random.Random(0).choices(range(7), k=STEPS)
-    env.reset()
-
-    def work() -> int:
-        for action in actions:
-            _, _, terminated, truncated, _ = env.step(action)
-            if terminated or truncated:
-                env.reset()
-        return STEPS
-
-    return work
+    return _stepping(WarehouseEnv(backend=backend), len(ACTIONS))
 
 
 def single(name: str, actions: int, **options: Any) -> Work:
     """Steps of one environment of Gymnasium, without its wrappers."""
-    env = _gymnasium().make(name, **options).unwrapped
+    return _stepping(_gymnasium().make(name, **options).unwrapped, actions)
+
+
+def _stepping(env: Any, actions: int) -> Work:
     chosen = random.Random(0).choices(range(actions), k=STEPS)
-    env.reset(seed=0)
+    env.reset()
 
     def work() -> int:
         for action in chosen:
@@ -98,22 +96,28 @@ def minigrid_frames() -> Work:
     try:
         import minigrid  # noqa: F401 - registers its environments
     except ImportError:
-        raise MissingError("pip install 'warehouse-lab[bench]'") from None
+        raise MissingError(
+            "minigrid is not installed: pip install 'warehouse-lab[bench]'"
+        ) from None
     return frames(MINIGRID)
 
 
-def batch(name: str, rows: int, actions: int, **options: Any) -> Work:
-    """Steps of a batch that Gymnasium makes by the environment's own entry point."""
+def carts() -> Work:
+    """Steps of the batch of CartPole, whose rows fall over all by themselves."""
     env = _gymnasium().make_vec(
-        name, num_envs=rows, vectorization_mode="vector_entry_point", **options
+        "CartPole-v1", num_envs=BATCH, vectorization_mode="vector_entry_point"
     )
-    chosen = np.random.default_rng(0).integers(actions, size=(BATCH_STEPS, rows))
     env.reset(seed=0)
+    return _stepping_all(env, actions=2)
+
+
+def _stepping_all(env: Any, actions: int) -> Work:
+    chosen = np.random.default_rng(0).integers(actions, size=(BATCH_STEPS, env.num_envs))
 
     def work() -> int:
         for row in chosen:
             env.step(row)
-        return BATCH_STEPS * rows
+        return chosen.size
 
     return work
 
@@ -128,16 +132,28 @@ def _lake() -> Work:
     return single("FrozenLake-v1", actions=4)
 
 
-def _carts() -> Work:
-    return batch("CartPole-v1", BATCH, actions=2)
-
-
 def _warehouse(**options: Any) -> Callable[[], Work]:
-    return lambda: single(WAREHOUSE, actions=7, **options)
+    return lambda: single(WAREHOUSE, actions=len(ACTIONS), **options)
 
 
 def _warehouses(rows: int, **options: Any) -> Callable[[], Work]:
-    return lambda: batch(WAREHOUSE, rows, actions=7, **options)
+    def make() -> Work:
+        env = _gymnasium().make_vec(
+            WAREHOUSE, num_envs=rows, vectorization_mode="vector_entry_point", **options
+        )
+        _put_out_of_step(env)
+        return _stepping_all(env, len(ACTIONS))
+
+    return make
+
+
+def _put_out_of_step(env: Any) -> None:
+    """Let some rows end and some begin with every step, as they do in a long training."""
+    env.reset(seed=0)
+    rows = np.arange(env.num_envs)
+    for step in range(MAX_STEPS):
+        env.step(np.full(env.num_envs, WAIT))
+        env.reset(options={"reset_mask": rows % MAX_STEPS == step})
 
 
 LAKE, CARTS, TILES = "FrozenLake-v1", "CartPole-v1, batch", "MiniGrid, pictures"
@@ -149,8 +165,8 @@ PAIRS = (
     Pair("vectors", _warehouse(observation="vector"), LAKE, _lake),
     Pair("images", _warehouse(observation="image"), LAKE, _lake),
     Pair("pictures", lambda: frames(WAREHOUSE), TILES, minigrid_frames),
-    Pair(f"batch of {BATCH:,}", _warehouses(BATCH), CARTS, _carts),
-    Pair("batch, no view", _warehouses(BATCH, view_radius=0), CARTS, _carts),
+    Pair(f"batch of {BATCH:,}", _warehouses(BATCH), CARTS, carts),
+    Pair("batch, no view", _warehouses(BATCH, view_radius=0), CARTS, carts),
     Pair(
         PHYSICS,
         _warehouse(backend="physics"),
@@ -204,7 +220,7 @@ def bench(
         typer.Option("--seconds", min=0.01, max=600, help="Time for each of the two of a pair."),
     ] = 0.5,
 ) -> None:
-    """Print this machine's steps a second for each form, beside Gymnasium's own environments."""
+    """Print this machine's steps a second for each form, beside known environments."""
     table = Table()
     for title in ("form", "steps/s", "beside", "steps/s", "ratio"):
         table.add_column(title, justify="left" if title in ("form", "beside") else "right")

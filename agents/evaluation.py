@@ -11,11 +11,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.q_learning import TRAINING_SEEDS
 from agents.run_episode import make_env
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout
 
-FIRST_EXAM_SEED = 1_000_000
+FIRST_EXAM_SEED = TRAINING_SEEDS
 """Agents that learn from seeds learn from lower ones, and are examined with this and higher."""
+
+RECENT = 1000
+"""Episodes of which the share of deliveries is told during training."""
 
 MakeAgent = Callable[[int], Agent]
 """Makes the agent for the episode with a seed."""

@@ -63,6 +63,8 @@ class PolicyNetwork:
 
     def __init__(self, view_radius: int, layers: Sequence[Layer]) -> None:
         self.view_radius, self.layers = view_radius, list(layers)
+        if len(self.layers) != LAYERS:
+            raise ValueError(f"there are {len(self.layers)} layers; there must be {LAYERS}")
         width = input_size(view_radius)
         for number, (weights, biases) in enumerate(self.layers):
             outputs = len(ACTIONS) if number == LAYERS - 1 else len(biases)

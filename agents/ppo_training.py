@@ -20,7 +20,7 @@ from sb3_contrib import MaskablePPO
 from stable_baselines3.common.callbacks import BaseCallback
 
 from agents.batch_vec_env import BatchVecEnv
-from agents.evaluation import MakeAgent, Task
+from agents.evaluation import RECENT, MakeAgent, Task
 from agents.policy_network import Layer, PolicyNetwork
 from agents.ppo_agent import PPOAgent
 from warehouse_core.atomic_file import atomic_path
@@ -34,9 +34,6 @@ ROUND = 64
 
 LEARNING_RATE = 2e-3
 """Of the first round; it falls in a straight line, and after the last it would be 0."""
-
-RECENT = 1000
-"""Episodes of which the share of deliveries is told during training."""
 
 SETTINGS: dict[str, Any] = {
     "n_steps": ROUND,

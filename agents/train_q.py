@@ -12,7 +12,7 @@ from pathlib import Path
 import typer
 
 from agents.console import BatteryOption, LayoutOption, MaxStepsOption, load_layout, main
-from agents.evaluation import MakeAgent, Task
+from agents.evaluation import RECENT, MakeAgent, Task
 from agents.q_learning import QAgent, QTable, learn
 from agents.q_table_file import save_table
 from agents.run_episode import make_env
@@ -23,9 +23,6 @@ from agents.training import (
     Training,
     TrainingSeedOption,
 )
-
-RECENT = 1000
-"""Episodes of which the share of deliveries is told during training."""
 
 
 def train_q(

@@ -102,13 +102,19 @@ class Training:
             check_target(self._output.with_suffix(suffix))
         greedy = evaluate(GreedyAgent, self._task, FINAL_SEEDS)
         started = time.perf_counter()
-        try:
-            with training_bar(self._name, self._goal) as self._advance:
-                make_agent = learn()
-        finally:
+
+        def keep() -> None:
             if self._points:
                 self._report(time.perf_counter() - started)
                 self._write({**writers, CURVE_SUFFIX: lambda path: self._draw(path, greedy)})
+
+        try:
+            with training_bar(self._name, self._goal) as self._advance:
+                make_agent = learn()
+        except KeyboardInterrupt:
+            keep()
+            raise
+        keep()
         scores = evaluate(make_agent, self._task, FINAL_SEEDS)
         Console().print(comparison_table({self._name: scores, "greedy": greedy}))
 

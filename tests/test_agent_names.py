@@ -4,7 +4,8 @@ from pathlib import Path
 import pytest
 from networks import random_network
 
-from agents.agent_names import AGENTS, TRAINED, AgentError, make_agent
+from agents.agent_error import AgentError
+from agents.agent_names import AGENTS, TRAINED, make_agent
 from agents.policy_network import PolicyNetwork
 from agents.ppo_agent import PPOAgent
 from agents.q_learning import QAgent, QTable

@@ -506,7 +506,8 @@ def test_actions_that_cannot_be_carried_out_change_nothing(
         (-1, ValueError, "seed is -1; it must be at least 0"),
         (1.5, TypeError, "seed is 1.5; it must be an integer or one for each row"),
         ({1, 2, 3}, TypeError, "seed is {1, 2, 3}"),
-        ("abc", TypeError, "the seed of row 0 is 'a'; it must be an integer"),
+        ("abc", TypeError, "seed is 'abc'; it must be an integer or one for each row"),
+        (np.array(3), TypeError, "seed is array"),
         ([1, 2], ValueError, "2 seeds for 3 rows"),
         ([], ValueError, "0 seeds for 3 rows"),
         ([1, None, -2], ValueError, "the seed of row 2 is -2; it must be at least 0"),
@@ -555,6 +556,8 @@ def test_before_the_first_reset_there_is_nothing_to_step(mode: str, randomize: b
         batch.step(np.zeros(len(MIXED), int))
     with pytest.raises(EndedError, match=r"the first reset\(\) must be of all rows"):
         batch.reset(mask=np.ones(len(MIXED), bool))
+    with pytest.raises(EndedError, match=r"action_masks\(\) needs a reset\(\) before it"):
+        batch.action_masks()
     with pytest.raises(EndedError, match=r"row\(\) needs a reset\(\) before it"):
         batch.row(0)
     assert pickle.dumps(batch) == before
@@ -570,11 +573,11 @@ def test_rows_that_have_ended_must_be_reset_where_nothing_else_resets_them() -> 
     assert truncated.tolist() == [False, True, True, False]
     assert set(info) == {"motion", "_motion", "action_mask", "_action_mask"}
     before = pickle.dumps(batch)
-    with pytest.raises(EndedError, match="row 1 has ended, and 1 others; they must be reset"):
+    with pytest.raises(EndedError, match="2 rows have ended, row 1 first; they must be reset"):
         batch.step([EAST] * 4)
     assert pickle.dumps(batch) == before
     batch.reset(mask=np.array([False, True, False, False]))
-    with pytest.raises(EndedError, match="row 2 has ended, and 0 others"):
+    with pytest.raises(EndedError, match="1 rows have ended, row 2 first"):
         batch.step([EAST] * 4)
     batch.reset(mask=np.array([False, False, True, False]))
     arrays, *_ = batch.step([EAST] * 4)

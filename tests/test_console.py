@@ -8,7 +8,7 @@ import pytest
 import typer
 from command_line import Result, command
 
-from agents.agent_names import AgentError
+from agents.agent_error import AgentError
 from agents.console import BatteryOption, load_layout
 from warehouse_core import DEFAULT_LAYOUT, BackendError, LayoutError, RecordError
 from warehouse_core.display import NoDisplayError

@@ -362,7 +362,7 @@ def test_nothing_that_was_returned_is_used_later(form: str, backend: str) -> Non
 
 def test_an_episode_ends_and_then_wants_a_reset() -> None:
     env = plain(layout=ROOM, randomize=False)
-    with pytest.raises(ResetNeeded, match=r"step\(\) needs a reset\(\) before it"):
+    with pytest.raises(ResetNeeded, match=r"step\(\): there has been no reset\(\) yet"):
         env.step(EAST)
     env.reset()
     for action in (PICK, EAST, EAST):
@@ -471,7 +471,10 @@ def test_the_usual_start_is_that_of_the_layout_of_the_episode() -> None:
 @pytest.mark.parametrize(
     ("options", "error", "message"),
     [
-        ({"sed": 1, "a": 2}, ValueError, "unknown options: a, sed; allowed: layout, start_pos, r"),
+        ({3: 1, "a": 2}, ValueError, "unknown options: 'a', 3; allowed: layout"),
+        (["layout"], TypeError, r"options is \['layout'\]; it must be a dict"),
+        ({"randomize": "no"}, TypeError, "randomize is 'no'; it must be True or False"),
+        ({"sed": 1, "a": 2}, ValueError, "unknown options: 'a', 'sed'; allowed: layout, ra"),
         ({"layout": CORRIDOR}, LayoutError, "has 1 x 6 cells; this environment was made for 4 x 5"),
         ({"layout": ["##", "#"]}, LayoutError, "row 1 has 1 columns"),
         ({"layout": 5}, TypeError, "int"),
@@ -897,9 +900,9 @@ def test_what_a_batch_cannot_do_is_said_as_gymnasium_says_it() -> None:
     batch.reset(seed=0)
     batch.step([WAIT, WAIT])
     before = pickle.dumps(batch)
-    with pytest.raises(ResetNeeded, match="row 0 has ended, and 1 others"):
+    with pytest.raises(ResetNeeded, match="2 rows have ended, row 0 first"):
         batch.step([0, 0])
-    with pytest.raises(ValueError, match="unknown options: layout; allowed: reset_mask"):
+    with pytest.raises(ValueError, match="unknown options: 'layout'; allowed: reset_mask"):
         batch.reset(seed=1, options={"layout": ROOM})
     with pytest.raises(TypeError, match="the mask is"):
         batch.reset(seed=1, options={"reset_mask": [True, False]})
@@ -976,3 +979,37 @@ def test_a_layout_of_none_is_the_one_that_the_environment_has() -> None:
     env = make(layout=ROOM, randomize=False)
     env.reset(options={"layout": None})
     assert env.unwrapped.warehouse.layout == ROOM
+
+
+def test_environments_do_not_share_a_motion_that_both_were_given() -> None:
+    motion = GridMotion()
+    one, other = (plain(backend=motion) for _ in range(2))
+    at = one.reset(seed=1)[0]["robot_pos"]
+    other.reset(seed=2)
+    assert one.step(WAIT)[0]["robot_pos"].tolist() == at.tolist()
+
+
+@pytest.mark.parametrize("radius", [np.int8(6), np.uint8(8)])
+def test_a_small_integer_of_numpy_makes_no_other_space(radius: np.integer) -> None:
+    for made in (make, partial(make_vec, 2, "NextStep")):
+        with closing(made(view_radius=radius)) as env:
+            assert env.observation_space.contains(env.reset(seed=0)[0])
+
+
+def test_a_window_that_no_space_should_hold_is_refused() -> None:
+    with pytest.raises(ValueError, match="view_radius is 501; it must be at most 500"):
+        make(view_radius=501)
+
+
+def test_masks_are_of_an_episode() -> None:
+    for env in (plain(), make_vec(2, "NextStep")):
+        with pytest.raises(ResetNeeded):
+            env.action_masks()
+
+
+def test_a_closed_environment_says_that_it_is_closed() -> None:
+    env = plain()
+    env.reset(seed=0)
+    env.close()
+    with pytest.raises(ResetNeeded, match="the environment has been closed"):
+        env.step(WAIT)

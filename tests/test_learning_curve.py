@@ -100,6 +100,16 @@ def test_the_lines_go_through_the_points(tmp_path: Path, drawn: list[SceneFigure
     assert np.asarray(length)[:, 1] == pytest.approx(expected)
 
 
+def test_the_band_is_the_interval_of_each_point(tmp_path: Path, drawn: list[SceneFigure]) -> None:
+    save_learning_curve(tmp_path / "c.png", "PPO", "", POINTS, scores(0.5))
+    (band,) = drawn[0].axes[0].collections
+    (outline,) = band.get_paths()
+    corners = {(round(x), round(y, 4)) for x, y in np.asarray(outline.vertices).tolist()}
+    for point in POINTS:
+        for end in wilson(point.scores.success, 200):
+            assert (point.steps, round(float(end), 4)) in corners
+
+
 @pytest.mark.parametrize("count", [1, 2])
 @pytest.mark.parametrize("success", [0.0, 0.3, 1.0])
 def test_every_line_and_name_is_within_the_axes(
@@ -127,7 +137,8 @@ def test_the_names_of_the_lines_never_meet(tmp_path: Path, drawn: list[SceneFigu
 def test_a_picture_that_cannot_be_finished_leaves_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def full(*_: object, **__: object) -> None:
+    def full(_: object, file: Path, **__: object) -> None:
+        file.write_bytes(b"half a picture")
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(Image.Image, "save", full)

@@ -101,6 +101,13 @@ def test_a_layer_that_does_not_follow_the_one_before_is_refused() -> None:
         PolicyNetwork(2, [(first[0], biases), *layers_of(8, 6, 7, stream=stream)])
 
 
+@pytest.mark.parametrize("widths", [(84, 7), (84, 8, 8, 8, 7)])
+def test_another_number_of_layers_is_refused(widths: tuple[int, ...]) -> None:
+    layers = layers_of(*widths, stream=np.random.default_rng(1))
+    with pytest.raises(ValueError, match=f"there are {len(layers)} layers; there must be 3"):
+        PolicyNetwork(2, layers)
+
+
 # Its file.
 
 

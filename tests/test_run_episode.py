@@ -6,7 +6,7 @@ import typer
 from command_line import ROOT, command, in_a_process, without_display
 
 from agents import run_episode as module
-from agents.agent_names import AgentError
+from agents.agent_error import AgentError
 from agents.run_episode import HIGHEST_SEED, draw_seed, make_env, report, run, run_episode
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (

@@ -5,6 +5,7 @@ import typer
 from command_line import ROOT, command, in_a_process, refusal
 
 from agents import training
+from agents.evaluation import MakeAgent
 from agents.q_table_file import load_table
 from agents.train_q import train_q
 
@@ -50,6 +51,25 @@ def test_battery_and_steps_are_those_of_the_training(capsys: pytest.CaptureFixtu
     for option in ("--battery", "--max-steps"):
         command(capsys, "train", "q", "--layout", "room.txt", option, 3, "--steps", 3000)
         assert max(max(values) for values in load_table("q.npz").values()) < 4.9
+
+
+def test_the_share_of_deliveries_is_told_as_the_table_learns(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[float] = []
+    watch = training.Training.watch
+
+    def note(self: training.Training, steps: int, delivers: float, make: MakeAgent) -> None:
+        told.append(delivers)
+        watch(self, steps, delivers, make)
+
+    monkeypatch.setattr(training.Training, "watch", note)
+    command(capsys, *WORDS, "--steps", 3000)
+    assert told[0] in (0, 1)
+    assert all(0 < share < 1 for share in told[len(told) // 2 :])
+    told.clear()
+    command(capsys, "train", "q", "--layout", "room.txt", "--max-steps", 3, "--steps", 300)
+    assert told == [0] * 100
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from warehouse_core.arguments import as_flag, whole_number
 from warehouse_core.backends import Backend, make_batch_motion
 from warehouse_core.batch_floor import BatchFloor
 from warehouse_core.batch_motion import BatchOutcome, Flags, Integers, Rows
@@ -22,7 +23,7 @@ from warehouse_core.encoding import MOST_STEPS, Arrays
 from warehouse_core.floor_tables import LayoutSet
 from warehouse_core.layout import DEFAULT_LAYOUT, Cell, Layout
 from warehouse_core.rules import ACTIONS, WAIT
-from warehouse_core.warehouse_env import WarehouseState, whole_number
+from warehouse_core.warehouse_env import WarehouseState
 
 NEXT_STEP, SAME_STEP, DISABLED = "NextStep", "SameStep", "Disabled"
 AUTORESET_MODES = (NEXT_STEP, SAME_STEP, DISABLED)
@@ -82,7 +83,7 @@ class BatchEnv:
             raise ValueError(
                 f"autoreset_mode is {autoreset_mode!r}; allowed: {', '.join(AUTORESET_MODES)}"
             )
-        self.autoreset_mode, self.randomize = autoreset_mode, randomize
+        self.autoreset_mode, self.randomize = autoreset_mode, as_flag("randomize", randomize)
         self.layouts = LayoutSet(_one_each(layout, self.num_envs))
         self._start = BatchStart(self.layouts, start_pos, randomize=randomize)
         self._floor = BatchFloor(self.layouts, self.view_radius, moving_stations=randomize)
@@ -97,7 +98,7 @@ class BatchEnv:
 
     @property
     def size(self) -> tuple[int, int]:
-        """Rows and columns of the largest layout."""
+        """The most rows and the most columns that any of the layouts has."""
         kinds = self.layouts.kinds
         return max(kind.height for kind in kinds), max(kind.width for kind in kinds)
 
@@ -123,7 +124,7 @@ class BatchEnv:
         self._begin(rows)
         self._started = True
         return self._observe(ALL), {
-            "action_mask": self.action_masks(),
+            "action_mask": self._masks(),
             "_action_mask": chosen,
         }
 
@@ -155,19 +156,23 @@ class BatchEnv:
         self._steps += 1
         self._steps[fresh] = 0
         truncated = self._steps >= self._last_step
-        rewards[fresh] = 0.0
+        rewards[fresh] = outcome.seconds[fresh] = outcome.joules[fresh] = 0.0
         self._ended = terminated | truncated
         info = _motion_info(outcome, without=fresh)
         if self.autoreset_mode == SAME_STEP and self._ended.any():
             info = self._end_episodes(info)
-        info |= {"action_mask": self.action_masks(), "_action_mask": np.ones_like(terminated)}
+        info |= {"action_mask": self._masks(), "_action_mask": np.ones_like(terminated)}
         return self._observe(ALL), rewards, terminated, truncated, info
 
     def action_masks(self) -> NDArray[np.int8]:
-        """Return ``[B, 7]`` int8: 1 for each action that does something now."""
-        rows, cells = ALL, self._cells
-        floor = self._floor
-        return masks(floor.sides(rows, cells), floor.stations(rows, cells), self._has_item)
+        """Return ``[B, 7]`` int8: 1 for each action that does something now.
+
+        Raises:
+            EndedError: before a reset.
+        """
+        if not self._started:
+            raise EndedError("action_masks() needs a reset() before it")
+        return self._masks()
 
     def row(self, row: int) -> tuple[Layout, WarehouseState]:
         """Return how one warehouse stands: its layout, and the state that it alone would have.
@@ -189,6 +194,10 @@ class BatchEnv:
         """Let the motion backend go."""
         self._motion.close()
 
+    def _masks(self) -> NDArray[np.int8]:
+        floor, cells = self._floor, self._cells
+        return masks(floor.sides(ALL, cells), floor.stations(ALL, cells), self._has_item)
+
     def _begin(self, rows: Integers) -> None:
         """Start an episode in some rows."""
         starts = self._start.draw(rows)
@@ -204,8 +213,8 @@ class BatchEnv:
         if rows.size:
             if self.autoreset_mode == DISABLED:
                 raise EndedError(
-                    f"row {rows[0]} has ended, and {rows.size - 1} others; they must be reset, "
-                    "by a mask, before the next step"
+                    f"{rows.size} rows have ended, row {rows[0]} first; they must be reset, by a "
+                    "mask, before the next step"
                 )
             self._begin(rows)
         return rows
@@ -217,7 +226,7 @@ class BatchEnv:
             "motion": {key: values.copy() for key, values in info["motion"].items()}
             | {f"_{key}": ended.copy() for key in info["motion"]},
             "_motion": ended.copy(),
-            "action_mask": self.action_masks(),
+            "action_mask": self._masks(),
             "_action_mask": ended.copy(),
         }
         observed: dict[str, Any] = {**self._observe(rows)}
@@ -286,6 +295,8 @@ class BatchEnv:
 def _one_each(layout: Layout | Sequence[Layout] | None, rows: int) -> Sequence[Layout]:
     if layout is None or isinstance(layout, Layout):
         return [layout or DEFAULT_LAYOUT] * rows
+    if not isinstance(layout, Sequence):
+        raise TypeError(f"layout is {layout!r}; it must be a Layout, or one for each row")
     if len(layout) != rows:
         raise ValueError(f"{len(layout)} layouts for {rows} rows; give one, or one for each row")
     for row, each in enumerate(layout):
@@ -300,7 +311,7 @@ def _checked_seeds(seed: Seeds, rows: int) -> Sequence[int | None]:
     if isinstance(seed, (int, np.integer)):
         first = whole_number("seed", seed, least=0)
         return range(first, first + rows)
-    if not isinstance(seed, (Sequence, np.ndarray)):
+    if not isinstance(seed, (Sequence, np.ndarray)) or np.ndim(np.asarray(seed, object)) != 1:
         raise TypeError(f"seed is {seed!r}; it must be an integer or one for each row")
     if len(seed) != rows:
         raise ValueError(f"{len(seed)} seeds for {rows} rows; give one, or one for each row")
@@ -314,7 +325,6 @@ def _motion_info(outcome: BatchOutcome, without: Integers) -> dict[str, Any]:
     """Return what the motion did, and for which rows: not for those that only started."""
     moved = np.ones(len(outcome.cells), np.bool_)
     moved[without] = False
-    outcome.seconds[without] = outcome.joules[without] = 0.0
     motion = {name: getattr(outcome, name) for name in ("blocked", "seconds", "joules")}
     return {"motion": motion, "_motion": moved}
 

@@ -47,7 +47,8 @@ class BatchMotion(Protocol):
 
         Args:
             rows: ``[N]``, which robots, no two alike.
-            cells: ``[N]``, for each of them an open cell of its layout.
+            cells: ``[N]``, for each of them an open cell of its layout; a backend may take both
+                on trust.
         """
 
     def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
@@ -56,6 +57,9 @@ class BatchMotion(Protocol):
         Args:
             actions: ``[B]``, indices into ``rules.DISPLACEMENTS``.
             loaded: ``[B]``, whether the robot carries an item.
+
+        Raises:
+            RuntimeError: after ``close``.
         """
 
     def close(self) -> None:
@@ -67,4 +71,8 @@ class Batchable(Protocol):
     """A motion that can be multiplied."""
 
     def batch(self, layouts: Sequence[Layout]) -> BatchMotion:
-        """Return a motion for one robot in each of these layouts."""
+        """Return a motion for one robot in each of these layouts.
+
+        Raises:
+            ValueError: this motion is of a kind that can be multiplied, but as it is it cannot.
+        """

@@ -8,12 +8,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from warehouse_core.arguments import as_cell
 from warehouse_core.batch_floor import NO_CELL
 from warehouse_core.batch_motion import Integers
 from warehouse_core.floor_tables import LayoutSet
 from warehouse_core.layout import Cell
 from warehouse_core.station_draw import DRAWS, NO_RANK, check_room, draw_ranks
-from warehouse_core.warehouse_env import as_cell, check_start
+from warehouse_core.warehouse_env import check_start
 
 
 class Starts(NamedTuple):
@@ -54,9 +55,12 @@ class BatchStart:
 
     def seed(self, rows: Integers, seeds: Sequence[int | None]) -> None:
         """Begin the streams of some rows anew, those with a seed; a first time all of them."""
-        if not self._streams:
-            self._streams = [np.random.default_rng() for _ in self._layouts.kind]
-        for row, seed in zip(rows, seeds, strict=True):
+        if not self._randomize:
+            return
+        if not self._streams:  # the first time is for all rows
+            self._streams = [np.random.default_rng(seed) for seed in seeds]
+            return
+        for row, seed in zip(rows.tolist(), seeds, strict=True):
             if seed is not None:
                 self._streams[row] = np.random.default_rng(seed)
 
@@ -94,8 +98,11 @@ def _robot_starts(layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None) -
                 for (row, col), layout in zip(usual, layouts.kinds, strict=True)
             ]
         )
-    given = np.asarray(start_pos)
     rows = len(layouts.kind)
+    try:
+        given = np.asarray(start_pos)
+    except ValueError:  # rows of different lengths
+        given = np.asarray(start_pos, object)
     if given.shape not in ((2,), (rows, 2)):
         raise ValueError(
             f"start_pos has the shape {given.shape}; allowed: one cell (row, column) for all "

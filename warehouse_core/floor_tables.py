@@ -35,12 +35,10 @@ class LayoutSet:
         # Looked up by identity first, as a layout is hashed cell by cell.
         number_of = {id(layout): layout for layout in layouts}
         known = {key: numbers.setdefault(each, len(numbers)) for key, each in number_of.items()}
-        self._fill(tuple(numbers), np.array([known[id(layout)] for layout in layouts], np.intp))
-
-    def _fill(self, kinds: tuple[Layout, ...], kind: NDArray[np.intp]) -> None:
-        self.kinds, self.kind = kinds, kind
-        self.base = self.of_rows(np.cumsum([0, *map(size_of, kinds)])[:-1])
-        self.width = self.of_rows([layout.width for layout in kinds])
+        self.kinds = tuple(numbers)
+        self.kind = np.array([known[id(layout)] for layout in layouts], np.intp)
+        self.base = self.of_rows(np.cumsum([0, *map(size_of, self.kinds)])[:-1])
+        self.width = self.of_rows([layout.width for layout in self.kinds])
 
     @property
     def rows(self) -> list[Layout]:
@@ -49,9 +47,8 @@ class LayoutSet:
 
     def without_stations(self) -> LayoutSet:
         """Return the same rows with layouts that have no pickup and no dropoff."""
-        bare = object.__new__(LayoutSet)
-        bare._fill(tuple(kind.with_stations(None, None) for kind in self.kinds), self.kind)
-        return bare
+        bare = [kind.with_stations(None, None) for kind in self.kinds]
+        return LayoutSet([bare[kind] for kind in self.kind])
 
     def of_rows(self, values: Sequence[int] | NDArray[Any]) -> NDArray[np.intp]:
         """Return for each row the value of its layout."""

@@ -32,6 +32,7 @@ class GridBatch:
         moving_joules: float,
         waiting_joules: float,
     ) -> None:
+        self._closed = False
         rows = LayoutSet(layouts)
         self._cells = np.zeros(len(rows.kind), np.int32)
         self._base = rows.base * _ACTIONS
@@ -46,6 +47,8 @@ class GridBatch:
 
     def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
         """Move every robot by one action; see ``BatchMotion.advance``."""
+        if self._closed:
+            raise RuntimeError("advance() after close()")
         before = self._cells
         self._cells = self._next.take(self._base + before * _ACTIONS + actions)
         blocked = (self._cells == before) & (actions < WAIT)
@@ -53,7 +56,8 @@ class GridBatch:
         return BatchOutcome(self._cells.astype(np.intp), blocked, self._seconds.copy(), joules)
 
     def close(self) -> None:
-        """Do nothing; see ``BatchMotion.close``."""
+        """Let nobody move any more; see ``BatchMotion.close``."""
+        self._closed = True
 
 
 def _next_cells(layout: Layout) -> Integers:

@@ -8,6 +8,7 @@ here: ``WarehouseEnv`` and ``BatchEnv`` do the work, and this file makes spaces 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import deepcopy
 from typing import Any, NamedTuple, TypeGuard, cast
 
 import gymnasium
@@ -18,6 +19,7 @@ from gymnasium.vector.utils import batch_space, iterate
 from numpy.typing import ArrayLike, NDArray
 
 from warehouse_core.action_masks import ActionMasks
+from warehouse_core.arguments import as_cell, as_flag, whole_number
 from warehouse_core.backends import Backend
 from warehouse_core.batch_env import NEXT_STEP, BatchEnv, EndedError, Seeds
 from warehouse_core.encoding import MOST_STEPS, Arrays, Encoder, vector, vector_limits
@@ -28,11 +30,16 @@ from warehouse_core.rules import ACTIONS, valid_action
 from warehouse_core.sight import CELL_CODES
 from warehouse_core.station_draw import DRAWS, NEEDED, check_room, draw_stations, motion_seed
 from warehouse_core.tile_painter import TilePainter, tile_pixels_for
-from warehouse_core.warehouse_env import WarehouseEnv, as_cell, check_start, whole_number
+from warehouse_core.warehouse_env import WarehouseEnv, check_start
 
 ID = "Warehouse-v0"
 FORMS = ("dict", "vector", "image")
 RENDER_FPS = 8
+
+UNSTARTED = "there has been no reset() yet"
+
+MOST_VIEW_RADIUS = 500
+"""A window of a million cells; no space need be larger."""
 
 LEAST = 2
 """Rows and columns that spaces have room for: Gymnasium warns of bounds that leave no choice."""
@@ -74,6 +81,7 @@ def make_form(name: str, extent: Extent) -> Form:
     height, width, view_radius, battery, max_steps = extent
     whole_number("battery", battery, 1, MOST_STEPS)
     whole_number("max_steps", max_steps, 1, MOST_STEPS)
+    whole_number("view_radius", view_radius, 0, MOST_VIEW_RADIUS)
     if name == "dict":
         return Form(_dict_space(extent), _as_it_is)
     if name == "vector":
@@ -119,12 +127,13 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
 
     Args:
         layout: a ``Layout``, its rows or its text; ``None`` is the chapter's.
-        backend: name, class or instance of the motion that carries out the moves.
+        backend: name, class or instance of the motion that carries out the moves; of an instance
+            the environment takes a copy for itself.
         observation: the form of the observations, see ``make_form``.
         start_pos: where the robot starts without ``randomize``; ``None`` is the usual start.
         max_steps: steps until the episode is truncated, 1 to ``MOST_STEPS``.
         battery: battery units of a full charge, 1 to ``MOST_STEPS``; every step costs one.
-        view_radius: cells seen in each direction, at least 0.
+        view_radius: cells seen in each direction, 0 to ``MOST_VIEW_RADIUS``.
         randomize: draw pickup, dropoff and start of each episode.
         render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``.
         tile_pixels: side of a cell in a picture, at least 2; ``None`` fits it to the layout.
@@ -156,23 +165,24 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         self._layout = as_layout(layout)
         self._start = None if start_pos is None else as_cell("start_pos", start_pos)
         start = self._start or self._layout.usual_start()
+        # Environments that shared one motion would move each other's robots.
+        own = backend if isinstance(backend, (str, type)) else deepcopy(backend)
         self._warehouse = WarehouseEnv(
-            self._layout, start, max_steps, battery, view_radius, backend=backend
+            self._layout, start, max_steps, battery, view_radius, backend=own
         )
         self._encoder, self._masks = Encoder(self._warehouse), ActionMasks(self._warehouse)
-        self._randomize = randomize
+        self._randomize = as_flag("randomize", randomize)
         if randomize:
             check_room(self._layout)
-        height, width = self._layout.height, self._layout.width
-        form = make_form(observation, Extent(height, width, view_radius, battery, max_steps))
+        form = make_form(observation, _extent(self._warehouse))
         self.observation_space, self._form = form.space, form.of
         self.action_space = spaces.Discrete(len(ACTIONS))
         self.render_mode = render_mode
         if tile_pixels is None:
-            tile_pixels = tile_pixels_for(height, width)
+            tile_pixels = tile_pixels_for(self._layout.height, self._layout.width)
         self._painter = TilePainter(tile_pixels)
         self._window: PictureWindow | None = None
-        self._over = "step() needs a reset() before it"
+        self._over = UNSTARTED
 
     @property
     def warehouse(self) -> WarehouseEnv:
@@ -192,8 +202,12 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
 
         Raises:
             ValueError: an unknown option or a bad value; nothing has changed.
+            TypeError: a value of another type; nothing has changed.
+            gymnasium.error.Error: a seed that is not a whole number from 0 on.
         """
-        layout, start, randomize = self._options(options or {})
+        layout, start, randomize = self._options(
+            _check_options(options, {"layout", "randomize", "start_pos"})
+        )
         super().reset(seed=seed)
         uniforms = self.np_random.random(DRAWS)
         if randomize:
@@ -218,11 +232,11 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         """
         index = valid_action(action)
         if self._over:
-            raise ResetNeeded(self._over)
+            raise ResetNeeded(f"step(): {self._over}")
         warehouse = self._warehouse
         reward, terminated, truncated = warehouse.advance(index)
         if terminated or truncated:
-            self._over = "the episode has ended; step() needs a reset() first"
+            self._over = "the episode has ended; a reset() must come first"
         motion = warehouse.last_motion
         assert motion is not None, "every step has a motion"
         info = {"motion": motion.copy(), "action_mask": self.action_masks()}
@@ -231,7 +245,13 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         return self._form(self._encoder.encode()), reward, terminated, truncated, info
 
     def action_masks(self) -> NDArray[np.int8]:
-        """Return ``[7]`` int8: 1 for each action that does something now."""
+        """Return ``[7]`` int8: 1 for each action that does something now.
+
+        Raises:
+            ResetNeeded: before a reset.
+        """
+        if self._over == UNSTARTED:
+            raise ResetNeeded(f"action_masks(): {self._over}")
         return self._masks.mask()
 
     def render(self) -> Any:
@@ -250,15 +270,10 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
             self._window.close()
             self._window = None
         self._warehouse.close()
+        self._over = "the environment has been closed"
 
     def _options(self, options: dict[str, Any]) -> tuple[Layout, Cell | None, bool]:
         """Return the layout, the start unless it is to be drawn, and whether to draw."""
-        unknown = options.keys() - {"layout", "start_pos", "randomize"}
-        if unknown:
-            raise ValueError(
-                f"unknown options: {', '.join(sorted(unknown))}; "
-                "allowed: layout, start_pos, randomize"
-            )
         other = options.get("layout")
         layout = self._layout if other is None else as_layout(other)
         if (layout.height, layout.width) != (self._layout.height, self._layout.width):
@@ -266,7 +281,8 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
                 f"the layout has {layout.height} x {layout.width} cells; this environment was "
                 f"made for {self._layout.height} x {self._layout.width}"
             )
-        randomize = options.get("randomize", self._randomize)
+        randomize = options.get("randomize")
+        randomize = self._randomize if randomize is None else as_flag("randomize", randomize)
         if randomize:
             check_room(layout)
         given = options.get("start_pos")
@@ -289,7 +305,9 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
 class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     """A batch of warehouses, stepped together by NumPy; see ``BatchEnv``.
 
-    Rows are what ``WarehouseGymnasiumEnv`` gives for the seeds ``seed, seed + 1, ...``.
+    Rows are what ``WarehouseGymnasiumEnv`` gives for the seeds ``seed, seed + 1, ...``, but for
+    ``info["motion"]``, which has ``blocked``, ``seconds`` and ``joules`` of all rows, and no paths
+    or contacts. On the physics backend a batch cannot be pickled or copied.
 
     Args:
         num_envs: ``B``, at least 1.
@@ -338,9 +356,11 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             "render_fps": RENDER_FPS,
             "autoreset_mode": AutoresetMode(mode),
         }
-        self.num_envs, self.render_mode = num_envs, render_mode
+        self.num_envs = num_envs = batch.num_envs
+        self.render_mode = render_mode
         height, width = batch.size
-        form = make_form(observation, Extent(height, width, view_radius, battery, max_steps))
+        extent = Extent(height, width, batch.view_radius, batch.max_battery, batch.max_steps)
+        form = make_form(observation, extent)
         self._form = form.of
         self.single_observation_space = form.space
         self.observation_space = batch_space(form.space, num_envs)
@@ -360,11 +380,9 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             TypeError: a value of another type.
             ResetNeeded: a mask before the first reset.
         """
-        unknown = (options or {}).keys() - {"reset_mask"}
-        if unknown:
-            raise ValueError(f"unknown options: {', '.join(sorted(unknown))}; allowed: reset_mask")
+        mask = _check_options(options, {"reset_mask"}).get("reset_mask")
         try:
-            arrays, info = self._batch.reset(seed, (options or {}).get("reset_mask"))
+            arrays, info = self._batch.reset(seed, mask)
         except EndedError as error:
             raise ResetNeeded(str(error)) from error
         return self._form(arrays), info
@@ -386,8 +404,15 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return self._form(arrays), rewards, terminated, truncated, info
 
     def action_masks(self) -> NDArray[np.int8]:
-        """Return ``[B, 7]`` int8: 1 for each action that does something now."""
-        return self._batch.action_masks()
+        """Return ``[B, 7]`` int8: 1 for each action that does something now.
+
+        Raises:
+            ResetNeeded: before a reset.
+        """
+        try:
+            return self._batch.action_masks()
+        except EndedError as error:
+            raise ResetNeeded(str(error)) from error
 
     def render(self) -> Any:
         """Return a picture of each row, ``[H, W, 3]`` uint8.
@@ -422,6 +447,29 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         for row, observation in zip(rows, observations, strict=True):
             final[row] = observation
         return final
+
+
+def _extent(env: WarehouseEnv) -> Extent:
+    return Extent(env.height, env.width, env.view_radius, env.max_battery, env.max_steps)
+
+
+def _check_options(options: object, allowed: set[str]) -> dict[str, Any]:
+    """Return options that are known by name.
+
+    Raises:
+        TypeError: they are no dict.
+        ValueError: one is unknown.
+    """
+    if options is None:
+        return {}
+    if not isinstance(options, dict):
+        raise TypeError(f"options is {options!r}; it must be a dict")
+    unknown = sorted(map(repr, options.keys() - allowed))
+    if unknown:
+        raise ValueError(
+            f"unknown options: {', '.join(unknown)}; allowed: {', '.join(sorted(allowed))}"
+        )
+    return options
 
 
 def check_render_mode(mode: str | None, allowed: list[str]) -> None:

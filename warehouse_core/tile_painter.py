@@ -11,10 +11,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from warehouse_core.arguments import whole_number
 from warehouse_core.layout import Cell, Layout
 from warehouse_core.palette import BATTERY, FAINT, Color
 from warehouse_core.sight import ROBOT_EMPTY, ROBOT_LOADED, tile_codes
 from warehouse_core.tile_atlas import CODES, Pixels, atlas, color_bytes
+
+MOST_TILE_PIXELS = 256
+"""Of any tile."""
 
 MAX_TILE_PIXELS, MAX_PICTURE_PIXELS = 40, 1000
 """The largest tile by default, and what the larger side of a picture is kept to."""
@@ -33,17 +37,17 @@ class TilePainter:
     """Paints warehouses with tiles of one size.
 
     Args:
-        tile_pixels: ``T``, at least 2. There are letters from 16 on, colours alone below.
+        tile_pixels: ``T``, 2 to ``MOST_TILE_PIXELS``. There are letters from 16 on, colours
+            alone below.
 
     Raises:
-        ValueError: ``tile_pixels`` is less than 2.
+        ValueError: ``tile_pixels`` is out of range.
+        TypeError: it is not an integer.
     """
 
     def __init__(self, tile_pixels: int) -> None:
-        if tile_pixels < 2:
-            raise ValueError(f"tile_pixels is {tile_pixels!r}; it must be at least 2")
-        self.tile_pixels = tile_pixels
-        self._atlas = atlas(tile_pixels)
+        self.tile_pixels = whole_number("tile_pixels", tile_pixels, 2, MOST_TILE_PIXELS)
+        self._atlas = atlas(self.tile_pixels)
         self._layout: Layout | None = None
         self._background: Pixels = np.empty((0, 0, 3), np.uint8)
 

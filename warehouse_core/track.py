@@ -57,7 +57,7 @@ class Track:
         poses: ``[F]`` of the robot, ``None`` where a frame has none.
         progress: ``[F]`` steps taken, with a fraction inside a continuous motion.
         metrics: for some of ``METRICS`` a list ``[S]``; NaN is not drawn.
-        captions: ``[F]`` what was done and why; last of all what became of it.
+        captions: ``[F]`` what was done and why; last of all what became of it, if it has ended.
         hits: ``[F]`` what the robot ran into.
         others: for each further robot its poses ``[F]``.
         clock: ``[F]`` simulated seconds; empty where motions are not continuous, as are the next.

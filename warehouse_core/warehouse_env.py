@@ -7,12 +7,12 @@ pymunk is needed here.
 
 from __future__ import annotations
 
-import operator
 import random
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, SupportsIndex, TypedDict
 
+from warehouse_core.arguments import as_cell, whole_number
 from warehouse_core.backends import Backend, make_motion
 from warehouse_core.layout import (
     CHAPTER_START,
@@ -320,26 +320,6 @@ def _draw(stream: Any, count: int, without: list[int]) -> int:
     return index
 
 
-def whole_number(
-    name: str, value: SupportsIndex, least: int | None = None, most: int | None = None
-) -> int:
-    """Return an argument as an ``int``.
-
-    Raises:
-        TypeError: it is not an integer.
-        ValueError: it is less than ``least`` or more than ``most``.
-    """
-    try:
-        number = operator.index(value)
-    except TypeError:
-        raise TypeError(f"{name} is {value!r}; it must be an integer") from None
-    if least is not None and number < least:
-        raise ValueError(f"{name} is {number}; it must be at least {least}")
-    if most is not None and number > most:
-        raise ValueError(f"{name} is {number}; it must be at most {most}")
-    return number
-
-
 def check_start(layout: Layout, start: Cell, name: str = "start_pos") -> None:
     """Refuse a start that is not an open cell.
 
@@ -348,16 +328,3 @@ def check_start(layout: Layout, start: Cell, name: str = "start_pos") -> None:
     """
     if not layout.is_open(start):
         raise LayoutError(f"{name} {layout.describe(start)}; the robot must start on an open cell")
-
-
-def as_cell(name: str, value: Cell) -> Cell:
-    """Return an argument as a cell of two ``int``.
-
-    Raises:
-        TypeError: it is something else.
-    """
-    try:
-        row, col = value
-        return operator.index(row), operator.index(col)
-    except (TypeError, ValueError):
-        raise TypeError(f"{name} is {value!r}; it must be two integers (row, column)") from None

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.batch_motion import Flags
+from warehouse_core.batch_motion import Flags, Integers, Rows
 from warehouse_physics.leg import Floats, Substeps, brakings, lengths_of, plan_legs
 from warehouse_physics.robot import AGAINST, AT_REST, MOST_SUBSTEPS, NEVER
 from warehouse_physics.robot_spec import ARRIVED, RobotSpec
@@ -20,9 +20,6 @@ from warehouse_physics.yard import Hit, Yard
 
 REST, GO, BRAKE = range(3)
 """What a drive is doing."""
-
-Rows = NDArray[np.intp]
-"""``[N]``, some of the robots."""
 
 
 class Drives:
@@ -127,7 +124,7 @@ class Drives:
         self._target[rows] = (self._home[rows] + 0.5) * self._spec.cell_size
         self._brake_from(rows, now, lengths_of(self._velocities[rows]))
 
-    def _go(self, rows: Rows, now: int) -> None:
+    def _go(self, rows: Integers, now: int) -> None:
         if not len(rows):
             return
         spec = self._spec
@@ -140,11 +137,11 @@ class Drives:
         self._phase[rows], self._braking[rows] = GO, legs.brake
         self._until[rows] = now + legs.go
 
-    def _brake_from(self, rows: Rows, now: int, speeds: Floats) -> None:
+    def _brake_from(self, rows: Integers, now: int, speeds: Floats) -> None:
         pace = self._paces[self._loaded[rows]]
         self._brake(rows, now, brakings(speeds, pace, self._spec.time_step))
 
-    def _brake(self, rows: Rows, now: int, substeps: Substeps) -> None:
+    def _brake(self, rows: Integers, now: int, substeps: Substeps) -> None:
         self._commands[rows] = 0.0
         self._push(rows, self._braking_forces)
         self._phase[rows] = BRAKE
@@ -155,7 +152,7 @@ class Drives:
             self.yard.load(row, self._masses[int(loaded[row])])
         self._loaded = loaded.astype(np.intp)
 
-    def _push(self, rows: Rows, forces: Floats) -> None:
+    def _push(self, rows: Integers, forces: Floats) -> None:
         """Let the drives push with up to what ``forces`` has for their load, in N."""
         wanted = forces[self._loaded[rows]]
         changed = wanted != self._force[rows]
@@ -164,12 +161,12 @@ class Drives:
             for row, force in zip(rows[changed].tolist(), wanted[changed].tolist(), strict=True):
                 self.yard.push(row, force)
 
-    def _count_work(self, rows: Rows, velocities: Floats) -> None:
+    def _count_work(self, rows: Integers, velocities: Floats) -> None:
         """Add what the motors have done in this leg: speed gained, and drag overcome."""
         loaded = self._loaded[rows]
         energy = 0.5 * self._masses[loaded] * (velocities**2).sum(axis=1)
         way = lengths_of(self._positions[rows] - self._start[rows])
         self.work[rows] += energy + self._drags[loaded] * way
 
-    def _rest(self, rows: Rows | slice, now: int) -> None:
+    def _rest(self, rows: Rows, now: int) -> None:
         self._phase[rows], self._until[rows], self.substeps[rows] = REST, NEVER, now

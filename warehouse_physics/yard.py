@@ -60,11 +60,11 @@ class Yard:
         # their velocity, and where they are means nothing.
         self._panel = pymunk.Space()
         self.robots: list[pymunk.Body] = []
-        self._drives: list[pymunk.PivotJoint] = []
+        self._joints: list[pymunk.PivotJoint] = []
         self._row: dict[pymunk.Shape, int] = {}
         for row in range(len(layouts)):
             self._row[self._add_robot(spec)] = row
-        self._bodies, self._commands = BodyArrays(self.space), BodyArrays(self._panel)
+        self._bodies, self._controls = BodyArrays(self.space), BodyArrays(self._panel)
         self._hits: list[Hit] = []
         self.space.on_collision(ROBOT, WALL, begin=self._note_hit)
 
@@ -83,11 +83,11 @@ class Yard:
 
     def push(self, row: int, force: float) -> None:
         """Let the drive of a robot push with up to ``force`` N."""
-        self._drives[row].max_force = force
+        self._joints[row].max_force = force
 
     def command(self, velocities: Floats) -> None:
         """Set the velocities ``[B, 2]`` in m/s that the drives push towards."""
-        self._commands.write_velocities(velocities)
+        self._controls.write_velocities(velocities)
 
     def look(self) -> tuple[Floats, Floats]:
         """Return positions ``[B, 2]`` in metres and velocities ``[B, 2]`` in m/s."""
@@ -125,7 +125,7 @@ class Yard:
         self._panel.add(control)
         self.space.add(body, shape, drive)
         self.robots.append(body)
-        self._drives.append(drive)
+        self._joints.append(drive)
         return shape
 
     def _note_hit(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:

@@ -1,0 +1,54 @@
+"""Arguments as they are checked everywhere: each error names the argument and its value."""
+
+from __future__ import annotations
+
+import operator
+from typing import SupportsIndex
+
+import numpy as np
+
+from warehouse_core.layout import Cell
+
+
+def whole_number(
+    name: str, value: SupportsIndex, least: int | None = None, most: int | None = None
+) -> int:
+    """Return an argument as an ``int``.
+
+    Raises:
+        TypeError: it is not an integer.
+        ValueError: it is less than ``least`` or more than ``most``.
+    """
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} is {value!r}; it must be an integer") from None
+    if least is not None and number < least:
+        raise ValueError(f"{name} is {number}; it must be at least {least}")
+    if most is not None and number > most:
+        raise ValueError(f"{name} is {number}; it must be at most {most}")
+    return number
+
+
+def as_flag(name: str, value: bool) -> bool:
+    """Return an argument that must be true or false.
+
+    Raises:
+        TypeError: it is something else, which Python might take for true.
+    """
+    if not isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{name} is {value!r}; it must be True or False")
+    return bool(value)
+
+
+def as_cell(name: str, value: Cell) -> Cell:
+    """Return an argument as a cell of two ``int``.
+
+    Raises:
+        TypeError: it is something else.
+    """
+    try:
+        row, col = value
+        return operator.index(row), operator.index(col)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} is {value!r}; it must be two integers (row, column)") from None
