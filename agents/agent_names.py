@@ -17,7 +17,7 @@ from agents.q_table_file import load_agent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Agent, RecordError
 
-__all__ = ["AGENTS", "TRAINED", "AgentError", "make_agent"]
+__all__ = ["AGENTS", "TRAINED", "make_agent"]
 
 AGENTS: dict[str, type[Agent]] = {"greedy": GreedyAgent}
 
