@@ -76,7 +76,8 @@ def make_form(name: str, extent: Extent) -> Form:
     ============  =================================================================================
 
     Raises:
-        ValueError: no form is called so, or a battery or steps above ``MOST_STEPS``.
+        ValueError: no form is called so, a battery or steps above ``MOST_STEPS``, or a view radius
+            above ``MOST_VIEW_RADIUS``.
     """
     height, width, view_radius, battery, max_steps = extent
     whole_number("battery", battery, 1, MOST_STEPS)

@@ -1,4 +1,4 @@
-"""Where an episode takes place: pickup, dropoff and start, from three uniform numbers.
+"""Where an episode takes place: pickup, dropoff and start, from uniform numbers.
 
 The chapter's ``reset(randomize=True)`` draws as its recorded episodes do, from Python's ``random``
 (``warehouse_env.py``). Here no episode depends on the one before it, and one function draws for a
