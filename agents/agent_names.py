@@ -17,7 +17,7 @@ from agents.q_table_file import load_agent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Agent, RecordError
 
-__all__ = ["AGENTS", "TRAINED", "make_agent"]
+__all__ = ["AGENTS", "TRAINED", "agent_file", "make_agent"]
 
 AGENTS: dict[str, type[Agent]] = {"greedy": GreedyAgent}
 
@@ -44,6 +44,15 @@ def make_agent(name: str, seed: int | None = None) -> Agent:
         return kind(**_seed_for(kind, seed))
     except TypeError as error:
         raise AgentError(f"agent {name!r} cannot be made without arguments: {error}") from error
+
+
+def agent_file(name: str) -> Path | None:
+    """Return the file that an agent is read from, if its name says one."""
+    word, colon, rest = name.partition(":")
+    if colon and word in TRAINED:
+        return Path(rest)
+    source = name.rpartition(":")[0]
+    return Path(source) if source.endswith(".py") else None
 
 
 def _seed_for(make: Callable[..., Agent], seed: int | None) -> dict[str, Any]:

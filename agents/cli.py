@@ -13,6 +13,8 @@ from agents.bench import bench
 from agents.compare import compare
 from agents.console import SaveOption, ShowOption
 from agents.demos import demo
+from agents.experiments.sweep import sweep
+from agents.experiments.table_export import export
 from agents.play import play
 from agents.replaying import check_targets, replay_or_save
 from agents.run_episode import report, run
@@ -32,6 +34,8 @@ app.command()(play)
 app.command()(compare)
 app.command()(demo)
 app.command()(bench)
+app.command()(sweep)
+app.command()(export)
 app.add_typer(layout_commands.app, name="layout")
 
 training = typer.Typer(no_args_is_help=True, help="Train an agent by reinforcement learning.")

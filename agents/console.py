@@ -12,6 +12,9 @@ import typer
 from typer.exceptions import TyperException
 
 from agents.agent_error import AgentError
+from agents.experiments.setting import SettingError
+from agents.experiments.store import StoreError
+from agents.experiments.workers import ClusterError
 from warehouse_core import DEFAULT_LAYOUT, BackendError, Layout, LayoutError, RecordError
 from warehouse_core.display import NoDisplayError
 from warehouse_core.export import FormatError
@@ -22,6 +25,9 @@ MOST = 1_000_000_000
 """Of battery units and steps; a record keeps them as 64-bit numbers."""
 
 EXPECTED = (
+    ClusterError,
+    SettingError,
+    StoreError,
     AgentError,
     BackendError,
     FormatError,

@@ -1,0 +1,52 @@
+"""Ctrl-C, remembered until it suits.
+
+An exception in the middle of handing work over or of starting a process would leave half of it
+done. While a sweep runs, an interrupt is only noted; the sweep asks for it between two steps.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+Check = Callable[[], None]
+"""Raises ``KeyboardInterrupt`` if there has been a Ctrl-C."""
+
+
+@contextmanager
+def remembered_interrupts() -> Iterator[Check]:
+    """Yield what raises ``KeyboardInterrupt`` if a Ctrl-C came since this began."""
+    came = False
+
+    def remember(number: int, frame: FrameType | None) -> None:
+        nonlocal came
+        came = True
+
+    def check() -> None:
+        if came:
+            raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGINT, remember)
+    try:
+        yield check
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def uninterrupted_children() -> Iterator[None]:
+    """Start processes that Ctrl-C does not reach; this one gets it afterwards.
+
+    Ctrl-C goes to every process of a terminal, from its first moment on. A blocked signal is
+    inherited as such, and one that comes to this process meanwhile is only late.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # Windows: what a worker ignores it ignores later
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

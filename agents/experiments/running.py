@@ -1,0 +1,110 @@
+"""Run what is missing of a plan, and store it as it comes.
+
+Episodes go to workers in tasks of about half a second: long enough that handing them over costs
+nothing to speak of, short enough that little is lost and the bar moves. What a task gives depends
+on nothing but its case and seeds, so the rows are the same however many workers there are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from itertools import islice
+from time import perf_counter
+from typing import NamedTuple
+
+from agents.experiments.case import Case
+from agents.experiments.episodes import run_episodes
+from agents.experiments.plan import Plan
+from agents.experiments.store import Row, Store
+
+TASK_SECONDS = 0.5
+MOST_EPISODES = 10_000
+"""Of one task, however short they are."""
+
+WAITING = 2
+"""Tasks for each worker that are handed over, so that none has to wait for its next."""
+
+TICK = 0.1
+"""Seconds, after which ``report`` hears from us even if no task is done."""
+
+Report = Callable[[Sequence[Row]], None]
+"""Is told of rows once they are stored, and of none in between; what it raises ends the run."""
+
+
+class Task(NamedTuple):
+    """Episodes of one case, for one worker."""
+
+    case_id: int
+    case: Case
+    seeds: Sequence[int]
+
+
+class Pace:
+    """How many episodes make a task, learnt from those that have been run."""
+
+    def __init__(self) -> None:
+        self.episodes = 1
+
+    def learn(self, episodes: int, seconds: float) -> None:
+        """Take account of a task that is done."""
+        wanted = episodes * TASK_SECONDS / max(seconds, 1e-6)
+        # No more than four times as many at once: one short episode proves little.
+        self.episodes = max(1, min(round(wanted), 4 * episodes, MOST_EPISODES))
+
+
+def run_missing(plan: Plan, store: Store, executor: Executor, workers: int, report: Report) -> None:
+    """Run every episode of a plan that is not in the store.
+
+    Raises:
+        StoreError: rows cannot be written; those written before stay.
+        Exception: whatever ``report`` raises, between two writes.
+    """
+    pace = Pace()
+    tasks, running = missing_tasks(plan, store, pace), dict[Future[tuple[float, list[Row]]], Task]()
+    try:
+        while _hand_over(tasks, running, executor, workers) or running:
+            done, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
+            report([])
+            for future in done:
+                task = running.pop(future)
+                seconds, rows = future.result()
+                store.add(task.case_id, rows)
+                pace.learn(len(rows), seconds)
+                report(rows)
+    finally:
+        for future in running:
+            future.cancel()
+
+
+def missing_tasks(plan: Plan, store: Store, pace: Pace) -> Iterator[Task]:
+    """Yield what is missing, case by case, in tasks of the size that suits the pace just then."""
+    for case in plan.cases:
+        case_id = store.case_id(case)
+        done = store.seeds_done(case_id)
+        seeds = (seed for seed in plan.seeds if seed not in done)
+        while some := list(islice(seeds, pace.episodes)):
+            yield Task(case_id, case, some)
+
+
+def run_task(case: Case, seeds: Sequence[int]) -> tuple[float, list[Row]]:
+    """Run a task and return how many seconds it took, and its rows."""
+    start = perf_counter()
+    rows = run_episodes(case, seeds)
+    return perf_counter() - start, rows
+
+
+def _hand_over(
+    tasks: Iterator[Task],
+    running: dict[Future[tuple[float, list[Row]]], Task],
+    executor: Executor,
+    workers: int,
+) -> bool:
+    """Hand tasks over until enough are waiting; return whether there was one."""
+    before = len(running)
+    while len(running) < WAITING * workers:
+        task = next(tasks, None)
+        if task is None:
+            break
+        running[executor.submit(run_task, task.case, task.seeds)] = task
+    return len(running) > before

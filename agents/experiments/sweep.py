@@ -1,0 +1,115 @@
+"""Run every combination of some settings, and keep a row for each episode.
+
+The same command again runs what is missing; a command with more episodes or further values adds
+to what is there.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from agents.console import SeedOption
+from agents.experiments.flags import parse_flags
+from agents.experiments.interrupts import remembered_interrupts
+from agents.experiments.plan import Plan, make_plan
+from agents.experiments.plan_file import PlanFile, read_plan_file
+from agents.experiments.presets import PRESETS
+from agents.experiments.running import run_missing
+from agents.experiments.setting import SettingError
+from agents.experiments.store import Row, Store
+from agents.experiments.sweep_bar import sweep_bar
+from agents.experiments.workers import cluster, processes
+
+EPISODES = 100
+"""Of each combination where nothing else is said."""
+
+
+def sweep(
+    file: Annotated[
+        Path | None, typer.Argument(metavar="[PLAN]", help="A plan as .toml.", show_default=False)
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUES",
+            help="Values, as in battery=20,60 or battery=20:200:20; may be given more than once.",
+        ),
+    ] = None,
+    preset: Annotated[
+        str | None,
+        typer.Option("--preset", help=f"A question of the chapter: {', '.join(PRESETS)}."),
+    ] = None,
+    episodes: Annotated[
+        int | None,
+        typer.Option("--episodes", "-n", min=1, help="Of each combination.  [default: 100]"),
+    ] = None,
+    seed: SeedOption = None,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="FILE", help="Where the results go.")
+    ] = Path("results.sqlite"),
+    workers: Annotated[
+        int | None, typer.Option("--workers", min=1, max=1024, help="Processes.  [default: all]")
+    ] = None,
+    address: Annotated[
+        str | None,
+        typer.Option("--cluster", metavar="tcp://HOST:PORT", help="A Dask scheduler."),
+    ] = None,
+) -> None:
+    """Run episodes under every combination of settings; the same again resumes."""
+    given = _given(file, preset)
+    choices = given.choices | parse_flags(settings or [])
+    plan = make_plan(choices, episodes or given.episodes or EPISODES, _first(seed, given.seed))
+    with Store(output) as store:
+        done = _done(plan, store)
+        typer.echo(f"{len(plan.cases)} combinations, {plan.episodes} episodes each, {done} done")
+        try:
+            if done < plan.total:
+                _run(plan, store, plan.total - done, workers or os.cpu_count() or 1, address)
+        except KeyboardInterrupt:
+            done = _done(plan, store)
+            typer.echo(f"{done} of {plan.total} episodes in {output}; the same command goes on")
+            raise typer.Abort from None  # typer would end without a word
+    typer.echo(f"{plan.total} episodes in {output}; see them with: warehouse report {output}")
+
+
+def _given(file: Path | None, preset: str | None) -> PlanFile:
+    """Return the plan that flags are added to."""
+    if file is not None and preset is not None:
+        raise SettingError(f"both {file} and --preset {preset} are given; one plan will do")
+    if file is not None:
+        return read_plan_file(file)
+    if preset is None:
+        return PlanFile({}, None, None)
+    if preset not in PRESETS:
+        raise SettingError(f"no preset is called {preset!r}; allowed: {', '.join(PRESETS)}")
+    return PlanFile(PRESETS[preset].choices, PRESETS[preset].episodes, None)
+
+
+def _done(plan: Plan, store: Store) -> int:
+    """Return how many episodes of a plan are there."""
+    return sum(store.count(case, plan.seeds) for case in plan.cases)
+
+
+def _run(plan: Plan, store: Store, missing: int, workers: int, address: str | None) -> None:
+    hands = processes(workers) if address is None else cluster(address)
+    with (
+        remembered_interrupts() as check,
+        hands as (executor, count),
+        sweep_bar(missing) as show,
+    ):
+
+        def report(rows: Sequence[Row]) -> None:
+            show(rows)
+            check()
+
+        run_missing(plan, store, executor, count, report)
+
+
+def _first(*seeds: int | None) -> int:
+    return next((seed for seed in seeds if seed is not None), 0)

@@ -1,0 +1,177 @@
+"""Running what is missing: the same rows whoever runs them, in whatever order they come."""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from agents.experiments.episodes import run_episodes
+from agents.experiments.plan import Plan, make_plan
+from agents.experiments.running import MOST_EPISODES, TASK_SECONDS, Pace, run_missing
+from agents.experiments.store import Row, Store, StoreError
+from agents.experiments.workers import processes
+
+PLAN = make_plan({"escape": [True, False], "battery": [20, 60], "layout": "random"}, 12, 5)
+TABLE = "SELECT settings, episodes.* FROM episodes JOIN cases ON id = case_id ORDER BY 1, 3"
+
+
+class Here(Executor):
+    """Runs everything in this process, and remembers the seeds of each task."""
+
+    def __init__(self, fails_at: int | None = None) -> None:
+        self.seeds: list[int] = []
+        self.fails_at = fails_at
+
+    def submit(self, call: Callable[..., Any], /, *args: Any, **named: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        self.seeds += args[1]
+        if self.fails_at is not None and self.fails_at in args[1]:
+            future.set_exception(ArithmeticError("a worker failed"))
+        else:
+            future.set_result(call(*args, **named))
+        return future
+
+
+class Heap(Here):
+    """Answers the task that came last before all others."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.waiting: list[tuple[Future[Any], Callable[[], Any]]] = []
+
+    def submit(self, call: Callable[..., Any], /, *args: Any, **named: Any) -> Future[Any]:
+        future = Future[Any]()
+        self.waiting.append((future, lambda: call(*args)))
+        if len(self.waiting) == 4 or args[1][-1] == PLAN.seeds[-1]:
+            while self.waiting:
+                answered, run = self.waiting.pop()
+                answered.set_result(run())
+        return future
+
+
+def nothing(rows: Sequence[Row]) -> None:
+    pass
+
+
+def table(path: Path) -> list[tuple[Any, ...]]:
+    with Store(path, read_only=True) as store:
+        return [(found[0], *found[2:]) for found in store.query(TABLE)]
+
+
+def run(path: Path, executor: Executor, plan: Plan = PLAN, workers: int = 2) -> list[Any]:
+    with Store(path) as store:
+        run_missing(plan, store, executor, workers, nothing)
+    return table(path)
+
+
+@pytest.fixture(scope="module")
+def expected(tmp_path_factory: pytest.TempPathFactory) -> list[Any]:
+    return run(tmp_path_factory.mktemp("here") / "r.sqlite", Here())
+
+
+def test_the_table_is_what_the_episodes_come_to(expected: list[Any]) -> None:
+    rows = [row for case in PLAN.cases for row in run_episodes(case, PLAN.seeds)]
+    assert sorted(found[1:] for found in expected) == sorted(map(tuple, rows))
+    assert len(expected) == PLAN.total == 48
+    assert len({found[1:] for found in expected}) > 20
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_processes_give_the_same_rows(tmp_path: Path, expected: list[Any], count: int) -> None:
+    with processes(count) as (executor, workers):
+        assert workers == count
+        assert run(tmp_path / "r.sqlite", executor, workers=workers) == expected
+
+
+def test_threads_give_the_same_rows(tmp_path: Path, expected: list[Any]) -> None:
+    with ThreadPoolExecutor(3) as executor:
+        assert run(tmp_path / "r.sqlite", executor, workers=3) == expected
+
+
+def test_the_order_does_not_matter(tmp_path: Path, expected: list[Any]) -> None:
+    assert run(tmp_path / "r.sqlite", Heap()) == expected
+    turned = Plan(PLAN.cases[::-1], PLAN.episodes, PLAN.seed)
+    assert run(tmp_path / "turned.sqlite", Here(), turned) == expected
+
+
+def test_nothing_runs_twice(tmp_path: Path, expected: list[Any]) -> None:
+    path = tmp_path / "r.sqlite"
+    run(path, Here())
+    again = Here()
+    assert run(path, again) == expected
+    assert again.seeds == []
+
+
+def test_more_episodes_run_only_the_new_seeds(tmp_path: Path) -> None:
+    path, more = tmp_path / "r.sqlite", Here()
+    before = run(path, Here(), make_plan({}, 3, 10))
+    after = run(path, more, make_plan({}, 6, 8))
+    assert more.seeds == [8, 9, 13]
+    assert [found[1] for found in after] == [8, 9, 10, 11, 12, 13]
+    assert set(before) < set(after)
+
+
+def test_further_values_run_only_the_new_cases(tmp_path: Path) -> None:
+    path, more = tmp_path / "r.sqlite", Here()
+    run(path, Here(), make_plan({"battery": [20]}, 3, 0))
+    after = run(path, more, make_plan({"battery": [20, 30]}, 3, 0))
+    assert len(more.seeds) == 3
+    assert len(after) == 6
+
+
+def test_a_failing_worker_leaves_what_was_finished_and_the_rest_can_follow(
+    tmp_path: Path, expected: list[Any]
+) -> None:
+    path = tmp_path / "r.sqlite"
+    with pytest.raises(ArithmeticError, match="a worker failed"):
+        run(path, Here(fails_at=PLAN.seeds[-2]), workers=1)
+    left = table(path)
+    assert 0 < len(left) < len(expected)
+    assert set(left) < set(expected)
+    rest = Here()
+    assert run(path, rest) == expected
+    assert len(rest.seeds) == len(expected) - len(left)
+
+
+def test_rows_are_told_of_once_they_are_stored_each_once(tmp_path: Path) -> None:
+    told: list[int] = []
+    plan = make_plan({}, 20, 0)
+    with Store(tmp_path / "r.sqlite") as store, ThreadPoolExecutor(2) as executor:
+
+        def report(rows: Sequence[Row]) -> None:
+            told.extend(row.seed for row in rows)
+            assert store.count(plan.cases[0], plan.seeds) == len(told)
+
+        run_missing(plan, store, executor, 2, report)
+    assert sorted(told) == list(range(20))
+
+
+def test_what_cannot_be_stored_ends_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(store: Store, case_id: int, rows: Sequence[Row]) -> None:
+        raise StoreError("full")
+
+    monkeypatch.setattr(Store, "add", full)
+    with ThreadPoolExecutor(1) as executor, pytest.raises(StoreError, match="full"):
+        run(tmp_path / "r.sqlite", executor, make_plan({}, 10**6, 0))
+
+
+def test_the_pace_makes_tasks_of_about_half_a_second_and_grows_with_care() -> None:
+    pace = Pace()
+    assert pace.episodes == 1
+    sizes = []
+    for _ in range(12):
+        pace.learn(pace.episodes, pace.episodes * 0.001)
+        sizes.append(pace.episodes)
+    assert sizes[:4] == [4, 16, 64, 256]
+    assert sizes[-1] == TASK_SECONDS / 0.001
+    pace.learn(500, 50)
+    assert pace.episodes == 5
+    pace.learn(5, 500)
+    assert pace.episodes == 1
+    for _ in range(30):
+        pace.learn(pace.episodes, 0)
+    assert pace.episodes == MOST_EPISODES
