@@ -17,7 +17,8 @@ from agents.experiments.sweep import sweep
 from agents.experiments.table_export import export
 from agents.play import play
 from agents.replaying import check_targets, replay_or_save
-from agents.run_episode import report, run
+from agents.reports.report import report
+from agents.run_episode import report_episode, run
 from agents.train_ppo import train_ppo
 from agents.train_q import train_q
 from warehouse_core import Episode
@@ -35,6 +36,7 @@ app.command()(compare)
 app.command()(demo)
 app.command()(bench)
 app.command()(sweep)
+app.command()(report)
 app.command()(export)
 app.add_typer(layout_commands.app, name="layout")
 
@@ -60,7 +62,7 @@ def replay(
     targets: list[Path] = save or []
     check_targets(targets)
     episode = Episode.load(file)
-    report(episode)
+    report_episode(episode)
     replay_or_save(episode, targets, show, interval_ms, speed)
 
 

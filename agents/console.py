@@ -12,9 +12,10 @@ import typer
 from typer.exceptions import TyperException
 
 from agents.agent_error import AgentError
+from agents.experiments.episodes import EpisodeError
 from agents.experiments.setting import SettingError
 from agents.experiments.store import StoreError
-from agents.experiments.workers import ClusterError
+from agents.experiments.workers import ClusterError, WorkerError
 from warehouse_core import DEFAULT_LAYOUT, BackendError, Layout, LayoutError, RecordError
 from warehouse_core.display import NoDisplayError
 from warehouse_core.export import FormatError
@@ -24,10 +25,15 @@ USER_ERROR, INTERRUPTED = 1, 130
 MOST = 1_000_000_000
 """Of battery units and steps; a record keeps them as 64-bit numbers."""
 
+LONGEST = 2000
+"""Characters of an error; a value that is named in it may be as long as a file."""
+
 EXPECTED = (
     ClusterError,
+    EpisodeError,
     SettingError,
     StoreError,
+    WorkerError,
     AgentError,
     BackendError,
     FormatError,
@@ -89,10 +95,18 @@ def load_layout(path: Path | None) -> Layout:
 
 
 def _fail(message: str, code: int) -> int:
-    line = " ".join(message.split())
+    line = _in_a_line(message)
     if line:  # there is none where the help was all that was to be said
         typer.echo(f"warehouse: {line}", err=True)
     return code
+
+
+def _in_a_line(message: str) -> str:
+    """Return a message as one line that a terminal can show, whatever a file had put into it."""
+    line = " ".join(message.split())
+    if len(line) > LONGEST:
+        line = f"{line[:LONGEST]}..."
+    return "".join(each if each.isprintable() else ascii(each)[1:-1] for each in line)
 
 
 def _describe(error: Exception) -> str:

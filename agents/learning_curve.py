@@ -12,6 +12,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import EngFormatter, MaxNLocator, PercentFormatter
 
 from agents.evaluation import Scores
+from agents.interval import share_interval
 from warehouse_core.atomic_file import atomic_path
 from warehouse_core.display import make_figure
 from warehouse_core.layout import PICKUP
@@ -21,8 +22,6 @@ SIZE, DPI = (9.0, 3.8), 150
 STEP_TICKS = [digit * 10**power for power in range(9) for digit in (1, 2, 5)]
 ROOM = 1.5
 """For the names of the lines, above the highest and below the lowest."""
-
-NORMAL_95 = 1.96
 
 LEARNER, GREEDY = COLORS[PICKUP], WARNING
 
@@ -62,14 +61,6 @@ def save_learning_curve(
         figure.pixels().save(part, format="PNG")
 
 
-def wilson(success: float, count: int) -> tuple[float, float]:
-    """Return the ends of Wilson's 95% interval of a share that was seen in ``count`` trials."""
-    square = NORMAL_95**2 / count
-    middle = success + square / 2
-    reach = NORMAL_95 * np.sqrt(success * (1 - success) / count + square / (4 * count))
-    return (middle - reach) / (1 + square), (middle + reach) / (1 + square)
-
-
 def mean_length(scores: Scores) -> float:
     """Return the mean number of steps of all episodes, those without a delivery too."""
     return float(scores.steps.mean())
@@ -80,8 +71,8 @@ def _draw_success(axes: Axes, name: str, points: Sequence[Point], greedy: Scores
     axes.set_ylim(-0.1, 1.1)
     axes.set_yticks(np.linspace(0, 1, 6))
     axes.yaxis.set_major_formatter(PercentFormatter(1.0))
-    ends = [wilson(point.scores.success, len(point.scores.steps)) for point in points]
-    low, high = zip(*ends, strict=True)
+    delivered = [point.scores.delivered for point in points]
+    _, low, high = zip(*(share_interval(int(e.sum()), len(e)) for e in delivered), strict=True)
     axes.fill_between(_steps(points), low, high, color=LEARNER, alpha=0.18, linewidth=0)
     _draw_lines(axes, name, points, greedy, lambda scores: scores.success, "{:.1%}")
 

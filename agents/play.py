@@ -16,7 +16,7 @@ from agents.console import (
     load_layout,
 )
 from agents.replaying import check_targets, save_episode
-from agents.run_episode import draw_seed, make_env, report
+from agents.run_episode import draw_seed, make_env, report_episode
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.display import NoDisplayError, has_display, make_window
 from warehouse_core.scene import Scene
@@ -124,7 +124,7 @@ def play(
     import matplotlib.pyplot as plt
 
     plt.show()
-    report(driver.episode)
+    report_episode(driver.episode)
     for target in targets:
         save_episode(driver.episode, target)
     env.close()

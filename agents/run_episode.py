@@ -71,7 +71,7 @@ def draw_seed() -> int:
     return random.SystemRandom().randint(0, HIGHEST_SEED)
 
 
-def report(episode: Episode) -> None:
+def report_episode(episode: Episode) -> None:
     """Log how an episode went."""
     settings = episode.settings
     typer.echo(f"{episode.agent} on the {settings.backend} backend, seed {episode.seed}")
@@ -98,7 +98,7 @@ def run(
     targets: list[Path] = save or []
     check_targets(targets)
     episode = run_episode(agent, backend, load_layout(layout), seed, battery, max_steps)
-    report(episode)
+    report_episode(episode)
     replay_or_save(episode, targets, show)
 
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 from command_line import ROOT, in_a_process, refusal
-from test_running import table
-from test_sweep import uninterrupted, words
+from test_running import AGENT, table
+from test_sweep import check_is_usable, uninterrupted, words
 
 pytestmark = pytest.mark.cluster
 EPISODES = 3000
@@ -39,6 +39,7 @@ def wait_for(log: Path, pattern: str) -> str:
 
 
 Cluster = tuple[str, list[subprocess.Popen[bytes]]]
+"""The address of a scheduler, its process, and those of its workers."""
 
 
 @pytest.fixture
@@ -56,7 +57,7 @@ def cluster(tmp_path: Path) -> Iterator[Cluster]:
             begun.append(start(log, "distributed.cli.dask_worker", address, *own, *folder))
         for number in range(2):
             wait_for(tmp_path / f"worker{number}.log", "Registered to")
-        yield address, begun[1:]
+        yield address, begun
     finally:
         for process in begun:
             if process.poll() is None:
@@ -64,14 +65,10 @@ def cluster(tmp_path: Path) -> Iterator[Cluster]:
             process.wait()
 
 
-@pytest.mark.parametrize("killed", [0, 1])
-def test_a_cluster_gives_the_rows_of_this_machine(
-    cluster: Cluster, tmp_path: Path, killed: int
-) -> None:
-    address, workers = cluster
-    path = tmp_path / "r.sqlite"
+def start_sweep(path: Path, episodes: int, address: str) -> subprocess.Popen[str]:
+    """Start a sweep and wait until there are rows."""
     sweep = subprocess.Popen(
-        [sys.executable, *MAIN, *words(path, EPISODES), "--cluster", address],
+        [sys.executable, *MAIN, *words(path, episodes), "--cluster", address],
         cwd=ROOT,
         stderr=subprocess.PIPE,
         text=True,
@@ -80,6 +77,16 @@ def test_a_cluster_gives_the_rows_of_this_machine(
     while not path.exists() or not table(path):
         assert time.monotonic() < end
         time.sleep(0.05)
+    return sweep
+
+
+@pytest.mark.parametrize("killed", [0, 1])
+def test_a_cluster_gives_the_rows_of_this_machine(
+    cluster: Cluster, tmp_path: Path, killed: int
+) -> None:
+    address, (_, *workers) = cluster
+    path = tmp_path / "r.sqlite"
+    sweep = start_sweep(path, EPISODES, address)
     for worker in workers[:killed]:
         worker.kill()
     assert sweep.poll() is None
@@ -87,6 +94,31 @@ def test_a_cluster_gives_the_rows_of_this_machine(
     assert "Traceback" not in err
     assert sweep.returncode == 0
     assert table(path) == uninterrupted(tmp_path / "expected.sqlite", EPISODES)
+
+
+def test_a_scheduler_that_dies_is_one_line_and_the_file_can_go_on(
+    cluster: Cluster, tmp_path: Path
+) -> None:
+    address, (scheduler, *_) = cluster
+    path = tmp_path / "r.sqlite"
+    sweep = start_sweep(path, EPISODES * 10, address)
+    scheduler.kill()
+    err = sweep.communicate(timeout=120)[1]
+    assert sweep.returncode == 1
+    assert err.splitlines()[-1].startswith(f"warehouse: the Dask cluster at {address} has gone: ")
+    assert "Traceback" not in err
+    check_is_usable(path)
+    assert table(path)
+
+
+def test_an_agent_that_fails_on_a_cluster_is_one_line(cluster: Cluster, tmp_path: Path) -> None:
+    file, path = tmp_path / "agent.py", tmp_path / "r.sqlite"
+    file.write_text(AGENT.format(name="Own", begin="pass", act="if self.seed == 7: raise KeyError"))
+    choice = ["--set", f"agent={file}:Own", "-n", "20", "-o", str(path), "--cluster", cluster[0]]
+    result = in_a_process(*MAIN, "sweep", *choice, folder=ROOT)
+    assert result.code == 1
+    assert result.err == f"warehouse: seed 7 with agent={file}:Own: KeyError (agent.py, line 11)\n"
+    check_is_usable(path)
 
 
 def test_no_scheduler_is_one_line_and_exit_code_1(tmp_path: Path) -> None:

@@ -9,7 +9,11 @@ import typer
 from command_line import Result, command
 
 from agents.agent_error import AgentError
-from agents.console import BatteryOption, load_layout
+from agents.console import LONGEST, BatteryOption, load_layout
+from agents.experiments.episodes import EpisodeError
+from agents.experiments.setting import SettingError
+from agents.experiments.store import StoreError
+from agents.experiments.workers import ClusterError, WorkerError
 from warehouse_core import DEFAULT_LAYOUT, BackendError, LayoutError, RecordError
 from warehouse_core.display import NoDisplayError
 from warehouse_core.export import FormatError
@@ -33,7 +37,20 @@ def test_a_command_that_succeeds_ends_with_0(capsys: pytest.CaptureFixture[str])
 
 
 @pytest.mark.parametrize(
-    "kind", [AgentError, BackendError, FormatError, LayoutError, NoDisplayError, RecordError]
+    "kind",
+    [
+        AgentError,
+        BackendError,
+        ClusterError,
+        EpisodeError,
+        FormatError,
+        LayoutError,
+        NoDisplayError,
+        RecordError,
+        SettingError,
+        StoreError,
+        WorkerError,
+    ],
 )
 def test_a_users_error_is_one_line_and_ends_with_1(
     capsys: pytest.CaptureFixture[str], kind: type[Exception]
@@ -56,6 +73,21 @@ def test_a_file_error_without_a_file_says_what_there_is(
     full = OSError(errno.ENOSPC, "No space left on device")
     assert outcome_of(capsys, full).err == "warehouse: No space left on device\n"
     assert outcome_of(capsys, OSError("all is lost")).err == "warehouse: all is lost\n"
+
+
+def test_what_a_terminal_would_obey_or_cannot_show_is_written_out(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    error = LayoutError("\x1b[2Jclean\a \udcff \u202e Müller")
+    line = r"warehouse: \x1b[2Jclean\x07 \udcff \u202e Müller"
+    assert outcome_of(capsys, error).err == f"{line}\n"
+
+
+def test_a_value_as_long_as_a_file_does_not_fill_the_screen(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    line = outcome_of(capsys, LayoutError(10**6 * "x")).err
+    assert line == f"warehouse: {LONGEST * 'x'}...\n"
 
 
 @pytest.mark.parametrize("interrupt", [KeyboardInterrupt, typer.Abort])

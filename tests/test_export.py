@@ -114,6 +114,14 @@ def test_the_same_replay_gives_the_same_gif(tmp_path: Path) -> None:
     assert saved(tmp_path, ".gif").read_bytes() == first
 
 
+def test_each_frame_of_a_gif_is_drawn_once(tmp_path: Path) -> None:
+    replay = replay_of(short_episode())
+    drawn_frames: list[object] = []
+    replay.figure.canvas.mpl_connect("draw_event", drawn_frames.append)
+    replay.save(tmp_path / "film.gif")
+    assert len(drawn_frames) == FRAMES + 1, "and what it showed before, at the end"
+
+
 def test_a_gif_of_one_frame_is_a_gif(tmp_path: Path) -> None:
     replay_of([["R.P"]]).save(tmp_path / "one.gif")
     assert len(frames_of_gif(tmp_path / "one.gif")[0]) == 1

@@ -8,11 +8,15 @@ import pytest
 
 from agents import cli
 from agents.console import main
+from agents.experiments.presets import PRESETS
 from warehouse_core import Layout
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```(\w+) ?([\w.]*)\n(.*?)^```$", README, flags=re.DOTALL | re.MULTILINE)
+ANSWERS = re.compile(
+    r"^<!-- (\w+) -->\n\*\*(.*?)\*\*\n\n(.*?)\n\n!", flags=re.DOTALL | re.MULTILINE
+)
 NEEDS_TORCH = ("sh", "rl")
 INSTALL = "python3 -m venv .venv && .venv/bin/pip install -e "
 
@@ -41,11 +45,13 @@ def test_every_block_of_the_readme_runs(tmp_path, monkeypatch):
             for line in text.splitlines():
                 if not line.startswith(INSTALL):
                     run_command(line)
-        else:
-            assert language == "text"
+        elif language == "text":
             Layout.load(file)
+        else:
+            assert language == "toml"
     written = {path.name for path in tmp_path.iterdir()}
     assert {"replay.html", "replay.gif", "episode.npz", "hall.txt", "replay-12.gif"} <= written
+    assert {"escape.html", "mine.csv", "mine.html", "figures"} <= written
     assert (tmp_path / "frames" / "legend.svg").exists()
 
 
@@ -60,6 +66,24 @@ def test_the_commands_that_need_pytorch_run(tmp_path, monkeypatch):
     for line in filter(None, lines):
         run_command(line)
     assert (tmp_path / "model.png").exists()
+
+
+@pytest.mark.slow
+def test_the_answers_of_the_presets_are_those_that_they_give(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    blocks = ANSWERS.findall(README)
+    assert [preset for preset, *_ in blocks] == list(PRESETS)
+    for preset, question, answer in blocks:
+        run_command(f"warehouse sweep --preset {preset} -o {preset}.sqlite")
+        capsys.readouterr()
+        run_command(f"warehouse report {preset}.sqlite --no-replays")
+        lines = capsys.readouterr().out.splitlines()
+        assert question in lines
+        given = lines[lines.index(question) + 1 :]
+        rest = " ".join(answer.split())
+        while rest:
+            [sentence] = [line for line in given if line and rest.startswith(line)]
+            rest = rest.removeprefix(sentence).lstrip()
 
 
 def test_the_two_install_commands_are_the_ones_that_ci_runs():

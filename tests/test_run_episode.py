@@ -7,7 +7,7 @@ from command_line import ROOT, command, in_a_process, without_display
 
 from agents import run_episode as module
 from agents.agent_error import AgentError
-from agents.run_episode import HIGHEST_SEED, draw_seed, make_env, report, run, run_episode
+from agents.run_episode import HIGHEST_SEED, draw_seed, make_env, report_episode, run, run_episode
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (
     BackendError,
@@ -126,7 +126,7 @@ def test_the_environment_is_closed_whatever_happens(
 
 def test_the_report_names_reward_battery_and_length(capsys: pytest.CaptureFixture[str]) -> None:
     episode = run_episode(seed=5)
-    report(episode)
+    report_episode(episode)
     assert capsys.readouterr().out.splitlines() == [
         "GreedyAgent on the grid backend, seed 5",
         f"outcome         {episode.outcome}",
@@ -141,7 +141,9 @@ def test_the_report_names_the_failure_mode_where_the_outcome_does_not(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     env = WarehouseEnv(["P.#.D", "....."], (1, 0), max_steps=40)
-    report(record_episode(env, GreedyAgent(seed=1, escape_steps=0), seed=1, randomize=False))
+    report_episode(
+        record_episode(env, GreedyAgent(seed=1, escape_steps=0), seed=1, randomize=False)
+    )
     lines = capsys.readouterr().out.splitlines()
     assert lines[1] == "outcome         out of time"
     assert lines[2] == (
@@ -153,7 +155,7 @@ def test_the_report_names_the_failure_mode_where_the_outcome_does_not(
 
 
 def test_the_command_prints_the_report_of_the_episode(capsys: pytest.CaptureFixture[str]) -> None:
-    report(run_episode(seed=5))
+    report_episode(run_episode(seed=5))
     expected = capsys.readouterr().out
     assert command(capsys, "--seed", 5, "--no-show", app=app) == (0, expected, "")
 
@@ -162,7 +164,7 @@ def test_the_command_takes_all_that_the_function_takes(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     ROOM.save(tmp_path / "room.txt")
-    report(run_episode("greedy", "grid", ROOM, 6, 30, 12))
+    report_episode(run_episode("greedy", "grid", ROOM, 6, 30, 12))
     expected = capsys.readouterr().out
     words = ["--agent", "greedy", "--backend", "grid", "--layout", "room.txt", "--seed", 6]
     words += ["--battery", 30, "--max-steps", 12, "--no-show"]

@@ -1,5 +1,6 @@
 """Running what is missing: the same rows whoever runs them, in whatever order they come."""
 
+import re
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
@@ -7,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from agents.experiments.episodes import run_episodes
+from agents.experiments.episodes import EpisodeError, run_episodes
 from agents.experiments.plan import Plan, make_plan
 from agents.experiments.running import MOST_EPISODES, TASK_SECONDS, Pace, run_missing
 from agents.experiments.store import Row, Store, StoreError
@@ -133,6 +134,77 @@ def test_a_failing_worker_leaves_what_was_finished_and_the_rest_can_follow(
     rest = Here()
     assert run(path, rest) == expected
     assert len(rest.seeds) == len(expected) - len(left)
+
+
+AGENT = """
+class {name}:
+    def __init__(self, seed):
+        {begin}
+        self.seed = seed
+
+    def reset(self):
+        pass
+
+    def act(self, observation):
+        {act}
+        return "N"
+"""
+
+
+def plan_of(folder: Path, begin: str = "pass", act: str = "pass") -> Plan:
+    """Return a plan of twice ten episodes of an agent that does this when it is seeded with 7."""
+    file = folder / "agent.py"
+    begin, act = f"if seed == 7: {begin}", f"if self.seed == 7: {act}"
+    file.write_text(AGENT.format(name="Own", begin=begin, act=act))
+    return make_plan({"agent": ["greedy", f"{file}:Own"], "max_steps": 5}, 10, 0)
+
+
+@pytest.mark.parametrize(
+    ("begin", "act", "reason"),
+    [
+        ("pass", "raise KeyError('lost')", r"KeyError: 'lost' \(agent.py, line 11\)"),
+        ("raise ValueError('no')", "pass", r"ValueError: no \(agent.py, line 4\)"),
+        ("pass", "raise SystemExit(0)", r"SystemExit: 0 \(agent.py, line 11\)"),
+        ("pass", "raise KeyboardInterrupt", r"KeyboardInterrupt \(agent.py, line 11\)"),
+        ("pass", "return None", r"TypeError: action None .*"),
+        ("pass", "raise type('Odd', (Exception,), {})(lambda: 1)", r"Odd: <function .*"),
+    ],
+    ids=["acting", "being made", "an exit", "an interrupt", "nonsense", "what cannot be sent"],
+)  # fmt: skip
+def test_an_agent_that_fails_is_told_of_with_its_case_and_seed_and_the_rest_stays(
+    tmp_path: Path, begin: str, act: str, reason: str
+) -> None:
+    path, plan = tmp_path / "r.sqlite", plan_of(tmp_path, begin, act)
+    with processes(1) as (executor, workers), pytest.raises(EpisodeError) as caught:
+        run(path, executor, plan, workers)
+    about = re.escape(f"seed 7 with agent={tmp_path}/agent.py:Own, max_steps=5: ")
+    assert re.fullmatch(about + reason, str(caught.value))
+    with Store(path, read_only=True) as store:
+        assert [store.count(case, plan.seeds) for case in plan.cases] == [10, 7]
+
+
+@pytest.mark.parametrize("is_changed", [True, False])
+def test_an_agent_whose_file_changes_does_not_run_under_its_old_name(
+    tmp_path: Path, is_changed: bool
+) -> None:
+    path, plan = tmp_path / "r.sqlite", plan_of(tmp_path)
+    file = tmp_path / "agent.py"
+    if is_changed:
+        file.write_text(file.read_text() + "# changed\n")
+    else:
+        file.unlink()
+    why = "has changed since the sweep began" if is_changed else "No such file"
+    with pytest.raises(EpisodeError, match=why):
+        run(path, Here(), plan)
+    with Store(path, read_only=True) as store:
+        assert store.count(plan.cases[1], plan.seeds) == 0
+
+
+def test_what_has_gone_well_at_the_same_time_is_kept(tmp_path: Path) -> None:
+    path = tmp_path / "r.sqlite"
+    with pytest.raises(ArithmeticError):
+        run(path, Here(fails_at=5), make_plan({}, 20, 5), workers=10)
+    assert [found[1] for found in table(path)] == list(range(6, 25))
 
 
 def test_rows_are_told_of_once_they_are_stored_each_once(tmp_path: Path) -> None:

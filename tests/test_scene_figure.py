@@ -134,6 +134,31 @@ def test_a_listener_that_moves_something_does_not_change_the_drawing_it_is_told_
     assert np.array_equal(pixels(replay), drawn_afresh(FRAMES - 1))
 
 
+def test_on_demand_nothing_is_drawn_but_what_is_asked_for(replay: Replay) -> None:
+    seen: list[object] = []
+    replay.figure.canvas.mpl_connect("draw_event", seen.append)
+    with replay.figure.drawn_on_demand():
+        replay.go_to(3)
+        replay.figure.canvas.draw()
+        assert seen == []
+        assert np.array_equal(pixels(replay), drawn_afresh(3))
+        assert len(seen) == 1
+        replay.go_to(5)
+        assert len(seen) == 1
+    replay.go_to(6)
+    assert len(seen) == 2, "it draws again as ever"
+    assert np.array_equal(pixels(replay), drawn_afresh(6))
+
+
+def test_it_draws_again_as_ever_after_an_error(replay: Replay) -> None:
+    with pytest.raises(KeyError), replay.figure.drawn_on_demand():
+        raise KeyError
+    seen: list[object] = []
+    replay.figure.canvas.mpl_connect("draw_event", seen.append)
+    replay.figure.canvas.draw()
+    assert len(seen) == 1
+
+
 def test_a_png_is_written_the_short_way_in_the_figures_own_size(replay: Replay) -> None:
     replay.go_to(5)
     for options in ({}, {"dpi": "figure"}, {"dpi": replay.figure.dpi}):

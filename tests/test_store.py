@@ -1,7 +1,14 @@
 """The file of results: what is added stays, once, and what is no such file is refused."""
 
+import gc
+import json
 import os
 import sqlite3
+from collections.abc import Callable
+from contextlib import AbstractContextManager, suppress
+from functools import partial
+from multiprocessing import get_context
+from multiprocessing.synchronize import Barrier
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -154,6 +161,17 @@ def test_text_is_refused_and_stays(path: Path) -> None:
     assert path.read_text() == text
 
 
+@pytest.mark.parametrize("kind", [os.mkdir, os.mkfifo], ids=["a folder", "a pipe"])
+def test_what_is_no_file_is_refused_and_gets_no_journal(
+    path: Path, kind: Callable[[Path], None]
+) -> None:
+    kind(path)
+    with pytest.raises(StoreError) as caught:
+        Store(path)
+    assert str(caught.value) == f"{path}: it is a folder or a device, not a file"
+    assert [each.name for each in path.parent.iterdir()] == [path.name]
+
+
 @pytest.mark.parametrize("name", ["nowhere/r.sqlite", "."])
 def test_where_no_file_can_be_is_named(tmp_path: Path, name: str) -> None:
     with pytest.raises(StoreError) as caught:
@@ -230,3 +248,143 @@ def test_a_full_disk_keeps_what_was_written_before(path: Path) -> None:
             store.add(case_id, [row(seed) for seed in range(50, 5000)])
         assert str(caught.value) == f"{path}: database or disk is full"
         assert store.seeds_done(case_id) == set(range(50))
+
+
+def open_many(folder: Path, number: int, files: int, start: Barrier) -> None:
+    """Open the same files at the same moments as others do, and write a row into each."""
+    for file in range(files):
+        start.wait(20)
+        with Store(folder / f"{file}.sqlite") as store:
+            store.add(store.case_id(CASE), [row(number), row(99)])
+
+
+def test_several_sweeps_may_make_and_use_the_same_file_at_once(tmp_path: Path) -> None:
+    context, files, count = get_context("fork"), 25, 3
+    start = context.Barrier(count)
+    crowd = [
+        context.Process(target=open_many, args=(tmp_path, number, files, start))
+        for number in range(count)
+    ]
+    for each in crowd:
+        each.start()
+    for each in crowd:
+        each.join(60)
+    assert [each.exitcode for each in crowd] == [0] * count
+    for file in range(files):
+        with Store(tmp_path / f"{file}.sqlite", read_only=True) as store:
+            assert len(store.cases()) == 1
+            assert store.seeds_done(1) == {*range(count), 99}
+
+
+def test_tables_that_another_sweep_has_made_first_are_used(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begin, rivals = Store._transaction, []
+
+    def late(store: Store, kind: str = "IMMEDIATE") -> AbstractContextManager[None]:
+        if kind == "IMMEDIATE" and not rivals:
+            rivals.append(path)
+            with Store(path) as rival:
+                rival.add(rival.case_id(CASE), [row(1)])
+        return begin(store, kind)
+
+    monkeypatch.setattr(Store, "_transaction", late)
+    with Store(path) as store:
+        assert store.seeds_done(store.case_id(CASE)) == {1}
+
+
+def test_tables_that_appear_while_it_looks_are_not_taken_for_a_strangers(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rivals = []
+
+    class Watched(sqlite3.Connection):
+        def execute(self, statement: str, *values: object) -> sqlite3.Cursor:
+            if statement == "PRAGMA user_version" and not rivals:
+                rivals.append(path)
+                with suppress(StoreError):  # it may have to wait
+                    Store(path).close()
+            return super().execute(statement, *values)
+
+    monkeypatch.setattr("agents.experiments.store.PATIENCE", 0.1)
+    monkeypatch.setattr(sqlite3, "connect", partial(sqlite3.connect, factory=Watched))
+    with Store(path) as store:
+        assert store.cases() == {}
+    assert rivals
+
+
+@pytest.mark.parametrize("code", [sqlite3.SQLITE_BUSY, sqlite3.SQLITE_IOERR])
+def test_only_for_others_that_are_busy_it_tries_again(
+    path: Path, monkeypatch: pytest.MonkeyPatch, code: int
+) -> None:
+    refused = []
+
+    class Busy(sqlite3.Connection):
+        def execute(self, statement: str, *values: object) -> sqlite3.Cursor:
+            if statement == "PRAGMA journal_mode = WAL" and len(refused) < 3:
+                error = sqlite3.OperationalError("not now")
+                error.sqlite_errorcode = code
+                refused.append(error)
+                raise error
+            return super().execute(statement, *values)
+
+    monkeypatch.setattr(sqlite3, "connect", partial(sqlite3.connect, factory=Busy))
+    if code == sqlite3.SQLITE_BUSY:
+        Store(path).close()
+        assert len(refused) == 3
+        return
+    with pytest.raises(StoreError, match="not now"):
+        Store(path)
+    assert len(refused) == 1
+
+
+@pytest.mark.parametrize("is_replaced", [False, True])
+def test_a_file_that_has_gone_meanwhile_is_not_written_to_in_silence(
+    path: Path, is_replaced: bool
+) -> None:
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+        store.add(case_id, [row(1)])
+        path.rename(path.with_name("away.sqlite"))
+        if is_replaced:
+            path.write_bytes(b"")
+        with pytest.raises(StoreError) as caught:
+            store.add(case_id, [row(2)])
+    assert str(caught.value) == f"{path}: it has been removed or replaced meanwhile"
+
+
+def test_rows_that_are_left_half_read_are_no_trouble(path: Path) -> None:
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+        store.add(case_id, [row(1), row(2), row(3)])
+        rows = store.rows(case_id)
+        next(rows)
+    del rows
+    gc.collect()  # an exception here would fail the test
+
+
+STRANGE = {
+    "no JSON": "{",
+    "a list": "[]",
+    "a number": "3",
+    "nothing": "null",
+    "a list as a value": json.dumps({"battery": [3]}),
+    "nothing as a value": json.dumps({"battery": None}),
+    "a number that is too large": json.dumps({"battery": 2**64}),
+    "the name of a result": json.dumps({"seed": 3}),
+    "tiles that are no rows": json.dumps({"tiles": "P.D"}),
+    "rows that are no text": json.dumps({"tiles": [3]}),
+    "brackets": 100_000 * "[",
+}
+
+
+@pytest.mark.parametrize("settings", STRANGE.values(), ids=STRANGE)
+def test_a_case_that_no_sweep_has_written_is_refused(path: Path, settings: str) -> None:
+    Store(path).close()
+    connection = sqlite3.connect(path)
+    connection.execute("INSERT INTO cases (settings) VALUES (?)", (settings,))
+    connection.commit()
+    connection.close()
+    with Store(path, read_only=True) as store, pytest.raises(StoreError) as caught:
+        store.cases()
+    assert str(caught.value).startswith(f"{path}: it has a case that is none, ")

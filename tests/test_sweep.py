@@ -7,18 +7,21 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
-from command_line import ROOT, command
+from command_line import ROOT, command, refusal
 from test_running import Here, nothing, table
 
+from agents.experiments import sweep as sweep_command
 from agents.experiments.flags import parse_flags
 from agents.experiments.plan import make_plan
 from agents.experiments.running import run_missing
 from agents.experiments.store import Store
+from agents.experiments.workers import KILLED
 
 FLAGS = ["escape=on,off", "battery=20,60"]
 LIMITED = """
@@ -107,7 +110,7 @@ def test_a_sweep_counts_what_is_there_and_adds_what_is_missing(
     assert command(capsys, *words(path, 3)) == (
         0,
         f"4 combinations, 3 episodes each, 0 done\n"
-        f"12 episodes in {path}; see them with: warehouse report {path}\n",
+        f"12 episodes in {path}; see what they come to with: warehouse report {path}\n",
         "",
     )
     before = path.read_bytes()
@@ -154,7 +157,7 @@ def test_whenever_it_is_killed_nothing_is_lost_or_doubled(
     assert before
     code, out, err = (sweep := Sweep(path, episodes)).end()
     assert (code, err) == (0, "")
-    assert f" {len(before)} done\n" in out
+    assert f" {len(before):,} done\n" in out
     assert sweep.process.returncode == 0
     assert table(path) == uninterrupted(tmp_path / "expected.sqlite", episodes)
 
@@ -170,7 +173,9 @@ def test_an_interrupt_is_one_line_and_leaves_a_file_that_can_go_on(
     code, out, err = sweep.end()
     assert (code, err) == (130, "warehouse: interrupted\n")
     check_is_usable(path)
-    assert f"\n{len(table(path))} of 400000 episodes in {path}; the same command goes on\n" in out
+    assert (
+        f"\n{len(table(path)):,} of 400,000 episodes in {path}; the same command goes on\n" in out
+    )
 
 
 def test_who_interrupts_again_and_again_changes_nothing(path: Path) -> None:
@@ -202,5 +207,75 @@ def test_a_full_disk_is_one_line_and_what_was_finished_stays(path: Path, tmp_pat
     assert left
     code, out, _ = Sweep(path, 2000).end()
     assert code == 0
-    assert f" {len(left)} done\n" in out
+    assert f" {len(left):,} done\n" in out
     assert table(path) == uninterrupted(tmp_path / "expected.sqlite", 2000)
+
+
+KILLER = """
+import os, signal
+class Killer:
+    def __init__(self, seed):
+        self.seed = seed
+
+    def reset(self):
+        pass
+
+    def act(self, observation):
+        if self.seed == 30:
+            os.kill(os.getpid(), signal.SIGKILL)  # as a system without memory does
+        return "N"
+"""
+
+
+def test_a_worker_that_is_killed_is_one_line_and_the_file_can_go_on(
+    capsys: pytest.CaptureFixture[str], path: Path, tmp_path: Path
+) -> None:
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "killer.py"
+        file.write_text(KILLER)
+        choice = ["--set", f"agent=greedy,{file}:Killer", "--set", "max_steps=5", "-o", path]
+        assert refusal(capsys, "sweep", *choice, "-n", 40, "--workers", 1) == KILLED
+        check_is_usable(path)
+        assert 40 <= len(table(path)) <= 70
+        assert (
+            "2 combinations, 30 episodes each, " in command(capsys, "sweep", *choice, "-n", 30).out
+        )
+    assert len(table(path)) == 70
+
+
+def test_two_sweeps_at_once_into_one_file_come_to_the_same(path: Path, tmp_path: Path) -> None:
+    both = [Sweep(path, 300), Sweep(path, 300)]
+    for sweep in both:
+        code, out, err = sweep.end()
+        assert (code, err) == (0, "")
+        assert f"\n1,200 episodes in {path}" in out
+    check_is_usable(path)
+    assert table(path) == uninterrupted(tmp_path / "expected.sqlite", 300)
+
+
+def test_a_file_that_is_removed_in_the_middle_is_not_said_to_be_there(path: Path) -> None:
+    sweep = Sweep(path, 100_000)
+    sweep.wait_for_rows()
+    for each in path.parent.iterdir():
+        each.unlink()
+    code, _, err = sweep.end()
+    assert code == 1
+    assert err == f"warehouse: {path}: it has been removed or replaced meanwhile\n"
+    assert not path.exists()
+
+
+def test_there_are_no_more_workers_than_episodes(
+    capsys: pytest.CaptureFixture[str], path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+
+    @contextmanager
+    def counted(count: int) -> Iterator[tuple[Here, int]]:
+        asked.append(count)
+        yield Here(), count
+
+    monkeypatch.setattr(sweep_command, "processes", counted)
+    for episodes, workers in ((1, 64), (4, 2)):
+        words = ["-n", episodes, "--workers", workers, "-o", path]
+        assert command(capsys, "sweep", *words).code == 0
+    assert asked == [1, 2]

@@ -9,13 +9,17 @@ import zlib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
 from PIL import Image
 
 from warehouse_core.atomic_file import atomic_path
+from warehouse_core.palette import indexed_palette
 from warehouse_core.scene_figure import SceneFigure
 
 if TYPE_CHECKING:
@@ -27,6 +31,9 @@ LAST_FRAME_MS = 2000
 GIF_FRAME_MS = (20, 655_350)
 """Shortest and longest time of a frame: viewers play shorter ones slowly, the file has 16 bits."""
 
+KEEP_WHAT_IS_THERE = 1
+"""What a GIF says is to be done with a frame before the next is drawn over it."""
+
 LONG_EXPORT = 40
 """Frames from which a progress bar is shown, on a terminal."""
 
@@ -34,6 +41,9 @@ LONG_EXPORT = 40
 class FormatError(ValueError):
     """A file format that there is not, or one whose requirements are not installed."""
 
+
+Pixels = NDArray[np.uint8]
+"""``[height, width]`` of indices into the palette."""
 
 Progress = Callable[[int, int | None], None]
 
@@ -88,10 +98,10 @@ def self_contained(page: str) -> str:
     return re.sub(r"<link\b[^>]*>", lambda _: _BUTTON_STYLE, page)
 
 
-def save_svg(figure: SceneFigure, path: Path, dpi: float | None = None) -> None:
+def save_svg(figure: Figure, target: Path | IO[bytes], dpi: float | None = None) -> None:
     """Write a figure as SVG whose bytes depend on nothing but what it shows."""
     with mpl.rc_context({"svg.hashsalt": "warehouse-lab", "svg.fonttype": "path"}):
-        figure.savefig(path, format="svg", dpi=dpi or figure.dpi, metadata={"Date": None})
+        figure.savefig(target, format="svg", dpi=dpi or figure.dpi, metadata={"Date": None})
 
 
 _SIGNS = {
@@ -124,19 +134,29 @@ _PAGE = """<!DOCTYPE html>
 
 
 class _GifWriter(AbstractMovieWriter):
-    """Keeps the frames compressed, so that a long replay fits into memory."""
+    """Keeps of each frame what has changed, compressed, so that a long replay fits into memory."""
 
     def __init__(self, figure: SceneFigure, frame_ms: float) -> None:
         super().__init__(fps=1000 / frame_ms)  # type: ignore[arg-type] # any number will do
         shortest, longest = GIF_FRAME_MS
         self._figure, self._frame_ms = figure, round(min(max(frame_ms, shortest), longest))
+        palette = indexed_palette()
+        # The index after the last colour stands for what stays as it was; Pillow finds it as well,
+        # but pixel by pixel.
+        self._unchanged = len(palette) // 3
+        self._palette = [*palette, 0, 0, 0]
+        self._last: Pixels | None = None
         self._frames: list[bytes] = []
 
     def setup(self, fig: Any, outfile: Any, dpi: float | None = None) -> None:
         super().setup(fig, outfile, dpi)
 
     def grab_frame(self, **_: Any) -> None:
-        self._frames.append(zlib.compress(self._figure.indexed_pixels().tobytes(), 1))
+        pixels = np.asarray(self._figure.indexed_pixels())
+        same = False if self._last is None else pixels == self._last
+        changed = np.where(same, np.uint8(self._unchanged), pixels)
+        self._frames.append(zlib.compress(changed.tobytes(), 1))
+        self._last = pixels
 
     def finish(self) -> None:
         images = self._images()
@@ -148,18 +168,23 @@ class _GifWriter(AbstractMovieWriter):
             append_images=images,
             duration=durations,
             loop=0,
+            optimize=False,  # done here already
+            transparency=self._unchanged,
+            disposal=KEEP_WHAT_IS_THERE,
         )
 
     def _images(self) -> Iterator[Image.Image]:
-        template = self._figure.indexed_pixels()
+        assert self._last is not None, "every replay has a frame"
+        height, width = self._last.shape
         for data in self._frames:
-            image = template.copy()
-            image.frombytes(zlib.decompress(data))
+            image = Image.frombytes("P", (width, height), zlib.decompress(data))
+            image.putpalette(self._palette)
             yield image
 
 
 def _save_gif(replay: Replay, path: Path) -> None:
-    replay.save(path, writer=_GifWriter(replay.figure, replay.frame_ms))
+    with replay.figure.drawn_on_demand():
+        replay.save(path, writer=_GifWriter(replay.figure, replay.frame_ms))
 
 
 def _save_mp4(replay: Replay, path: Path) -> None:

@@ -6,6 +6,8 @@ frame is the background with the moving artists on top, in a window as in an exp
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import IO, Any
 
 import numpy as np
@@ -28,6 +30,7 @@ class SceneFigure(Figure):
         self._movers: list[Artist] = []
         self._background: Any = None
         self._background_size: tuple[float, float, float] | None = None
+        self._is_wanted = True
         self.replay: object = None
 
     def add_mover(self, artist: Artist) -> None:
@@ -38,6 +41,8 @@ class SceneFigure(Figure):
 
     def draw(self, renderer: Any) -> None:
         """Draw the movers over the remembered background, which is drawn anew if need be."""
+        if not self._is_wanted:
+            return
         if not _is_pixels(renderer):
             self._draw_still(renderer, with_movers=True)
             return
@@ -62,12 +67,28 @@ class SceneFigure(Figure):
         else:
             super().savefig(fname, transparent=transparent, **options)
 
+    @contextmanager
+    def drawn_on_demand(self) -> Iterator[None]:
+        """Draw only when somebody asks for ``pixels``.
+
+        An animation that is being saved draws each frame once for itself, where nobody sees it.
+        """
+        self._is_wanted = False
+        try:
+            yield
+        finally:
+            self._is_wanted = True
+
     def pixels(self) -> Image.Image:
         """Return the figure as an RGB image."""
         if not isinstance(self.canvas, FigureCanvasAgg):
             raise TypeError(f"a {type(self.canvas).__name__} has no pixels; it must be an Agg one")
         canvas: Any = self.canvas
-        canvas.draw()
+        before, self._is_wanted = self._is_wanted, True
+        try:
+            canvas.draw()
+        finally:
+            self._is_wanted = before
         return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
 
     def indexed_pixels(self) -> Image.Image:

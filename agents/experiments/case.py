@@ -12,7 +12,9 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
+from agents.agent_error import AgentError
 from agents.agent_names import agent_file, make_agent
+from agents.experiments.reason import reason_of
 from agents.experiments.setting import (
     DEFAULT,
     PHYSICAL,
@@ -21,6 +23,7 @@ from agents.experiments.setting import (
     Value,
     find,
     is_greedy,
+    shown,
 )
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, WarehouseEnv, random_layout
@@ -51,16 +54,36 @@ def make_case(settings: Mapping[str, Value]) -> dict[str, Any]:
         layout = DEFAULT_LAYOUT if is_default else Layout.load(case["layout"])
         case[TILES] = list(layout.rows)
     make_env(case, seed=0).close()
-    make_agent_for(case, seed=0)
-    file = agent_file(case["agent"])
-    if file is not None:
-        case[FINGERPRINT] = hashlib.sha256(file.read_bytes()).hexdigest()
+    _try_agent(case)
+    fingerprint = agent_fingerprint(case)
+    if fingerprint is not None:
+        case[FINGERPRINT] = fingerprint
     return case
 
 
 def key_of(case: Case) -> str:
     """Return the case as text, the same for equal cases."""
     return json.dumps(case, sort_keys=True, separators=(",", ":"))
+
+
+def flags_of(case: Case) -> list[str]:
+    """Return what is not the default in a case, as it is written on the command line."""
+    return [
+        f"{name}={shown(value)}"
+        for name, value in case.items()
+        if name not in (TILES, FINGERPRINT)
+        and (name not in SETTINGS or value != SETTINGS[name].default)
+    ]
+
+
+def agent_fingerprint(case: Case) -> str | None:
+    """Return the digest of the file of a case's agent as it is now, if it has one.
+
+    Raises:
+        OSError: it cannot be read.
+    """
+    file = agent_file(case["agent"])
+    return None if file is None else hashlib.sha256(file.read_bytes()).hexdigest()
 
 
 def make_env(case: Case, seed: int) -> WarehouseEnv:
@@ -85,8 +108,19 @@ def make_agent_for(case: Case, seed: int) -> Agent:
     if is_greedy(case):
         if case["escape"]:
             return GreedyAgent(seed, case["memory"])
-        return GreedyAgent(seed, case["memory"], escape_steps=0)
+        return GreedyAgent(seed, escape_steps=0)
     return make_agent(case["agent"], seed)
+
+
+def _try_agent(case: Case) -> None:
+    """Make an agent, and see to it that whatever its file raises becomes one line."""
+    try:
+        make_agent_for(case, seed=0)
+    except (AgentError, OSError):
+        raise
+    except (Exception, SystemExit) as error:
+        reason = reason_of(error, agent_file(case["agent"]))
+        raise AgentError(f"agent {case['agent']!r} cannot be made: {reason}") from error
 
 
 @lru_cache

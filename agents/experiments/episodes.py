@@ -2,20 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
-from agents.experiments.case import Case, make_agent_for, make_env
+from agents.agent_names import agent_file
+from agents.experiments.case import (
+    FINGERPRINT,
+    Case,
+    agent_fingerprint,
+    flags_of,
+    make_agent_for,
+    make_env,
+)
+from agents.experiments.reason import reason_of
 from agents.experiments.store import Row
 from warehouse_core import Episode, record_episode
 from warehouse_core.failure_modes import diagnose
 
 
-def run_episodes(case: Case, seeds: Sequence[int]) -> list[Row]:
+class EpisodeError(Exception):
+    """An episode that could not be run; the message says which and why."""
+
+
+def run_episodes(case: Case, seeds: Sequence[int]) -> Iterator[Row]:
     """Run one episode for each seed, each in a fresh environment with a fresh agent.
 
     The rows depend on nothing but the case and the seeds.
+
+    Raises:
+        EpisodeError: an agent or its file that failed, after the rows of the seeds before.
     """
-    return [row_of(run_one(case, seed)) for seed in seeds]
+    _check_fingerprint(case)
+    for seed in seeds:
+        try:
+            row = row_of(run_one(case, seed))
+        # An agent of somebody's own may raise anything, an exit of the program too.
+        except BaseException as error:
+            reason = reason_of(error, agent_file(case["agent"]))
+            settings = ", ".join(flags_of(case)) or "the defaults"
+            raise EpisodeError(f"seed {seed} with {settings}: {reason}") from error
+        yield row
 
 
 def run_one(case: Case, seed: int) -> Episode:
@@ -44,3 +69,15 @@ def row_of(episode: Episode) -> Row:
         row,
         col,
     )
+
+
+def _check_fingerprint(case: Case) -> None:
+    """Refuse to run a changed agent under the name of the one that there was."""
+    if FINGERPRINT not in case:
+        return
+    try:
+        is_same = agent_fingerprint(case) == case[FINGERPRINT]
+    except OSError as error:
+        raise EpisodeError(f"the file of agent {case['agent']!r}: {error.strerror}") from error
+    if not is_same:
+        raise EpisodeError(f"the file of agent {case['agent']!r} has changed since the sweep began")

@@ -56,7 +56,7 @@ def read_plan_file(path: Path) -> PlanFile:
     if len(data) > MAX_BYTES:
         raise SettingError(f"{path}: it is longer than MAX_BYTES = {MAX_BYTES}")
     try:
-        return _parse(tomllib.loads(data.decode("utf-8")))
+        return _parse(tomllib.loads(data.decode("utf-8-sig")))
     except (ValueError, RecursionError) as error:
         raise SettingError(f"{path}: {error}") from error
 

@@ -14,7 +14,7 @@ from time import perf_counter
 from typing import NamedTuple
 
 from agents.experiments.case import Case
-from agents.experiments.episodes import run_episodes
+from agents.experiments.episodes import EpisodeError, run_episodes
 from agents.experiments.plan import Plan
 from agents.experiments.store import Row, Store
 
@@ -40,6 +40,21 @@ class Task(NamedTuple):
     seeds: Sequence[int]
 
 
+class Done(NamedTuple):
+    """What a task has come to.
+
+    Attributes:
+        seconds: that it took.
+        rows: of its episodes, up to the one that failed.
+        failure: what is to be said of that one. It is text, because an exception of somebody's
+            agent need not survive the way from a worker.
+    """
+
+    seconds: float
+    rows: list[Row]
+    failure: str | None = None
+
+
 class Pace:
     """How many episodes make a task, learnt from those that have been run."""
 
@@ -58,20 +73,23 @@ def run_missing(plan: Plan, store: Store, executor: Executor, workers: int, repo
 
     Raises:
         StoreError: rows cannot be written; those written before stay.
+        EpisodeError: an episode failed; what had been finished is in the store.
         Exception: whatever ``report`` raises, between two writes.
     """
     pace = Pace()
-    tasks, running = missing_tasks(plan, store, pace), dict[Future[tuple[float, list[Row]]], Task]()
+    tasks, running = missing_tasks(plan, store, pace), dict[Future[Done], Task]()
     try:
         while _hand_over(tasks, running, executor, workers) or running:
             done, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
             report([])
-            for future in done:
-                task = running.pop(future)
-                seconds, rows = future.result()
+            # What went well comes first: the others end the run.
+            for future in sorted(done, key=_has_failed):
+                task, (seconds, rows, failure) = running.pop(future), future.result()
                 store.add(task.case_id, rows)
                 pace.learn(len(rows), seconds)
                 report(rows)
+                if failure is not None:
+                    raise EpisodeError(failure)
     finally:
         for future in running:
             future.cancel()
@@ -87,16 +105,24 @@ def missing_tasks(plan: Plan, store: Store, pace: Pace) -> Iterator[Task]:
             yield Task(case_id, case, some)
 
 
-def run_task(case: Case, seeds: Sequence[int]) -> tuple[float, list[Row]]:
-    """Run a task and return how many seconds it took, and its rows."""
-    start = perf_counter()
-    rows = run_episodes(case, seeds)
-    return perf_counter() - start, rows
+def run_task(case: Case, seeds: Sequence[int]) -> Done:
+    """Run a task; a worker does nothing else."""
+    start, rows, failure = perf_counter(), list[Row](), None
+    try:
+        for row in run_episodes(case, seeds):
+            rows.append(row)
+    except EpisodeError as error:
+        failure = str(error)
+    return Done(perf_counter() - start, rows, failure)
+
+
+def _has_failed(future: Future[Done]) -> bool:
+    return future.exception() is not None or future.result().failure is not None
 
 
 def _hand_over(
     tasks: Iterator[Task],
-    running: dict[Future[tuple[float, list[Row]]], Task],
+    running: dict[Future[Done], Task],
     executor: Executor,
     workers: int,
 ) -> bool:

@@ -42,6 +42,11 @@ def is_greedy(case: Mapping[str, Value]) -> bool:
     return case["agent"] == "greedy"
 
 
+def escapes(case: Mapping[str, Value]) -> bool:
+    """Say whether the agent has an escape, the only use there is of its memory."""
+    return is_greedy(case) and case["escape"] is True
+
+
 def is_random(case: Mapping[str, Value]) -> bool:
     """Say whether layouts are made up."""
     return case["layout"] == RANDOM
@@ -61,12 +66,14 @@ class Setting:
         check: returns a value as it is kept, or raises ``ValueError`` with what is allowed.
         counts: says for the settings before this one whether it means anything.
         help: what it is.
+        question: what is asked where it is varied; the chapter asks some of them.
     """
 
     default: Value | None
     check: Callable[[Any], Value]
     help: str
     counts: Callable[[Mapping[str, Value]], bool] = always
+    question: str = ""
 
 
 def whole(least: int, most: int = MOST) -> Callable[[Any], int]:
@@ -125,17 +132,47 @@ def size(value: Any) -> str:
 
 
 SETTINGS: dict[str, Setting] = {
-    "agent": Setting("greedy", text, "the agent, as for warehouse run"),
-    "escape": Setting(True, flag, "whether the greedy agent escapes from loops", is_greedy),
-    "memory": Setting(10, whole(0), "positions that the greedy agent remembers", is_greedy),
-    "layout": Setting(DEFAULT, text, f'"{DEFAULT}", "{RANDOM}" or a file'),
-    "size": Setting("7x12", size, "height x width of random layouts", is_random),
-    "density": Setting(0.2, number(0, MAX_DENSITY), "walls of random layouts", is_random),
-    "battery": Setting(200, whole(1), "units of a full battery"),
-    "max_steps": Setting(200, whole(1), "steps of an episode"),
-    "view_radius": Setting(2, whole(0, MAX_VIEW_RADIUS), "cells seen in each direction"),
-    "backend": Setting("grid", backend, "what carries out the moves"),
-}
+    "agent": Setting(
+        "greedy", text, "the agent, as for warehouse run",
+        question="Which agent does best?",
+    ),
+    "escape": Setting(
+        True, flag, "whether the greedy agent escapes from loops", is_greedy,
+        "Does escaping loops cut delivery time, or does it make the robot wander?",
+    ),
+    "memory": Setting(
+        10, whole(0), "positions that the greedy agent remembers", escapes,
+        "How much should an agent remember to notice a loop?",
+    ),
+    "layout": Setting(
+        DEFAULT, text, f'"{DEFAULT}", "{RANDOM}" or a file',
+        question="Which layout is hardest?",
+    ),
+    "size": Setting(
+        "7x12", size, "height x width of random layouts", is_random,
+        "What does a larger grid do?",
+    ),
+    "density": Setting(
+        0.2, number(0, MAX_DENSITY), "walls of random layouts", is_random,
+        "What do more obstacles do?",
+    ),
+    "battery": Setting(
+        200, whole(1), "units of a full battery",
+        question="How does battery capacity affect success?",
+    ),
+    "max_steps": Setting(
+        200, whole(1), "steps of an episode",
+        question="How long should an episode be?",
+    ),
+    "view_radius": Setting(
+        2, whole(0, MAX_VIEW_RADIUS), "cells seen in each direction",
+        question="What does it help to see further?",
+    ),
+    "backend": Setting(
+        "grid", backend, "what carries out the moves",
+        question="What does the real robot do with the same policy?",
+    ),
+}  # fmt: skip
 
 ROBOT, DISTURBANCES = "robot", "disturbances"
 PHYSICAL = {
@@ -187,3 +224,12 @@ def checked(name: str, value: Any) -> Value:
         return setting.check(value)
     except ValueError as error:
         raise SettingError(f"{name} is {value!r}; allowed: {error}") from None
+
+
+def shown(value: Value | None) -> str:
+    """Return a value as it is written for a reader."""
+    if value is None:
+        return "none"
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    return f"{value:g}" if isinstance(value, float) else str(value)

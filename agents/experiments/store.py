@@ -13,16 +13,20 @@ import sqlite3
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from time import monotonic, sleep
 from types import TracebackType
 from typing import Any, NamedTuple
 
-from agents.experiments.case import Case, key_of
+from agents.experiments.case import TILES, Case, key_of
 
 VERSION = 1
 """Of the tables; kept in the file as its ``user_version``."""
 
 APPLICATION = 0x57617265
 """Says whose file it is, as its ``application_id``."""
+
+PATIENCE = 30.0
+"""Seconds to wait for another program that writes to the same file."""
 
 TABLES = """
 CREATE TABLE cases (id INTEGER PRIMARY KEY, settings TEXT NOT NULL UNIQUE);
@@ -75,6 +79,23 @@ class Row(NamedTuple):
     col: int
 
 
+def _identity(path: Path) -> tuple[int, int] | None:
+    """Return what tells a file from one that has replaced it."""
+    try:
+        found = path.stat()
+    except FileNotFoundError:
+        return None
+    return found.st_dev, found.st_ino
+
+
+def _is_setting(name: str, value: object) -> bool:
+    if name == TILES:
+        return isinstance(value, list) and all(isinstance(row, str) for row in value)
+    if name in Row._fields or not isinstance(value, (str, int, float)):
+        return False
+    return not isinstance(value, int) or abs(value) < 2**63
+
+
 class Store:
     """A file of results, made if there is none. It is a context manager.
 
@@ -90,13 +111,18 @@ class Store:
         self.path = Path(path)
         if read_only and not self.path.is_file():
             raise StoreError(f"{path}: there is no such file")
+        if self.path.exists() and not self.path.is_file():  # SQLite would try, and leave a journal
+            raise StoreError(f"{path}: it is a folder or a device, not a file")
         with self._told():
-            self._connection = sqlite3.connect(self._address(), isolation_level=None, uri=True)
+            self._connection = sqlite3.connect(
+                self._address(), timeout=PATIENCE, isolation_level=None, uri=True
+            )
             try:
                 self._prepare(read_only)
             except BaseException:
                 self._connection.close()
                 raise
+        self._identity = _identity(self.path)
 
     def __enter__(self) -> Store:
         return self
@@ -144,8 +170,11 @@ class Store:
         """Write the episodes of a case, all or none; those that are there already stay as they are.
 
         Raises:
-            StoreError: the disk is full, or the file cannot be written.
+            StoreError: the disk is full, or the file cannot be written, or it has gone.
         """
+        # SQLite would write on to a file that has no name any more.
+        if _identity(self.path) != self._identity:
+            raise StoreError(f"{self.path}: it has been removed or replaced meanwhile")
         places = ", ".join("?" * (1 + len(Row._fields)))
         with self._told(), self._transaction():
             self._connection.executemany(
@@ -155,8 +184,18 @@ class Store:
 
     def cases(self) -> dict[int, Case]:
         """Return every case by its number."""
-        found = self.query("SELECT id, settings FROM cases ORDER BY id")
-        return {number: json.loads(settings) for number, settings in found}
+        found = list(self.query("SELECT id, settings FROM cases ORDER BY id"))
+        return {number: self._case(settings) for number, settings in found}
+
+    def _case(self, text: str) -> Case:
+        """Return a case that ``key_of`` has written, and refuse what somebody else has."""
+        try:
+            case = json.loads(text)
+            if isinstance(case, dict) and all(map(_is_setting, case, case.values())):
+                return case
+        except (ValueError, TypeError, RecursionError):
+            pass
+        raise StoreError(f"{self.path}: it has a case that is none, {text!r}")
 
     def rows(self, case_id: int) -> Iterator[Row]:
         """Yield the episodes of a case in the order of their seeds."""
@@ -167,7 +206,8 @@ class Store:
     def query(self, statement: str, *values: Any) -> Iterator[tuple[Any, ...]]:
         """Yield the rows that a statement finds."""
         with self._told():
-            yield from self._connection.execute(statement, values)
+            # Not the cursor itself: left half read, it would complain of a closed file.
+            yield from map(tuple, self._connection.execute(statement, values))
 
     def _address(self) -> str:
         """Return the file as SQLite's URI."""
@@ -179,8 +219,25 @@ class Store:
 
     def _prepare(self, read_only: bool) -> None:
         connection = self._connection
+        # In one transaction: another sweep may be making the tables just now.
+        with self._transaction("DEFERRED"):
+            is_new = self._is_empty()
+        if read_only:
+            if is_new:
+                raise StoreError(f"{self.path}: there are no results in it")
+            connection.execute("PRAGMA query_only = ON")
+            return
+        if is_new:
+            with self._transaction():
+                if self._is_empty():
+                    self._make_tables()
+        self._write_ahead()
+        connection.execute("PRAGMA synchronous = FULL")
+
+    def _is_empty(self) -> bool:
+        """Return whether there are no tables, and refuse those of other programs."""
         owner, version, tables = (
-            connection.execute(question).fetchone()[0]
+            self._connection.execute(question).fetchone()[0]
             for question in (
                 "PRAGMA application_id",
                 "PRAGMA user_version",
@@ -191,23 +248,31 @@ class Store:
             raise StoreError(f"{self.path}: it is a database, but not of results")
         if tables and version != VERSION:
             raise StoreError(f"{self.path}: its version is {version}; {VERSION} can be read")
-        if read_only:
-            if not tables:
-                raise StoreError(f"{self.path}: there are no results in it")
-            connection.execute("PRAGMA query_only = ON")
-            return
-        connection.execute("PRAGMA journal_mode = WAL")
-        connection.execute("PRAGMA synchronous = FULL")
-        if not tables:
-            with self._transaction():
-                for statement in TABLES.split(";"):
-                    connection.execute(statement)
-                connection.execute(f"PRAGMA application_id = {APPLICATION}")
-                connection.execute(f"PRAGMA user_version = {VERSION}")
+        return not tables
+
+    def _make_tables(self) -> None:
+        for statement in TABLES.split(";"):
+            self._connection.execute(statement)
+        self._connection.execute(f"PRAGMA application_id = {APPLICATION}")
+        self._connection.execute(f"PRAGMA user_version = {VERSION}")
+
+    def _write_ahead(self) -> None:
+        """Keep a write-ahead log, so that others may read meanwhile."""
+        end = monotonic() + PATIENCE
+        while True:
+            try:
+                self._connection.execute("PRAGMA journal_mode = WAL")
+            except sqlite3.OperationalError as error:
+                # For this one SQLite does not wait by itself until others are done.
+                if error.sqlite_errorcode != sqlite3.SQLITE_BUSY or monotonic() > end:
+                    raise
+                sleep(0.01)
+            else:
+                return
 
     @contextmanager
-    def _transaction(self) -> Iterator[None]:
-        self._connection.execute("BEGIN IMMEDIATE")
+    def _transaction(self, kind: str = "IMMEDIATE") -> Iterator[None]:
+        self._connection.execute(f"BEGIN {kind}")
         try:
             yield
         except BaseException:

@@ -24,6 +24,7 @@ from agents.experiments.setting import SettingError
 from agents.experiments.store import Row, Store
 from agents.experiments.sweep_bar import sweep_bar
 from agents.experiments.workers import cluster, processes
+from agents.wording import counted
 
 EPISODES = 100
 """Of each combination where nothing else is said."""
@@ -67,15 +68,18 @@ def sweep(
     plan = make_plan(choices, episodes or given.episodes or EPISODES, _first(seed, given.seed))
     with Store(output) as store:
         done = _done(plan, store)
-        typer.echo(f"{len(plan.cases)} combinations, {plan.episodes} episodes each, {done} done")
+        cases, each = counted(len(plan.cases), "combination"), counted(plan.episodes, "episode")
+        typer.echo(f"{cases}, {each} each, {done:,} done")
         try:
             if done < plan.total:
-                _run(plan, store, plan.total - done, workers or os.cpu_count() or 1, address)
+                missing = plan.total - done
+                _run(plan, store, missing, min(workers or os.cpu_count() or 1, missing), address)
         except KeyboardInterrupt:
             done = _done(plan, store)
-            typer.echo(f"{done} of {plan.total} episodes in {output}; the same command goes on")
+            typer.echo(f"{done:,} of {plan.total:,} episodes in {output}; the same command goes on")
             raise typer.Abort from None  # typer would end without a word
-    typer.echo(f"{plan.total} episodes in {output}; see them with: warehouse report {output}")
+    episodes_in = f"{counted(plan.total, 'episode')} in {output}"
+    typer.echo(f"{episodes_in}; see what they come to with: warehouse report {output}")
 
 
 def _given(file: Path | None, preset: str | None) -> PlanFile:

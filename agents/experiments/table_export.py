@@ -20,6 +20,9 @@ from warehouse_core.export import FormatError
 
 CSV, PARQUET = ".csv", ".parquet"
 
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
+"""With these a cell begins that a spreadsheet would carry out; results may be a stranger's."""
+
 LINES = 50_000
 """Of one part of a Parquet file, so that a large table takes little memory."""
 
@@ -35,12 +38,13 @@ def export(
 ) -> None:
     """Write the results of a sweep as a table, a line an episode."""
     writers = {CSV: _write_csv, PARQUET: _write_parquet}
-    if table.suffix not in writers:
-        allowed = ", ".join(writers)
-        raise FormatError(f"{table}: cannot save as {table.suffix or 'that'}; allowed: {allowed}")
+    suffix = table.suffix.lower()
+    if suffix not in writers:
+        given, allowed = suffix or "a file without a suffix", ", ".join(writers)
+        raise FormatError(f"{table}: cannot save as {given}; allowed: {allowed}")
     with Store(results, read_only=True) as store, atomic_path(table) as part:
         columns = columns_of(store)
-        writers[table.suffix](part, columns, lines_of(store, columns))
+        writers[suffix](part, columns, lines_of(store, columns))
     typer.echo(f"saved {table}")
 
 
@@ -49,11 +53,16 @@ def columns_of(store: Store) -> dict[str, str]:
 
     Returns:
         For each its type: ``"str"``, ``"bool"``, ``"int"`` or ``"float"``.
+
+    Raises:
+        StoreError: a setting that is of several types; no sweep writes one.
     """
     types: dict[str, str] = {}
     for case in store.cases().values():
         for name in case:
-            types.setdefault(name, type(_plain(case, name)).__name__)
+            kind = type(_plain(case, name)).__name__
+            if types.setdefault(name, kind) != kind:
+                raise StoreError(f"{store.path}: {name} is of several types, {kind} among them")
     for name in Row._fields:
         types[name] = "float" if name in FRACTIONS else "str" if name in WORDS else "int"
     return types
@@ -77,8 +86,14 @@ def _plain(case: Case, name: str) -> Any:
 def _write_csv(path: Path, columns: dict[str, str], lines: Iterator[Line]) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
-        writer.writerow(columns)
-        writer.writerows(lines)
+        writer.writerow(map(_safe, columns))
+        writer.writerows(map(_safe, line) for line in lines)
+
+
+def _safe(value: Any) -> Any:
+    """Return a value that no spreadsheet takes for a formula; no name that makes sense changes."""
+    is_formula = isinstance(value, str) and value.startswith(FORMULA)
+    return f"'{value}" if is_formula else value
 
 
 def _write_parquet(path: Path, columns: dict[str, str], lines: Iterator[Line]) -> None:
@@ -92,5 +107,8 @@ def _write_parquet(path: Path, columns: dict[str, str], lines: Iterator[Line]) -
     with parquet.ParquetWriter(path, schema) as writer:
         while some := list(islice(lines, LINES)):
             values = [list(column) for column in zip(*some, strict=True)]
-            arrays = [pa.array(*column) for column in zip(values, schema.types, strict=True)]
+            try:
+                arrays = [pa.array(*column) for column in zip(values, schema.types, strict=True)]
+            except pa.ArrowException as error:  # SQLite keeps anything in any column
+                raise StoreError(f"a column is not of one type: {error}") from error
             writer.write_table(pa.Table.from_arrays(arrays, schema=schema))

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections.abc import Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
 
@@ -18,26 +21,46 @@ class ClusterError(Exception):
     """A cluster that cannot be reached or used; the message says why."""
 
 
+class WorkerError(Exception):
+    """A process of this machine that ended before its work was done."""
+
+
+MOST = 61 if sys.platform == "win32" else 1024
+"""Processes of a pool; Windows can wait for no more at once."""
+
+
 @contextmanager
 def processes(count: int) -> Iterator[tuple[Executor, int]]:
     """Yield a pool of ``count`` processes of this machine, and how many they are.
 
     Whatever ends the block early ends them at once: what they are at is run again next time.
+
+    Raises:
+        WorkerError: one of them was killed.
     """
+    count = min(count, MOST)
     # Spawned, as on every system: a fork of a process that has threads may hang.
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(count, mp_context=context, initializer=_begin) as pool:
         # Its start would unblock the interrupts that are about to be blocked.
         resource_tracker.ensure_running()
-        with uninterrupted_children():
-            for _ in range(count):  # each is started for the work it is given
-                pool.submit(_begin_nothing)
         try:
+            with uninterrupted_children():
+                for _ in range(count):  # each is started for the work it is given
+                    pool.submit(_begin_nothing)
             yield pool, count
-        except BaseException:
+        except BaseException as error:
             for process in multiprocessing.active_children():
                 process.kill()
+            if isinstance(error, BrokenProcessPool):
+                raise WorkerError(KILLED) from error
             raise
+
+
+KILLED = (
+    "a worker process was ended in the middle, perhaps because the memory was used up, which fewer "
+    "--workers would spare; the same command goes on"
+)
 
 
 @contextmanager
@@ -45,21 +68,40 @@ def cluster(address: str) -> Iterator[tuple[Executor, int]]:
     """Yield the Dask cluster whose scheduler is at ``tcp://HOST:PORT``, and its threads.
 
     Raises:
-        ClusterError: Dask is not installed, or no scheduler answers.
+        ClusterError: Dask is not installed, no scheduler answers, or it ends in the middle.
     """
     try:
-        from distributed import Client
+        from distributed import Client, KilledWorker
+        from distributed.comm import CommClosedError
     except ImportError:
         raise ClusterError("a cluster needs Dask: pip install 'warehouse-lab[cluster]'") from None
+    with _without_logs():
+        try:
+            client = Client(address, timeout="10s")
+        except (OSError, ValueError) as error:
+            raise ClusterError(f"no Dask scheduler answers at {address}: {error}") from error
+        with client:
+            threads = sum(client.nthreads().values())
+            if not threads:
+                raise ClusterError(f"the Dask scheduler at {address} has no workers")
+            try:
+                yield client.get_executor(pure=False, retries=3), threads
+            except (CancelledError, KilledWorker, CommClosedError) as error:
+                why = str(error) or type(error).__name__
+                raise ClusterError(
+                    f"the Dask cluster at {address} has gone: {why}; the same command goes on"
+                ) from error
+
+
+@contextmanager
+def _without_logs() -> Iterator[None]:
+    """Keep Dask from logging, with tracebacks, what is said in one line."""
+    before = logging.root.manager.disable
+    logging.disable()
     try:
-        client = Client(address, timeout="10s")
-    except (OSError, ValueError) as error:
-        raise ClusterError(f"no Dask scheduler answers at {address}: {error}") from error
-    with client:
-        threads = sum(client.nthreads().values())
-        if not threads:
-            raise ClusterError(f"the Dask scheduler at {address} has no workers")
-        yield client.get_executor(pure=False, retries=3), threads
+        yield
+    finally:
+        logging.disable(before)
 
 
 def _begin() -> None:

@@ -1,0 +1,104 @@
+"""What a report holds: answers, figures, examples, settings, and a table of all cases."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Iterator
+from importlib.metadata import version
+
+from agents.experiments.setting import shown
+from agents.experiments.store import Store
+from agents.interval import CONFIDENCE
+from agents.reports.answers import answers
+from agents.reports.design import Design, make_design
+from agents.reports.examples import Example
+from agents.reports.page import Page, Table
+from agents.reports.pictures import pictures
+from agents.reports.results import Experiment, Results
+from agents.wording import counted, mean, share
+from warehouse_core.failure_modes import MODES
+
+MOST_CASES = 200
+"""In the table; the others are in the file."""
+
+METHODS = (
+    f"Brackets and whiskers are {CONFIDENCE:.0%} intervals, Wilson's of shares and percentile "
+    "bootstrap's of means; p is that of McNemar's exact test."
+)
+
+MADE_WITH = ("warehouse-lab", "numpy", "scipy", "matplotlib")
+
+
+def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
+    """Return the report on everything in a file of results.
+
+    Raises:
+        StoreError: there is no episode in it, or it cannot be read.
+    """
+    experiment = Experiment(store)
+    design = make_design(experiment.cases)
+    return Page(
+        title=f"Report on {store.path.name}",
+        summary=_summary(experiment.results(*design.labels)),
+        methods=METHODS,
+        answers=answers(experiment, design),
+        pictures=tuple(pictures(experiment)),
+        settings=tuple(_settings(design)),
+        table=_table(experiment, design),
+        examples=examples,
+        made_with=(
+            ("Python", platform.python_version()),
+            *((name, version(name)) for name in MADE_WITH),
+        ),
+    )
+
+
+def _summary(results: Results) -> str:
+    """Return how many episodes there are, and of which seeds."""
+    first, last = results.seeds
+    return (
+        f"{counted(results.episodes, 'episode')} in "
+        f"{counted(len(results.case_ids), 'combination')} of settings, seeds {first} to {last}"
+    )
+
+
+def _settings(design: Design) -> Iterator[tuple[str, str]]:
+    """Yield what differs with its values, and then what does not."""
+    for factor in design.factors:
+        yield factor.name, ", ".join(map(shown, factor.values))
+    for name, value in design.fixed.items():
+        yield name, shown(value)
+
+
+def _table(experiment: Experiment, design: Design) -> Table:
+    """Return a line for each case: what differs, how many, and what they came to."""
+    chosen = list(design.labels)[:MOST_CASES]
+    results = {case_id: experiment.results(case_id) for case_id in chosen}
+    modes = [mode for mode in MODES if any(mode in each.modes for each in results.values())]
+    is_measured = any(each.is_measured for each in results.values())
+    names = [factor.name for factor in design.factors]
+    costs = ("seconds", "joules") if is_measured else ()
+    rows = [
+        (
+            *(shown(design.labels[case_id][name]) for name in names),
+            *_cells(each, is_measured),
+            *(f"{each.modes.get(mode, 0):,}" for mode in modes),
+        )
+        for case_id, each in results.items()
+    ]
+    left = len(design.labels) - len(chosen)
+    note = f"{counted(left, 'further combination')} in the file." if left else ""
+    return Table(
+        (*names, "episodes", "seeds", "success", "steps", *costs, *modes), tuple(rows), note
+    )
+
+
+def _cells(results: Results, with_costs: bool) -> Iterator[str]:
+    first, last = results.seeds
+    yield f"{results.episodes:,}"
+    yield f"{first} to {last}"
+    yield share(results.success)
+    yield mean(results.steps, "") if results.steps else shown(None)
+    if with_costs:
+        for interval in (results.seconds, results.joules):
+            yield mean(interval, "") if interval and results.is_measured else shown(None)

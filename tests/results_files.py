@@ -1,0 +1,28 @@
+"""Files of results that tests make up: so many episodes of each kind, with any settings."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from agents.experiments.case import make_case
+from agents.experiments.store import Row, Store
+
+
+def row(seed: int, mode: str = "delivered", steps: int = 20, **others: Any) -> Row:
+    """Return an episode that came to ``mode`` after so many steps."""
+    plain = Row(seed, mode, steps, 10, 5.0, 100, float(steps), 2.0 * steps, 1, 1)
+    return plain._replace(**others)
+
+
+def fill(path: Path, cases: Sequence[tuple[dict[str, Any], Sequence[Row]]]) -> Path:
+    """Write the episodes of some cases, each given by its settings."""
+    with Store(path) as store:
+        for settings, rows in cases:
+            store.add(store.case_id(make_case(settings)), rows)
+    return path
+
+
+def outcomes(words: str, seed: int = 0, steps: int = 20) -> list[Row]:
+    """Return an episode for each letter: ``d`` delivered, ``o`` oscillation, ``w`` wandering."""
+    modes = {"d": "delivered", "o": "oscillation", "w": "wandering"}
+    return [row(number, modes[each], steps) for number, each in enumerate(words, start=seed)]
