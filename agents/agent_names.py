@@ -17,7 +17,7 @@ from agents.q_table_file import load_agent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Agent, RecordError
 
-__all__ = ["AGENTS", "TRAINED", "agent_file", "make_agent"]
+__all__ = ["AGENTS", "TRAINED", "agent_file", "is_own_code", "make_agent"]
 
 AGENTS: dict[str, type[Agent]] = {"greedy": GreedyAgent}
 
@@ -44,6 +44,11 @@ def make_agent(name: str, seed: int | None = None) -> Agent:
         return kind(**_seed_for(kind, seed))
     except TypeError as error:
         raise AgentError(f"agent {name!r} cannot be made without arguments: {error}") from error
+
+
+def is_own_code(name: str) -> bool:
+    """Say whether an agent is a class of somebody's own, which making it would run."""
+    return name not in AGENTS and name.partition(":")[0] not in TRAINED
 
 
 def agent_file(name: str) -> Path | None:

@@ -17,14 +17,23 @@ def mean(interval: Interval, unit: str, also: str = "") -> str:
     """Return a mean with its interval to three digits, ``49.9 steps (47.6 to 52.3)``.
 
     Args:
-        interval: of the mean.
+        interval: of the mean; what is not known of it is left out.
         unit: of the mean; left out where it is empty.
         also: stands in the brackets too.
     """
     estimate, low, high = interval
     digits = max(0, 2 - int(math.log10(max(abs(estimate), 1))))
-    words = [f"{estimate:,.{digits}f}", unit, f"({low:,.{digits}f} to {high:,.{digits}f}{also})"]
-    return " ".join(word for word in words if word)
+    ends = f"{low:,.{digits}f} to {high:,.{digits}f}" if interval.is_known else ""
+    brackets = "; ".join(filter(None, (ends, also)))
+    words = (f"{estimate:,.{digits}f}", unit, f"({brackets})" if brackets else "")
+    return " ".join(filter(None, words))
+
+
+def percent(part: float) -> str:
+    """Return a share as whole percents, ``<1%`` and ``>99%`` where they would say none or all."""
+    if 0 < part < 0.005:
+        return "<1%"
+    return ">99%" if 0.995 <= part < 1 else f"{part:.0%}"
 
 
 def points(change: float) -> str:

@@ -16,6 +16,9 @@ ON, OFF = {"escape": True}, {"escape": False}
 Cases = Sequence[tuple[dict[str, Any], Sequence[Row]]]
 
 
+AGENTS_AND_OUTCOMES = (("greedy", "dddddd"), ("q:table.npz", "wwwwww"), ("ppo:m.npz", "wwwwww"))
+
+
 def answered(tmp_path: Path, cases: Cases) -> tuple[Answer, ...]:
     path = tmp_path / f"{len([*tmp_path.iterdir()])}.sqlite"
     with Store(fill(path, cases), read_only=True) as store:
@@ -45,15 +48,14 @@ def test_the_question_of_escape_is_answered_seed_by_seed(tmp_path: Path) -> None
             (
                 "Success is 83.3% (55.2 to 95.3) with escape on and 16.7% (4.7 to 44.8) with "
                 "escape off.",
-                "Of the same 12 seeds, 8 are delivered only with escape on and none only with "
-                "escape off, more than chance explains (p = 0.008).",
-                "Of 10 episodes that end as oscillation with escape off, 8 end as delivered with "
-                "escape on and 2 as wandering.",
+                "Of the same 12 seeds, escape on alone delivers 8 and escape off alone none, "
+                "more than chance explains (p = 0.008).",
+                "Oscillation with escape off (10 episodes) becomes, with escape on, delivered (8) "
+                "and wandering (2).",
                 "Where both deliver (2 seeds), it takes 40.0 steps with escape on and 10.0 with "
-                "escape off, 30.0 fewer (30.0 to 30.0).",
-                "The mean of all deliveries, easy and hard, is 17.6 steps (12.0 to 26.0; shortest "
-                "ways 10.0) with escape on and 10.0 steps (10.0 to 10.0; shortest ways 10.0) with "
                 "escape off.",
+                "The mean of all deliveries, easy and hard, is 17.6 steps (shortest ways 10.0) "
+                "with escape on and 10.0 steps (shortest ways 10.0) with escape off.",
                 "Every failure with escape on is wandering (2 episodes).",
                 "Every failure with escape off is oscillation (10 episodes).",
             ),
@@ -89,27 +91,38 @@ def test_the_best_is_named_first(tmp_path: Path) -> None:
 
 def test_a_difference_is_judged_by_its_chance(tmp_path: Path) -> None:
     clear = said(tmp_path, [(ON, outcomes("d" * 20)), (OFF, outcomes("o" * 20))])
-    assert "20 are delivered only with escape on and none only with escape off, more than" in clear
+    assert "escape on alone delivers 20 and escape off alone none, more than chance" in clear
     unclear = said(tmp_path, [(ON, outcomes("ddd")), (OFF, outcomes("doo"))])
-    assert "2 are delivered only with escape on" in unclear
-    assert "no more than chance explains (p = 0.500)" in unclear
+    assert "escape on alone delivers 2 and escape off alone none, no more than" in unclear
+    assert "chance explains (p = 0.500)" in unclear
 
 
 def test_what_fails_with_the_worse_is_followed_to_the_better(tmp_path: Path) -> None:
     words = said(tmp_path, [(ON, outcomes("dddww")), (OFF, outcomes("doooo"))])
     assert (
-        "Of 4 episodes that end as oscillation with escape off, 2 end as delivered with escape on "
-        "and 2 as wandering." in words
+        "Oscillation with escape off (4 episodes) becomes, with escape on, delivered (2) and "
+        "wandering (2)." in words
     )
 
 
 def test_steps_are_compared_where_both_deliver(tmp_path: Path) -> None:
-    longer = [row(n, steps=30 + n) for n in range(10)]
-    words = said(tmp_path, [(ON, longer), (OFF, outcomes("d" * 10, steps=30))])
-    assert "Where both deliver (10 seeds), it takes 34.5 steps with escape on and 30.0" in words
-    assert ", 4.50 fewer (" in words
-    other = said(tmp_path, [(ON, outcomes("dd")), (OFF, outcomes("dd"))])
-    assert "it takes 20.0 steps with escape on and 20.0 with escape off.\n" in other
+    longer = [row(n, steps=30 + n) for n in range(30)]
+    words = said(tmp_path, [(ON, longer), (OFF, outcomes("d" * 30, steps=30))])
+    assert (
+        "Where both deliver (30 seeds), it takes 44.5 steps with escape on and 30.0 with" in words
+    )
+    assert ": escape off takes 14.5 less (" in words
+    mixed = [row(n, steps=30 + n % 3) for n in range(30)]
+    words = said(tmp_path, [(ON, mixed), (OFF, outcomes("d" * 30, steps=31))])
+    assert "and 31.0 with escape off.\n" in words  # no difference, seed by seed, on average
+    noisy = [row(n, steps=30 + (n % 2) * 2 + (n == 0)) for n in range(30)]
+    words = said(tmp_path, [(ON, noisy), (OFF, outcomes("d" * 30, steps=31))])
+    assert "with escape off, a difference that chance explains.\n" in words
+
+
+def test_of_few_deliveries_the_means_are_said_and_nothing_of_chance(tmp_path: Path) -> None:
+    words = said(tmp_path, [(ON, outcomes("dd", steps=30)), (OFF, outcomes("dd", steps=10))])
+    assert "it takes 30.0 steps with escape on and 10.0 with escape off.\n" in words
 
 
 def test_seeds_are_not_compared_where_they_are_other_tasks(tmp_path: Path) -> None:
@@ -127,11 +140,28 @@ def test_cases_that_share_no_seed_are_not_compared(tmp_path: Path) -> None:
 
 
 def test_time_and_energy_are_said_where_they_are_measured(tmp_path: Path) -> None:
-    rows = [row(n, seconds=60.0 + n, joules=4000.0) for n in range(5)]
+    rows = [row(n, seconds=60.0 + n, joules=4000.0) for n in range(25)]
     words = said(tmp_path, [({"backend": name}, rows) for name in ("grid", "physics")])
-    assert "A delivery with backend physics takes 62.0 s (" in words
+    assert "A delivery with backend physics, easy or hard, takes 72.0 s (" in words
     assert "4,000 J (4,000 to 4,000)" in words
     assert "A delivery with backend grid" not in words
+    assert "it takes 72.0 s" not in words
+
+
+def test_time_and_energy_are_compared_seed_by_seed_where_both_measure_them(
+    tmp_path: Path,
+) -> None:
+    cases = [
+        ({"backend": "physics", "robot.mass": mass},
+         [row(n, seconds=60.0 + n, joules=mass * (50 + n)) for n in range(25)])
+        for mass in (50.0, 80.0)
+    ]  # fmt: skip
+    words = said(tmp_path, cases)
+    assert "it takes 72.0 s with robot.mass 50 and 72.0 with robot.mass 80.\n" in words
+    assert (
+        "it takes 3,100 J with robot.mass 50 and 4,960 with robot.mass 80: robot.mass 80 " in words
+    )
+    assert " takes 1,860 more (" in words
 
 
 def test_failures_are_said_by_their_modes(tmp_path: Path) -> None:
@@ -149,21 +179,82 @@ def test_the_other_combinations_are_said_with_their_extremes(tmp_path: Path) -> 
     answer = answered(tmp_path, cases)[0]
     assert answer.sentences[0].startswith("With battery 200, success is 90.0%")
     assert answer.sentences[-1] == (
-        "In the other 2 combinations success changes from on to off by between -20.0 points "
-        "(battery 50) and -10.0 points (battery 20)."
+        "In the other 2 combinations escape on is between +10.0 points (battery 20) and +20.0 "
+        "points (battery 50) ahead of the next."
     )
 
 
 def test_a_single_case_is_answered_too(tmp_path: Path) -> None:
     [answer] = answered(tmp_path, [({}, outcomes("dddw"))])
     assert answer.question == "How does it do?"
-    assert answer.sentences[0] == "75.0% (30.1 to 95.4) of 4 episodes are delivered."
+    assert answer.sentences[0] == "Success is 75.0% (30.1 to 95.4) over 4 episodes."
     assert answer.sentences[-1] == "Every failure is wandering (1 episode)."
 
 
 def test_a_case_without_a_delivery_is_no_trouble(tmp_path: Path) -> None:
     words = said(tmp_path, [(ON, outcomes("w")), (OFF, outcomes("o"))])
-    assert "both escape on and escape off deliver the same ones" in words
+    assert "Of the same 1 seed, escape on and escape off deliver the same ones." in words
+
+
+def test_the_best_is_compared_with_the_next_not_with_the_worst(tmp_path: Path) -> None:
+    cases = [
+        ({"layout": "default", "backend": "physics", "robot.mass": mass}, outcomes(words))
+        for mass, words in ((50.0, "dddd"), (60.0, "ddww"))
+    ]
+    assert "robot.mass 50 alone delivers 2" in said(tmp_path, cases)
+
+
+def test_the_change_elsewhere_is_that_from_first_to_last(tmp_path: Path) -> None:
+    cases = [
+        ({"battery": battery, "view_radius": radius}, outcomes("d" * share + "w" * (10 - share)))
+        for radius, shares in ((2, (1, 5, 9)), (4, (2, 2, 3)))
+        for battery, share in zip((20, 40, 60), shares, strict=True)
+    ]
+    answer = answered(tmp_path, cases)[0]
+    assert answer.question == "How does battery capacity affect success?"
+    assert answer.sentences[-1] == (
+        "With view_radius 4, success changes by +10.0 points from 20 to 60."
+    )
+
+
+def test_extremes_within_the_noise_are_not_named(tmp_path: Path) -> None:
+    assert trend(tmp_path, 100, 106, 90).count(";") == 0
+
+
+def test_the_best_of_many_is_judged_by_all_pairs(tmp_path: Path) -> None:
+    cases = [
+        ({"layout": "random", "backend": "grid", "agent": agent}, outcomes(words))
+        for agent, words in AGENTS_AND_OUTCOMES
+    ]
+    assert "(p = 0.094)" in said(tmp_path, cases)  # 3 pairs times 2 / 2 ** 6
+
+
+def test_of_very_many_values_only_the_best_and_the_worst_are_named(tmp_path: Path) -> None:
+    layouts = []
+    for number in range(9):
+        file = tmp_path / f"hall{number}.txt"
+        wall = "#" * (number + 4)
+        file.write_text(f"{wall}\n#P{'.' * number}D#\n{wall}")
+        layouts.append(({"layout": str(file)}, outcomes("d" * number + "w" * (9 - number))))
+    folder = tmp_path / "results"
+    folder.mkdir()
+    first = said(folder, layouts).splitlines()[0]
+    assert first.count(" with layout ") == 6
+    assert first.startswith("Success is 88.9%")
+    assert "0.0% (0.0 to 29.9) with layout hall0.txt; 3 others lie between." in first
+
+
+def test_success_that_comes_back_to_where_it_was_is_said_to_be_the_same(tmp_path: Path) -> None:
+    words = trend(tmp_path, 100, 160, 100)
+    assert words.startswith("Success is nearly the same at both ends, 50.0% (")
+    assert "; it is highest at battery 20, 80.0% (" in words
+
+
+def test_the_most_frequent_failure_is_followed(tmp_path: Path) -> None:
+    words = said(tmp_path, [(ON, outcomes("dddddd")), (OFF, outcomes("dooowd"))])
+    assert (
+        "Oscillation with escape off (3 episodes) becomes, with escape on, delivered (3)." in words
+    )
 
 
 def test_every_setting_has_a_question() -> None:

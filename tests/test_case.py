@@ -6,9 +6,9 @@ from typing import Any
 import pytest
 from command_line import refusal
 
-from agents.experiments.case import flags_of, key_of, make_case
+from agents.experiments.case import flags_of, key_of, make_agent_for, make_case, make_env
 from agents.experiments.plan import make_plan
-from agents.experiments.setting import SETTINGS
+from agents.experiments.setting import SETTINGS, SettingError
 from warehouse_core import DEFAULT_LAYOUT
 
 WAITER = """
@@ -27,19 +27,35 @@ def test_a_default_that_is_written_out_makes_no_other_case() -> None:
 
 
 @pytest.mark.parametrize(
-    "choices",
+    ("choices", "needs"),
     [
-        {"density": [0.1, 0.2]},
-        {"size": ["7x12", "8x8"]},
-        {"robot.mass": [50, 70]},
-        {"disturbances.motor_strength": [0.5, 1]},
-        {"battery": [20, 20]},
+        ({"density": [0.1, 0.2]}, "density means nothing here; it counts only with layout=random"),
+        ({"size": ["7x12", "8x8"]}, "size means nothing here; it counts only with layout=random"),
+        ({"escape": False, "memory": [2, 5]},
+         "memory means nothing here; it counts only with agent=greedy and escape=on"),
+        ({"robot.mass": [50, 70]},
+         "robot.mass means nothing here; it counts only with backend=physics"),
+        ({"disturbances.motor_strength": 0.5},
+         "disturbances.motor_strength means nothing here; it counts only with backend=physics"),
+    ],
+)  # fmt: skip
+def test_what_means_nothing_at_all_is_refused(choices: dict[str, Any], needs: str) -> None:
+    with pytest.raises(SettingError) as caught:
+        make_plan(choices, 1, 0)
+    assert str(caught.value) == needs
+
+
+@pytest.mark.parametrize(
+    ("choices", "cases"),
+    [
+        ({"battery": [20, 20]}, 1),
+        ({"layout": ["default", "random"], "density": [0.1, 0.2]}, 3),
+        ({"escape": [True, False], "memory": [2, 5]}, 3),
+        ({"backend": ["grid", "physics"], "robot.mass": [50, 60, 70]}, 4),
     ],
 )
-def test_what_means_nothing_makes_no_further_case(choices: dict[str, Any]) -> None:
-    plan = make_plan(choices, 1, 0)
-    assert len(plan.cases) == 1
-    assert not set(choices) - {"battery"} & set(plan.cases[0])
+def test_what_means_nothing_makes_no_further_case(choices: dict[str, Any], cases: int) -> None:
+    assert len(make_plan(choices, 1, 0).cases) == cases
 
 
 @pytest.mark.parametrize(
@@ -62,8 +78,9 @@ def test_what_means_something_makes_further_cases(choices: dict[str, Any]) -> No
 def test_an_agent_of_ones_own_has_neither_memory_nor_escape(tmp_path: Path) -> None:
     file = tmp_path / "waiter.py"
     file.write_text(WAITER)
-    choices = {"agent": f"{file}:Waiter", "escape": [True, False], "memory": [1, 2]}
-    [case] = make_plan(choices, 1, 0).cases
+    agents = ["greedy", f"{file}:Waiter"]
+    *_, case = make_plan({"agent": agents, "escape": [True, False], "memory": [1, 2]}, 1, 0).cases
+    assert case["agent"] == agents[1]
     assert not {"escape", "memory"} & case.keys()
 
 
@@ -119,3 +136,18 @@ def test_an_agent_that_cannot_be_made_is_one_line_and_nothing_is_made(
     line = refusal(capsys, "sweep", *choice)
     assert line == f"agent '{file}:Own' cannot be made: {reason}"
     assert list(tmp_path.iterdir()) == [file]
+
+
+def test_every_seed_has_its_layout_and_its_agent() -> None:
+    random = make_case({"layout": "random"})
+    assert make_env(random, 1).grid != make_env(random, 2).grid
+    assert make_env(random, 1).grid == make_env(random, 1).grid
+    for escape in (True, False):
+        case = make_case({"escape": escape})
+        agents = [make_agent_for(case, seed) for seed in (1, 2)]
+        assert [agent.seed for agent in agents] == [1, 2]  # type: ignore[attr-defined]
+
+
+def test_the_key_of_a_case_does_not_depend_on_the_order_of_its_settings() -> None:
+    case = make_case({})
+    assert key_of(dict(reversed(case.items()))) == key_of(case)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from agents.experiments.case import make_case
+from agents.experiments.case import FINGERPRINT, make_case
 from agents.experiments.episodes import run_episodes
 from agents.experiments.store import Row, Store
 from agents.reports import examples
@@ -77,7 +77,7 @@ def test_every_mode_that_occurs_has_one_in_the_order_of_their_definition(store: 
 
 def test_a_replay_shows_every_step_and_says_what_became_of_it(store: Store) -> None:
     found = found_in(store)[0]
-    example = replay(found)
+    example = replay(found, run_own_code=True)
     assert found.mode == "delivered"
     assert example.found == found
     assert example.sentence.startswith(f"delivered in {found.steps} steps")
@@ -88,23 +88,23 @@ def test_every_failure_of_real_results_is_replayed(store: Store) -> None:
     all_found = found_in(store, battery=20, max_steps=25)
     assert len(all_found) > 1
     for found in all_found:
-        example = replay(found)
+        example = replay(found, run_own_code=True)
         assert len(frames_of(example.gif)) == found.steps + 1, found.mode
         assert example.sentence
 
 
 def test_a_continuous_motion_is_shown_step_by_step(store: Store) -> None:
     found = found_in(store, episodes=3, backend="physics")[0]
-    assert len(frames_of(replay(found).gif)) == found.steps + 1
+    assert len(frames_of(replay(found, run_own_code=True).gif)) == found.steps + 1
 
 
 def test_of_a_long_episode_the_end_is_shown_and_said(
     store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     [found] = [each for each in found_in(store, battery=30, escape=False) if each.steps == 30]
-    whole = replay(found)
+    whole = replay(found, run_own_code=True)
     monkeypatch.setattr(examples, "MOST_STEPS", 10)
-    part = replay(found)
+    part = replay(found, run_own_code=True)
     assert len(frames_of(part.gif)) == 11
     said = "; the replay shows the last 10 of 30 steps"
     assert part.sentence == whole.sentence + said
@@ -119,15 +119,15 @@ def test_of_a_long_episode_the_end_is_shown_and_said(
 def test_a_long_replay_plays_faster(tmp_path: Path, store: Store) -> None:
     agent = agent_in(tmp_path)
     [found] = found_in(store, episodes=1, agent=f"{agent}:Waiting", max_steps=150)
-    durations = frames_of(replay(found).gif)
+    durations = frames_of(replay(found, run_own_code=True).gif)
     assert len(durations) == 151
     assert sum(durations[:-1]) <= PLAY_MS * 1.1
 
 
 def test_what_comes_out_differently_now_has_no_picture(store: Store) -> None:
     found = found_in(store)[0]
-    longer = replay(replace(found, steps=found.steps + 1))
-    other = replay(replace(found, mode="stalled"))
+    longer = replay(replace(found, steps=found.steps + 1), run_own_code=True)
+    other = replay(replace(found, mode="stalled"), run_own_code=True)
     for example in (longer, other):
         assert example.gif == b""
         assert f"delivered after {found.steps} steps" in example.sentence
@@ -138,11 +138,13 @@ def test_what_comes_out_differently_now_has_no_picture(store: Store) -> None:
 def test_an_agent_that_is_gone_is_named(tmp_path: Path, store: Store) -> None:
     agent = agent_in(tmp_path)
     [found] = found_in(store, episodes=1, agent=f"{agent}:Waiting", max_steps=12)
-    assert replay(found).gif
+    assert replay(found, run_own_code=True).gif
     agent.unlink()
-    example = replay(found)
+    example = replay(found, run_own_code=True)
     assert example.gif == b""
-    assert example.sentence == f"It cannot be run again: agent file {agent} does not exist."
+    assert example.sentence == (
+        f"It cannot be run again: the file of agent '{agent}:Waiting': No such file or directory."
+    )
 
 
 @pytest.mark.parametrize(
@@ -162,7 +164,8 @@ def test_an_agent_that_no_longer_works_has_no_picture(
     agent = agent_in(tmp_path)
     [found] = found_in(store, episodes=1, agent=f"{agent}:Waiting", max_steps=12)
     agent_in(tmp_path, source)
-    example = replay(found)
+    unmarked = {name: value for name, value in found.case.items() if name != FINGERPRINT}
+    example = replay(replace(found, case=unmarked), run_own_code=True)
     assert example.gif == b""
     assert example.sentence.startswith("It cannot be run again: ")
     assert said in example.sentence
@@ -176,5 +179,26 @@ def test_nothing_is_left_behind(
     folder = tmp_path / "temporary"
     folder.mkdir()
     monkeypatch.setattr("tempfile.tempdir", str(folder))
-    assert replay(found_in(store)[0]).gif
+    assert replay(found_in(store)[0], run_own_code=True).gif
     assert list(folder.iterdir()) == []
+
+
+def test_an_agent_of_ones_own_is_not_run_unasked(tmp_path: Path) -> None:
+    marker = tmp_path / "ran"
+    file = tmp_path / "agent.py"
+    file.write_text(f"open({str(marker)!r}, 'w')\nclass Mine:\n    pass\n")
+    case = {**make_case({}), "agent": f"{file}:Mine"}
+    example = replay(Found("wandering", 1, case, 0, 5, 1), run_own_code=False)
+    assert example.gif == b""
+    assert "--replays" in example.sentence
+    assert not marker.exists()
+
+
+def test_a_changed_agent_is_not_run_under_the_old_name(tmp_path: Path) -> None:
+    marker = tmp_path / "ran"
+    file = tmp_path / "agent.py"
+    file.write_text(f"open({str(marker)!r}, 'w')\nclass Mine:\n    pass\n")
+    case = {**make_case({}), "agent": f"{file}:Mine", "fingerprint": "0" * 64}
+    example = replay(Found("wandering", 1, case, 0, 5, 1), run_own_code=True)
+    assert "has changed" in example.sentence
+    assert not marker.exists()

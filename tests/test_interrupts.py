@@ -5,12 +5,22 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 
 import pytest
 
-from agents.experiments.interrupts import remembered_interrupts, uninterrupted_children
+from agents.experiments.interrupts import REMEMBERED, remembered_interrupts, uninterrupted_children
 
 SLEEPER = [sys.executable, "-c", "import time; print('up', flush=True); time.sleep(60)"]
+
+
+@pytest.fixture(autouse=True)
+def as_before() -> Iterator[None]:
+    """Give the signals back to whoever had them."""
+    handlers = {number: signal.getsignal(number) for number in REMEMBERED}
+    yield
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
 
 
 def interrupt(process: int) -> None:
@@ -36,6 +46,19 @@ def test_without_one_nothing_is_raised_and_the_handler_is_as_it_was() -> None:
     assert signal.getsignal(signal.SIGINT) is before
     with pytest.raises(KeyboardInterrupt):
         interrupt(os.getpid())
+
+
+def test_the_end_that_a_manager_asks_for_is_remembered_too() -> None:
+    with remembered_interrupts() as check:
+        os.kill(os.getpid(), signal.SIGTERM)
+        with pytest.raises(KeyboardInterrupt):
+            check()
+
+
+def test_who_has_asked_once_cannot_disturb_the_leaving() -> None:
+    with remembered_interrupts():
+        interrupt(os.getpid())
+    os.kill(os.getpid(), signal.SIGTERM)
 
 
 def test_a_child_that_is_started_so_is_not_interrupted() -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from agents.interval import Interval, mean_interval, share_interval
+from agents.interval import FEW, Interval, mean_interval, share_interval
 
 
 @pytest.mark.parametrize(
@@ -58,6 +58,22 @@ def test_values_that_are_all_the_same_have_an_interval_of_no_width() -> None:
     assert mean_interval(np.full(20, 7.0)) == Interval(7.0, 7.0, 7.0)
 
 
-@pytest.mark.parametrize("values", [[], [3.0]])
-def test_fewer_than_two_values_have_none(values: list[float]) -> None:
-    assert mean_interval(np.array(values)) is None
+def test_of_few_values_there_is_a_mean_and_no_interval() -> None:
+    few = mean_interval(np.arange(FEW - 1, dtype=float))
+    assert few is not None
+    assert few.estimate == (FEW - 2) / 2
+    assert not few.is_known
+    enough = mean_interval(np.arange(FEW, dtype=float))
+    assert enough is not None
+    assert enough.is_known
+
+
+def test_of_none_there_is_nothing() -> None:
+    assert mean_interval(np.array([])) is None
+
+
+@pytest.mark.parametrize("value", [6.383, 0.1, 1 / 3, 1e6 / 7])
+def test_the_estimate_lies_within_its_interval_however_it_is_rounded(value: float) -> None:
+    found = mean_interval(np.full(23, value))
+    assert found is not None
+    assert found.low <= found.estimate <= found.high

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from warehouse_core import Layout, LayoutError, random_layout, shelf_layout
+from warehouse_core import Layout, LayoutError, WarehouseEnv, random_layout, shelf_layout
 from warehouse_core import layout_generator as generator_module
 from warehouse_core.layout_generator import MAX_DENSITY
 
@@ -30,7 +30,7 @@ def test_a_random_layout_can_always_be_solved(
     layout = random_layout(height, width, density, seed)
     assert (layout.height, layout.width) == (height, width)
     assert_usable(layout)
-    assert len(layout.open_cells) >= 3
+    assert len(layout.open_cells) >= 4
 
 
 @pytest.mark.parametrize("density", [0, 0.1, 0.2, 0.3])
@@ -42,7 +42,16 @@ def test_a_random_layout_is_as_dense_as_asked(side: int, density: float) -> None
         assert inside - len(layout.open_cells) == round(density * inside)
 
 
-@pytest.mark.parametrize("side", [4, 10, 17])
+@pytest.mark.parametrize("density", [0, 0.2, MAX_DENSITY])
+def test_in_the_smallest_layouts_too_stations_can_be_drawn_anew(density: float) -> None:
+    for seed in range(20):
+        env = WarehouseEnv(random_layout(4, 4, density, seed))
+        observation = env.reset(randomize=True, seed=seed)
+        assert observation["pickup_pos"] is not None
+        assert observation["dropoff_pos"] is not None
+
+
+@pytest.mark.parametrize("side", [6, 10, 17])
 def test_the_densest_random_layout_is_at_most_a_few_walls_short(side: int) -> None:
     for seed in range(50):
         layout = random_layout(side, side, MAX_DENSITY, seed)

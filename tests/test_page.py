@@ -230,7 +230,7 @@ def test_names_of_files_and_agents_in_real_results_stay_text(
     case = make_case({"layout": layout, "agent": f"{agent}:A", "max_steps": 12})
     with Store(tmp_path / "r.sqlite") as store:
         store.add(store.case_id(case), run_episodes(case, range(3)))
-        examples = tuple(map(replay, find_examples(store)))
+        examples = tuple(replay(each, run_own_code=True) for each in find_examples(store))
     write_page(path, a_page(examples=examples))
     seen = read(path)
     assert examples[0].gif

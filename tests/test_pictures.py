@@ -30,16 +30,20 @@ def test_the_figures_of_two_cases_on_the_grid(tmp_path: Path) -> None:
     assert "Wilson's 95% intervals" in found["success"].caption
     assert "bootstrap 95% intervals" in found["steps"].caption
     assert "of 8 episodes" in found["stuck-1"].caption
+    assert "drawn anew for each episode" in found["stuck-1"].caption
 
 
 def test_time_and_energy_are_drawn_of_what_is_measured(tmp_path: Path) -> None:
     cases = [
-        ({"backend": backend, "escape": escape}, [row(0), row(1)])
+        ({"backend": backend, "escape": escape}, [row(0, joules=77), row(1)])
         for backend in ("grid", "physics")
         for escape in (True, False)
     ]
     found = drawn(tmp_path, cases)
     assert {"seconds", "joules"} <= found.keys()
+    assert found["seconds"].svg != found["joules"].svg
+    assert "Time of a delivery, backend physics" in found["seconds"].caption
+    assert "Energy of a delivery, backend physics" in found["joules"].caption
     (tmp_path / "grid").mkdir()
     assert not {"seconds", "joules"} & drawn(tmp_path / "grid", cases[:2]).keys()
 
@@ -74,8 +78,8 @@ def test_what_is_pooled_is_said(tmp_path: Path) -> None:
         for radius in range(8)
     ]
     found = drawn(tmp_path, cases)
-    assert "; pooled over view_radius." in found["success"].caption
-    assert "; pooled over view_radius." in found["modes"].caption
+    assert "; pooled over view_radius, so without intervals" in found["success"].caption
+    assert "; pooled over view_radius, so without intervals" in found["modes"].caption
 
 
 def test_what_is_not_drawn_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

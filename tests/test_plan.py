@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from command_line import refusal
 
-from agents.experiments.plan import MAX_CASES, MAX_SEED, Plan, make_plan
+from agents.experiments.plan import MAX_CASES, MAX_EPISODES, MAX_SEED, Plan, make_plan, spread
 from agents.experiments.setting import SettingError
 
 
@@ -39,3 +39,14 @@ def test_a_seed_that_cannot_be_kept_is_refused(
     output = tmp_path / "r.sqlite"
     assert "seed" in refusal(capsys, "sweep", "-n", 1, "--seed", seed, "-o", output)
     assert not output.exists()
+
+
+def test_the_number_of_episodes_is_that_of_all_cases_together() -> None:
+    with pytest.raises(SettingError, match="MAX_EPISODES"):
+        make_plan({"battery": [20, 30]}, MAX_EPISODES // 2 + 1, 0)
+
+
+def test_the_numbers_of_a_range_are_those_that_one_would_type() -> None:
+    values = spread("density", {"from": 0, "to": 0.4, "step": 0.05})
+    assert values == [0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4]
+    assert str(spread("density", -0.0)) == "[0.0]"

@@ -24,7 +24,7 @@ def test_it_prints_the_answers_and_writes_the_page(
     code, out, err = command(capsys, "report", results, "--no-replays")
     assert (code, err) == (0, "")
     lines = out.splitlines()
-    assert lines[0] == "8 episodes in 2 combinations of settings, seeds 0 to 3"
+    assert lines[0] == "8 episodes in 2 combinations of settings, seeds from 0 to 3"
     assert "Does escaping loops cut delivery time, or does it make the robot wander?" in lines
     assert "Every failure with escape off is oscillation (3 episodes)." in lines
     assert lines[-1] == f"saved {results.with_suffix('.html')}"
@@ -80,9 +80,13 @@ def test_what_cannot_be_reported_is_refused(
     nowhere = tmp_path / "nowhere" / "page.html"
     assert str(nowhere.parent) in refusal(capsys, "report", results, "-o", nowhere)
     assert refusal(capsys, "report", results, "-o", results) == (
-        f"{results}: these are the results; the page needs another name"
+        f"{results}: cannot save as .sqlite; allowed: .html"
     )
-    Store(results, read_only=True).close()
+    html = results.rename(tmp_path / "r.html")
+    assert refusal(capsys, "report", html) == (
+        f"{html}: these are the results; the page needs another name"
+    )
+    Store(html, read_only=True).close()
 
 
 def test_the_table_has_a_line_for_each_case(results: Path) -> None:
@@ -92,8 +96,8 @@ def test_the_table_has_a_line_for_each_case(results: Path) -> None:
         "escape", "episodes", "seeds", "success", "steps", "delivered", "oscillation", "wandering",
     )  # fmt: skip
     assert table.rows == (
-        ("on", "4", "0 to 3", "75.0% (30.1 to 95.4)", "20.0 (20.0 to 20.0)", "3", "0", "1"),
-        ("off", "4", "0 to 3", "25.0% (4.6 to 69.9)", "none", "1", "3", "0"),
+        ("on", "4", "0 to 3", "75.0% (30.1 to 95.4)", "20.0", "3", "0", "1"),
+        ("off", "4", "0 to 3", "25.0% (4.6 to 69.9)", "20.0", "1", "3", "0"),
     )
     assert table.note == ""
 
@@ -120,9 +124,33 @@ def test_the_settings_are_all_there(results: Path) -> None:
     }  # fmt: skip
 
 
+def test_what_is_missing_is_said(tmp_path: Path) -> None:
+    cases = [(ON, outcomes("dd")), (OFF, outcomes("ddd")), ({"battery": 33}, [])]
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
+        assert make_page(store, ()).summary == (
+            "5 episodes in 2 combinations of settings, seeds from 0 to 2, 2 to 3 episodes each, "
+            "1 further combination not yet begun"
+        )
+
+
+def test_seeds_that_are_not_there_are_said(tmp_path: Path) -> None:
+    cases = [(ON, [*outcomes("dd"), *outcomes("d", seed=9)]), (OFF, outcomes("d", seed=4))]
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
+        rows = make_page(store, ()).table.rows
+    assert [row[2] for row in rows] == ["0 to 9 with gaps", "4 to 4"]
+
+
 def test_cases_without_episodes_are_left_out(tmp_path: Path) -> None:
     path = fill(tmp_path / "r.sqlite", [(ON, outcomes("dd")), ({"battery": 33}, [])])
     with Store(path, read_only=True) as store:
         page = make_page(store, ())
     assert page.summary.startswith("2 episodes in 1 combination of settings")
     assert "33" not in dict(page.settings)["battery"]
+
+
+def test_time_and_energy_in_the_table_are_those_that_were_measured(tmp_path: Path) -> None:
+    cases = [({"backend": name}, outcomes("d", steps=30)) for name in ("grid", "physics")]
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
+        table = make_page(store, ()).table
+    assert table.columns[4:7] == ("steps", "seconds", "joules")
+    assert [row[4:7] for row in table.rows] == [("30.0", "none", "none"), ("30.0", "30.0", "60.0")]

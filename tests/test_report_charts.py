@@ -189,6 +189,8 @@ def test_pooled_cases_are_one_point(tmp_path: Path) -> None:
         [axes] = draw(store).axes
     [(_, shares)] = middles(axes)
     assert shares == [pytest.approx(10 / 18)] * 11
+    [whiskers] = axes.containers[0].lines[2]
+    assert not any(len(segment) for segment in whiskers.get_segments())
 
 
 def test_of_very_many_values_some_are_shown_the_first_and_the_last_among_them(
@@ -242,10 +244,23 @@ def test_roles_are_none_where_nothing_differs() -> None:
     assert roles_of(make_design({1: make_plan({}, 1, 0).cases[0]})) == Roles(None, None, None, ())
 
 
-def test_a_mean_of_a_single_delivery_is_left_out(tmp_path: Path) -> None:
-    cases = [({"battery": 1}, [row(0)]), ({"battery": 2}, [row(0), row(1)])]
+def test_means_of_few_deliveries_have_no_whiskers(tmp_path: Path) -> None:
+    cases = [({"battery": battery}, [row(0, steps=battery)]) for battery in (10, 20)]
     with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
         figure = measure_chart(Experiment(store), make_design(store.cases()), "", "steps", steps)
-        assert figure is not None
-        [(places, _)] = middles(figure.axes[0])
-        assert places == [1]
+    assert figure is not None
+    [(_, means)] = middles(figure.axes[0])
+    assert means == [10, 20]
+    [whiskers] = figure.axes[0].containers[0].lines[2]
+    assert not any(len(segment) for segment in whiskers.get_segments())
+    figure.pixels()
+
+
+def test_only_values_that_grow_are_joined_by_a_line(tmp_path: Path) -> None:
+    for number, settings in enumerate(({"battery": [1, 2]}, {"escape": [True, False]})):
+        [(name, values)] = settings.items()
+        cases = [({name: value}, outcomes("dw")) for value in values]
+        with Store(fill(tmp_path / f"{number}.sqlite", cases), read_only=True) as store:
+            [axes] = draw(store).axes
+        line = axes.containers[0].lines[0]
+        assert line.get_linestyle() == ("-" if name == "battery" else "None")

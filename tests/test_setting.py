@@ -11,7 +11,7 @@ from agents.experiments.setting import (
     SETTINGS,
     SettingError,
     checked,
-    field_names,
+    field_defaults,
     find,
 )
 from warehouse_core.layout_generator import MAX_DENSITY
@@ -81,11 +81,11 @@ def test_a_number_is_kept_as_a_fraction_so_that_one_and_one_point_nothing_are_th
 
 @pytest.mark.parametrize(("group", "kind"), [("robot", RobotSpec), ("disturbances", Disturbances)])
 def test_the_numbers_of_a_group_are_those_of_its_class(group: str, kind: type) -> None:
-    names = field_names(group)
-    assert names
-    for name in names:
-        assert isinstance(getattr(kind(), name), float)
-        assert find(f"{group}.{name}").default is None
+    numbers = field_defaults(group)
+    assert numbers
+    for name, default in numbers.items():
+        assert getattr(kind(), name) == default
+        assert find(f"{group}.{name}").default == default
 
 
 @pytest.mark.parametrize("name", ["batery", "", "robot", "robot.", "robot.mas", ".mass", "a.b"])

@@ -19,6 +19,7 @@ from agents.experiments.case import make_case
 from agents.experiments.store import APPLICATION, VERSION, Row, Store, StoreError
 
 CASE, OTHER = make_case({"battery": 20}), make_case({"battery": 30})
+EVERY = range(2**63 - 1)
 ALL = "SELECT * FROM episodes ORDER BY case_id, seed"
 
 
@@ -56,9 +57,9 @@ def test_each_case_has_its_own_seeds(path: Path) -> None:
         assert first != second
         store.add(first, [row(seed) for seed in range(5)])
         store.add(second, [row(2), row(9)])
-        assert store.seeds_done(first) == {0, 1, 2, 3, 4}
-        assert store.seeds_done(second) == {2, 9}
-        assert store.seeds_done(77) == set()
+        assert store.seeds_done(first, EVERY) == {0, 1, 2, 3, 4}
+        assert store.seeds_done(second, EVERY) == {2, 9}
+        assert store.seeds_done(77, EVERY) == set()
         assert [store.count(CASE, range(*ends)) for ends in ((0, 5), (1, 4), (4, 9))] == [5, 3, 1]
         assert store.count(OTHER, range(0, 9)) == 1
         assert store.count(make_case({}), range(0, 100)) == 0
@@ -78,9 +79,9 @@ def test_rows_are_added_all_or_none(path: Path) -> None:
         broken = row(3)._replace(steps={})  # type: ignore[arg-type]
         with pytest.raises(StoreError, match=r"r\.sqlite"):
             store.add(case_id, [row(2), broken, row(4)])
-        assert store.seeds_done(case_id) == {1}
+        assert store.seeds_done(case_id, EVERY) == {1}
         store.add(case_id, [row(2)])
-        assert store.seeds_done(case_id) == {1, 2}
+        assert store.seeds_done(case_id, EVERY) == {1, 2}
 
 
 def test_a_batch_is_on_the_disk_before_the_next(path: Path) -> None:
@@ -89,7 +90,7 @@ def test_a_batch_is_on_the_disk_before_the_next(path: Path) -> None:
         writer.add(case_id, [row(1)])
         assert next(writer.query("PRAGMA synchronous")) == (2,)
         with Store(path, read_only=True) as reader:
-            assert reader.seeds_done(case_id) == {1}
+            assert reader.seeds_done(case_id, EVERY) == {1}
 
 
 def test_what_a_process_had_half_written_when_it_died_is_not_there(path: Path) -> None:
@@ -112,7 +113,7 @@ def test_what_a_process_had_half_written_when_it_died_is_not_there(path: Path) -
             os._exit(1)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
     with Store(path, read_only=True) as store:
-        assert store.seeds_done(case_id) == {1}
+        assert store.seeds_done(case_id, EVERY) == {1}
 
 
 def test_a_file_that_died_while_it_was_made_is_made_anew(path: Path) -> None:
@@ -191,7 +192,7 @@ try:
 except StoreError as error:
     print(error)
 with Store(path, read_only=True) as store:
-    print(store.seeds_done(1))
+    print(store.seeds_done(1, range(99)))
 try:
     Store(path + "2")
 except StoreError as error:
@@ -247,7 +248,7 @@ def test_a_full_disk_keeps_what_was_written_before(path: Path) -> None:
         with pytest.raises(StoreError) as caught:
             store.add(case_id, [row(seed) for seed in range(50, 5000)])
         assert str(caught.value) == f"{path}: database or disk is full"
-        assert store.seeds_done(case_id) == set(range(50))
+        assert store.seeds_done(case_id, EVERY) == set(range(50))
 
 
 def open_many(folder: Path, number: int, files: int, start: Barrier) -> None:
@@ -273,7 +274,7 @@ def test_several_sweeps_may_make_and_use_the_same_file_at_once(tmp_path: Path) -
     for file in range(files):
         with Store(tmp_path / f"{file}.sqlite", read_only=True) as store:
             assert len(store.cases()) == 1
-            assert store.seeds_done(1) == {*range(count), 99}
+            assert store.seeds_done(1, EVERY) == {*range(count), 99}
 
 
 def test_tables_that_another_sweep_has_made_first_are_used(
@@ -290,7 +291,7 @@ def test_tables_that_another_sweep_has_made_first_are_used(
 
     monkeypatch.setattr(Store, "_transaction", late)
     with Store(path) as store:
-        assert store.seeds_done(store.case_id(CASE)) == {1}
+        assert store.seeds_done(store.case_id(CASE), EVERY) == {1}
 
 
 def test_tables_that_appear_while_it_looks_are_not_taken_for_a_strangers(
@@ -364,6 +365,10 @@ def test_rows_that_are_left_half_read_are_no_trouble(path: Path) -> None:
 
 
 STRANGE = {
+    "no setting": "{}",
+    "an agent that is a number": '{"agent": 5, "layout": "random", "backend": "grid"}',
+    "no tiles": '{"agent": "greedy", "layout": "default", "backend": "grid", "tiles": []}',
+    "ragged": '{"agent": "greedy", "layout": "a", "backend": "grid", "tiles": ["##", "#"]}',
     "no JSON": "{",
     "a list": "[]",
     "a number": "3",
@@ -388,3 +393,13 @@ def test_a_case_that_no_sweep_has_written_is_refused(path: Path, settings: str) 
     with Store(path, read_only=True) as store, pytest.raises(StoreError) as caught:
         store.cases()
     assert str(caught.value).startswith(f"{path}: it has a case that is none, ")
+
+
+def test_what_is_not_yet_in_the_file_itself_is_not_left_out(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Store(path) as store:
+        store.add(store.case_id(CASE), [row(1)])
+        monkeypatch.setattr("os.access", lambda *_: False)
+        with pytest.raises(StoreError, match="its newest rows are still in r"):
+            Store(path, read_only=True)

@@ -61,7 +61,7 @@ def test_a_line_is_an_episode_with_its_settings(results: Path) -> None:
     assert [line["robot.mass"] for line in table] == [None] * 3 + [70.0] * 3 + [None] * 3
     assert [line["density"] for line in table] == [None] * 6 + [0.3] * 3
     assert [line["escape"] for line in table] == [True] * 6 + [False] * 3
-    assert [line[TILES] for line in table] == ["\n".join(DEFAULT_LAYOUT.rows)] * 6 + [None] * 3
+    assert [line[TILES] for line in table] == ["/".join(DEFAULT_LAYOUT.rows)] * 6 + [None] * 3
     assert {line["needed"] for line in table} == {9, None}
     assert {line["joules"] for line in table} == {1 / 3}
 

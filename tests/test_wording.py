@@ -21,9 +21,7 @@ def test_a_mean_has_three_digits_and_all_before_the_point(estimate: float, words
 
 
 def test_a_mean_may_have_no_unit_and_more_in_its_brackets() -> None:
-    assert (
-        wording.mean(Interval(20, 10, 30), "", "; shortest 8") == "20.0 (10.0 to 30.0; shortest 8)"
-    )
+    assert wording.mean(Interval(20, 10, 30), "", "shortest 8") == "20.0 (10.0 to 30.0; shortest 8)"
 
 
 @pytest.mark.parametrize(
@@ -31,6 +29,19 @@ def test_a_mean_may_have_no_unit_and_more_in_its_brackets() -> None:
 )
 def test_a_chance_is_never_said_to_be_nought(probability: float, words: str) -> None:
     assert wording.chance(probability) == words
+
+
+def test_of_a_mean_only_what_is_known_is_said() -> None:
+    assert wording.mean(Interval(20), "steps") == "20.0 steps"
+    assert wording.mean(Interval(20), "s", "shortest 8") == "20.0 s (shortest 8)"
+
+
+@pytest.mark.parametrize(
+    ("part", "words"),
+    [(0, "0%"), (0.001, "<1%"), (0.005, "0%"), (0.126, "13%"), (0.996, ">99%"), (1, "100%")],
+)
+def test_a_little_is_not_said_to_be_none_nor_nearly_all_to_be_all(part: float, words: str) -> None:
+    assert wording.percent(part) == words
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,8 @@ from warehouse_core.layout import CHAPTER_START, EMPTY, MAX_CELLS, WALL, Layout,
 MAX_DENSITY = 0.4
 """Densest walls of ``random_layout``; a connected grid of single cells gets hardly denser."""
 
-MIN_OPEN = 3
-"""Cells for a pickup, a dropoff and a robot."""
+MIN_OPEN = 4
+"""Cells for a pickup and a dropoff, and for those that ``reset(randomize=True)`` draws anew."""
 
 
 def random_layout(height: int, width: int, density: float, seed: int) -> Layout:

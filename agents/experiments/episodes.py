@@ -31,7 +31,7 @@ def run_episodes(case: Case, seeds: Sequence[int]) -> Iterator[Row]:
     Raises:
         EpisodeError: an agent or its file that failed, after the rows of the seeds before.
     """
-    _check_fingerprint(case)
+    check_fingerprint(case)
     for seed in seeds:
         try:
             row = row_of(run_one(case, seed))
@@ -71,8 +71,12 @@ def row_of(episode: Episode) -> Row:
     )
 
 
-def _check_fingerprint(case: Case) -> None:
-    """Refuse to run a changed agent under the name of the one that there was."""
+def check_fingerprint(case: Case) -> None:
+    """Refuse to run a changed agent under the name of the one that there was.
+
+    Raises:
+        EpisodeError: its file has changed, or cannot be read.
+    """
     if FINGERPRINT not in case:
         return
     try:

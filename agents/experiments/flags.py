@@ -22,6 +22,7 @@ def parse_flags(flags: Sequence[str]) -> dict[str, Any]:
     choices: dict[str, Any] = {}
     for flag in flags:
         name, equals, words = flag.partition("=")
+        name = name.strip()
         if not equals:
             raise SettingError(f"{flag!r} has no value; write NAME=VALUE")
         find(name)

@@ -1,4 +1,4 @@
-"""Ctrl-C, remembered until it suits.
+"""Ctrl-C, or a polite end by whoever manages the machine, remembered until it suits.
 
 An exception in the middle of handing work over or of starting a process would leave half of it
 done. While a sweep runs, an interrupt is only noted; the sweep asks for it between two steps.
@@ -11,13 +11,15 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
+REMEMBERED = (signal.SIGINT, signal.SIGTERM)
+
 Check = Callable[[], None]
-"""Raises ``KeyboardInterrupt`` if there has been a Ctrl-C."""
+"""Raises ``KeyboardInterrupt`` if the end has been asked for."""
 
 
 @contextmanager
 def remembered_interrupts() -> Iterator[Check]:
-    """Yield what raises ``KeyboardInterrupt`` if a Ctrl-C came since this began."""
+    """Yield what raises ``KeyboardInterrupt`` if one of them came since this began."""
     came = False
 
     def remember(number: int, frame: FrameType | None) -> None:
@@ -28,11 +30,13 @@ def remembered_interrupts() -> Iterator[Check]:
         if came:
             raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGINT, remember)
+    before = {number: signal.signal(number, remember) for number in REMEMBERED}
     try:
         yield check
     finally:
-        signal.signal(signal.SIGINT, before)
+        # Who has asked for the end once is heard; more of it would only disturb the leaving.
+        for number, handler in before.items():
+            signal.signal(number, signal.SIG_IGN if came else handler)
 
 
 @contextmanager
@@ -45,6 +49,10 @@ def uninterrupted_children() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):  # Windows: what a worker ignores it ignores later
         yield
         return
+    from multiprocessing import resource_tracker
+
+    # Its start would unblock the interrupts again.
+    resource_tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

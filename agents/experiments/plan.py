@@ -14,6 +14,9 @@ from agents.experiments.setting import MOST, SettingError, Value, checked, find
 MAX_CASES = 10_000
 MAX_EPISODES = 100_000_000
 
+DIGITS = 12
+"""Of the numbers of a range."""
+
 MAX_SEED = 2**62
 """A file of results keeps seeds as 64-bit numbers."""
 
@@ -71,8 +74,16 @@ def make_plan(choices: Mapping[str, Any], episodes: int, seed: int) -> Plan:
         ]
     except ValueError as error:
         raise SettingError(str(error)) from error
+    _check_use(values, combinations)
     cases = {key_of(case): case for case in combinations}
     return Plan(tuple(cases.values()), episodes, seed)
+
+
+def _check_use(values: Mapping[str, Sequence[Value]], cases: Sequence[Case]) -> None:
+    """Refuse a setting that means nothing in any of the cases."""
+    for name in values:
+        if not any(name in case for case in cases):
+            raise SettingError(f"{name} means nothing here; it counts only {find(name).needs}")
 
 
 def spread(name: str, choice: Any) -> list[Value]:
@@ -107,7 +118,9 @@ def _range(name: str, limits: Mapping[str, Any]) -> list[int | float]:
         raise SettingError(
             f"{name} has {steps + 1:.0f} values; MAX_CASES = {MAX_CASES} are allowed"
         )
-    return [first + step * number for number in range(math.floor(steps) + 1)]
+    # As they would be typed: 0.1 + 0.2 is 0.3, or the same value would be two.
+    numbers = (first + step * number for number in range(math.floor(steps) + 1))
+    return [each if isinstance(each, int) else float(f"{each:.{DIGITS}g}") for each in numbers]
 
 
 def _check_number(values: Mapping[str, Sequence[Value]], episodes: int) -> None:

@@ -22,6 +22,9 @@ TASK_SECONDS = 0.5
 MOST_EPISODES = 10_000
 """Of one task, however short they are."""
 
+SEEDS_AT_ONCE = 100_000
+"""That are looked up in the store."""
+
 WAITING = 2
 """Tasks for each worker that are handed over, so that none has to wait for its next."""
 
@@ -83,13 +86,15 @@ def run_missing(plan: Plan, store: Store, executor: Executor, workers: int, repo
             done, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
             report([])
             # What went well comes first: the others end the run.
+            failures = []
             for future in sorted(done, key=_has_failed):
                 task, (seconds, rows, failure) = running.pop(future), future.result()
                 store.add(task.case_id, rows)
                 pace.learn(len(rows), seconds)
                 report(rows)
-                if failure is not None:
-                    raise EpisodeError(failure)
+                failures += [] if failure is None else [failure]
+            if failures:
+                raise EpisodeError(failures[0])
     finally:
         for future in running:
             future.cancel()
@@ -99,10 +104,17 @@ def missing_tasks(plan: Plan, store: Store, pace: Pace) -> Iterator[Task]:
     """Yield what is missing, case by case, in tasks of the size that suits the pace just then."""
     for case in plan.cases:
         case_id = store.case_id(case)
-        done = store.seeds_done(case_id)
-        seeds = (seed for seed in plan.seeds if seed not in done)
+        seeds = _missing_seeds(store, case_id, plan.seeds)
         while some := list(islice(seeds, pace.episodes)):
             yield Task(case_id, case, some)
+
+
+def _missing_seeds(store: Store, case_id: int, seeds: range) -> Iterator[int]:
+    """Yield the seeds that are not there, some at a time, so that very many take no memory."""
+    for start in range(0, len(seeds), SEEDS_AT_ONCE):
+        some = seeds[start : start + SEEDS_AT_ONCE]
+        done = store.seeds_done(case_id, some)
+        yield from (seed for seed in some if seed not in done)
 
 
 def run_task(case: Case, seeds: Sequence[int]) -> Done:

@@ -65,6 +65,7 @@ class Setting:
         default: the value where none is given; ``None`` leaves it to whatever takes it.
         check: returns a value as it is kept, or raises ``ValueError`` with what is allowed.
         counts: says for the settings before this one whether it means anything.
+        needs: the same in words.
         help: what it is.
         question: what is asked where it is varied; the chapter asks some of them.
     """
@@ -73,6 +74,7 @@ class Setting:
     check: Callable[[Any], Value]
     help: str
     counts: Callable[[Mapping[str, Value]], bool] = always
+    needs: str = ""
     question: str = ""
 
 
@@ -95,7 +97,7 @@ def number(least: float = -math.inf, most: float = math.inf) -> Callable[[Any], 
         if not is_number or not abs(value) <= sys.float_info.max or not least <= value <= most:
             limits = "" if least == -math.inf else f" {least:g}..{most:g}"
             raise ValueError(f"a number{limits}")
-        return float(value)
+        return float(value) + 0.0  # there is no minus nought
 
     return check
 
@@ -138,10 +140,12 @@ SETTINGS: dict[str, Setting] = {
     ),
     "escape": Setting(
         True, flag, "whether the greedy agent escapes from loops", is_greedy,
+        "with agent=greedy",
         "Does escaping loops cut delivery time, or does it make the robot wander?",
     ),
     "memory": Setting(
         10, whole(0), "positions that the greedy agent remembers", escapes,
+        "with agent=greedy and escape=on",
         "How much should an agent remember to notice a loop?",
     ),
     "layout": Setting(
@@ -150,10 +154,12 @@ SETTINGS: dict[str, Setting] = {
     ),
     "size": Setting(
         "7x12", size, "height x width of random layouts", is_random,
+        "with layout=random",
         "What does a larger grid do?",
     ),
     "density": Setting(
         0.2, number(0, MAX_DENSITY), "walls of random layouts", is_random,
+        "with layout=random",
         "What do more obstacles do?",
     ),
     "battery": Setting(
@@ -192,16 +198,17 @@ def find(name: str) -> Setting:
         return SETTINGS[name]
     group, _, field = name.partition(".")
     if group in PHYSICAL:
-        allowed = field_names(group)
+        allowed = field_defaults(group)
         if field in allowed:
-            return Setting(None, number(), f"of {PHYSICAL[group]}", is_physical)
+            about = f"of {PHYSICAL[group]}"
+            return Setting(allowed[field], number(), about, is_physical, "with backend=physics")
         raise SettingError(f"{group} has no {field!r}; allowed: {', '.join(allowed)}")
     groups = [f"{group}.NAME" for group in PHYSICAL]
     raise SettingError(f"no setting is called {name!r}; allowed: {', '.join([*SETTINGS, *groups])}")
 
 
-def field_names(group: str) -> list[str]:
-    """Return the numbers of ``RobotSpec`` or of ``Disturbances`` by name.
+def field_defaults(group: str) -> dict[str, float]:
+    """Return the numbers of ``RobotSpec`` or of ``Disturbances`` by name, each with its default.
 
     Raises:
         BackendError: the physics backend is not installed.
@@ -210,7 +217,7 @@ def field_names(group: str) -> list[str]:
     import warehouse_physics
 
     kind: Any = getattr(warehouse_physics, PHYSICAL[group])
-    return [each.name for each in fields(kind) if isinstance(each.default, float)]
+    return {each.name: each.default for each in fields(kind) if isinstance(each.default, float)}
 
 
 def checked(name: str, value: Any) -> Value:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import os
 import sqlite3
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic, sleep
@@ -88,6 +88,18 @@ def _identity(path: Path) -> tuple[int, int] | None:
     return found.st_dev, found.st_ino
 
 
+def _is_case(case: dict[str, object]) -> bool:
+    """Say whether a case has what everybody relies on."""
+    rows = case.get(TILES, ["#"])
+    names = ("agent", "layout", "backend")
+    return (
+        all(map(_is_setting, case, case.values()))
+        and all(isinstance(case.get(name), str) for name in names)
+        and isinstance(rows, list)
+        and len(set(map(len, rows))) == 1
+    )
+
+
 def _is_setting(name: str, value: object) -> bool:
     if name == TILES:
         return isinstance(value, list) and all(isinstance(row, str) for row in value)
@@ -114,8 +126,10 @@ class Store:
         if self.path.exists() and not self.path.is_file():  # SQLite would try, and leave a journal
             raise StoreError(f"{path}: it is a folder or a device, not a file")
         with self._told():
+            closed = self._is_closed()
+            address = f"{self.path.absolute().as_uri()}?immutable=1" if closed else self.path
             self._connection = sqlite3.connect(
-                self._address(), timeout=PATIENCE, isolation_level=None, uri=True
+                address, timeout=PATIENCE, isolation_level=None, uri=closed
             )
             try:
                 self._prepare(read_only)
@@ -151,6 +165,14 @@ class Store:
             number: int = found.fetchone()[0]
         return number
 
+    def add_cases(self, cases: Iterable[Case]) -> None:
+        """Give a number to each case that is new: all at once, so that many take no time."""
+        with self._told(), self._transaction():
+            self._connection.executemany(
+                "INSERT OR IGNORE INTO cases (settings) VALUES (?)",
+                [(key_of(case),) for case in cases],
+            )
+
     def count(self, case: Case, seeds: range) -> int:
         """Return how many episodes of a case with these seeds are there."""
         statement = (
@@ -160,11 +182,10 @@ class Store:
         found: int = next(self.query(statement, key_of(case), seeds.start, seeds.stop))[0]
         return found
 
-    def seeds_done(self, case_id: int) -> set[int]:
-        """Return the seeds of a case whose episodes are there."""
-        return {
-            seed for (seed,) in self.query("SELECT seed FROM episodes WHERE case_id = ?", case_id)
-        }
+    def seeds_done(self, case_id: int, seeds: range) -> set[int]:
+        """Return those of some seeds whose episodes are there."""
+        statement = "SELECT seed FROM episodes WHERE case_id = ? AND seed >= ? AND seed < ?"
+        return {seed for (seed,) in self.query(statement, case_id, seeds.start, seeds.stop)}
 
     def add(self, case_id: int, rows: Sequence[Row]) -> None:
         """Write the episodes of a case, all or none; those that are there already stay as they are.
@@ -191,7 +212,7 @@ class Store:
         """Return a case that ``key_of`` has written, and refuse what somebody else has."""
         try:
             case = json.loads(text)
-            if isinstance(case, dict) and all(map(_is_setting, case, case.values())):
+            if isinstance(case, dict) and _is_case(case):
                 return case
         except (ValueError, TypeError, RecursionError):
             pass
@@ -209,13 +230,25 @@ class Store:
             # Not the cursor itself: left half read, it would complain of a closed file.
             yield from map(tuple, self._connection.execute(statement, values))
 
-    def _address(self) -> str:
-        """Return the file as SQLite's URI."""
-        # Even to read it, SQLite makes files beside it, unless it is told that nobody writes.
-        is_closed = self.path.is_file() and not all(
+    def _is_closed(self) -> bool:
+        """Return whether the file may only be read, from a folder where nothing can be made.
+
+        Even to read it, SQLite makes files beside it, unless it is told that nobody writes.
+
+        Raises:
+            StoreError: somebody does, or has been stopped in the middle.
+        """
+        if not self.path.is_file() or all(
             os.access(each, os.W_OK) for each in (self.path, self.path.parent)
-        )
-        return self.path.absolute().as_uri() + ("?immutable=1" if is_closed else "")
+        ):
+            return False
+        log = Path(f"{self.path}-wal")
+        if log.is_file() and log.stat().st_size:
+            raise StoreError(
+                f"{self.path}: it may only be read here, and its newest rows are still in "
+                f"{log.name}; read it where it may be written, or once the sweep has ended"
+            )
+        return True
 
     def _prepare(self, read_only: bool) -> None:
         connection = self._connection
@@ -226,6 +259,8 @@ class Store:
             if is_new:
                 raise StoreError(f"{self.path}: there are no results in it")
             connection.execute("PRAGMA query_only = ON")
+            # One view of the file, whatever a sweep adds meanwhile.
+            connection.execute("BEGIN")
             return
         if is_new:
             with self._transaction():

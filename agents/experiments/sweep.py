@@ -13,17 +13,16 @@ from typing import Annotated
 
 import typer
 
-from agents.console import SeedOption
 from agents.experiments.flags import parse_flags
-from agents.experiments.interrupts import remembered_interrupts
+from agents.experiments.interrupts import Check, remembered_interrupts
 from agents.experiments.plan import Plan, make_plan
 from agents.experiments.plan_file import PlanFile, read_plan_file
 from agents.experiments.presets import PRESETS
 from agents.experiments.running import run_missing
-from agents.experiments.setting import SettingError
+from agents.experiments.setting import SETTINGS, SettingError
 from agents.experiments.store import Row, Store
 from agents.experiments.sweep_bar import sweep_bar
-from agents.experiments.workers import cluster, processes
+from agents.experiments.workers import Hands, cluster, processes
 from agents.wording import counted
 
 EPISODES = 100
@@ -39,7 +38,8 @@ def sweep(
         typer.Option(
             "--set",
             metavar="NAME=VALUES",
-            help="Values, as in battery=20,60 or battery=20:200:20; may be given more than once.",
+            help="Values, as in battery=20,60 or battery=20:200:20; may be given more than once. "
+            f"Names: {', '.join(SETTINGS)}, robot.NUMBER, disturbances.NUMBER.",
         ),
     ] = None,
     preset: Annotated[
@@ -48,14 +48,27 @@ def sweep(
     ] = None,
     episodes: Annotated[
         int | None,
-        typer.Option("--episodes", "-n", min=1, help="Of each combination.  [default: 100]"),
+        typer.Option(
+            "--episodes", "-n", min=1, help="Of each combination.", show_default=str(EPISODES)
+        ),
     ] = None,
-    seed: SeedOption = None,
+    seed: Annotated[
+        int | None,
+        typer.Option(
+            "--seed",
+            metavar="N",
+            help="Of the first episode of each combination.",
+            show_default="0",
+        ),
+    ] = None,
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="FILE", help="Where the results go.")
     ] = Path("results.sqlite"),
     workers: Annotated[
-        int | None, typer.Option("--workers", min=1, max=1024, help="Processes.  [default: all]")
+        int | None,
+        typer.Option(
+            "--workers", min=1, max=1024, help="Processes.", show_default="one for each core"
+        ),
     ] = None,
     address: Annotated[
         str | None,
@@ -66,20 +79,22 @@ def sweep(
     given = _given(file, preset)
     choices = given.choices | parse_flags(settings or [])
     plan = make_plan(choices, episodes or given.episodes or EPISODES, _first(seed, given.seed))
-    with Store(output) as store:
+    with remembered_interrupts() as check, Store(output) as store:
+        store.add_cases(plan.cases)
         done = _done(plan, store)
         cases, each = counted(len(plan.cases), "combination"), counted(plan.episodes, "episode")
         typer.echo(f"{cases}, {each} each, {done:,} done")
+        missing = plan.total - done
+        hands = _hands(min(workers or os.cpu_count() or 1, missing), address)
         try:
-            if done < plan.total:
-                missing = plan.total - done
-                _run(plan, store, missing, min(workers or os.cpu_count() or 1, missing), address)
+            if missing:
+                _run(plan, store, missing, hands, check)
         except KeyboardInterrupt:
             done = _done(plan, store)
             typer.echo(f"{done:,} of {plan.total:,} episodes in {output}; the same command goes on")
             raise typer.Abort from None  # typer would end without a word
-    episodes_in = f"{counted(plan.total, 'episode')} in {output}"
-    typer.echo(f"{episodes_in}; see what they come to with: warehouse report {output}")
+    episodes_done = f"{counted(plan.total, 'episode')} done"
+    typer.echo(f"{episodes_done}; see what they come to with: warehouse report {output}")
 
 
 def _given(file: Path | None, preset: str | None) -> PlanFile:
@@ -100,13 +115,12 @@ def _done(plan: Plan, store: Store) -> int:
     return sum(store.count(case, plan.seeds) for case in plan.cases)
 
 
-def _run(plan: Plan, store: Store, missing: int, workers: int, address: str | None) -> None:
-    hands = processes(workers) if address is None else cluster(address)
-    with (
-        remembered_interrupts() as check,
-        hands as (executor, count),
-        sweep_bar(missing) as show,
-    ):
+def _hands(workers: int, address: str | None) -> Hands:
+    return processes(workers) if address is None else cluster(address)
+
+
+def _run(plan: Plan, store: Store, missing: int, hands: Hands, check: Check) -> None:
+    with hands as (executor, count), sweep_bar(missing) as show:
 
         def report(rows: Sequence[Row]) -> None:
             show(rows)

@@ -18,6 +18,9 @@ from agents.experiments.store import Row, Store, StoreError
 from warehouse_core.atomic_file import atomic_path
 from warehouse_core.export import FormatError
 
+ROWS_END = "/"
+"""Between the rows of a layout, so that an episode is one line of text."""
+
 CSV, PARQUET = ".csv", ".parquet"
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
@@ -80,7 +83,7 @@ def lines_of(store: Store, columns: dict[str, str]) -> Iterator[Line]:
 def _plain(case: Case, name: str) -> Any:
     """Return a setting as one value; ``None`` where it means nothing for the case."""
     value = case.get(name)
-    return "\n".join(value) if name == TILES and value is not None else value
+    return ROWS_END.join(value) if name == TILES and value is not None else value
 
 
 def _write_csv(path: Path, columns: dict[str, str], lines: Iterator[Line]) -> None:

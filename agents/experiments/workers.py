@@ -11,10 +11,12 @@ import threading
 from collections.abc import Iterator
 from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
-from multiprocessing import resource_tracker
+from contextlib import AbstractContextManager, contextmanager
 
 from agents.experiments.interrupts import uninterrupted_children
+
+Hands = AbstractContextManager[tuple[Executor, int]]
+"""Gives what runs calls, and how many it runs at once."""
 
 
 class ClusterError(Exception):
@@ -41,16 +43,15 @@ def processes(count: int) -> Iterator[tuple[Executor, int]]:
     count = min(count, MOST)
     # Spawned, as on every system: a fork of a process that has threads may hang.
     context = multiprocessing.get_context("spawn")
+    others = set(multiprocessing.active_children())
     with ProcessPoolExecutor(count, mp_context=context, initializer=_begin) as pool:
-        # Its start would unblock the interrupts that are about to be blocked.
-        resource_tracker.ensure_running()
         try:
             with uninterrupted_children():
                 for _ in range(count):  # each is started for the work it is given
                     pool.submit(_begin_nothing)
             yield pool, count
         except BaseException as error:
-            for process in multiprocessing.active_children():
+            for process in set(multiprocessing.active_children()) - others:
                 process.kill()
             if isinstance(error, BrokenProcessPool):
                 raise WorkerError(KILLED) from error

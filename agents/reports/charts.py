@@ -28,6 +28,8 @@ from warehouse_core.scene_figure import SceneFigure
 WIDTH, PANEL_HEIGHT, HEAD, FOOT, DPI = 9.0, 3.3, 0.85, 0.35, 100
 """In inches, and dots to an inch."""
 
+LEGEND_COLUMNS, LEGEND_ROW = 4, 0.2
+
 MOST_COLORS, MOST_PANELS, PANELS_A_ROW = 8, 6, 3
 MOST_POINTS = 400
 """In a chart; each takes a bootstrap, and more could not be told apart."""
@@ -111,13 +113,19 @@ def measure_chart(
     if roles.axis is None:
         return None
     lines = {
-        where: {value: measure(results) for value, results in line.items()}
+        where: {value: _measured(measure, results) for value, results in line.items()}
         for where, line in _lines(experiment, design, roles).items()
     }
     if not any(point for line in lines.values() for point in line.values()):
         return None
     with mpl.rc_context({"text.parse_math": False}):
         return _draw_measure(roles, roles.axis, lines, title, unit)
+
+
+def _measured(measure: Measure, results: Results) -> Interval | None:
+    """Return a measure; of pooled cases, whose seeds are the same ones, without its interval."""
+    found = measure(results)
+    return found if found is None or len(results.case_ids) == 1 else Interval(found.estimate)
 
 
 def modes_chart(experiment: Experiment, design: Design, title: str) -> SceneFigure:
@@ -169,11 +177,12 @@ def _draw_measure(
 ) -> SceneFigure:
     panels = list(dict.fromkeys(panel for panel, _ in lines))
     colors = list(dict.fromkeys(color for _, color in lines))
-    figure, axes = _panels(title, len(panels))
+    figure, axes = _panels(title, len(panels), len(colors))
     places = _places(axis)
     for (panel, color), line in lines.items():
         number = colors.index(color)
-        shift = (number - (len(colors) - 1) / 2) * DODGE * (max(places.values()) or 1)
+        among = sum(any(value is not None for value in each) for each in lines.values())
+        shift = (number - (len(colors) - 1) / 2) * DODGE * max(places.values()) * (among > 1)
         _draw_line(axes[panels.index(panel)], axis, places, line, shift, number)
     for panel, each in zip(panels, axes, strict=True):
         _prepare_axis(each, axis, places, min(len(panels), PANELS_A_ROW))
@@ -222,9 +231,9 @@ def _draw_line(
 def _draw_modes(
     roles: Roles, lines: Mapping[Where, Mapping[Value | None, Results]], title: str
 ) -> SceneFigure:
-    figure, axes = _panels(title, len(lines))
     occurring = {mode for line in lines.values() for results in line.values()
                  for mode in results.modes}  # fmt: skip
+    figure, axes = _panels(title, len(lines), len(occurring))
     for (panel, color), line, each in zip(lines, lines.values(), axes, strict=True):
         for place, results in enumerate(line.values()):
             _draw_bar(each, place, results, len(line) * min(len(lines), PANELS_A_ROW))
@@ -265,16 +274,17 @@ def _everywhere(roles: Roles) -> str:
     return f"any {roles.axis.name}" if roles.axis else "all episodes"
 
 
-def _panels(title: str, count: int) -> tuple[SceneFigure, list[Axes]]:
-    """Return a figure of so many panels, with its title."""
+def _panels(title: str, count: int, keys: int) -> tuple[SceneFigure, list[Axes]]:
+    """Return a figure of so many panels, with its title and room for the keys of a legend."""
     columns = min(count, PANELS_A_ROW)
     rows = math.ceil(count / columns)
-    height = HEAD + rows * PANEL_HEIGHT + FOOT
+    head = HEAD + LEGEND_ROW * (math.ceil(keys / LEGEND_COLUMNS) - 1)
+    height = head + rows * PANEL_HEIGHT + FOOT
     figure = make_figure((WIDTH, height), DPI)
     grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
     figure.subplots_adjust(
         left=0.075, right=0.98, wspace=0.08, hspace=0.38,
-        top=1 - HEAD / height, bottom=(FOOT + 0.2) / height,
+        top=1 - head / height, bottom=(FOOT + 0.2) / height,
     )  # fmt: skip
     figure.suptitle(title, x=0.012, y=1 - 0.1 / height, ha="left", va="top", fontsize=12, color=INK)
     axes = list(grid.flat)
@@ -345,6 +355,6 @@ def _legend(
     words = [f"{name} {shown(values[int(label)])}" for label in labels] if values else labels
     height = figure.get_figheight()
     figure.legend(
-        handles, words, loc="upper left", bbox_to_anchor=(0.004, 1 - 0.33 / height), ncols=4,
-        fontsize=8.5, frameon=False, columnspacing=1.4, handletextpad=0.5,
+        handles, words, loc="upper left", bbox_to_anchor=(0.004, 1 - 0.33 / height),
+        ncols=LEGEND_COLUMNS, fontsize=8.5, frameon=False, columnspacing=1.4, handletextpad=0.5,
     )  # fmt: skip

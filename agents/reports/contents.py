@@ -23,7 +23,8 @@ MOST_CASES = 200
 
 METHODS = (
     f"Brackets and whiskers are {CONFIDENCE:.0%} intervals, Wilson's of shares and percentile "
-    "bootstrap's of means; p is that of McNemar's exact test."
+    "bootstrap's of means; p is that of McNemar's exact test, times the pairs of values where the "
+    "two best were chosen from more."
 )
 
 MADE_WITH = ("warehouse-lab", "numpy", "scipy", "matplotlib")
@@ -39,7 +40,7 @@ def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
     design = make_design(experiment.cases)
     return Page(
         title=f"Report on {store.path.name}",
-        summary=_summary(experiment.results(*design.labels)),
+        summary=_summary(experiment),
         methods=METHODS,
         answers=answers(experiment, design),
         pictures=tuple(pictures(experiment)),
@@ -53,13 +54,21 @@ def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
     )
 
 
-def _summary(results: Results) -> str:
-    """Return how many episodes there are, and of which seeds."""
-    first, last = results.seeds
-    return (
-        f"{counted(results.episodes, 'episode')} in "
-        f"{counted(len(results.case_ids), 'combination')} of settings, seeds {first} to {last}"
-    )
+def _summary(experiment: Experiment) -> str:
+    """Return how many episodes there are, of which seeds, and what is still missing."""
+    everything = experiment.results(*experiment.cases)
+    first, last = everything.seeds
+    counts = [experiment.results(case_id).episodes for case_id in experiment.cases]
+    parts = [
+        f"{counted(everything.episodes, 'episode')} in "
+        f"{counted(len(experiment.cases), 'combination')} of settings",
+        f"seeds from {first} to {last}",
+    ]
+    if min(counts) < max(counts):
+        parts.append(f"{min(counts):,} to {max(counts):,} episodes each")
+    if experiment.unbegun:
+        parts.append(f"{counted(experiment.unbegun, 'further combination')} not yet begun")
+    return ", ".join(parts)
 
 
 def _settings(design: Design) -> Iterator[tuple[str, str]]:
@@ -96,7 +105,8 @@ def _table(experiment: Experiment, design: Design) -> Table:
 def _cells(results: Results, with_costs: bool) -> Iterator[str]:
     first, last = results.seeds
     yield f"{results.episodes:,}"
-    yield f"{first} to {last}"
+    has_gaps = results.episodes < last - first + 1
+    yield f"{first} to {last}{' with gaps' if has_gaps else ''}"
     yield share(results.success)
     yield mean(results.steps, "") if results.steps else shown(None)
     if with_costs:

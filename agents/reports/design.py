@@ -8,14 +8,17 @@ has none, differs from no value.
 from __future__ import annotations
 
 import hashlib
+import operator
 import re
 from collections import Counter
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
+from functools import cache
+from itertools import compress
 from typing import NamedTuple
 
 from agents.experiments.case import FINGERPRINT, TILES, Case
-from agents.experiments.setting import SETTINGS, Value, shown
+from agents.experiments.setting import SETTINGS, Value, find, shown
 
 Labels = dict[str, Value | None]
 """The settings of a case as they are shown; ``None`` where one means nothing."""
@@ -25,6 +28,9 @@ FOLDERS = re.compile(r"(\b[A-Za-z]:)?[^:]*[/\\]")
 
 Combination = tuple[Value | None, ...]
 """Values of some factors, in their order."""
+
+Mask = tuple[bool, ...]
+"""Which of these factors mean something."""
 
 MARK = 6
 """Letters of a fingerprint that tell two files of one name apart."""
@@ -85,13 +91,12 @@ class Design:
         exact: dict[Combination, list[int]] = {}
         for case_id in self.labels:
             exact.setdefault(self._at(case_id, others), []).append(case_id)
-        partial = [each for each in exact if None in each]
+        agreeing = _agreeing(exact)
         found: dict[Combination, dict[Value, int]] = {}
         for combination in _widest(exact):
-            fitting = [each for each in partial if _agree(each, combination)]
             cases = {
                 value: case_id
-                for each in dict.fromkeys([*fitting, combination])
+                for each in agreeing(combination)
                 for case_id in exact[each]
                 if (value := self.labels[case_id][factor.name]) is not None
             }
@@ -175,27 +180,63 @@ def _rank(value: Value) -> tuple[object, ...]:
     return (1, value)
 
 
-def _agree(one: Combination, other: Combination) -> bool:
-    """Say whether two combinations differ in nothing that means something for both."""
-    return all(a is None or b is None or a == b for a, b in zip(one, other, strict=True))
+def _mask(combination: Combination) -> Mask:
+    """Say of each factor whether it means something."""
+    return tuple(value is not None for value in combination)
+
+
+def _only(combination: Combination, mask: Mask) -> Combination:
+    """Return the values where a mask says so."""
+    return tuple(compress(combination, mask))
+
+
+def _by_mask(combinations: Iterable[Combination]) -> dict[Mask, list[Combination]]:
+    found: dict[Mask, list[Combination]] = {}
+    for each in combinations:
+        found.setdefault(_mask(each), []).append(each)
+    return found
+
+
+def _agreeing(
+    combinations: Collection[Combination],
+) -> Callable[[Combination], list[Combination]]:
+    """Return what finds the combinations that differ in nothing that means something for both."""
+    groups = _by_mask(combinations)
+
+    @cache
+    def index(mask: Mask, own: Mask) -> dict[Combination, list[Combination]]:
+        both = tuple(map(operator.and_, mask, own))
+        found: dict[Combination, list[Combination]] = {}
+        for each in groups[mask]:
+            found.setdefault(_only(each, both), []).append(each)
+        return found
+
+    def find_agreeing(combination: Combination) -> list[Combination]:
+        own = _mask(combination)
+        agreeing = [
+            each
+            for mask in groups
+            for each in index(mask, own).get(
+                _only(combination, tuple(map(operator.and_, mask, own))), []
+            )
+        ]
+        # The case itself comes last, so that nothing that is less sure takes its place.
+        return [each for each in agreeing if each != combination] + [combination]
+
+    return find_agreeing
 
 
 def _widest(combinations: Collection[Combination]) -> list[Combination]:
     """Return the combinations that are not another one with something left out."""
-    covered = {
-        each
-        for each in combinations
-        if None in each and any(_covers(other, each) for other in combinations)
-    }
+    groups = _by_mask(combinations)
+    covered: set[Combination] = set()
+    for mask, own in groups.items():
+        for wider, others in groups.items():
+            if wider != mask and all(map(operator.le, mask, wider)):
+                known = {_only(each, mask) for each in others}
+                covered.update(each for each in own if _only(each, mask) in known)
     return [each for each in combinations if each not in covered]
 
 
-def _covers(one: Combination, other: Combination) -> bool:
-    """Say whether ``other`` is ``one`` with something left out."""
-    return one != other and all(b is None or a == b for a, b in zip(one, other, strict=True))
-
-
 def _defaults_in(labels: Labels) -> int:
-    return sum(
-        name in SETTINGS and SETTINGS[name].default == value for name, value in labels.items()
-    )
+    return sum(value is not None and find(name).default == value for name, value in labels.items())

@@ -8,9 +8,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from agents.agent_error import AgentError
-from agents.agent_names import agent_file
+from agents.agent_names import agent_file, is_own_code
 from agents.experiments.case import Case
-from agents.experiments.episodes import run_one
+from agents.experiments.episodes import EpisodeError, check_fingerprint, run_one
 from agents.experiments.reason import reason_of
 from agents.experiments.store import Store
 from warehouse_core import BackendError, Episode, LayoutError
@@ -44,7 +44,7 @@ PLAY_MS = 12_000
 """A replay takes no longer, however many steps it has."""
 
 
-SAYING_ENOUGH = (AgentError, BackendError, LayoutError, OSError)
+SAYING_ENOUGH = (AgentError, BackendError, EpisodeError, LayoutError, OSError)
 """Errors of this project, or with the name of a file."""
 
 
@@ -97,13 +97,21 @@ def find_examples(store: Store) -> list[Found]:
     return [found[mode] for mode in MODES if mode in found]
 
 
-def replay(found: Found) -> Example:
+def replay(found: Found, *, run_own_code: bool) -> Example:
     """Run an episode again and return its replay, or the reason why there is none.
 
     What agents and libraries do may have changed since the results were written. An agent is
     anybody's code, so that whatever it raises becomes a sentence.
+
+    Args:
+        found: which episode.
+        run_own_code: run agents that are a class of somebody's own. The results name them, and
+            may come from a stranger.
     """
+    if is_own_code(found.case["agent"]) and not run_own_code:
+        return Example(found, "Its agent is no part of this program; --replays runs it.", b"")
     try:
+        check_fingerprint(found.case)
         episode = run_one(found.case, found.seed)
     except (Exception, SystemExit) as error:
         return Example(found, f"It cannot be run again: {_why(error, found.case)}.", b"")

@@ -22,7 +22,7 @@ from matplotlib.ticker import EngFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from agents.experiments.case import TILES
-from agents.experiments.store import Store
+from agents.experiments.store import Store, StoreError
 from warehouse_core.episode import DELIVERED
 from warehouse_core.failure_modes import MODES
 from warehouse_core.layout import DROPOFF, EMPTY, PICKUP, WALL, runs_of
@@ -94,6 +94,7 @@ def stuck_cells(store: Store, case_ids: Sequence[int]) -> dict[str, Counts]:
 
     Raises:
         ValueError: the layout is not the same in all cases, or made up for each seed.
+        StoreError: an episode was stuck where there is no cell.
     """
     cases = store.cases()
     layouts = {tuple(cases[case_id].get(TILES, ())) for case_id in case_ids}
@@ -103,6 +104,8 @@ def stuck_cells(store: Store, case_ids: Sequence[int]) -> dict[str, Counts]:
     found: dict[str, Counts] = {}
     for mode, row, col, count in store.query(STUCK, json.dumps(list(case_ids))):
         counts = found.setdefault(mode, np.zeros((len(rows), len(rows[0])), dtype=np.int64))
+        if not (0 <= row < len(rows) and 0 <= col < len(rows[0])):
+            raise StoreError(f"{store.path}: row {row}, column {col} is off the layout")
         counts[row, col] = count
     return {mode: found[mode] for mode in MODES if mode in found}
 

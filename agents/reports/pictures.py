@@ -17,6 +17,7 @@ from agents.reports.heat_map import heat_map, stuck_cells
 from agents.reports.results import Experiment, Results
 from agents.wording import counted, listed
 from warehouse_core.export import save_svg
+from warehouse_core.layout import DROPOFF, EMPTY, PICKUP
 
 MOST_MAPS = 4
 """Heat maps, of the layouts with most episodes."""
@@ -46,11 +47,13 @@ def pictures(experiment: Experiment) -> Iterator[Picture]:
     measured = make_design(
         {n: case for n, case in experiment.cases.items() if case["backend"] != "grid"}
     )
+    backends = sorted({shown(labels["backend"]) for labels in measured.labels.values()})
+    on = f", backend {listed(backends)}" if backends else ""
     for name, title, unit, measure, of in (
         ("success", "Delivered", SHARE, lambda results: results.success, design),
         ("steps", "Steps of a delivery", "steps", lambda results: results.steps, design),
-        ("seconds", "Time of a delivery", "s", lambda results: results.seconds, measured),
-        ("joules", "Energy of a delivery", "J", lambda results: results.joules, measured),
+        ("seconds", f"Time of a delivery{on}", "s", lambda results: results.seconds, measured),
+        ("joules", f"Energy of a delivery{on}", "J", lambda results: results.joules, measured),
     ):
         yield from _measured(experiment, of, name, title, unit, measure)
     figure = modes_chart(experiment, design, "What became of the episodes")
@@ -71,7 +74,7 @@ def _measured(
     if figure is None:
         return
     kind = "Wilson's" if unit == SHARE else "bootstrap"
-    of = "share of all episodes" if unit == SHARE else "mean"
+    of = "share of all episodes" if unit == SHARE else "mean of what was delivered, hard or easy"
     caption = f"{title}: {of}, with {kind} {CONFIDENCE:.0%} intervals{_left_out(design)}."
     yield Picture(name, caption, _svg(figure))
 
@@ -83,7 +86,8 @@ def _left_out(design: Design) -> str:
     if roles.axis and len(roles.axis.values) < roles.values:
         words += f"; {len(roles.axis.values)} of {roles.values:,} values of {roles.axis.name}"
     if roles.pooled:
-        words += f"; pooled over {listed([factor.name for factor in roles.pooled])}"
+        names = listed([factor.name for factor in roles.pooled])
+        words += f"; pooled over {names}, so without intervals: the same seeds are in it many times"
     return words
 
 
@@ -98,15 +102,18 @@ def _maps(experiment: Experiment) -> Iterator[Picture]:
         key=lambda each: -each[0],
     )
     for number, (episodes, rows, ids) in enumerate(counted_layouts[:MOST_MAPS], start=1):
+        # Each episode draws its stations anew; those of the file are nobody's.
+        walls = [row.replace(PICKUP, EMPTY).replace(DROPOFF, EMPTY) for row in rows]
         stuck = stuck_cells(experiment.store, ids)
         if not stuck:
             continue
         name = shown(experiment.cases[ids[0]]["layout"])
         caption = (
             f"Where robots got stuck on layout {name}: of {counted(episodes, 'episode')} those of "
-            "each failure mode, by the cell where they were stuck or ended."
+            "each failure mode, by the cell where they were stuck or ended. Pickup and dropoff are "
+            "drawn anew for each episode."
         )
-        yield Picture(f"stuck-{number}", caption, _svg(heat_map(rows, stuck, episodes)))
+        yield Picture(f"stuck-{number}", caption, _svg(heat_map(walls, stuck, episodes)))
 
 
 def _svg(figure: Figure) -> bytes:

@@ -8,22 +8,32 @@ from typing import Annotated
 import typer
 
 from agents.experiments.store import Store, StoreError
+from agents.wording import counted
 from warehouse_core.atomic_file import atomic_path, check_target
+from warehouse_core.export import FormatError
 
 
 def report(
     results: Annotated[Path, typer.Argument(help="What warehouse sweep has written.")],
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="FILE", help="The page.  [default: RESULTS.html]"),
+        typer.Option(
+            "--output", "-o", metavar="FILE", help="The page.", show_default="RESULTS.html"
+        ),
     ] = None,
     figures: Annotated[
         Path | None,
         typer.Option("--figures", metavar="FOLDER", help="Write each figure as .svg, too."),
     ] = None,
     replays: Annotated[
-        bool, typer.Option(help="Run one episode of each failure mode again, to be watched.")
-    ] = True,
+        bool | None,
+        typer.Option(
+            "--replays/--no-replays",
+            help="Run one episode of each failure mode again, to be watched; with --replays also "
+            "those of agents that are no part of this program.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Write what a sweep has found as one page of HTML, and its answers here."""
     # Here, because SciPy and matplotlib take longer to import than most commands to run.
@@ -32,11 +42,16 @@ def report(
     from agents.reports.page import write_page
 
     target = output or results.with_suffix(".html")
+    if target.suffix.lower() != ".html":
+        raise FormatError(f"{target}: cannot save as {target.suffix or 'that'}; allowed: .html")
     check_target(target)
     if target.resolve() == results.resolve():
         raise StoreError(f"{target}: these are the results; the page needs another name")
     with Store(results, read_only=True) as store:
-        page = make_page(store, tuple(map(replay, find_examples(store))) if replays else ())
+        wanted = [] if replays is False else find_examples(store)
+        page = make_page(
+            store, tuple(replay(found, run_own_code=bool(replays)) for found in wanted)
+        )
     typer.echo(page.summary)
     for answer in page.answers:
         typer.echo(f"\n{typer.style(answer.question, bold=True)}")
@@ -50,4 +65,4 @@ def report(
         for picture in page.pictures:
             with atomic_path(figures / f"{picture.name}.svg") as part:
                 part.write_bytes(picture.svg)
-        typer.echo(f"saved {len(page.pictures)} figures in {figures}")
+        typer.echo(f"saved {counted(len(page.pictures), 'figure')} in {figures}")

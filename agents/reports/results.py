@@ -39,13 +39,15 @@ class Experiment:
 
     Attributes:
         cases: by their numbers.
+        unbegun: how many cases have no episode yet.
 
     Raises:
-        StoreError: there is no episode in it, or it cannot be read.
+        StoreError: there is no episode in it, it is damaged, or it cannot be read.
     """
 
     def __init__(self, store: Store) -> None:
         self.store = store
+        _check_rows(store)
         self._tallies: dict[int, Tally] = {}
         for case_id, mode, count, first, last in store.query(
             "SELECT case_id, mode, count(*), min(seed), max(seed) FROM episodes "
@@ -60,6 +62,7 @@ class Experiment:
             raise StoreError(f"{store.path}: there is no episode in it")
         cases = store.cases()
         self.cases: dict[int, Case] = {case_id: cases[case_id] for case_id in self._tallies}
+        self.unbegun = len(cases) - len(self.cases)
         self._results: dict[CaseIds, Results] = {}
 
     def results(self, *case_ids: int) -> Results:
@@ -145,8 +148,25 @@ class Results:
             [
                 np.fromiter(
                     (value for (value,) in self.store.query(statement, case_id, DELIVERED)),
-                    dtype=np.float32,
+                    dtype=float,
                 )
                 for case_id in self.case_ids
             ]
         )
+
+
+def _check_rows(store: Store) -> None:
+    """Refuse rows that no sweep has written, once, so that everything else may rely on them."""
+    kinds = {
+        "integer": ("seed", "steps", "battery_left", "row", "col"),
+        "real": ("reward", "seconds", "joules"),
+    }
+    wrong = [f"typeof({name}) != '{kind}'" for kind, names in kinds.items() for name in names]
+    wrong += [
+        "typeof(needed) NOT IN ('integer', 'null')",
+        f"mode NOT IN ({', '.join('?' * len(MODES))})",
+        "case_id NOT IN (SELECT id FROM cases)",
+    ]
+    statement = f"SELECT case_id, seed FROM episodes WHERE {' OR '.join(wrong)} LIMIT 1"
+    for case_id, seed in store.query(statement, *MODES):
+        raise StoreError(f"{store.path}: the row of case {case_id!r}, seed {seed!r} is damaged")
