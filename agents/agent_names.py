@@ -7,6 +7,7 @@ import importlib.util
 import inspect
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -15,33 +16,39 @@ from agents.agent_error import AgentError
 from agents.ppo_agent import PPOAgent
 from agents.q_table_file import load_agent
 from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core import Agent, RecordError
+from agents.warehouse_agent_search import ALGORITHMS, ExploringAgent, SearchAgent
+from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, RecordError
 
 __all__ = ["AGENTS", "TRAINED", "agent_file", "is_own_code", "make_agent"]
 
-AGENTS: dict[str, type[Agent]] = {"greedy": GreedyAgent}
+AGENTS: dict[str, Callable[..., Agent]] = {
+    "greedy": GreedyAgent,
+    "exploring": ExploringAgent,
+    **{name: partial(SearchAgent, algorithm=name) for name in ALGORITHMS},
+}
 
 TRAINED: dict[str, Callable[..., Agent]] = {"ppo": PPOAgent.load, "q": load_agent}
 """What loads an agent that ``warehouse train`` made, by the word before the colon."""
 
 
-def make_agent(name: str, seed: int | None = None) -> Agent:
+def make_agent(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT) -> Agent:
     """Return an agent by name.
 
     Args:
         name: one of ``AGENTS``; one of ``TRAINED``, a colon and a file; or ``file.py:Class`` or
             ``package.module:Class``.
         seed: given to the agent if it takes a ``seed``.
+        layout: given to the agent if it takes a ``layout``: the walls, for one that knows the map.
 
     Raises:
         AgentError: saying what is wrong with the name.
     """
     word, colon, file = name.partition(":")
     if colon and word in TRAINED:
-        return _load_trained(word, file, seed)
+        return _load_trained(word, file, seed, layout)
     kind = AGENTS.get(name) or _load_class(name)
     try:
-        return kind(**_seed_for(kind, seed))
+        return kind(**_wanted(kind, seed, layout))
     except TypeError as error:
         raise AgentError(f"agent {name!r} cannot be made without arguments: {error}") from error
 
@@ -60,17 +67,18 @@ def agent_file(name: str) -> Path | None:
     return Path(source) if source.endswith(".py") else None
 
 
-def _seed_for(make: Callable[..., Agent], seed: int | None) -> dict[str, Any]:
-    """Return the seed as an argument, if there is one of that name."""
-    return {"seed": seed} if "seed" in inspect.signature(make).parameters else {}
+def _wanted(make: Callable[..., Agent], seed: int | None, layout: Layout) -> dict[str, Any]:
+    """Return what an agent takes of what there is for it, by name."""
+    given = {"seed": seed, "layout": layout}
+    return {name: given[name] for name in given.keys() & inspect.signature(make).parameters.keys()}
 
 
-def _load_trained(word: str, file: str, seed: int | None) -> Agent:
+def _load_trained(word: str, file: str, seed: int | None, layout: Layout) -> Agent:
     load = TRAINED[word]
     if not file:
         raise AgentError(f"agent '{word}:' names no file; allowed: {word}:FILE")
     try:
-        return load(Path(file), **_seed_for(load, seed))
+        return load(Path(file), **_wanted(load, seed, layout))
     except OSError as error:
         raise AgentError(f"agent file {file}: {error.strerror or error}") from error
     except RecordError as error:

@@ -11,14 +11,17 @@ import typer
 from agents import console, layout_commands
 from agents.bench import bench
 from agents.compare import compare
+from agents.compare_agents import compare_agents
 from agents.console import SaveOption, ShowOption
 from agents.demos import demo
 from agents.experiments.sweep import sweep
 from agents.experiments.table_export import export
+from agents.explore import explore
 from agents.play import play
 from agents.replaying import check_targets, replay_or_save
 from agents.reports.report import report
 from agents.run_episode import report_episode, run
+from agents.search_command import search
 from agents.train_ppo import train_ppo
 from agents.train_q import train_q
 from warehouse_core import Episode
@@ -33,7 +36,10 @@ app = typer.Typer(
 app.command()(run)
 app.command()(play)
 app.command()(compare)
+app.command()(compare_agents)
 app.command()(demo)
+app.command()(search)
+app.command()(explore)
 app.command()(bench)
 app.command()(sweep)
 app.command()(report)

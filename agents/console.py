@@ -16,7 +16,14 @@ from agents.experiments.episodes import EpisodeError
 from agents.experiments.setting import SettingError
 from agents.experiments.store import StoreError
 from agents.experiments.workers import ClusterError, WorkerError
-from warehouse_core import DEFAULT_LAYOUT, BackendError, Layout, LayoutError, RecordError
+from warehouse_core import (
+    DEFAULT_LAYOUT,
+    BackendError,
+    Layout,
+    LayoutError,
+    RecordError,
+    layout_files,
+)
 from warehouse_core.display import NoDisplayError
 from warehouse_core.export import FormatError
 
@@ -46,10 +53,15 @@ EXPECTED = (
 
 AgentOption = Annotated[
     str,
-    typer.Option("--agent", help="greedy, ppo:FILE, q:FILE, or your own as file.py:Class."),
+    typer.Option(
+        "--agent",
+        help="greedy, exploring, bfs, ucs, astar, weighted-astar, greedy-best-first, ppo:FILE, "
+        "q:FILE, or your own as file.py:Class.",
+    ),
 ]
 LayoutOption = Annotated[
-    Path | None, typer.Option("--layout", metavar="FILE", help="Text file of # . P D rows.")
+    Path | None,
+    typer.Option("--layout", metavar="FILE", help="Text file of # . P D rows, or MovingAI's .map."),
 ]
 SeedOption = Annotated[
     int | None, typer.Option("--seed", metavar="N", help="Repeats a run; drawn if not given.")
@@ -90,8 +102,8 @@ def main(app: typer.Typer, arguments: Sequence[str] | None = None) -> None:
 
 
 def load_layout(path: Path | None) -> Layout:
-    """Read a layout; without a path it is the chapter's."""
-    return DEFAULT_LAYOUT if path is None else Layout.load(path)
+    """Read a layout, a ``.map`` as MovingAI has it; without a path it is the chapter's."""
+    return DEFAULT_LAYOUT if path is None else layout_files.load_layout(path)
 
 
 def _fail(message: str, code: int) -> int:

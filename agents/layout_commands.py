@@ -1,7 +1,8 @@
-"""``warehouse layout``: make up, check and print layouts."""
+"""``warehouse layout``: make up, import, check and print layouts."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Annotated
 
@@ -9,12 +10,24 @@ import typer
 
 from agents.console import load_layout
 from warehouse_core import Layout, LayoutError, random_layout, shelf_layout
+from warehouse_core.layout_files import save_layout
+from warehouse_core.layout_generator import benchmark_warehouse
+from warehouse_core.moving_ai import load_map
 
-app = typer.Typer(no_args_is_help=True, help="Make up, check and print layouts.")
+app = typer.Typer(no_args_is_help=True, help="Make up, import, check and print layouts.")
+
+BENCHMARK = re.compile("-".join([r"(\d{1,9})"] * 5), re.ASCII)
+"""Sizes of more digits are too large whatever the others are."""
 
 SeedOption = Annotated[int, typer.Option("--seed", help="Repeats a layout.")]
 OutputOption = Annotated[
-    Path | None, typer.Option("--output", "-o", metavar="FILE", help="Write it to a file.")
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="FILE",
+        help="Write it to a file; as .map it is MovingAI's, without stations.",
+    ),
 ]
 
 
@@ -45,9 +58,39 @@ def shelves(
 
 
 @app.command()
+def warehouse(
+    name: Annotated[
+        str, typer.Argument(metavar="C-R-L-W-A", help="Blocks C x R of L x W cells, aisles of A.")
+    ],
+    output: OutputOption = None,
+) -> None:
+    """Make up a warehouse of the MAPF benchmarks, such as 10-20-10-2-1."""
+    sizes = BENCHMARK.fullmatch(name)
+    if not sizes:
+        raise LayoutError(
+            f"{name!r} is no warehouse; allowed: five whole numbers C-R-L-W-A, such as 10-20-10-2-1"
+        )
+    columns, rows, length, depth, aisle = map(int, sizes.groups())
+    _hand_over(benchmark_warehouse(columns, rows, length, depth, aisle), output)
+
+
+@app.command("import")
+def import_map(
+    file: Annotated[Path, typer.Argument(metavar="FILE.map", help="A map in MovingAI's format.")],
+    robot_runners: Annotated[
+        bool,
+        typer.Option("--robot-runners", help="E is a pickup, S a dropoff; without it S is swamp."),
+    ] = False,
+    output: OutputOption = None,
+) -> None:
+    """Read a map from outside."""
+    _hand_over(load_map(file, robot_runners=robot_runners), output)
+
+
+@app.command()
 def check(file: Annotated[Path, typer.Argument(help="A layout file.")]) -> None:
     """Say whether a layout can be read, and whether an item can be delivered in it."""
-    layout = Layout.load(file)
+    layout = load_layout(file)
     for name, stations in (("pickup P", layout.pickups), ("dropoff D", layout.dropoffs)):
         if not stations:
             raise LayoutError(f"{file}: there is no {name}")
@@ -79,5 +122,5 @@ def _hand_over(layout: Layout, output: Path | None) -> None:
     if output is None:
         typer.echo(layout)
     else:
-        layout.save(output)
+        save_layout(layout, output)
         typer.echo(f"saved {output}")

@@ -53,10 +53,11 @@ def run_episode(
     Raises:
         ValueError: a name or number that is not allowed.
     """
-    env = make_env(layout or DEFAULT_LAYOUT, backend, battery, max_steps)
+    layout = layout or DEFAULT_LAYOUT
+    env = make_env(layout, backend, battery, max_steps)
     seed = draw_seed() if seed is None else seed
     try:
-        return record_episode(env, make_agent(agent, seed), seed=seed)
+        return record_episode(env, make_agent(agent, seed, layout), seed=seed)
     finally:
         env.close()
 

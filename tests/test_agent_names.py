@@ -5,13 +5,14 @@ import pytest
 from networks import random_network
 
 from agents.agent_error import AgentError
-from agents.agent_names import AGENTS, TRAINED, make_agent
+from agents.agent_names import TRAINED, make_agent
 from agents.policy_network import PolicyNetwork
 from agents.ppo_agent import PPOAgent
 from agents.q_learning import QAgent, QTable
 from agents.q_table_file import save_table
 from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core import WarehouseEnv, record_episode
+from agents.warehouse_agent_search import ExploringAgent, SearchAgent
+from warehouse_core import Layout, WarehouseEnv, record_episode
 
 METHODS = """
     def reset(self):
@@ -40,7 +41,17 @@ def test_a_built_in_agent_is_made_by_its_name() -> None:
     agent = make_agent("greedy", 7)
     assert isinstance(agent, GreedyAgent)
     assert agent.seed == 7
-    assert {"greedy": GreedyAgent} == AGENTS
+    assert isinstance(make_agent("exploring"), ExploringAgent)
+
+
+def test_an_agent_that_takes_a_layout_is_given_it(agent_file: Path) -> None:
+    hall = Layout(["######", "#P..D#", "######"])
+    searching = make_agent("astar", 7, hall)
+    assert isinstance(searching, SearchAgent)
+    assert searching.layout is hall
+    assert searching.algorithm == "astar"
+    agent_file.write_text(WITH_SEED.replace("seed=None", "layout, seed=None"))
+    assert make_agent(f"{agent_file}:Mine", 7, hall).seed == 7  # type: ignore[attr-defined]
 
 
 def test_an_agent_without_a_seed_is_made_with_none() -> None:
@@ -103,8 +114,8 @@ def test_an_agent_may_be_a_dataclass(agent_file: Path) -> None:
 
 def test_an_unknown_name_is_refused_with_what_is_allowed() -> None:
     assert refusal("clever") == (
-        "no agent is called 'clever'; allowed: greedy, ppo:FILE, q:FILE, "
-        "or your own as file.py:Class or module:Class"
+        "no agent is called 'clever'; allowed: greedy, exploring, bfs, ucs, greedy-best-first, "
+        "astar, weighted-astar, ppo:FILE, q:FILE, or your own as file.py:Class or module:Class"
     )
     assert "no agent is called ''" in refusal("")
 

@@ -144,10 +144,16 @@ def test_every_seed_has_its_layout_and_its_agent() -> None:
     assert make_env(random, 1).grid == make_env(random, 1).grid
     for escape in (True, False):
         case = make_case({"escape": escape})
-        agents = [make_agent_for(case, seed) for seed in (1, 2)]
+        agents = [make_agent_for(case, seed, DEFAULT_LAYOUT) for seed in (1, 2)]
         assert [agent.seed for agent in agents] == [1, 2]  # type: ignore[attr-defined]
 
 
 def test_the_key_of_a_case_does_not_depend_on_the_order_of_its_settings() -> None:
     case = make_case({})
     assert key_of(dict(reversed(case.items()))) == key_of(case)
+
+
+def test_a_layout_may_be_a_map_of_movingai(tmp_path: Path) -> None:
+    path = tmp_path / "hall.map"
+    path.write_text("type octile\nheight 1\nwidth 4\nmap\n@..@\n")
+    assert make_case({"layout": str(path)})["tiles"] == ["#..#"]

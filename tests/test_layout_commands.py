@@ -3,13 +3,22 @@ from pathlib import Path
 import pytest
 from command_line import command, refusal
 
-from warehouse_core import DEFAULT_LAYOUT, Layout, random_layout, shelf_layout
+from warehouse_core import DEFAULT_LAYOUT, Episode, Layout, random_layout, shelf_layout
+from warehouse_core.layout_generator import benchmark_warehouse
+from warehouse_core.moving_ai import load_map
 
 
 @pytest.fixture
 def room(tmp_path: Path) -> Path:
     path = tmp_path / "room.txt"
     path.write_text("#####\n#P.D#\n#...#\n#####\n")
+    return path
+
+
+@pytest.fixture
+def outside(tmp_path: Path) -> Path:
+    path = tmp_path / "outside.map"
+    path.write_text("type octile\nheight 2\nwidth 4\nmap\n@.S.\nT...\n")
     return path
 
 
@@ -83,6 +92,8 @@ def test_a_file_that_cannot_be_written_is_named(
         (["generate", "--density", "nan"], "density is nan"),
         (["shelves", "--rows", 0], "shelf_rows is 0"),
         (["shelves", "--aisle", -1], "aisle is -1"),
+        (["warehouse", "10-20-10-0-1"], "depth is 0; it must be at least 1"),
+        (["warehouse", "999999999-1-1-1-1"], "more than MAX_CELLS"),
     ],
 )
 def test_a_size_that_is_not_allowed_is_named(
@@ -157,5 +168,93 @@ def test_print_shows_the_chapters_layout_without_a_file(
 def test_the_group_explains_itself(capsys: pytest.CaptureFixture[str]) -> None:
     result = command(capsys, "layout", "--help")
     assert result.code == 0
-    assert all(name in result.out for name in ("generate", "shelves", "check", "print"))
+    names = ("generate", "shelves", "warehouse", "import", "check", "print")
+    assert all(name in result.out for name in names)
     assert refusal(capsys, "layout", "frobnicate", code=2)
+
+
+def test_warehouse_makes_the_benchmark_of_that_name(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    result = command(capsys, "layout", "warehouse", "3-4-5-2-1")
+    assert result.code == 0
+    assert layout_in(result.out) == benchmark_warehouse(3, 4, 5, 2, 1)
+    hall = tmp_path / "hall.txt"
+    assert command(capsys, "layout", "warehouse", "3-4-5-2-1", "-o", hall).code == 0
+    assert Layout.load(hall) == benchmark_warehouse(3, 4, 5, 2, 1)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "10-20-10-2",
+        "10-20-10-2-1-1",
+        "10x20x10x2x1",
+        "1-1-1-1-",
+        "1-1-1-1-x",
+        f"1-1-1-1-{'9' * 5000}",
+    ],
+)
+def test_a_name_of_no_warehouse_is_refused_with_what_is_allowed(
+    capsys: pytest.CaptureFixture[str], name: str
+) -> None:
+    message = refusal(capsys, "layout", "warehouse", name)
+    assert name[:10] in message
+    if len(name) < 100:
+        assert message.endswith("five whole numbers C-R-L-W-A, such as 10-20-10-2-1")
+
+
+def test_import_reads_a_map_from_outside(
+    capsys: pytest.CaptureFixture[str], outside: Path, tmp_path: Path
+) -> None:
+    assert command(capsys, "layout", "import", outside) == (0, "#...\n#...\n", "")
+    hall = tmp_path / "hall.txt"
+    words = ["layout", "import", outside, "-o", hall]
+    assert command(capsys, *words) == (0, f"saved {hall}\n", "")
+    assert Layout.load(hall).rows == ("#...", "#...")
+
+
+def test_import_reads_the_dialect_only_when_told(
+    capsys: pytest.CaptureFixture[str], outside: Path
+) -> None:
+    outside.write_text(outside.read_text().replace("T...", "T.E."))
+    message = refusal(capsys, "layout", "import", outside)
+    assert message.startswith(f"{outside}: line 6, column 3: 'E' is no terrain")
+    words = ["layout", "import", outside, "--robot-runners"]
+    assert command(capsys, *words) == (0, "#.D.\n#.P.\n", "")
+
+
+@pytest.mark.parametrize("name", ["import", "check", "print"])
+def test_a_map_from_outside_is_refused_where_it_is_wrong(
+    capsys: pytest.CaptureFixture[str], outside: Path, name: str
+) -> None:
+    outside.write_text(outside.read_text().replace("T...", "T.x."))
+    message = refusal(capsys, "layout", name, outside)
+    assert message.startswith(f"{outside}: line 6, column 3: 'x' is no terrain")
+
+
+def test_import_takes_a_map_under_any_name(
+    capsys: pytest.CaptureFixture[str], outside: Path
+) -> None:
+    renamed = outside.rename(outside.with_suffix(".octile"))
+    assert command(capsys, "layout", "import", renamed).out == "#...\n#...\n"
+
+
+def test_a_layout_saved_as_a_map_is_moving_ais(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    hall = tmp_path / "hall.map"
+    assert command(capsys, "layout", "shelves", "-o", hall).out == f"saved {hall}\n"
+    assert load_map(hall) == shelf_layout().with_stations(None, None)
+
+
+def test_a_map_from_outside_is_a_layout_for_every_command(
+    capsys: pytest.CaptureFixture[str], outside: Path, tmp_path: Path
+) -> None:
+    assert command(capsys, "layout", "print", outside).out == "#...\n#...\n"
+    assert refusal(capsys, "layout", "check", outside) == f"{outside}: there is no pickup P"
+    record = tmp_path / "episode.npz"
+    words = ["run", "--layout", outside, "--seed", 1, "--save", record, "--no-show"]
+    assert command(capsys, *words).code == 0
+    walls = Episode.load(record).layout.with_stations(None, None)
+    assert walls.rows == ("#...", "#...")

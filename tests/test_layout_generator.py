@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from warehouse_core import Layout, LayoutError, WarehouseEnv, random_layout, shelf_layout
 from warehouse_core import layout_generator as generator_module
-from warehouse_core.layout_generator import MAX_DENSITY
+from warehouse_core.layout_generator import MAX_DENSITY, benchmark_warehouse
 
 sizes = st.integers(4, 16)
 densities = st.floats(0, MAX_DENSITY)
@@ -140,3 +140,68 @@ def test_the_seed_chooses_the_stations_of_shelves() -> None:
 def test_a_shelf_size_below_one_is_refused(name: str, size: int) -> None:
     with pytest.raises(LayoutError, match=f"{name} is {size}; it must be at least 1"):
         shelf_layout(**{name: size})
+
+
+@pytest.mark.parametrize(
+    ("sizes", "width", "height", "open_cells"),
+    [
+        ((10, 20, 10, 2, 1), 161, 63, 5699),
+        ((10, 20, 10, 2, 2), 170, 84, 9776),
+        ((20, 40, 10, 2, 1), 321, 123, 22599),
+        ((20, 40, 10, 2, 2), 340, 164, 38756),
+    ],
+)
+def test_the_published_warehouses_have_their_sizes(
+    sizes: tuple[int, int, int, int, int], width: int, height: int, open_cells: int
+) -> None:
+    layout = benchmark_warehouse(*sizes)
+    assert (layout.width, layout.height) == (width, height)
+    assert len(layout.open_cells) == open_cells
+
+
+def test_a_benchmark_warehouse_has_the_smaller_margin_on_the_left() -> None:
+    assert benchmark_warehouse(1, 2, 4, 2, 1).rows == (
+        "###########",
+        "#.........#",
+        "#..####...#",
+        "#..####...#",
+        "#.........#",
+        "#..####...#",
+        "#..####...#",
+        "#.........#",
+        "###########",
+    )
+    assert benchmark_warehouse(2, 1, 2, 1, 3).rows[4] == "#.....##...##.....#"
+
+
+@given(counts, counts, counts, counts, counts)
+def test_a_benchmark_warehouse_is_of_the_sizes_asked_for(
+    columns: int, rows: int, length: int, depth: int, aisle: int
+) -> None:
+    layout = benchmark_warehouse(columns, rows, length, depth, aisle)
+    assert layout.width == columns * (length + aisle) - aisle + 5 * columns + 2
+    assert layout.height == rows * (depth + aisle) + aisle + 2
+    inside = (layout.height - 2) * (layout.width - 2)
+    assert inside - len(layout.open_cells) == columns * rows * length * depth
+    assert len(layout.reachable_from((1, 1))) == len(layout.open_cells)
+    assert layout.pickups == layout.dropoffs == ()
+
+
+@pytest.mark.parametrize("name", ["columns", "rows", "length", "depth", "aisle"])
+@pytest.mark.parametrize("size", [0, -1])
+def test_a_size_of_a_benchmark_warehouse_below_one_is_refused(name: str, size: int) -> None:
+    sizes = {"columns": 2, "rows": 2, "length": 2, "depth": 2, "aisle": 2}
+    with pytest.raises(LayoutError, match=f"^{name} is {size}; it must be at least 1"):
+        benchmark_warehouse(**(sizes | {name: size}))
+
+
+def test_a_benchmark_warehouse_too_large_is_refused_before_it_is_built(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with pytest.raises(LayoutError, match="cells are more than MAX_CELLS = 16000000"):
+        benchmark_warehouse(10**12, 1, 1, 1, 1)
+    monkeypatch.setattr(generator_module, "MAX_CELLS", 45)
+    assert benchmark_warehouse(1, 1, 2, 1, 1).height == 5
+    monkeypatch.setattr(generator_module, "MAX_CELLS", 44)
+    with pytest.raises(LayoutError, match="5 x 9 cells are more than MAX_CELLS = 44"):
+        benchmark_warehouse(1, 1, 2, 1, 1)

@@ -7,14 +7,19 @@ from collections.abc import Iterator, Sequence
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
 from warehouse_core.layout import DROPOFF, EMPTY, PICKUP, WALL, runs_of
-from warehouse_core.palette import COLORS, FAINT, HIT, INK
+from warehouse_core.palette import COLORS, FAINT, HIT, INK, UNKNOWN, UNKNOWN_STRIPE
 from warehouse_core.robot_view import RobotView, letter
 from warehouse_core.scene_figure import SceneFigure
-from warehouse_core.track import Hit, Rows
+from warehouse_core.tile_atlas import UNSEEN
+from warehouse_core.track import Hit, Point, Rows
+
+ROUTE_STYLE: tuple[float, tuple[float, ...]] = (0, (1.0, 1.6))
+"""Dots: a trail is a line or dashes."""
 
 
 class GridView:
@@ -32,7 +37,9 @@ class GridView:
         self, figure: SceneFigure, axes: Axes, cell_points: float, rows: Rows, robots: int = 1
     ) -> None:
         self._axes = axes
+        self._figure = figure
         self._cell_points = cell_points
+        self._route: Line2D | None = None
         self._tiles: list[Artist] = []
         self._rows: Rows = ()
         self._prepare_axes(len(rows), len(rows[0]))
@@ -60,6 +67,7 @@ class GridView:
             self._rectangles(rows, PICKUP, inset=0.06),
             self._rectangles(rows, DROPOFF, inset=0.06),
             *self._letters(rows),
+            *self._unseen(rows),
         ]
 
     def show_hits(self, hits: Sequence[Hit]) -> None:
@@ -69,6 +77,16 @@ class GridView:
         self._hit_label.set_visible(bool(label))
         if label:
             self._hit_label.set(text=label, position=(hits[-1].at[0], hits[-1].at[1] - 0.25))
+
+    def show_route(self, points: Sequence[Point]) -> None:
+        """Draw the way that the robot means to go, as dots."""
+        if self._route is None:
+            width = max(1.8, self._cell_points / 14)
+            self._route = self._axes.add_line(
+                Line2D([], [], color=INK, linestyle=ROUTE_STYLE, linewidth=width, zorder=1.9)
+            )
+            self._figure.add_mover(self._route)
+        self._route.set_data([x for x, _ in points], [y for _, y in points])
 
     def _prepare_axes(self, height: int, width: int) -> None:
         axes = self._axes
@@ -109,6 +127,21 @@ class GridView:
         )
         self._axes.add_collection(patches)
         return patches
+
+    def _unseen(self, rows: Rows) -> Iterator[PatchCollection]:
+        """Yield stripes over what nobody has seen, if there is any."""
+        rectangles = [
+            Rectangle((left, row), right - left, 1)
+            for row, line in enumerate(rows)
+            for left, right in runs_of(UNSEEN, line)
+        ]
+        if rectangles:
+            patches = PatchCollection(
+                rectangles, facecolor=UNKNOWN, edgecolor=UNKNOWN_STRIPE, linewidth=0,
+                hatch="///", antialiased=False, zorder=1,
+            )  # fmt: skip
+            self._axes.add_collection(patches)
+            yield patches
 
     def _letters(self, rows: Rows) -> Iterator[Text]:
         for row, line in enumerate(rows):

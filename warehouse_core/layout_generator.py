@@ -1,4 +1,4 @@
-"""Layouts made up from a seed. Every open cell of one can be reached from every other.
+"""Layouts made up from sizes and a seed. Every open cell can be reached from every other.
 
 So wherever pickup, dropoff and robot are put or drawn, the item can be delivered.
 """
@@ -74,9 +74,7 @@ def shelf_layout(
         "shelf_depth": shelf_depth,
         "aisle": aisle,
     }
-    for name, size in sizes.items():
-        if size < 1:
-            raise LayoutError(f"{name} is {size}; it must be at least 1")
+    _check_sizes(sizes)
     lane = EMPTY * (shelf_columns * (shelf_length + aisle) + aisle)
     shelves = EMPTY * aisle + (WALL * shelf_length + EMPTY * aisle) * shelf_columns
     block = [shelves] * shelf_depth + [lane] * aisle
@@ -91,6 +89,45 @@ def shelf_layout(
     ]
     bottom = [(layout.height - 2, col) for col in range(1, layout.width - 1)]
     return layout.with_stations(stream.choice(beside_shelf), stream.choice(bottom))
+
+
+def benchmark_warehouse(columns: int, rows: int, length: int, depth: int, aisle: int) -> Layout:
+    """Return the benchmark map ``warehouse-C-R-L-W-A``, without stations.
+
+    It is ``C(L + A) - A + 5C + 2`` cells wide and ``R(W + A) + A + 2`` high. The ``5C`` are two
+    open margins, ``5C // 2`` cells on the left and the rest on the right.
+
+    Args:
+        columns: ``C``, shelf blocks from left to right, at least 1.
+        rows: ``R``, shelf blocks from top to bottom, at least 1.
+        length: ``L``, cells of a block from left to right, at least 1.
+        depth: ``W``, cells of a block from top to bottom, at least 1.
+        aisle: ``A``, cells between blocks, and along the top and the bottom border, at least 1.
+
+    Raises:
+        LayoutError: a size that is not allowed, or more than ``MAX_CELLS`` cells.
+
+    Source: Stern et al. (2019), Multi-Agent Pathfinding: Definitions, Variants, and Benchmarks.
+    """
+    _check_sizes(
+        {"columns": columns, "rows": rows, "length": length, "depth": depth, "aisle": aisle}
+    )
+    width = columns * (length + aisle) - aisle + 5 * columns + 2
+    height = rows * (depth + aisle) + aisle + 2
+    if height * width > MAX_CELLS:
+        raise LayoutError(f"{height} x {width} cells are more than MAX_CELLS = {MAX_CELLS}")
+    left = 5 * columns // 2
+    blocks = (EMPTY * aisle).join([WALL * length] * columns)
+    shelves = f"{WALL}{EMPTY * left}{blocks}".ljust(width - 1, EMPTY) + WALL
+    lane = f"{WALL}{EMPTY * (width - 2)}{WALL}"
+    inside = [lane] * aisle + ([shelves] * depth + [lane] * aisle) * rows
+    return Layout([WALL * width, *inside, WALL * width])
+
+
+def _check_sizes(sizes: dict[str, int]) -> None:
+    for name, size in sizes.items():
+        if size < 1:
+            raise LayoutError(f"{name} is {size}; it must be at least 1")
 
 
 def _strew_walls(tiles: list[list[str]], density: float, stream: random.Random) -> None:

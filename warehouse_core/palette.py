@@ -32,7 +32,10 @@ PALE_WARNING: Color = (1.0, 0.85, 0.85)
 HIT: Color = (1.0, 0.85, 0.1)
 
 UNKNOWN: Color = (0.62, 0.62, 0.66)
-"""Of a cell that a robot does not see. No replay has one, nor has the palette of its files."""
+"""Of a cell that a robot does not see. The palette of files has one as near as makes no odds."""
+
+UNKNOWN_STRIPE: Color = (0.72, 0.72, 0.75)
+"""Of the stripes across such a cell."""
 
 LineStyle = Literal["-"] | tuple[float, tuple[float, ...]]
 

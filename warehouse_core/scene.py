@@ -12,14 +12,24 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import SubFigure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 
 from warehouse_core.charts import BatteryBar, DistanceChart, MotionChart, RewardChart
-from warehouse_core.grid_view import GridView
-from warehouse_core.palette import COLORS, HIT, INK, TRAIL_COLORS, TRAIL_STYLES
+from warehouse_core.grid_view import ROUTE_STYLE, GridView
+from warehouse_core.palette import (
+    COLORS,
+    HIT,
+    INK,
+    TRAIL_COLORS,
+    TRAIL_STYLES,
+    UNKNOWN,
+    UNKNOWN_STRIPE,
+)
 from warehouse_core.scene_figure import SceneFigure
 from warehouse_core.sight import ROBOT_EMPTY, ROBOT_LOADED
 from warehouse_core.track import Track
@@ -62,7 +72,7 @@ class _Plan:
         )
 
 
-def _plan(track: Track, foot: float) -> _Plan:
+def _plan(track: Track, foot: float, body: float = 0.0) -> _Plan:
     height, width = len(track.tiles[0]), len(track.tiles[0][0])
     cell = min(GRID_INCHES[0] / width, GRID_INCHES[1] / height, MAX_CELL_INCHES)
     has_charts = bool(track.metrics.keys() - {"battery"}) or bool(track.clock)
@@ -71,7 +81,7 @@ def _plan(track: Track, foot: float) -> _Plan:
         grid_width=cell * width,
         grid_height=cell * height,
         left_width=max(cell * width, 4.8),
-        body_height=max(cell * height, 4.2 if track.clock else 3.2 if has_charts else 0.0),
+        body_height=max(cell * height, 4.2 if track.clock else 3.2 if has_charts else body),
         has_charts=has_charts,
         has_battery="battery" in track.metrics,
         foot=foot,
@@ -85,6 +95,8 @@ class Scene:
         track: with at least one frame.
         make_figure: makes the figure, once its size is known.
         length: steps, and one, to leave room for where the track is still growing.
+        height: of the figure in inches, where it is to be higher than the track needs.
+        body: height of the grid's part in inches, for a track without charts beside one with.
         legend: draw the legend along the bottom.
     """
 
@@ -95,11 +107,12 @@ class Scene:
         *,
         length: int | None = None,
         height: float = 0.0,
+        body: float = 0.0,
         legend: bool = True,
     ) -> None:
         self._track = track
         self._length = length or track.steps + 1
-        plan = _plan(track, FOOT if legend else MARGIN)
+        plan = _plan(track, FOOT if legend else MARGIN, body)
         self.figure = make_figure(plan.size)
         root = self.figure.get_figure(root=True)
         assert isinstance(root, SceneFigure), "make_figure makes nothing else"
@@ -109,7 +122,7 @@ class Scene:
         self._charts = [*self._make_charts(plan), *self._make_battery(plan)]
         self._make_texts()
         if legend:
-            draw_legend(self.figure)
+            draw_legend(self.figure, has_belief=bool(track.routes))
         self.show(0)
 
     def __len__(self) -> int:
@@ -121,6 +134,8 @@ class Scene:
         self._grid.show_tiles(track.tiles[frame])
         for robot, poses in zip(self._grid.robots, [track.poses, *track.others], strict=True):
             robot.show(poses[: frame + 1])
+        if track.routes:
+            self._grid.show_route(track.routes[frame])
         self._grid.show_hits(track.hits[frame])
         for chart in self._charts:
             chart.show(track, frame)
@@ -215,7 +230,8 @@ class PairScene:
     def __init__(
         self, left: Track, right: Track, make_figure: Callable[[tuple[float, float]], SceneFigure]
     ) -> None:
-        sizes = [_plan(track, MARGIN).size for track in (left, right)]
+        body = max(_plan(track, MARGIN).body_height for track in (left, right))
+        sizes = [_plan(track, MARGIN, body).size for track in (left, right)]
         width, height = sizes[0][0] + sizes[1][0], max(size[1] for size in sizes)
         self.root = make_figure((width, height + FOOT))
         halves: Any = self.root.subfigures(2, 1, height_ratios=[height, FOOT])
@@ -225,11 +241,13 @@ class PairScene:
         tracks, by_clock = (left, right), bool(left.clock and right.clock)
         self._times = [track.clock if by_clock else track.progress for track in tracks]
         self._scenes = [
-            Scene(track, partial(_part, part), length=length, height=height, legend=False)
+            Scene(
+                track, partial(_part, part), length=length, height=height, body=body, legend=False
+            )
             for track, part in zip(tracks, parts, strict=True)
         ]
         self._moments = sorted({*self._times[0], *self._times[1]})
-        draw_legend(bottom)
+        draw_legend(bottom, has_belief=bool(left.routes or right.routes))
 
     def __len__(self) -> int:
         return len(self._moments)
@@ -240,9 +258,14 @@ class PairScene:
             scene.show(bisect_right(times, self._moments[frame]) - 1)
 
 
-def draw_legend(figure: SceneFigure | SubFigure) -> Legend:
-    """Draw the one legend along the bottom: tiles, robots and trails, with their letters."""
-    handles: list[Line2D] = []
+def draw_legend(figure: SceneFigure | SubFigure, *, has_belief: bool = False) -> Legend:
+    """Draw the one legend along the bottom: tiles, robots and trails, with their letters.
+
+    Args:
+        figure: to draw into.
+        has_belief: explain what is not seen yet, and the plan.
+    """
+    handles: list[Artist] = []
     labels = []
     for character, meaning in LEGEND.items():
         is_robot = character in (ROBOT_EMPTY, ROBOT_LOADED)
@@ -258,7 +281,16 @@ def draw_legend(figure: SceneFigure | SubFigure) -> Legend:
         Line2D([], [], marker="*", markersize=11, linestyle="none", color=HIT, mec=INK, mew=0.6)
     )
     labels.append("hit")
+    if has_belief:
+        handles += _belief_handles()
+        labels += ["not seen yet", "plan"]
     return figure.legend(
-        handles, labels, loc="lower center", ncols=5, fontsize=8, frameon=False,
-        handlelength=2.0, columnspacing=1.4, handletextpad=0.5,
+        handles, labels, loc="lower center", ncols=6 if has_belief else 5, fontsize=8,
+        frameon=False, handlelength=2.0, columnspacing=1.4, handletextpad=0.5,
     )  # fmt: skip
+
+
+def _belief_handles() -> list[Artist]:
+    """Return the signs of what is not seen yet, and of the plan."""
+    unseen = Rectangle((0, 0), 1, 1, facecolor=UNKNOWN, edgecolor=UNKNOWN_STRIPE, hatch="//////")
+    return [unseen, Line2D([], [], color=INK, linestyle=ROUTE_STYLE, lw=2.2)]

@@ -53,7 +53,7 @@ class Track:
     """Everything a replay shows. ``F`` is the number of drawn frames, ``S`` of steps plus one.
 
     Attributes:
-        tiles: ``[F]`` rows of tiles without the robot.
+        tiles: ``[F]`` rows of tiles without the robot, ``UNSEEN`` where nobody has looked yet.
         poses: ``[F]`` of the robot, ``None`` where a frame has none.
         progress: ``[F]`` steps taken, with a fraction inside a continuous motion.
         metrics: for some of ``METRICS`` a list ``[S]``; NaN is not drawn.
@@ -63,6 +63,7 @@ class Track:
         clock: ``[F]`` simulated seconds; empty where motions are not continuous, as are the next.
         speed: ``[F]`` in m/s.
         energy: ``[F]`` used so far, in joules.
+        routes: ``[F]`` the way that the robot means to go; empty where no plan is shown.
         full_battery: units of a full battery.
         title: shown above the grid.
         ending: how it ended, shown with the last frame.
@@ -78,6 +79,7 @@ class Track:
     clock: list[float] = field(default_factory=list)
     speed: list[float] = field(default_factory=list)
     energy: list[float] = field(default_factory=list)
+    routes: list[tuple[Point, ...]] = field(default_factory=list)
     full_battery: float = 1.0
     title: str = ""
     ending: str = ""
@@ -106,10 +108,7 @@ def track_of_episode(episode: Episode, frame_seconds: float = FRAME_SECONDS) -> 
     """
     if not (math.isfinite(frame_seconds) and frame_seconds > 0):
         raise ValueError(f"frame_seconds is {frame_seconds!r}; it must be positive and finite")
-    captions = [
-        _printable(f"{action} ({reason})" if reason else str(action))
-        for action, reason in zip(episode.actions, episode.reasons, strict=True)
-    ]
+    captions = step_captions(episode)
     first: Pose | None = Pose(_middle(episode.cells[0]), None, episode.loaded[0])
     track = Track([], [first], [0.0], episode.metrics, [""], [()])
     if any(len(motion.path) > 2 for motion in episode.motions):
@@ -126,6 +125,14 @@ def track_of_episode(episode: Episode, frame_seconds: float = FRAME_SECONDS) -> 
         diagnosis = diagnose(episode)
         track.ending, track.captions[-1] = diagnosis.mode, diagnosis.sentence
     return track
+
+
+def step_captions(episode: Episode) -> list[str]:
+    """Return for each step what was done and why."""
+    return [
+        _printable(f"{action} ({reason})" if reason else str(action))
+        for action, reason in zip(episode.actions, episode.reasons, strict=True)
+    ]
 
 
 def _follow_steps(track: Track, episode: Episode, captions: list[str]) -> None:

@@ -28,6 +28,7 @@ from agents.experiments.setting import (
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, WarehouseEnv, random_layout
 from warehouse_core.backends import Backend
+from warehouse_core.layout_files import load_layout
 
 Case = Mapping[str, Any]
 
@@ -51,10 +52,11 @@ def make_case(settings: Mapping[str, Value]) -> dict[str, Any]:
             case[name] = settings[name]
     if case["layout"] != RANDOM:
         is_default = case["layout"] == DEFAULT
-        layout = DEFAULT_LAYOUT if is_default else Layout.load(case["layout"])
+        layout = DEFAULT_LAYOUT if is_default else load_layout(case["layout"])
         case[TILES] = list(layout.rows)
-    make_env(case, seed=0).close()
-    _try_agent(case)
+    env = make_env(case, seed=0)
+    env.close()
+    _try_agent(case, env.layout)
     fingerprint = agent_fingerprint(case)
     if fingerprint is not None:
         case[FINGERPRINT] = fingerprint
@@ -103,19 +105,19 @@ def make_env(case: Case, seed: int) -> WarehouseEnv:
     )
 
 
-def make_agent_for(case: Case, seed: int) -> Agent:
-    """Return the agent of a case, seeded if it takes a seed."""
+def make_agent_for(case: Case, seed: int, layout: Layout) -> Agent:
+    """Return the agent of a case, with the seed and the layout if it takes them."""
     if is_greedy(case):
         if case["escape"]:
             return GreedyAgent(seed, case["memory"])
         return GreedyAgent(seed, escape_steps=0)
-    return make_agent(case["agent"], seed)
+    return make_agent(case["agent"], seed, layout)
 
 
-def _try_agent(case: Case) -> None:
+def _try_agent(case: Case, layout: Layout) -> None:
     """Make an agent, and see to it that whatever its file raises becomes one line."""
     try:
-        make_agent_for(case, seed=0)
+        make_agent_for(case, 0, layout)
     except (AgentError, OSError):
         raise
     except (Exception, SystemExit) as error:

@@ -47,7 +47,7 @@ def run_one(case: Case, seed: int) -> Episode:
     """Run one episode of a case and return its record."""
     env = make_env(case, seed)
     try:
-        return record_episode(env, make_agent_for(case, seed), seed=seed)
+        return record_episode(env, make_agent_for(case, seed, env.layout), seed=seed)
     finally:
         env.close()
 

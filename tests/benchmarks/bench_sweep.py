@@ -83,7 +83,7 @@ def bare_loop() -> None:
     """Run the same episodes as they would be run without workers or a file."""
     for seed in range(EPISODES):
         env = make_env(CASE, seed)
-        diagnose(record_episode(env, make_agent_for(CASE, seed), seed=seed))
+        diagnose(record_episode(env, make_agent_for(CASE, seed, env.layout), seed=seed))
 
 
 def test_two_workers_against_one(one_and_two, times_faster) -> None:

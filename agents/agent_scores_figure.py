@@ -1,0 +1,60 @@
+"""The figure of how several agents do: a panel a measure, a bar an agent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator, PercentFormatter
+
+from agents.agent_scores import Scores
+from agents.interval import Interval
+from warehouse_core.display import make_figure
+from warehouse_core.palette import BATTERY, FAINT, INK, WARNING
+from warehouse_core.scene_figure import SceneFigure
+
+SIZE, DPI = (10.0, 5.2), 120
+
+PANELS: dict[str, Callable[[Scores], Interval | None]] = {
+    "delivered": lambda scores: scores.success,
+    "steps of a delivery": lambda scores: scores.steps,
+    "steps over the fewest there are": lambda scores: scores.ratio,
+    "nodes expanded in an episode": lambda scores: scores.expanded,
+    "seconds of a delivery": lambda scores: scores.seconds,
+    "joules of a delivery": lambda scores: scores.joules,
+}
+
+
+def scores_figure(scores: Mapping[str, Scores], title: str) -> SceneFigure:
+    """Draw what the agents come to, with 95% intervals."""
+    figure = make_figure(SIZE, DPI)
+    grid = figure.subplots(2, 3, sharey=True)
+    figure.subplots_adjust(left=0.16, right=0.97, top=0.85, bottom=0.08, wspace=0.12, hspace=0.42)
+    figure.suptitle(title, x=0.012, y=0.97, ha="left", fontsize=12, color=INK)
+    for axes, (name, measure) in zip(grid.flat, PANELS.items(), strict=True):
+        _draw(axes, name, list(scores), [measure(each) for each in scores.values()])
+    return figure
+
+
+def _draw(axes: Axes, name: str, agents: Sequence[str], found: Sequence[Interval | None]) -> None:
+    for place, interval in enumerate(found):
+        if interval is None:
+            continue
+        axes.barh(place, interval.estimate, 0.62, color=BATTERY)
+        if interval.is_known:
+            ends = [interval.estimate - interval.low], [interval.high - interval.estimate]
+            axes.errorbar(
+                interval.estimate, place, xerr=ends, ecolor=WARNING, capsize=3, fmt="none"
+            )
+    axes.set_title(name, loc="left", fontsize=9.5, color=INK)
+    axes.set_yticks(range(len(agents)), agents, fontsize=9)
+    axes.set_ylim(len(agents) - 0.4, -0.6)
+    axes.set_xlim(left=0)
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=5))
+    if name == "delivered":
+        axes.xaxis.set_major_formatter(PercentFormatter(1))
+        axes.set_xlim(0, 1)
+    axes.tick_params(labelsize=8)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.grid(axis="x", color=FAINT, linewidth=0.5)
+    axes.set_axisbelow(True)

@@ -1,0 +1,278 @@
+"""Search in the book's words: one best-first core, and the algorithms that it becomes.
+
+A *problem* has an initial state, actions, a transition model, action costs and a goal test. A
+*node* is a state with the path that led to it. The *frontier* holds the nodes that have been
+generated and not yet expanded; *reached* holds the best path known to each state. All that the
+algorithms differ in is which node is expanded next:
+
+| algorithm         | evaluation function f                 | section |
+| ----------------- | ------------------------------------- | ------- |
+| breadth-first     | the depth                             | 3.4.1   |
+| uniform-cost      | g, the path cost                      | 3.4.2   |
+| greedy best-first | h, the heuristic                      | 3.5.1   |
+| A*                | g + h                                 | 3.5.2   |
+| weighted A*       | g + W h                               | 3.5.4   |
+
+Of nodes that are evaluated alike the one generated last is expanded first: on a grid, where many
+paths are equally long, that goes straight on where the first in would widen all of them together.
+
+Source: Russell and Norvig, Artificial Intelligence, 4th ed., ch. 3.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Hashable, Iterable
+from dataclasses import dataclass, replace
+from heapq import heappop, heappush
+from typing import Generic, NamedTuple, TypeVar
+
+S = TypeVar("S", bound=Hashable)
+A = TypeVar("A")
+
+Evaluation = Callable[[S, float], float]
+"""f: how early a node is expanded, the least first, by its state and the cost of its path."""
+
+MAX_WEIGHT = 1_000_000
+"""Of the finite ones; what a far larger one weighs would be infinite, as if no way led on."""
+
+Heuristic = Callable[[S], float]
+"""h: an estimate of the cost from a state to the nearest goal."""
+
+Reached = dict[S, tuple[float, S | None, A | None]]
+"""To each state the cost of the best path known, and the state and the action before it."""
+
+
+class Problem(ABC, Generic[S, A]):
+    """A search problem (section 3.1.1).
+
+    Attributes:
+        initial: the state to begin with.
+    """
+
+    initial: S
+
+    @abstractmethod
+    def is_goal(self, state: S) -> bool:
+        """Say whether a state is a goal."""
+
+    @abstractmethod
+    def actions(self, state: S) -> Iterable[A]:
+        """Return the actions that can be executed in a state."""
+
+    @abstractmethod
+    def result(self, state: S, action: A) -> S:
+        """Return the state that an action leads to: the transition model."""
+
+    def action_cost(self, state: S, action: A, successor: S) -> float:
+        """Return what an action costs, at least 0; 1 unless a problem says otherwise."""
+        return 1.0
+
+    def expand(self, state: S) -> Iterable[tuple[A, S, float]]:
+        """Return each action with its result and its cost: EXPAND of figure 3.7."""
+        for action in self.actions(state):
+            successor = self.result(state, action)
+            yield action, successor, self.action_cost(state, action, successor)
+
+
+class Event(NamedTuple):
+    """One expansion, for a picture.
+
+    Attributes:
+        expanded: the state whose node was taken from the frontier.
+        reached: the states to which that found a first or a better path.
+    """
+
+    expanded: Hashable
+    reached: tuple[Hashable, ...]
+
+
+@dataclass(frozen=True)
+class Solution(Generic[S, A]):
+    """What a search has found.
+
+    Attributes:
+        states: the path from the initial state to a goal; empty where there is none.
+        actions: one fewer than the states; empty where there is no path.
+        cost: of the path; infinite where there is none.
+        generated: nodes, the first one included.
+        expanded: nodes.
+        largest_frontier: nodes that waited at once, those included that a better path has outdone.
+        events: one for each node expanded, in order, if they were asked for.
+    """
+
+    states: tuple[S, ...]
+    actions: tuple[A, ...]
+    cost: float
+    generated: int
+    expanded: int
+    largest_frontier: int
+    events: tuple[Event, ...] = ()
+
+    @property
+    def found(self) -> bool:
+        """Whether there is a path."""
+        return bool(self.states)
+
+
+def best_first_search(
+    problem: Problem[S, A], evaluate: Evaluation[S], *, with_events: bool = False
+) -> Solution[S, A]:
+    """Expand the node with the least evaluation until that is a goal (figure 3.7).
+
+    What is evaluated at infinity is left out: it says that no way leads on from there.
+
+    Args:
+        problem: to be solved.
+        evaluate: the evaluation function f.
+        with_events: record what is expanded and reached.
+
+    Raises:
+        ValueError: an action costs less than nothing, or its cost is no number.
+    """
+    start, order = problem.initial, 0
+    reached: Reached[S, A] = {start: (0.0, None, None)}
+    frontier: list[tuple[float, int, S, float]] = [(evaluate(start, 0.0), order, start, 0.0)]
+    generated, expanded, largest = 1, 0, 1
+    events: list[Event] = []
+    expand, is_goal = problem.expand, problem.is_goal
+    while frontier:
+        _, _, state, cost = heappop(frontier)
+        if cost > reached[state][0]:
+            continue  # a better path to it has been found since
+        if is_goal(state):
+            states, actions = _path(reached, state)
+            return Solution(states, actions, cost, generated, expanded, largest, tuple(events))
+        expanded += 1
+        fresh: list[S] = []
+        for action, successor, action_cost in expand(state):
+            generated += 1
+            path_cost = cost + action_cost
+            if not action_cost >= 0:
+                raise ValueError(f"{action!r} in {state!r} costs {action_cost!r}; at least 0")
+            known = reached.get(successor)
+            if known is None or path_cost < known[0]:
+                value = evaluate(successor, path_cost)
+                if value == math.inf:
+                    continue  # no way leads on from there
+                reached[successor] = (path_cost, state, action)
+                order -= 1  # of equals the last comes first
+                heappush(frontier, (value, order, successor, path_cost))
+                if with_events:
+                    fresh.append(successor)
+        if len(frontier) > largest:
+            largest = len(frontier)
+        if with_events:
+            events.append(Event(state, tuple(fresh)))
+    return Solution((), (), math.inf, generated, expanded, largest, tuple(events))
+
+
+def breadth_first_search(problem: Problem[S, A], *, with_events: bool = False) -> Solution[S, A]:
+    """Find a path of the fewest actions, whatever they cost (section 3.4.1)."""
+    found = best_first_search(_OneEach(problem), path_cost, with_events=with_events)
+    steps = zip(found.states, found.actions, found.states[1:], strict=False)
+    cost = sum((problem.action_cost(*step) for step in steps), 0.0)
+    return replace(found, cost=cost if found.found else math.inf)
+
+
+def uniform_cost_search(problem: Problem[S, A], *, with_events: bool = False) -> Solution[S, A]:
+    """Find a path of least cost, nearest states first (section 3.4.2)."""
+    return best_first_search(problem, path_cost, with_events=with_events)
+
+
+def greedy_best_first_search(
+    problem: Problem[S, A], heuristic: Heuristic[S], *, with_events: bool = False
+) -> Solution[S, A]:
+    """Find a path by going wherever the goal looks nearest (section 3.5.1)."""
+    return weighted_astar_search(problem, heuristic, math.inf, with_events=with_events)
+
+
+def astar_search(
+    problem: Problem[S, A], heuristic: Heuristic[S], *, with_events: bool = False
+) -> Solution[S, A]:
+    """Find a path of least cost, if the heuristic never overestimates (section 3.5.2)."""
+    return weighted_astar_search(problem, heuristic, 1.0, with_events=with_events)
+
+
+def weighted_astar_search(
+    problem: Problem[S, A],
+    heuristic: Heuristic[S],
+    weight: float,
+    *,
+    with_events: bool = False,
+) -> Solution[S, A]:
+    """Find a path that costs at most ``weight`` times the least, often much faster (section 3.5.4).
+
+    Args:
+        problem: to be solved.
+        heuristic: h; the bound holds if it never overestimates.
+        weight: 0 is uniform-cost search, 1 is A*, infinity is greedy best-first search.
+        with_events: record what is expanded and reached.
+
+    Raises:
+        ValueError: another weight than ``check_weight`` allows.
+    """
+    return best_first_search(problem, weighted(heuristic, weight), with_events=with_events)
+
+
+def path_cost(state: Hashable, cost: float) -> float:
+    """Evaluate a node by the cost of its path: g."""
+    return cost
+
+
+def weighted(heuristic: Heuristic[S], weight: float) -> Evaluation[S]:
+    """Return the evaluation function g + W h.
+
+    Raises:
+        ValueError: another weight than ``check_weight`` allows.
+    """
+    check_weight(weight)
+    if weight == 0:
+        return path_cost
+    if weight == 1:
+        return lambda state, cost: cost + heuristic(state)
+    if weight == math.inf:
+        return lambda state, cost: heuristic(state)
+    return lambda state, cost: cost + weight * heuristic(state)
+
+
+def check_weight(weight: float) -> None:
+    """Refuse what is no weight of a heuristic.
+
+    Raises:
+        ValueError: it is none of 0 to ``MAX_WEIGHT``, nor infinity.
+    """
+    if not (0 <= weight <= MAX_WEIGHT or weight == math.inf):
+        raise ValueError(f"weight is {weight!r}; it must be 0..{MAX_WEIGHT} or infinity")
+
+
+def _path(reached: Reached[S, A], state: S) -> tuple[tuple[S, ...], tuple[A, ...]]:
+    """Return the states and the actions that lead to a state."""
+    states, actions = [state], list[A]()
+    while True:
+        _, before, action = reached[states[-1]]
+        if before is None or action is None:
+            return tuple(reversed(states)), tuple(reversed(actions))
+        states.append(before)
+        actions.append(action)
+
+
+class _OneEach(Problem[S, A]):
+    """A problem as it would be if every action cost one."""
+
+    def __init__(self, problem: Problem[S, A]) -> None:
+        self.initial = problem.initial
+        self._problem = problem
+
+    def is_goal(self, state: S) -> bool:
+        return self._problem.is_goal(state)
+
+    def actions(self, state: S) -> Iterable[A]:
+        return self._problem.actions(state)
+
+    def result(self, state: S, action: A) -> S:
+        return self._problem.result(state, action)
+
+    def expand(self, state: S) -> Iterable[tuple[A, S, float]]:
+        return ((action, successor, 1.0) for action, successor, _ in self._problem.expand(state))
