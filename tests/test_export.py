@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 from pictures import (
     HOSTILE_NAMES,
     is_color,
@@ -25,10 +26,14 @@ from pictures import (
 )
 from PIL import Image
 
-from warehouse_core import export
+from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core import WarehouseEnv, export, record_episode
 from warehouse_core.export import FORMATS, FormatError, check_format, progress_bar
+from warehouse_core.layout import DROPOFF
 from warehouse_core.palette import COLORS
 from warehouse_core.scene_figure import SceneFigure
+from warehouse_core.sight import ROBOT_EMPTY
+from warehouse_core.warehouse_viz import replay_animation
 
 FRAMES = 7
 SVG = "{http://www.w3.org/2000/svg}"
@@ -476,3 +481,15 @@ def test_a_long_export_on_a_terminal_shows_a_bar(monkeypatch: pytest.MonkeyPatch
     short, long = outputs.values()
     assert "Drawing" not in short
     assert "Drawing" in long
+
+
+def test_in_an_svg_the_robot_stands_on_its_tile(tmp_path: Path) -> None:
+    """Nothing there says what moves; what comes later is drawn over what came before."""
+    env = WarehouseEnv(["#####", "#P.D#", "#####"])
+    episode = record_episode(env, GreedyAgent(seed=1, escape_steps=0), randomize=False)
+    replay = replay_animation(episode, window=False)
+    assert replay is not None
+    replay.save(tmp_path / "end.svg")
+    drawing = (tmp_path / "end.svg").read_text(encoding="utf-8").split('id="axes_2"')[0]
+    tile, robot = (to_hex(COLORS[letter]) for letter in (DROPOFF, ROBOT_EMPTY))
+    assert drawing.rindex(f"fill: {robot}") > drawing.rindex(f"fill: {tile}")

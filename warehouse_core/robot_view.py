@@ -25,6 +25,9 @@ MIN_ROBOT_POINTS = 5.0
 
 MIN_LETTER_POINTS = 6.0
 
+ABOVE_TILES = 3
+"""Order of drawing, which an SVG goes by: pixels are drawn mover after mover."""
+
 
 class RobotView:
     """Draws a robot into axes whose unit is a cell.
@@ -39,10 +42,17 @@ class RobotView:
         self._trails = {loaded: _trail_line(axes, cell_points, loaded) for loaded in (False, True)}
         self._radius = max(ROBOT_RADIUS, MIN_ROBOT_POINTS / cell_points)
         self._disc = axes.add_patch(
-            Circle((0, 0), self._radius, linewidth=max(0.5, cell_points / 22), edgecolor=INK)
+            Circle(
+                (0, 0), self._radius, linewidth=max(0.5, cell_points / 22), edgecolor=INK,
+                zorder=ABOVE_TILES,
+            )
+        )  # fmt: skip
+        self._nose = axes.add_line(
+            Line2D([], [], color=INK, linewidth=max(0.8, cell_points / 14), zorder=ABOVE_TILES)
         )
-        self._nose = axes.add_line(Line2D([], [], color=INK, linewidth=max(0.8, cell_points / 14)))
-        self._letter = letter(axes, cell_points, 0, 0, "", 0.42, ha="center", va="center_baseline")
+        self._letter = letter(
+            axes, cell_points, 0, 0, "", 0.42, ha="center", va="center_baseline", zorder=ABOVE_TILES
+        )
         for mover in (*self._trails.values(), self._disc, self._nose, self._letter):
             figure.add_mover(mover)
 
