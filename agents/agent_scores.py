@@ -98,6 +98,30 @@ class Scores:
         return mean_interval(np.array([value(run) for run in self.runs if run.delivered]))
 
 
+class Measure(NamedTuple):
+    """Something that agents are compared by.
+
+    Attributes:
+        column: its name in a table.
+        title: what it is, above a chart.
+        of: the measure.
+    """
+
+    column: str
+    title: str
+    of: Callable[[Scores], Interval | None]
+
+
+MEASURES = (
+    Measure("success", "delivered", lambda scores: scores.success),
+    Measure("steps", "steps of a delivery", lambda scores: scores.steps),
+    Measure("of the fewest", "steps over the fewest there are", lambda scores: scores.ratio),
+    Measure("expanded", "nodes expanded in an episode", lambda scores: scores.expanded),
+    Measure("seconds", "seconds of a delivery", lambda scores: scores.seconds),
+    Measure("joules", "joules of a delivery", lambda scores: scores.joules),
+)
+
+
 def run_agent(make: MakeAgent, task: Task, seed: int) -> Run:
     """Run one episode, from a random start."""
     env = make_env(task.layout, task.backend, task.battery, task.max_steps)

@@ -2,27 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator, PercentFormatter
 
-from agents.agent_scores import Scores
+from agents.agent_scores import MEASURES, Scores
 from agents.interval import Interval
 from warehouse_core.display import make_figure
 from warehouse_core.palette import BATTERY, FAINT, INK, WARNING
 from warehouse_core.scene_figure import SceneFigure
 
 SIZE, DPI = (10.0, 5.2), 120
-
-PANELS: dict[str, Callable[[Scores], Interval | None]] = {
-    "delivered": lambda scores: scores.success,
-    "steps of a delivery": lambda scores: scores.steps,
-    "steps over the fewest there are": lambda scores: scores.ratio,
-    "nodes expanded in an episode": lambda scores: scores.expanded,
-    "seconds of a delivery": lambda scores: scores.seconds,
-    "joules of a delivery": lambda scores: scores.joules,
-}
 
 
 def scores_figure(scores: Mapping[str, Scores], title: str) -> SceneFigure:
@@ -31,8 +22,9 @@ def scores_figure(scores: Mapping[str, Scores], title: str) -> SceneFigure:
     grid = figure.subplots(2, 3, sharey=True)
     figure.subplots_adjust(left=0.16, right=0.97, top=0.85, bottom=0.08, wspace=0.12, hspace=0.42)
     figure.suptitle(title, x=0.012, y=0.97, ha="left", fontsize=12, color=INK)
-    for axes, (name, measure) in zip(grid.flat, PANELS.items(), strict=True):
-        _draw(axes, name, list(scores), [measure(each) for each in scores.values()])
+    for axes, measure in zip(grid.flat, MEASURES, strict=True):
+        found = [measure.of(each) for each in scores.values()]
+        _draw(axes, measure.title, list(scores), found)
     return figure
 
 
@@ -51,7 +43,7 @@ def _draw(axes: Axes, name: str, agents: Sequence[str], found: Sequence[Interval
     axes.set_ylim(len(agents) - 0.4, -0.6)
     axes.set_xlim(left=0)
     axes.xaxis.set_major_locator(MaxNLocator(nbins=5))
-    if name == "delivered":
+    if name == MEASURES[0].title:
         axes.xaxis.set_major_formatter(PercentFormatter(1))
         axes.set_xlim(0, 1)
     axes.tick_params(labelsize=8)

@@ -14,10 +14,14 @@ class Belief:
 
     Attributes:
         known: what has been seen, ``"#"`` or ``"."``, by the cell.
+        bumps: cells that two moves in a row have not got to, and that have not been seen: walls,
+            as a guess.
     """
 
     def __init__(self) -> None:
         self.known: dict[Cell, str] = {}
+        self.bumps: set[Cell] = set()
+        self._failed: set[Cell] = set()
 
     def look(self, observation: Observation) -> None:
         """Take in what is seen."""
@@ -29,12 +33,17 @@ class Belief:
                 self.known[down, right] = WALL if tile == WALL else EMPTY
 
     def bump(self, cell: Cell) -> None:
-        """Take in that a move to a cell that cannot be seen has not got there."""
-        self.known.setdefault(cell, WALL)
+        """Take in that a move to a cell has not got there.
+
+        Once is no proof: a robot that slips may get there when it tries again.
+        """
+        if cell in self._failed and cell not in self.known:
+            self.bumps.add(cell)
+        self._failed = {cell}
 
     def is_free(self, cell: Cell) -> bool:
         """Say whether a cell may be free, for all that is known."""
-        return self.known.get(cell) != WALL
+        return self.known.get(cell) != WALL and (cell in self.known or cell not in self.bumps)
 
 
 class BeliefProblem(Problem[Cell, str]):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from agents.agent_scores import CONTENDERS, Run, Scores, Task, run_agent
+from agents.agent_scores import CONTENDERS, MEASURES, Run, Scores, Task, run_agent
 from agents.console import (
     BackendOption,
     BatteryOption,
@@ -19,19 +19,9 @@ from agents.console import (
     MaxStepsOption,
     load_layout,
 )
-from agents.interval import Interval
 from agents.wording import counted, mean, share
 from warehouse_core.atomic_file import atomic_path, check_target
 from warehouse_core.export import FormatError, save_svg
-
-COLUMNS: dict[str, Callable[[Scores], Interval | None]] = {
-    "success": lambda scores: scores.success,
-    "steps": lambda scores: scores.steps,
-    "of the fewest": lambda scores: scores.ratio,
-    "expanded": lambda scores: scores.expanded,
-    "seconds": lambda scores: scores.seconds,
-    "joules": lambda scores: scores.joules,
-}
 
 PICTURES = (".svg", ".png")
 
@@ -67,10 +57,10 @@ def scores_table(scores: Mapping[str, Scores], title: str) -> Table:
     """Return the table of what the agents come to, with 95% intervals."""
     table = Table(title=title, caption="all but success and expanded: of what was delivered")
     table.add_column("agent")
-    for column in COLUMNS:
-        table.add_column(column, justify="right")
+    for measure in MEASURES:
+        table.add_column(measure.column, justify="right")
     for name, each in scores.items():
-        cells = (measure(each) for measure in COLUMNS.values())
+        cells = (measure.of(each) for measure in MEASURES)
         first, *others = cells
         assert first is not None, "a share there always is"
         words = [share(first), *("none" if cell is None else mean(cell, "") for cell in others)]

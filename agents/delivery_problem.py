@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from agents.action_costs import ONE_EACH, ActionCosts
 from agents.floor import floor_of
 from agents.search import Problem
-from warehouse_core.layout import MOVE_DELTAS, Cell, Layout
+from warehouse_core.layout import MOVE_DELTAS, Cell, Layout, check_open
 
 State = tuple[int, int, bool]
 
@@ -29,6 +29,9 @@ class DeliveryProblem(Problem[State, str]):
         pickups: where the item can be had.
         dropoffs: where it can be delivered.
         costs: of the actions.
+
+    Raises:
+        LayoutError: the start or a station is not open.
     """
 
     def __init__(
@@ -45,6 +48,10 @@ class DeliveryProblem(Problem[State, str]):
         self.initial = (*start, has_item)
         self.pickups = frozenset(layout.pickups if pickups is None else pickups)
         self.dropoffs = frozenset(layout.dropoffs if dropoffs is None else dropoffs)
+        check_open(layout, start, "start")
+        for name, cells in (("pickup", self.pickups), ("dropoff", self.dropoffs)):
+            for cell in cells:
+                check_open(layout, cell, name)
         self.costs = costs
         self._floor = floor_of(layout)
 

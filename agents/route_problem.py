@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from agents.floor import floor_of
+from agents.floor import Moves, floor_of
 from agents.search import Problem
-from warehouse_core.layout import MOVE_DELTAS, Cell, Layout, LayoutError
+from warehouse_core.layout import MOVE_DELTAS, Cell, Layout, check_open
 
 
 class RouteProblem(Problem[Cell, str]):
@@ -22,14 +22,11 @@ class RouteProblem(Problem[Cell, str]):
     """
 
     def __init__(self, layout: Layout, start: Cell, goal: Cell) -> None:
-        for name, cell in (("start", start), ("goal", goal)):
-            if not layout.is_open(cell):
-                raise LayoutError(f"{name} {layout.describe(cell)}; it must be an open cell")
+        check_open(layout, start, "start")
+        check_open(layout, goal, "goal")
         self.initial = start
         self.goal = goal
         self._floor = floor_of(layout)
-        # What the floor keeps of a cell is what its expansion gives.
-        self.expand = self._floor.__getitem__  # type: ignore[assignment, method-assign]
 
     def is_goal(self, state: Cell) -> bool:
         """Say whether a cell is the goal."""
@@ -43,3 +40,7 @@ class RouteProblem(Problem[Cell, str]):
         """Return the cell that a move leads to."""
         down, right = MOVE_DELTAS[action]
         return state[0] + down, state[1] + right
+
+    def expand(self, state: Cell) -> Moves:
+        """Return each move with its result and its cost, as the floor keeps them."""
+        return self._floor[state]

@@ -26,7 +26,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass, replace
 from heapq import heappop, heappush
-from typing import Generic, NamedTuple, TypeVar
+from typing import Generic, NamedTuple, TypeVar, cast
 
 S = TypeVar("S", bound=Hashable)
 A = TypeVar("A")
@@ -121,7 +121,8 @@ def best_first_search(
 ) -> Solution[S, A]:
     """Expand the node with the least evaluation until that is a goal (figure 3.7).
 
-    What is evaluated at infinity is left out: it says that no way leads on from there.
+    What is evaluated at infinity is left out, but for the initial state: it says that no way leads
+    on from there.
 
     Args:
         problem: to be solved.
@@ -202,12 +203,13 @@ def weighted_astar_search(
     *,
     with_events: bool = False,
 ) -> Solution[S, A]:
-    """Find a path that costs at most ``weight`` times the least, often much faster (section 3.5.4).
+    """Find a path that need not be the best, often much faster (section 3.5.4).
 
     Args:
         problem: to be solved.
-        heuristic: h; the bound holds if it never overestimates.
-        weight: 0 is uniform-cost search, 1 is A*, infinity is greedy best-first search.
+        heuristic: h.
+        weight: 0 is uniform-cost search, 1 is A*, infinity is greedy best-first search. If h never
+            overestimates, the path costs at most ``max(1, weight)`` times the least.
         with_events: record what is expanded and reached.
 
     Raises:
@@ -252,10 +254,10 @@ def _path(reached: Reached[S, A], state: S) -> tuple[tuple[S, ...], tuple[A, ...
     states, actions = [state], list[A]()
     while True:
         _, before, action = reached[states[-1]]
-        if before is None or action is None:
+        if before is None:
             return tuple(reversed(states)), tuple(reversed(actions))
         states.append(before)
-        actions.append(action)
+        actions.append(cast(A, action))
 
 
 class _OneEach(Problem[S, A]):

@@ -29,6 +29,9 @@ from warehouse_core.warehouse_env import Observation
 WEIGHT = 2.0
 """Of the heuristic in weighted A*, unless another is given."""
 
+PATIENCE = 10
+"""Times that an exploring agent doubts the walls that it has only run into, for each goal."""
+
 Plan = Solution[State, str]
 
 ALGORITHMS: dict[str, Callable[[DeliveryProblem, float], Plan]] = {
@@ -87,14 +90,25 @@ class SearchAgent:
     def reset(self) -> None:
         """Forget the plan."""
         self._plan: dict[tuple[Cell, bool], str] = {}
+        self._before: tuple[Cell, bool] | None = None
+        self._is_new = False
+        self._knows_stations = True
         self.reason = ""
         self.expanded = self.plans = 0
 
     def act(self, observation: Observation) -> str:
         """Return the action that the plan has for where the robot is."""
-        action = self._plan.get((observation["robot_pos"], observation["has_item"]))
+        state = observation["robot_pos"], observation["has_item"]
+        action = self._plan.get(state)
         if action is None:
             return self._make_plan(observation)
+        if state == self._before and action in ("PICK", "DROP"):
+            # It did nothing: there is no such station any more. One is where it is sensed.
+            self._knows_stations = False
+            return self._make_plan(observation)
+        self._before = state
+        if self._is_new:
+            self._is_new, self.reason = False, "follows its plan"
         return action
 
     def _make_plan(self, observation: Observation) -> str:
@@ -112,16 +126,18 @@ class SearchAgent:
             ((row, col), loaded): action
             for (row, col, loaded), action in zip(found.states, found.actions, strict=False)
         }
-        self.reason = "follows its plan" if self.plans == 1 else "off its plan, follows a new one"
+        self.reason = "has a plan" if self.plans == 1 else "is off its plan, makes a new one"
+        self._before, self._is_new = (here, has_item), True
         return self._plan[here, has_item]
 
     def _problem(self, observation: Observation) -> DeliveryProblem:
         """Return the delivery that is still to be made."""
         stations = [observation["pickup_pos"], observation["dropoff_pos"]]
         own = [self.layout.pickups, self.layout.dropoffs]
-        # The layout has all stations, the observation the first of each kind.
+        # The layout has all stations, the observation the first of each kind; where that is
+        # another one, stations have been drawn anew.
         known = [
-            theirs if seen in theirs else () if seen is None else (seen,)
+            theirs if self._knows_stations and theirs[:1] == (seen,) else [seen] if seen else []
             for seen, theirs in zip(stations, own, strict=True)
         ]
         return DeliveryProblem(
@@ -136,6 +152,9 @@ class SearchAgent:
 
 class ExploringAgent:
     """Knows nothing but its observations: it remembers them, and plans through the unknown.
+
+    It plans anew whenever it meets a wall: along a wall of n cells that is n searches. What is not in
+    view it takes for a wall once two moves in a row have not got there, for all it knows of slipping.
 
     Attributes:
         belief: what it has seen.
@@ -154,6 +173,7 @@ class ExploringAgent:
         self.expanded = self.plans = 0
         self._moves: dict[Cell, str] = {}
         self._goal: Cell | None = None
+        self._patience = PATIENCE
         self._left: Cell | None = None
         self._asked_for: Cell | None = None
 
@@ -198,12 +218,22 @@ class ExploringAgent:
         return ""
 
     def _make_plan(self, here: Cell, goal: Cell) -> None:
+        if goal != self._goal:
+            self._goal, self._patience = goal, PATIENCE
+        found = self._search(here, goal)
+        if not found.found and self.belief.bumps and self._patience:
+            # A motion may have failed for another reason than a wall.
+            self._patience -= 1
+            self.belief.bumps.clear()
+            found = self._search(here, goal)
+        self._moves = dict(zip(found.states, found.actions, strict=False))
+
+    def _search(self, here: Cell, goal: Cell) -> Solution[Cell, str]:
         problem = BeliefProblem(self.belief, here, goal)
         found = astar_search(problem, manhattan(problem))
         self.plans += 1
         self.expanded += found.expanded
-        self._goal = goal
-        self._moves = dict(zip(found.states, found.actions, strict=False))
+        return found
 
     def _say(self, action: str, reason: str) -> str:
         self.reason = reason

@@ -1,11 +1,13 @@
 """How agents are compared: every one over the same seeds, and by what they did."""
 
 import math
+from typing import Any
 
 import pytest
 
-from agents.agent_scores import CONTENDERS, Run, Scores, Task, run_agent
-from agents.agent_scores_figure import PANELS, scores_figure
+from agents.agent_scores import CONTENDERS, MEASURES, Run, Scores, Task, run_agent
+from agents.agent_scores_figure import scores_figure
+from agents.warehouse_agent_search import ExploringAgent
 from warehouse_core import DEFAULT_LAYOUT, Layout
 from warehouse_core.failure_modes import fewest_steps
 
@@ -53,7 +55,7 @@ def test_where_no_way_leads_there_is_no_fewest() -> None:
 def test_the_figure_has_a_bar_for_each_agent_in_each_panel() -> None:
     good = Run(True, 20, 10.0, 40.0, 900.0, 5)
     figure = scores_figure({"one": Scores([good] * 30), "two": Scores([good] * 3)}, "A title")
-    assert len(figure.axes) == len(PANELS)
+    assert [axes.get_title(loc="left") for axes in figure.axes] == [each.title for each in MEASURES]
     widths = [[bar.get_width() for bar in axes.patches] for axes in figure.axes]
     assert widths == [[1, 1], [20, 20], [2, 2], [5, 5], [40, 40], [900, 900]]
     drawn = figure.get_tightbbox(figure.canvas.get_renderer())  # type: ignore[attr-defined]
@@ -67,3 +69,20 @@ def test_an_agent_that_delivers_nothing_has_no_bar_for_it() -> None:
     bad = Run(False, 200, 10.0, 400.0, 9000.0, 95)
     figure = scores_figure({"one": Scores([bad] * 3)}, "")
     assert [len(axes.patches) for axes in figure.axes] == [1, 0, 0, 1, 0, 0]
+
+
+def test_the_contenders_are_what_their_names_say() -> None:
+    made: dict[str, Any] = {name: make(7, DEFAULT_LAYOUT) for name, make in CONTENDERS.items()}
+    assert made["greedy"].seed == made["greedy without escape"].seed == 7
+    assert made["greedy"].escape_steps > 0
+    assert made["greedy without escape"].escape_steps == 0
+    assert isinstance(made["exploring"], ExploringAgent)
+    assert (made["uniform-cost"].algorithm, made["A*"].algorithm) == ("ucs", "astar")
+
+
+def test_each_measure_is_the_one_that_its_column_names() -> None:
+    scores = Scores([Run(True, 20, 10.0, 40.0, 900.0, 5)] * 3)
+    found = {each.column: each.of(scores) for each in MEASURES}
+    assert {name: interval and interval.estimate for name, interval in found.items()} == {
+        "success": 1, "steps": 20, "of the fewest": 2, "expanded": 5, "seconds": 40, "joules": 900,
+    }  # fmt: skip

@@ -38,10 +38,15 @@ def test_what_has_not_been_seen_is_believed_to_be_free() -> None:
 
 def test_a_bump_is_a_wall_only_where_nothing_was_seen() -> None:
     belief, _ = believed()
-    belief.bump((9, 9))
-    belief.bump((1, 1))
+    for cell in ((9, 9), (1, 1)):
+        belief.bump(cell)
+        assert belief.is_free(cell)  # once is no proof
+        belief.bump(cell)
     assert not belief.is_free((9, 9))
     assert belief.is_free((1, 1))
+    assert (9, 9) not in belief.known
+    belief.bumps.clear()
+    assert belief.is_free((9, 9))
 
 
 def test_a_way_leads_through_the_unknown_and_round_what_is_known() -> None:

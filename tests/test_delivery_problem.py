@@ -1,6 +1,6 @@
 import random
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import networkx as nx
 import pytest
@@ -25,7 +25,7 @@ from agents.action_costs import ActionCosts
 from agents.delivery_problem import DELIVERED, DeliveryProblem
 from agents.heuristics import manhattan_delivery
 from agents.search import astar_search, breadth_first_search, uniform_cost_search
-from warehouse_core import DEFAULT_LAYOUT, Layout, WarehouseEnv
+from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError, WarehouseEnv
 from warehouse_core.layout_generator import random_layout
 from warehouse_core.rules import ACTIONS, useful_actions
 
@@ -225,3 +225,18 @@ def test_the_judge_of_routes_sees_what_is_wrong() -> None:
     assert replay_route(rows, (0, 0), (0, 1), ["E"]).errors == []
     assert replay_route(rows, (0, 0), (0, 1), ["S"]).errors == ["ends on (1, 0), not on (0, 1)"]
     assert replay_route(rows, (0, 0), (0, 1), ["S", "E", "N"]).errors == ["1: 'E' hits a wall"]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"start": (0, 0)}, "start row 0, column 0 is wall; it must be an open cell"),
+        ({"start": (50, 50)}, "start row 50, column 50 is off the grid"),
+        ({"pickups": [(0, 1)]}, "pickup row 0, column 1 is wall"),
+        ({"dropoffs": [(9, 9)]}, "dropoff row 9, column 9 is off the grid"),
+    ],
+)
+def test_what_is_not_open_is_refused(change: dict[str, Any], words: str) -> None:
+    with pytest.raises(LayoutError) as caught:
+        DeliveryProblem(DEFAULT_LAYOUT, **{"start": (1, 1), **change})
+    assert str(caught.value).startswith(words)

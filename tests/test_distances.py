@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from warehouse_core import DEFAULT_LAYOUT, Layout
+from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError
 from warehouse_core.distances import distances
 
 
@@ -34,3 +34,9 @@ def test_there_and_back_is_as_far() -> None:
     cells = [DEFAULT_LAYOUT.open_cell(index) for index in range(len(DEFAULT_LAYOUT.open_cells))]
     table = {cell: distances(DEFAULT_LAYOUT, [cell]) for cell in cells}
     assert all(table[a][b] == table[b][a] for a in cells for b in cells)
+
+
+@pytest.mark.parametrize("cell", [(0, 0), (6, 11), (7, 0), (-1, 3)])
+def test_a_cell_that_is_not_open_is_refused(cell: tuple[int, int]) -> None:
+    with pytest.raises(LayoutError, match=f"cell row {cell[0]}, column {cell[1]} is"):
+        distances(DEFAULT_LAYOUT, [cell])

@@ -16,8 +16,9 @@ def test_rows_of_tiles_keep_their_stations(tmp_path: Path, name: str) -> None:
     assert load_layout(tmp_path / name) == HALL
 
 
-def test_a_map_of_movingai_has_the_same_walls(tmp_path: Path) -> None:
-    path = tmp_path / "hall.map"
+@pytest.mark.parametrize("name", ["hall.map", "HALL.MAP"])
+def test_a_map_of_movingai_has_the_same_walls(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
     save_layout(HALL, path)
     assert path.read_text().startswith("type octile\n")
     assert load_layout(path) == HALL.with_stations(None, None)

@@ -88,7 +88,7 @@ def test_it_plans_once_and_follows_the_plan() -> None:
     episode = run(agent, DEFAULT_LAYOUT, 12)
     assert agent.plans == 1
     assert agent.expanded > 0
-    assert set(episode.reasons) == {"follows its plan"}
+    assert list(dict.fromkeys(episode.reasons)) == ["has a plan", "follows its plan"]
 
 
 @pytest.mark.parametrize("kind", ["search", "exploring"])
@@ -124,6 +124,56 @@ def test_pushed_off_its_plan_it_makes_a_new_one() -> None:
                 break
         assert delivered
         assert agent.plans >= 2
+
+
+def test_after_a_new_plan_it_says_that_it_follows_it() -> None:
+    layout = Layout(["########", "#P....D#", "########"])
+    env, agent = WarehouseEnv(layout, (1, 1)), SearchAgent(layout)
+    observation, reasons = env.reset(), []
+    for step in range(6):
+        if step == 2:
+            env.state.has_item = False
+            env.state.robot_pos = (1, 5)
+            observation = env.observe()
+        observation, *_ = env.step(agent.act(observation))
+        reasons.append(agent.reason)
+    follows = "follows its plan"
+    new = "is off its plan, makes a new one"
+    assert reasons == ["has a plan", follows, new, follows, follows, follows]
+
+
+def test_stations_that_were_drawn_anew_are_not_taken_for_the_layouts_own() -> None:
+    layout = Layout(["P...P", "....D", "P...P", "....."])
+    env, agent = WarehouseEnv(layout, (3, 0)), SearchAgent(layout)
+    for seed in range(200):  # one environment, so that stations are drawn onto old ones too
+        assert record_episode(env, agent, seed=seed).outcome == DELIVERED
+
+
+def test_expansions_are_counted_over_all_plans_of_an_episode() -> None:
+    layout = Layout(["#######", "#P....#", "#.....#", "#....D#", "#######"])
+    env, agent = WarehouseEnv(layout, (3, 1)), SearchAgent(layout)
+    agent.act(env.reset())
+    first = agent.expanded
+    env.state.robot_pos = (2, 5)
+    agent.act(env.observe())
+    assert agent.plans == 2
+    assert agent.expanded > first
+    agent.reset()
+    assert agent.expanded == agent.plans == 0
+
+
+def test_a_robot_that_cannot_see_and_does_not_get_on_tries_again() -> None:
+    agent, env = ExploringAgent(), WarehouseEnv(["####", "#.P#", "#D.#", "####"], view_radius=0)
+    observation = env.reset()
+    assert [agent.act(observation) for _ in range(3)] == ["E", "E", "E"]
+
+
+def test_it_does_not_try_for_ever() -> None:
+    agent, env = ExploringAgent(), WarehouseEnv(["####", "#.P#", "#D.#", "####"], view_radius=0)
+    observation = env.reset()
+    actions = [agent.act(observation) for _ in range(200)]
+    assert actions[-1] == "WAIT"
+    assert agent.reason.startswith("no way leads to (1, 2)")
 
 
 def test_the_exploring_agent_knows_nothing_at_first_and_finds_the_way() -> None:

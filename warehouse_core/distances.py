@@ -7,17 +7,23 @@ from collections.abc import Collection
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.layout import Cell, Layout
+from warehouse_core.layout import Cell, Layout, check_open
 
 Distances = NDArray[np.float64]
 """``[H, W]`` moves to N, E, S and W; infinite where no way leads, and in walls."""
 
 
 def distances(layout: Layout, cells: Collection[Cell]) -> Distances:
-    """Return the moves from each cell to the nearest of some open ones."""
+    """Return the moves from each cell to the nearest of some.
+
+    Raises:
+        LayoutError: one of these is not open.
+    """
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import dijkstra
 
+    for cell in cells:
+        check_open(layout, cell, "cell")
     found = np.full(layout.height * layout.width, np.inf)
     if cells:
         count = len(layout.open_cells)

@@ -200,6 +200,16 @@ class Layout:
         rows[row] = f"{rows[row][:col]}{tile}{rows[row][col + 1 :]}"
 
 
+def check_open(layout: Layout, cell: Cell, name: str) -> None:
+    """Refuse a cell where a robot cannot stand.
+
+    Raises:
+        LayoutError: with its name and what is there.
+    """
+    if not layout.is_open(cell):
+        raise LayoutError(f"{name} {layout.describe(cell)}; it must be an open cell")
+
+
 def _checked_rows(rows: Sequence[str]) -> tuple[str, ...]:
     if isinstance(rows, str) or not isinstance(rows, Sequence):
         raise TypeError(f"a layout is a list of strings, not {type(rows).__name__}")

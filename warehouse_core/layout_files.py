@@ -15,7 +15,7 @@ def load_layout(path: str | Path) -> Layout:
         LayoutError: it is no layout; with the file's name in front.
         OSError: the file cannot be read.
     """
-    return load_map(path) if Path(path).suffix == SUFFIX else Layout.load(path)
+    return load_map(path) if Path(path).suffix.lower() == SUFFIX else Layout.load(path)
 
 
 def save_layout(layout: Layout, path: str | Path) -> None:
@@ -24,7 +24,7 @@ def save_layout(layout: Layout, path: str | Path) -> None:
     Raises:
         OSError: the file cannot be written.
     """
-    if Path(path).suffix == SUFFIX:
+    if Path(path).suffix.lower() == SUFFIX:
         save_map(layout, path)
     else:
         layout.save(path)
