@@ -153,8 +153,8 @@ class SearchAgent:
 class ExploringAgent:
     """Knows nothing but its observations: it remembers them, and plans through the unknown.
 
-    It plans anew whenever it meets a wall: along a wall of n cells that is n searches. What is not in
-    view it takes for a wall once two moves in a row have not got there, for all it knows of slipping.
+    It plans anew whenever it meets a wall: along a wall of n cells that is n searches. What is not
+    in view it takes for a wall once two moves in a row have not got there.
 
     Attributes:
         belief: what it has seen.
