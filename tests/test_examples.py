@@ -1,6 +1,7 @@
 """One example of each ending: which one it is, and what running it again comes to."""
 
 import io
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,8 +29,9 @@ def row(seed: int, mode: str, steps: int) -> Row:
 
 
 @pytest.fixture
-def store(tmp_path: Path) -> Store:
-    return Store(tmp_path / "r.sqlite")
+def store(tmp_path: Path) -> Iterator[Store]:
+    with Store(tmp_path / "r.sqlite") as opened:
+        yield opened
 
 
 def found_in(store: Store, episodes: int = 12, **settings: object) -> list[Found]:

@@ -1,5 +1,6 @@
 """Where robots get stuck: the counts, and what the picture shows of them."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -50,8 +51,9 @@ def color_in(figure: Figure, axes: Axes, x: float, y: float) -> NDArray[np.float
 
 
 @pytest.fixture
-def store(tmp_path: Path) -> Store:
-    return Store(tmp_path / "r.sqlite")
+def store(tmp_path: Path) -> Iterator[Store]:
+    with Store(tmp_path / "r.sqlite") as opened:
+        yield opened
 
 
 def test_episodes_are_counted_where_they_were_stuck(store: Store) -> None:

@@ -181,7 +181,7 @@ def test_where_no_file_can_be_is_named(tmp_path: Path, name: str) -> None:
 
 
 AS_NOBODY = """
-import os, sys
+import os, sys, urllib.parse  # what a stranger cannot read is read before
 from agents.experiments.store import Row, Store, StoreError
 if os.geteuid() == 0:  # who may write anywhere
     os.setgid(65534)
