@@ -21,7 +21,7 @@ from agents.console import (
 )
 from agents.wording import counted, mean, share
 from warehouse_core.atomic_file import atomic_path, check_target
-from warehouse_core.export import FormatError, save_svg
+from warehouse_core.export import check_suffix, save_svg
 
 PICTURES = (".svg", ".png")
 
@@ -43,7 +43,8 @@ def compare_agents(
 ) -> None:
     """Compare the greedy agent, the exploring one and search over the same seeds."""
     if save is not None:
-        _check(save)
+        check_suffix(save, PICTURES)
+        check_target(save)
     task = Task(load_layout(layout), backend, battery, max_steps)
     scores = {name: Scores(_runs(name, task, range(seed, seed + episodes))) for name in CONTENDERS}
     title = f"{counted(episodes, 'episode')} each, backend {backend}, seeds from {seed}"
@@ -73,13 +74,6 @@ def _runs(name: str, task: Task, seeds: range) -> list[Run]:
     console = Console(stderr=True)
     bar = track(seeds, name, console=console, transient=True, disable=not console.is_terminal)
     return [run_agent(CONTENDERS[name], task, seed) for seed in bar]
-
-
-def _check(path: Path) -> None:
-    if path.suffix.lower() not in PICTURES:
-        given, allowed = path.suffix or "a file without a suffix", ", ".join(PICTURES)
-        raise FormatError(f"{path}: cannot save as {given}; allowed: {allowed}")
-    check_target(path)
 
 
 def _save(scores: Mapping[str, Scores], title: str, path: Path) -> None:

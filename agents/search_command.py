@@ -17,7 +17,7 @@ from agents.console import LayoutOption, SaveOption, ShowOption, load_layout
 from agents.heuristics import manhattan, true_distance, zero
 from agents.replaying import check_targets, show_or_save
 from agents.route_problem import RouteProblem
-from agents.search import MAX_WEIGHT, Heuristic, Solution, weighted_astar_search
+from agents.search import MAX_WEIGHT, Heuristic, Solution, check_weight, weighted_astar_search
 from agents.search_course import SearchCourse
 from agents.search_picture import MOST_PANELS, SearchReplay, search_replay
 from warehouse_core.display import has_display
@@ -166,10 +166,10 @@ def _chosen(heuristic: str) -> MakeHeuristic:
 def _parse_weight(text: str) -> float:
     try:
         weight = float(text)
+        check_weight(weight)
     except ValueError:
-        weight = math.nan
-    if not (0 <= weight <= MAX_WEIGHT or weight == math.inf):
-        raise typer.BadParameter(f"--weights has {text!r}; each must be 0..{MAX_WEIGHT} or inf")
+        allowed = f"0..{MAX_WEIGHT} or inf"
+        raise typer.BadParameter(f"--weights has {text!r}; each must be {allowed}") from None
     return abs(weight)  # -0.0 is 0, too
 
 

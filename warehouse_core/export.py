@@ -6,7 +6,7 @@ import html
 import re
 import sys
 import zlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
@@ -69,12 +69,19 @@ def check_format(path: Path, also: Sequence[str] = ()) -> str:
     Raises:
         FormatError: listing what is allowed.
     """
+    return check_suffix(path, [*FORMATS, *also])
+
+
+def check_suffix(path: Path, allowed: Collection[str]) -> str:
+    """Return the suffix of ``path`` in lower case, refusing one that is not allowed.
+
+    Raises:
+        FormatError: listing what is allowed.
+    """
     suffix = path.suffix.lower()
-    if suffix not in (allowed := [*FORMATS, *also]):
-        raise FormatError(
-            f"{path}: cannot save as {suffix or 'a file without a suffix'}; "
-            f"allowed: {', '.join(allowed)}"
-        )
+    if suffix not in allowed:
+        given = suffix or "a file without a suffix"
+        raise FormatError(f"{path}: cannot save as {given}; allowed: {', '.join(allowed)}")
     return suffix
 
 

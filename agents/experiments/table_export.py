@@ -16,7 +16,7 @@ import typer
 from agents.experiments.case import TILES, Case
 from agents.experiments.store import Row, Store, StoreError
 from warehouse_core.atomic_file import atomic_path
-from warehouse_core.export import FormatError
+from warehouse_core.export import check_suffix
 
 ROWS_END = "/"
 """Between the rows of a layout, so that an episode is one line of text."""
@@ -41,10 +41,7 @@ def export(
 ) -> None:
     """Write the results of a sweep as a table, a line an episode."""
     writers = {CSV: _write_csv, PARQUET: _write_parquet}
-    suffix = table.suffix.lower()
-    if suffix not in writers:
-        given, allowed = suffix or "a file without a suffix", ", ".join(writers)
-        raise FormatError(f"{table}: cannot save as {given}; allowed: {allowed}")
+    suffix = check_suffix(table, writers)
     with Store(results, read_only=True) as store, atomic_path(table) as part:
         columns = columns_of(store)
         writers[suffix](part, columns, lines_of(store, columns))

@@ -10,7 +10,9 @@ import typer
 from agents.experiments.store import Store, StoreError
 from agents.wording import counted
 from warehouse_core.atomic_file import atomic_path, check_target
-from warehouse_core.export import FormatError
+from warehouse_core.export import check_suffix
+
+PAGE_SUFFIX = ".html"
 
 
 def report(
@@ -41,9 +43,8 @@ def report(
     from agents.reports.examples import find_examples, replay
     from agents.reports.page import write_page
 
-    target = output or results.with_suffix(".html")
-    if target.suffix.lower() != ".html":
-        raise FormatError(f"{target}: cannot save as {target.suffix or 'that'}; allowed: .html")
+    target = output or results.with_suffix(PAGE_SUFFIX)
+    check_suffix(target, [PAGE_SUFFIX])
     check_target(target)
     if target.resolve() == results.resolve():
         raise StoreError(f"{target}: these are the results; the page needs another name")
