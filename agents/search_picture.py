@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from matplotlib.animation import FuncAnimation
 from matplotlib.lines import Line2D
 
 from agents.search_course import SearchCourse
@@ -18,7 +17,6 @@ from warehouse_core.layout import WALL, Cell, Layout
 from warehouse_core.palette import COLORS, INK, WARNING
 from warehouse_core.replay import Replay
 from warehouse_core.scene_figure import SceneFigure
-from warehouse_core.track import Track
 
 MOST_FRAMES = 120
 """Of an animation, the first and the last included."""
@@ -138,27 +136,8 @@ class SearchReplay(Replay):
     """
 
     def __init__(self, scene: SearchScene, title: str, *, window: bool) -> None:
-        # A replay's own beginning makes the scene of an episode. Of a track the files that are
-        # saved want no more than its title.
-        self.track = Track([], [], [0.0], {}, [], [], title=title)
-        self.frame = 0
-        self.playing = True
-        self.frame_ms = float(FRAME_MS)
-        self.fps = 1000 / self.frame_ms
-        self.window = window
-        self._scene: Any = scene
-        self.figure = scene.root
-        FuncAnimation.__init__(
-            self,
-            self.figure,
-            self._show,
-            frames=self._frames_to_play,
-            interval=FRAME_MS,
-            cache_frame_data=False,
-        )
-        self.figure.canvas.mpl_connect("key_press_event", self._on_key)
-        # The figure keeps its replay alive, so that nobody has to hold on to what is returned.
-        self.figure.replay = self
+        # A replay's own beginning makes the scene of an episode.
+        self._play(scene, title, float(FRAME_MS), window)
 
 
 def search_replay(

@@ -206,7 +206,7 @@ def _save_mp4(replay: Replay, path: Path) -> None:
 
 
 def _save_html(replay: Replay, path: Path) -> None:
-    title = html.escape(replay.track.title or "Warehouse replay")
+    title = html.escape(replay.title or "Warehouse replay")
     path.write_text(_PAGE.format(title=title, player=replay.to_jshtml()), encoding="utf-8")
 
 

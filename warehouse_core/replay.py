@@ -6,7 +6,7 @@ import math
 from collections.abc import Generator, Iterator
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import matplotlib as mpl
 from matplotlib.animation import FuncAnimation
@@ -15,10 +15,23 @@ from matplotlib.backend_bases import Event, KeyEvent
 from warehouse_core.display import PAIR_DPI, NoDisplayError, make_figure, make_window
 from warehouse_core.export import export, progress_bar, self_contained
 from warehouse_core.scene import PairScene, Scene
+from warehouse_core.scene_figure import SceneFigure
 from warehouse_core.track import Track
 
 CONTINUOUS_FRAMES = 3
 """Frames of a continuous motion that are shown in the time of one step of a grid."""
+
+
+class Playable(Protocol):
+    """What can be played: a figure that shows any of its frames."""
+
+    root: SceneFigure
+
+    def __len__(self) -> int:
+        """Return the number of frames."""
+
+    def show(self, frame: int) -> None:
+        """Change everything that moves to what it is in a frame."""
 
 
 class Replay(FuncAnimation):
@@ -51,23 +64,30 @@ class Replay(FuncAnimation):
             if not (math.isfinite(value) and value > 0):
                 raise ValueError(f"{name} is {value!r}; it must be positive and finite")
         self.track = track
-        self.frame = 0
-        self.playing = True
         is_continuous = bool(track.clock or (beside and beside.clock))
-        self.frame_ms = interval_ms / speed / (CONTINUOUS_FRAMES if is_continuous else 1)
-        # Matplotlib asks for an integer and takes any number; slow replays need a fraction.
-        self.fps: Any = 1000 / self.frame_ms
-        self.window = window
         make = make_window if window else make_figure
-        self._scene = (
+        scene = (
             PairScene(track, beside, partial(make, dpi=PAIR_DPI)) if beside else Scene(track, make)
         )
-        self.figure = self._scene.root
+        frame_ms = interval_ms / speed / (CONTINUOUS_FRAMES if is_continuous else 1)
+        self._play(scene, track.title, frame_ms, window)
+
+    def _play(self, scene: Playable, title: str, frame_ms: float, window: bool) -> None:
+        """Begin to play a scene, whatever it shows."""
+        self.title = title
+        self.frame = 0
+        self.playing = True
+        self.frame_ms = frame_ms
+        # Matplotlib asks for an integer and takes any number; slow replays need a fraction.
+        self.fps: Any = 1000 / frame_ms
+        self.window = window
+        self._scene = scene
+        self.figure = scene.root
         super().__init__(
             self.figure,
             self._show,
             frames=self._frames_to_play,
-            interval=max(1, round(self.frame_ms)),
+            interval=max(1, round(frame_ms)),
             cache_frame_data=False,
         )
         self.figure.canvas.mpl_connect("key_press_event", self._on_key)
