@@ -8,22 +8,22 @@ from typing import Annotated
 
 import typer
 
-from agents import console, layout_commands
-from agents.bench import bench
-from agents.compare import compare
-from agents.compare_agents import compare_agents
-from agents.console import SaveOption, ShowOption
-from agents.demos import demo
+from agents.commands import layout as layout_commands
+from agents.commands.bench import bench
+from agents.commands.compare_agents import compare_agents
+from agents.commands.compare_backends import compare
+from agents.commands.demos import demo
+from agents.commands.explore import explore
+from agents.commands.play import play
+from agents.commands.search import search
+from agents.commands.train import train_ppo, train_q
+from agents.console import main as console
+from agents.console.options import SaveOption, ShowOption
+from agents.console.output import check_targets, replay_or_save
+from agents.experiments.export import export
 from agents.experiments.sweep import sweep
-from agents.experiments.table_export import export
-from agents.explore import explore
-from agents.play import play
-from agents.replaying import check_targets, replay_or_save
 from agents.reports.report import report
 from agents.run_episode import report_episode, run
-from agents.search_command import search
-from agents.train_ppo import train_ppo
-from agents.train_q import train_q
 from warehouse_core import Episode
 from warehouse_core.warehouse_viz import INTERVAL_MS
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import typer
 
-from agents.agent_names import make_agent
-from agents.console import (
+from agents.console.main import main
+from agents.console.options import (
     AgentOption,
     BackendOption,
     BatteryOption,
@@ -22,11 +22,11 @@ from agents.console import (
     SeedOption,
     ShowOption,
     load_layout,
-    main,
 )
-from agents.replaying import check_targets, replay_or_save
+from agents.console.output import check_targets, replay_or_save
+from agents.registry import make_agent
 from warehouse_core import DEFAULT_LAYOUT, Episode, Layout, WarehouseEnv, record_episode
-from warehouse_core.failure_modes import diagnose
+from warehouse_core.records.failure_modes import diagnose
 
 HIGHEST_SEED = 999_999
 """Of the seeds that are drawn here; short enough to type again."""
@@ -43,7 +43,7 @@ def run_episode(
     """Run one whole episode from a random start and return its record.
 
     Args:
-        agent: name of an agent, see ``agent_names.py``.
+        agent: name of an agent, see ``registry.py``.
         backend: name of a motion backend.
         layout: ``None`` is the chapter's.
         seed: of layout, start and agent; ``None`` draws one, which the record keeps.

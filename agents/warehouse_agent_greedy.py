@@ -9,8 +9,8 @@ from __future__ import annotations
 import random
 from collections import deque
 
-from warehouse_core.layout import MOVE_DELTAS, WALL, Cell
-from warehouse_core.warehouse_env import Observation
+from warehouse_core.task.state import Observation
+from warehouse_core.world.tiles import MOVE_DELTAS, WALL, Cell
 
 
 class GreedyAgent:

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import settings
 
 from warehouse_core import Episode, WarehouseEnv, record_episode
-from warehouse_core.safe_npz import Arrays
+from warehouse_core.files.npz import Arrays
 
 settings.register_profile("warehouse", deadline=None, database=None, derandomize=True)
 settings.load_profile("warehouse")

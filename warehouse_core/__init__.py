@@ -1,19 +1,21 @@
 """A grid warehouse for rational agents, with a motion backend that can be swapped."""
 
-from warehouse_core.backends import BackendError
-from warehouse_core.episode import (
+from warehouse_core.files.npz import RecordError
+from warehouse_core.motion.backends import BackendError
+from warehouse_core.motion.base import Contact, Motion, Outcome
+from warehouse_core.records.episode import (
     Agent,
     Episode,
     EpisodeRecorder,
     record_episode,
     replay_episode,
 )
-from warehouse_core.layout import DEFAULT_LAYOUT, Cell, Layout, LayoutError
-from warehouse_core.layout_generator import random_layout, shelf_layout
-from warehouse_core.motion import Contact, Motion, Outcome
-from warehouse_core.safe_npz import RecordError
-from warehouse_core.settings import Settings
-from warehouse_core.warehouse_env import Observation, WarehouseEnv, WarehouseState
+from warehouse_core.task.settings import Settings
+from warehouse_core.task.state import Observation, WarehouseState
+from warehouse_core.warehouse_env import WarehouseEnv
+from warehouse_core.world.generators import random_layout, shelf_layout
+from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout, LayoutError
+from warehouse_core.world.tiles import Cell
 
 __all__ = [
     "DEFAULT_LAYOUT",

@@ -7,7 +7,7 @@ from typing import SupportsIndex
 
 import numpy as np
 
-from warehouse_core.layout import Cell
+from warehouse_core.world.tiles import Cell
 
 
 def whole_number(

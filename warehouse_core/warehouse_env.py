@@ -1,73 +1,34 @@
 """The chapter's environment: one robot, one pickup, one dropoff, a grid of walls.
 
-It owns the state and the observation. What an action earns is in ``rules.py``; how the robot gets
-from cell to cell is the motion backend's (``motion.py``). Neither Gymnasium nor matplotlib nor
-pymunk is needed here.
+It owns the state and the observation. What an action earns is in ``task/rules.py``; how the robot
+gets from cell to cell is up to the motion backend (``motion/base.py``). Neither Gymnasium nor
+matplotlib nor pymunk is needed here.
 """
 
 from __future__ import annotations
 
 import random
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar, SupportsIndex, TypedDict
+from typing import Any, ClassVar, SupportsIndex
 
 from warehouse_core.arguments import as_cell, whole_number
-from warehouse_core.backends import Backend, make_motion
-from warehouse_core.layout import (
+from warehouse_core.motion.backends import Backend, make_motion
+from warehouse_core.motion.base import Motion, Outcome
+from warehouse_core.task.rules import is_truncated, judge
+from warehouse_core.task.settings import Settings
+from warehouse_core.task.sight import Sight
+from warehouse_core.task.starts import check_room
+from warehouse_core.task.state import Observation, WarehouseState
+from warehouse_core.world.actions import ACTIONS, DISPLACEMENTS, INVALID, action_index
+from warehouse_core.world.layout import (
     CHAPTER_START,
     DEFAULT_LAYOUT,
-    MOVE_DELTAS,
-    TILES,
-    Cell,
     Layout,
-    LayoutError,
+    check_start,
 )
-from warehouse_core.motion import Motion, Outcome
-from warehouse_core.rules import (
-    ACTIONS,
-    DISPLACEMENTS,
-    INVALID,
-    action_index,
-    is_truncated,
-    judge,
-)
-from warehouse_core.settings import Settings
-from warehouse_core.sight import ROBOT_EMPTY, ROBOT_LOADED, Sight
-from warehouse_core.station_draw import check_room
+from warehouse_core.world.tiles import MOVE_DELTAS, ROBOT_EMPTY, ROBOT_LOADED, TILES, Cell
 
 LEGEND = TILES | {ROBOT_EMPTY: "robot (empty)", ROBOT_LOADED: "robot (loaded)"}
-
-
-@dataclass(slots=True)
-class WarehouseState:
-    """What changes from step to step.
-
-    It may be written between steps: a robot that is put on another open cell starts from rest in
-    the middle of it.
-    """
-
-    robot_pos: Cell
-    has_item: bool
-    battery: int
-    steps: int
-
-
-class Observation(TypedDict):
-    """What an agent is given; nothing in it is shared with a later observation.
-
-    ``local_grid`` is ``2 * view_radius + 1`` equally long strings centred on the robot, ``#``
-    outside the grid, the robot itself ``R`` (empty) or ``r`` (loaded). ``pickup_pos`` and
-    ``dropoff_pos`` are the first ``P`` and ``D`` in row-major order, ``None`` without any.
-    """
-
-    local_grid: list[str]
-    robot_pos: Cell
-    has_item: bool
-    battery: int
-    steps: int
-    pickup_pos: Cell | None
-    dropoff_pos: Cell | None
 
 
 class WarehouseEnv:
@@ -318,13 +279,3 @@ def _draw(stream: Any, count: int, without: list[int]) -> int:
     for taken in sorted(without):
         index += index >= taken
     return index
-
-
-def check_start(layout: Layout, start: Cell, name: str = "start_pos") -> None:
-    """Refuse a start that is not an open cell.
-
-    Raises:
-        LayoutError: naming what is there.
-    """
-    if not layout.is_open(start):
-        raise LayoutError(f"{name} {layout.describe(start)}; the robot must start on an open cell")

@@ -1,8 +1,8 @@
 """Pictures of an episode: an animated replay, or its frames as SVG files.
 
 Matplotlib is imported when something is drawn, not when this module is; without it both functions
-say so and return. What is drawn is in ``scene.py``, how it plays in ``replay.py``, the file
-formats in ``export.py``.
+say so and return. What is drawn is in ``viz/scene.py``, how it plays in ``viz/replay.py``, the file
+formats in ``viz/export.py``.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from warehouse_core.episode import Episode
-from warehouse_core.track import FRAME_SECONDS, Track, track_of_episode, track_of_frames
+from warehouse_core.records.episode import Episode
+from warehouse_core.viz.track import FRAME_SECONDS, Track, track_of_episode, track_of_frames
 
 if TYPE_CHECKING:
-    from warehouse_core.replay import Replay
+    from warehouse_core.viz.replay import Replay
 
 INTERVAL_MS = 150
 """Milliseconds from one frame to the next, unless asked otherwise."""
@@ -62,8 +62,8 @@ def replay_animation(
     track = _track_of(frames, metrics, frame_seconds)
     if track is None or not _matplotlib_is_installed():
         return None
-    from warehouse_core.display import has_display
-    from warehouse_core.replay import Replay
+    from warehouse_core.render.window import has_display
+    from warehouse_core.viz.replay import Replay
 
     return Replay(
         track,
@@ -92,7 +92,7 @@ def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: fl
     track = _track_of(frames, None, FRAME_SECONDS)
     if track is None or not _matplotlib_is_installed():
         return
-    from warehouse_core.frame_files import save_frames
+    from warehouse_core.viz.export import save_frames
 
     save_frames(track, Path(output_dir), dpi)
 

@@ -3,7 +3,7 @@
 # The version is checked first, so that a wrong one is not met by what it lacks.
 from warehouse_physics import pymunk_version as _checked  # noqa: F401
 from warehouse_physics.disturbances import Disturbances
-from warehouse_physics.rigid_body_motion import RigidBodyMotion
+from warehouse_physics.motion import RigidBodyMotion
 from warehouse_physics.robot_spec import RobotSpec
 
 __all__ = ["Disturbances", "RigidBodyMotion", "RobotSpec"]

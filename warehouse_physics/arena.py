@@ -9,7 +9,7 @@ from typing import Any
 import pymunk
 
 from warehouse_core import Cell, Layout
-from warehouse_core.motion import WALL_CONTACT, Contact, robot_contact
+from warehouse_core.motion.base import WALL_CONTACT, Contact, robot_contact
 from warehouse_physics.disturbances import Floor
 from warehouse_physics.robot import ROBOT, WALL, Position, Robot, Touch
 from warehouse_physics.robot_spec import RobotSpec

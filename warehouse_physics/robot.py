@@ -15,9 +15,9 @@ from typing import NamedTuple
 import pymunk
 
 from warehouse_core import Cell
-from warehouse_core.motion import Contact, centre_of
+from warehouse_core.motion.base import Contact, centre_of
 from warehouse_physics.disturbances import Floor
-from warehouse_physics.leg import braking, plan_leg
+from warehouse_physics.profile import braking, plan_leg
 from warehouse_physics.robot_spec import ARRIVED, RobotSpec
 
 Position = tuple[float, float]

@@ -7,7 +7,7 @@ results, so wall cells are merged greedily: along rows first, then downward.
 from __future__ import annotations
 
 from warehouse_core import Layout
-from warehouse_core.layout import WALL, runs_of
+from warehouse_core.world.tiles import WALL, runs_of
 
 Box = tuple[int, int, int, int]
 """Left, top, right and bottom edge, in cells."""

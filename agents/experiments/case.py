@@ -12,10 +12,8 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
-from agents.agent_error import AgentError
-from agents.agent_names import agent_file, make_agent
-from agents.experiments.reason import reason_of
-from agents.experiments.setting import (
+from agents.errors import AgentError, reason_of
+from agents.experiments.parameters import (
     DEFAULT,
     PHYSICAL,
     RANDOM,
@@ -25,10 +23,11 @@ from agents.experiments.setting import (
     is_greedy,
     shown,
 )
+from agents.registry import agent_file, make_agent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, WarehouseEnv, random_layout
-from warehouse_core.backends import Backend
-from warehouse_core.layout_files import load_layout
+from warehouse_core.motion.backends import Backend
+from warehouse_core.world.map_files import load_layout
 
 Case = Mapping[str, Any]
 

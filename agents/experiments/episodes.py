@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from agents.agent_names import agent_file
+from agents.errors import reason_of
 from agents.experiments.case import (
     FINGERPRINT,
     Case,
@@ -13,10 +13,10 @@ from agents.experiments.case import (
     make_agent_for,
     make_env,
 )
-from agents.experiments.reason import reason_of
 from agents.experiments.store import Row
+from agents.registry import agent_file
 from warehouse_core import Episode, record_episode
-from warehouse_core.failure_modes import diagnose
+from warehouse_core.records.failure_modes import diagnose
 
 
 class EpisodeError(Exception):

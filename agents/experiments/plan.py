@@ -9,7 +9,7 @@ from itertools import product
 from typing import Any
 
 from agents.experiments.case import Case, key_of, make_case
-from agents.experiments.setting import MOST, SettingError, Value, checked, find
+from agents.experiments.parameters import MOST, SettingError, Value, checked, find
 
 MAX_CASES = 10_000
 MAX_EPISODES = 100_000_000

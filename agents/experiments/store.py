@@ -56,7 +56,7 @@ class Row(NamedTuple):
 
     Attributes:
         seed: of layout, start and agent.
-        mode: what became of it, see ``failure_modes.py``.
+        mode: what became of it, see ``warehouse_core/records/failure_modes.py``.
         steps: its length.
         needed: the fewest steps there are to the delivery; ``None`` where no way leads there.
         reward: the sum of all.

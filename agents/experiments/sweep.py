@@ -7,23 +7,69 @@ to what is there.
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    Task,
+    TextColumn,
+    TimeRemainingColumn,
+)
+from rich.text import Text
 
-from agents.experiments.flags import parse_flags
-from agents.experiments.interrupts import Check, remembered_interrupts
+from agents.evaluation.wording import counted
+from agents.experiments.choices import PlanFile, parse_flags, read_plan_file
+from agents.experiments.parameters import SETTINGS, SettingError
 from agents.experiments.plan import Plan, make_plan
-from agents.experiments.plan_file import PlanFile, read_plan_file
 from agents.experiments.presets import PRESETS
-from agents.experiments.running import run_missing
-from agents.experiments.setting import SETTINGS, SettingError
+from agents.experiments.running import Report, run_missing
 from agents.experiments.store import Row, Store
-from agents.experiments.sweep_bar import sweep_bar
-from agents.experiments.workers import Hands, cluster, processes
-from agents.wording import counted
+from agents.experiments.workers import Check, Hands, cluster, processes, remembered_interrupts
+from warehouse_core.records.episode import DELIVERED
+
+
+class RateColumn(ProgressColumn):
+    """Episodes a second, lately."""
+
+    def render(self, task: Task) -> Text:
+        """Return the rate as text."""
+        return Text("" if task.speed is None else f"{task.speed:,.0f}/s")
+
+
+@contextmanager
+def sweep_bar(episodes: int) -> Iterator[Report]:
+    """Yield what is told of rows that are stored; without a terminal there is no bar."""
+    columns = (
+        BarColumn(),
+        MofNCompleteColumn(),
+        RateColumn(),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[delivered]}"),
+    )
+    console = Console(stderr=True)
+    counts = {"all": 0, "delivered": 0}
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bar:
+        task = bar.add_task("", total=episodes, delivered="")
+
+        def report(rows: Sequence[Row]) -> None:
+            counts["all"] += len(rows)
+            counts["delivered"] += sum(row.mode == DELIVERED for row in rows)
+            if rows:
+                share = counts["delivered"] / counts["all"]
+                bar.update(task, advance=len(rows), delivered=f"{share:.0%} delivered")
+
+        yield report
+
 
 EPISODES = 100
 """Of each combination where nothing else is said."""

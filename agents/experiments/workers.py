@@ -8,12 +8,60 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, contextmanager
+from types import FrameType
 
-from agents.experiments.interrupts import uninterrupted_children
+REMEMBERED = (signal.SIGINT, signal.SIGTERM)
+
+Check = Callable[[], None]
+"""Raises ``KeyboardInterrupt`` if the end has been asked for."""
+
+
+@contextmanager
+def remembered_interrupts() -> Iterator[Check]:
+    """Yield what raises ``KeyboardInterrupt`` if one of them came since this began."""
+    came = False
+
+    def remember(number: int, frame: FrameType | None) -> None:
+        nonlocal came
+        came = True
+
+    def check() -> None:
+        if came:
+            raise KeyboardInterrupt
+
+    before = {number: signal.signal(number, remember) for number in REMEMBERED}
+    try:
+        yield check
+    finally:
+        # Who has asked for the end once is heard; more of it would only disturb the leaving.
+        for number, handler in before.items():
+            signal.signal(number, signal.SIG_IGN if came else handler)
+
+
+@contextmanager
+def uninterrupted_children() -> Iterator[None]:
+    """Start processes that Ctrl-C does not reach; this one gets it afterwards.
+
+    Ctrl-C goes to every process of a terminal, from its first moment on. A blocked signal is
+    inherited as such, and one that comes to this process meanwhile is only late.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # Windows: what a worker ignores it ignores later
+        yield
+        return
+    from multiprocessing import resource_tracker
+
+    # Its start would unblock the interrupts again.
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
 
 Hands = AbstractContextManager[tuple[Executor, int]]
 """Gives what runs calls, and how many it runs at once."""

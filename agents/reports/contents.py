@@ -6,17 +6,17 @@ import platform
 from collections.abc import Iterator
 from importlib.metadata import version
 
-from agents.experiments.setting import shown
+from agents.evaluation.interval import CONFIDENCE
+from agents.evaluation.wording import counted, mean, share
+from agents.experiments.parameters import shown
 from agents.experiments.store import Store
-from agents.interval import CONFIDENCE
-from agents.reports.answers import answers
-from agents.reports.design import Design, make_design
+from agents.reports.analysis.answers import answers
+from agents.reports.analysis.design import Design, make_design
+from agents.reports.analysis.results import Experiment, Results
 from agents.reports.examples import Example
+from agents.reports.figures.pictures import pictures
 from agents.reports.page import Page, Table
-from agents.reports.pictures import pictures
-from agents.reports.results import Experiment, Results
-from agents.wording import counted, mean, share
-from warehouse_core.failure_modes import MODES
+from warehouse_core.records.failure_modes import MODES
 
 MOST_CASES = 200
 """In the table; the others are in the file."""

@@ -7,16 +7,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from agents.agent_error import AgentError
-from agents.agent_names import agent_file, is_own_code
+from agents.errors import AgentError, reason_of
 from agents.experiments.case import Case
 from agents.experiments.episodes import EpisodeError, check_fingerprint, run_one
-from agents.experiments.reason import reason_of
 from agents.experiments.store import Store
+from agents.registry import agent_file, is_own_code
 from warehouse_core import BackendError, Episode, LayoutError
-from warehouse_core.failure_modes import MODES, Diagnosis, diagnose
-from warehouse_core.replay import Replay
-from warehouse_core.track import Track, track_of_episode
+from warehouse_core.records.failure_modes import MODES, Diagnosis, diagnose
+from warehouse_core.viz.replay import Replay
+from warehouse_core.viz.track import Track, track_of_episode
 from warehouse_core.warehouse_viz import INTERVAL_MS
 
 SHORTEST = """

@@ -15,11 +15,11 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from agents.experiments.case import flags_of
-from agents.experiments.setting import shown
-from agents.reports.answers import Answer
+from agents.experiments.parameters import shown
+from agents.reports.analysis.answers import Answer
 from agents.reports.examples import Example
-from agents.reports.pictures import Picture
-from warehouse_core.atomic_file import atomic_path
+from agents.reports.figures.pictures import Picture
+from warehouse_core.files.atomic import atomic_path
 
 TEMPLATE = "page.html"
 

@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
+from agents.evaluation.wording import counted
 from agents.experiments.store import Store, StoreError
-from agents.wording import counted
-from warehouse_core.atomic_file import atomic_path, check_target
-from warehouse_core.export import check_suffix
+from warehouse_core.files.atomic import atomic_path, check_target
+from warehouse_core.viz.export import check_suffix
 
 PAGE_SUFFIX = ".html"
 

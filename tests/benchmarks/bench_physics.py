@@ -8,13 +8,17 @@ from time import perf_counter
 
 import numpy as np
 import pytest
-from test_backend_swap import steps_differ
-from test_fleet_motion import fleet_keeps_the_table
-from test_rigid_body_batch import batch_in, rows_differ
-from test_rigid_body_motion import drive_at_walls
+from helpers.rigid_bodies import (
+    batch_in,
+    drive_at_walls,
+    fleet_keeps_the_table,
+    rows_differ,
+    steps_differ,
+)
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, WarehouseEnv, random_layout
-from warehouse_physics import RigidBodyMotion, RobotSpec, rigid_body_motion
+from warehouse_physics import RigidBodyMotion, RobotSpec
+from warehouse_physics import motion as rigid_body_motion
 
 MOVES = 2_000
 """In a round of a measurement."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from agents.experiments.case import make_case
 from agents.experiments.store import Row, Store
-from warehouse_core.failure_modes import MODES
+from warehouse_core.records.failure_modes import MODES
 
 EPISODES, BATTERIES = 1_000_000, range(20, 220, 20)
 

@@ -7,15 +7,14 @@ from time import perf_counter
 
 import networkx as nx
 import pytest
-from conftest import seconds
+from helpers.timing import seconds
 
-from agents.delivery_problem import DeliveryProblem
-from agents.heuristics import manhattan, manhattan_delivery
-from agents.route_problem import RouteProblem
-from agents.search import astar_search
-from agents.warehouse_agent_search import SearchAgent
+from agents.search.agents import SearchAgent
+from agents.search.algorithms import astar_search
+from agents.search.heuristics import manhattan, manhattan_delivery
+from agents.search.problems import DeliveryProblem, RouteProblem
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, WarehouseEnv
-from warehouse_core.layout_generator import benchmark_warehouse
+from warehouse_core.world.generators import benchmark_warehouse
 
 PAIRS = 200
 PLANS = 1000

@@ -9,7 +9,7 @@ from pathlib import Path
 from time import perf_counter
 
 import pytest
-from test_running import nothing
+from helpers.sweeps import nothing
 
 from agents.experiments.case import make_agent_for, make_case, make_env
 from agents.experiments.plan import Plan
@@ -17,7 +17,7 @@ from agents.experiments.running import run_missing
 from agents.experiments.store import Store
 from agents.experiments.workers import processes
 from warehouse_core import record_episode
-from warehouse_core.failure_modes import diagnose
+from warehouse_core.records.failure_modes import diagnose
 
 CASE = make_case({})
 EPISODES = 20_000

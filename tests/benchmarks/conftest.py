@@ -2,17 +2,11 @@
 
 from collections.abc import Callable
 from statistics import median
-from time import perf_counter
 
 import pytest
+from helpers.timing import seconds
 
 ROUNDS = 7
-
-
-def seconds(work: Callable[[], object]) -> float:
-    start = perf_counter()
-    work()
-    return perf_counter() - start
 
 
 @pytest.fixture

@@ -1,0 +1,1 @@
+"""The commands of ``warehouse``, a file each."""

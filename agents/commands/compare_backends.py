@@ -1,0 +1,92 @@
+"""The same layout, seed and agent on two backends: what differs, and both replays side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from agents.console.options import (
+    AgentOption,
+    BatteryOption,
+    LayoutOption,
+    MaxStepsOption,
+    SaveOption,
+    SeedOption,
+    ShowOption,
+    load_layout,
+)
+from agents.console.output import check_targets, show_or_save
+from agents.run_episode import draw_seed, run_episode
+from warehouse_core import Episode
+from warehouse_core.warehouse_viz import replay_animation
+
+ROWS: dict[str, Callable[[Episode], str]] = {
+    "outcome": lambda episode: episode.outcome,
+    "steps": lambda episode: str(episode.steps),
+    "total reward": lambda episode: f"{episode.total_reward:.2f}",
+    "seconds": lambda episode: f"{episode.seconds:.1f}",
+    "joules": lambda episode: f"{episode.joules:.0f}",
+    "hits": lambda episode: str(sum(len(motion.contacts) for motion in episode.motions)),
+}
+
+
+def first_difference(left: Episode, right: Episode) -> int | None:
+    """Return the first step, counted from 1, whose action, place, cargo or reward differs.
+
+    Time, energy and contacts are not compared. ``None`` means that no step differs.
+    """
+    steps = [
+        list(zip(e.actions, e.cells[1:], e.loaded[1:], e.rewards[1:], strict=True))
+        for e in (left, right)
+    ]
+    for number, (one, other) in enumerate(zip(*steps, strict=False), start=1):
+        if one != other:
+            return number
+    return None if left.steps == right.steps else min(left.steps, right.steps) + 1
+
+
+def comparison_table(left: Episode, right: Episode) -> Table:
+    """Return the table of what two episodes came to."""
+    table = Table(title=f"{left.agent}, seed {left.seed}")
+    table.add_column("")
+    for episode in (left, right):
+        table.add_column(episode.settings.backend, justify="right")
+    for name, value in ROWS.items():
+        table.add_row(name, value(left), value(right))
+    step = first_difference(left, right)
+    differs = "none" if step is None else f"step {step}"
+    table.add_row("first step that differs", differs, differs)
+    return table
+
+
+def compare(
+    agent: AgentOption = "greedy",
+    left: Annotated[str, typer.Option("--left", help="One backend.")] = "grid",
+    right: Annotated[str, typer.Option("--right", help="The other backend.")] = "physics",
+    layout: LayoutOption = None,
+    seed: SeedOption = None,
+    battery: BatteryOption = 200,
+    max_steps: MaxStepsOption = 200,
+    save: SaveOption = None,
+    show: ShowOption = None,
+) -> None:
+    """Run the same episode on two backends, and say and show what differs."""
+    targets: list[Path] = save or []
+    check_targets(targets, also=[])
+    seed = draw_seed() if seed is None else seed
+    grid = load_layout(layout)
+    one, other = (
+        run_episode(agent, backend, grid, seed, battery, max_steps) for backend in (left, right)
+    )
+    Console().print(comparison_table(one, other))
+    show_or_save(
+        lambda window: replay_animation(one, beside=other, window=window),
+        targets,
+        show,
+        Path(f"compare-{seed}.gif"),
+    )

@@ -1,0 +1,187 @@
+"""Short demonstrations of continuous motion, for a lecture: one command and one picture each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, NamedTuple
+
+import typer
+
+from agents.console.options import SaveOption, ShowOption
+from agents.console.output import check_targets, show_or_save
+from agents.run_episode import run_episode
+from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core import (
+    Cell,
+    Episode,
+    EpisodeRecorder,
+    Layout,
+    Settings,
+    WarehouseEnv,
+    record_episode,
+)
+from warehouse_core.motion.backends import load_backend
+from warehouse_core.render.window import has_display
+from warehouse_core.viz.replay import Replay
+from warehouse_core.viz.track import Track, track_of_episode
+from warehouse_core.warehouse_viz import INTERVAL_MS
+
+CORRIDOR = Layout(["########", "#P....D#", "########"])
+SLOW_MOTION = 0.025
+"""Simulated seconds between the frames of a demonstration in slow motion."""
+
+HALL = Layout(["#######", "#.....#", "#.....#", "#.....#", "#######"])
+
+
+class Demo(NamedTuple):
+    """What a demonstration shows, one track or two; ``said`` is computed from what happened."""
+
+    said: str
+    track: Track
+    beside: Track | None = None
+
+
+def delivery() -> Demo:
+    """A whole delivery by the greedy agent."""
+    episode = run_episode("greedy", "physics", seed=12)
+    said = (
+        f"{episode.outcome} in {episode.steps} steps, "
+        f"{episode.seconds:.0f} s and {episode.joules:.0f} J"
+    )
+    return Demo(said, _titled(track_of_episode(episode), "A delivery"))
+
+
+def bump() -> Demo:
+    """A robot runs into a wall, in slow motion, with the force of the hit."""
+    from warehouse_physics import RigidBodyMotion, RobotSpec
+
+    env = WarehouseEnv(HALL, (2, 1), backend=RigidBodyMotion(path_every=1))
+    episode = drive(env, ["W"], "bump")
+    contact = episode.motions[0].contacts[0]
+    step = RobotSpec().time_step
+    force = contact.impulse / step
+    said = (
+        f"{contact.impulse:.1f} N·s at {contact.seconds:.2f} s: {force:.0f} N on average over "
+        f"the {1000 * step:.1f} ms of the substep"
+    )
+    title = f"A bump in slow motion: {contact.impulse:.0f} N·s, {force:.0f} N"
+    track = track_of_episode(episode, frame_seconds=SLOW_MOTION)
+    track.metrics, track.ending = {}, ""
+    return Demo(said, _titled(track, title))
+
+
+def load() -> Demo:
+    """The same way empty and loaded: the same force moves more mass."""
+    empty, loaded = (
+        drive(WarehouseEnv(CORRIDOR, backend="physics"), ["E"] * 5, name, loaded=name == "loaded")
+        for name in ("empty", "loaded")
+    )
+    said = (
+        f"empty {empty.seconds:.1f} s and {empty.joules:.0f} J, "
+        f"loaded {loaded.seconds:.1f} s and {loaded.joules:.0f} J"
+    )
+    tracks = [
+        _titled(track_of_episode(e), f"{e.agent.title()}: {e.seconds:.1f} s, {e.joules:.0f} J")
+        for e in (empty, loaded)
+    ]
+    return Demo(said, tracks[0], tracks[1])
+
+
+def slip() -> Demo:
+    """The grid's plan on a floor with a slippery patch, where it fails."""
+    from warehouse_physics import Disturbances, RigidBodyMotion
+
+    planned = record_episode(WarehouseEnv(CORRIDOR), GreedyAgent(seed=0), randomize=False)
+    disturbances = Disturbances(slippery=frozenset({(1, 3), (1, 4)}))
+    env = WarehouseEnv(CORRIDOR, backend=RigidBodyMotion(disturbances=disturbances))
+    plan = [str(action) for action in planned.actions]
+    slipped = drive(env, plan, "the same actions", seed=0)
+    ended = slipped.outcome if slipped.terminated else f"the item is at {slipped.cells[-1]}"
+    said = f"the plan delivers in {planned.steps} steps on the grid; on the slippery floor {ended}"
+    return Demo(
+        said,
+        _titled(track_of_episode(planned), "The plan, on the grid"),
+        _titled(track_of_episode(slipped), "The same actions, columns 3 and 4 slippery"),
+    )
+
+
+def head_on() -> Demo:
+    """Two robots that want each other's cells."""
+    from warehouse_physics import RigidBodyMotion
+
+    cells: list[Cell] = [(2, 2), (2, 3)]
+    motion = RigidBodyMotion(path_every=1)
+    motion.reset(HALL, cells, 0)
+    outcomes = motion.advance([(0, 1), (0, -1)], [False, False])
+    settings = Settings("physics", motion.cell_size, cells[0], 1, 1, 0)
+    left, right = (
+        track_of_episode(
+            Episode(
+                HALL, settings, None, "", [cell, outcome.cell], [False] * 2, [1, 0], [0.0, 0.0],
+                [action], [""], [outcome], truncated=True,
+            ),
+            frame_seconds=SLOW_MOTION,
+        )
+        for cell, outcome, action in zip(cells, outcomes, "EW", strict=True)
+    )  # fmt: skip
+    left.others, left.metrics = [right.poses], {}
+    left.captions = ["E and W"] * len(left)
+    left.ending = "both blocked" if all(outcome.blocked for outcome in outcomes) else ""
+    hit = outcomes[0].contacts[0]
+    said = f"they meet after {hit.seconds:.2f} s with {hit.impulse:.1f} N·s, and both go back"
+    return Demo(said, _titled(left, f"Two robots head-on: {hit.impulse:.0f} N·s"))
+
+
+DEMOS = {
+    "delivery": delivery,
+    "bump": bump,
+    "load": load,
+    "slip": slip,
+    "head-on": head_on,
+}
+
+
+def drive(
+    env: WarehouseEnv,
+    actions: Sequence[str],
+    name: str,
+    *,
+    seed: int | None = None,
+    loaded: bool = False,
+) -> Episode:
+    """Take a list of actions from the start, or as many as the episode lasts."""
+    env.reset(seed=seed)
+    env.state.has_item = loaded
+    recorder = EpisodeRecorder(env, seed=seed, agent=name)
+    for action in actions:
+        if not recorder.ended:
+            recorder.step(action)
+    env.close()
+    return recorder.episode
+
+
+def demo(
+    name: Annotated[str, typer.Argument(help=f"One of {', '.join(DEMOS)}.")],
+    save: SaveOption = None,
+    show: ShowOption = None,
+) -> None:
+    """Show a short demonstration of continuous motion."""
+    targets: list[Path] = save or []
+    check_targets(targets, also=[])
+    if name not in DEMOS:
+        raise typer.BadParameter(f"no demo is called {name!r}; allowed: {', '.join(DEMOS)}")
+    load_backend("physics")
+    shown = DEMOS[name]()
+    typer.echo(shown.said)
+
+    def make_replay(window: bool | None) -> Replay:
+        opened = has_display() if window is None else window
+        return Replay(shown.track, INTERVAL_MS, 1.0, window=opened, beside=shown.beside)
+
+    show_or_save(make_replay, targets, show, Path(f"demo-{name}.gif"))
+
+
+def _titled(track: Track, title: str) -> Track:
+    track.title = title
+    return track

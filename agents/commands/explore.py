@@ -1,0 +1,79 @@
+"""Run the agent that explores, and replay the world beside what it believes of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from agents.console.options import (
+    BackendOption,
+    BatteryOption,
+    LayoutOption,
+    MaxStepsOption,
+    SaveOption,
+    SeedOption,
+    ShowOption,
+    load_layout,
+)
+from agents.console.output import check_targets, show_or_save
+from agents.run_episode import draw_seed, report_episode
+from agents.search.agents import ExploringAgent
+from agents.search.belief_replay import Insight, belief_replay, record_beliefs, seen_counts
+from warehouse_core import Episode, WarehouseEnv
+from warehouse_core.records.episode import DELIVERED
+from warehouse_core.records.failure_modes import fewest_steps
+
+MOST_SEEN = 100
+"""Cells in each direction; a window of so many is 40,401 cells, which are looked at every step."""
+
+
+def explore(
+    layout: LayoutOption = None,
+    seed: SeedOption = None,
+    backend: BackendOption = "grid",
+    view_radius: Annotated[
+        int,
+        typer.Option("--view-radius", min=0, max=MOST_SEEN, help="Cells seen in each direction."),
+    ] = 2,
+    battery: BatteryOption = 200,
+    max_steps: MaxStepsOption = 200,
+    save: SaveOption = None,
+    show: ShowOption = None,
+) -> None:
+    """Explore from a random start, and show the world beside what the agent believes of it."""
+    targets: list[Path] = save or []
+    check_targets(targets)
+    seed = draw_seed() if seed is None else seed
+    walls = load_layout(layout)
+    env = WarehouseEnv(walls, walls.usual_start(), max_steps, battery, view_radius, backend=backend)
+    agent = ExploringAgent()
+    try:
+        episode, history = record_beliefs(env, agent, seed=seed)
+    finally:
+        env.close()
+    report_episode(episode)
+    report_exploring(episode, history, agent.plans)
+    show_or_save(
+        lambda window: belief_replay(episode, history, window=window),
+        targets,
+        show,
+        Path(f"explore-{seed}.gif"),
+        episode,
+    )
+
+
+def report_exploring(episode: Episode, history: list[Insight], plans: int) -> None:
+    """Log how much was seen and planned, and how far the way was from the shortest."""
+    layout = episode.layout
+    seen = seen_counts(layout, history)[-1]
+    [fewest] = fewest_steps(layout, (episode.cells[0], episode.loaded[0]))
+    typer.echo(f"cells seen      {seen} of {layout.height * layout.width}")
+    typer.echo(f"plans made      {plans}")
+    if fewest is None:
+        typer.echo("fewest steps    none: no way leads to the delivery")
+    elif episode.outcome == DELIVERED:
+        typer.echo(f"fewest steps    {fewest}; it took {episode.steps / fewest:.2f} times as many")
+    else:
+        typer.echo(f"fewest steps    {fewest}")

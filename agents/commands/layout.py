@@ -1,0 +1,125 @@
+"""``warehouse layout``: make up, import, check and print layouts."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from agents.console.options import load_layout
+from warehouse_core import Layout, LayoutError, random_layout, shelf_layout
+from warehouse_core.world.generators import benchmark_warehouse
+from warehouse_core.world.map_files import load_map, save_layout
+
+app = typer.Typer(no_args_is_help=True, help="Make up, import, check and print layouts.")
+
+BENCHMARK = re.compile("-".join([r"(\d{1,9})"] * 5), re.ASCII)
+"""Sizes of more digits are too large whatever the others are."""
+
+SeedOption = Annotated[int, typer.Option("--seed", help="Repeats a layout.")]
+OutputOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="FILE",
+        help="Write it to a file; as .map it is MovingAI's, without stations.",
+    ),
+]
+
+
+@app.command()
+def generate(
+    height: Annotated[int, typer.Option(help="Rows, with the border.")] = 10,
+    width: Annotated[int, typer.Option(help="Columns, with the border.")] = 16,
+    density: Annotated[float, typer.Option(help="Share of walls inside the border.")] = 0.2,
+    seed: SeedOption = 0,
+    output: OutputOption = None,
+) -> None:
+    """Make up walls at random; every open cell can be reached."""
+    _hand_over(random_layout(height, width, density, seed), output)
+
+
+@app.command()
+def shelves(
+    rows: Annotated[int, typer.Option(help="Shelf blocks from top to bottom.")] = 2,
+    columns: Annotated[int, typer.Option(help="Shelf blocks from left to right.")] = 3,
+    length: Annotated[int, typer.Option(help="Cells of a block from left to right.")] = 4,
+    depth: Annotated[int, typer.Option(help="Cells of a block from top to bottom.")] = 1,
+    aisle: Annotated[int, typer.Option(help="Cells between blocks.")] = 1,
+    seed: SeedOption = 0,
+    output: OutputOption = None,
+) -> None:
+    """Make up a warehouse of shelf blocks and aisles."""
+    _hand_over(shelf_layout(rows, columns, length, depth, aisle, seed), output)
+
+
+@app.command()
+def warehouse(
+    name: Annotated[
+        str, typer.Argument(metavar="C-R-L-W-A", help="Blocks C x R of L x W cells, aisles of A.")
+    ],
+    output: OutputOption = None,
+) -> None:
+    """Make up a warehouse of the MAPF benchmarks, such as 10-20-10-2-1."""
+    sizes = BENCHMARK.fullmatch(name)
+    if not sizes:
+        raise LayoutError(
+            f"{name!r} is no warehouse; allowed: five whole numbers C-R-L-W-A, such as 10-20-10-2-1"
+        )
+    columns, rows, length, depth, aisle = map(int, sizes.groups())
+    _hand_over(benchmark_warehouse(columns, rows, length, depth, aisle), output)
+
+
+@app.command("import")
+def import_map(
+    file: Annotated[Path, typer.Argument(metavar="FILE.map", help="A map in MovingAI's format.")],
+    robot_runners: Annotated[
+        bool,
+        typer.Option("--robot-runners", help="E is a pickup, S a dropoff; without it S is swamp."),
+    ] = False,
+    output: OutputOption = None,
+) -> None:
+    """Read a map from outside."""
+    _hand_over(load_map(file, robot_runners=robot_runners), output)
+
+
+@app.command()
+def check(file: Annotated[Path, typer.Argument(help="A layout file.")]) -> None:
+    """Say whether a layout can be read, and whether an item can be delivered in it."""
+    layout = load_layout(file)
+    for name, stations in (("pickup P", layout.pickups), ("dropoff D", layout.dropoffs)):
+        if not stations:
+            raise LayoutError(f"{file}: there is no {name}")
+    first = layout.pickups[0]
+    reached = layout.reachable_from(first)
+    for station in layout.pickups + layout.dropoffs:
+        if station not in reached:
+            raise LayoutError(
+                f"{file}: {layout.describe(station)}, which cannot be reached from "
+                f"the pickup at row {first[0]}, column {first[1]}"
+            )
+    cut_off = len(layout.open_cells) - len(reached)
+    typer.echo(
+        f"{file}: {layout.height} x {layout.width}, {len(layout.open_cells)} open cells "
+        f"({cut_off} of them cut off), pickups: {len(layout.pickups)}, "
+        f"dropoffs: {len(layout.dropoffs)}; an item can be delivered"
+    )
+
+
+@app.command("print")
+def print_layout(
+    file: Annotated[Path | None, typer.Argument(help="A layout file.")] = None,
+) -> None:
+    """Print a layout as it is read; without a file the chapter's."""
+    typer.echo(load_layout(file))
+
+
+def _hand_over(layout: Layout, output: Path | None) -> None:
+    if output is None:
+        typer.echo(layout)
+    else:
+        save_layout(layout, output)
+        typer.echo(f"saved {output}")

@@ -1,0 +1,185 @@
+"""Search for the way from one cell to another with several weights, and show how they differ."""
+
+from __future__ import annotations
+
+import math
+import random
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from agents.console.options import LayoutOption, SaveOption, ShowOption, load_layout
+from agents.console.output import check_targets, show_or_save
+from agents.search.algorithms import (
+    MAX_WEIGHT,
+    Heuristic,
+    Solution,
+    check_weight,
+    weighted_astar_search,
+)
+from agents.search.heuristics import manhattan, true_distance, zero
+from agents.search.picture import MOST_PANELS, SearchReplay, search_replay
+from agents.search.problems import RouteProblem
+from agents.search.trace import SearchCourse
+from warehouse_core.render.window import has_display
+from warehouse_core.world.layout import Layout, LayoutError
+from warehouse_core.world.tiles import Cell
+
+MakeHeuristic = Callable[[RouteProblem, Layout], Heuristic[Cell]]
+
+HEURISTICS: dict[str, MakeHeuristic] = {
+    "manhattan": lambda problem, layout: manhattan(problem),
+    "true": true_distance,
+    "zero": lambda problem, layout: zero,
+}
+
+NAMES = {0.0: "uniform-cost", 1.0: "A*", math.inf: "greedy best-first"}
+"""What weighted A* is called at these weights."""
+
+Found = Solution[Cell, str]
+
+
+def algorithm(weight: float) -> str:
+    """Return the name of weighted A* at a weight."""
+    return NAMES.get(weight, "weighted A*")
+
+
+def parse_cell(text: str, option: str) -> Cell:
+    """Read ``ROW,COL``.
+
+    Raises:
+        typer.BadParameter: it is something else.
+    """
+    found = re.fullmatch(r"\s*(-?[0-9]{1,9})\s*,\s*(-?[0-9]{1,9})\s*", text)
+    if found is None:
+        raise typer.BadParameter(f"{option} is {text!r}; it must be ROW,COL as in 1,2")
+    return int(found[1]), int(found[2])
+
+
+def parse_weights(text: str) -> list[float]:
+    """Read weights with commas between them.
+
+    Raises:
+        typer.BadParameter: one is no number that is allowed, or there are too many.
+    """
+    weights = [_parse_weight(part) for part in text.split(",")]
+    if len(weights) > MOST_PANELS:
+        raise typer.BadParameter(
+            f"--weights {text!r} are {len(weights)}; at most {MOST_PANELS} fit into a picture"
+        )
+    return weights
+
+
+def choose_ends(
+    layout: Layout, start: Cell | None, goal: Cell | None, seed: int | None
+) -> tuple[Cell, Cell]:
+    """Return the start and the goal: as given, or drawn, or where the chapter has them.
+
+    Args:
+        layout: to choose in.
+        start: if given.
+        goal: if given.
+        seed: to draw from it what is not given.
+
+    Raises:
+        LayoutError: no cell is open, or there is no pickup to go to.
+    """
+    if seed is None:
+        if goal is None and not layout.pickups:
+            raise LayoutError("the layout has no pickup to go to; give --goal ROW,COL or --seed N")
+        return start or layout.usual_start(), goal or layout.pickups[0]
+    usual, count = layout.usual_start(), len(layout.open_cells)
+    # Three, as one of them may be the end that is given.
+    ranks = random.Random(seed).sample(range(count), min(count, 3))
+    drawn = [layout.open_cell(rank) for rank in ranks]
+    begin = start or next((cell for cell in drawn if cell != goal), usual)
+    return begin, goal or next((cell for cell in drawn if cell != begin), usual)
+
+
+def search_table(weights: Sequence[float], solutions: Sequence[Found], title: str) -> Table:
+    """Return the table of what searches came to."""
+    table = Table(title=title)
+    table.add_column("weight", justify="right")
+    table.add_column("algorithm")
+    for name in ("cost", "expanded", "generated", "largest frontier"):
+        table.add_column(name, justify="right")
+    for weight, solution in zip(weights, solutions, strict=True):
+        cost = f"{solution.cost:g}" if solution.found else "none"
+        counts = (solution.expanded, solution.generated, solution.largest_frontier)
+        table.add_row(f"{weight:g}", algorithm(weight), cost, *map(str, counts))
+    return table
+
+
+def search(
+    layout: LayoutOption = None,
+    start: Annotated[
+        str | None, typer.Option(metavar="ROW,COL", help="Default: the chapter's start.")
+    ] = None,
+    goal: Annotated[
+        str | None, typer.Option(metavar="ROW,COL", help="Default: the first pickup.")
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(metavar="N", help="Draw the start and the goal if not given.")
+    ] = None,
+    weights: Annotated[
+        str, typer.Option(metavar="W,W,...", help="Of the heuristic, 0 to inf, up to six.")
+    ] = "0,1,5,inf",
+    heuristic: Annotated[str, typer.Option(help=f"One of {', '.join(HEURISTICS)}.")] = "manhattan",
+    save: SaveOption = None,
+    show: ShowOption = None,
+) -> None:
+    """Watch uniform-cost search turn into A* and greedy best-first search."""
+    targets: list[Path] = save or []
+    check_targets(targets, also=[])
+    values = parse_weights(weights)
+    asked = _given(start, "--start"), _given(goal, "--goal")
+    chosen = _chosen(heuristic)
+    grid = load_layout(layout)
+    begin, end = choose_ends(grid, *asked, seed)
+    problem = RouteProblem(grid, begin, end)
+    estimate = chosen(problem, grid)
+    found = [weighted_astar_search(problem, estimate, w, with_events=True) for w in values]
+    title = f"Search from {begin} to {end}, heuristic: {heuristic}"
+    Console().print(search_table(values, found, title))
+    if not found[0].found:
+        typer.echo(f"no path leads from {begin} to {end}")
+
+    def make_replay(window: bool | None) -> SearchReplay:
+        opened = has_display() if window is None else window
+        named = zip(map(_panel_name, values), found, strict=True)
+        courses = [SearchCourse(name, grid, begin, each) for name, each in named]
+        return search_replay(grid, begin, end, courses, title, window=opened)
+
+    show_or_save(make_replay, targets, show, Path("search.gif"))
+
+
+def _given(text: str | None, option: str) -> Cell | None:
+    return None if text is None else parse_cell(text, option)
+
+
+def _chosen(heuristic: str) -> MakeHeuristic:
+    if heuristic not in HEURISTICS:
+        raise typer.BadParameter(
+            f"no heuristic is called {heuristic!r}; allowed: {', '.join(HEURISTICS)}"
+        )
+    return HEURISTICS[heuristic]
+
+
+def _parse_weight(text: str) -> float:
+    try:
+        weight = float(text)
+        check_weight(weight)
+    except ValueError:
+        allowed = f"0..{MAX_WEIGHT} or inf"
+        raise typer.BadParameter(f"--weights has {text!r}; each must be {allowed}") from None
+    return abs(weight)  # -0.0 is 0, too
+
+
+def _panel_name(weight: float) -> str:
+    sign = "\u221e" if weight == math.inf else f"{weight:g}"
+    return f"{algorithm(weight)}, W = {sign}"

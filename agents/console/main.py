@@ -1,0 +1,78 @@
+"""Run a command-line application; errors become exit codes."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+
+import typer
+from typer.exceptions import TyperException
+
+from agents.errors import AgentError
+from agents.experiments.episodes import EpisodeError
+from agents.experiments.parameters import SettingError
+from agents.experiments.store import StoreError
+from agents.experiments.workers import ClusterError, WorkerError
+from warehouse_core import BackendError, LayoutError, RecordError
+from warehouse_core.render.window import NoDisplayError
+from warehouse_core.viz.export import FormatError
+
+USER_ERROR, INTERRUPTED = 1, 130
+
+LONGEST = 2000
+"""Characters of an error; a value that is named in it may be as long as a file."""
+
+EXPECTED = (
+    ClusterError,
+    EpisodeError,
+    SettingError,
+    StoreError,
+    WorkerError,
+    AgentError,
+    BackendError,
+    FormatError,
+    LayoutError,
+    NoDisplayError,
+    RecordError,
+    OSError,
+)
+"""Errors of what the user gave. Everything else is a fault, and its traceback is wanted."""
+
+
+def main(app: typer.Typer, arguments: Sequence[str] | None = None) -> None:
+    """Run a command line and exit: 0 done, 1 a user's error, 2 wrong usage, 130 interrupted."""
+    command = typer.main.get_command(app)
+    try:
+        code = command.main(arguments, standalone_mode=False)
+    except TyperException as error:
+        code = _fail(error.format_message(), error.exit_code)
+    except EXPECTED as error:
+        code = _fail(_describe(error), USER_ERROR)
+    except (typer.Abort, KeyboardInterrupt):
+        code = _fail("interrupted", INTERRUPTED)
+    sys.exit(code)
+
+
+def _fail(message: str, code: int) -> int:
+    line = _in_a_line(message)
+    if line:  # there is none where the help was all that was to be said
+        typer.echo(f"warehouse: {line}", err=True)
+    return code
+
+
+def _in_a_line(message: str) -> str:
+    """Return a message as one line that a terminal can show, whatever a file had put into it."""
+    line = " ".join(message.split())
+    if len(line) > LONGEST:
+        line = f"{line[:LONGEST]}..."
+    return "".join(each if each.isprintable() else ascii(each)[1:-1] for each in line)
+
+
+def _describe(error: Exception) -> str:
+    if isinstance(error, BrokenPipeError):
+        # Whoever reads our output has gone; keep the interpreter from complaining at its exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+    return str(error)

@@ -1,0 +1,1 @@
+"""How well agents do: scores, intervals and their wording."""

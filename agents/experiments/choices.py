@@ -1,0 +1,134 @@
+"""A plan as a TOML file, checked key by key before anything runs.
+
+::
+
+    episodes = 200
+    seed = 0
+
+    [settings]
+    escape = [true, false]
+    battery = { from = 20, to = 200, step = 20 }
+    backend = ["grid", "physics"]
+
+    [robot]
+    mass = [50, 70]
+
+    [disturbances]
+    motor_strength = [1.0, 0.5]
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from agents.experiments.parameters import PHYSICAL, SettingError, find
+
+WORDS: dict[str, bool] = {"on": True, "off": False, "true": True, "false": False}
+
+
+def parse_flags(flags: Sequence[str]) -> dict[str, Any]:
+    """Return the choices that flags stand for.
+
+    Args:
+        flags: ``NAME=VALUE``, ``NAME=VALUE,VALUE,...`` or ``NAME=FROM:TO:STEP``.
+
+    Raises:
+        SettingError: naming the flag and what is allowed.
+    """
+    choices: dict[str, Any] = {}
+    for flag in flags:
+        name, equals, words = flag.partition("=")
+        name = name.strip()
+        if not equals:
+            raise SettingError(f"{flag!r} has no value; write NAME=VALUE")
+        find(name)
+        if name in choices:
+            raise SettingError(f"{name} is given twice; write {name}=VALUE,VALUE")
+        choices[name] = _choice(words)
+    return choices
+
+
+def _choice(words: str) -> Any:
+    limits = [_value(word) for word in words.split(":")]
+    if len(limits) == 3 and all(type(limit) in (int, float) for limit in limits):
+        return dict(zip(("from", "to", "step"), limits, strict=True))
+    return [_value(word) for word in words.split(",")]
+
+
+def _value(word: str) -> Any:
+    """Return a word as the flag or number that it stands for, or as it is."""
+    word = word.strip()
+    if word.lower() in WORDS:
+        return WORDS[word.lower()]
+    for kind in (int, float):
+        try:
+            return kind(word)
+        except ValueError:
+            continue
+    return word
+
+
+MAX_BYTES = 1_000_000
+"""A longer file is no plan that anybody wrote."""
+
+
+class PlanFile(NamedTuple):
+    """What a file says.
+
+    Attributes:
+        choices: for each setting a value, a list of values or a range.
+        episodes: of each combination, or ``None``.
+        seed: the first, or ``None``.
+    """
+
+    choices: dict[str, Any]
+    episodes: int | None
+    seed: int | None
+
+
+def read_plan_file(path: Path) -> PlanFile:
+    """Read a plan.
+
+    Raises:
+        SettingError: naming the file, the key, and what is allowed.
+        OSError: the file cannot be read.
+    """
+    with path.open("rb") as file:
+        data = file.read(MAX_BYTES + 1)
+    if len(data) > MAX_BYTES:
+        raise SettingError(f"{path}: it is longer than MAX_BYTES = {MAX_BYTES}")
+    try:
+        return _parse(tomllib.loads(data.decode("utf-8-sig")))
+    except (ValueError, RecursionError) as error:
+        raise SettingError(f"{path}: {error}") from error
+
+
+def _parse(content: Mapping[str, Any]) -> PlanFile:
+    allowed = ["episodes", "seed", "settings", *PHYSICAL]
+    unknown = [key for key in content if key not in allowed]
+    if unknown:
+        raise SettingError(f"unknown key {unknown[0]!r}; allowed: {', '.join(allowed)}")
+    choices: dict[str, Any] = {}
+    for group in ("settings", *PHYSICAL):
+        table = content.get(group, {})
+        if not isinstance(table, dict):
+            raise SettingError(f"{group} is {table!r}; it must be a table, [{group}]")
+        for key, choice in table.items():
+            name = key if group == "settings" else f"{group}.{key}"
+            find(name)
+            if name in choices:
+                raise SettingError(f"{name} is given twice")
+            choices[name] = choice
+    return PlanFile(choices, _whole(content, "episodes", 1), _whole(content, "seed", 0))
+
+
+def _whole(content: Mapping[str, Any], key: str, least: int) -> int | None:
+    value = content.get(key)
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, int) or value < least:
+        raise SettingError(f"{key} is {value!r}; it must be a whole number, at least {least}")
+    return value

@@ -1,0 +1,114 @@
+"""The results of an experiment as one table for other programs: CSV, or Parquet with pyarrow.
+
+A line is an episode: its settings, each in a column of its own, and what became of it.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from agents.experiments.case import TILES, Case
+from agents.experiments.store import Row, Store, StoreError
+from warehouse_core.files.atomic import atomic_path
+from warehouse_core.viz.export import check_suffix
+
+ROWS_END = "/"
+"""Between the rows of a layout, so that an episode is one line of text."""
+
+CSV, PARQUET = ".csv", ".parquet"
+
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
+"""With these a cell begins that a spreadsheet would carry out; results may be a stranger's."""
+
+LINES = 50_000
+"""Of one part of a Parquet file, so that a large table takes little memory."""
+
+FRACTIONS, WORDS = {"reward", "seconds", "joules"}, {"mode"}
+"""The columns of a row that are no whole numbers."""
+
+Line = tuple[Any, ...]
+
+
+def export(
+    results: Annotated[Path, typer.Argument(help="What warehouse sweep has written.")],
+    table: Annotated[Path, typer.Argument(help="A file .csv or .parquet to write.")],
+) -> None:
+    """Write the results of a sweep as a table, a line an episode."""
+    writers = {CSV: _write_csv, PARQUET: _write_parquet}
+    suffix = check_suffix(table, writers)
+    with Store(results, read_only=True) as store, atomic_path(table) as part:
+        columns = columns_of(store)
+        writers[suffix](part, columns, lines_of(store, columns))
+    typer.echo(f"saved {table}")
+
+
+def columns_of(store: Store) -> dict[str, str]:
+    """Return the columns of the table: the settings of all cases, then those of a row.
+
+    Returns:
+        For each its type: ``"str"``, ``"bool"``, ``"int"`` or ``"float"``.
+
+    Raises:
+        StoreError: a setting that is of several types; no sweep writes one.
+    """
+    types: dict[str, str] = {}
+    for case in store.cases().values():
+        for name in case:
+            kind = type(_plain(case, name)).__name__
+            if types.setdefault(name, kind) != kind:
+                raise StoreError(f"{store.path}: {name} is of several types, {kind} among them")
+    for name in Row._fields:
+        types[name] = "float" if name in FRACTIONS else "str" if name in WORDS else "int"
+    return types
+
+
+def lines_of(store: Store, columns: dict[str, str]) -> Iterator[Line]:
+    """Yield the lines of the table, case by case and seed by seed."""
+    settings = list(columns)[: -len(Row._fields)]
+    for case_id, case in store.cases().items():
+        values = [_plain(case, name) for name in settings]
+        for row in store.rows(case_id):
+            yield (*values, *row)
+
+
+def _plain(case: Case, name: str) -> Any:
+    """Return a setting as one value; ``None`` where it means nothing for the case."""
+    value = case.get(name)
+    return ROWS_END.join(value) if name == TILES and value is not None else value
+
+
+def _write_csv(path: Path, columns: dict[str, str], lines: Iterator[Line]) -> None:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(map(_safe, columns))
+        writer.writerows(map(_safe, line) for line in lines)
+
+
+def _safe(value: Any) -> Any:
+    """Return a value that no spreadsheet takes for a formula; no name that makes sense changes."""
+    is_formula = isinstance(value, str) and value.startswith(FORMULA)
+    return f"'{value}" if is_formula else value
+
+
+def _write_parquet(path: Path, columns: dict[str, str], lines: Iterator[Line]) -> None:
+    try:
+        import pyarrow as pa
+        from pyarrow import parquet
+    except ImportError:
+        raise StoreError("Parquet needs pyarrow: pip install 'warehouse-lab[parquet]'") from None
+    kinds = {"str": pa.string(), "bool": pa.bool_(), "int": pa.int64(), "float": pa.float64()}
+    schema = pa.schema([(name, kinds[kind]) for name, kind in columns.items()])
+    with parquet.ParquetWriter(path, schema) as writer:
+        while some := list(islice(lines, LINES)):
+            values = [list(column) for column in zip(*some, strict=True)]
+            try:
+                arrays = [pa.array(*column) for column in zip(values, schema.types, strict=True)]
+            except pa.ArrowException as error:  # SQLite keeps anything in any column
+                raise StoreError(f"a column is not of one type: {error}") from error
+            writer.write_table(pa.Table.from_arrays(arrays, schema=schema))

@@ -1,0 +1,1 @@
+"""Agents that learn, and how they are trained."""

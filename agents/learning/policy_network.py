@@ -1,0 +1,127 @@
+"""The network that chooses an action: two hidden layers of tanh, run by NumPy.
+
+Training it takes PyTorch (``ppo_training.py``); running it takes what is here. A saved network is
+a plain ``.npz`` file that is read back without unpickling anything.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core import RecordError
+from warehouse_core.files.npz import Schema, read_arrays, write_arrays
+from warehouse_core.task.encoding import MARKED_TILES, OTHER_NUMBERS, Arrays, vector
+from warehouse_core.world.actions import ACTIONS
+
+FORMAT = "warehouse-lab policy 1"
+LAYERS = 3
+
+TIMES = 2
+"""Battery and steps at the end of a vector, which a network is not given.
+
+What to do next does not depend on them, and so a network may be run with another battery than
+the one that it was trained with.
+"""
+
+SCHEMA: Schema = {
+    "header": ("|u1", 1),
+    **{f"weights_{layer}": ("<f4", 2) for layer in range(LAYERS)},
+    **{f"biases_{layer}": ("<f4", 1) for layer in range(LAYERS)},
+}
+
+Floats = NDArray[np.float32]
+Layer = tuple[Floats, Floats]
+"""Weights ``[outputs, inputs]`` and biases ``[outputs]``."""
+
+
+def network_input(arrays: Arrays) -> Floats:
+    """Return what a network is given of an observation, ``[..., L]``."""
+    return vector(arrays)[..., :-TIMES]
+
+
+def input_size(view_radius: int) -> int:
+    """Return ``L`` for a view radius."""
+    return len(MARKED_TILES) * (2 * view_radius + 1) ** 2 + OTHER_NUMBERS - TIMES
+
+
+class PolicyNetwork:
+    """A network with its weights, which are not changed.
+
+    Args:
+        view_radius: of the observations that it takes.
+        layers: ``LAYERS`` of them, from the first to the last.
+
+    Raises:
+        ValueError: the layers do not fit together or hold numbers that are not finite.
+    """
+
+    def __init__(self, view_radius: int, layers: Sequence[Layer]) -> None:
+        self.view_radius, self.layers = view_radius, list(layers)
+        if len(self.layers) != LAYERS:
+            raise ValueError(f"there are {len(self.layers)} layers; there must be {LAYERS}")
+        width = input_size(view_radius)
+        for number, (weights, biases) in enumerate(self.layers):
+            outputs = len(ACTIONS) if number == LAYERS - 1 else len(biases)
+            if weights.shape != (outputs, width) or biases.shape != (outputs,):
+                raise ValueError(
+                    f"layer {number} has the shapes {weights.shape} and {biases.shape}; "
+                    f"they must be ({outputs}, {width}) and ({outputs},)"
+                )
+            if not (np.isfinite(weights).all() and np.isfinite(biases).all()):
+                raise ValueError(f"layer {number} has numbers that are not finite")
+            width = outputs
+
+    def logits(self, inputs: Floats) -> Floats:
+        """Return ``[..., 7]``, the higher the likelier an action, for ``[..., L]`` inputs."""
+        *hidden, (weights, biases) = self.layers
+        for inner_weights, inner_biases in hidden:
+            inputs = np.tanh(inputs @ inner_weights.T + inner_biases)
+        outputs: Floats = inputs @ weights.T + biases
+        return outputs
+
+    def save(self, path: str | Path) -> None:
+        """Write the network to one ``.npz`` file, whole or not at all."""
+        header = json.dumps({"format": FORMAT, "view_radius": self.view_radius})
+        arrays: dict[str, NDArray[Any]] = {"header": np.frombuffer(header.encode(), np.uint8)}
+        for number, (weights, biases) in enumerate(self.layers):
+            arrays |= {f"weights_{number}": weights, f"biases_{number}": biases}
+        write_arrays(path, arrays, SCHEMA)
+
+    @staticmethod
+    def load(path: str | Path) -> PolicyNetwork:
+        """Read a network that ``save`` wrote.
+
+        Raises:
+            RecordError: the file is damaged or holds something else; it names what is wrong.
+            OSError: the file cannot be read.
+        """
+        arrays = read_arrays(path, SCHEMA)
+        layers = [(arrays[f"weights_{n}"], arrays[f"biases_{n}"]) for n in range(LAYERS)]
+        try:
+            return PolicyNetwork(_view_radius(arrays["header"]), layers)
+        except ValueError as error:
+            raise RecordError(f"{path}: {error}") from error
+
+
+def _view_radius(data: NDArray[np.uint8]) -> int:
+    """Return what a header says.
+
+    Raises:
+        ValueError: it is none.
+    """
+    try:
+        header = json.loads(data.tobytes().decode("utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"its header is no JSON text: {error}") from error
+    if not isinstance(header, dict) or header.get("format") != FORMAT:
+        raise ValueError(f"its format is not {FORMAT!r}")
+    radius = header.get("view_radius")
+    if type(radius) is not int or radius < 0:
+        raise ValueError(f"view_radius is {radius!r}; it must be a whole number, at least 0")
+    return radius

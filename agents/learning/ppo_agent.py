@@ -1,0 +1,75 @@
+"""The agent that ``warehouse train ppo`` trains; running it needs NumPy alone.
+
+It sees the observation and nothing else.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from agents.errors import AgentError
+from agents.learning.policy_network import PolicyNetwork, network_input
+from agents.warehouse_agent_greedy import open_moves
+from warehouse_core.task.encoding import encode
+from warehouse_core.task.rules import useful_actions
+from warehouse_core.task.state import Observation
+from warehouse_core.world.actions import ACTIONS
+from warehouse_core.world.tiles import DROPOFF, EMPTY, MOVE_DELTAS, PICKUP
+
+
+class PPOAgent:
+    """Takes the action that its network holds for the best of those that do something.
+
+    Args:
+        network: with its weights.
+        name: what errors call it.
+    """
+
+    def __init__(self, network: PolicyNetwork, name: str = "the network") -> None:
+        self._network, self._name = network, name
+        self.reset()
+
+    @classmethod
+    def load(cls, path: Path) -> PPOAgent:
+        """Return an agent with a network from a file.
+
+        Raises:
+            RecordError: the file is no network.
+            OSError: the file cannot be read.
+        """
+        return cls(PolicyNetwork.load(path), str(path))
+
+    def reset(self) -> None:
+        """Begin an episode; nothing is remembered from one to the next."""
+        self.reason = ""
+
+    def act(self, observation: Observation) -> str:
+        """Return the action for ``observation``; ``reason`` then says how sure the network is.
+
+        Raises:
+            AgentError: the robot sees more or less than the network was trained with.
+        """
+        radius = len(observation["local_grid"]) // 2
+        if radius != self._network.view_radius:
+            raise AgentError(
+                f"{self._name} was trained with view radius {self._network.view_radius}; "
+                f"this robot has {radius}"
+            )
+        logits = self._network.logits(network_input(encode(observation)))
+        allowed = np.where(useful_now(observation), logits, -np.inf)
+        action = int(allowed.argmax())
+        likelihoods = np.exp(allowed - allowed[action])
+        self.reason = f"{100 / likelihoods.sum():.0f}% sure"
+        return ACTIONS[action]
+
+
+def useful_now(observation: Observation) -> tuple[bool, ...]:
+    """Say of each action whether it does something, as far as the observation tells."""
+    moves = open_moves(observation["local_grid"])
+    stations = {observation["dropoff_pos"]: DROPOFF, observation["pickup_pos"]: PICKUP}
+    tile = stations.get(observation["robot_pos"], EMPTY)
+    return useful_actions(
+        tuple(move in moves for move in MOVE_DELTAS), tile, observation["has_item"]
+    )

@@ -1,0 +1,106 @@
+"""Tabular Q-learning: what each action is worth in each state, learnt from rewards alone.
+
+After every step, in state S with action A, reward R and the state S' that it led to,
+
+    Q(S, A)  <-  Q(S, A) + alpha * (R + gamma * max Q(S', a) - Q(S, A))
+                                            a
+
+The states are (where the robot is, where it has to go, whether it holds the item). The table
+knows one layout: in another one the same cells have other neighbours.
+
+Source: Sutton and Barto, *Reinforcement Learning*, 2nd ed., 2018, sec. 6.5; Russell and Norvig,
+4th ed., 2020, ch. 22, temporal-difference Q-learning.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+
+from warehouse_core.task.encoding import NOWHERE
+from warehouse_core.task.state import Observation
+from warehouse_core.warehouse_env import WarehouseEnv
+from warehouse_core.world.actions import ACTIONS
+from warehouse_core.world.tiles import Cell
+
+ALPHA = 0.1
+"""How far a value moves towards what a step says. Less averages better over the places where the
+next goal may be, more is faster."""
+
+GAMMA = 0.95
+"""What a reward is worth one step later; it is what makes a short way better than a long one."""
+
+EPSILON = 0.1
+"""How often an action is tried that may not be the best."""
+
+TRAINING_SEEDS = 1_000_000
+"""Episodes to learn from have lower seeds; those that examine an agent have higher ones."""
+
+State = tuple[Cell, Cell, bool]
+
+
+class QTable(dict[State, list[float]]):
+    """The values of all actions by state: 0 until something is known."""
+
+    def __missing__(self, state: State) -> list[float]:
+        values = self[state] = [0.0] * len(ACTIONS)
+        return values
+
+
+def state_of(observation: Observation) -> State:
+    """Return the state that an observation shows."""
+    loaded = observation["has_item"]
+    goal = observation["dropoff_pos"] if loaded else observation["pickup_pos"]
+    return observation["robot_pos"], goal or NOWHERE, loaded
+
+
+def best_action(values: list[float], stream: random.Random) -> int:
+    """Return the action with the highest value, any of them where several have it."""
+    highest = max(values)
+    best = [action for action, value in enumerate(values) if value == highest]
+    return best[0] if len(best) == 1 else stream.choice(best)
+
+
+def learn(table: QTable, env: WarehouseEnv, steps: int, seed: int) -> Iterator[tuple[int, bool]]:
+    """Fill a table by whole episodes from random starts until so many steps have been taken.
+
+    Yields:
+        After each episode the steps taken so far, and whether it ended with a delivery.
+    """
+    stream, taken = random.Random(seed), 0
+    while taken < steps:
+        state, done = state_of(env.reset(True, stream.randrange(TRAINING_SEEDS))), False
+        while not done:
+            explores = stream.random() < EPSILON
+            values = table[state]
+            action = stream.randrange(len(ACTIONS)) if explores else best_action(values, stream)
+            observation, reward, terminated, truncated, _ = env.step(action)
+            state, done = state_of(observation), terminated or truncated
+            future = 0.0 if terminated else max(table[state])
+            values[action] += ALPHA * (reward + GAMMA * future - values[action])
+            taken += 1
+        yield taken, terminated
+
+
+class QAgent:
+    """Takes the action with the highest value in a table.
+
+    Args:
+        table: of values; where it knows nothing the agent acts at random.
+        seed: of the agent's own random stream, begun anew at each ``reset``.
+    """
+
+    def __init__(self, table: QTable, seed: int | None = None) -> None:
+        self.table, self.seed = table, seed
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin an episode."""
+        self._random, self.reason = random.Random(self.seed), ""
+
+    def act(self, observation: Observation) -> str:
+        """Return the best action for ``observation``; ``reason`` then says what it is worth."""
+        values = self.table.get(state_of(observation), [0.0] * len(ACTIONS))
+        action = best_action(values, self._random)
+        self.reason = f"worth {values[action]:.1f}"
+        return ACTIONS[action]

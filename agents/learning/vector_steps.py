@@ -1,0 +1,55 @@
+"""A batch of warehouses in the terms of Stable-Baselines3, which this file does not need."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.learning.policy_network import TIMES, Floats, network_input
+from warehouse_core.task.encoding import vector_limits
+from warehouse_core.vector.env import BatchEnv, Seeds
+
+VectorStep = tuple[Floats, Floats, NDArray[np.bool_], list[dict[str, Any]]]
+"""``[B, L]`` observations, ``[B]`` rewards, ``[B]`` whether an episode ended, ``B`` infos."""
+
+
+class VectorSteps:
+    """Steps a batch whose rows start again within the step that ends them.
+
+    Args:
+        batch: with ``autoreset_mode="SameStep"``.
+    """
+
+    def __init__(self, batch: BatchEnv) -> None:
+        self.batch = batch
+        height, width = batch.size
+        limits = vector_limits(height, width, batch.view_radius, batch.max_battery, batch.max_steps)
+        self.low, self.high = (limit[:-TIMES] for limit in limits)
+
+    def reset(self, seed: Seeds) -> Floats:
+        """Start an episode in every row and return the observations."""
+        arrays, _ = self.batch.reset(seed)
+        return network_input(arrays)
+
+    def step(self, actions: NDArray[np.int64]) -> VectorStep:
+        """Carry out one action in each row.
+
+        The observation of a row that ended is the first of its next episode. Its info has the
+        last of the old one as ``terminal_observation``; ``TimeLimit.truncated`` where the episode
+        was cut off, so that what might have followed still counts; and ``is_success``.
+        """
+        arrays, rewards, terminated, truncated, info = self.batch.step(actions)
+        ended = terminated | truncated
+        infos: list[dict[str, Any]] = [{} for _ in range(self.batch.num_envs)]
+        if ended.any():
+            last = network_input(info["final_obs"])
+            for row in np.flatnonzero(ended).tolist():
+                delivered = bool(terminated[row])
+                infos[row] = {
+                    "terminal_observation": last[row],
+                    "TimeLimit.truncated": not delivered,
+                    "is_success": delivered,
+                }
+        return network_input(arrays), rewards.astype(np.float32), ended, infos

@@ -1,0 +1,1 @@
+"""What the episodes of an experiment say, in numbers and in sentences."""

@@ -1,0 +1,172 @@
+"""What the episodes of some cases come to: counts, shares and means, with their intervals.
+
+Cases that are pooled are taken as one; whoever compares them does so seed by seed.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.evaluation.interval import Interval, mean_interval, share_interval
+from agents.experiments.case import Case
+from agents.experiments.store import Store, StoreError
+from warehouse_core.records.episode import DELIVERED
+from warehouse_core.records.failure_modes import MODES
+
+CaseIds = tuple[int, ...]
+
+
+class Tally(NamedTuple):
+    """How many episodes of a case came to each mode, and the first and the last of their seeds."""
+
+    modes: Counter[str]
+    first_seed: int
+    last_seed: int
+
+
+class Experiment:
+    """The cases of a file of results that have episodes, and what each comes to.
+
+    What has been worked out once is kept.
+
+    Args:
+        store: the file.
+
+    Attributes:
+        cases: by their numbers.
+        unbegun: how many cases have no episode yet.
+
+    Raises:
+        StoreError: there is no episode in it, it is damaged, or it cannot be read.
+    """
+
+    def __init__(self, store: Store) -> None:
+        self.store = store
+        _check_rows(store)
+        self._tallies: dict[int, Tally] = {}
+        for case_id, mode, count, first, last in store.query(
+            "SELECT case_id, mode, count(*), min(seed), max(seed) FROM episodes "
+            "GROUP BY case_id, mode"
+        ):
+            known = self._tallies.get(case_id, Tally(Counter(), first, last))
+            known.modes[mode] = count
+            self._tallies[case_id] = Tally(
+                known.modes, min(first, known.first_seed), max(last, known.last_seed)
+            )
+        if not self._tallies:
+            raise StoreError(f"{store.path}: there is no episode in it")
+        cases = store.cases()
+        self.cases: dict[int, Case] = {case_id: cases[case_id] for case_id in self._tallies}
+        self.unbegun = len(cases) - len(self.cases)
+        self._results: dict[CaseIds, Results] = {}
+
+    def results(self, *case_ids: int) -> Results:
+        """Return what the episodes of some cases come to."""
+        tallies = [self._tallies[case_id] for case_id in case_ids]
+        modes = sum((tally.modes for tally in tallies), Counter[str]())
+        return self._results.setdefault(
+            case_ids,
+            Results(
+                self.store,
+                case_ids,
+                {mode: modes[mode] for mode in MODES if mode in modes},
+                (
+                    min(tally.first_seed for tally in tallies),
+                    max(tally.last_seed for tally in tallies),
+                ),
+                all(self.cases[case_id]["backend"] != "grid" for case_id in case_ids),
+            ),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """The episodes of some cases, read when they are asked for.
+
+    Attributes:
+        store: where they are.
+        case_ids: of the cases.
+        modes: how many episodes came to each mode that occurs, in the order of ``MODES``.
+        seeds: the first and the last.
+        is_measured: whether all moves were motions; the grid's seconds and joules are nominal.
+    """
+
+    store: Store
+    case_ids: CaseIds
+    modes: dict[str, int]
+    seeds: tuple[int, int]
+    is_measured: bool
+
+    @cached_property
+    def episodes(self) -> int:
+        """How many there are."""
+        return sum(self.modes.values())
+
+    @property
+    def share(self) -> float:
+        """The share that was delivered."""
+        return self.modes.get(DELIVERED, 0) / self.episodes
+
+    @cached_property
+    def success(self) -> Interval:
+        """The share that was delivered, with its interval."""
+        return share_interval(self.modes.get(DELIVERED, 0), self.episodes)
+
+    @cached_property
+    def steps(self) -> Interval | None:
+        """The mean steps of a delivery."""
+        return self._mean("steps")
+
+    @cached_property
+    def needed(self) -> float | None:
+        """The mean steps of the shortest ways of what was delivered."""
+        values = self._values("needed")
+        return float(values.mean()) if len(values) else None
+
+    @cached_property
+    def seconds(self) -> Interval | None:
+        """The mean simulated time of a delivery, in s."""
+        return self._mean("seconds")
+
+    @cached_property
+    def joules(self) -> Interval | None:
+        """The mean energy of a delivery, in J."""
+        return self._mean("joules")
+
+    def _mean(self, column: str) -> Interval | None:
+        return mean_interval(self._values(column))
+
+    def _values(self, column: str) -> np.ndarray:
+        """Return a column of the deliveries, ``[n]``."""
+        statement = f"SELECT {column} FROM episodes WHERE case_id = ? AND mode = ?"
+        return np.concatenate(
+            [
+                np.fromiter(
+                    (value for (value,) in self.store.query(statement, case_id, DELIVERED)),
+                    dtype=float,
+                )
+                for case_id in self.case_ids
+            ]
+        )
+
+
+def _check_rows(store: Store) -> None:
+    """Refuse rows that no sweep has written, once, so that everything else may rely on them."""
+    kinds = {
+        "integer": ("seed", "steps", "battery_left", "row", "col"),
+        "real": ("reward", "seconds", "joules"),
+    }
+    wrong = [f"typeof({name}) != '{kind}'" for kind, names in kinds.items() for name in names]
+    wrong += [
+        "typeof(needed) NOT IN ('integer', 'null')",
+        f"mode NOT IN ({', '.join('?' * len(MODES))})",
+        "case_id NOT IN (SELECT id FROM cases)",
+    ]
+    statement = f"SELECT case_id, seed FROM episodes WHERE {' OR '.join(wrong)} LIMIT 1"
+    for case_id, seed in store.query(statement, *MODES):
+        raise StoreError(f"{store.path}: the row of case {case_id!r}, seed {seed!r} is damaged")

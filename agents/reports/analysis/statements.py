@@ -1,0 +1,190 @@
+"""What a report says of some cases: each function turns numbers into sentences.
+
+Sentences begin in lower case and have no full stop; ``wording.sentence`` gives them both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from agents.evaluation.interval import Interval
+from agents.evaluation.wording import chance, counted, listed, mean, percent, share
+from agents.reports.analysis.comparison import Comparison, Taken
+from agents.reports.analysis.results import Results
+from warehouse_core.records.episode import DELIVERED
+
+LIKELY = 0.05
+"""A difference that chance makes as often as this is not called one."""
+
+LITTLE = 0.01
+"""Of success: so much more or less changes nothing to speak of."""
+
+MOST_NAMED = 6
+"""Values in a list; of more only the best and the worst."""
+
+UNITS = {"steps": "steps", "seconds": "s", "joules": "J"}
+
+
+class Point(NamedTuple):
+    """A value of the factor in question.
+
+    Attributes:
+        name: the factor and its value, ``battery 20``; empty where nothing differs.
+        case_id: of its case.
+        results: of that case.
+    """
+
+    name: str
+    case_id: int
+    results: Results
+
+
+def trend(line: Sequence[Point]) -> str:
+    """Say how success goes from the first value to the last."""
+    first, last = line[0], line[-1]
+    best, worst = (pick(line, key=lambda point: point.results.share) for pick in (max, min))
+    if best.results.share - worst.results.share < LITTLE:
+        return (
+            f"success is all but the same, {share(first.results.success)} at {first.name} and "
+            f"{share(last.results.success)} at {last.name}"
+        )
+    change = last.results.share - first.results.share
+    verb, joint = "rises from" if change > 0 else "falls from", "to"
+    if abs(change) < LITTLE:
+        verb, joint = "is nearly the same at both ends,", "and"
+    words = (
+        f"success {verb} {share(first.results.success)} at {first.name} {joint} "
+        f"{share(last.results.success)} at {last.name}"
+    )
+    ends = [point.results.success for point in (first, last)]
+    if best.results.success.low > max(end.high for end in ends):
+        words += f"; it is highest at {best.name}, {share(best.results.success)}"
+    if worst.results.success.high < min(end.low for end in ends):
+        words += f"; it is lowest at {worst.name}, {share(worst.results.success)}"
+    return words
+
+
+def ranking(ranked: Sequence[Point]) -> str:
+    """Say the success with each value, the best first."""
+    named = ranked if len(ranked) <= MOST_NAMED else [*ranked[: MOST_NAMED - 1], ranked[-1]]
+    shares = [f"{share(point.results.success)} with {point.name}" for point in named]
+    left = f"; {len(ranked) - len(named)} others lie between" if len(named) < len(ranked) else ""
+    return f"success is {listed(shares)}{left}"
+
+
+def seed_by_seed(one: Point, other: Point, found: Comparison) -> Iterator[str]:
+    """Say how two cases differ on the seeds that both have."""
+    if not found.seeds:
+        yield f"{one.name} and {other.name} share no seed, so they are not compared seed by seed"
+        return
+    seeds = f"of the same {counted(found.seeds, 'seed')}"
+    if not found.only_first + found.only_second:
+        yield f"{seeds}, {one.name} and {other.name} deliver the same ones"
+    else:
+        verdict = "more than" if found.chance < LIKELY else "no more than"
+        yield (
+            f"{seeds}, {one.name} alone delivers {_or_none(found.only_first)} and {other.name} "
+            f"alone {_or_none(found.only_second)}, {verdict} chance explains "
+            f"({chance(found.chance)})"
+        )
+    yield from _fate(one, other, found)
+    for column, taken in found.taken.items():
+        if column == "steps" or (one.results.is_measured and other.results.is_measured):
+            yield _taken(one, other, found.both, UNITS[column], taken)
+
+
+def lengths(line: Sequence[Point]) -> Iterator[str]:
+    """Say what all deliveries take; those of one value may be the easy ones alone."""
+    parts = [
+        f"{mean(point.results.steps, 'steps', _shortest(point.results))}{_with(point)}"
+        for point in line
+        if point.results.steps
+    ]
+    if parts:
+        yield f"the mean of all deliveries, easy and hard, is {listed(parts)}"
+
+
+def time_and_energy(line: Sequence[Point]) -> Iterator[str]:
+    """Say what deliveries cost, where the backend measures it."""
+    for point in line:
+        results = point.results
+        if results.is_measured and results.seconds and results.joules:
+            yield (
+                f"a delivery{_with(point)}, easy or hard, takes {mean(results.seconds, 's')} and "
+                f"{mean(results.joules, 'J')}"
+            )
+
+
+def failures(line: Sequence[Point]) -> Iterator[str]:
+    """Say what the failures come from."""
+    for point in line:
+        modes = {mode: n for mode, n in point.results.modes.items() if mode != DELIVERED}
+        total = sum(modes.values())
+        if not total:
+            yield f"no episode{_with(point)} fails"
+        elif len(modes) == 1:
+            [mode] = modes
+            yield f"every failure{_with(point)} is {mode} ({counted(total, 'episode')})"
+        else:
+            parts = [f"{percent(count / total)} {mode}" for mode, count in _most_first(modes)]
+            yield f"failures{_with(point)} are {listed(parts)} ({counted(total, 'episode')})"
+
+
+def _fate(one: Point, other: Point, found: Comparison) -> Iterator[str]:
+    """Say what became, with the better value, of what fails most often with the worse one."""
+    if found.only_first == found.only_second:
+        return
+    turned = found.only_second > found.only_first
+    better, worse = (other, one) if turned else (one, other)
+    changes = {
+        (theirs, ours) if turned else (ours, theirs): count
+        for (ours, theirs), count in found.changes.items()
+    }
+    failed = _totals({pair: count for pair, count in changes.items() if pair[1] != DELIVERED}, 1)
+    mode = max(failed, key=lambda each: failed[each])
+    fates = _totals({pair: count for pair, count in changes.items() if pair[1] == mode}, 0)
+    parts = [f"{fate} ({count:,})" for fate, count in _most_first(fates)]
+    yield (
+        f"{mode} with {worse.name} ({counted(failed[mode], 'episode')}) becomes, with "
+        f"{better.name}, {listed(parts)}"
+    )
+
+
+def _totals(changes: Mapping[tuple[str, str], int], side: int) -> dict[str, int]:
+    found: dict[str, int] = {}
+    for pair, count in changes.items():
+        found[pair[side]] = found.get(pair[side], 0) + count
+    return found
+
+
+def _taken(one: Point, other: Point, both: int, unit: str, taken: Taken) -> str:
+    digits = 0 if max(taken.first, taken.second) >= 1000 else 1
+    means = (
+        f"where both deliver ({counted(both, 'seed')}), it takes {taken.first:,.{digits}f} {unit} "
+        f"with {one.name} and {taken.second:,.{digits}f} with {other.name}"
+    )
+    estimate, low, high = taken.difference
+    if estimate == 0 or not taken.difference.is_known:
+        return means
+    if low <= 0 <= high:
+        return f"{means}, a difference that chance explains"
+    nearer, further = sorted((abs(low), abs(high)))
+    less = Interval(abs(estimate), nearer, further)
+    return f"{means}: {other.name} takes {mean(less, 'more' if estimate > 0 else 'less')}"
+
+
+def _shortest(results: Results) -> str:
+    return "" if results.needed is None else f"shortest ways {results.needed:.1f}"
+
+
+def _with(point: Point) -> str:
+    return f" with {point.name}" if point.name else ""
+
+
+def _most_first(counts: Mapping[str, int]) -> list[tuple[str, int]]:
+    return sorted(counts.items(), key=lambda each: -each[1])
+
+
+def _or_none(count: int) -> str:
+    return f"{count:,}" if count else "none"

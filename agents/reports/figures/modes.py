@@ -1,0 +1,83 @@
+"""The chart of how the episodes of each case ended."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.patches import Patch
+from matplotlib.ticker import PercentFormatter
+
+from agents.experiments.parameters import Value, shown
+from agents.reports.analysis.design import Design
+from agents.reports.analysis.results import Experiment, Results
+from agents.reports.figures.measure import MODE_COLORS, ink_on
+from agents.reports.figures.panels import (
+    MOST_TICKS,
+    PANELS_A_ROW,
+    SMALL,
+    draw_legend,
+    fitting,
+    make_panels,
+)
+from agents.reports.figures.roles import Roles, Where, lines_of, roles_of
+from warehouse_core.viz.figure import SceneFigure
+
+LEGIBLE = 0.08
+"""Share of a bar from which a number fits into it."""
+
+
+def modes_chart(experiment: Experiment, design: Design, title: str) -> SceneFigure:
+    """Draw the shares of what became of the episodes, as stacked bars."""
+    roles = roles_of(design)
+    lines = lines_of(experiment, design, roles)
+    with mpl.rc_context({"text.parse_math": False}):
+        return _draw_modes(roles, lines, title)
+
+
+def _draw_modes(
+    roles: Roles, lines: Mapping[Where, Mapping[Value | None, Results]], title: str
+) -> SceneFigure:
+    occurring = {mode for line in lines.values() for results in line.values()
+                 for mode in results.modes}  # fmt: skip
+    figure, axes = make_panels(title, len(lines), len(occurring))
+    for (panel, color), line, each in zip(lines, lines.values(), axes, strict=True):
+        for place, results in enumerate(line.values()):
+            _draw_bar(each, place, results, len(line) * min(len(lines), PANELS_A_ROW))
+        names = [shown(value) if value is not None else _everywhere(roles) for value in line]
+        names = fitting(names, min(len(lines), PANELS_A_ROW))
+        step = math.ceil(len(names) / MOST_TICKS)
+        each.set_xticks(range(0, len(names), step), names[::step])
+        each.set_xlabel(roles.axis.name if roles.axis and [*line] != [None] else "", **SMALL)
+        each.yaxis.set_major_formatter(PercentFormatter(1))
+        each.set_ylim(0, 1)
+        each.set_xlim(-0.6, max(len(names) - 0.4, 2.4))
+        parts = [
+            f"{factor.name} {shown(value)}"
+            for factor, value in ((roles.panel, panel), (roles.color, color))
+            if factor
+        ]
+        each.set_title(", ".join(parts), loc="left", **SMALL)
+    handles = [Patch(color=color) for mode, color in MODE_COLORS.items() if mode in occurring]
+    labels = [mode for mode in MODE_COLORS if mode in occurring]
+    draw_legend(figure, handles, labels)
+    return figure
+
+
+def _draw_bar(axes: Axes, place: int, results: Results, bars: int) -> None:
+    bottom = 0.0
+    for mode, count in results.modes.items():
+        share = count / results.episodes
+        axes.bar(place, share, 0.8, bottom, color=MODE_COLORS[mode])
+        if share >= LEGIBLE and bars <= 2 * MOST_TICKS:
+            axes.text(
+                place, bottom + share / 2, f"{share:.0%}", ha="center", va="center", fontsize=7.5,
+                color=ink_on(MODE_COLORS[mode]),
+            )  # fmt: skip
+        bottom += share
+
+
+def _everywhere(roles: Roles) -> str:
+    return f"any {roles.axis.name}" if roles.axis else "all episodes"

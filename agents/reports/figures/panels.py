@@ -1,0 +1,108 @@
+"""Figures of several panels with a common legend."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from agents.experiments.parameters import Value, shown
+from agents.reports.analysis.design import Factor
+from warehouse_core.render.palette import INK
+from warehouse_core.viz.figure import SceneFigure, make_figure
+
+WIDTH, PANEL_HEIGHT, HEAD, FOOT, DPI = 9.0, 3.3, 0.85, 0.35, 100
+"""In inches, and dots to an inch."""
+
+LEGEND_COLUMNS, LEGEND_ROW = 4, 0.2
+
+MOST_TICKS = 12
+
+PANELS_A_ROW = 3
+
+MOST_LETTERS = 110
+"""Along the axes of all panels of a row."""
+
+Text = dict[str, Any]
+
+SMALL: Text = {"fontsize": 8.5, "color": INK}
+
+
+def make_panels(title: str, count: int, keys: int) -> tuple[SceneFigure, list[Axes]]:
+    """Return a figure of so many panels, with its title and room for the keys of a legend."""
+    columns = min(count, PANELS_A_ROW)
+    rows = math.ceil(count / columns)
+    head = HEAD + LEGEND_ROW * (math.ceil(keys / LEGEND_COLUMNS) - 1)
+    height = head + rows * PANEL_HEIGHT + FOOT
+    figure = make_figure((WIDTH, height), DPI)
+    grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
+    figure.subplots_adjust(
+        left=0.075, right=0.98, wspace=0.08, hspace=0.38,
+        top=1 - head / height, bottom=(FOOT + 0.2) / height,
+    )  # fmt: skip
+    figure.suptitle(title, x=0.012, y=1 - 0.1 / height, ha="left", va="top", fontsize=12, color=INK)
+    axes = list(grid.flat)
+    for each in axes[count:]:
+        each.remove()
+    for each in axes[:count]:
+        each.spines[["top", "right"]].set_visible(False)
+        each.tick_params(labelsize=8)
+        each.set_axisbelow(True)
+    return figure, axes[:count]
+
+
+def places_of(axis: Factor) -> dict[Value, float]:
+    """Return where along the axis each value is, from 0."""
+    if not axis.is_numeric:
+        return {value: float(number) for number, value in enumerate(axis.values)}
+    first = float(axis.values[0])
+    return {value: float(value) - first for value in axis.values}
+
+
+def prepare_axis(axes: Axes, axis: Factor, places: Mapping[Value, float], columns: int) -> None:
+    """Set the ticks, their names and the limits of the axis along a factor."""
+    values = list(places)
+    step = math.ceil(len(values) / MOST_TICKS)
+    names = fitting(list(map(shown, values)), columns)
+    axes.set_xticks([places[each] for each in values[::step]], names[::step])
+    axes.set_xlabel(axis.name, **SMALL)
+    width = max(places.values())
+    room = 0.06 * width if axis.is_ordered else 0.5
+    axes.set_xlim(-room, width + room)
+
+
+def fitting(names: Sequence[str], columns: int) -> list[str]:
+    """Return names with their middles left out, as far as they would run into each other."""
+    room = max(MOST_LETTERS // (columns * min(len(names), MOST_TICKS)), 5)
+    half = (room - 1) // 2
+    return [
+        name
+        if len(name) <= room
+        else f"{name[: room - half - 1]}\N{HORIZONTAL ELLIPSIS}{name[-half:]}"
+        for name in names
+    ]
+
+
+def name_panel(axes: Axes, factor: Factor | None, value: Value | None) -> None:
+    """Write the value of its factor above a panel."""
+    if factor:
+        axes.set_title(f"{factor.name} {shown(value)}", loc="left", **SMALL)
+
+
+def draw_legend(
+    figure: Figure,
+    handles: Sequence[Any],
+    labels: Sequence[str],
+    name: str = "",
+    values: Sequence[Value | None] = (),
+) -> None:
+    """Draw the legend below the title; labels that are numbers stand for values."""
+    words = [f"{name} {shown(values[int(label)])}" for label in labels] if values else labels
+    height = figure.get_figheight()
+    figure.legend(
+        handles, words, loc="upper left", bbox_to_anchor=(0.004, 1 - 0.33 / height),
+        ncols=LEGEND_COLUMNS, fontsize=8.5, frameon=False, columnspacing=1.4, handletextpad=0.5,
+    )  # fmt: skip

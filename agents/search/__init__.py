@@ -1,0 +1,1 @@
+"""Search: algorithms, problems, heuristics, and agents that plan."""

@@ -1,0 +1,246 @@
+"""Agents that search: one that knows the map, and one that knows only what it has seen.
+
+The exploring one plans through the unknown as if it were free.
+
+Source: Russell and Norvig, 4th ed., ch. 3, and section 4.5 on online search.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from agents.search.algorithms import (
+    Solution,
+    astar_search,
+    breadth_first_search,
+    check_weight,
+    greedy_best_first_search,
+    uniform_cost_search,
+    weighted_astar_search,
+)
+from agents.search.belief import Belief, BeliefProblem
+from agents.search.costs import STEPS, action_costs
+from agents.search.heuristics import manhattan, manhattan_delivery
+from agents.search.problems import DeliveryProblem, State
+from warehouse_core.motion.backends import Backend
+from warehouse_core.task.state import Observation
+from warehouse_core.world.layout import Layout
+from warehouse_core.world.tiles import MOVE_DELTAS, Cell
+
+WEIGHT = 2.0
+"""Of the heuristic in weighted A*, unless another is given."""
+
+PATIENCE = 10
+"""Times that an exploring agent doubts the walls that it has only run into, for each goal."""
+
+Plan = Solution[State, str]
+
+ALGORITHMS: dict[str, Callable[[DeliveryProblem, float], Plan]] = {
+    "bfs": lambda problem, _: breadth_first_search(problem),
+    "ucs": lambda problem, _: uniform_cost_search(problem),
+    "greedy-best-first": lambda problem, _: greedy_best_first_search(
+        problem, manhattan_delivery(problem)
+    ),
+    "astar": lambda problem, _: astar_search(problem, manhattan_delivery(problem)),
+    "weighted-astar": lambda problem, weight: weighted_astar_search(
+        problem, manhattan_delivery(problem), weight
+    ),
+}
+"""What plans a delivery, by name; a weight is given to all and used by one."""
+
+
+class SearchAgent:
+    """Knows the walls, plans the delivery once, and follows the plan.
+
+    Where it finds itself off the plan, because a motion ended elsewhere, it plans anew. Where no
+    way leads on, it says so and waits.
+
+    Args:
+        layout: the walls, and the stations as long as they are where the observation has them.
+        algorithm: one of ``ALGORITHMS``.
+        cost: what the plan is to save: ``"steps"``, ``"seconds"`` or ``"joules"``.
+        weight: of the heuristic in weighted A*.
+        backend: that is asked for seconds and joules.
+
+    Attributes:
+        reason: of the last action.
+        expanded: nodes since the last reset.
+        plans: how often it has planned since then.
+
+    Raises:
+        ValueError: an algorithm, a cost or a weight that there is not.
+    """
+
+    def __init__(
+        self,
+        layout: Layout,
+        algorithm: str = "astar",
+        cost: str = STEPS,
+        weight: float = WEIGHT,
+        backend: Backend = "physics",
+    ) -> None:
+        if algorithm not in ALGORITHMS:
+            raise ValueError(f"algorithm is {algorithm!r}; allowed: {', '.join(ALGORITHMS)}")
+        check_weight(weight)
+        self.layout = layout
+        self.algorithm = algorithm
+        self.weight = weight
+        self._costs = action_costs(cost, backend)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the plan."""
+        self._plan: dict[tuple[Cell, bool], str] = {}
+        self._before: tuple[Cell, bool] | None = None
+        self._is_new = False
+        self._knows_stations = True
+        self.reason = ""
+        self.expanded = self.plans = 0
+
+    def act(self, observation: Observation) -> str:
+        """Return the action that the plan has for where the robot is."""
+        state = observation["robot_pos"], observation["has_item"]
+        action = self._plan.get(state)
+        if action is None:
+            return self._make_plan(observation)
+        if state == self._before and action in ("PICK", "DROP"):
+            # It did nothing: there is no such station any more. One is where it is sensed.
+            self._knows_stations = False
+            return self._make_plan(observation)
+        self._before = state
+        if self._is_new:
+            self._is_new, self.reason = False, "follows its plan"
+        return action
+
+    def _make_plan(self, observation: Observation) -> str:
+        here, has_item = observation["robot_pos"], observation["has_item"]
+        problem = self._problem(observation)
+        found = ALGORITHMS[self.algorithm](problem, self.weight)
+        self.plans += 1
+        self.expanded += found.expanded
+        if not found.found:
+            self._plan = {(here, has_item): "WAIT"}
+            self.reason = f"no way leads to the {'dropoff' if has_item else 'pickup and dropoff'}"
+            return "WAIT"
+        # The last state is the delivery, which needs no action.
+        self._plan = {
+            ((row, col), loaded): action
+            for (row, col, loaded), action in zip(found.states, found.actions, strict=False)
+        }
+        self.reason = "has a plan" if self.plans == 1 else "is off its plan, makes a new one"
+        self._before, self._is_new = (here, has_item), True
+        return self._plan[here, has_item]
+
+    def _problem(self, observation: Observation) -> DeliveryProblem:
+        """Return the delivery that is still to be made."""
+        stations = [observation["pickup_pos"], observation["dropoff_pos"]]
+        own = [self.layout.pickups, self.layout.dropoffs]
+        # The layout has all stations, the observation the first of each kind; where that is
+        # another one, stations have been drawn anew.
+        known = [
+            theirs if self._knows_stations and theirs[:1] == (seen,) else [seen] if seen else []
+            for seen, theirs in zip(stations, own, strict=True)
+        ]
+        return DeliveryProblem(
+            self.layout,
+            observation["robot_pos"],
+            observation["has_item"],
+            pickups=known[0],
+            dropoffs=known[1],
+            costs=self._costs,
+        )
+
+
+class ExploringAgent:
+    """Knows nothing but its observations: it remembers them, and plans through the unknown.
+
+    It plans anew whenever it meets a wall: along a wall of n cells that is n searches. What is not
+    in view it takes for a wall once two moves in a row have not got there.
+
+    Attributes:
+        belief: what it has seen.
+        reason: of the last action.
+        expanded: nodes since the last reset.
+        plans: how often it has planned since then.
+    """
+
+    def __init__(self) -> None:
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self.belief = Belief()
+        self.reason = ""
+        self.expanded = self.plans = 0
+        self._moves: dict[Cell, str] = {}
+        self._goal: Cell | None = None
+        self._patience = PATIENCE
+        self._left: Cell | None = None
+        self._asked_for: Cell | None = None
+
+    def act(self, observation: Observation) -> str:
+        """Return the next move of a plan that still holds, or of a new one."""
+        here, has_item = observation["robot_pos"], observation["has_item"]
+        if here == self._left and self._asked_for is not None:
+            self.belief.bump(self._asked_for)
+        self.belief.look(observation)
+        goal = observation["dropoff_pos"] if has_item else observation["pickup_pos"]
+        self._left, self._asked_for = here, None
+        if goal is None:
+            return self._say("WAIT", "there is nowhere to go")
+        if here == goal:
+            return self._say("DROP" if has_item else "PICK", "is there")
+        why = self._why_to_plan(here, goal)
+        if why:
+            self._make_plan(here, goal)
+        move = self._moves.get(here)
+        if move is None:
+            return self._say("WAIT", f"no way leads to {goal}, as far as it has seen")
+        self._asked_for = _after(here, move)
+        return self._say(move, why or "follows its plan")
+
+    @property
+    def route(self) -> tuple[Cell, ...]:
+        """The cells that the plan leads through, from the one where it acted last."""
+        cells = [] if self._left is None else [self._left]
+        while cells and cells[-1] in self._moves:
+            cells.append(_after(cells[-1], self._moves[cells[-1]]))
+        return tuple(cells)
+
+    def _why_to_plan(self, here: Cell, goal: Cell) -> str:
+        """Return why the plan holds no more, or nothing."""
+        if goal != self._goal:
+            return f"plans its way to {goal}"
+        ahead = {_after(cell, move) for cell, move in self._moves.items()}
+        if any(not self.belief.is_free(cell) for cell in ahead):
+            return "meets a wall, plans round it"
+        if self._moves and here not in self._moves:
+            return "is off its plan, makes a new one"
+        return ""
+
+    def _make_plan(self, here: Cell, goal: Cell) -> None:
+        if goal != self._goal:
+            self._goal, self._patience = goal, PATIENCE
+        found = self._search(here, goal)
+        if not found.found and self.belief.bumps and self._patience:
+            # A motion may have failed for another reason than a wall.
+            self._patience -= 1
+            self.belief.bumps.clear()
+            found = self._search(here, goal)
+        self._moves = dict(zip(found.states, found.actions, strict=False))
+
+    def _search(self, here: Cell, goal: Cell) -> Solution[Cell, str]:
+        problem = BeliefProblem(self.belief, here, goal)
+        found = astar_search(problem, manhattan(problem))
+        self.plans += 1
+        self.expanded += found.expanded
+        return found
+
+    def _say(self, action: str, reason: str) -> str:
+        self.reason = reason
+        return action
+
+
+def _after(cell: Cell, move: str) -> Cell:
+    down, right = MOVE_DELTAS[move]
+    return cell[0] + down, cell[1] + right

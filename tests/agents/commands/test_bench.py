@@ -1,0 +1,93 @@
+"""The command that measures steps a second: what it counts, and what it prints."""
+
+import sys
+
+import pytest
+from helpers.command_line import command, refusal
+
+from agents.commands import bench
+
+
+class Clock:
+    """A clock that only the works move."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+
+    def work(self, steps: int, seconds: float) -> bench.Work:
+        def work() -> int:
+            self.now += seconds
+            return steps
+
+        return work
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    clock = Clock()
+    monkeypatch.setattr(bench, "perf_counter", lambda: clock.now)
+    return clock
+
+
+def test_rates_are_steps_over_seconds_and_their_ratio(clock: Clock) -> None:
+    pair = bench.Pair("ours", lambda: clock.work(30, 0.01), "theirs", lambda: clock.work(10, 0.02))
+    rates = bench.measure(pair, seconds=0.5)
+    assert rates.ours == pytest.approx(3000)
+    assert rates.beside == pytest.approx(500)
+    assert rates.ratio == pytest.approx(6)
+
+
+def test_a_measurement_takes_about_the_time_that_it_is_given(clock: Clock) -> None:
+    work = clock.work(1, 0.001)
+    bench.measure(bench.Pair("ours", lambda: work, "theirs", lambda: work), seconds=1.0)
+    # Two works, and a round to warm up.
+    assert clock.now == pytest.approx(2 * (1 + 1 / bench.ROUNDS), rel=0.05)
+
+
+def test_a_piece_of_work_longer_than_its_time_is_done_once(clock: Clock) -> None:
+    slow = clock.work(5, 10.0)
+    rates = bench.measure(bench.Pair("ours", lambda: slow, "theirs", lambda: slow), seconds=0.01)
+    assert rates.ours == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize(
+    "pair", [each for each in bench.PAIRS if each.beside != bench.TILES], ids=lambda each: each.form
+)
+def test_every_form_can_be_stepped_over_the_end_of_its_episodes(pair: bench.Pair) -> None:
+    for make in (pair.make, pair.make_beside):
+        work = make()
+        assert work() == work() > 0
+
+
+def test_the_table_has_a_line_for_every_form(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(bench, "measure", lambda pair, seconds: bench.Rates(1234.6, 100.0, 12.346))
+    monkeypatch.setenv("COLUMNS", "80")
+    result = command(capsys, "bench")
+    assert result.code == 0
+    cells = [line.split("│") for line in result.out.splitlines() if line.startswith("│")]
+    assert [cell[1].strip() for cell in cells] == [pair.form for pair in bench.PAIRS]
+    assert [cell[3].strip() for cell in cells] == [pair.beside for pair in bench.PAIRS]
+    for cell in cells:
+        assert [cell[place].strip() for place in (2, 4, 5)] == ["1,235", "100", "12.35"]
+
+
+def test_what_is_not_installed_is_said_in_its_line_and_the_rest_is_measured(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "minigrid", None)
+    monkeypatch.setenv("COLUMNS", "200")
+    result = command(capsys, "bench", "--seconds", "0.01")
+    assert result.code == 0
+    not_measured = [line for line in result.out.splitlines() if "not measured" in line]
+    assert len(not_measured) == 1
+    assert "pictures" in not_measured[0]
+    assert "pip install 'warehouse-lab[bench]'" in not_measured[0]
+
+
+@pytest.mark.parametrize("seconds", ["0", "-1", "nan", "soon"])
+def test_a_time_that_cannot_be_measured_in_is_refused(
+    seconds: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert "--seconds" in refusal(capsys, "bench", "--seconds", seconds, code=2)

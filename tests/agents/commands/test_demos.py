@@ -1,0 +1,84 @@
+import pytest
+from PIL import Image
+
+from agents import cli
+from agents.commands.demos import DEMOS, bump, delivery, head_on, load, slip
+from agents.console.main import main
+
+
+def run(*arguments: str) -> int:
+    with pytest.raises(SystemExit) as ended:
+        main(cli.app, arguments)
+    return ended.value.code or 0
+
+
+def test_the_delivery_delivers():
+    demo = delivery()
+    assert demo.track.ending == "delivered"
+    assert demo.said.startswith("delivered in 23 steps")
+
+
+def test_the_bump_flashes_with_its_impulse_and_goes_back():
+    track = bump().track
+    shown = [frame for frame, hits in enumerate(track.hits) if hits]
+    assert shown
+    assert all("N·s" in hit.label for frame in shown for hit in track.hits[frame])
+    assert track.poses[-1].at == pytest.approx(track.poses[0].at, abs=1e-3)
+    assert min(pose.at[0] for pose in track.poses) == pytest.approx(1.35, abs=0.02)
+
+
+def test_the_load_makes_the_same_way_slower_and_dearer():
+    demo = load()
+    empty, loaded = demo.track, demo.beside
+    assert not empty.poses[0].loaded
+    assert loaded.poses[0].loaded
+    assert loaded.clock[-1] > empty.clock[-1]
+    assert loaded.energy[-1] > empty.energy[-1]
+    assert loaded.poses[-1].at == pytest.approx(empty.poses[-1].at, abs=1e-3)
+
+
+def test_the_slippery_floor_spoils_the_plan():
+    demo = slip()
+    assert demo.track.ending == "delivered"
+    assert demo.beside.ending != "delivered"
+    assert demo.beside.captions[1:]
+    assert "slippery" in demo.beside.title
+
+
+def test_the_two_robots_meet_and_both_go_back_soon():
+    track = head_on().track
+    left, right = track.poses, track.others[0]
+    assert len(left) == len(right)
+    gap = min(b.at[0] - a.at[0] for a, b in zip(left, right, strict=True))
+    assert gap == pytest.approx(0.7, abs=0.02)
+    assert left[-1].at == pytest.approx((2.5, 2.5), abs=1e-3)
+    assert right[-1].at == pytest.approx((3.5, 2.5), abs=1e-3)
+    # Each comes 0.15 m, meets and goes back: a second or two, and no waiting for the other.
+    assert track.clock[-1] < 3
+
+
+@pytest.mark.parametrize("name", DEMOS)
+def test_every_demo_is_one_command_and_one_picture(name, tmp_path, capsys):
+    target = tmp_path / f"{name}.png"
+    assert run("demo", name, "--save", str(target)) == 0
+    assert "saved" in capsys.readouterr().out
+    with Image.open(target) as image:
+        assert len(image.convert("RGB").getcolors(1 << 20)) > 10
+
+
+def test_without_a_display_the_animation_goes_to_a_file(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    assert run("demo", "bump") == 0
+    with Image.open(tmp_path / "demo-bump.gif") as image:
+        assert image.n_frames > 20
+    assert "demo-bump.gif" in capsys.readouterr().out
+
+
+def test_an_unknown_demo_is_one_line_with_the_names(capsys):
+    assert run("demo", "ballet") == 2
+    error = capsys.readouterr().err
+    assert "ballet" in error
+    assert "head-on" in error
+    assert error.count("\n") == 1

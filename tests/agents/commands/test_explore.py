@@ -1,0 +1,89 @@
+"""The command ``warehouse explore``."""
+
+from pathlib import Path
+
+import pytest
+from helpers.command_line import command, refusal, without_display
+
+from warehouse_core import Episode
+
+
+@pytest.fixture(autouse=True)
+def no_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    without_display(monkeypatch)
+    monkeypatch.chdir(tmp_path)
+
+
+def values(out: str) -> dict[str, str]:
+    """What the command says, by the words before it."""
+    return {line[:16].strip(): line[16:] for line in out.splitlines()}
+
+
+def test_it_says_how_it_went_and_how_much_was_seen(capsys: pytest.CaptureFixture[str]) -> None:
+    result = command(capsys, "explore", "--seed", 12, "--view-radius", 1, "--save", "way.npz")
+    said, episode = values(result.out), Episode.load("way.npz")
+    assert result.code == 0
+    assert result.out.startswith("ExploringAgent on the grid backend, seed 12\n")
+    assert said["outcome"] == "delivered"
+    assert said["cells seen"] == "38 of 84"
+    assert said["plans made"] == "2"
+    assert said["fewest steps"] == "15; it took 1.00 times as many"
+    assert (episode.agent, episode.settings.view_radius) == ("ExploringAgent", 1)
+
+
+def test_who_sees_further_has_seen_more(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ("explore", "--seed", 12, "--save", "way.npz", "--view-radius")
+    near, far = (
+        int(values(command(capsys, *words, radius).out)["cells seen"].split()[0])
+        for radius in (0, 20)
+    )
+    assert near < 40
+    assert far == 84
+
+
+def test_it_saves_the_replay_in_every_format_that_is_asked_for(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    saves = ("--save", "a.png", "--save", "b.svg", "--backend", "physics", "--max-steps", 4)
+    assert command(capsys, "explore", "--seed", 1, *saves).code == 0
+    assert {path.name for path in tmp_path.iterdir()} == {"a.png", "b.svg"}
+
+
+def test_without_a_display_the_replay_goes_to_a_file(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    said = command(capsys, "explore", "--seed", 5, "--max-steps", 3)
+    assert "saved explore-5.gif" in said.out
+    assert (tmp_path / "explore-5.gif").stat().st_size > 5_000
+
+
+def test_where_no_way_leads_there_is_no_fewest(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    (tmp_path / "closed.txt").write_text("#####\n#.#.#\n#####\n", encoding="utf-8")
+    words = ("--layout", "closed.txt", "--seed", 1, "--max-steps", 3, "--no-show")
+    said = command(capsys, "explore", *words)
+    assert said.code == 0
+    assert "fewest steps    none: no way leads to the delivery" in said.out
+
+
+def test_out_of_time_it_still_names_the_fewest(capsys: pytest.CaptureFixture[str]) -> None:
+    said = values(command(capsys, "explore", "--seed", 12, "--max-steps", 2, "--no-show").out)
+    assert said["outcome"] == "out of time"
+    assert said["fewest steps"] == "15"
+
+
+@pytest.mark.parametrize(
+    ("words", "named", "code"),
+    [
+        (("--backend", "antigravity"), "antigravity", 1),
+        (("--save", "way.txt"), ".txt", 1),
+        (("--layout", "nowhere.txt"), "nowhere.txt", 1),
+        (("--view-radius", -1), "--view-radius", 2),
+        (("--battery", 0), "--battery", 2),
+    ],
+)
+def test_what_cannot_be_is_one_line(
+    words: tuple[object, ...], named: str, code: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert named in refusal(capsys, "explore", *words, code=code)

@@ -1,0 +1,223 @@
+"""Keys are sent to a figure without a window; ``test_window.py`` presses real ones."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import pytest
+from helpers.command_line import command, refusal, without_display
+from helpers.pictures import ROOM
+from matplotlib.backend_bases import KeyEvent
+from PIL import Image
+
+from agents.commands import play as module
+from agents.commands.play import KEYS, Driver
+from warehouse_core import Episode, WarehouseEnv, replay_episode
+from warehouse_core.viz.figure import SceneFigure
+
+
+@pytest.fixture(autouse=True)
+def no_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    without_display(monkeypatch)
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def driver() -> Driver:
+    # This seed puts the robot at (1, 1), P below it at (2, 1) and D beside that at (2, 2).
+    return Driver(WarehouseEnv(ROOM, max_steps=8), seed=SEED)
+
+
+SEED = 4
+DELIVERY = ("down", "p", "right", "d")
+
+
+def words_in(figure: SceneFigure) -> list[str]:
+    return [text.get_text() for text in figure.texts if text.get_text()]
+
+
+def press(figure: SceneFigure, *keys: str) -> None:
+    for key in keys:
+        event = KeyEvent("key_press_event", figure.canvas, key)
+        figure.canvas.callbacks.process("key_press_event", event)
+
+
+@pytest.fixture(autouse=True)
+def no_windows_left() -> object:
+    yield
+    plt.close("all")
+
+
+def test_the_first_frame_explains_the_keys(driver: Driver) -> None:
+    words = words_in(driver.figure)
+    assert "step 0 of 8" in words
+    assert any(text.startswith("arrows or NESW move, P picks, D drops") for text in words)
+    assert f"You on the grid backend, seed {SEED}" in words
+
+
+@pytest.mark.parametrize(
+    ("key", "action"),
+    [
+        ("up", "N"), ("right", "E"), ("down", "S"), ("left", "W"),
+        ("n", "N"), ("e", "E"), ("s", "S"), ("w", "W"),
+        ("N", "N"), ("E", "E"), ("S", "S"), ("W", "W"),
+        ("p", "PICK"), ("P", "PICK"), ("d", "DROP"), ("D", "DROP"), (" ", "WAIT"),
+    ],
+)  # fmt: skip
+def test_a_key_is_an_action(driver: Driver, key: str, action: str) -> None:
+    press(driver.figure, key)
+    assert driver.episode.actions == [action]
+    assert driver.episode.reasons == ["key"]
+    assert f"{action} (key)" in words_in(driver.figure)
+    assert "step 1 of 8" in words_in(driver.figure)
+
+
+def test_every_action_has_a_key() -> None:
+    assert set(KEYS.values()) == set(WarehouseEnv.ACTIONS)
+
+
+def test_other_keys_do_nothing(driver: Driver) -> None:
+    press(driver.figure, "x", "ctrl+p", "shift", "f", "home", "1")
+    event = KeyEvent("key_press_event", driver.figure.canvas, None)
+    driver.figure.canvas.callbacks.process("key_press_event", event)
+    assert driver.episode.actions == []
+
+
+def test_an_item_can_be_delivered(driver: Driver) -> None:
+    press(driver.figure, *DELIVERY)
+    assert driver.episode.outcome == "delivered"
+    assert "DELIVERED" in words_in(driver.figure)
+    words = "delivered in 4 steps; the shortest way takes 4, Enter starts again"
+    assert words in words_in(driver.figure)
+
+
+def test_after_the_end_keys_that_drive_do_nothing(driver: Driver) -> None:
+    press(driver.figure, *[" "] * 12)
+    assert driver.episode.actions == ["WAIT"] * 8
+    assert "OSCILLATION" in words_in(driver.figure)
+
+
+@pytest.mark.parametrize("key", ["enter", "return"])
+@pytest.mark.parametrize("steps", [0, 3, 8])
+def test_enter_starts_again_from_the_next_seed(driver: Driver, key: str, steps: int) -> None:
+    press(driver.figure, *[" "] * steps, key)
+    assert (driver.episode.seed, driver.episode.actions) == (SEED + 1, [])
+    fresh = WarehouseEnv(ROOM)
+    fresh.reset(randomize=True, seed=SEED)
+    assert driver.episode.cells[0] == fresh.reset(randomize=True, seed=SEED + 1)["robot_pos"]
+    assert f"You on the grid backend, seed {SEED + 1}" in words_in(driver.figure)
+    assert "step 0 of 8" in words_in(driver.figure)
+    assert "OSCILLATION" not in words_in(driver.figure)
+    press(driver.figure, "n")
+    assert driver.episode.actions == ["N"]
+
+
+def test_what_was_driven_is_a_record_that_runs_again(driver: Driver) -> None:
+    press(driver.figure, "up", "down", "right", "p", "left", " ")
+    assert driver.episode.outcome == "unfinished"
+    assert replay_episode(driver.episode) == driver.episode
+
+
+@pytest.mark.parametrize("key", ["q", "Q", "escape"])
+def test_the_window_closes(driver: Driver, key: str) -> None:
+    assert plt.get_fignums()
+    press(driver.figure, key)
+    assert plt.get_fignums() == []
+
+
+def test_the_picture_follows_the_keys(driver: Driver) -> None:
+    before = driver.figure.pixels()
+    press(driver.figure, "down")
+    assert driver.figure.pixels().tobytes() != before.tobytes()
+
+
+# The command.
+
+
+@pytest.fixture
+def keys(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Return a function that says which keys will be pressed once the window is open."""
+    monkeypatch.setattr(module, "has_display", lambda: True)
+
+    def will_be(*pressed: str) -> None:
+        def show() -> None:
+            (number,) = plt.get_fignums()
+            figure = plt.figure(number)
+            assert isinstance(figure, SceneFigure)
+            press(figure, *pressed)
+
+        monkeypatch.setattr(plt, "show", show)
+
+    return will_be
+
+
+def test_play_reports_and_saves_what_was_driven(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, keys: Callable[..., None]
+) -> None:
+    ROOM.save(tmp_path / "room.txt")
+    keys(*DELIVERY, "q")
+    result = command(
+        capsys, "play", "--layout", "room.txt", "--seed", SEED, "--save", "e.npz", "--save", "e.png"
+    )
+    assert result.code == 0
+    episode = Episode.load("e.npz")
+    assert episode.actions == ["S", "PICK", "E", "DROP"]
+    assert (episode.agent, episode.seed, episode.outcome) == ("You", SEED, "delivered")
+    assert result.out.splitlines() == [
+        f"You on the grid backend, seed {SEED}",
+        "outcome         delivered",
+        "diagnosis       delivered in 4 steps; the shortest way takes 4",
+        "total reward    14.60",
+        "final battery   196 of 200",
+        "episode length  4 of at most 200 steps",
+        "saved e.npz",
+        "saved e.png",
+    ]
+    with Image.open("e.png") as image:
+        assert image.format == "PNG"
+
+
+def test_play_takes_battery_and_steps(
+    capsys: pytest.CaptureFixture[str], keys: Callable[..., None]
+) -> None:
+    keys(*[" "] * 9, "q")
+    words = ["play", "--seed", 1, "--save", "e.npz"]
+    command(capsys, *words, "--battery", 4)
+    assert Episode.load("e.npz").outcome == "battery depleted"
+    command(capsys, *words, "--max-steps", 5)
+    assert Episode.load("e.npz").steps == 5
+
+
+def test_play_may_be_closed_at_once(
+    capsys: pytest.CaptureFixture[str], keys: Callable[..., None]
+) -> None:
+    keys("q")
+    result = command(capsys, "play", "--save", "e.npz", "--save", "e.svg")
+    assert result.code == 0
+    assert "outcome         unfinished" in result.out
+    assert Episode.load("e.npz").steps == 0
+
+
+def test_play_draws_a_seed_if_none_is_given(
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    keys: Callable[..., None],
+) -> None:
+    keys("q")
+    monkeypatch.setattr(module, "draw_seed", lambda: 77)
+    assert command(capsys, "play").out.startswith("You on the grid backend, seed 77\n")
+
+
+def test_play_needs_a_display(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    message = refusal(capsys, "play", "--seed", 1, "--save", "e.npz")
+    assert message == "play needs a window, and there is no display here"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_play_checks_its_targets_before_it_opens_a_window(
+    capsys: pytest.CaptureFixture[str], keys: Callable[..., None]
+) -> None:
+    keys("nothing")
+    assert "cannot save as .txt" in refusal(capsys, "play", "--save", "e.txt")
+    assert "missing does not exist" in refusal(capsys, "play", "--save", "missing/e.npz")
+    assert plt.get_fignums() == []

@@ -1,0 +1,79 @@
+"""Intervals: as wide as they should be, around their estimates, and the same every time."""
+
+import numpy as np
+import pytest
+
+from agents.evaluation.interval import FEW, Interval, mean_interval, share_interval
+
+
+@pytest.mark.parametrize(
+    ("count", "total", "low", "high"),
+    # By hand, from (p + z^2/2n +- z sqrt(p(1-p)/n + z^2/4n^2)) / (1 + z^2/n) with z = 1.959964;
+    # that of 81 of 263 is in Newcombe, Statistics in Medicine 17, 1998, table I.
+    [(0, 10, 0.0, 0.277533), (5, 10, 0.236593, 0.763407), (81, 263, 0.255289, 0.366210),
+     (10, 10, 0.722467, 1.0), (1, 1, 0.206549, 1.0)],
+)  # fmt: skip
+def test_a_share_has_wilsons_interval(count: int, total: int, low: float, high: float) -> None:
+    assert share_interval(count, total) == pytest.approx((count / total, low, high), abs=1e-6)
+
+
+def test_the_interval_of_a_mean_is_as_wide_as_that_of_a_normal_one() -> None:
+    values = np.random.default_rng(1).normal(50, 10, 4000)
+    found = mean_interval(values)
+    assert found is not None
+    reach = 1.96 * values.std() / np.sqrt(len(values))
+    assert found.estimate == pytest.approx(values.mean())
+    assert found.estimate - found.low == pytest.approx(reach, rel=0.1)
+    assert found.high - found.estimate == pytest.approx(reach, rel=0.1)
+
+
+def test_it_leans_to_where_the_values_lie_far_out() -> None:
+    found = mean_interval(np.array([1.0] * 19 + [100.0]))
+    assert found is not None
+    assert found.high - found.estimate > 1.5 * (found.estimate - found.low)
+
+
+def test_it_holds_the_mean_about_as_often_as_it_says() -> None:
+    stream = np.random.default_rng(3)
+    intervals = [mean_interval(stream.exponential(20, 60)) for _ in range(300)]
+    held = sum(each is not None and each.low <= 20 <= each.high for each in intervals)
+    assert 0.88 <= held / len(intervals) <= 0.98
+
+
+def test_it_is_the_same_every_time_however_many_there_are() -> None:
+    values = np.random.default_rng(2).integers(8, 200, 3000).astype(np.float32)
+    assert mean_interval(values) == mean_interval(values.copy())
+
+
+def test_large_values_lose_no_digits() -> None:
+    steps = np.random.default_rng(2).integers(0, 5, 1000).astype(np.float32)
+    far = mean_interval(steps + np.float32(10_000_000))
+    near = mean_interval(steps)
+    assert far is not None
+    assert near is not None
+    assert far.high - far.low == pytest.approx(near.high - near.low, rel=0.01)
+
+
+def test_values_that_are_all_the_same_have_an_interval_of_no_width() -> None:
+    assert mean_interval(np.full(20, 7.0)) == Interval(7.0, 7.0, 7.0)
+
+
+def test_of_few_values_there_is_a_mean_and_no_interval() -> None:
+    few = mean_interval(np.arange(FEW - 1, dtype=float))
+    assert few is not None
+    assert few.estimate == (FEW - 2) / 2
+    assert not few.is_known
+    enough = mean_interval(np.arange(FEW, dtype=float))
+    assert enough is not None
+    assert enough.is_known
+
+
+def test_of_none_there_is_nothing() -> None:
+    assert mean_interval(np.array([])) is None
+
+
+@pytest.mark.parametrize("value", [6.383, 0.1, 1 / 3, 1e6 / 7])
+def test_the_estimate_lies_within_its_interval_however_it_is_rounded(value: float) -> None:
+    found = mean_interval(np.full(23, value))
+    assert found is not None
+    assert found.low <= found.estimate <= found.high

@@ -1,0 +1,159 @@
+"""Cases: the same experiment is one, whatever is said that means nothing; a change is another."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers.command_line import refusal
+
+from agents.experiments.case import flags_of, key_of, make_agent_for, make_case, make_env
+from agents.experiments.parameters import SETTINGS, SettingError
+from agents.experiments.plan import make_plan
+from warehouse_core import DEFAULT_LAYOUT
+
+WAITER = """
+class Waiter:
+    def reset(self):
+        pass
+
+    def act(self, observation):
+        return "WAIT"
+"""
+
+
+def test_a_default_that_is_written_out_makes_no_other_case() -> None:
+    given = {name: setting.default for name, setting in SETTINGS.items()}
+    assert key_of(make_case(given)) == key_of(make_case({}))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("choices", "needs"),
+    [
+        ({"density": [0.1, 0.2]}, "density means nothing here; it counts only with layout=random"),
+        ({"size": ["7x12", "8x8"]}, "size means nothing here; it counts only with layout=random"),
+        ({"escape": False, "memory": [2, 5]},
+         "memory means nothing here; it counts only with agent=greedy and escape=on"),
+        ({"robot.mass": [50, 70]},
+         "robot.mass means nothing here; it counts only with backend=physics"),
+        ({"disturbances.motor_strength": 0.5},
+         "disturbances.motor_strength means nothing here; it counts only with backend=physics"),
+    ],
+)  # fmt: skip
+def test_what_means_nothing_at_all_is_refused(choices: dict[str, Any], needs: str) -> None:
+    with pytest.raises(SettingError) as caught:
+        make_plan(choices, 1, 0)
+    assert str(caught.value) == needs
+
+
+@pytest.mark.parametrize(
+    ("choices", "cases"),
+    [
+        ({"battery": [20, 20]}, 1),
+        ({"layout": ["default", "random"], "density": [0.1, 0.2]}, 3),
+        ({"escape": [True, False], "memory": [2, 5]}, 3),
+        ({"backend": ["grid", "physics"], "robot.mass": [50, 60, 70]}, 4),
+    ],
+)
+def test_what_means_nothing_makes_no_further_case(choices: dict[str, Any], cases: int) -> None:
+    assert len(make_plan(choices, 1, 0).cases) == cases
+
+
+@pytest.mark.parametrize(
+    "choices",
+    [
+        {"density": [0.1, 0.3], "layout": "random"},
+        {"size": ["7x12", "8x8"], "layout": "random"},
+        {"robot.mass": [50, 70], "backend": "physics"},
+        {"escape": [True, False]},
+        {"memory": [0, 10]},
+        {"view_radius": [1, 2]},
+        {"max_steps": [1, 2]},
+        {"backend": ["grid", "physics"]},
+    ],
+)
+def test_what_means_something_makes_further_cases(choices: dict[str, Any]) -> None:
+    assert len(make_plan(choices, 1, 0).cases) == 2
+
+
+def test_an_agent_of_ones_own_has_neither_memory_nor_escape(tmp_path: Path) -> None:
+    file = tmp_path / "waiter.py"
+    file.write_text(WAITER)
+    agents = ["greedy", f"{file}:Waiter"]
+    *_, case = make_plan({"agent": agents, "escape": [True, False], "memory": [1, 2]}, 1, 0).cases
+    assert case["agent"] == agents[1]
+    assert not {"escape", "memory"} & case.keys()
+
+
+def test_a_changed_agent_file_is_another_case(tmp_path: Path) -> None:
+    file = tmp_path / "waiter.py"
+    keys = []
+    for text in (WAITER, WAITER, WAITER + "# changed\n"):
+        file.write_text(text)
+        keys.append(key_of(make_case({"agent": f"{file}:Waiter"})))
+    assert keys[0] == keys[1] != keys[2]
+
+
+def test_a_changed_layout_file_is_another_case(tmp_path: Path) -> None:
+    file = tmp_path / "layout.txt"
+    rows = [list(row) for row in DEFAULT_LAYOUT.rows]
+    keys = []
+    for tile in (".", ".", "#"):
+        rows[1][1] = tile
+        file.write_text("\n".join(map("".join, rows)) + "\n")
+        keys.append(key_of(make_case({"layout": str(file)})))
+    assert keys[0] == keys[1] != keys[2]
+
+
+def test_a_case_is_described_by_what_is_not_as_usual(tmp_path: Path) -> None:
+    file = tmp_path / "waiter.py"
+    file.write_text(WAITER)
+    assert flags_of(make_case({})) == []
+    assert flags_of(make_case({"battery": 200, "memory": 10})) == []
+    case = make_case({"agent": f"{file}:Waiter", "battery": 20})
+    assert flags_of(case) == [f"agent={file}:Waiter", "battery=20"]
+    case = make_case({"escape": False, "backend": "physics", "robot.mass": 70.0})
+    assert flags_of(case) == ["escape=off", "backend=physics", "robot.mass=70"]
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("1 / 0", "ZeroDivisionError: division by zero (own.py, line 1)"),
+        ("import sys\nsys.exit(0)", "SystemExit: 0 (own.py, line 2)"),
+        (
+            "class Own:\n    reset = act = print\n    def __init__(self):\n        self.x",
+            "AttributeError: 'Own' object has no attribute 'x' (own.py, line 4)",
+        ),
+    ],
+    ids=["a file that fails", "a file that ends the program", "a class that fails"],
+)
+def test_an_agent_that_cannot_be_made_is_one_line_and_nothing_is_made(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, text: str, reason: str
+) -> None:
+    file = tmp_path / "own.py"
+    file.write_text(text)
+    choice = ["--set", f"agent={file}:Own", "-o", tmp_path / "r.sqlite"]
+    line = refusal(capsys, "sweep", *choice)
+    assert line == f"agent '{file}:Own' cannot be made: {reason}"
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_every_seed_has_its_layout_and_its_agent() -> None:
+    random = make_case({"layout": "random"})
+    assert make_env(random, 1).grid != make_env(random, 2).grid
+    assert make_env(random, 1).grid == make_env(random, 1).grid
+    for escape in (True, False):
+        case = make_case({"escape": escape})
+        agents = [make_agent_for(case, seed, DEFAULT_LAYOUT) for seed in (1, 2)]
+        assert [agent.seed for agent in agents] == [1, 2]  # type: ignore[attr-defined]
+
+
+def test_the_key_of_a_case_does_not_depend_on_the_order_of_its_settings() -> None:
+    case = make_case({})
+    assert key_of(dict(reversed(case.items()))) == key_of(case)
+
+
+def test_a_layout_may_be_a_map_of_movingai(tmp_path: Path) -> None:
+    path = tmp_path / "hall.map"
+    path.write_text("type octile\nheight 1\nwidth 4\nmap\n@..@\n")
+    assert make_case({"layout": str(path)})["tiles"] == ["#..#"]

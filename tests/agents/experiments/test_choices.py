@@ -1,0 +1,126 @@
+"""A plan as a file: what it may say, and that all else is refused."""
+
+from pathlib import Path
+
+import pytest
+from helpers.command_line import refusal
+
+from agents.experiments.case import key_of, make_case
+from agents.experiments.choices import MAX_BYTES, PlanFile, read_plan_file
+from agents.experiments.plan import make_plan
+
+BIG = "1" + 400 * "0"
+
+
+def to(text: str) -> str:
+    return f"[settings]\n{text}"
+
+
+HOSTILE = {
+    "an unknown key": ("episode = 3", "episode"),
+    "an unknown setting": (to("batery = 3"), "batery"),
+    "an unknown group": ("[robots]\nmass = 3", "robots"),
+    "an unknown number": ("[robot]\nmas = 3", "mas"),
+    "no number": ("[robot]\nmass = 'heavy'", "robot.mass"),
+    "nothing physical": ("[robot]\nmass = -1\n[settings]\nbackend = 'physics'", "mass"),
+    "a number instead of a table": ("settings = 3", "settings"),
+    "a nested table": ("[settings.battery]\nx = 3", "battery"),
+    "a table too deep": ("[settings.robot]\nmass = [3]", "robot"),
+    "one too many in a range": (to("battery = {from = 1, to = 2, step = 1, by = 1}"), "battery"),
+    "nothing": (to("battery = []"), "battery"),
+    "a list in a list": (to("battery = [[3]]"), "battery"),
+    "text": (to("battery = '3'"), "battery"),
+    "a fraction": (to("battery = 1.5"), "battery"),
+    "a flag as a number": (to("battery = true"), "battery"),
+    "a number as a flag": (to("escape = 1"), "escape"),
+    "a date": (to("agent = 2020-01-01"), "agent"),
+    "no text": (to("layout = ' '"), "layout"),
+    "nan": (to("density = nan"), "density"),
+    "inf": (to("density = inf"), "density"),
+    "huge": (to(f"density = {BIG}"), "density"),
+    "too long a number": (to("battery = " + 5000 * "9"), "digits"),
+    "too far a view": (to("view_radius = 1000000000"), "view_radius"),
+    "too big": (to("layout = 'random'\nsize = '9999x9999'"), "9999"),
+    "not a size": (to("size = '7x12x3'"), "size"),
+    "no backend": (to("backend = 'hover'"), "backend"),
+    "no agent": (to("agent = 'nobody'"), "nobody"),
+    "a file that cannot be": (to('layout = "a\\u0000b"'), "null"),
+    "a range to inf": (to("density = {from = 0, to = inf, step = 0.1}"), "density"),
+    "a range by nan": (to("density = {from = 0, to = 0.3, step = nan}"), "density"),
+    "a range by nothing": (to("battery = {from = 1, to = 9, step = 0}"), "battery"),
+    "a range by next to nothing": (to("density = {from = 0, to = 0.3, step = 1e-320}"), "density"),
+    "a range down": (to("battery = {from = 9, to = 1, step = 1}"), "battery"),
+    "a huge range": (to(f"battery = {{from = 1, to = {BIG}, step = 1}}"), "battery"),
+    "a long range": (to("battery = {from = 1, to = 1000000000, step = 1}"), "battery"),
+    "flags as a range": (to("escape = {from = false, to = true, step = true}"), "escape"),
+    "billions of combinations": (
+        to("battery = {from = 1, to = 999, step = 1}\n")
+        + "".join(
+            f"{name} = {{from = 1, to = 1000, step = 1}}\n"
+            for name in ("max_steps", "memory", "view_radius")
+        ),
+        "max_steps",
+    ),
+    "a setting twice": ("[settings]\n'robot.mass' = 3\n[robot]\nmass = 4", "robot.mass"),
+    "episodes as text": ("episodes = '3'", "episodes"),
+    "no episodes": ("episodes = 0", "episodes"),
+    "a flag of episodes": ("episodes = true", "episodes"),
+    "too many episodes": ("episodes = 100000001", "episodes"),
+    "a negative seed": ("seed = -1", "seed"),
+    "a huge seed": (f"seed = {10**25}", "seed"),
+    "brackets": (to("battery = " + 5000 * "[" + 5000 * "]"), "recursion"),
+    "not TOML": ("battery: 3", "line 1"),
+}
+
+
+@pytest.mark.parametrize(("text", "named"), HOSTILE.values(), ids=HOSTILE)
+def test_a_hostile_plan_is_refused_with_one_line_before_anything_is_made(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, text: str, named: str
+) -> None:
+    plan, output = tmp_path / "plan.toml", tmp_path / "r.sqlite"
+    plan.write_text(text)
+    line = refusal(capsys, "sweep", plan, "-o", output, *(() if "episodes" in text else ("-n", 1)))
+    assert named in line
+    assert list(tmp_path.iterdir()) == [plan]
+
+
+@pytest.mark.parametrize(
+    ("content", "named"),
+    [(b"\xff\xfe", "utf-8"), (b"#" * (MAX_BYTES + 1), "longer"), (None, "directory")],
+    ids=["not UTF-8", "too long", "a directory"],
+)
+def test_what_is_no_text_is_refused_by_name(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, content: bytes | None, named: str
+) -> None:
+    plan = tmp_path / "plan.toml"
+    plan.mkdir() if content is None else plan.write_bytes(content)
+    line = refusal(capsys, "sweep", plan, "-o", tmp_path / "r.sqlite")
+    assert str(plan) in line
+    assert named in line
+    assert list(tmp_path.iterdir()) == [plan]
+
+
+def test_a_plan_file_says_what_its_documentation_says(tmp_path: Path) -> None:
+    from agents.experiments import choices as plan_file
+
+    text = (plan_file.__doc__ or "").split("::\n")[1].replace("\n    ", "\n")
+    path = tmp_path / "plan.toml"
+    path.write_text(text)
+    given = read_plan_file(path)
+    assert (given.episodes, given.seed) == (200, 0)
+    assert given.choices["robot.mass"] == [50, 70]
+    # With the grid the robot counts for nothing: 2 * 10, and with physics 2 * 10 * 2 * 2.
+    assert len(make_plan(given.choices, 200, 0).cases) == 20 + 80
+
+
+def test_an_empty_file_is_a_plan_of_defaults(tmp_path: Path) -> None:
+    path = tmp_path / "plan.toml"
+    path.write_text("")
+    assert read_plan_file(path) == PlanFile({}, None, None)
+    assert [key_of(case) for case in make_plan({}, 1, 0).cases] == [key_of(make_case({}))]
+
+
+def test_a_mark_of_bytes_in_front_as_notepad_writes_it_does_no_harm(tmp_path: Path) -> None:
+    path = tmp_path / "plan.toml"
+    path.write_bytes(b"\xef\xbb\xbfepisodes = 3\r\n")
+    assert read_plan_file(path) == PlanFile({}, 3, None)

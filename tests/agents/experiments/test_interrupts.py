@@ -1,0 +1,87 @@
+"""Ctrl-C is remembered, reaches no worker, and is the program's own again afterwards."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from agents.experiments.workers import REMEMBERED, remembered_interrupts, uninterrupted_children
+
+SLEEPER = [sys.executable, "-c", "import time; print('up', flush=True); time.sleep(60)"]
+
+
+@pytest.fixture(autouse=True)
+def as_before() -> Iterator[None]:
+    """Give the signals back to whoever had them."""
+    handlers = {number: signal.getsignal(number) for number in REMEMBERED}
+    yield
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
+
+
+def interrupt(process: int) -> None:
+    os.kill(process, signal.SIGINT)
+
+
+def test_an_interrupt_waits_until_it_is_asked_for() -> None:
+    done = []
+    with remembered_interrupts() as check:
+        check()
+        interrupt(os.getpid())
+        interrupt(os.getpid())
+        done.append("the step")
+        with pytest.raises(KeyboardInterrupt):
+            check()
+    assert done == ["the step"]
+
+
+def test_without_one_nothing_is_raised_and_the_handler_is_as_it_was() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    with remembered_interrupts() as check:
+        check()
+    assert signal.getsignal(signal.SIGINT) is before
+    with pytest.raises(KeyboardInterrupt):
+        interrupt(os.getpid())
+
+
+def test_the_end_that_a_manager_asks_for_is_remembered_too() -> None:
+    with remembered_interrupts() as check:
+        os.kill(os.getpid(), signal.SIGTERM)
+        with pytest.raises(KeyboardInterrupt):
+            check()
+
+
+def test_who_has_asked_once_cannot_disturb_the_leaving() -> None:
+    with remembered_interrupts():
+        interrupt(os.getpid())
+    os.kill(os.getpid(), signal.SIGTERM)
+
+
+def test_a_child_that_is_started_so_is_not_interrupted() -> None:
+    with uninterrupted_children():
+        child = subprocess.Popen(SLEEPER, stdout=subprocess.PIPE)
+    try:
+        assert child.stdout is not None
+        child.stdout.readline()
+        interrupt(child.pid)
+        time.sleep(0.2)
+        assert child.poll() is None
+    finally:
+        child.kill()
+        child.communicate()
+
+
+def test_what_comes_while_children_start_comes_afterwards() -> None:
+    done = []
+    with remembered_interrupts() as check:
+        with uninterrupted_children():
+            interrupt(os.getpid())
+            check()
+            done.append("all are started")
+        with pytest.raises(KeyboardInterrupt):
+            check()
+    assert done == ["all are started"]

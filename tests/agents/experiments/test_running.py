@@ -1,0 +1,208 @@
+"""Running what is missing: the same rows whoever runs them, in whatever order they come."""
+
+import re
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers.sweeps import AGENT, Here, nothing, table
+
+from agents.experiments.episodes import EpisodeError, run_episodes
+from agents.experiments.plan import Plan, make_plan
+from agents.experiments.running import MOST_EPISODES, TASK_SECONDS, Pace, run_missing
+from agents.experiments.store import Row, Store, StoreError
+from agents.experiments.workers import processes
+
+PLAN = make_plan({"escape": [True, False], "battery": [20, 60], "layout": "random"}, 12, 5)
+
+
+class Heap(Here):
+    """Answers the task that came last before all others."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.waiting: list[tuple[Future[Any], Callable[[], Any]]] = []
+
+    def submit(self, call: Callable[..., Any], /, *args: Any, **named: Any) -> Future[Any]:
+        future = Future[Any]()
+        self.waiting.append((future, lambda: call(*args)))
+        if len(self.waiting) == 4 or args[1][-1] == PLAN.seeds[-1]:
+            while self.waiting:
+                answered, run = self.waiting.pop()
+                answered.set_result(run())
+        return future
+
+
+def run(path: Path, executor: Executor, plan: Plan = PLAN, workers: int = 2) -> list[Any]:
+    with Store(path) as store:
+        run_missing(plan, store, executor, workers, nothing)
+    return table(path)
+
+
+@pytest.fixture(scope="module")
+def expected(tmp_path_factory: pytest.TempPathFactory) -> list[Any]:
+    return run(tmp_path_factory.mktemp("here") / "r.sqlite", Here())
+
+
+def test_the_table_is_what_the_episodes_come_to(expected: list[Any]) -> None:
+    rows = [row for case in PLAN.cases for row in run_episodes(case, PLAN.seeds)]
+    assert sorted(found[1:] for found in expected) == sorted(map(tuple, rows))
+    assert len(expected) == PLAN.total == 48
+    assert len({found[1:] for found in expected}) > 20
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_processes_give_the_same_rows(tmp_path: Path, expected: list[Any], count: int) -> None:
+    with processes(count) as (executor, workers):
+        assert workers == count
+        assert run(tmp_path / "r.sqlite", executor, workers=workers) == expected
+
+
+def test_threads_give_the_same_rows(tmp_path: Path, expected: list[Any]) -> None:
+    with ThreadPoolExecutor(3) as executor:
+        assert run(tmp_path / "r.sqlite", executor, workers=3) == expected
+
+
+def test_the_order_does_not_matter(tmp_path: Path, expected: list[Any]) -> None:
+    assert run(tmp_path / "r.sqlite", Heap()) == expected
+    turned = Plan(PLAN.cases[::-1], PLAN.episodes, PLAN.seed)
+    assert run(tmp_path / "turned.sqlite", Here(), turned) == expected
+
+
+def test_nothing_runs_twice(tmp_path: Path, expected: list[Any]) -> None:
+    path = tmp_path / "r.sqlite"
+    run(path, Here())
+    again = Here()
+    assert run(path, again) == expected
+    assert again.seeds == []
+
+
+def test_more_episodes_run_only_the_new_seeds(tmp_path: Path) -> None:
+    path, more = tmp_path / "r.sqlite", Here()
+    before = run(path, Here(), make_plan({}, 3, 10))
+    after = run(path, more, make_plan({}, 6, 8))
+    assert more.seeds == [8, 9, 13]
+    assert [found[1] for found in after] == [8, 9, 10, 11, 12, 13]
+    assert set(before) < set(after)
+
+
+def test_further_values_run_only_the_new_cases(tmp_path: Path) -> None:
+    path, more = tmp_path / "r.sqlite", Here()
+    run(path, Here(), make_plan({"battery": [20]}, 3, 0))
+    after = run(path, more, make_plan({"battery": [20, 30]}, 3, 0))
+    assert len(more.seeds) == 3
+    assert len(after) == 6
+
+
+def test_a_failing_worker_leaves_what_was_finished_and_the_rest_can_follow(
+    tmp_path: Path, expected: list[Any]
+) -> None:
+    path = tmp_path / "r.sqlite"
+    with pytest.raises(ArithmeticError, match="a worker failed"):
+        run(path, Here(fails_at=PLAN.seeds[-2]), workers=1)
+    left = table(path)
+    assert 0 < len(left) < len(expected)
+    assert set(left) < set(expected)
+    rest = Here()
+    assert run(path, rest) == expected
+    assert len(rest.seeds) == len(expected) - len(left)
+
+
+def plan_of(folder: Path, begin: str = "pass", act: str = "pass") -> Plan:
+    """Return a plan of twice ten episodes of an agent that does this when it is seeded with 7."""
+    file = folder / "agent.py"
+    begin, act = f"if seed == 7: {begin}", f"if self.seed == 7: {act}"
+    file.write_text(AGENT.format(name="Own", begin=begin, act=act))
+    return make_plan({"agent": ["greedy", f"{file}:Own"], "max_steps": 5}, 10, 0)
+
+
+@pytest.mark.parametrize(
+    ("begin", "act", "reason"),
+    [
+        ("pass", "raise KeyError('lost')", r"KeyError: 'lost' \(agent.py, line 11\)"),
+        ("raise ValueError('no')", "pass", r"ValueError: no \(agent.py, line 4\)"),
+        ("pass", "raise SystemExit(0)", r"SystemExit: 0 \(agent.py, line 11\)"),
+        ("pass", "raise KeyboardInterrupt", r"KeyboardInterrupt \(agent.py, line 11\)"),
+        ("pass", "return None", r"TypeError: action None .*"),
+        ("pass", "raise type('Odd', (Exception,), {})(lambda: 1)", r"Odd: <function .*"),
+    ],
+    ids=["acting", "being made", "an exit", "an interrupt", "nonsense", "what cannot be sent"],
+)  # fmt: skip
+def test_an_agent_that_fails_is_told_of_with_its_case_and_seed_and_the_rest_stays(
+    tmp_path: Path, begin: str, act: str, reason: str
+) -> None:
+    path, plan = tmp_path / "r.sqlite", plan_of(tmp_path, begin, act)
+    with processes(1) as (executor, workers), pytest.raises(EpisodeError) as caught:
+        run(path, executor, plan, workers)
+    about = re.escape(f"seed 7 with agent={tmp_path}/agent.py:Own, max_steps=5: ")
+    assert re.fullmatch(about + reason, str(caught.value))
+    with Store(path, read_only=True) as store:
+        assert [store.count(case, plan.seeds) for case in plan.cases] == [10, 7]
+
+
+@pytest.mark.parametrize("is_changed", [True, False])
+def test_an_agent_whose_file_changes_does_not_run_under_its_old_name(
+    tmp_path: Path, is_changed: bool
+) -> None:
+    path, plan = tmp_path / "r.sqlite", plan_of(tmp_path)
+    file = tmp_path / "agent.py"
+    if is_changed:
+        file.write_text(file.read_text() + "# changed\n")
+    else:
+        file.unlink()
+    why = "has changed since the sweep began" if is_changed else "No such file"
+    with pytest.raises(EpisodeError, match=why):
+        run(path, Here(), plan)
+    with Store(path, read_only=True) as store:
+        assert store.count(plan.cases[1], plan.seeds) == 0
+
+
+def test_what_has_gone_well_at_the_same_time_is_kept(tmp_path: Path) -> None:
+    path = tmp_path / "r.sqlite"
+    with pytest.raises(ArithmeticError):
+        run(path, Here(fails_at=5), make_plan({}, 20, 5), workers=10)
+    assert [found[1] for found in table(path)] == list(range(6, 25))
+
+
+def test_rows_are_told_of_once_they_are_stored_each_once(tmp_path: Path) -> None:
+    told: list[int] = []
+    plan = make_plan({}, 20, 0)
+    with Store(tmp_path / "r.sqlite") as store, ThreadPoolExecutor(2) as executor:
+
+        def report(rows: Sequence[Row]) -> None:
+            told.extend(row.seed for row in rows)
+            assert store.count(plan.cases[0], plan.seeds) == len(told)
+
+        run_missing(plan, store, executor, 2, report)
+    assert sorted(told) == list(range(20))
+
+
+def test_what_cannot_be_stored_ends_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(store: Store, case_id: int, rows: Sequence[Row]) -> None:
+        raise StoreError("full")
+
+    monkeypatch.setattr(Store, "add", full)
+    with ThreadPoolExecutor(1) as executor, pytest.raises(StoreError, match="full"):
+        run(tmp_path / "r.sqlite", executor, make_plan({}, 10**6, 0))
+
+
+def test_the_pace_makes_tasks_of_about_half_a_second_and_grows_with_care() -> None:
+    pace = Pace()
+    assert pace.episodes == 1
+    sizes = []
+    for _ in range(12):
+        pace.learn(pace.episodes, pace.episodes * 0.001)
+        sizes.append(pace.episodes)
+    assert sizes[:4] == [4, 16, 64, 256]
+    assert sizes[-1] == TASK_SECONDS / 0.001
+    pace.learn(500, 50)
+    assert pace.episodes == 5
+    pace.learn(5, 500)
+    assert pace.episodes == 1
+    for _ in range(30):
+        pace.learn(pace.episodes, 0)
+    assert pace.episodes == MOST_EPISODES

@@ -1,0 +1,405 @@
+"""The file of results: what is added stays, once, and what is no such file is refused."""
+
+import gc
+import json
+import os
+import sqlite3
+from collections.abc import Callable
+from contextlib import AbstractContextManager, suppress
+from functools import partial
+from multiprocessing import get_context
+from multiprocessing.synchronize import Barrier
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+from helpers.command_line import ROOT, in_a_process
+
+from agents.experiments.case import make_case
+from agents.experiments.store import APPLICATION, VERSION, Row, Store, StoreError
+
+CASE, OTHER = make_case({"battery": 20}), make_case({"battery": 30})
+EVERY = range(2**63 - 1)
+ALL = "SELECT * FROM episodes ORDER BY case_id, seed"
+
+
+def row(seed: int, mode: str = "delivered", needed: int | None = 9) -> Row:
+    return Row(seed, mode, 10, needed, -0.1 - 0.2, 3, 10.5, 1 / 3, 4, 5)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "r.sqlite"
+
+
+def test_what_is_added_is_there_after_reopening_to_the_last_bit(path: Path) -> None:
+    rows = [row(3), row(1, "stalled", None), row(2**62)]
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+        store.add(case_id, rows)
+    with Store(path) as store:
+        assert [found[1:] for found in store.query(ALL)] == sorted(rows)
+        assert store.cases() == {case_id: CASE}
+        assert store.case_id(CASE) == case_id
+
+
+def test_what_is_there_stays_as_it_is(path: Path) -> None:
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+        store.add(case_id, [row(1), row(2)])
+        store.add(case_id, [row(3), row(2), row(2, "stalled")])
+        assert [found[1:] for found in store.query(ALL)] == [row(1), row(2), row(3)]
+
+
+def test_each_case_has_its_own_seeds(path: Path) -> None:
+    with Store(path) as store:
+        first, second = store.case_id(CASE), store.case_id(OTHER)
+        assert first != second
+        store.add(first, [row(seed) for seed in range(5)])
+        store.add(second, [row(2), row(9)])
+        assert store.seeds_done(first, EVERY) == {0, 1, 2, 3, 4}
+        assert store.seeds_done(second, EVERY) == {2, 9}
+        assert store.seeds_done(77, EVERY) == set()
+        assert [store.count(CASE, range(*ends)) for ends in ((0, 5), (1, 4), (4, 9))] == [5, 3, 1]
+        assert store.count(OTHER, range(0, 9)) == 1
+        assert store.count(make_case({}), range(0, 100)) == 0
+        assert store.cases() == {first: CASE, second: OTHER}
+
+
+def test_asking_how_many_adds_no_case(path: Path) -> None:
+    with Store(path) as store:
+        store.count(CASE, range(9))
+        assert store.cases() == {}
+
+
+def test_rows_are_added_all_or_none(path: Path) -> None:
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+        store.add(case_id, [row(1)])
+        broken = row(3)._replace(steps={})  # type: ignore[arg-type]
+        with pytest.raises(StoreError, match=r"r\.sqlite"):
+            store.add(case_id, [row(2), broken, row(4)])
+        assert store.seeds_done(case_id, EVERY) == {1}
+        store.add(case_id, [row(2)])
+        assert store.seeds_done(case_id, EVERY) == {1, 2}
+
+
+def test_a_batch_is_on_the_disk_before_the_next(path: Path) -> None:
+    with Store(path) as writer:
+        case_id = writer.case_id(CASE)
+        writer.add(case_id, [row(1)])
+        assert next(writer.query("PRAGMA synchronous")) == (2,)
+        with Store(path, read_only=True) as reader:
+            assert reader.seeds_done(case_id, EVERY) == {1}
+
+
+def test_what_a_process_had_half_written_when_it_died_is_not_there(path: Path) -> None:
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+        store.add(case_id, [row(1)])
+    child = os.fork()
+    if child == 0:
+        try:
+            store = Store(path)
+            with store._transaction():
+                for number, each in enumerate((row(2), row(3)), start=1):
+                    places = ", ".join("?" * (1 + len(each)))
+                    store._connection.execute(
+                        f"INSERT INTO episodes VALUES ({places})", (case_id, *each)
+                    )
+                    if number == 2:
+                        os._exit(7)
+        finally:
+            os._exit(1)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
+    with Store(path, read_only=True) as store:
+        assert store.seeds_done(case_id, EVERY) == {1}
+
+
+def test_a_file_that_died_while_it_was_made_is_made_anew(path: Path) -> None:
+    path.touch()
+    with Store(path) as store:
+        assert store.cases() == {}
+
+
+def test_it_is_never_the_file_of_another_program(path: Path) -> None:
+    connection = sqlite3.connect(path)
+    connection.execute("CREATE TABLE cases (id)")
+    connection.commit()
+    connection.close()
+    before = path.read_bytes()
+    with pytest.raises(StoreError) as caught:
+        Store(path)
+    assert str(caught.value) == f"{path}: it is a database, but not of results"
+    assert path.read_bytes() == before
+    assert [each.name for each in path.parent.iterdir()] == [path.name]
+
+
+def test_a_newer_version_is_left_alone(path: Path) -> None:
+    Store(path).close()
+    connection = sqlite3.connect(path)
+    connection.execute(f"PRAGMA user_version = {VERSION + 1}")
+    connection.close()
+    with pytest.raises(StoreError) as caught:
+        Store(path)
+    line = f"{path}: its version is {VERSION + 1}; {VERSION} can be read"
+    assert str(caught.value) == line
+
+
+def test_the_file_says_whose_it_is(path: Path) -> None:
+    with Store(path) as store:
+        assert next(store.query("PRAGMA application_id")) == (APPLICATION,)
+        assert next(store.query("PRAGMA user_version")) == (VERSION,)
+
+
+def test_text_is_refused_and_stays(path: Path) -> None:
+    text = "These are no results.\n" * 100
+    path.write_text(text)
+    with pytest.raises(StoreError) as caught:
+        Store(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert "\n" not in str(caught.value)
+    assert path.read_text() == text
+
+
+@pytest.mark.parametrize("kind", [os.mkdir, os.mkfifo], ids=["a folder", "a pipe"])
+def test_what_is_no_file_is_refused_and_gets_no_journal(
+    path: Path, kind: Callable[[Path], None]
+) -> None:
+    kind(path)
+    with pytest.raises(StoreError) as caught:
+        Store(path)
+    assert str(caught.value) == f"{path}: it is a folder or a device, not a file"
+    assert [each.name for each in path.parent.iterdir()] == [path.name]
+
+
+@pytest.mark.parametrize("name", ["nowhere/r.sqlite", "."])
+def test_where_no_file_can_be_is_named(tmp_path: Path, name: str) -> None:
+    with pytest.raises(StoreError) as caught:
+        Store(tmp_path / name)
+    assert str(caught.value).startswith(f"{tmp_path / name}: ")
+
+
+AS_NOBODY = """
+import os, sys, urllib.parse  # what a stranger cannot read is read before
+from agents.experiments.store import Row, Store, StoreError
+if os.geteuid() == 0:  # who may write anywhere
+    os.setgid(65534)
+    os.setuid(65534)
+path = sys.argv[1]
+try:
+    Store(path).add(1, [Row(2, "stalled", 1, None, 0, 0, 0, 0, 0, 0)])
+except StoreError as error:
+    print(error)
+with Store(path, read_only=True) as store:
+    print(store.seeds_done(1, range(99)))
+try:
+    Store(path + "2")
+except StoreError as error:
+    print(error)
+"""
+
+
+def test_what_may_only_be_read_is_named_and_can_be_read() -> None:
+    with TemporaryDirectory() as folder:  # of pytest's own folders, strangers may enter none
+        path = Path(folder) / "r.sqlite"
+        with Store(path) as store:
+            store.add(store.case_id(CASE), [row(1)])
+        path.chmod(0o444)
+        path.parent.chmod(0o555)
+        result = in_a_process("-c", AS_NOBODY, path, folder=ROOT)
+        path.parent.chmod(0o755)
+        assert [each.name for each in path.parent.iterdir()] == [path.name]
+    assert result.err == ""
+    assert result.out.splitlines() == [
+        f"{path}: attempt to write a readonly database",
+        "{1}",
+        f"{path}2: unable to open database file",
+    ]
+
+
+def test_what_is_only_read_is_not_made(path: Path) -> None:
+    with pytest.raises(StoreError) as caught:
+        Store(path, read_only=True)
+    assert str(caught.value) == f"{path}: there is no such file"
+    assert not path.exists()
+
+
+def test_what_is_read_only_is_not_written(path: Path) -> None:
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+    with Store(path, read_only=True) as store, pytest.raises(StoreError, match="readonly"):
+        store.add(case_id, [row(1)])
+
+
+def test_an_empty_file_has_no_results_to_read(path: Path) -> None:
+    path.touch()
+    with pytest.raises(StoreError) as caught:
+        Store(path, read_only=True)
+    assert str(caught.value) == f"{path}: there are no results in it"
+
+
+def test_a_full_disk_keeps_what_was_written_before(path: Path) -> None:
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+        store.add(case_id, [row(seed) for seed in range(50)])
+        [pages] = next(store.query("PRAGMA page_count"))
+        list(store.query(f"PRAGMA max_page_count = {pages + 2}"))
+        with pytest.raises(StoreError) as caught:
+            store.add(case_id, [row(seed) for seed in range(50, 5000)])
+        assert str(caught.value) == f"{path}: database or disk is full"
+        assert store.seeds_done(case_id, EVERY) == set(range(50))
+
+
+def open_many(folder: Path, number: int, files: int, start: Barrier) -> None:
+    """Open the same files at the same moments as others do, and write a row into each."""
+    for file in range(files):
+        start.wait(20)
+        with Store(folder / f"{file}.sqlite") as store:
+            store.add(store.case_id(CASE), [row(number), row(99)])
+
+
+def test_several_sweeps_may_make_and_use_the_same_file_at_once(tmp_path: Path) -> None:
+    context, files, count = get_context("fork"), 25, 3
+    start = context.Barrier(count)
+    crowd = [
+        context.Process(target=open_many, args=(tmp_path, number, files, start))
+        for number in range(count)
+    ]
+    for each in crowd:
+        each.start()
+    for each in crowd:
+        each.join(60)
+    assert [each.exitcode for each in crowd] == [0] * count
+    for file in range(files):
+        with Store(tmp_path / f"{file}.sqlite", read_only=True) as store:
+            assert len(store.cases()) == 1
+            assert store.seeds_done(1, EVERY) == {*range(count), 99}
+
+
+def test_tables_that_another_sweep_has_made_first_are_used(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begin, rivals = Store._transaction, []
+
+    def late(store: Store, kind: str = "IMMEDIATE") -> AbstractContextManager[None]:
+        if kind == "IMMEDIATE" and not rivals:
+            rivals.append(path)
+            with Store(path) as rival:
+                rival.add(rival.case_id(CASE), [row(1)])
+        return begin(store, kind)
+
+    monkeypatch.setattr(Store, "_transaction", late)
+    with Store(path) as store:
+        assert store.seeds_done(store.case_id(CASE), EVERY) == {1}
+
+
+def test_tables_that_appear_while_it_looks_are_not_taken_for_a_strangers(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rivals = []
+
+    class Watched(sqlite3.Connection):
+        def execute(self, statement: str, *values: object) -> sqlite3.Cursor:
+            if statement == "PRAGMA user_version" and not rivals:
+                rivals.append(path)
+                with suppress(StoreError):  # it may have to wait
+                    Store(path).close()
+            return super().execute(statement, *values)
+
+    monkeypatch.setattr("agents.experiments.store.PATIENCE", 0.1)
+    monkeypatch.setattr(sqlite3, "connect", partial(sqlite3.connect, factory=Watched))
+    with Store(path) as store:
+        assert store.cases() == {}
+    assert rivals
+
+
+@pytest.mark.parametrize("code", [sqlite3.SQLITE_BUSY, sqlite3.SQLITE_IOERR])
+def test_only_for_others_that_are_busy_it_tries_again(
+    path: Path, monkeypatch: pytest.MonkeyPatch, code: int
+) -> None:
+    refused = []
+
+    class Busy(sqlite3.Connection):
+        def execute(self, statement: str, *values: object) -> sqlite3.Cursor:
+            if statement == "PRAGMA journal_mode = WAL" and len(refused) < 3:
+                error = sqlite3.OperationalError("not now")
+                error.sqlite_errorcode = code
+                refused.append(error)
+                raise error
+            return super().execute(statement, *values)
+
+    monkeypatch.setattr(sqlite3, "connect", partial(sqlite3.connect, factory=Busy))
+    if code == sqlite3.SQLITE_BUSY:
+        Store(path).close()
+        assert len(refused) == 3
+        return
+    with pytest.raises(StoreError, match="not now"):
+        Store(path)
+    assert len(refused) == 1
+
+
+@pytest.mark.parametrize("is_replaced", [False, True])
+def test_a_file_that_has_gone_meanwhile_is_not_written_to_in_silence(
+    path: Path, is_replaced: bool
+) -> None:
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+        store.add(case_id, [row(1)])
+        path.rename(path.with_name("away.sqlite"))
+        if is_replaced:
+            path.write_bytes(b"")
+        with pytest.raises(StoreError) as caught:
+            store.add(case_id, [row(2)])
+    assert str(caught.value) == f"{path}: it has been removed or replaced meanwhile"
+
+
+def test_rows_that_are_left_half_read_are_no_trouble(path: Path) -> None:
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+        store.add(case_id, [row(1), row(2), row(3)])
+        rows = store.rows(case_id)
+        next(rows)
+    del rows
+    gc.collect()  # an exception here would fail the test
+
+
+STRANGE = {
+    "no setting": "{}",
+    "an agent that is a number": '{"agent": 5, "layout": "random", "backend": "grid"}',
+    "no tiles": '{"agent": "greedy", "layout": "default", "backend": "grid", "tiles": []}',
+    "ragged": '{"agent": "greedy", "layout": "a", "backend": "grid", "tiles": ["##", "#"]}',
+    "no JSON": "{",
+    "a list": "[]",
+    "a number": "3",
+    "nothing": "null",
+    "a list as a value": json.dumps({"battery": [3]}),
+    "nothing as a value": json.dumps({"battery": None}),
+    "a number that is too large": json.dumps({"battery": 2**64}),
+    "the name of a result": json.dumps({"seed": 3}),
+    "tiles that are no rows": json.dumps({"tiles": "P.D"}),
+    "rows that are no text": json.dumps({"tiles": [3]}),
+    "brackets": 100_000 * "[",
+}
+
+
+@pytest.mark.parametrize("settings", STRANGE.values(), ids=STRANGE)
+def test_a_case_that_no_sweep_has_written_is_refused(path: Path, settings: str) -> None:
+    Store(path).close()
+    connection = sqlite3.connect(path)
+    connection.execute("INSERT INTO cases (settings) VALUES (?)", (settings,))
+    connection.commit()
+    connection.close()
+    with Store(path, read_only=True) as store, pytest.raises(StoreError) as caught:
+        store.cases()
+    assert str(caught.value).startswith(f"{path}: it has a case that is none, ")
+
+
+def test_what_is_not_yet_in_the_file_itself_is_not_left_out(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Store(path) as store:
+        store.add(store.case_id(CASE), [row(1)])
+        monkeypatch.setattr("os.access", lambda *_: False)
+        with pytest.raises(StoreError, match="its newest rows are still in r"):
+            Store(path, read_only=True)

@@ -1,0 +1,261 @@
+"""The command ``warehouse sweep``: whatever ends it, what is finished stays, and it resumes."""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import pytest
+from helpers.command_line import ROOT, command, refusal
+from helpers.sweeps import Here, check_is_usable, table, uninterrupted, words
+
+from agents.experiments import sweep as sweep_command
+from agents.experiments.store import Store
+from agents.experiments.workers import KILLED
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Iterator[Path]:
+    yield tmp_path / "r.sqlite"
+    # Nothing is left beside the file, once it has been closed.
+    assert {each.name for each in tmp_path.iterdir()} <= {"r.sqlite", "expected.sqlite"}
+
+
+LIMITED = """
+import resource, sys
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)),) * 2)
+from agents.cli import main
+if __name__ == "__main__":
+    main()
+"""
+
+
+class Sweep:
+    """A sweep in a session of its own."""
+
+    def __init__(self, output: Path, episodes: int) -> None:
+        self.output = output
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", "from agents.cli import main; main()", *words(output, episodes)],
+            cwd=ROOT,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+
+    def wait_for_rows(self) -> None:
+        """Wait until more rows are there than before."""
+        before, end = self._bytes(), time.monotonic() + 30
+        while self._bytes() == before and self.process.poll() is None:
+            assert time.monotonic() < end
+            time.sleep(0.01)
+
+    def end(self) -> tuple[int, str, str]:
+        """Wait for its end, and for that of all that it started."""
+        out, err = self.process.communicate(timeout=60)
+        end = time.monotonic() + 10
+        while alive := in_session(self.process.pid):
+            assert time.monotonic() < end, f"{alive} are left"
+            time.sleep(0.02)
+        return self.process.returncode, out, err
+
+    def _bytes(self) -> int:
+        log = Path(f"{self.output}-wal")
+        return log.stat().st_size if log.exists() else 0
+
+
+def in_session(session: int) -> list[str]:
+    """Return the processes of a session that still run."""
+    found = subprocess.run(
+        ["ps", "-s", str(session), "-o", "pid=,stat=,args="],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    lines = found.stdout.splitlines()
+    return [line for line in lines if not line.split()[1].startswith("Z")]
+
+
+def test_a_sweep_counts_what_is_there_and_adds_what_is_missing(
+    capsys: pytest.CaptureFixture[str], path: Path, tmp_path: Path
+) -> None:
+    assert command(capsys, *words(path, 3)) == (
+        0,
+        f"4 combinations, 3 episodes each, 0 done\n"
+        f"12 episodes done; see what they come to with: warehouse report {path}\n",
+        "",
+    )
+    before = path.read_bytes()
+    assert "12 done\n" in command(capsys, *words(path, 3)).out
+    assert path.read_bytes() == before
+    assert "5 episodes each, 12 done\n20 episodes" in command(capsys, *words(path, 5)).out
+    assert table(path) == uninterrupted(tmp_path / "expected.sqlite", 5)
+
+
+def test_flags_and_options_go_before_the_file(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    plan, path = tmp_path / "plan.toml", tmp_path / "r.sqlite"
+    plan.write_text("episodes = 50\nseed = 7\n[settings]\nbattery = [20, 30]\nmemory = [1, 2]\n")
+    command(capsys, "sweep", plan, "-n", 2, "--set", "battery=40", "-o", path, "--workers", 1)
+    with Store(path, read_only=True) as store:
+        cases = [(case["battery"], case["memory"]) for case in store.cases().values()]
+        assert sorted(cases) == [(40, 1), (40, 2)]
+        assert {seed for (seed,) in store.query("SELECT seed FROM episodes")} == {7, 8}
+
+
+@pytest.mark.parametrize(
+    ("kills", "episodes"), [(4, 1500), pytest.param(30, 8000, marks=pytest.mark.slow)]
+)
+def test_whenever_it_is_killed_nothing_is_lost_or_doubled(
+    path: Path, tmp_path: Path, kills: int, episodes: int
+) -> None:
+    moments, killed, before = random.Random(1), 0, set[Any]()
+    for _ in range(kills):
+        sweep = Sweep(path, episodes)
+        if moments.random() < 0.75:
+            sweep.wait_for_rows()
+            time.sleep(moments.uniform(0, 0.3))
+        else:
+            time.sleep(moments.uniform(0, 1.2))
+        sweep.process.kill()
+        killed += sweep.end()[0] == -signal.SIGKILL
+        if path.exists():
+            check_is_usable(path)
+            now = set(table(path))
+            assert before <= now
+            before = now
+    assert killed >= kills * 2 // 3
+    assert before
+    code, out, err = (sweep := Sweep(path, episodes)).end()
+    assert (code, err) == (0, "")
+    assert f" {len(before):,} done\n" in out
+    assert sweep.process.returncode == 0
+    assert table(path) == uninterrupted(tmp_path / "expected.sqlite", episodes)
+
+
+@pytest.mark.parametrize("delay", [0, 0.03, 0.3, 0.8], ids="{}s".format)
+def test_an_interrupt_is_one_line_and_leaves_a_file_that_can_go_on(
+    path: Path, delay: float
+) -> None:
+    sweep = Sweep(path, 100_000)
+    sweep.wait_for_rows()
+    time.sleep(delay)
+    os.killpg(sweep.process.pid, signal.SIGINT)  # as a terminal does
+    code, out, err = sweep.end()
+    assert (code, err) == (130, "warehouse: interrupted\n")
+    check_is_usable(path)
+    assert (
+        f"\n{len(table(path)):,} of 400,000 episodes in {path}; the same command goes on\n" in out
+    )
+
+
+def test_who_interrupts_again_and_again_changes_nothing(path: Path) -> None:
+    sweep = Sweep(path, 100_000)
+    sweep.wait_for_rows()
+    for _ in range(20):
+        with suppress(ProcessLookupError):
+            os.killpg(sweep.process.pid, signal.SIGINT)
+        time.sleep(0.005)
+    code, _, err = sweep.end()
+    assert (code, err) == (130, "warehouse: interrupted\n")
+    check_is_usable(path)
+
+
+def test_a_full_disk_is_one_line_and_what_was_finished_stays(path: Path, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", LIMITED, "70000", *words(path, 2000)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 1
+    assert done.stderr.startswith(f"warehouse: {path}: ")
+    assert done.stderr.count("\n") == 1
+    check_is_usable(path)
+    left = set(table(path))
+    assert left
+    code, out, _ = Sweep(path, 2000).end()
+    assert code == 0
+    assert f" {len(left):,} done\n" in out
+    assert table(path) == uninterrupted(tmp_path / "expected.sqlite", 2000)
+
+
+KILLER = """
+import os, signal
+class Killer:
+    def __init__(self, seed):
+        self.seed = seed
+
+    def reset(self):
+        pass
+
+    def act(self, observation):
+        if self.seed == 30:
+            os.kill(os.getpid(), signal.SIGKILL)  # as a system without memory does
+        return "N"
+"""
+
+
+def test_a_worker_that_is_killed_is_one_line_and_the_file_can_go_on(
+    capsys: pytest.CaptureFixture[str], path: Path, tmp_path: Path
+) -> None:
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "killer.py"
+        file.write_text(KILLER)
+        choice = ["--set", f"agent=greedy,{file}:Killer", "--set", "max_steps=5", "-o", path]
+        assert refusal(capsys, "sweep", *choice, "-n", 40, "--workers", 1) == KILLED
+        check_is_usable(path)
+        assert 40 <= len(table(path)) <= 70
+        assert (
+            "2 combinations, 30 episodes each, " in command(capsys, "sweep", *choice, "-n", 30).out
+        )
+    assert len(table(path)) == 70
+
+
+def test_two_sweeps_at_once_into_one_file_come_to_the_same(path: Path, tmp_path: Path) -> None:
+    both = [Sweep(path, 300), Sweep(path, 300)]
+    for sweep in both:
+        code, out, err = sweep.end()
+        assert (code, err) == (0, "")
+        assert "\n1,200 episodes done" in out
+    check_is_usable(path)
+    assert table(path) == uninterrupted(tmp_path / "expected.sqlite", 300)
+
+
+def test_a_file_that_is_removed_in_the_middle_is_not_said_to_be_there(path: Path) -> None:
+    sweep = Sweep(path, 100_000)
+    sweep.wait_for_rows()
+    for each in path.parent.iterdir():
+        each.unlink()
+    code, _, err = sweep.end()
+    assert code == 1
+    assert err == f"warehouse: {path}: it has been removed or replaced meanwhile\n"
+    assert not path.exists()
+
+
+def test_there_are_no_more_workers_than_episodes(
+    capsys: pytest.CaptureFixture[str], path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+
+    @contextmanager
+    def counted(count: int) -> Iterator[tuple[Here, int]]:
+        asked.append(count)
+        yield Here(), count
+
+    monkeypatch.setattr(sweep_command, "processes", counted)
+    for episodes, workers in ((1, 64), (4, 2)):
+        words = ["-n", episodes, "--workers", workers, "-o", path]
+        assert command(capsys, "sweep", *words).code == 0
+    assert asked == [1, 2]

@@ -1,0 +1,186 @@
+"""Training by PPO. Run with ``-m learning``; it needs the extra ``rl``."""
+
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.command_line import command
+
+from agents.evaluation.samples import Task, evaluate
+from agents.learning import training
+from agents.learning.policy_network import PolicyNetwork, network_input
+from agents.learning.ppo_agent import PPOAgent
+from warehouse_core import Layout
+from warehouse_core.vector.env import BatchEnv
+
+pytestmark = pytest.mark.learning
+
+ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
+ROUND = 8192
+"""Steps after which the network changes."""
+
+
+def learner(rounds: int = 1, seed: int = 1) -> Any:
+    from agents.learning.ppo_training import PPOLearner
+
+    return PPOLearner(Task(ROOM, 30, 30), rounds * ROUND, seed)
+
+
+def weights(network: PolicyNetwork) -> list[np.ndarray]:
+    return [array for layer in network.layers for array in layer]
+
+
+def equal(one: PolicyNetwork, other: PolicyNetwork) -> bool:
+    return all(map(np.array_equal, weights(one), weights(other)))
+
+
+def ignore(*_: Any) -> None:
+    """Watch nothing."""
+
+
+def trained(seed: int) -> PolicyNetwork:
+    learning = learner(seed=seed)
+    learning.learn(ignore)
+    return learning.network()
+
+
+def test_the_same_seed_trains_the_same_network() -> None:
+    first = trained(1)
+    assert equal(first, trained(1))
+    assert not equal(first, trained(2))
+    assert not equal(first, learner().network())
+
+
+def test_the_network_chooses_what_the_model_chooses(tmp_path: Path) -> None:
+    from sb3_contrib import MaskablePPO
+
+    learning = learner(rounds=2)
+    learning.learn(ignore)
+    learning.save_model(tmp_path / "m.zip")
+    learning.save_network(tmp_path / "m.npz")
+    model, network = MaskablePPO.load(tmp_path / "m.zip"), PolicyNetwork.load(tmp_path / "m.npz")
+    batch = BatchEnv(500, ROOM)
+    arrays, info = batch.reset(seed=9)
+    for _ in range(10):
+        inputs, allowed = network_input(arrays), info["action_mask"]
+        expected, _ = model.predict(inputs, deterministic=True, action_masks=allowed)
+        logits = np.where(allowed, network.logits(inputs), -np.inf)
+        assert np.array_equal(logits.argmax(axis=1), expected)
+        arrays, *_, info = batch.step(expected)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["m.npz", "m.zip"]
+
+
+def test_a_model_that_cannot_be_written_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    learning = learner()
+
+    def full(path: Path) -> None:
+        path.write_bytes(b"half a model")
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(learning.model, "save", full)
+    with pytest.raises(OSError, match="No space"):
+        learning.save_model(tmp_path / "m.zip")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_model_can_be_trained_on(tmp_path: Path) -> None:
+    from sb3_contrib import MaskablePPO
+
+    from agents.learning.vec_env import BatchVecEnv
+
+    learner().save_model(tmp_path / "m.zip")
+    env = BatchVecEnv(BatchEnv(128, ROOM, autoreset_mode="SameStep"))
+    model = MaskablePPO.load(tmp_path / "m.zip", env=env)
+    model.learn(ROUND)
+    assert model.num_timesteps == ROUND
+
+
+def test_the_last_rounds_change_the_network_less_than_the_first() -> None:
+    networks: list[PolicyNetwork] = []
+    learner(rounds=6).learn(lambda _, __, make: networks.append(make(0)._network))
+    changes = [
+        sum(float(np.abs(a - b).sum()) for a, b in zip(weights(one), weights(other), strict=True))
+        for one, other in pairwise(networks)
+    ]
+    assert len(changes) == 6
+    assert 0 < changes[-1] < changes[0] / 2
+
+
+def test_steps_are_rounded_up_to_whole_rounds() -> None:
+    from agents.learning.ppo_training import ENVS, PPOLearner
+    from agents.learning.ppo_training import ROUND as STEPS
+
+    assert ENVS * STEPS == ROUND
+    for steps, expected in ((1, ROUND), (ROUND, ROUND), (ROUND + 1, 2 * ROUND)):
+        learning = PPOLearner(Task(ROOM), steps, 1)
+        learning.learn(ignore)
+        assert learning.model.num_timesteps == expected
+
+
+def test_the_watcher_is_told_of_every_round_and_of_the_end() -> None:
+    told: list[tuple[int, float, PPOAgent]] = []
+    make_agent = learner(rounds=2).learn(
+        lambda steps, delivers, make: told.append((steps, delivers, make(0)))
+    )
+    assert [steps for steps, _, _ in told] == [0, ROUND, 2 * ROUND]
+    assert np.isnan(told[0][1])
+    assert all(0 < delivers <= 1 for _, delivers, _ in told[1:])
+    networks = [agent._network for *_, agent in told]
+    for one, other in pairwise(networks):
+        assert not any(map(np.array_equal, weights(one), weights(other)))
+    assert equal(networks[2], make_agent(0)._network)
+
+
+def test_a_room_is_learnt() -> None:
+    make_agent = learner(rounds=25).learn(ignore)
+    scores = evaluate(make_agent, Task(ROOM, 30, 30), range(100))
+    assert scores.success == 1
+    assert scores.steps_to_deliver() < 6
+
+
+def test_the_rows_are_what_stable_baselines_expects() -> None:
+    from sb3_contrib.common.maskable.utils import get_action_masks, is_masking_supported
+    from stable_baselines3.common.vec_env import VecCheckNan
+
+    from agents.learning.vec_env import BatchVecEnv
+
+    batch = BatchEnv(6, autoreset_mode="SameStep")
+    env = BatchVecEnv(batch)
+    env.seed(5)
+    first = env.reset()
+    assert env.observation_space.contains(first[0])
+    arrays, _ = BatchEnv(6).reset(seed=5)
+    assert np.array_equal(first, network_input(arrays))
+    assert not np.array_equal(env.reset(), first)  # seeds are used once
+    assert is_masking_supported(env)
+    assert np.array_equal(get_action_masks(env), batch.action_masks())
+    assert np.array_equal(env.env_method("action_masks", indices=[4])[0], batch.action_masks()[4])
+    assert env.get_attr("max_steps", indices=[1, 2]) == [200, 200]
+    assert env.env_is_wrapped(VecCheckNan) == [False] * 6
+    observations, rewards, ended, infos = env.step(np.full(6, 4))
+    assert (observations.shape, rewards.shape, ended.shape, len(infos)) == ((6, 84), (6,), (6,), 6)
+    with pytest.raises(AttributeError):
+        env.get_attr("colour")
+    with pytest.raises(NotImplementedError, match="max_steps cannot be set"):
+        env.set_attr("max_steps", 3)
+    env.close()
+
+
+def test_the_command_trains_an_agent_that_run_takes(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(training, "FINAL_SEEDS", training.FINAL_SEEDS[:20])
+    ROOM.save("room.txt")
+    result = command(
+        capsys, "train", "ppo", "--layout", "room.txt", "--steps", ROUND, "-o", "m.npz"
+    )
+    assert (result.code, result.err) == (0, "")
+    assert result.out.startswith("8,192 steps in ")
+    assert "saved m.npz\nsaved m.zip\nsaved m.png\n" in result.out
+    words = ("--agent", "ppo:m.npz", "--layout", "room.txt", "--seed", 1, "--no-show")
+    assert command(capsys, "run", *words).out.startswith("PPOAgent on the grid backend, seed 1")

@@ -1,0 +1,171 @@
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.networks import layers_of, random_network
+
+from agents.learning.policy_network import SCHEMA, PolicyNetwork, input_size, network_input
+from warehouse_core import RecordError, WarehouseEnv
+from warehouse_core.files.npz import Arrays
+from warehouse_core.task.encoding import encode
+
+HEADER = {"format": "warehouse-lab policy 1", "view_radius": 2}
+
+
+@pytest.fixture
+def saved(tmp_path: Path) -> Path:
+    path = tmp_path / "model.npz"
+    random_network(1).save(path)
+    return path
+
+
+def save_changed(saved: Path, **changed: Any) -> None:
+    """Write the file again with some of its arrays replaced."""
+    with np.load(saved) as file:
+        arrays: Arrays = dict(file)
+    np.savez_compressed(saved, **(arrays | changed))
+
+
+def refusal(saved: Path) -> str:
+    with pytest.raises(RecordError) as refused:
+        PolicyNetwork.load(saved)
+    message = str(refused.value)
+    assert message.startswith(f"{saved}: ")
+    return message.removeprefix(f"{saved}: ")
+
+
+def as_header(header: object) -> np.ndarray:
+    return np.frombuffer(json.dumps(header).encode(), np.uint8)
+
+
+# What it computes.
+
+
+def test_each_layer_is_a_weighted_sum_and_all_but_the_last_are_bent_by_tanh() -> None:
+    network = random_network(3, view_radius=0)
+    values = [0.1 * number for number in range(input_size(0))]
+    for number, (weights, biases) in enumerate(network.layers):
+        sums = [
+            float(bias) + sum(float(w) * value for w, value in zip(row, values, strict=True))
+            for row, bias in zip(weights, biases, strict=True)
+        ]
+        values = sums if number == 2 else [math.tanh(each) for each in sums]
+    inputs = np.array([0.1 * number for number in range(input_size(0))], np.float32)
+    assert network.logits(inputs) == pytest.approx(values, abs=1e-5)
+
+
+def test_a_batch_gives_what_its_rows_give() -> None:
+    network = random_network(1)
+    inputs = np.random.default_rng(2).random((5, input_size(2)), np.float32)
+    each = np.array([network.logits(row) for row in inputs])
+    assert network.logits(inputs) == pytest.approx(each, abs=1e-5)
+
+
+def test_what_is_left_of_battery_and_time_is_no_input() -> None:
+    observation = WarehouseEnv().reset()
+    inputs = network_input(encode(observation))
+    assert inputs.shape == (input_size(2),) == (84,)
+    observation["battery"], observation["steps"] = 3, 90
+    assert np.array_equal(network_input(encode(observation)), inputs)
+    for change in ({"has_item": True}, {"robot_pos": (2, 1)}, {"dropoff_pos": (5, 5)}):
+        changed = network_input(encode(observation | change))  # type: ignore[arg-type]
+        assert not np.array_equal(changed, inputs), change
+
+
+@pytest.mark.parametrize("radius", [0, 1, 3])
+def test_the_input_is_as_large_as_is_said_for_each_radius(radius: int) -> None:
+    observation = WarehouseEnv(view_radius=radius).reset()
+    assert network_input(encode(observation)).shape == (input_size(radius),)
+
+
+@pytest.mark.parametrize(
+    ("widths", "layer"),
+    [((83, 8, 6, 7), 0), ((84, 8, 6, 6), 2), ((84, 8, 6, 8), 2)],
+)
+def test_layers_that_do_not_fit_are_refused(widths: tuple[int, ...], layer: int) -> None:
+    layers = layers_of(*widths, stream=np.random.default_rng(1))
+    with pytest.raises(ValueError, match=rf"layer {layer} has the shapes"):
+        PolicyNetwork(2, layers)
+
+
+def test_a_layer_that_does_not_follow_the_one_before_is_refused() -> None:
+    stream = np.random.default_rng(1)
+    first, *_ = layers_of(84, 8, stream=stream)
+    with pytest.raises(ValueError, match="layer 1 has the shapes"):
+        PolicyNetwork(2, [first, *layers_of(9, 6, 7, stream=stream)])
+    biases = np.zeros(3, np.float32)
+    with pytest.raises(ValueError, match="layer 0 has the shapes"):
+        PolicyNetwork(2, [(first[0], biases), *layers_of(8, 6, 7, stream=stream)])
+
+
+@pytest.mark.parametrize("widths", [(84, 7), (84, 8, 8, 8, 7)])
+def test_another_number_of_layers_is_refused(widths: tuple[int, ...]) -> None:
+    layers = layers_of(*widths, stream=np.random.default_rng(1))
+    with pytest.raises(ValueError, match=f"there are {len(layers)} layers; there must be 3"):
+        PolicyNetwork(2, layers)
+
+
+# Its file.
+
+
+def test_a_network_comes_back_from_its_file(saved: Path) -> None:
+    network, again = random_network(1), PolicyNetwork.load(saved)
+    assert again.view_radius == network.view_radius
+    for one, other in zip(network.layers, again.layers, strict=True):
+        assert all(np.array_equal(*pair) for pair in zip(one, other, strict=True))
+
+
+def test_the_file_holds_plain_arrays(saved: Path) -> None:
+    with np.load(saved, allow_pickle=False) as file:
+        assert set(file.files) == set(SCHEMA)
+        assert json.loads(file["header"].tobytes()) == HEADER
+
+
+@pytest.mark.parametrize(
+    ("header", "says"),
+    [
+        ([], "its format is not"),
+        (HEADER | {"format": "warehouse-lab episode 1"}, "its format is not"),
+        ({"format": HEADER["format"]}, "view_radius is None; it must be a whole number"),
+        (HEADER | {"view_radius": -1}, "view_radius is -1; it must be a whole number, at least 0"),
+        (HEADER | {"view_radius": 2.0}, "view_radius is 2.0; "),
+        (HEADER | {"view_radius": True}, "view_radius is True; "),
+        (HEADER | {"view_radius": "2"}, "view_radius is '2'; "),
+        (HEADER | {"view_radius": 1}, "layer 0 has the shapes (8, 84) and (8,); they must be"),
+    ],
+)
+def test_a_header_that_is_wrong_is_refused(saved: Path, header: object, says: str) -> None:
+    save_changed(saved, header=as_header(header))
+    assert refusal(saved).startswith(says)
+
+
+def test_a_header_that_is_no_text_is_refused(saved: Path) -> None:
+    for data in (b"{", b"\xff", b"[" * 100_000):
+        save_changed(saved, header=np.frombuffer(data, np.uint8))
+        assert refusal(saved).startswith("its header is no JSON text")
+
+
+def test_a_radius_that_asks_for_much_memory_is_refused(saved: Path, little_memory: Any) -> None:
+    save_changed(saved, header=as_header(HEADER | {"view_radius": 10**6}))
+    with little_memory():
+        refusal(saved)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_numbers_that_are_not_finite_are_refused(saved: Path, value: float) -> None:
+    biases = np.zeros(7, np.float32)
+    biases[3] = value
+    save_changed(saved, biases_2=biases)
+    assert refusal(saved) == "layer 2 has numbers that are not finite"
+
+
+def test_damage_is_refused(saved: Path) -> None:
+    data = saved.read_bytes()
+    for damaged in (b"", data[:-30], data[: len(data) // 2]):
+        saved.write_bytes(damaged)
+        refusal(saved)
+    with pytest.raises(OSError, match="No such file"):
+        PolicyNetwork.load(saved.with_name("missing.npz"))

@@ -1,0 +1,101 @@
+import numpy as np
+import pytest
+from helpers.networks import random_network, stubborn_network
+
+from agents.errors import AgentError
+from agents.learning.policy_network import network_input
+from agents.learning.ppo_agent import PPOAgent, useful_now
+from warehouse_core import Layout, WarehouseEnv, record_episode
+from warehouse_core.task.encoding import encode
+from warehouse_core.task.rules import useful_actions
+from warehouse_core.vector.env import BatchEnv
+
+ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
+
+
+@pytest.mark.parametrize("layout", [None, ROOM])
+@pytest.mark.parametrize("radius", [1, 2])
+def test_what_does_something_is_seen_from_the_observation(
+    layout: Layout | None, radius: int
+) -> None:
+    env = WarehouseEnv(layout, view_radius=radius)
+    for index in range(len(env.layout.open_cells)):
+        row, col = cell = env.layout.open_cell(index)
+        env.state.robot_pos = cell
+        for env.state.has_item in (False, True):
+            sides, tile = env.layout.open_sides(cell), env.layout.rows[row][col]
+            expected = useful_actions(sides, tile, env.state.has_item)
+            assert useful_now(env.observe()) == expected, cell
+
+
+def test_a_robot_that_sees_nothing_may_try_every_move() -> None:
+    env = WarehouseEnv(view_radius=0)
+    assert useful_now(env.reset()) == (True, True, True, True, True, False, False)
+
+
+def test_no_station_is_no_place_to_pick_or_drop() -> None:
+    env = WarehouseEnv(["...", ".D."])
+    assert env.reset()["pickup_pos"] is None
+    assert not any(useful_now(env.reset())[5:])
+
+
+def test_the_highest_number_wins_among_the_actions_that_do_something() -> None:
+    agent = PPOAgent(stubborn_network(1, 2, 4, 5, 0, 7, 6))
+    env = WarehouseEnv(ROOM, start_pos=(1, 1))
+    assert agent.act(env.reset()) == "PICK"
+    observation, *_ = env.step("PICK")
+    assert agent.act(observation) == "S"  # W is a wall
+    env.step("E")
+    observation, *_ = env.step("E")
+    assert agent.act(observation) == "DROP"
+    observation, *_ = env.step("S")
+    assert agent.act(observation) == "W"
+
+
+def test_the_reason_is_how_sure_the_network_is_among_those_actions() -> None:
+    agent = PPOAgent(stubborn_network(9, np.log(3), -50, -50, 0, 90, 90))
+    corner = WarehouseEnv(["...", "P.D"], start_pos=(0, 0))
+    assert agent.act(corner.reset()) == "E"
+    assert agent.reason == "75% sure"
+    agent.reset()
+    assert agent.reason == ""
+
+
+def test_large_numbers_are_no_trouble() -> None:
+    agent = PPOAgent(stubborn_network(1e30, -1e30, 1e30, 0, 0, 0, 0))
+    env = WarehouseEnv(ROOM, start_pos=(1, 2))
+    assert agent.act(env.reset()) == "S"
+    assert agent.reason == "100% sure"
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_nothing_that_does_nothing_is_ever_done(seed: int) -> None:
+    agent = PPOAgent(random_network(seed))
+    for start in range(5):
+        episode = record_episode(WarehouseEnv(max_steps=50), agent, seed=start)
+        allowed = (-0.1, -0.15, 4.9, 9.9)
+        assert all(any(abs(r - a) < 1e-9 for a in allowed) for r in episode.rewards[1:])
+        assert all(reason.endswith("% sure") for reason in episode.reasons)
+
+
+def test_it_does_what_its_network_says_for_the_rows_of_a_batch() -> None:
+    network = random_network(4)
+    batch = BatchEnv(40)
+    arrays, info = batch.reset(seed=1)
+    logits = np.where(info["action_mask"], network.logits(network_input(arrays)), -np.inf)
+    env = WarehouseEnv()
+    for row, expected in enumerate(logits.argmax(axis=1)):
+        layout, state = batch.row(row)
+        observation = env.reset_to(layout, state.robot_pos)
+        assert np.array_equal(network_input(encode(observation)), network_input(arrays)[row])
+        assert env.ACTIONS.index(PPOAgent(network).act(observation)) == expected
+
+
+@pytest.mark.parametrize("radius", [0, 1, 3])
+def test_a_robot_with_another_view_is_refused(radius: int) -> None:
+    observation = WarehouseEnv(view_radius=radius).reset()
+    with pytest.raises(AgentError) as refused:
+        PPOAgent(random_network(1), "model.npz").act(observation)
+    assert str(refused.value) == (
+        f"model.npz was trained with view radius 2; this robot has {radius}"
+    )

@@ -1,0 +1,87 @@
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from agents.learning.q_learning import QTable
+from agents.learning.q_table import SCHEMA, load_agent, load_table, save_table
+from warehouse_core import RecordError
+from warehouse_core.task.encoding import NOWHERE
+
+TABLE = QTable(
+    {
+        ((1, 2), (3, 4), False): [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, -6.5],
+        ((1, 2), (3, 4), True): [0.1] * 7,
+        ((70_000, 0), NOWHERE, True): [0.0] * 7,
+    }
+)
+
+
+@pytest.fixture
+def saved(tmp_path: Path) -> Path:
+    path = tmp_path / "table.npz"
+    save_table(TABLE, path)
+    return path
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(RecordError) as refused:
+        load_table(path)
+    message = str(refused.value)
+    assert message.startswith(f"{path}: ")
+    return message.removeprefix(f"{path}: ")
+
+
+def test_a_table_comes_back_from_its_file(saved: Path) -> None:
+    again = load_table(saved)
+    assert again == TABLE
+    assert isinstance(again, QTable)
+    assert all(isinstance(loaded, bool) for _, _, loaded in again)
+
+
+def test_an_empty_table_comes_back_too(tmp_path: Path) -> None:
+    save_table(QTable(), tmp_path / "table.npz")
+    assert load_table(tmp_path / "table.npz") == {}
+
+
+def test_the_file_holds_plain_arrays(saved: Path) -> None:
+    with np.load(saved, allow_pickle=False) as file:
+        assert set(file.files) == set(SCHEMA)
+        assert file["states"].shape == (3, 5)
+
+
+def test_the_agent_gets_table_and_seed(saved: Path) -> None:
+    agent = load_agent(saved, 3)
+    assert (agent.table, agent.seed) == (TABLE, 3)
+    assert load_agent(saved).seed is None
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        ({"states": np.zeros((3, 4), np.int32)}, "states (3, 4) and values (3, 7); they must be"),
+        ({"states": np.zeros((2, 5), np.int32)}, "states (2, 5) and values (3, 7); they must be"),
+        ({"values": np.zeros((3, 6))}, "states (3, 5) and values (3, 6); they must be (N, 5)"),
+        ({"values": np.full((3, 7), np.nan)}, "it has values that are not finite"),
+        ({"values": np.full((3, 7), -np.inf)}, "it has values that are not finite"),
+        ({"values": np.zeros((3, 7), np.float32)}, "array values is float32"),
+        ({"more": np.zeros(3)}, "3 arrays; there must be 2"),
+    ],
+)
+def test_a_file_that_is_no_table_is_refused(
+    saved: Path, changed: dict[str, Any], says: str
+) -> None:
+    with np.load(saved) as file:
+        arrays = dict(file)
+    np.savez_compressed(saved, **(arrays | changed))
+    assert refusal(saved).startswith(says)
+
+
+def test_damage_is_refused(saved: Path) -> None:
+    data = saved.read_bytes()
+    for damaged in (b"", b"what is this?", data[:-30], data[: len(data) // 2]):
+        saved.write_bytes(damaged)
+        refusal(saved)
+    with pytest.raises(OSError, match="No such file"):
+        load_table(saved.with_name("missing.npz"))

@@ -1,0 +1,116 @@
+"""What differs between cases, and which of them can be compared."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from agents.experiments.case import make_case
+from agents.experiments.parameters import shown
+from agents.experiments.plan import make_plan
+from agents.reports.analysis.design import FOLDERS, Design, Factor, described, make_design
+
+
+def design_of(**choices: Any) -> Design:
+    return make_design(dict(enumerate(make_plan(choices, 1, 0).cases)))
+
+
+def rows_of(design: Design, name: str) -> list[tuple[str, list[Any]]]:
+    [factor] = [each for each in design.factors if each.name == name]
+    return [(described(row.others), [*row.cases]) for row in design.series(factor)]
+
+
+def test_what_differs_is_told_from_what_does_not() -> None:
+    design = design_of(battery=[60, 20], escape=[False, True], max_steps=70)
+    assert design.factors == (Factor("escape", (True, False)), Factor("battery", (20, 60)))
+    assert design.fixed["max_steps"] == 70
+    assert design.fixed["memory"] == 10
+    assert not {"escape", "battery", "tiles"} & design.fixed.keys()
+
+
+def test_values_are_in_the_order_in_which_they_grow() -> None:
+    sizes = design_of(layout="random", size=["10x10", "4x30", "9x9"]).factors
+    assert sizes == (Factor("size", ("9x9", "10x10", "4x30")),)
+    assert sizes[0].is_ordered
+    assert not sizes[0].is_numeric
+    numbers = design_of(layout="random", density=[0.3, 0, 0.1]).factors[0]
+    assert numbers.values == (0.0, 0.1, 0.3)
+    assert numbers.is_numeric
+
+
+def test_a_flag_is_no_number() -> None:
+    [factor] = design_of(escape=[False, True]).factors
+    assert not factor.is_ordered
+
+
+def test_rows_differ_in_one_factor_and_the_usual_one_is_first() -> None:
+    design = design_of(battery=[20, 60, 200], view_radius=[5, 2])
+    assert rows_of(design, "battery") == [
+        ("view_radius 2", [20, 60, 200]),
+        ("view_radius 5", [20, 60, 200]),
+    ]
+    assert rows_of(design, "view_radius")[0] == ("battery 200", [2, 5])
+
+
+def test_a_setting_that_means_nothing_for_a_case_fits_any_value() -> None:
+    design = design_of(escape=[True, False], memory=[2, 5, 10])
+    assert len(design.labels) == 4
+    assert rows_of(design, "escape") == [
+        ("memory 10", [True, False]),
+        ("memory 2", [True, False]),
+        ("memory 5", [True, False]),
+    ]
+    assert rows_of(design, "memory") == [("escape on", [2, 5, 10])]
+
+
+def test_a_single_case_differs_in_nothing() -> None:
+    design = design_of()
+    assert design.factors == ()
+    assert design.fixed["battery"] == 200
+
+
+def test_an_unbalanced_experiment_compares_what_there_is() -> None:
+    cases = [{"battery": 20}, {"battery": 60}, {"battery": 60, "max_steps": 90}]
+    design = make_design(dict(enumerate(map(make_case, cases))))
+    assert rows_of(design, "battery") == [("max_steps 200", [20, 60])]
+    assert rows_of(design, "max_steps") == [("battery 60", [90, 200])]
+
+
+def test_files_of_one_name_with_other_contents_are_told_apart(tmp_path: Path) -> None:
+    file = tmp_path / "hall.txt"
+    cases = {}
+    for number, rows in enumerate(["#####\n#P.D#\n#####", "#####\n#D.P#\n#####"]):
+        file.write_text(rows)
+        cases[number] = make_case({"layout": str(file)})
+    [factor] = make_design(cases).factors
+    assert factor.name == "layout"
+    assert len(set(factor.values)) == 2
+    assert all(str(value).startswith("hall.txt (") for value in factor.values)
+
+
+def test_folders_are_left_out_where_the_names_are_enough(tmp_path: Path) -> None:
+    files = [tmp_path / "a" / "hall.txt", tmp_path / "b" / "hall.txt", tmp_path / "a" / "yard.txt"]
+    for number, file in enumerate(files):
+        file.parent.mkdir(exist_ok=True)
+        wall = "#" * (number + 4)
+        file.write_text(f"{wall}\n#P{'.' * number}D#\n{wall}")
+    names = list(map(str, files))
+    assert design_of(layout=["default", *names[1:]]).factors == (
+        Factor("layout", ("default", "hall.txt", "yard.txt")),
+    )
+    assert design_of(layout=names).factors == (Factor("layout", (*names[:2], "yard.txt")),)
+    assert FOLDERS.sub("", "ppo:/home/models/best.npz") == "ppo:best.npz"
+    assert FOLDERS.sub("", "C:\\work\\robot.py:Class") == "robot.py:Class"
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [(True, "on"), (False, "off"), (None, "none"), (0.30000000000000004, "0.3"), (7, "7"),
+     (1000000, "1000000"), ("7x12", "7x12")],
+)  # fmt: skip
+def test_a_value_is_shown_as_it_is_written(value: Any, words: str) -> None:
+    assert shown(value) == words
+
+
+def test_what_means_nothing_is_not_described() -> None:
+    assert described({"escape": True, "memory": None, "battery": 20}) == "escape on, battery 20"

@@ -1,0 +1,178 @@
+"""Where robots get stuck: the counts, and what the picture shows of them."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
+from numpy.typing import NDArray
+
+from agents.experiments.case import make_case
+from agents.experiments.store import Row, Store
+from agents.reports.figures.heat_map import HEAT, heat_map, stuck_cells
+from warehouse_core import random_layout
+from warehouse_core.records.failure_modes import MODES
+from warehouse_core.render.palette import COLORS
+
+ROWS = ("######", "#P...#", "#..#.#", "#...D#", "######")
+LARGE = random_layout(30, 60, 0.2, 3).rows
+
+
+def row(seed: int, mode: str, cell: tuple[int, int]) -> Row:
+    return Row(seed, mode, 10, None, -1.0, 3, 10.5, 1.5, *cell)
+
+
+def counts(*places: tuple[int, int, int], rows: tuple[str, ...] = ROWS) -> NDArray[np.int64]:
+    grid = np.zeros((len(rows), len(rows[0])), dtype=np.int64)
+    for at_row, col, count in places:
+        grid[at_row, col] = count
+    return grid
+
+
+def panels(figure: Figure) -> list[Axes]:
+    return [axes for axes in figure.axes if axes.get_title(loc="left")]
+
+
+def written(axes: Axes) -> list[str]:
+    return [text.get_text() for text in axes.texts]
+
+
+def color_in(figure: Figure, axes: Axes, x: float, y: float) -> NDArray[np.float64]:
+    """Return the colour at a place in cells, 0..1."""
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    pixels = np.asarray(canvas.buffer_rgba())
+    across, up = axes.transData.transform((x, y))
+    return pixels[pixels.shape[0] - 1 - int(up), int(across), :3] / 255
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Iterator[Store]:
+    with Store(tmp_path / "r.sqlite") as opened:
+        yield opened
+
+
+def test_episodes_are_counted_where_they_were_stuck(store: Store) -> None:
+    first, second, other = (store.case_id(make_case({"memory": m})) for m in (1, 2, 3))
+    cells = {"wandering": [(1, 2), (1, 2), (3, 3)], "unreachable": [(1, 1)], "delivered": [(2, 2)]}
+    rows = [row(0, mode, cell) for mode, found in cells.items() for cell in found]
+    store.add(first, [each._replace(seed=seed) for seed, each in enumerate(rows)])
+    store.add(second, [row(0, "wandering", (1, 2))])
+    store.add(other, [row(0, "wandering", (4, 4)), row(1, "stalled", (4, 4))])
+    stuck = stuck_cells(store, [first, second])
+    assert list(stuck) == ["unreachable", "wandering"]
+    assert stuck["wandering"].shape == (7, 12)
+    assert stuck["wandering"][1, 2] == 3
+    assert stuck["wandering"][3, 3] == 1
+    assert stuck["wandering"].sum() == 4
+    assert stuck["unreachable"].sum() == stuck["unreachable"][1, 1] == 1
+
+
+def test_modes_come_in_the_order_of_their_definition(store: Store) -> None:
+    case_id = store.case_id(make_case({}))
+    store.add(case_id, [row(n, mode, (1, 1)) for n, mode in enumerate(reversed(MODES))])
+    assert tuple(stuck_cells(store, [case_id])) == MODES[1:]
+
+
+def test_without_failures_there_is_nothing_to_draw(store: Store) -> None:
+    case_id = store.case_id(make_case({}))
+    store.add(case_id, [row(1, "delivered", (1, 1))])
+    assert stuck_cells(store, [case_id]) == {}
+    with pytest.raises(ValueError, match="at least one"):
+        heat_map(ROWS, {}, 1)
+
+
+def test_cases_of_different_layouts_are_not_laid_over_each_other(
+    store: Store, tmp_path: Path
+) -> None:
+    (tmp_path / "room.txt").write_text("\n".join(ROWS))
+    fixed, room, made_up = (
+        store.case_id(make_case({"layout": layout}))
+        for layout in ("default", str(tmp_path / "room.txt"), "random")
+    )
+    for case_ids in ([fixed, room], [made_up], [fixed, made_up], []):
+        with pytest.raises(ValueError, match="one fixed layout"):
+            stuck_cells(store, case_ids)
+    assert stuck_cells(store, [room]) == {}
+
+
+def test_a_panel_says_its_mode_its_count_and_its_share() -> None:
+    stuck = {"wandering": counts((1, 2, 900), (3, 3, 100)), "stalled": counts((1, 1, 1))}
+    figure = heat_map(ROWS, stuck, 4000)
+    titles = [axes.get_title(loc="left") for axes in panels(figure)]
+    assert titles == ["wandering: 1,000 (25.0%)", "stalled: 1 (0.0%)"]
+
+
+def test_more_episodes_are_a_hotter_colour_and_none_is_the_floor() -> None:
+    figure = heat_map(ROWS, {"wandering": counts((1, 2, 100), (3, 3, 10))}, 200)
+    [axes] = panels(figure)
+    hot, warm = (color_in(figure, axes, x, y) for x, y in ((2.1, 1.8), (3.1, 3.8)))
+    np.testing.assert_allclose(hot, HEAT(1.0)[:3], atol=0.01)
+    np.testing.assert_allclose(warm, HEAT(0.1)[:3], atol=0.02)
+    assert hot.sum() < warm.sum()
+    floor = color_in(figure, axes, 1.5, 2.5)
+    np.testing.assert_allclose(floor, COLORS["."], atol=0.01)
+    assert floor.sum() > warm.sum()
+
+
+def test_rows_go_down_and_columns_go_right() -> None:
+    figure = heat_map(ROWS, {"wandering": counts((3, 1, 5))}, 9)
+    [axes] = panels(figure)
+    np.testing.assert_allclose(color_in(figure, axes, 1.1, 3.9), HEAT(1.0)[:3], atol=0.01)
+    np.testing.assert_allclose(color_in(figure, axes, 3.5, 2.5), COLORS["#"], atol=0.01)
+
+
+@pytest.mark.parametrize("rows", [ROWS, LARGE], ids=["small", "large"])
+def test_stations_have_their_colour_and_letter_with_heat_on_them_or_not(
+    rows: tuple[str, ...],
+) -> None:
+    [(p_row, p_col)] = [(r, line.index("P")) for r, line in enumerate(rows) if "P" in line]
+    for stuck in (counts((p_row, p_col, 7), rows=rows), counts((1, 1, 7), rows=rows)):
+        figure = heat_map(rows, {"wandering": stuck}, 9)
+        [axes] = panels(figure)
+        assert {"P", "D"} <= set(written(axes))
+        frame = color_in(figure, axes, p_col + 0.5, p_row + 0.96)
+        assert np.abs(frame - COLORS["P"]).max() < 0.2
+
+
+def test_large_cells_have_their_number_and_small_ones_have_not() -> None:
+    [axes] = panels(heat_map(ROWS, {"wandering": counts((1, 2, 41), (3, 4, 7))}, 99))
+    assert sorted(written(axes)) == ["41", "7", "D", "P"]
+    [axes] = panels(heat_map(LARGE, {"wandering": counts((1, 2, 41), rows=LARGE)}, 99))
+    assert "41" not in written(axes)
+
+
+@pytest.mark.parametrize("rows", [ROWS, LARGE, ("#" * 4, *["#.P#", "#D.#"] * 20, "#" * 4)])
+@pytest.mark.parametrize("count", range(1, len(MODES)))
+def test_panels_stay_in_the_picture_and_apart(rows: tuple[str, ...], count: int) -> None:
+    stuck = {mode: counts((1, 1, 1_000_000), rows=rows) for mode in MODES[1 : count + 1]}
+    figure = heat_map(rows, stuck, 1_000_000)
+    FigureCanvasAgg(figure).draw()
+    boxes = [axes.get_tightbbox().frozen() for axes in figure.axes]
+    assert len(boxes) == 2 * count, "each panel has its bar"
+    whole = [Bbox.union(boxes[n : n + 2]) for n in range(0, 2 * count, 2)]
+    for number, box in enumerate(whole):
+        assert box.x0 >= 0
+        assert box.y0 >= 0
+        assert box.x1 <= figure.bbox.width
+        assert box.y1 <= figure.bbox.height
+        assert not any(box.overlaps(other) for other in whole[:number])
+
+
+def test_cells_are_square() -> None:
+    for rows in (ROWS, LARGE):
+        figure = heat_map(rows, {"wandering": counts((1, 1, 3), rows=rows)}, 10)
+        [axes] = panels(figure)
+        box = axes.get_window_extent()
+        assert box.width / len(rows[0]) == pytest.approx(box.height / len(rows))
+
+
+def test_each_panel_has_a_scale_of_its_own() -> None:
+    stuck = {"wandering": counts((1, 2, 1000)), "stalled": counts((1, 2, 2))}
+    figure = heat_map(ROWS, stuck, 2000)
+    for axes in panels(figure):
+        np.testing.assert_allclose(color_in(figure, axes, 2.1, 1.8), HEAT(1.0)[:3], atol=0.01)

@@ -1,0 +1,102 @@
+"""The figures of a report: those that there is something to see in, and what they show."""
+
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers.results_files import fill, outcomes, row
+
+from agents.experiments.store import Store
+from agents.reports.analysis.results import Experiment
+from agents.reports.figures import roles
+from agents.reports.figures.pictures import MOST_MAPS, Picture, pictures
+
+ON, OFF = {"escape": True}, {"escape": False}
+
+
+def drawn(path: Path, cases: list[Any]) -> dict[str, Picture]:
+    with Store(fill(path / "r.sqlite", cases), read_only=True) as store:
+        found = list(pictures(Experiment(store)))
+    for picture in found:
+        assert ElementTree.fromstring(picture.svg).tag.endswith("svg")
+        assert picture.caption.endswith(".")
+    return {picture.name: picture for picture in found}
+
+
+def test_the_figures_of_two_cases_on_the_grid(tmp_path: Path) -> None:
+    found = drawn(tmp_path, [(ON, outcomes("ddww")), (OFF, outcomes("ddoo"))])
+    assert list(found) == ["success", "steps", "modes", "stuck-1"]
+    assert "Wilson's 95% intervals" in found["success"].caption
+    assert "bootstrap 95% intervals" in found["steps"].caption
+    assert "of 8 episodes" in found["stuck-1"].caption
+    assert "drawn anew for each episode" in found["stuck-1"].caption
+
+
+def test_time_and_energy_are_drawn_of_what_is_measured(tmp_path: Path) -> None:
+    cases = [
+        ({"backend": backend, "escape": escape}, [row(0, joules=77), row(1)])
+        for backend in ("grid", "physics")
+        for escape in (True, False)
+    ]
+    found = drawn(tmp_path, cases)
+    assert {"seconds", "joules"} <= found.keys()
+    assert found["seconds"].svg != found["joules"].svg
+    assert "Time of a delivery, backend physics" in found["seconds"].caption
+    assert "Energy of a delivery, backend physics" in found["joules"].caption
+    (tmp_path / "grid").mkdir()
+    assert not {"seconds", "joules"} & drawn(tmp_path / "grid", cases[:2]).keys()
+
+
+def test_a_single_case_has_bars_and_a_map(tmp_path: Path) -> None:
+    assert list(drawn(tmp_path, [({}, outcomes("dw"))])) == ["modes", "stuck-1"]
+
+
+def test_where_nothing_fails_or_layouts_are_random_there_is_no_map(tmp_path: Path) -> None:
+    cases = [({}, outcomes("dd")), ({"layout": "random"}, outcomes("ww"))]
+    assert "stuck-1" not in drawn(tmp_path, cases)
+
+
+def test_each_layout_has_its_map_the_one_with_most_episodes_first(tmp_path: Path) -> None:
+    cases = []
+    for number in range(MOST_MAPS + 2):
+        file = tmp_path / f"hall{number}.txt"
+        wall = "#" * (number + 4)
+        file.write_text(f"{wall}\n#P{'.' * number}D#\n{wall}")
+        cases.append(({"layout": str(file)}, outcomes("w" * (number + 1))))
+    found = drawn(tmp_path, cases)
+    maps = [found[name].caption for name in found if name.startswith("stuck")]
+    assert len(maps) == MOST_MAPS
+    assert "hall5.txt: of 6 episodes" in maps[0]
+    assert "hall2.txt: of 3 episodes" in maps[-1]
+
+
+def test_what_is_pooled_is_said(tmp_path: Path) -> None:
+    cases = [
+        ({"battery": battery, "view_radius": radius}, outcomes("dw"))
+        for battery in range(1, 10)
+        for radius in range(8)
+    ]
+    found = drawn(tmp_path, cases)
+    assert "; pooled over view_radius, so without intervals" in found["success"].caption
+    assert "; pooled over view_radius, so without intervals" in found["modes"].caption
+
+
+def test_what_is_not_drawn_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(roles, "MOST_POINTS", 5)
+    found = drawn(tmp_path, [({"battery": n}, outcomes("dw")) for n in range(1, 40)])
+    assert "; 5 of 39 values of battery." in found["success"].caption
+
+
+def test_the_same_results_make_the_same_bytes(tmp_path: Path) -> None:
+    cases = [(ON, outcomes("ddww")), (OFF, outcomes("ddoo"))]
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
+        assert list(pictures(Experiment(store))) == list(pictures(Experiment(store)))
+
+
+def test_no_figure_carries_a_date_or_loads_anything(tmp_path: Path) -> None:
+    for picture in drawn(tmp_path, [(ON, outcomes("dw")), (OFF, outcomes("do"))]).values():
+        text = picture.svg.decode()
+        assert "<dc:date>" not in text
+        assert "<script" not in text
+        assert 'href="http' not in text

@@ -1,0 +1,206 @@
+"""One example of each ending: which one it is, and what running it again comes to."""
+
+import io
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from agents.experiments.case import FINGERPRINT, make_case
+from agents.experiments.episodes import run_episodes
+from agents.experiments.store import Row, Store
+from agents.reports import examples
+from agents.reports.examples import PLAY_MS, Found, find_examples, replay
+from warehouse_core.records.failure_modes import MODES
+
+WAITING = """class Waiting:
+    def reset(self):
+        pass
+
+    def act(self, observation):
+        return "WAIT"
+"""
+
+
+def row(seed: int, mode: str, steps: int) -> Row:
+    return Row(seed, mode, steps, 5, -1.0, 3, 10.5, 1.5, 1, 1)
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Iterator[Store]:
+    with Store(tmp_path / "r.sqlite") as opened:
+        yield opened
+
+
+def found_in(store: Store, episodes: int = 12, **settings: object) -> list[Found]:
+    case = make_case(settings)  # type: ignore[arg-type]
+    store.add(store.case_id(case), run_episodes(case, range(episodes)))
+    return find_examples(store)
+
+
+def frames_of(gif: bytes) -> list[int]:
+    """Return how long each frame is shown, in milliseconds."""
+    durations = []
+    with Image.open(io.BytesIO(gif)) as film:
+        for index in range(film.n_frames):  # type: ignore[attr-defined]
+            film.seek(index)
+            durations.append(int(film.info["duration"]))
+    return durations
+
+
+def agent_in(folder: Path, source: str = WAITING) -> Path:
+    path = folder / "mine.py"
+    path.write_text(source)
+    return path
+
+
+def test_the_shortest_is_taken_then_the_first_case_then_the_smallest_seed(store: Store) -> None:
+    first, second = (store.case_id(make_case({"memory": m})) for m in (1, 2))
+    store.add(first, [row(1, "stalled", 9), row(8, "stalled", 7), row(9, "stalled", 7)])
+    store.add(second, [row(0, "stalled", 7), row(2, "stalled", 8), row(3, "delivered", 4)])
+    store.add(first, [row(2, "delivered", 5)])
+    delivered, stalled = find_examples(store)
+    assert (delivered.mode, delivered.case_id, delivered.seed, delivered.steps) == (
+        "delivered", second, 3, 4,
+    )  # fmt: skip
+    assert (stalled.mode, stalled.case_id, stalled.seed, stalled.steps) == ("stalled", first, 8, 7)
+    assert (delivered.episodes, stalled.episodes) == (2, 5)
+    assert delivered.case == make_case({"memory": 2})
+
+
+def test_every_mode_that_occurs_has_one_in_the_order_of_their_definition(store: Store) -> None:
+    case_id = store.case_id(make_case({}))
+    assert find_examples(store) == []
+    store.add(case_id, [row(n, mode, 9) for n, mode in enumerate(reversed(MODES[::2]))])
+    assert tuple(each.mode for each in find_examples(store)) == MODES[::2]
+
+
+def test_a_replay_shows_every_step_and_says_what_became_of_it(store: Store) -> None:
+    found = found_in(store)[0]
+    example = replay(found, run_own_code=True)
+    assert found.mode == "delivered"
+    assert example.found == found
+    assert example.sentence.startswith(f"delivered in {found.steps} steps")
+    assert len(frames_of(example.gif)) == found.steps + 1
+
+
+def test_every_failure_of_real_results_is_replayed(store: Store) -> None:
+    all_found = found_in(store, battery=20, max_steps=25)
+    assert len(all_found) > 1
+    for found in all_found:
+        example = replay(found, run_own_code=True)
+        assert len(frames_of(example.gif)) == found.steps + 1, found.mode
+        assert example.sentence
+
+
+def test_a_continuous_motion_is_shown_step_by_step(store: Store) -> None:
+    found = found_in(store, episodes=3, backend="physics")[0]
+    assert len(frames_of(replay(found, run_own_code=True).gif)) == found.steps + 1
+
+
+def test_of_a_long_episode_the_end_is_shown_and_said(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    [found] = [each for each in found_in(store, battery=30, escape=False) if each.steps == 30]
+    whole = replay(found, run_own_code=True)
+    monkeypatch.setattr(examples, "MOST_STEPS", 10)
+    part = replay(found, run_own_code=True)
+    assert len(frames_of(part.gif)) == 11
+    said = "; the replay shows the last 10 of 30 steps"
+    assert part.sentence == whole.sentence + said
+    pictures = []
+    for gif in (whole.gif, part.gif):
+        with Image.open(io.BytesIO(gif)) as film:
+            film.seek(film.n_frames - 1)  # type: ignore[attr-defined]
+            pictures.append(film.convert("RGB").tobytes())
+    assert pictures[0] == pictures[1]
+
+
+def test_a_long_replay_plays_faster(tmp_path: Path, store: Store) -> None:
+    agent = agent_in(tmp_path)
+    [found] = found_in(store, episodes=1, agent=f"{agent}:Waiting", max_steps=150)
+    durations = frames_of(replay(found, run_own_code=True).gif)
+    assert len(durations) == 151
+    assert sum(durations[:-1]) <= PLAY_MS * 1.1
+
+
+def test_what_comes_out_differently_now_has_no_picture(store: Store) -> None:
+    found = found_in(store)[0]
+    longer = replay(replace(found, steps=found.steps + 1), run_own_code=True)
+    other = replay(replace(found, mode="stalled"), run_own_code=True)
+    for example in (longer, other):
+        assert example.gif == b""
+        assert f"delivered after {found.steps} steps" in example.sentence
+    assert f"not delivered after {found.steps + 1}" in longer.sentence
+    assert f"not stalled after {found.steps}" in other.sentence
+
+
+def test_an_agent_that_is_gone_is_named(tmp_path: Path, store: Store) -> None:
+    agent = agent_in(tmp_path)
+    [found] = found_in(store, episodes=1, agent=f"{agent}:Waiting", max_steps=12)
+    assert replay(found, run_own_code=True).gif
+    agent.unlink()
+    example = replay(found, run_own_code=True)
+    assert example.gif == b""
+    assert example.sentence == (
+        f"It cannot be run again: the file of agent '{agent}:Waiting': No such file or directory."
+    )
+
+
+@pytest.mark.parametrize(
+    ("source", "said"),
+    [
+        ("class Other:\n    pass\n", "has no class 'Waiting'"),
+        ("class Waiting(:\n", "line 1"),
+        (WAITING.replace('return "WAIT"', "return 1 / 0"), "ZeroDivisionError: division by zero"),
+        (WAITING.replace('return "WAIT"', "raise SystemExit"), "SystemExit (mine.py, line 6)"),
+        ("raise RuntimeError('two\\nlines')\n", "RuntimeError: two lines"),
+    ],
+    ids=["class gone", "syntax", "raises in act", "ends in act", "raises when imported"],
+)
+def test_an_agent_that_no_longer_works_has_no_picture(
+    tmp_path: Path, store: Store, source: str, said: str
+) -> None:
+    agent = agent_in(tmp_path)
+    [found] = found_in(store, episodes=1, agent=f"{agent}:Waiting", max_steps=12)
+    agent_in(tmp_path, source)
+    unmarked = {name: value for name, value in found.case.items() if name != FINGERPRINT}
+    example = replay(replace(found, case=unmarked), run_own_code=True)
+    assert example.gif == b""
+    assert example.sentence.startswith("It cannot be run again: ")
+    assert said in example.sentence
+    assert example.sentence.endswith(".")
+    assert "\n" not in example.sentence
+
+
+def test_nothing_is_left_behind(
+    tmp_path: Path, store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(folder))
+    assert replay(found_in(store)[0], run_own_code=True).gif
+    assert list(folder.iterdir()) == []
+
+
+def test_an_agent_of_ones_own_is_not_run_unasked(tmp_path: Path) -> None:
+    marker = tmp_path / "ran"
+    file = tmp_path / "agent.py"
+    file.write_text(f"open({str(marker)!r}, 'w')\nclass Mine:\n    pass\n")
+    case = {**make_case({}), "agent": f"{file}:Mine"}
+    example = replay(Found("wandering", 1, case, 0, 5, 1), run_own_code=False)
+    assert example.gif == b""
+    assert "--replays" in example.sentence
+    assert not marker.exists()
+
+
+def test_a_changed_agent_is_not_run_under_the_old_name(tmp_path: Path) -> None:
+    marker = tmp_path / "ran"
+    file = tmp_path / "agent.py"
+    file.write_text(f"open({str(marker)!r}, 'w')\nclass Mine:\n    pass\n")
+    case = {**make_case({}), "agent": f"{file}:Mine", "fingerprint": "0" * 64}
+    example = replay(Found("wandering", 1, case, 0, 5, 1), run_own_code=True)
+    assert "has changed" in example.sentence
+    assert not marker.exists()

@@ -1,0 +1,280 @@
+"""The page: everything is in it, in order, and what users have named stays text."""
+
+import base64
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from helpers.pages import HOSTILE, SVG, a_page, a_page_of, found, gif
+from jinja2 import UndefinedError
+
+from agents.experiments.case import make_case
+from agents.experiments.episodes import run_episodes
+from agents.experiments.parameters import shown
+from agents.experiments.store import Store
+from agents.reports import page as page_module
+from agents.reports.analysis.answers import Answer
+from agents.reports.examples import Example, find_examples, replay
+from agents.reports.figures.pictures import Picture
+from agents.reports.page import Table, write_page
+
+NOTHING = shown(None)
+VOID = {"meta", "link", "img"}
+ALLOWED = {
+    "html", "head", "meta", "link", "title", "style", "body", "header", "nav", "main", "section",
+    "article", "h1", "h2", "h3", "p", "ul", "li", "a", "div", "span", "figure", "figcaption", "img",
+    "table", "thead", "tbody", "tr", "th", "td", "code",
+}  # fmt: skip
+
+
+class Seen(HTMLParser):
+    """What a reader of the page finds: elements, attributes, and text by element."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(convert_charrefs=True)
+        self.open: list[str] = []
+        self.elements: list[tuple[str, dict[str, str]]] = []
+        self.texts: list[tuple[str, str]] = []
+        self.comments: list[str] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        assert len(dict(attrs)) == len(attrs), f"{tag} has an attribute twice"
+        self.elements.append((tag, {name: value or "" for name, value in attrs}))
+        if tag not in VOID:
+            self.open.append(tag)
+            self.texts.append((tag, ""))
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self.open:
+            tag, text = self.texts[-1]
+            if tag == self.open[-1]:
+                self.texts[-1] = (tag, text + data)
+            else:
+                self.texts.append((self.open[-1], data))
+
+    def handle_comment(self, data: str) -> None:
+        self.comments.append(data)
+
+    def said(self, tag: str) -> list[str]:
+        return [text.strip() for each, text in self.texts if each == tag and text.strip()]
+
+    def all(self, tag: str) -> list[dict[str, str]]:
+        return [attributes for each, attributes in self.elements if each == tag]
+
+
+def read(path: Path) -> Seen:
+    return Seen(path.read_text(encoding="utf-8"))
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "report.html"
+
+
+def bytes_of(uri: str, kind: str) -> bytes:
+    start = f"data:{kind};base64,"
+    assert uri.startswith(start)
+    return base64.b64decode(uri.removeprefix(start), validate=True)
+
+
+def test_everything_is_on_the_page_the_answers_first(path: Path) -> None:
+    write_page(path, a_page())
+    seen = read(path)
+    assert seen.open == []
+    assert seen.said("title") == seen.said("h1") == ["A title"]
+    headings = ["Answers", "Figures", "Examples", "Settings", "All cases", "Made with"]
+    assert seen.said("h2") == headings
+    assert seen.said("h3")[:2] == ["Is it so?", "And that?"]
+    paragraphs = seen.said("p")
+    assert paragraphs[:5] == ["A summary", "The methods", "It is.", "Mostly.", "No."]
+    assert "A note" in paragraphs
+    assert seen.said("figcaption") == ["A caption"]
+    assert seen.said("th") == ["escape", "memory", "agent", "steps", "warehouse-lab"]
+    cells = ["on, off", "5", "greedy", "12.5", "mine", NOTHING, "other", "7", "1.2.3"]
+    assert seen.said("td") == cells
+
+
+def test_pictures_are_in_the_page_byte_for_byte(path: Path) -> None:
+    replay_bytes = gif("#123456")
+    example = Example(found(), "swung", replay_bytes)
+    write_page(path, a_page(examples=(example,)))
+    picture, film = read(path).all("img")
+    assert bytes_of(picture["src"], "image/svg+xml") == SVG
+    assert bytes_of(film["src"], "image/gif") == replay_bytes
+    assert film["loading"] == "lazy"
+    assert picture["alt"] == "A caption"
+    assert film["alt"] == "Replay of an episode that ended as oscillation: swung"
+
+
+def test_an_example_says_what_it_is_and_how_often_it_occurs(path: Path) -> None:
+    write_page(path, a_page())
+    seen = read(path)
+    assert "Oscillation" in seen.said("h3")
+    assert "4,321 episodes" in seen.said("span")
+    assert "Swung to and fro." in seen.said("p")
+    assert seen.said("code") == ["escape=off", "battery=60"]
+    assert any(text.startswith("Seed 1234, 57 steps") for text in seen.said("p"))
+
+
+def test_an_example_without_a_replay_says_why(path: Path) -> None:
+    example = Example(found(), "It cannot be run again: it is gone.", b"")
+    write_page(path, a_page(pictures=(), examples=(example,)))
+    seen = read(path)
+    assert seen.all("img") == []
+    assert "It cannot be run again: it is gone." in seen.said("p")
+
+
+def test_one_is_no_plural(path: Path) -> None:
+    write_page(path, a_page(examples=(Example(found(episodes=1, steps=1), "x", b""),)))
+    seen = read(path)
+    assert "1 episode" in seen.said("span")
+    assert any(text.startswith("Seed 1234, 1 step,") for text in seen.said("p"))
+
+
+def test_numbers_stand_to_the_right_of_their_column(path: Path) -> None:
+    columns = ("name", "mean", "share", "size", "nothing")
+    rows = (
+        ("a", "1,600.5", "71.2% [60.0, 80.1]", "7x12", NOTHING),
+        ("2", "-3", NOTHING, "8x12", NOTHING),
+    )
+    write_page(path, a_page(table=Table(columns, rows, "")))
+    heads = [each.get("class") for each in read(path).all("th") if each["scope"] == "col"]
+    assert heads == [None, "number", "number", None, None]
+
+
+def test_a_page_with_nothing_but_a_title_is_a_page(path: Path) -> None:
+    empty = Table(("case",), (), "")
+    write_page(
+        path,
+        a_page(answers=(), pictures=(), settings=(), table=empty, examples=(), made_with=()),
+    )
+    seen = read(path)
+    assert seen.open == []
+    assert seen.said("h2") == ["Settings", "All cases", "Made with"]
+    targets = {each["href"] for each in seen.all("a")}
+    assert targets == {f"#{each['id']}" for each in seen.all("section")}
+
+
+def test_every_link_leads_to_a_part_of_the_page(path: Path) -> None:
+    write_page(path, a_page())
+    seen = read(path)
+    parts = {f"#{each['id']}" for each in seen.all("section")}
+    assert {each["href"] for each in seen.all("a")} == parts
+    assert len(parts) == 6
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_names_stay_text_wherever_they_stand(path: Path, name: str) -> None:
+    write_page(path, a_page_of(name))
+    seen = read(path)
+    assert seen.open == []
+    assert seen.comments == []
+    assert {tag for tag, _ in seen.elements} <= ALLOWED
+    for tag, attributes in seen.elements:
+        assert not [each for each in attributes if each.startswith("on")], tag
+    assert seen.said("title") == seen.said("h1") == [name]
+    assert seen.said("th").count(name) == 4
+    assert seen.said("td").count(name) == 4
+    assert name in [each["alt"] for each in seen.all("img")]
+    assert f"{name}={name}" in seen.said("code")
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_nothing_is_loaded_from_elsewhere(path: Path, name: str) -> None:
+    write_page(path, a_page_of(name))
+    seen = read(path)
+    for tag, attributes in seen.elements:
+        assert attributes.get("src", "data:").startswith("data:"), tag
+        assert attributes.get("href", "#").startswith(("#", "data:,")), tag
+    [style] = seen.said("style")
+    assert "url(" not in style
+    assert "@import" not in style
+    [policy] = [each["content"] for each in seen.all("meta") if "http-equiv" in each]
+    rules = dict(rule.split(maxsplit=1) for rule in policy.split("; "))
+    assert rules["default-src"] == "'none'"
+    assert rules["img-src"] == "data:"
+    assert "script-src" not in rules
+
+
+def test_the_policy_stands_before_anything_that_it_is_for(path: Path) -> None:
+    write_page(path, a_page())
+    tags = [tag for tag, _ in read(path).elements]
+    assert tags[:4] == ["html", "head", "meta", "meta"]
+    assert "http-equiv" in read(path).all("meta")[1]
+
+
+def test_what_nobody_sees_becomes_a_space(path: Path) -> None:
+    write_page(path, a_page(title="a\nb\x00c\ud800d\x1be\u202ef\ufffeg"))
+    assert read(path).said("h1") == ["a b c d e f g"]
+
+
+def test_names_of_files_and_agents_in_real_results_stay_text(
+    tmp_path: Path, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    layout = "<img src=x onerror=alert(1)>{{7*7}}.txt"
+    agent = "<script>alert(1)<.py"
+    Path(layout).write_text("#####\n#P.D#\n#...#\n#####\n")
+    Path(agent).write_text(
+        "class A:\n"
+        "    reason = '</title><script>alert(1)</script>'\n"
+        "    def reset(self): pass\n"
+        "    def act(self, observation): return 'WAIT'\n"
+    )
+    case = make_case({"layout": layout, "agent": f"{agent}:A", "max_steps": 12})
+    with Store(tmp_path / "r.sqlite") as store:
+        store.add(store.case_id(case), run_episodes(case, range(3)))
+        examples = tuple(replay(each, run_own_code=True) for each in find_examples(store))
+    write_page(path, a_page(examples=examples))
+    seen = read(path)
+    assert examples[0].gif
+    assert {tag for tag, _ in seen.elements} <= ALLOWED
+    assert f"layout={layout}" in seen.said("code")
+    assert f"agent={agent}:A" in seen.said("code")
+    assert not [text for text in seen.said("code") if "fingerprint" in text or "tiles" in text]
+
+
+def test_a_page_that_cannot_be_written_whole_leaves_the_older_one(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path.write_text("the older one")
+
+    def broken(self: Path, *_: object, **__: object) -> None:
+        self.write_bytes(b"half of it")
+        raise OSError("No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", broken)
+    with pytest.raises(OSError, match="No space left"):
+        write_page(path, a_page())
+    assert path.read_bytes() == b"the older one"
+    assert [each.name for each in path.parent.iterdir()] == [path.name]
+
+
+def test_a_template_that_asks_for_what_there_is_not_is_refused(
+    tmp_path: Path, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "page.html").write_text("{{ page.titel }}")
+    monkeypatch.setattr(page_module, "__file__", str(tmp_path / "page.py"))
+    with pytest.raises(UndefinedError, match="titel"):
+        write_page(path, a_page())
+
+
+def test_the_same_page_gives_the_same_bytes(tmp_path: Path) -> None:
+    for name in ("one.html", "two.html"):
+        write_page(tmp_path / name, a_page())
+    assert (tmp_path / "one.html").read_bytes() == (tmp_path / "two.html").read_bytes()
+
+
+def test_questions_keep_their_sentences_in_order(path: Path) -> None:
+    answers = tuple(Answer(f"Q{n}?", (f"{n}a", f"{n}b")) for n in range(3))
+    pictures = tuple(Picture(f"p{n}", f"caption {n}", SVG) for n in range(3))
+    write_page(path, a_page(answers=answers, pictures=pictures))
+    said = re.findall(r"Q\d\?|\b\d[ab]\b", " ".join(text for _, text in read(path).texts))
+    assert said == ["Q0?", "0a", "0b", "Q1?", "1a", "1b", "Q2?", "2a", "2b"]
+    assert read(path).said("figcaption") == ["caption 0", "caption 1", "caption 2"]

@@ -1,0 +1,156 @@
+"""The command ``warehouse report``: what it prints, what it writes, and what it refuses."""
+
+from pathlib import Path
+
+import pytest
+from helpers.command_line import command, refusal
+from helpers.results_files import fill, outcomes
+
+from agents.experiments.store import Store
+from agents.reports import contents
+from agents.reports.contents import make_page
+
+ON, OFF = {"escape": True, "max_steps": 30}, {"escape": False, "max_steps": 30}
+
+
+@pytest.fixture
+def results(tmp_path: Path) -> Path:
+    return fill(tmp_path / "r.sqlite", [(ON, outcomes("dddw")), (OFF, outcomes("dooo"))])
+
+
+def test_it_prints_the_answers_and_writes_the_page(
+    results: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, out, err = command(capsys, "report", results, "--no-replays")
+    assert (code, err) == (0, "")
+    lines = out.splitlines()
+    assert lines[0] == "8 episodes in 2 combinations of settings, seeds from 0 to 3"
+    assert "Does escaping loops cut delivery time, or does it make the robot wander?" in lines
+    assert "Every failure with escape off is oscillation (3 episodes)." in lines
+    assert lines[-1] == f"saved {results.with_suffix('.html')}"
+    page = results.with_suffix(".html").read_text(encoding="utf-8")
+    assert page.startswith("<!DOCTYPE html>")
+    assert "Every failure with escape off is oscillation (3 episodes)." in page
+    assert "image/gif" not in page
+
+
+def test_figures_go_to_a_folder_of_their_own(
+    results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page, folder = tmp_path / "page.html", tmp_path / "new" / "figures"
+    command(capsys, "report", results, "--no-replays", "-o", page, "--figures", folder)
+    names = {path.name for path in folder.iterdir()}
+    assert names == {"success.svg", "steps.svg", "modes.svg", "stuck-1.svg"}
+    assert page.exists()
+    assert not results.with_suffix(".html").exists()
+
+
+def test_each_ending_is_replayed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    results = tmp_path / "r.sqlite"
+    small = ["--set", "max_steps=12", "--set", "escape=on,off", "-n", 12, "--workers", 1]
+    command(capsys, "sweep", *small, "-o", results)
+    assert command(capsys, "report", results).code == 0
+    with Store(results, read_only=True) as store:
+        modes = {mode for (mode,) in store.query("SELECT DISTINCT mode FROM episodes")}
+    page = results.with_suffix(".html").read_text(encoding="utf-8")
+    assert len(modes) > 1
+    assert page.count("data:image/gif") == len(modes)
+    assert "run again: " not in page
+
+
+def test_a_report_changes_nothing_in_the_results(
+    results: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = results.read_bytes()
+    command(capsys, "report", results, "--no-replays")
+    assert results.read_bytes() == before
+    assert {path.name for path in results.parent.iterdir()} == {"r.sqlite", "r.html"}
+
+
+def test_what_cannot_be_reported_is_refused(
+    results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert refusal(capsys, "report", tmp_path / "no.sqlite").endswith("there is no such file")
+    empty = tmp_path / "empty.sqlite"
+    Store(empty).close()
+    assert refusal(capsys, "report", empty) == f"{empty}: there is no episode in it"
+    text = tmp_path / "r.txt"
+    text.write_text("no results" * 100)
+    assert refusal(capsys, "report", text).startswith(f"{text}: ")
+    nowhere = tmp_path / "nowhere" / "page.html"
+    assert str(nowhere.parent) in refusal(capsys, "report", results, "-o", nowhere)
+    assert refusal(capsys, "report", results, "-o", results) == (
+        f"{results}: cannot save as .sqlite; allowed: .html"
+    )
+    html = results.rename(tmp_path / "r.html")
+    assert refusal(capsys, "report", html) == (
+        f"{html}: these are the results; the page needs another name"
+    )
+    Store(html, read_only=True).close()
+
+
+def test_the_table_has_a_line_for_each_case(results: Path) -> None:
+    with Store(results, read_only=True) as store:
+        table = make_page(store, ()).table
+    assert table.columns == (
+        "escape", "episodes", "seeds", "success", "steps", "delivered", "oscillation", "wandering",
+    )  # fmt: skip
+    assert table.rows == (
+        ("on", "4", "0 to 3", "75.0% (30.1 to 95.4)", "20.0", "3", "0", "1"),
+        ("off", "4", "0 to 3", "25.0% (4.6 to 69.9)", "20.0", "1", "3", "0"),
+    )
+    assert table.note == ""
+
+
+def test_a_long_table_says_what_it_leaves_out(
+    results: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(contents, "MOST_CASES", 1)
+    with Store(results, read_only=True) as store:
+        table = make_page(store, ()).table
+    assert len(table.rows) == 1
+    assert table.note == "1 further combination in the file."
+
+
+def test_the_settings_are_all_there(results: Path) -> None:
+    with Store(results, read_only=True) as store:
+        page = make_page(store, ())
+    settings = dict(page.settings)
+    assert settings["escape"] == "on, off"
+    assert settings["max_steps"] == "30"
+    assert settings["battery"] == "200"
+    assert {name for name, _ in page.made_with} == {
+        "Python", "warehouse-lab", "numpy", "scipy", "matplotlib",
+    }  # fmt: skip
+
+
+def test_what_is_missing_is_said(tmp_path: Path) -> None:
+    cases = [(ON, outcomes("dd")), (OFF, outcomes("ddd")), ({"battery": 33}, [])]
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
+        assert make_page(store, ()).summary == (
+            "5 episodes in 2 combinations of settings, seeds from 0 to 2, 2 to 3 episodes each, "
+            "1 further combination not yet begun"
+        )
+
+
+def test_seeds_that_are_not_there_are_said(tmp_path: Path) -> None:
+    cases = [(ON, [*outcomes("dd"), *outcomes("d", seed=9)]), (OFF, outcomes("d", seed=4))]
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
+        rows = make_page(store, ()).table.rows
+    assert [row[2] for row in rows] == ["0 to 9 with gaps", "4 to 4"]
+
+
+def test_cases_without_episodes_are_left_out(tmp_path: Path) -> None:
+    path = fill(tmp_path / "r.sqlite", [(ON, outcomes("dd")), ({"battery": 33}, [])])
+    with Store(path, read_only=True) as store:
+        page = make_page(store, ())
+    assert page.summary.startswith("2 episodes in 1 combination of settings")
+    assert "33" not in dict(page.settings)["battery"]
+
+
+def test_time_and_energy_in_the_table_are_those_that_were_measured(tmp_path: Path) -> None:
+    cases = [({"backend": name}, outcomes("d", steps=30)) for name in ("grid", "physics")]
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
+        table = make_page(store, ()).table
+    assert table.columns[4:7] == ("steps", "seconds", "joules")
+    assert [row[4:7] for row in table.rows] == [("30.0", "none", "none"), ("30.0", "30.0", "60.0")]

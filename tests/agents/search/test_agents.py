@@ -1,0 +1,241 @@
+"""Agents that search: they deliver on a shortest way, and say so where there is none."""
+
+import random
+from collections.abc import Iterable
+from typing import Any
+
+import pytest
+
+from agents.registry import AGENTS, make_agent
+from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
+from warehouse_core import (
+    DEFAULT_LAYOUT,
+    Episode,
+    Layout,
+    WarehouseEnv,
+    random_layout,
+    record_episode,
+)
+from warehouse_core.records.episode import DELIVERED
+from warehouse_core.records.failure_modes import fewest_steps
+
+EXACT = ["bfs", "ucs", "astar"]
+CUT_OFF = Layout(["#######", "#P.#.D#", "#######"])
+
+
+def run(agent: Any, layout: Layout, seed: int = 0, **options: Any) -> Episode:
+    env = WarehouseEnv(layout, layout.usual_start(), **options)
+    return record_episode(env, agent, seed=seed)
+
+
+def fewest(episode: Episode) -> int:
+    [steps] = fewest_steps(episode.layout, (episode.cells[0], False))
+    assert steps is not None
+    return steps
+
+
+def layouts(count: int) -> Iterable[Layout]:
+    stream = random.Random(1)
+    for seed in range(count):
+        yield random_layout(
+            stream.randint(5, 12), stream.randint(5, 12), stream.uniform(0, 0.4), seed
+        )
+
+
+@pytest.mark.parametrize("algorithm", EXACT)
+def test_a_delivery_takes_the_fewest_steps_that_there_are(algorithm: str) -> None:
+    for seed, layout in enumerate(layouts(40)):
+        episode = run(SearchAgent(layout, algorithm), layout, seed)
+        assert episode.outcome == DELIVERED
+        assert episode.steps == fewest(episode)
+
+
+def test_without_random_stations_the_layouts_own_are_used() -> None:
+    layout = Layout(["########", "#D....P#", "#.####.#", "#P....D#", "########"])
+    env = WarehouseEnv(layout, (1, 5))
+    episode = record_episode(env, SearchAgent(layout), randomize=False)
+    # The pickup beside it, and the nearer dropoff, not the first of each in the layout.
+    assert list(episode.actions) == ["E", "PICK", "S", "S", "DROP"]
+
+
+def test_a_plan_to_save_energy_carries_the_item_a_shorter_way() -> None:
+    floor = "#P.........D...PD#"
+    layout = Layout(["#" * len(floor), floor, "#" * len(floor)])
+    ways = {}
+    for cost in ("steps", "joules"):
+        env = WarehouseEnv(layout, (1, 3), backend="physics")
+        ways[cost] = record_episode(env, SearchAgent(layout, cost=cost), randomize=False)
+    # Two cells to the first pickup and ten with the item, or twelve without it and one with it.
+    assert ways["steps"].actions[:3] == ["W", "W", "PICK"]
+    assert ways["joules"].actions[:3] == ["E", "E", "E"]
+    assert ways["joules"].steps > ways["steps"].steps
+    assert ways["joules"].joules < ways["steps"].joules
+
+
+@pytest.mark.parametrize("name", [*ALGORITHMS, "exploring"])
+def test_every_agent_that_searches_delivers_by_its_name(name: str) -> None:
+    for seed in range(20):
+        episode = run(make_agent(name, seed, DEFAULT_LAYOUT), DEFAULT_LAYOUT, seed)
+        assert episode.outcome == DELIVERED
+
+
+def test_the_names_are_those_of_the_algorithms() -> None:
+    assert {"astar", "ucs", "bfs", "weighted-astar", "exploring", "greedy"} <= AGENTS.keys()
+
+
+def test_it_plans_once_and_follows_the_plan() -> None:
+    agent = SearchAgent(DEFAULT_LAYOUT)
+    episode = run(agent, DEFAULT_LAYOUT, 12)
+    assert agent.plans == 1
+    assert agent.expanded > 0
+    assert list(dict.fromkeys(episode.reasons)) == ["has a plan", "follows its plan"]
+
+
+@pytest.mark.parametrize("kind", ["search", "exploring"])
+def test_where_no_way_leads_it_waits_and_says_why(kind: str) -> None:
+    agent: Any = SearchAgent(CUT_OFF) if kind == "search" else ExploringAgent()
+    env = WarehouseEnv(CUT_OFF, (1, 1), max_steps=8)
+    episode = record_episode(env, agent, randomize=False)
+    assert episode.actions[-1] == "WAIT"
+    assert episode.reasons[-1].startswith("no way leads to")
+    assert agent.plans <= 2
+
+
+def test_where_the_pickup_is_cut_off_it_does_not_even_set_out() -> None:
+    layout = Layout(["#######", "#..#.P#", "#D.#..#", "#######"])
+    env = WarehouseEnv(layout, (1, 1), max_steps=5)
+    episode = record_episode(env, SearchAgent(layout), randomize=False)
+    assert set(episode.actions) == {"WAIT"}
+    assert episode.reasons[-1] == "no way leads to the pickup and dropoff"
+
+
+def test_pushed_off_its_plan_it_makes_a_new_one() -> None:
+    layout = Layout(["#######", "#P....#", "#.....#", "#....D#", "#######"])
+    for agent in (SearchAgent(layout), ExploringAgent()):
+        env = WarehouseEnv(layout, (3, 1), view_radius=1)
+        observation = env.reset()
+        agent.reset()
+        for step in range(30):
+            if step == 1:
+                env.state.robot_pos = (2, 5)
+                observation = env.observe()
+            observation, _, delivered, _, _ = env.step(agent.act(observation))
+            if delivered:
+                break
+        assert delivered
+        assert agent.plans >= 2
+
+
+def test_after_a_new_plan_it_says_that_it_follows_it() -> None:
+    layout = Layout(["########", "#P....D#", "########"])
+    env, agent = WarehouseEnv(layout, (1, 1)), SearchAgent(layout)
+    observation, reasons = env.reset(), []
+    for step in range(6):
+        if step == 2:
+            env.state.has_item = False
+            env.state.robot_pos = (1, 5)
+            observation = env.observe()
+        observation, *_ = env.step(agent.act(observation))
+        reasons.append(agent.reason)
+    follows = "follows its plan"
+    new = "is off its plan, makes a new one"
+    assert reasons == ["has a plan", follows, new, follows, follows, follows]
+
+
+def test_stations_that_were_drawn_anew_are_not_taken_for_the_layouts_own() -> None:
+    layout = Layout(["P...P", "....D", "P...P", "....."])
+    env, agent = WarehouseEnv(layout, (3, 0)), SearchAgent(layout)
+    for seed in range(200):  # one environment, so that stations are drawn onto old ones too
+        assert record_episode(env, agent, seed=seed).outcome == DELIVERED
+
+
+def test_expansions_are_counted_over_all_plans_of_an_episode() -> None:
+    layout = Layout(["#######", "#P....#", "#.....#", "#....D#", "#######"])
+    env, agent = WarehouseEnv(layout, (3, 1)), SearchAgent(layout)
+    agent.act(env.reset())
+    first = agent.expanded
+    env.state.robot_pos = (2, 5)
+    agent.act(env.observe())
+    assert agent.plans == 2
+    assert agent.expanded > first
+    agent.reset()
+    assert agent.expanded == agent.plans == 0
+
+
+def test_a_robot_that_cannot_see_and_does_not_get_on_tries_again() -> None:
+    agent, env = ExploringAgent(), WarehouseEnv(["####", "#.P#", "#D.#", "####"], view_radius=0)
+    observation = env.reset()
+    assert [agent.act(observation) for _ in range(3)] == ["E", "E", "E"]
+
+
+def test_it_does_not_try_for_ever() -> None:
+    agent, env = ExploringAgent(), WarehouseEnv(["####", "#.P#", "#D.#", "####"], view_radius=0)
+    observation = env.reset()
+    actions = [agent.act(observation) for _ in range(200)]
+    assert actions[-1] == "WAIT"
+    assert agent.reason.startswith("no way leads to (1, 2)")
+
+
+def test_the_exploring_agent_knows_nothing_at_first_and_finds_the_way() -> None:
+    for seed, layout in enumerate(layouts(40)):
+        agent = ExploringAgent()
+        episode = run(agent, layout, seed, max_steps=1000, battery=1000, view_radius=1 + seed % 3)
+        assert episode.outcome == DELIVERED
+        assert episode.steps >= fewest(episode)
+
+
+def test_on_a_map_that_it_has_fully_seen_it_goes_the_shortest_way() -> None:
+    for seed, layout in enumerate(layouts(40)):
+        agent = ExploringAgent()
+        episode = run(agent, layout, seed, view_radius=12)
+        assert episode.outcome == DELIVERED
+        assert episode.steps == fewest(episode)
+
+
+def test_it_goes_back_where_a_way_that_looked_free_is_walled() -> None:
+    layout = Layout(["#########", "#.......#", "#.#####.#", "#P....#D#", "#.....#.#", "#########"])
+    env = WarehouseEnv(layout, (3, 1), view_radius=1)
+    agent = ExploringAgent()
+    episode = record_episode(env, agent, randomize=False)
+    assert episode.outcome == DELIVERED
+    assert "meets a wall, plans round it" in episode.reasons
+    assert episode.steps > fewest(episode)
+
+
+def test_it_learns_of_walls_that_it_cannot_see_by_running_into_them() -> None:
+    agent = ExploringAgent()
+    episode = run(agent, DEFAULT_LAYOUT, 3, view_radius=0, max_steps=500, battery=500)
+    assert episode.outcome == DELIVERED
+    assert any(motion.blocked for motion in episode.motions)
+
+
+def test_it_forgets_everything_at_a_reset() -> None:
+    agent = ExploringAgent()
+    first = run(agent, DEFAULT_LAYOUT, 5)
+    assert agent.belief.known
+    assert run(agent, DEFAULT_LAYOUT, 5) == first
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"algorithm": "dijkstra"}, "algorithm is 'dijkstra'; allowed: bfs, ucs, "),
+        ({"cost": "money"}, "cost is 'money'; allowed: steps, seconds, joules"),
+        ({"weight": -1.0}, "weight is -1.0; it must be 0..1000000 or infinity"),
+        ({"weight": float("nan")}, "weight is nan; it must be 0..1000000 or infinity"),
+    ],
+)
+def test_what_there_is_not_is_refused_by_name(options: dict[str, Any], words: str) -> None:
+    with pytest.raises(ValueError, match=r"allowed|must be") as caught:
+        SearchAgent(DEFAULT_LAYOUT, **options)
+    assert str(caught.value).startswith(words)
+
+
+def test_on_physics_the_plan_is_carried_out_to_the_letter() -> None:
+    for seed in range(5):
+        grid, physics = (
+            run(SearchAgent(DEFAULT_LAYOUT, cost="seconds"), DEFAULT_LAYOUT, seed, backend=backend)
+            for backend in ("grid", "physics")
+        )
+        assert grid.actions == physics.actions
+        assert physics.outcome == DELIVERED

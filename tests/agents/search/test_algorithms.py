@@ -1,0 +1,349 @@
+"""The best-first core and the algorithms that it becomes, on the book's map and on small ones."""
+
+import math
+import random
+from collections.abc import Callable
+
+import networkx as nx
+import pytest
+from helpers.plan_validator import open_places, random_rows, replay_route, route_graph
+from helpers.romania import ROADS, STRAIGHT_LINE, Travel, romania, straight_line
+
+from agents.search.algorithms import (
+    Solution,
+    astar_search,
+    best_first_search,
+    breadth_first_search,
+    greedy_best_first_search,
+    path_cost,
+    uniform_cost_search,
+    weighted,
+    weighted_astar_search,
+)
+from agents.search.heuristics import manhattan, zero
+from agents.search.problems import RouteProblem
+from warehouse_core import Layout
+
+Search = Callable[[Travel], Solution[str, str]]
+SEARCHES: dict[str, Search] = {
+    "breadth-first": breadth_first_search,
+    "uniform-cost": uniform_cost_search,
+    "greedy": lambda problem: greedy_best_first_search(problem, zero),
+    "A*": lambda problem: astar_search(problem, zero),
+    "weighted A*": lambda problem: weighted_astar_search(problem, zero, 2.0),
+}
+over_searches = pytest.mark.parametrize("search", SEARCHES.values(), ids=SEARCHES)
+
+VIA_PITESTI = ("Arad", "Sibiu", "Rimnicu Vilcea", "Pitesti", "Bucharest")
+VIA_FAGARAS = ("Arad", "Sibiu", "Fagaras", "Bucharest")
+
+DETOUR = {("S", "A"): 1, ("S", "B"): 5, ("A", "C"): 0.5, ("A", "B"): 1, ("B", "G"): 10}
+"""From S to G by way of A and B; C is a dead end, and the road from S to B a bad one."""
+
+
+def expanded(solution: Solution[str, str]) -> list[object]:
+    return [event.expanded for event in solution.events]
+
+
+def random_route(stream: random.Random) -> tuple[list[str], RouteProblem]:
+    rows = random_rows(stream)
+    start, goal = (stream.choice(open_places(rows)) for _ in range(2))
+    return rows, RouteProblem(Layout(rows), start, goal)
+
+
+def test_the_map_is_the_books() -> None:
+    """Twenty cities and 23 roads, none shorter than the straight line between its ends allows."""
+    assert len(ROADS) == 23
+    assert {city for road in ROADS for city in road} == STRAIGHT_LINE.keys()
+    assert len(STRAIGHT_LINE) == 20
+    for (here, there), miles in ROADS.items():
+        assert abs(STRAIGHT_LINE[here] - STRAIGHT_LINE[there]) <= miles
+
+
+def test_astar_goes_to_bucharest_by_way_of_pitesti() -> None:
+    """Figure 3.18: the cities in the order of their expansion, each with its f = g + h."""
+    evaluations: dict[tuple[str, float], float] = {}
+    astar = weighted(straight_line, 1.0)
+
+    def noted(state: str, cost: float) -> float:
+        evaluations[state, cost] = astar(state, cost)
+        return evaluations[state, cost]
+
+    found = best_first_search(romania(), noted, with_events=True)
+    assert (found.states, found.cost) == (VIA_PITESTI, 418)
+    assert expanded(found) == ["Arad", "Sibiu", "Rimnicu Vilcea", "Fagaras", "Pitesti"]
+    assert evaluations == {
+        ("Arad", 0): 366, ("Sibiu", 140): 393, ("Timisoara", 118): 447, ("Zerind", 75): 449,
+        ("Fagaras", 239): 415, ("Oradea", 291): 671, ("Rimnicu Vilcea", 220): 413,
+        ("Craiova", 366): 526, ("Pitesti", 317): 417, ("Bucharest", 450): 450,
+        ("Bucharest", 418): 418,
+    }  # fmt: skip
+    assert found == astar_search(romania(), straight_line, with_events=True)
+
+
+def test_greedy_search_goes_by_way_of_fagaras() -> None:
+    """Figure 3.17: 32 miles more than need be, and no city expanded in vain."""
+    found = greedy_best_first_search(romania(), straight_line, with_events=True)
+    assert (found.states, found.cost) == (VIA_FAGARAS, 450)
+    assert expanded(found) == ["Arad", "Sibiu", "Fagaras"]
+
+
+def test_breadth_first_search_passes_the_fewest_cities_and_tells_the_miles() -> None:
+    found = breadth_first_search(romania())
+    assert (found.states, found.cost) == (VIA_FAGARAS, 140 + 99 + 211)
+
+
+def test_uniform_cost_search_goes_the_shortest_way_nearest_first() -> None:
+    """The distances from Arad grow, and every city nearer than Bucharest has been expanded."""
+    found = uniform_cost_search(romania(), with_events=True)
+    assert (found.states, found.cost) == (VIA_PITESTI, 418)
+    assert expanded(found) == [
+        "Arad", "Zerind", "Timisoara", "Sibiu", "Oradea", "Rimnicu Vilcea", "Lugoj", "Fagaras",
+        "Mehadia", "Pitesti", "Craiova", "Drobeta",
+    ]  # fmt: skip
+
+
+def test_the_shortest_way_between_any_two_cities_is_the_one_networkx_finds() -> None:
+    graph = nx.Graph()
+    graph.add_weighted_edges_from((here, there, miles) for (here, there), miles in ROADS.items())
+    for here, row in nx.all_pairs_dijkstra_path_length(graph):
+        for there, miles in row.items():
+            assert uniform_cost_search(romania(here, there)).cost == miles
+
+
+def test_the_numbers_of_a_search_worked_out_by_hand() -> None:
+    """S gives A 1 and B 5; A gives C 1.5 and B 2; C gives none; B 2 gives G 12; B 5 is outdone.
+
+    After A three nodes wait: C, the good B, and the B that it has outdone.
+    """
+    found = uniform_cost_search(Travel(DETOUR, "S", "G"), with_events=True)
+    assert (found.states, found.actions) == (("S", "A", "B", "G"), ("A", "B", "G"))
+    assert found.cost == 12
+    assert (found.generated, found.expanded, found.largest_frontier) == (6, 4, 3)
+    assert found.events == (("S", ("A", "B")), ("A", ("C", "B")), ("C", ()), ("B", ("G",)))
+    near = uniform_cost_search(Travel(DETOUR, "S", "A"))
+    assert (near.generated, near.expanded, near.largest_frontier) == (3, 1, 2)
+
+
+def test_a_path_that_is_no_better_is_not_reached_anew() -> None:
+    """The road back to S and the second of two equal ways to G are generated, and left."""
+    roads = {("S", "A"): 1, ("S", "B"): 1, ("A", "S"): 1, ("A", "G"): 1, ("B", "G"): 1}
+    found = uniform_cost_search(Travel(roads, "S", "G"), with_events=True)
+    assert found.events == (("S", ("A", "B")), ("B", ("G",)), ("A", ()))
+    assert (found.states, found.generated) == (("S", "B", "G"), 6)
+    roads["B", "G"] = 2
+    found = uniform_cost_search(Travel(roads, "S", "G"), with_events=True)
+    assert found.events == (("S", ("A", "B")), ("B", ("G",)), ("A", ("G",)))
+    assert (found.states, found.generated) == (("S", "A", "G"), 6)
+
+
+def test_of_equals_the_last_generated_is_expanded_first() -> None:
+    layout = Layout(["....", "....", "...."])
+    problem = RouteProblem(layout, (0, 0), (2, 3))
+    found = astar_search(problem, manhattan(problem))
+    assert found.expanded == 5, "straight on to the goal, though every cell is evaluated alike"
+
+
+@over_searches
+def test_who_is_there_already_need_not_move(search: Search) -> None:
+    found = search(Travel(DETOUR, "S", "S"))
+    assert found == Solution(("S",), (), 0.0, generated=1, expanded=0, largest_frontier=1)
+    assert found.found
+
+
+@over_searches
+def test_where_no_road_leads_nothing_is_found(search: Search) -> None:
+    found = search(Travel(DETOUR, "S", "nowhere"))
+    assert not found.found
+    assert (found.states, found.actions, found.cost) == ((), (), math.inf)
+    assert found.expanded >= 5, "everything that can be reached was looked at"
+
+
+def test_what_is_evaluated_at_infinity_is_not_expanded() -> None:
+    """All alike, they would be tried in the order of their age, and again with each better path."""
+    hall = RouteProblem(Layout(["......"] * 6), (0, 0), (5, 5))
+    found = astar_search(hall, lambda cell: math.inf, with_events=True)
+    assert not found.found
+    assert (found.generated, found.expanded, found.largest_frontier) == (3, 1, 1)
+    assert found.events == (((0, 0), ()),)
+    dead_end = {"S": 0, "A": 1, "B": 0, "C": math.inf, "G": 0}
+    way_round = astar_search(Travel(DETOUR, "S", "G"), dead_end.__getitem__, with_events=True)
+    assert way_round.cost == 12
+    assert "C" not in expanded(way_round)
+
+
+@pytest.mark.parametrize("cost", [-1.0, math.nan, -math.inf])
+@pytest.mark.parametrize("road", [("S", "A"), ("A", "B"), ("B", "G")])
+def test_a_cost_below_nothing_is_refused(road: tuple[str, str], cost: float) -> None:
+    problem = Travel(DETOUR | {road: cost}, "S", "G")
+    for search in (uniform_cost_search, lambda problem: astar_search(problem, zero)):
+        with pytest.raises(ValueError, match=f"'{road[1]}' in '{road[0]}' costs {cost}; at least"):
+            search(problem)
+
+
+def test_a_cost_below_nothing_is_refused_where_rounding_would_hide_it() -> None:
+    roads = {("S", "A"): 1e20, ("A", "G"): -1.0}
+    with pytest.raises(ValueError, match=r"'G' in 'A' costs -1\.0; at least 0"):
+        uniform_cost_search(Travel(roads, "S", "G"))
+
+
+def test_roads_that_cost_nothing_can_go_round_in_circles() -> None:
+    roads = {("S", "A"): 0, ("A", "S"): 0, ("A", "A"): 0, ("A", "G"): 0}
+    for search in SEARCHES.values():
+        found = search(Travel(roads, "S", "G"))
+        assert (found.states, found.cost) == (("S", "A", "G"), 0)
+
+
+@pytest.mark.parametrize("weight", [-1.0, -1e-9, math.nan, -math.inf])
+def test_a_weight_below_nothing_is_refused(weight: float) -> None:
+    with pytest.raises(ValueError, match=rf"weight is {weight}; it must be 0\.\.1000000 or inf"):
+        weighted_astar_search(romania(), straight_line, weight)
+
+
+def test_a_node_is_evaluated_by_its_path_and_its_weighted_estimate() -> None:
+    values = {weight: weighted(straight_line, weight)("Sibiu", 140.0) for weight in (0, 0.5, 1, 2)}
+    assert values == {0: 140, 0.5: 140 + 126.5, 1: 393, 2: 140 + 506}
+    assert weighted(straight_line, math.inf)("Sibiu", 140.0) == 253
+    assert path_cost("Sibiu", 140.0) == 140
+    assert weighted(lambda city: math.inf, 0.0)("Sibiu", 140.0) == 140, "and not 0 times infinity"
+
+
+def test_weight_0_is_uniform_cost_search_and_infinity_is_greedy() -> None:
+    stream = random.Random(1)
+    for _ in range(200):
+        _, problem = random_route(stream)
+        estimate = manhattan(problem)
+        for weight, same in (
+            (0.0, uniform_cost_search(problem, with_events=True)),
+            (1.0, astar_search(problem, estimate, with_events=True)),
+            (math.inf, greedy_best_first_search(problem, estimate, with_events=True)),
+        ):
+            assert weighted_astar_search(problem, estimate, weight, with_events=True) == same
+
+
+def test_weighted_astar_costs_at_most_the_weight_times_the_optimum() -> None:
+    stream = random.Random(2)
+    dearer = 0
+    for _ in range(1000):
+        _, problem = random_route(stream)
+        least = uniform_cost_search(problem).cost
+        for weight in (0.5, 1.0, 1.5, 3.0):
+            cost = weighted_astar_search(problem, manhattan(problem), weight).cost
+            assert least <= cost <= max(weight, 1.0) * least
+            dearer += least < cost
+    assert dearer, "the bound was never put to use"
+
+
+def test_astar_expands_no_more_than_uniform_cost_search() -> None:
+    """All that A* expands is nearer to the start than the goal: uniform cost expands that too."""
+    stream = random.Random(3)
+    ours = theirs = 0
+    for _ in range(1000):
+        _, problem = random_route(stream)
+        astar = astar_search(problem, manhattan(problem)).expanded
+        uniform = uniform_cost_search(problem).expanded
+        assert astar <= uniform
+        ours, theirs = ours + astar, theirs + uniform
+    assert ours < 0.7 * theirs, "on the whole it is far less"
+
+
+def test_the_path_of_every_algorithm_is_valid() -> None:
+    stream = random.Random(4)
+    for _ in range(500):
+        rows, problem = random_route(stream)
+        estimate = manhattan(problem)
+        for found in (
+            breadth_first_search(problem),
+            uniform_cost_search(problem),
+            greedy_best_first_search(problem, estimate),
+            astar_search(problem, estimate),
+            weighted_astar_search(problem, estimate, 1.7),
+        ):
+            if found.found:
+                done = replay_route(rows, problem.initial, problem.goal, found.actions)
+                assert done.errors == []
+                assert (done.cost, tuple(done.places)) == (found.cost, found.states)
+            else:
+                assert not nx.has_path(route_graph(rows), problem.initial, problem.goal)
+
+
+def test_every_expansion_is_an_event() -> None:
+    """With a consistent heuristic no state is expanded twice, and each was reached before."""
+    stream = random.Random(5)
+    for _ in range(300):
+        _, problem = random_route(stream)
+        breadth_first = breadth_first_search(problem, with_events=True)
+        uniform = uniform_cost_search(problem, with_events=True)
+        astar = astar_search(problem, manhattan(problem), with_events=True)
+        assert breadth_first == uniform, "where every move costs one they are the same"
+        for found in (uniform, astar):
+            order = [event.expanded for event in found.events]
+            assert len(order) == len(set(order)) == found.expanded
+            reached: list[object] = [problem.initial]
+            for event in found.events:
+                assert event.expanded in reached
+                assert all(math.dist(event.expanded, cell) == 1 for cell in event.reached)
+                reached.extend(event.reached)
+            assert set(found.states[:-1]) <= set(order)
+            assert len(reached) == len(set(reached)) or found is astar
+
+
+def test_events_are_only_recorded_when_they_are_asked_for() -> None:
+    problem = romania()
+    for search in (breadth_first_search, uniform_cost_search):
+        bare, full = search(problem), search(problem, with_events=True)
+        assert bare.events == ()
+        assert len(full.events) == full.expanded
+        assert (bare.states, bare.generated, bare.expanded) == (
+            full.states, full.generated, full.expanded,
+        )  # fmt: skip
+
+
+def test_breadth_first_search_finds_the_fewest_actions_whatever_they_cost() -> None:
+    """Random roads of random cost, some of them free: as many as networkx counts."""
+    stream = random.Random(6)
+    dearer = 0
+    for _ in range(300):
+        names = "ABCDEFGHIJ"
+        pairs = [(here, there) for here in names for there in names if here != there]
+        roads = {pair: stream.randrange(80) / 8 for pair in stream.sample(pairs, 20)}
+        graph = nx.DiGraph()
+        graph.add_nodes_from(names)
+        graph.add_weighted_edges_from((*pair, cost) for pair, cost in roads.items())
+        found = breadth_first_search(Travel(roads, "A", "J"))
+        if not found.found:
+            assert not nx.has_path(graph, "A", "J")
+            continue
+        assert len(found.actions) == nx.shortest_path_length(graph, "A", "J")
+        assert found.cost == sum(roads[road] for road in nx.utils.pairwise(found.states))
+        least = uniform_cost_search(Travel(roads, "A", "J")).cost
+        assert least == nx.dijkstra_path_length(graph, "A", "J")
+        dearer += found.cost > least
+    assert dearer, "the fewest were always the cheapest"
+
+
+def test_a_heuristic_that_overestimates_once_misses_the_best_path() -> None:
+    """Two ways to G: by A for 2, by B for 3. Who takes A for 10 away never looks at it."""
+    roads = {("S", "A"): 1, ("A", "G"): 1, ("S", "B"): 1, ("B", "G"): 2}
+    trap = {"S": 2, "A": 10, "B": 2, "G": 0}
+    found = astar_search(Travel(roads, "S", "G"), trap.__getitem__)
+    assert (found.states, found.cost) == (("S", "B", "G"), 3)
+    trap["A"] = 1
+    assert astar_search(Travel(roads, "S", "G"), trap.__getitem__).cost == 2
+
+
+def test_an_admissible_but_inconsistent_heuristic_still_finds_the_best_path() -> None:
+    """B is reached by the bad road first and expanded twice: the better path is not lost."""
+    estimates = {"S": 0, "A": 11, "B": 0, "C": 0, "G": 0}
+    found = astar_search(Travel(DETOUR, "S", "G"), estimates.__getitem__, with_events=True)
+    assert expanded(found) == ["S", "B", "A", "C", "B"]
+    assert (found.states, found.cost) == (("S", "A", "B", "G"), 12)
+
+
+def test_the_same_search_comes_out_the_same() -> None:
+    stream = random.Random(7)
+    for _ in range(50):
+        rows, problem = random_route(stream)
+        again = RouteProblem(Layout(rows), problem.initial, problem.goal)
+        first = astar_search(problem, manhattan(problem), with_events=True)
+        assert first == astar_search(again, manhattan(again), with_events=True)

@@ -1,0 +1,243 @@
+import random
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import networkx as nx
+import pytest
+from helpers.plan_validator import (
+    DROP,
+    EMPTY_HANDS,
+    END,
+    LOADED,
+    PICK,
+    Place,
+    Prices,
+    Replay,
+    delivery_graph,
+    open_places,
+    random_prices,
+    random_rows,
+    replay_delivery,
+    replay_route,
+)
+
+from agents.search.algorithms import astar_search, breadth_first_search, uniform_cost_search
+from agents.search.costs import ActionCosts
+from agents.search.heuristics import manhattan_delivery
+from agents.search.problems import DELIVERED, DeliveryProblem
+from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError, WarehouseEnv
+from warehouse_core.task.rules import useful_actions
+from warehouse_core.world.actions import ACTIONS
+from warehouse_core.world.generators import random_layout
+
+LAYOUTS = 10_000
+
+ONES: Prices = dict.fromkeys((EMPTY_HANDS, LOADED, PICK, DROP), 1.0)
+
+
+class Case(NamedTuple):
+    rows: list[str]
+    start: Place
+    has_item: bool
+    pickups: list[Place]
+    dropoffs: list[Place]
+    prices: Prices
+
+    @property
+    def problem(self) -> DeliveryProblem:
+        return DeliveryProblem(
+            Layout(self.rows),
+            self.start,
+            self.has_item,
+            pickups=self.pickups,
+            dropoffs=self.dropoffs,
+            costs=ActionCosts(*(self.prices[name] for name in (EMPTY_HANDS, LOADED, PICK, DROP))),
+        )
+
+    def replay(self, plan: tuple[str, ...]) -> Replay:
+        _, start, has_item, pickups, dropoffs, prices = self
+        return replay_delivery(self.rows, start, has_item, pickups, dropoffs, prices, plan)
+
+    def graph(self) -> nx.DiGraph:
+        return delivery_graph(self.rows, self.pickups, self.dropoffs, self.prices)
+
+
+def random_cases(seed: int, count: int) -> Iterator[Case]:
+    """Yield deliveries with none to three pickups and dropoffs, a place now and then both."""
+    stream = random.Random(seed)
+    for _ in range(count):
+        rows = random_rows(stream)
+        places = open_places(rows)
+        pickups, dropoffs = (
+            stream.sample(places, min(len(places), stream.choice((0, 1, 1, 1, 2, 2, 3, 3))))
+            for _ in range(2)
+        )
+        has_item, start = stream.random() < 0.2, stream.choice(places)
+        yield Case(rows, start, has_item, pickups, dropoffs, random_prices(stream))
+
+
+def test_deliveries_cost_what_networkx_says() -> None:
+    nowhere = 0
+    for case in random_cases(20, LAYOUTS):
+        found = astar_search(case.problem, manhattan_delivery(case.problem))
+        try:
+            cost = nx.dijkstra_path_length(case.graph(), (*case.start, case.has_item), END)
+        except nx.NetworkXNoPath:
+            nowhere += 1
+            assert not found.found
+            continue
+        done = case.replay(found.actions)
+        assert done.errors == []
+        assert found.cost == done.cost == cost
+    assert LAYOUTS / 10 < nowhere < LAYOUTS / 2
+
+
+def test_every_algorithm_delivers_by_a_valid_plan() -> None:
+    """Uniform cost as cheaply as A*, breadth-first with no more actions."""
+    for case in random_cases(21, 500):
+        problem = case.problem
+        best = astar_search(problem, manhattan_delivery(problem))
+        uniform, fewest = uniform_cost_search(problem), breadth_first_search(problem)
+        assert uniform.cost == best.cost <= fewest.cost
+        if best.found:
+            for found in (best, uniform, fewest):
+                done = case.replay(found.actions)
+                assert (done.errors, done.cost) == ([], found.cost)
+                assert [(*place,) for place in done.places[:-1]] == [
+                    (row, col) for row, col, _ in found.states[:-1]
+                ]
+            assert len(fewest.actions) <= len(best.actions)
+
+
+def test_astar_expands_no_more_than_uniform_cost_search() -> None:
+    ours = theirs = 0
+    for case in random_cases(22, 500):
+        # Where the drop costs something no state but the goal is estimated at nothing.
+        problem = case._replace(prices=case.prices | {DROP: 0.5}).problem
+        astar = astar_search(problem, manhattan_delivery(problem)).expanded
+        uniform = uniform_cost_search(problem).expanded
+        assert astar <= uniform
+        ours, theirs = ours + astar, theirs + uniform
+    assert ours < 0.9 * theirs
+
+
+def test_the_robot_of_the_environment_does_what_the_problem_says() -> None:
+    """Every state of a layout with two of each station, every action that does something."""
+    layout = Layout(["P.#D", ".P..", "#.D.", "...."])
+    env = WarehouseEnv(layout, start_pos=(0, 0), max_steps=10**6, battery=10**6)
+    problem = DeliveryProblem(layout, (0, 0))
+    for row, col in open_places(layout.rows):
+        for has_item in (False, True):
+            sides = layout.open_sides((row, col))
+            useful = useful_actions(sides, layout.rows[row][col], has_item)
+            words = {word for word, good in zip(ACTIONS, useful, strict=True) if good} - {"WAIT"}
+            state = (row, col, has_item)
+            assert set(problem.actions(state)) == words
+            assert len(problem.expand(state)) == len(words)
+            for word in words:
+                env.state.robot_pos, env.state.has_item = (row, col), has_item
+                _, _, terminated, _, _ = env.step(word)
+                after = (*env.state.robot_pos, env.state.has_item)
+                assert problem.result(state, word) == (DELIVERED if terminated else after)
+
+
+def test_what_expansion_gives_is_what_the_problem_says_piece_by_piece() -> None:
+    for case in random_cases(23, 100):
+        problem = case.problem
+        for place in open_places(case.rows):
+            for has_item in (False, True):
+                state = (*place, has_item)
+                assert [action for action, _, _ in problem.expand(state)] == problem.actions(state)
+                for action, successor, cost in problem.expand(state):
+                    assert problem.result(state, action) == successor
+                    assert problem.action_cost(state, action, successor) == cost
+
+
+def test_each_action_has_its_own_cost() -> None:
+    problem = DeliveryProblem(Layout(["P.D"]), (0, 0), costs=ActionCosts(2.0, 3.0, 5.0, 7.0))
+    assert problem.expand((0, 0, False)) == [("E", (0, 1, False), 2), ("PICK", (0, 0, True), 5)]
+    assert problem.expand((0, 2, True)) == [("W", (0, 1, True), 3), ("DROP", DELIVERED, 7)]
+    found = uniform_cost_search(problem)
+    assert (found.actions, found.cost) == (("PICK", "E", "E", "DROP"), 5 + 3 + 3 + 7)
+
+
+def test_after_the_delivery_there_is_nothing_to_do() -> None:
+    problem = DeliveryProblem(DEFAULT_LAYOUT, (1, 1))
+    assert problem.expand(DELIVERED) == problem.actions(DELIVERED) == []
+    assert problem.is_goal(DELIVERED)
+    cells = open_places(DEFAULT_LAYOUT.rows)
+    assert not any(problem.is_goal((*cell, load)) for cell in cells for load in (False, True))
+
+
+def test_the_stations_are_those_of_the_layout_unless_others_are_given() -> None:
+    layout = Layout(["P....D"])
+    assert uniform_cost_search(DeliveryProblem(layout, (0, 2))).cost == 2 + 1 + 5 + 1
+    nearer = DeliveryProblem(layout, (0, 2), pickups=[(0, 3)])
+    assert uniform_cost_search(nearer).actions == ("E", "PICK", "E", "E", "DROP")
+    back = DeliveryProblem(layout, (0, 2), pickups=[(0, 3)], dropoffs=[(0, 1)])
+    assert uniform_cost_search(back).actions == ("E", "PICK", "W", "W", "DROP")
+    none = DeliveryProblem(layout, (0, 2), pickups=[])
+    assert not uniform_cost_search(none).found, "none given is none, not the layout's"
+    assert not uniform_cost_search(DeliveryProblem(layout, (0, 2), dropoffs=[])).found
+    assert uniform_cost_search(DeliveryProblem(layout, (0, 2), True, pickups=[])).cost == 3 + 1
+
+
+def test_of_several_stations_those_with_the_least_cost_in_all_are_taken() -> None:
+    """The nearest pickup is far from the dropoff; who carries dearly goes to the other one."""
+    layout = Layout(["P.....P.D"])
+    for loaded, pickup in ((1.0, (0, 6)), (0.0, (0, 0)), (9.0, (0, 6))):
+        costs = ActionCosts(1.0, loaded, 1.0, 1.0)
+        found = uniform_cost_search(DeliveryProblem(layout, (0, 2), costs=costs))
+        assert found.states[found.actions.index("PICK")] == (*pickup, False)
+
+
+def test_the_environment_delivers_by_the_plan() -> None:
+    for seed in range(20):
+        layout = random_layout(10, 12, 0.25, seed)
+        env = WarehouseEnv(layout)
+        plan = uniform_cost_search(DeliveryProblem(layout, env.start_pos)).actions
+        rewards, endings = zip(*(env.step(word)[1:3] for word in plan), strict=True)
+        assert endings == (False,) * (len(plan) - 1) + (True,)
+        assert sum(rewards) == pytest.approx(5 + 10 - 0.1 * len(plan))
+
+
+@pytest.mark.parametrize(
+    ("plan", "error"),
+    [
+        ("E PICK E DROP", None),
+        ("E PICK E", "drops at [] of 3 actions"),
+        ("E PICK E DROP W", "drops at [3] of 5 actions"),
+        ("PICK E E DROP", "0: nothing to pick on (0, 0)"),
+        ("E PICK PICK E DROP", "2: nothing to pick on (0, 1)"),
+        ("E PICK DROP", "2: nothing to drop on (0, 1)"),
+        ("E E DROP", "2: nothing to drop on (0, 2)"),
+        ("E PICK N S E DROP", "2: 'N' leaves the grid"),
+        ("E PICK E S N DROP", "3: 'S' hits a wall"),
+        ("E PICK WAIT E DROP", "2: 'WAIT' is no move"),
+    ],
+)
+def test_the_judge_sees_what_is_wrong(plan: str, error: str | None) -> None:
+    case = Case(["...", "..#"], (0, 0), False, [(0, 1)], [(0, 2)], ONES)
+    assert case.replay(tuple(plan.split())).errors == ([] if error is None else [error])
+
+
+def test_the_judge_of_routes_sees_what_is_wrong() -> None:
+    rows = ["..", ".#"]
+    assert replay_route(rows, (0, 0), (0, 1), ["E"]).errors == []
+    assert replay_route(rows, (0, 0), (0, 1), ["S"]).errors == ["ends on (1, 0), not on (0, 1)"]
+    assert replay_route(rows, (0, 0), (0, 1), ["S", "E", "N"]).errors == ["1: 'E' hits a wall"]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"start": (0, 0)}, "start row 0, column 0 is wall; it must be an open cell"),
+        ({"start": (50, 50)}, "start row 50, column 50 is off the grid"),
+        ({"pickups": [(0, 1)]}, "pickup row 0, column 1 is wall"),
+        ({"dropoffs": [(9, 9)]}, "dropoff row 9, column 9 is off the grid"),
+    ],
+)
+def test_what_is_not_open_is_refused(change: dict[str, Any], words: str) -> None:
+    with pytest.raises(LayoutError) as caught:
+        DeliveryProblem(DEFAULT_LAYOUT, **{"start": (1, 1), **change})
+    assert str(caught.value).startswith(words)

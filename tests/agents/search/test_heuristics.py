@@ -1,0 +1,133 @@
+"""What heuristics estimate, against true costs that networkx works out from the rows."""
+
+import math
+import random
+
+import networkx as nx
+from helpers.plan_validator import (
+    DROP,
+    EMPTY_HANDS,
+    END,
+    LOADED,
+    PICK,
+    delivery_graph,
+    open_places,
+    random_prices,
+    random_rows,
+    route_graph,
+)
+
+from agents.search.algorithms import astar_search, uniform_cost_search
+from agents.search.costs import ActionCosts
+from agents.search.heuristics import (
+    manhattan,
+    manhattan_delivery,
+    true_delivery,
+    true_distance,
+    zero,
+)
+from agents.search.problems import DELIVERED, DeliveryProblem, RouteProblem
+from warehouse_core import DEFAULT_LAYOUT, Layout
+
+LAYOUTS = 300
+
+
+def test_nothing_is_estimated_at_nothing() -> None:
+    assert zero((3, 4)) == zero(DELIVERED) == 0
+
+
+def test_heuristics_of_routes_never_overestimate_and_are_consistent() -> None:
+    stream = random.Random(30)
+    for _ in range(LAYOUTS):
+        rows = random_rows(stream)
+        places = open_places(rows)
+        goal, layout = stream.choice(places), Layout(rows)
+        problem = RouteProblem(layout, places[0], goal)
+        graph = route_graph(rows)
+        true = nx.single_source_shortest_path_length(graph, goal)
+        crow, exact = manhattan(problem), true_distance(problem, layout)
+        for place in places:
+            assert crow(place) == abs(place[0] - goal[0]) + abs(place[1] - goal[1])
+            assert crow(place) <= exact(place) == true.get(place, math.inf)
+        for estimate in (zero, crow, exact):
+            assert estimate(goal) == 0
+            for here, there in graph.edges:
+                assert estimate(here) <= 1 + estimate(there)
+                assert estimate(there) <= 1 + estimate(here)
+
+
+def test_heuristics_of_deliveries_never_overestimate_and_are_consistent() -> None:
+    """Whatever the prices, some of them nothing, and however many stations, none of them too."""
+    stream = random.Random(31)
+    for _ in range(LAYOUTS):
+        rows, prices = random_rows(stream), random_prices(stream)
+        places = open_places(rows)
+        pickups, dropoffs = (
+            stream.sample(places, min(stream.choice((0, 1, 2, 3)), len(places))) for _ in range(2)
+        )
+        graph = delivery_graph(rows, pickups, dropoffs, prices)
+        true = nx.single_source_dijkstra_path_length(graph.reverse(copy=False), END)
+        costs = ActionCosts(*(prices[name] for name in (EMPTY_HANDS, LOADED, PICK, DROP)))
+        problem = DeliveryProblem(
+            Layout(rows), places[0], pickups=pickups, dropoffs=dropoffs, costs=costs
+        )
+        crow, exact = manhattan_delivery(problem), true_delivery(problem)
+        states = {way: DELIVERED if way == END else way for way in graph}
+        for way, state in states.items():
+            assert crow(state) <= exact(state) == true.get(way, math.inf)
+        assert crow(DELIVERED) == exact(DELIVERED) == zero(DELIVERED) == 0
+        for estimate in (zero, crow, exact):
+            for here, there, price in graph.edges.data("weight"):
+                assert estimate(states[here]) <= price + estimate(states[there])
+
+
+def test_without_walls_the_estimate_is_the_cost() -> None:
+    """So nothing is left out of it: both ways, the pick and the drop, the best of the stations."""
+    costs = ActionCosts(2.0, 3.0, 5.0, 7.0)
+    problem = DeliveryProblem(Layout(["P....", ".....", "..P.D"]), (0, 2), costs=costs)
+    estimate = manhattan_delivery(problem)
+    assert estimate((0, 2, False)) == 2 * 2 + 5 + 3 * 2 + 7
+    assert estimate((0, 2, True)) == 3 * 4 + 7
+    for cell in open_places(problem.layout.rows):
+        for load in (False, True):
+            begun = DeliveryProblem(problem.layout, cell, load, costs=costs)
+            assert estimate((*cell, load)) == uniform_cost_search(begun).cost
+
+
+def test_without_a_station_there_is_no_way() -> None:
+    """Even where a move costs nothing."""
+    for costs in (ActionCosts(0.0, 0.0, 0.0, 0.0), ActionCosts(2.0, 3.0, 5.0, 7.0)):
+        for pickups, dropoffs in (([], None), (None, [])):
+            problem = DeliveryProblem(
+                DEFAULT_LAYOUT, (1, 1), pickups=pickups, dropoffs=dropoffs, costs=costs
+            )
+            for estimate in (manhattan_delivery(problem), true_delivery(problem)):
+                assert estimate((1, 1, False)) == math.inf
+                assert (estimate((1, 1, True)) == math.inf) == (dropoffs is not None)
+                assert estimate(DELIVERED) == 0
+
+
+def test_with_true_costs_nothing_is_expanded_in_vain() -> None:
+    stream = random.Random(32)
+    for _ in range(200):
+        rows = random_rows(stream)
+        start, goal = (stream.choice(open_places(rows)) for _ in range(2))
+        layout = Layout(rows)
+        route = RouteProblem(layout, start, goal)
+        found = astar_search(route, true_distance(route, layout))
+        assert found.expanded == (len(found.actions) if found.found else 1)
+        costs = ActionCosts(1.5, 2.0, 0.5, 1.0)
+        task = DeliveryProblem(layout, start, pickups=[goal], dropoffs=[start], costs=costs)
+        found_task = astar_search(task, true_delivery(task))
+        assert found_task.found == found.found
+        assert found_task.expanded == (len(found_task.actions) if found.found else 1)
+
+
+def test_three_times_manhattan_misses_the_best_route() -> None:
+    """One wall is enough: it has come so near that no way round from farther back looks better."""
+    rows, start, goal = ["......", "......", "....#."], (0, 1), (2, 5)
+    problem = RouteProblem(Layout(rows), start, goal)
+    estimate = manhattan(problem)
+    best = astar_search(problem, estimate).cost
+    assert best == nx.shortest_path_length(route_graph(rows), start, goal) == 6
+    assert astar_search(problem, lambda cell: 3 * estimate(cell)).cost == 8

@@ -1,0 +1,268 @@
+"""An animated search shows what the search did, no more and no less, in every panel and frame."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.pictures import HOSTILE_NAMES, is_color, patch, pixels, texts
+from matplotlib.backend_bases import KeyEvent
+from matplotlib.transforms import Bbox
+from PIL import Image
+
+from agents.search.algorithms import Solution, weighted_astar_search
+from agents.search.heuristics import manhattan
+from agents.search.panel import FRONTIER, PATH, SHADES
+from agents.search.picture import MOST_FRAMES, MOST_PANELS, SearchReplay, search_replay
+from agents.search.problems import RouteProblem
+from agents.search.trace import UNTOUCHED, WAITS, SearchCourse
+from warehouse_core import Layout
+from warehouse_core.render.palette import COLORS
+from warehouse_core.world.generators import random_layout
+from warehouse_core.world.tiles import EMPTY, WALL, Cell
+
+HALL = Layout(["########", "#......#", "#.####.#", "#......#", "########"])
+START, GOAL = (1, 1), (3, 6)
+SPLIT = Layout(["#######", "#..#..#", "#..#..#", "#######"])
+INF = float("inf")
+
+
+def solve(layout: Layout, start: Cell, goal: Cell, weight: float) -> Solution[Cell, str]:
+    problem = RouteProblem(layout, start, goal)
+    return weighted_astar_search(problem, manhattan(problem), weight, with_events=True)
+
+
+def course(
+    weight: float, layout: Layout = HALL, start: Cell = START, goal: Cell = GOAL
+) -> SearchCourse:
+    return SearchCourse(f"W = {weight:g}", layout, start, solve(layout, start, goal, weight))
+
+
+def replay(
+    *weights: float, layout: Layout = HALL, start: Cell = START, goal: Cell = GOAL, title: str = ""
+) -> SearchReplay:
+    courses = [course(weight, layout, start, goal) for weight in weights]
+    return search_replay(layout, start, goal, courses, title)
+
+
+def press(shown: SearchReplay, key: str) -> None:
+    event = KeyEvent("key_press_event", shown.figure.canvas, key)
+    shown.figure.canvas.callbacks.process("key_press_event", event)
+
+
+def counts(shown: SearchReplay) -> list[str]:
+    """Return what stands above each panel about its counts."""
+    return [text for text in texts(shown) if text.startswith("expanded ")]
+
+
+def corner_of(shown: SearchReplay, cell: Cell) -> np.ndarray:
+    """Return the colour of a cell of the first panel, beside whatever lies on its middle."""
+    row, col = cell
+    return patch(shown, pixels(shown), col + 0.12, row + 0.12, col + 0.14, row + 0.14)[0, 0]
+
+
+def test_marks_are_those_of_a_search_done_again_step_by_step() -> None:
+    layout = random_layout(12, 20, 0.3, seed=2)
+    start, goal = layout.pickups[0], layout.dropoffs[0]
+    for weight in (0.0, 1.0, 3.0, INF):
+        solution = solve(layout, start, goal, weight)
+        shown = SearchCourse("", layout, start, solution)
+        waits, expanded = {start}, dict[Cell, int]()
+        for count, event in enumerate(solution.events[:-1], start=1):
+            waits.discard(event.expanded)  # type: ignore[arg-type]
+            expanded[event.expanded] = count  # type: ignore[index]
+            waits.update(event.reached)  # type: ignore[arg-type]
+            marks = shown.marks_after(count)
+            assert set(zip(*np.nonzero(marks == WAITS), strict=True)) == waits
+            closed = {cell: n for cell, n in expanded.items() if cell not in waits}
+            rows, columns = np.nonzero(marks > 0)
+            assert {(r, c): marks[r, c] for r, c in zip(rows, columns, strict=True)} == closed
+            assert shown.expanded_by(count) == event.expanded
+
+
+def test_before_the_first_expansion_only_the_start_waits() -> None:
+    marks = course(1).marks_after(0)
+    assert marks[START] == WAITS
+    assert (marks == UNTOUCHED).sum() == marks.size - 1
+    assert course(1).expanded_by(0) is None
+
+
+def test_a_cell_that_is_reached_again_waits_again() -> None:
+    # Whatever search gave it: expanded, then reached by a better path, then expanded again.
+    events = [((1, 1), ((1, 2),)), ((1, 2), ((1, 3),)), ((1, 3), ((1, 2),)), ((1, 2), ())]
+    shown = SearchCourse("", HALL, (1, 1), Solution((), (), INF, 4, 4, 2, tuple(events)))  # type: ignore[arg-type]
+    assert [shown.marks_after(count)[1, 2] for count in range(5)] == [0, WAITS, 2, WAITS, 4]
+
+
+def test_a_search_without_events_is_refused() -> None:
+    problem = RouteProblem(HALL, START, GOAL)
+    silent = weighted_astar_search(problem, manhattan(problem), 1)
+    with pytest.raises(ValueError, match=r"A\* has 0 events .* with_events=True"):
+        SearchCourse("A*", HALL, START, silent)
+
+
+def test_every_panel_counts_its_own_search_and_waits_for_the_longest() -> None:
+    blind, greedy = solve(HALL, START, GOAL, 0), solve(HALL, START, GOAL, INF)
+    assert greedy.expanded < blind.expanded
+    shown = replay(0, INF)
+    shown.go_to(greedy.expanded)
+    first, second = counts(shown)
+    assert first.startswith(f"expanded {greedy.expanded} ")
+    assert "cost" not in first
+    assert second.startswith(f"expanded {greedy.expanded} ")
+    assert second.endswith(f"cost {greedy.cost:g}")
+    shown.show_end()
+    assert counts(shown)[0].startswith(f"expanded {blind.expanded} ")
+    assert counts(shown)[0].endswith(f"cost {blind.cost:g}")
+    assert counts(shown)[1] == second
+
+
+def test_the_colours_are_those_of_wall_floor_frontier_and_expanded() -> None:
+    shown = replay(0)
+    shown.go_to(2)
+    marks = course(0).marks_after(2)
+    for cell in np.ndindex(*marks.shape):
+        color = corner_of(shown, cell)
+        if HALL.rows[cell[0]][cell[1]] == WALL:
+            assert is_color(color, COLORS[WALL])
+        elif marks[cell] == WAITS:
+            assert is_color(color, FRONTIER)
+        elif marks[cell] == UNTOUCHED:
+            assert is_color(color, COLORS[EMPTY])
+        else:
+            assert is_color(color, SHADES[0])
+
+
+def test_lines_part_the_cells_of_the_floor_and_not_the_walls() -> None:
+    shown = replay(0)
+    image = pixels(shown)
+    floor, wall = (patch(shown, image, 2.6, row, 3.4, row + 1).reshape(-1, 3) for row in (3, 2))
+    assert len({*map(tuple, floor)}) > 1
+    assert all(is_color(color, COLORS[WALL]) for color in wall[len(wall) // 9 : -len(wall) // 9])
+
+
+def test_what_is_expanded_last_is_shaded_otherwise_than_what_is_first() -> None:
+    shown = replay(0)
+    shown.go_to(len(course(0)))
+    assert is_color(corner_of(shown, START), SHADES[0])
+    last = course(0).solution.events[-1].expanded
+    assert is_color(corner_of(shown, last), SHADES[-1])  # type: ignore[arg-type]
+
+
+def test_the_path_is_drawn_at_the_end_and_not_before() -> None:
+    shown = replay(0)
+    cell = course(0).solution.states[3]
+    ends = []
+    for frame in (len(course(0)) - 1, len(course(0))):
+        shown.go_to(frame)
+        middle = patch(shown, pixels(shown), cell[1] + 0.49, cell[0] + 0.49,
+                       cell[1] + 0.51, cell[0] + 0.51)  # fmt: skip
+        ends.append(is_color(middle[0, 0], PATH))
+    assert ends == [False, True]
+
+
+def test_where_there_is_no_path_the_panel_says_so() -> None:
+    shown = replay(1, layout=SPLIT, start=(1, 1), goal=(1, 5))
+    shown.show_end()
+    assert counts(shown) == ["expanded 4   frontier 0   no path"]
+
+
+def test_a_start_that_is_the_goal_is_one_frame_with_its_cost() -> None:
+    shown = replay(0, INF, goal=START)
+    assert [*shown.new_saved_frame_seq()] == [0]
+    assert counts(shown) == ["expanded 0   frontier 0   cost 0"] * 2
+
+
+def test_a_long_search_has_no_more_frames_than_are_allowed() -> None:
+    layout = random_layout(40, 60, 0.1, seed=1)
+    longest = course(0, layout, layout.pickups[0], layout.dropoffs[0])
+    assert len(longest) > 2 * MOST_FRAMES
+    shown = replay(0, 1, layout=layout, start=layout.pickups[0], goal=layout.dropoffs[0])
+    frames = [*shown.new_saved_frame_seq()]
+    assert MOST_FRAMES / 2 < len(frames) <= MOST_FRAMES
+    shown.go_to(frames[-1])
+    assert counts(shown)[0].startswith(f"expanded {len(longest)} ")
+    shown.go_to(frames[-1] - 1)
+    assert "cost" not in counts(shown)[0]
+
+
+def test_the_keys_step_to_and_fro_and_show_the_same_again() -> None:
+    shown = replay(0, 1)
+    press(shown, "right")
+    once = pixels(shown)
+    press(shown, "right")
+    assert not np.array_equal(pixels(shown), once)
+    press(shown, "left")
+    assert shown.frame == 1
+    assert np.array_equal(pixels(shown), once)
+    press(shown, " ")
+    assert shown.playing
+
+
+@pytest.mark.parametrize("panels", range(1, MOST_PANELS + 1))
+@pytest.mark.parametrize("size", [(4, 4), (5, 60), (60, 5), (30, 60)])
+def test_panels_neither_overlap_nor_leave_the_figure(panels: int, size: tuple[int, int]) -> None:
+    layout = random_layout(*size, 0.1, seed=1)
+    ends = layout.pickups[0], layout.dropoffs[0]
+    title = "Search from (110, 41) to (146, 316), heuristic: manhattan"
+    shown = replay(*range(panels), layout=layout, start=ends[0], goal=ends[1], title=title)
+    shown.go_to(MOST_FRAMES)
+    shown.figure.canvas.draw()
+    boxes = [
+        Bbox.union([axes.get_tightbbox(), *(text.get_window_extent() for text in axes.texts)])
+        for axes in shown.figure.axes
+    ]
+    assert len(boxes) == panels
+    boxes += [text.get_window_extent() for text in (*shown.figure.texts, *shown.figure.legends)]
+    for number, box in enumerate(boxes):
+        assert box.x0 >= 0
+        assert box.y0 >= 0
+        assert box.x1 <= shown.figure.bbox.x1
+        assert box.y1 <= shown.figure.bbox.y1
+        assert not any(box.overlaps(other) for other in boxes[number + 1 :])
+
+
+def test_no_search_and_too_many_are_refused() -> None:
+    for count in (0, MOST_PANELS + 1):
+        with pytest.raises(ValueError, match=rf"{count} searches; there must be 1\.\.6"):
+            search_replay(HALL, START, GOAL, [course(1)] * count, "")
+
+
+def test_a_name_is_shown_as_it_is_written() -> None:
+    for name in (*HOSTILE_NAMES[:5], "$\\frac{$"):
+        named = SearchCourse(name, HALL, START, solve(HALL, START, GOAL, 1))
+        shown = search_replay(HALL, START, GOAL, [named], name)
+        shown.figure.canvas.draw()
+        assert texts(shown).count(name) == 2
+        page = shown.to_jshtml()
+        assert "alert(1)" not in page
+
+
+def test_a_gif_has_every_frame_in_the_colours_of_the_screen(tmp_path: Path) -> None:
+    shown = replay(0)
+    shown.save(tmp_path / "a.gif")
+    with Image.open(tmp_path / "a.gif") as image:
+        assert image.n_frames == len([*shown.new_saved_frame_seq()])
+        image.seek(3)
+        saved = np.asarray(image.convert("RGB")).astype(int)
+    shown.go_to(3)
+    marks = course(0).marks_after(3)
+    for row, col in [*zip(*np.nonzero(marks), strict=True), (0, 0), (3, 3)]:
+        place = (col + 0.12, row + 0.12, col + 0.14, row + 0.14)
+        difference = patch(shown, saved, *place) - patch(shown, pixels(shown), *place)
+        assert np.abs(difference).max() <= 8  # a palette's nearest colour
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".png", ".html"])
+def test_the_other_formats_are_written(tmp_path: Path, suffix: str) -> None:
+    target = tmp_path / f"a{suffix}"
+    replay(0, 1, title="One & two").save(target)
+    data = target.read_bytes()
+    assert len(data) > 5000
+    if suffix == ".html":
+        assert b"<title>One &amp; two</title>" in data
+
+
+def test_a_picture_of_the_end_repeats_byte_for_byte(tmp_path: Path) -> None:
+    for name in ("a.svg", "b.svg"):
+        replay(0, 1).save(tmp_path / name)
+    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()

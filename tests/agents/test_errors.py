@@ -1,0 +1,40 @@
+"""Why an agent failed, in a line that names the place in its file."""
+
+from pathlib import Path
+
+import pytest
+
+from agents.errors import reason_of
+
+FILE = Path(__file__)
+
+
+class BrokenError(Exception):
+    def __str__(self) -> str:
+        raise RuntimeError
+
+
+def caught(error: BaseException) -> BaseException:
+    with pytest.raises(type(error)) as found:
+        raise error
+    return found.value
+
+
+def test_it_says_what_and_where() -> None:
+    line = caught.__code__.co_firstlineno + 2
+    reason = reason_of(caught(ValueError("too\nlate")))
+    assert reason == f"ValueError: too\nlate (test_errors.py, line {line})"
+
+
+def test_the_place_is_in_the_file_that_is_asked_about() -> None:
+    with pytest.raises(ValueError, match="Invalid name") as found:
+        Path(FILE / "x").with_name("/")
+    assert "pathlib.py" in reason_of(found.value)
+    for file in (FILE, Path("nowhere/../") / FILE):
+        assert "(test_errors.py, line " in reason_of(found.value, file)
+    assert "pathlib.py" in reason_of(found.value, Path("other.py"))
+
+
+def test_an_exception_without_words_or_place_is_its_name() -> None:
+    assert reason_of(KeyboardInterrupt()) == "KeyboardInterrupt"
+    assert reason_of(BrokenError()) == "BrokenError"

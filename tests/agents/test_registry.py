@@ -1,0 +1,254 @@
+import sys
+from pathlib import Path
+
+import pytest
+from helpers.networks import random_network
+
+from agents.errors import AgentError
+from agents.learning.policy_network import PolicyNetwork
+from agents.learning.ppo_agent import PPOAgent
+from agents.learning.q_learning import QAgent, QTable
+from agents.learning.q_table import save_table
+from agents.registry import TRAINED, make_agent
+from agents.search.agents import ExploringAgent, SearchAgent
+from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core import Layout, WarehouseEnv, record_episode
+
+METHODS = """
+    def reset(self):
+        pass
+
+    def act(self, observation):
+        return "WAIT"
+"""
+WITH_SEED = f"class Mine:\n    def __init__(self, seed=None):\n        self.seed = seed\n{METHODS}"
+WITHOUT_SEED = f"class Mine:\n{METHODS}"
+
+
+@pytest.fixture
+def agent_file(tmp_path: Path) -> Path:
+    """Return where a test writes its agent; in a folder that Python does not search."""
+    return tmp_path / "my_agent.py"
+
+
+def refusal(name: str) -> str:
+    with pytest.raises(AgentError) as refused:
+        make_agent(name, 1)
+    return str(refused.value)
+
+
+def test_a_built_in_agent_is_made_by_its_name() -> None:
+    agent = make_agent("greedy", 7)
+    assert isinstance(agent, GreedyAgent)
+    assert agent.seed == 7
+    assert isinstance(make_agent("exploring"), ExploringAgent)
+
+
+def test_an_agent_that_takes_a_layout_is_given_it(agent_file: Path) -> None:
+    hall = Layout(["######", "#P..D#", "######"])
+    searching = make_agent("astar", 7, hall)
+    assert isinstance(searching, SearchAgent)
+    assert searching.layout is hall
+    assert searching.algorithm == "astar"
+    agent_file.write_text(WITH_SEED.replace("seed=None", "layout, seed=None"))
+    assert make_agent(f"{agent_file}:Mine", 7, hall).seed == 7  # type: ignore[attr-defined]
+
+
+def test_an_agent_without_a_seed_is_made_with_none() -> None:
+    agent = make_agent("greedy")
+    assert isinstance(agent, GreedyAgent)
+    assert agent.seed is None
+
+
+def test_an_agent_that_takes_a_seed_is_given_it(agent_file: Path) -> None:
+    agent_file.write_text(WITH_SEED)
+    assert make_agent(f"{agent_file}:Mine", 7).seed == 7  # type: ignore[attr-defined]
+
+
+def test_an_agent_that_takes_no_seed_is_given_none(agent_file: Path) -> None:
+    agent_file.write_text(WITHOUT_SEED)
+    agent = make_agent(f"{agent_file}:Mine", 7)
+    assert record_episode(WarehouseEnv(max_steps=3), agent, seed=1).actions == ["WAIT"] * 3
+
+
+def test_an_agent_may_come_from_a_module(agent_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(agent_file.parent)
+    (agent_file.parent / "robots_of_mine").mkdir()
+    (agent_file.parent / "robots_of_mine" / "slow.py").write_text(WITH_SEED)
+    agent = make_agent("robots_of_mine.slow:Mine", 3)
+    assert agent.seed == 3  # type: ignore[attr-defined]
+    assert make_agent("agents.warehouse_agent_greedy:GreedyAgent", 3)
+
+
+def test_a_file_is_read_anew_each_time(agent_file: Path) -> None:
+    agent_file.write_text(WITHOUT_SEED)
+    make_agent(f"{agent_file}:Mine")
+    agent_file.write_text(WITHOUT_SEED.replace("WAIT", "NORTH"))
+    observation = WarehouseEnv().reset()
+    assert make_agent(f"{agent_file}:Mine").act(observation) == "NORTH"
+
+
+def test_a_file_may_be_called_like_a_module(agent_file: Path) -> None:
+    import random
+
+    other = agent_file.with_name("random.py")
+    other.write_text(WITH_SEED)
+    make_agent(f"{other}:Mine")
+    assert sys.modules["random"] is random
+
+
+def test_an_agent_may_be_a_dataclass(agent_file: Path) -> None:
+    # A dataclass looks for its module among those that have been imported.
+    agent_file.write_text(
+        "from __future__ import annotations\n"
+        "from dataclasses import dataclass\n"
+        "from typing import ClassVar\n\n"
+        "@dataclass\n"
+        "class Mine:\n"
+        "    seed: int | None = None\n"
+        "    words: ClassVar[list[str]] = []\n"
+        f"{METHODS}"
+    )
+    assert make_agent(f"{agent_file}:Mine", 5).seed == 5  # type: ignore[attr-defined]
+
+
+def test_an_unknown_name_is_refused_with_what_is_allowed() -> None:
+    assert refusal("clever") == (
+        "no agent is called 'clever'; allowed: greedy, exploring, bfs, ucs, greedy-best-first, "
+        "astar, weighted-astar, ppo:FILE, q:FILE, or your own as file.py:Class or module:Class"
+    )
+    assert "no agent is called ''" in refusal("")
+
+
+def test_a_missing_file_is_named(agent_file: Path) -> None:
+    assert refusal(f"{agent_file}:Mine") == f"agent file {agent_file} does not exist"
+
+
+def test_a_folder_is_no_agent_file(agent_file: Path) -> None:
+    agent_file.mkdir()
+    assert refusal(f"{agent_file}:Mine") == f"agent file {agent_file} does not exist"
+
+
+@pytest.mark.parametrize("name", ["Other", "", "number", "Mine.act"])
+def test_a_missing_class_is_named(agent_file: Path, name: str) -> None:
+    agent_file.write_text(f"{WITHOUT_SEED}\nnumber = 3\n")
+    assert refusal(f"{agent_file}:{name}") == f"{agent_file} has no class {name!r}"
+
+
+@pytest.mark.parametrize(
+    ("body", "missing"),
+    [
+        ("def reset(self): pass", "no act"),
+        ("def act(self, observation): pass", "no reset"),
+        ("pass", "no reset and no act"),
+        ("reset = act = 3", "no reset and no act"),
+    ],
+)
+def test_a_missing_method_is_named(agent_file: Path, body: str, missing: str) -> None:
+    agent_file.write_text(f"class Mine:\n    {body}\n")
+    name = f"{agent_file}:Mine"
+    assert refusal(name) == f"class {name!r} has {missing}; an agent needs both"
+
+
+def test_a_class_that_needs_arguments_is_refused(agent_file: Path) -> None:
+    agent_file.write_text(
+        f"class Mine:\n    def __init__(self, speed, seed=None):\n        pass\n{METHODS}"
+    )
+    message = refusal(f"{agent_file}:Mine")
+    assert "cannot be made without arguments" in message
+    assert "'speed'" in message
+
+
+def test_a_syntax_error_is_named_with_its_line(agent_file: Path) -> None:
+    agent_file.write_text("x = 1\nclass Mine(:\n    pass\n")
+    assert refusal(f"{agent_file}:Mine") == f"{agent_file}, line 2: invalid syntax"
+
+
+def test_a_file_that_is_no_text_is_refused(agent_file: Path) -> None:
+    agent_file.write_bytes(b"\xff\xfe\x00")
+    assert str(agent_file) in refusal(f"{agent_file}:Mine")
+
+
+def test_what_a_file_cannot_import_is_named(agent_file: Path) -> None:
+    agent_file.write_text("import no_such_module_anywhere\n")
+    message = refusal(f"{agent_file}:Mine")
+    assert message.startswith(f"cannot import agent file {agent_file}: ")
+    assert "no_such_module_anywhere" in message
+
+
+def test_a_missing_module_is_named() -> None:
+    assert refusal("no_such_module_anywhere:Mine") == (
+        "cannot import agent module 'no_such_module_anywhere': "
+        "No module named 'no_such_module_anywhere'"
+    )
+
+
+@pytest.mark.parametrize("source", ["", ".", ".relative", "a..b", "two words", "3d"])
+def test_what_is_no_module_name_is_refused(source: str) -> None:
+    assert refusal(f"{source}:Mine") == (
+        f"{source!r} is neither a .py file nor the name of a module"
+    )
+
+
+def test_a_fault_in_an_agents_own_code_is_not_hidden(agent_file: Path) -> None:
+    agent_file.write_text("1 / 0\n")
+    with pytest.raises(ZeroDivisionError):
+        make_agent(f"{agent_file}:Mine")
+
+
+# Trained agents.
+
+
+@pytest.fixture
+def network_file(tmp_path: Path) -> Path:
+    path = tmp_path / "model.npz"
+    random_network(1).save(path)
+    return path
+
+
+@pytest.fixture
+def table_file(tmp_path: Path) -> Path:
+    path = tmp_path / "table.npz"
+    save_table(QTable({((1, 1), (1, 3), False): [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]}), path)
+    return path
+
+
+def test_a_trained_network_is_an_agent(network_file: Path) -> None:
+    agent = make_agent(f"ppo:{network_file}", 7)
+    assert isinstance(agent, PPOAgent)
+    observation = WarehouseEnv().reset()
+    assert agent.act(observation) == PPOAgent(PolicyNetwork.load(network_file)).act(observation)
+
+
+def test_a_trained_table_is_an_agent_with_the_seed(table_file: Path) -> None:
+    agent = make_agent(f"q:{table_file}", 7)
+    assert isinstance(agent, QAgent)
+    assert agent.seed == 7
+    assert agent.act(WarehouseEnv().reset()) == "E"
+
+
+@pytest.mark.parametrize("word", TRAINED)
+def test_a_trained_agent_needs_a_file(word: str, tmp_path: Path) -> None:
+    assert refusal(f"{word}:") == f"agent '{word}:' names no file; allowed: {word}:FILE"
+    missing = tmp_path / "missing.npz"
+    assert refusal(f"{word}:{missing}") == f"agent file {missing}: No such file or directory"
+    assert refusal(f"{word}:{tmp_path}") == f"agent file {tmp_path}: Is a directory"
+    assert f"no agent is called '{word}'" in refusal(word)
+
+
+def test_the_file_of_another_kind_of_agent_is_refused(network_file: Path, table_file: Path) -> None:
+    for word, file in (("ppo", table_file), ("q", network_file)):
+        message = refusal(f"{word}:{file}")
+        assert message.startswith(f"{file}: ")
+        assert message.endswith(f"; agent {word} needs what 'warehouse train {word}' saves")
+
+
+def test_what_is_no_archive_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "model.npz"
+    path.write_bytes(b"import os; os.system('ls')")
+    assert refusal(f"ppo:{path}").startswith(f"{path}: not an .npz file; ")
+
+
+def test_a_class_in_a_file_called_like_a_trained_agent_is_still_found(tmp_path: Path) -> None:
+    (tmp_path / "q.py").write_text(WITH_SEED)
+    assert make_agent(f"{tmp_path / 'q.py'}:Mine", 5).seed == 5  # type: ignore[attr-defined]

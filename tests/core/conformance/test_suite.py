@@ -1,0 +1,622 @@
+"""Each check fails for a motion that breaks its rule, and the grid breaks none."""
+
+import math
+import random
+from collections.abc import Callable, Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from warehouse_core import Cell, Contact, Layout, Motion, Outcome
+from warehouse_core.conformance.suite import CHECKS, ConformanceError, run_conformance
+from warehouse_core.motion.grid import GridMotion
+from warehouse_core.motion.vector import BatchOutcome
+
+NAMES = [check.__name__ for check in CHECKS]
+STAY, NORTH, EAST, SOUTH, WEST = (0, 0), (-1, 0), (0, 1), (1, 0), (0, -1)
+
+
+def failed_by(make_motion: Callable[[], Motion]) -> dict[str, str]:
+    """Return the names of the checks that a motion fails, and how."""
+    return {result.name: result.detail for result in run_conformance(make_motion).failures}
+
+
+def path_of(rows: object) -> Any:
+    path = np.array(rows)
+    path.flags.writeable = False
+    return path
+
+
+class LoneGrid(GridMotion):
+    """A grid that cannot be multiplied, so that what is broken of it is broken by itself."""
+
+    batch = None
+
+
+class Altered(LoneGrid):
+    """A grid motion that reports something else than what happened."""
+
+    def __init__(self, alter: Callable[[Outcome], Outcome]) -> None:
+        super().__init__(cell_size=0.5)
+        self.alter = alter
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        return [self.alter(outcome) for outcome in super().advance(displacements, loaded)]
+
+
+def with_path(change: Callable[[Any], Any]) -> Callable[[Outcome], Outcome]:
+    return lambda outcome: outcome._replace(path=path_of(change(outcome.path.copy())))
+
+
+def with_contact(**changed: object) -> Callable[[Outcome], Outcome]:
+    return lambda outcome: outcome._replace(
+        contacts=tuple(contact._replace(**changed) for contact in outcome.contacts)
+    )
+
+
+def shifted(*columns: float) -> Callable[[Any], Any]:
+    return lambda path: path + np.array([0.0, *columns, 0.0])
+
+
+def into_the_wall(outcome: Outcome) -> Outcome:
+    if "wall" not in [contact.counterpart for contact in outcome.contacts]:
+        return outcome
+    (t0, x, y, heading), end = outcome.path
+    ahead = [t0, x + math.cos(heading) / 2, y + math.sin(heading) / 2, heading]
+    return outcome._replace(path=path_of([[t0, x, y, heading], ahead, end]))
+
+
+def twice_in_falling_order(outcome: Outcome) -> Outcome:
+    late = tuple(contact._replace(seconds=0.9) for contact in outcome.contacts)
+    return outcome._replace(contacts=(*late, *outcome.contacts))
+
+
+ALTERATIONS: dict[str, list[Callable[[Outcome], Outcome]]] = {
+    "check_reset_puts_robots_at_rest": [
+        with_path(shifted(0.1, 0.0)),
+        with_path(lambda path: path + np.array([0.0, 0.0, 0.0, 1.0])),
+    ],
+    "check_a_free_move_ends_in_the_next_cell": [
+        lambda outcome: outcome._replace(cell=(outcome.cell[0], 3)),
+        lambda outcome: outcome._replace(blocked=True),
+    ],
+    "check_a_wall_stops": [
+        lambda outcome: outcome._replace(blocked=False),
+        with_contact(counterpart="door"),
+        lambda outcome: outcome._replace(contacts=()),
+    ],
+    "check_waiting_stays": [lambda outcome: outcome._replace(blocked=True)],
+    "check_a_move_costs_more_than_waiting": [lambda outcome: outcome._replace(joules=1.0)],
+    "check_values_are_plain": [
+        lambda outcome: outcome._replace(cell=list(outcome.cell)),
+        lambda outcome: outcome._replace(cell=(np.int64(outcome.cell[0]), outcome.cell[1])),
+        lambda outcome: outcome._replace(blocked=np.bool_(outcome.blocked)),
+        lambda outcome: outcome._replace(seconds=1),
+        lambda outcome: outcome._replace(seconds=0.0),
+        lambda outcome: outcome._replace(joules=0.0),
+        lambda outcome: outcome._replace(joules=-5.0),
+        lambda outcome: outcome._replace(joules=math.nan),
+        lambda outcome: outcome._replace(joules=math.inf),
+    ],
+    "check_paths_are_well_formed": [
+        lambda outcome: outcome._replace(path=outcome.path.tolist()),
+        lambda outcome: outcome._replace(path=outcome.path.copy()),
+        with_path(lambda path: path.astype(np.float32)),
+        with_path(lambda path: path[:1]),
+        with_path(lambda path: path[:, :3]),
+        with_path(np.ravel),
+        with_path(lambda path: path * np.array([1, 1, 1, np.nan])),
+        with_path(lambda path: np.vstack([path, path])),
+        with_path(lambda path: path[::-1]),
+        with_path(lambda path: path + np.array([0.1, 0, 0, 0])),
+        lambda outcome: outcome._replace(seconds=0.5),
+    ],
+    "check_paths_join_up": [with_path(lambda path: path + np.array([[0, 0.01, 0, 0], [0] * 4]))],
+    "check_paths_end_in_the_middle_of_a_cell": [
+        with_path(lambda path: path + np.array([[0] * 4, [0, 0.1, 0, 0]]))
+    ],
+    "check_paths_keep_out_of_walls": [into_the_wall],
+    "check_contacts_are_well_formed": [
+        lambda outcome: outcome._replace(contacts=()),
+        with_contact(seconds=-0.1),
+        with_contact(seconds=1.1),
+        with_contact(seconds=math.nan),
+        twice_in_falling_order,
+        with_contact(impulse=0.0),
+        with_contact(impulse=-1.0),
+        with_contact(impulse=math.inf),
+        with_contact(impulse=math.nan),
+        with_contact(point=(-9.0, 0.0)),
+        with_contact(point=(math.nan, 0.0)),
+        with_contact(counterpart="tree"),
+        with_contact(counterpart="robot 4"),
+        with_contact(counterpart="robot 0"),
+    ],
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "alter"),
+    [(name, alter) for name, alterations in ALTERATIONS.items() for alter in alterations],
+)
+def test_a_false_report_is_noticed(name: str, alter: Callable[[Outcome], Outcome]) -> None:
+    assert name in failed_by(lambda: Altered(alter))
+
+
+class WithoutWalls(LoneGrid):
+    def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
+        super().reset(layout, cells, seed)
+        self._layout = Layout(["." * layout.width] * layout.height)
+
+
+class WithoutEdge(LoneGrid):
+    """Takes row -1 for the last one, as lists do."""
+
+    def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
+        super().reset(layout, cells, seed)
+        self._layout = Layout([*layout.rows, "." * layout.width])
+
+
+class Forgetful(LoneGrid):
+    """Never takes note of a new layout of the same size."""
+
+    _first: Layout | None = None
+
+    def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
+        self._first = layout if self._first is None else self._first
+        same_size = (layout.height, layout.width) == (self._first.height, self._first.width)
+        super().reset(self._first if same_size else layout, cells, seed)
+
+
+class Overloaded(LoneGrid):
+    """Cannot move with a load in row 5."""
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        if len(self._cells) == 1 and loaded[0] and self._cells[0][0] == 5:
+            displacements = [STAY]
+        return super().advance(displacements, loaded)
+
+
+class Ghosts(LoneGrid):
+    """Robots that do not notice each other."""
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        if len(self._cells) != len(displacements):
+            return super().advance(displacements, loaded)
+        cells, outcomes = self._cells, []
+        for cell, displacement in zip(cells, displacements, strict=True):
+            self._cells, self._headings = [cell], [EAST]
+            outcomes += super().advance([displacement], [False])
+        self._cells = [outcome.cell for outcome in outcomes]
+        self._headings = [EAST] * len(cells)
+        return outcomes
+
+
+class Cautious(LoneGrid):
+    """Robots that do not drive into a cell that another one is about to leave."""
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        calm = [
+            STAY if (row + down, col + right) in self._cells else (down, right)
+            for (row, col), (down, right) in zip(self._cells, displacements, strict=False)
+        ]
+        return super().advance(calm or displacements, loaded)
+
+
+class EmergencyStop(LoneGrid):
+    """All robots stop where one drives at a wall."""
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        targets = [
+            (row + down, col + right)
+            for (row, col), (down, right) in zip(self._cells, displacements, strict=False)
+        ]
+        if len(targets) > 1 and not all(map(self._layout.is_open, targets)):
+            displacements = [
+                displacement if not self._layout.is_open(target) else STAY
+                for displacement, target in zip(displacements, targets, strict=False)
+            ]
+        return super().advance(displacements, loaded)
+
+
+class Nervous(LoneGrid):
+    """A robot that waits beside another one feels stopped."""
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        outcomes = super().advance(displacements, loaded)
+        waiting = len(outcomes) > 1 and set(displacements) == {STAY}
+        return [outcome._replace(blocked=outcome.blocked or waiting) for outcome in outcomes]
+
+
+class Recycling(LoneGrid):
+    """Hands out the same memory again and again."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._memory = np.zeros((5, 2, 4))
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        outcomes = super().advance(displacements, loaded)
+        for memory, outcome in zip(self._memory, outcomes, strict=False):
+            memory[:] = outcome.path
+        views = [memory.view() for memory in self._memory]
+        for view in views:
+            view.flags.writeable = False
+        return [o._replace(path=view) for o, view in zip(outcomes, views, strict=False)]
+
+
+class Lasting(LoneGrid):
+    """Keeps its headings through a reset."""
+
+    def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
+        headings = self._headings
+        super().reset(layout, cells, seed)
+        self._headings[: len(headings)] = headings[: len(cells)]
+
+
+class Restless(LoneGrid):
+    """Cannot wait where there is room to the east."""
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        if list(displacements) == [STAY] and self._cells == [(3, 3)]:
+            displacements = [EAST]
+        return super().advance(displacements, loaded)
+
+
+class Leaning(LoneGrid):
+    """Feels the wall beside it even when it waits."""
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        row, col = self._cells[0] if self._cells else (0, 0)
+        if list(displacements) == [STAY] and not self._layout.is_open((row, col - 1)):
+            return super().advance([WEST], loaded)
+        return super().advance(displacements, loaded)
+
+
+class Individual(Altered):
+    """Built a little differently each time."""
+
+    def __init__(self) -> None:
+        extra = random.SystemRandom().random()
+        super().__init__(lambda outcome: outcome._replace(joules=outcome.joules + extra))
+
+
+class Noisy(Altered):
+    """Measures differently each time, whatever the seed."""
+
+    def __init__(self) -> None:
+        noise = random.SystemRandom()
+        super().__init__(lambda outcome: outcome._replace(joules=outcome.joules + noise.random()))
+
+
+class Wearing(Altered):
+    """Costs more and more, through all resets."""
+
+    def __init__(self) -> None:
+        super().__init__(self.wear)
+        self.worn = 0.0
+
+    def wear(self, outcome: Outcome) -> Outcome:
+        self.worn += 1e-9
+        return outcome._replace(joules=outcome.joules + self.worn)
+
+
+class Obliging(LoneGrid):
+    """Makes of a move that is not allowed one that is."""
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        nearest = [(max(-1, min(1, row)), 0 if row else col) for row, col in displacements]
+        return super().advance(nearest, loaded)
+
+
+class Rash(LoneGrid):
+    """Turns the robots before it looks whether it can move them."""
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        if self._cells and (1, 1) in displacements:
+            self._headings = [NORTH] * len(self._cells)
+        return super().advance(displacements, loaded)
+
+
+class Careless(LoneGrid):
+    """Puts robots anywhere."""
+
+    def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
+        super().reset(Layout(["." * 9] * 9), sorted({(abs(r), abs(c)) for r, c in cells}), seed)
+
+
+class Hasty(LoneGrid):
+    """Takes over a layout before it looks whether the robots can stand in it."""
+
+    def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
+        self._layout, self._lone = layout, {}
+        super().reset(layout, cells, seed)
+
+
+class Premature(LoneGrid):
+    """Has a robot before it is given one."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.reset(Layout(["..."]), [(0, 0)], None)
+
+
+class Undying(LoneGrid):
+    def close(self) -> None:
+        pass
+
+
+class ClosesOnce(LoneGrid):
+    closed = False
+
+    def close(self) -> None:
+        if self.closed:
+            raise OSError("closed already")
+        self.closed = True
+        super().close()
+
+
+class AlteredBatch(GridMotion):
+    """A grid whose batch reports something else than what happened."""
+
+    changed: ClassVar[dict[str, Callable[[Any], Any]]] = {}
+
+    def batch(self, layouts: Sequence[Layout]) -> Any:
+        batch, changed = super().batch(layouts), self.changed
+
+        class Wrapped:
+            place, close = batch.place, batch.close
+
+            def advance(self, actions: Any, loaded: Any) -> BatchOutcome:
+                outcome = batch.advance(actions, loaded)
+                changes = {name: change(getattr(outcome, name)) for name, change in changed.items()}
+                return outcome._replace(**changes)
+
+        return Wrapped()
+
+
+class LateBatch(AlteredBatch):
+    changed: ClassVar = {"seconds": lambda seconds: seconds * 1.001}
+
+
+class DearBatch(AlteredBatch):
+    changed: ClassVar = {"joules": lambda joules: joules * 1.001}
+
+
+class SmoothBatch(AlteredBatch):
+    changed: ClassVar = {"blocked": np.zeros_like}
+
+
+class TirelessBatch(GridMotion):
+    """A grid whose batch goes on after its end."""
+
+    def batch(self, layouts: Sequence[Layout]) -> Any:
+        batch = super().batch(layouts)
+        batch.close = lambda: None
+        return batch
+
+
+class MixedUpBatch(AlteredBatch):
+    changed: ClassVar = {"cells": lambda cells: cells[::-1]}
+
+
+BROKEN: dict[type[GridMotion], set[str]] = {
+    WithoutWalls: {"check_a_wall_stops", "check_a_lone_robot_agrees_with_the_walls"},
+    WithoutEdge: {"check_the_edge_stops"},
+    Forgetful: {"check_a_new_layout_replaces_the_old"},
+    Overloaded: {"check_a_lone_robot_agrees_with_the_walls"},
+    Ghosts: {
+        "check_robots_agree_with_the_traffic_rule",
+        "check_robots_never_share_a_cell",
+        "check_traffic_same_target",
+        "check_traffic_head_on",
+        "check_traffic_occupied",
+    },
+    Cautious: {
+        "check_robots_agree_with_the_traffic_rule",
+        "check_traffic_following",
+        "check_traffic_cycle",
+    },
+    EmergencyStop: {"check_traffic_wall"},
+    Nervous: {"check_traffic_waiting"},
+    Recycling: {"check_outcomes_are_kept_as_they_were"},
+    Lasting: {"check_reset_puts_robots_at_rest", "check_equal_runs_are_equal"},
+    Restless: {"check_waiting_stays", "check_a_move_costs_more_than_waiting"},
+    Leaning: {"check_waiting_stays", "check_a_lone_robot_agrees_with_the_walls"},
+    Individual: {"check_equal_runs_are_equal"},
+    Noisy: {"check_equal_runs_are_equal"},
+    Wearing: {"check_equal_runs_are_equal"},
+    Obliging: {"check_bad_moves_change_nothing"},
+    Rash: {"check_bad_moves_change_nothing"},
+    Careless: {"check_bad_starts_change_nothing"},
+    Hasty: {"check_bad_starts_change_nothing"},
+    Premature: {"check_advance_needs_a_reset"},
+    Undying: {"check_advance_needs_a_reset"},
+    ClosesOnce: {"check_advance_needs_a_reset"},
+    LateBatch: {"check_a_batch_moves_as_single_motions_do"},
+    DearBatch: {"check_a_batch_moves_as_single_motions_do"},
+    SmoothBatch: {"check_a_batch_moves_as_single_motions_do"},
+    TirelessBatch: {"check_a_closed_batch_does_not_move"},
+    MixedUpBatch: {"check_a_batch_moves_as_single_motions_do"},
+}
+
+
+@pytest.mark.parametrize("motion", BROKEN, ids=lambda motion: motion.__name__)
+def test_a_broken_motion_is_noticed(motion: type[GridMotion]) -> None:
+    assert BROKEN[motion] <= failed_by(motion).keys()
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [
+        WithoutEdge,
+        Forgetful,
+        Lasting,
+        Wearing,
+        Rash,
+        Hasty,
+        Premature,
+        Undying,
+        ClosesOnce,
+        LateBatch,
+    ],
+)
+def test_a_check_fails_for_its_own_rule_only(motion: type[GridMotion]) -> None:
+    assert failed_by(motion).keys() == BROKEN[motion]
+
+
+def test_every_check_has_been_shown_to_fail() -> None:
+    assert set(ALTERATIONS).union(*BROKEN.values()) == set(NAMES)
+
+
+@pytest.mark.parametrize("cell_size", [1.0, 0.5, 2.5])
+def test_the_grid_conforms(cell_size: float) -> None:
+    report = run_conformance(lambda: GridMotion(cell_size))
+    report.raise_for_failures()
+    assert [result.name for result in report.results] == NAMES
+    assert {result.status for result in report.results} == {"passed"}
+
+
+@pytest.mark.parametrize("check", CHECKS, ids=NAMES)
+def test_a_check_states_its_rule_in_a_sentence(check: Any) -> None:
+    rule = check.__doc__
+    assert rule[0].isupper() or rule[0] == "`"
+    assert rule.endswith(".")
+    assert "\n" not in rule
+    assert check(GridMotion) is None
+
+
+def test_no_check_is_left_out_or_run_twice() -> None:
+    from warehouse_core.conformance import checks as conformance_checks
+    from warehouse_core.conformance import vector_checks as conformance_batch
+
+    written = [*vars(conformance_checks), *vars(conformance_batch)]
+    assert sorted(NAMES) == sorted(name for name in written if name.startswith("check_"))
+
+
+class Unwilling(GridMotion):
+    """A grid that has a method for it but cannot be multiplied as it is."""
+
+    def batch(self, layouts: Sequence[Layout]) -> Any:
+        raise ValueError("not with this motor")
+
+
+@pytest.mark.parametrize("motion", [LoneGrid, Unwilling])
+def test_a_motion_that_cannot_be_multiplied_conforms(motion: type[GridMotion]) -> None:
+    run_conformance(motion).raise_for_failures()
+
+
+def test_a_failure_is_raised_with_all_its_details() -> None:
+    report = run_conformance(Ghosts)
+    with pytest.raises(ConformanceError) as caught:
+        report.raise_for_failures()
+    lines = str(caught.value).splitlines()
+    assert len(lines) == len(report.failures) >= 5
+    head_on = next(line for line in lines if "head_on" in line)
+    assert head_on == (
+        "failed: check_traffic_head_on: robot 0 ended in (3, 4), blocked False, and not in "
+        "(3, 3), when robots in [(3, 3), (3, 4)] wanted [(3, 4), (3, 3)]"
+    )
+
+
+class Crashing(GridMotion):
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        raise ZeroDivisionError("no mass")
+
+
+def refuse() -> Motion:
+    raise OSError("no licence")
+
+
+@pytest.mark.parametrize(
+    ("make_motion", "detail"),
+    [
+        (Crashing, "it raised ZeroDivisionError('no mass')"),
+        (refuse, "it raised OSError('no licence')"),
+    ],
+)
+def test_a_crash_is_a_failure_and_not_the_end(
+    make_motion: Callable[[], Motion], detail: str
+) -> None:
+    failures = failed_by(make_motion)
+    moved = [name for name in NAMES if name != "check_a_closed_batch_does_not_move"]
+    assert [name for name in failures if name in moved] == moved
+    assert set(failures.values()) == {detail}
+
+
+@pytest.mark.parametrize(
+    ("returned", "detail"),
+    [
+        ([], "0 outcomes for 1 robots"),
+        ([None] * 2, "2 outcomes for 1 robots"),
+        (["outcome"], "it returned no Outcome"),
+        (None, "it raised TypeError"),
+    ],
+)
+def test_a_motion_must_return_one_outcome_for_each_robot(returned: Any, detail: str) -> None:
+    class Wrong(GridMotion):
+        def advance(self, *_: Any) -> Any:
+            return returned
+
+    assert failed_by(Wrong)["check_a_free_move_ends_in_the_next_cell"].startswith(detail)
+
+
+def test_an_expected_failure_is_none_when_its_reason_is_given() -> None:
+    expected = dict.fromkeys(failed_by(Cautious), "it brakes for whoever is ahead")
+    report = run_conformance(Cautious, expected)
+    report.raise_for_failures()
+    kept = {r.name: r for r in report.results if r.status == "expected failure"}
+    assert kept.keys() == expected.keys()
+    detail = kept["check_traffic_cycle"].detail
+    assert detail.startswith("it brakes for whoever is ahead (robot 0 ended in")
+
+
+def test_an_unexpected_pass_is_a_failure() -> None:
+    report = run_conformance(GridMotion, {"check_a_wall_stops": "too fast"})
+    (failure,) = report.failures
+    assert (failure.name, failure.status) == ("check_a_wall_stops", "unexpected pass")
+    with pytest.raises(ConformanceError, match=r"unexpected pass: check_a_wall_stops: .*too fast"):
+        report.raise_for_failures()
+
+
+def test_an_expected_failure_must_name_a_check() -> None:
+    with pytest.raises(ValueError, match="no check is called check_tyres, check_wheels"):
+        run_conformance(GridMotion, {"check_wheels": "round", "check_tyres": "flat"})
+
+
+@pytest.mark.parametrize("reason", ["", "  "])
+def test_an_expected_failure_needs_a_reason(reason: str) -> None:
+    with pytest.raises(ValueError, match="check_a_wall_stops needs a reason"):
+        run_conformance(GridMotion, {"check_a_wall_stops": reason})
+
+
+def test_a_report_reads_as_one_line_for_each_check() -> None:
+    lines = str(run_conformance(GridMotion)).splitlines()
+    assert len(lines) == len(NAMES)
+    assert lines[1].startswith(
+        "passed: check_a_free_move_ends_in_the_next_cell: A move into a free"
+    )
+
+
+def test_every_motion_made_is_closed_again() -> None:
+    made: list[GridMotion] = []
+
+    def make_motion() -> GridMotion:
+        made.append(GridMotion())
+        return made[-1]
+
+    run_conformance(make_motion).raise_for_failures()
+    for motion in made:
+        with pytest.raises(RuntimeError):
+            motion.advance([STAY], [False])
+
+
+def test_a_contact_that_makes_sense_is_accepted() -> None:
+    touch = Contact(0.25, 1e-6, (0.25, 0.25), "wall")
+
+    def alter(outcome: Outcome) -> Outcome:
+        x, y = outcome.path[0, 1:3]
+        return outcome._replace(contacts=(touch._replace(point=(x, y)), *outcome.contacts))
+
+    assert not failed_by(lambda: Altered(alter))

@@ -1,0 +1,66 @@
+"""What learns from ``Warehouse-v0``: Stable-Baselines3 and its masks. Run with ``-m learning``."""
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+
+from warehouse_core import Layout
+from warehouse_core.gymnasium_env import ID
+from warehouse_core.gymnasium_env.spaces import FORMS
+
+pytestmark = pytest.mark.learning
+
+ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
+
+
+def make(**settings: Any) -> Any:
+    return gymnasium.make(f"warehouse_core.gymnasium_env:{ID}", **settings)
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("backend", ["grid", "physics"])
+@pytest.mark.parametrize("render_mode", ["rgb_array", "ansi"])
+def test_stable_baselines_finds_nothing_to_complain_of(
+    form: str, backend: str, render_mode: str
+) -> None:
+    from stable_baselines3.common.env_checker import check_env
+
+    # Every warning is an error; see pyproject.toml.
+    check_env(make(observation=form, backend=backend, render_mode=render_mode).unwrapped)
+
+
+@pytest.mark.parametrize(("form", "policy"), [("dict", "MultiInput"), ("vector", "Mlp")])
+def test_masked_learning_never_chooses_what_does_nothing(form: str, policy: str) -> None:
+    from sb3_contrib import MaskablePPO
+
+    env = make(layout=ROOM, observation=form, max_steps=30)
+    settings = {"n_steps": 64, "batch_size": 32, "n_epochs": 2, "seed": 0, "device": "cpu"}
+    model = MaskablePPO(f"{policy}Policy", env, **settings)
+    model.learn(300)
+    assert model.num_timesteps >= 300
+    observation, info = env.reset(seed=1)
+    useless = 0
+    for _ in range(60):
+        action, _ = model.predict(observation, action_masks=env.unwrapped.action_masks())
+        useless += not info["action_mask"][action]
+        observation, _, terminated, truncated, info = env.step(action)
+        if terminated or truncated:
+            observation, info = env.reset()
+    assert useless == 0
+
+
+def test_learning_with_the_same_seed_gives_the_same_policy() -> None:
+    from sb3_contrib import MaskablePPO
+    from sb3_contrib.common.maskable.utils import get_action_masks
+    from stable_baselines3.common.env_util import make_vec_env
+
+    def weights() -> np.ndarray:
+        envs = make_vec_env(lambda: make(layout=ROOM), n_envs=2, seed=3)
+        model = MaskablePPO("MultiInputPolicy", envs, n_steps=32, n_epochs=1, seed=0, device="cpu")
+        model.learn(128)
+        assert get_action_masks(envs).shape == (2, 7)
+        return np.concatenate([each.detach().numpy().ravel() for each in model.policy.parameters()])
+
+    assert np.array_equal(weights(), weights())

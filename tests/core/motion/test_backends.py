@@ -1,0 +1,127 @@
+from collections.abc import Iterator
+from importlib.metadata import EntryPoint
+from typing import Any
+
+import pytest
+
+from warehouse_core import BackendError, WarehouseEnv
+from warehouse_core.motion import backends as backends_module
+from warehouse_core.motion.backends import GROUP, backend_names, load_backend, make_motion
+from warehouse_core.motion.grid import GridMotion
+
+
+class FakeDistribution:
+    """What an entry point knows of the distribution that brought it."""
+
+    def __init__(self, name: str, extras: list[str]) -> None:
+        self._extras = extras
+        self._name = name
+
+    @property
+    def metadata(self) -> "FakeDistribution":
+        return self
+
+    def get_all(self, _: str) -> list[str] | None:
+        return self._extras or None
+
+    def __getitem__(self, _: str) -> str:
+        return self._name
+
+
+def entry_point(name: str, value: str, distribution: Any = None) -> EntryPoint:
+    point = EntryPoint(name, value, GROUP)
+    vars(point).update(dist=distribution)
+    return point
+
+
+@pytest.fixture
+def install(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
+    """Return a function that makes these entry points the only ones installed."""
+
+    def forget() -> None:
+        backends_module._entry_points.cache_clear()
+        load_backend.cache_clear()
+
+    def install(*points: EntryPoint) -> None:
+        monkeypatch.setattr("importlib.metadata.entry_points", lambda group: list(points))
+        forget()
+
+    forget()
+    yield install
+    monkeypatch.undo()
+    forget()
+
+
+def test_the_grid_is_installed() -> None:
+    assert "grid" in backend_names()
+    assert load_backend("grid") is GridMotion
+
+
+def test_a_backend_is_given_by_name_class_or_instance() -> None:
+    instance = GridMotion(cell_size=0.5)
+    assert type(make_motion("grid")) is type(make_motion(GridMotion)) is GridMotion
+    assert make_motion(instance) is instance
+
+
+def test_an_environment_takes_all_three_and_names_them() -> None:
+    assert WarehouseEnv(backend="grid").backend == "grid"
+    assert WarehouseEnv(backend=GridMotion).backend == "GridMotion"
+    env = WarehouseEnv(backend=GridMotion(cell_size=0.5))
+    assert (env.backend, env.settings.cell_size) == ("GridMotion", 0.5)
+
+
+def test_an_unknown_name_lists_what_is_installed(install: Any) -> None:
+    install(entry_point("rails", "no.such:Rails"), entry_point("grid", "no.such:Grid"))
+    with pytest.raises(BackendError, match="no backend is called 'boat'; installed: grid, rails"):
+        make_motion("boat")
+    install()
+    with pytest.raises(BackendError, match="installed: none"):
+        make_motion("grid")
+
+
+def test_names_are_told_apart_by_case() -> None:
+    with pytest.raises(BackendError, match="'Grid'"):
+        WarehouseEnv(backend="Grid")
+
+
+@pytest.mark.parametrize(
+    ("distribution", "command"),
+    [
+        (FakeDistribution("warehouse-lab", ["physics", "test"]), "'warehouse-lab[physics]'"),
+        (FakeDistribution("other-lab", ["test"]), "'other-lab'"),
+        (FakeDistribution("other-lab", []), "'other-lab'"),
+        (None, "'missing_engine'"),
+    ],
+)
+def test_a_missing_requirement_is_answered_with_the_command(
+    install: Any, distribution: Any, command: str
+) -> None:
+    install(entry_point("physics", "missing_engine.motion:Motion", distribution))
+    with pytest.raises(BackendError) as caught:
+        WarehouseEnv(backend="physics")
+    assert str(caught.value) == (
+        "backend 'physics' needs missing_engine, which is not installed: pip install " + command
+    )
+    assert isinstance(caught.value.__cause__, ImportError)
+
+
+def test_a_backend_that_could_not_be_loaded_is_tried_again(install: Any) -> None:
+    install(entry_point("late", "missing_engine:Motion"))
+    with pytest.raises(BackendError):
+        make_motion("late")
+    backends_module._entry_points()["late"] = entry_point(
+        "late", f"{GridMotion.__module__}:GridMotion"
+    )
+    assert isinstance(make_motion("late"), GridMotion)
+
+
+def test_a_third_party_backend_is_found_by_its_name(install: Any) -> None:
+    install(entry_point("mine", "warehouse_core.motion.grid:GridMotion"))
+    assert backend_names() == ["mine"]
+    assert isinstance(make_motion("mine"), GridMotion)
+
+
+@pytest.mark.parametrize("backend", [None, 5, dict, object(), b"grid"])
+def test_anything_else_is_a_type_error(backend: Any) -> None:
+    with pytest.raises(TypeError, match=r"allowed: a name \(.*grid.*\), or a class or instance"):
+        WarehouseEnv(backend=backend)

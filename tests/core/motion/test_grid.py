@@ -1,0 +1,171 @@
+import math
+import random
+
+import numpy as np
+import pytest
+
+from warehouse_core import DEFAULT_LAYOUT, Contact, Layout, Outcome, random_layout
+from warehouse_core.motion import grid as grid_motion_module
+from warehouse_core.motion.grid import GridMotion, nominal_joules
+
+STAY, NORTH, EAST, SOUTH, WEST = (0, 0), (-1, 0), (0, 1), (1, 0), (0, -1)
+HALL = Layout(["....."] * 5)
+
+
+def started(*cells: tuple[int, int], cell_size: float = 1.0, layout: Layout = HALL) -> GridMotion:
+    motion = GridMotion(cell_size)
+    motion.reset(layout, cells, seed=None)
+    return motion
+
+
+def moved(motion: GridMotion, move: tuple[int, int], loaded: bool = False) -> Outcome:
+    return motion.advance([move], [loaded])[0]
+
+
+def test_a_free_move_takes_the_robot_to_the_next_cell() -> None:
+    outcome = moved(started((2, 2)), SOUTH)
+    assert (outcome.cell, outcome.blocked, outcome.contacts) == ((3, 2), False, ())
+    assert outcome.path.tolist() == [[0, 2.5, 2.5, math.pi / 2], [1, 2.5, 3.5, math.pi / 2]]
+
+
+def test_a_wall_stops_the_robot_and_costs_a_bump() -> None:
+    outcome = moved(started((1, 1), layout=DEFAULT_LAYOUT), WEST)
+    assert (outcome.cell, outcome.blocked) == ((1, 1), True)
+    assert outcome.contacts == (Contact(0.5, 50.0, (1.0, 1.5), "wall"),)
+    assert outcome.path[:, 1:3].tolist() == [[1.5, 1.5], [1.5, 1.5]]
+
+
+def test_a_robot_that_hits_another_names_it() -> None:
+    _, outcome, _ = started((0, 0), (2, 2), (2, 3)).advance([EAST, EAST, STAY], [False] * 3)
+    assert outcome.contacts == (Contact(0.5, 50.0, (3.0, 2.5), "robot 2"),)
+
+
+def test_a_move_costs_what_the_formula_says() -> None:
+    rolling = 0.015 * 50 * 9.81
+    assert nominal_joules(1.0, moving=False) == 20.0
+    assert nominal_joules(1.0, moving=True) == pytest.approx(20 + 25 + rolling)
+    assert nominal_joules(0.5, moving=True) == pytest.approx(20 + 6.25 + rolling / 2)
+
+
+def test_every_action_takes_a_second_and_a_bump_costs_as_much_as_a_move() -> None:
+    motion = started((0, 0))
+    waiting, blocked, free = (moved(motion, move) for move in (STAY, NORTH, SOUTH))
+    assert {outcome.seconds for outcome in (waiting, blocked, free)} == {1.0}
+    assert waiting.joules < blocked.joules == free.joules
+
+
+def test_positions_and_impulses_grow_with_the_cell() -> None:
+    outcome = moved(started((0, 4), cell_size=0.5), EAST)
+    assert outcome.path[0, 1:3].tolist() == [2.25, 0.25]
+    assert outcome.contacts == (Contact(0.5, 25.0, (2.5, 0.25), "wall"),)
+
+
+@pytest.mark.parametrize("cell_size", [0, -1, math.nan, math.inf])
+def test_a_cell_needs_a_size(cell_size: float) -> None:
+    with pytest.raises(ValueError, match="cell_size is"):
+        GridMotion(cell_size)
+
+
+def test_a_robot_starts_heading_east_and_keeps_its_heading_while_it_waits() -> None:
+    motion = started((2, 2))
+    assert moved(motion, STAY).path[0, 3] == 0
+    moved(motion, NORTH)
+    assert moved(motion, STAY).path[0, 3] == pytest.approx(-math.pi / 2)
+    motion.reset(HALL, [(2, 2)], None)
+    assert moved(motion, STAY).path[0, 3] == 0
+
+
+def test_a_robot_turns_even_where_it_is_blocked() -> None:
+    motion = started((0, 0))
+    assert moved(motion, WEST).path[0, 3] == pytest.approx(math.pi)
+    assert moved(motion, STAY).path[0, 3] == pytest.approx(math.pi)
+
+
+def test_a_lone_robot_fares_as_one_beside_a_robot_that_is_far_away() -> None:
+    walls = random_layout(8, 8, 0.3, seed=5)
+    rows = [f"{row}##" for row in walls.rows]
+    rows[0] = rows[0][:-1] + "."
+    layout = Layout(rows)
+    alone, together = started((1, 1), layout=layout), started((1, 1), (0, 9), layout=layout)
+    stream = random.Random(0)
+    for _ in range(300):
+        move, loaded = stream.choice([STAY, NORTH, EAST, SOUTH, WEST]), stream.random() < 0.5
+        first, _ = together.advance([move, STAY], [loaded, False])
+        assert moved(alone, move, loaded) == first
+
+
+def test_what_is_remembered_of_one_layout_is_not_used_in_another() -> None:
+    motion = started((0, 0), layout=Layout([".."]))
+    assert not moved(motion, EAST).blocked
+    motion.reset(Layout([".#"]), [(0, 0)], None)
+    assert moved(motion, EAST).blocked
+
+
+def test_what_is_remembered_has_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(grid_motion_module, "MAX_REMEMBERED", 3)
+    motion = started((0, 0))
+    for _ in range(5):
+        for move in (EAST, SOUTH, WEST, NORTH):
+            moved(motion, move)
+            assert len(motion._lone) <= 3
+
+
+@pytest.mark.parametrize("move", [(2, 0), (1, 1), (-1, -1), (0, -2)])
+def test_a_move_by_more_than_a_cell_is_refused(move: tuple[int, int]) -> None:
+    motion = started((2, 2))
+    with pytest.raises(ValueError, match="of robot 0; allowed"):
+        moved(motion, move)
+    assert moved(motion, STAY).cell == (2, 2)
+    with pytest.raises(ValueError, match="of robot 1; allowed"):
+        started((0, 0), (2, 2)).advance([EAST, move], [False, False])
+
+
+@pytest.mark.parametrize(("moves", "loads"), [(0, 0), (1, 1), (3, 2), (2, 1), (2, 3)])
+def test_every_robot_needs_one_move_and_one_load(moves: int, loads: int) -> None:
+    motion = started((0, 0), (2, 2))
+    message = f"{moves} displacements and {loads} loads for 2 robots"
+    with pytest.raises(ValueError, match=message):
+        motion.advance([EAST] * moves, [False] * loads)
+
+
+def test_a_start_that_is_taken_or_no_floor_is_refused_by_name() -> None:
+    motion = GridMotion()
+    with pytest.raises(ValueError, match="robot 1 cannot stand there: row 0, column 0 is wall"):
+        motion.reset(DEFAULT_LAYOUT, [(1, 1), (0, 0)], None)
+    with pytest.raises(ValueError, match=r"robots 0 and 2 are both given \(1, 1\)"):
+        motion.reset(DEFAULT_LAYOUT, [(1, 1), (1, 2), (1, 1)], None)
+
+
+def test_it_can_be_reset_after_a_close() -> None:
+    motion = started((0, 0))
+    motion.close()
+    with pytest.raises(RuntimeError, match="reset"):
+        moved(motion, EAST)
+    motion.reset(HALL, [(0, 0)], None)
+    assert moved(motion, EAST).cell == (0, 1)
+
+
+def test_the_list_of_starts_may_be_changed_afterwards() -> None:
+    cells = [(0, 0), (2, 2)]
+    motion = GridMotion()
+    motion.reset(HALL, cells, None)
+    cells[0] = (4, 4)
+    assert motion.advance([STAY, STAY], [False, False])[0].cell == (0, 0)
+
+
+def test_outcomes_are_equal_when_every_value_is() -> None:
+    one, twin, other = (moved(started((2, 2)), move) for move in (EAST, EAST, WEST))
+    assert one == twin
+    assert not one != twin  # noqa: SIM202 - the operator itself is what is tested
+    assert one != other
+    assert one != one._replace(path=one.path + 1e-12)
+    assert one != one._replace(joules=one.joules + 1)
+    assert one != "an outcome"
+    assert hash(one) == hash(twin)
+
+
+def test_paths_are_read_only_float64() -> None:
+    path = moved(started((2, 2)), EAST).path
+    assert path.dtype == np.float64
+    with pytest.raises(ValueError, match="read-only"):
+        path[0, 0] = 1

@@ -1,0 +1,295 @@
+import copy
+import math
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core import (
+    Episode,
+    EpisodeRecorder,
+    Layout,
+    RecordError,
+    Settings,
+    WarehouseEnv,
+    record_episode,
+    replay_episode,
+)
+from warehouse_core.files import npz as safe_npz_module
+from warehouse_core.motion.grid import GridMotion
+from warehouse_core.world.actions import ACTIONS
+
+LINE = Layout(["P..D"])
+
+
+class Script:
+    """Carries out a list of actions."""
+
+    def __init__(self, *actions: Any) -> None:
+        self.actions = actions
+
+    def reset(self) -> None:
+        self.left = list(self.actions)
+
+    def act(self, observation: object) -> Any:
+        return self.left.pop(0)
+
+
+def on_line(*actions: Any, **limits: int) -> Episode:
+    env = WarehouseEnv(LINE, start_pos=(0, 0), **limits)
+    return record_episode(env, Script(*actions), seed=5, randomize=False)
+
+
+DELIVERY = ("PICK", "E", "e", 1, np.int64(1), "DROP")
+
+
+# Recording.
+
+
+def test_a_record_holds_every_frame_and_every_step() -> None:
+    episode = on_line(*DELIVERY)
+    assert (episode.layout, episode.seed, episode.agent) == (LINE, 5, "Script")
+    assert episode.settings == Settings("grid", 1.0, (0, 0), 200, 200, 2)
+    assert episode.cells == [(0, 0), (0, 0), (0, 1), (0, 2), (0, 3), (0, 3), (0, 3)]
+    assert episode.loaded == [False, True, True, True, True, True, False]
+    assert episode.battery == [200, 199, 198, 197, 196, 195, 194]
+    assert episode.rewards == pytest.approx([0, 4.9, -0.1, -0.1, -0.1, -1.1, 9.9])
+    assert episode.actions == ["PICK", "E", "e", 1, 1, "DROP"]
+    assert [type(action) for action in episode.actions] == [str, str, str, int, int, str]
+    assert episode.reasons == [""] * 6
+    assert [motion.cell for motion in episode.motions] == episode.cells[1:]
+    assert [motion.blocked for motion in episode.motions] == [False] * 4 + [True, False]
+    assert (episode.terminated, episode.truncated, episode.steps) == (True, False, 6)
+    assert episode.total_reward == pytest.approx(13.4)
+
+
+def test_a_record_starts_where_the_reset_left_the_robot(episode: Episode) -> None:
+    env = WarehouseEnv(max_steps=60)
+    first = env.reset(randomize=True, seed=3)
+    assert episode.layout == env.layout
+    assert episode.cells[0] == first["robot_pos"]
+    assert episode.steps == 60
+
+
+def test_an_agents_reason_is_kept_with_its_action(episode: Episode) -> None:
+    assert len(episode.reasons) == episode.steps
+    assert set(episode.reasons) == {"", "because", "müde"}
+
+
+def test_the_agent_is_reset_before_each_episode() -> None:
+    script, env = Script(*DELIVERY), WarehouseEnv(LINE, start_pos=(0, 0))
+    first, second = (record_episode(env, script, randomize=False) for _ in range(2))
+    assert first == second
+
+
+def test_a_record_is_not_changed_by_what_the_environment_does_next() -> None:
+    env = WarehouseEnv(LINE, start_pos=(0, 0))
+    episode = record_episode(env, Script(*DELIVERY), randomize=False)
+    before = copy.deepcopy(episode)
+    record_episode(env, Script(*["WAIT"] * 200), randomize=True, seed=1)
+    assert episode == before
+
+
+def test_a_recorder_is_driven_by_hand() -> None:
+    env = WarehouseEnv(LINE, start_pos=(0, 0))
+    recorder = EpisodeRecorder(env, agent="me")
+    assert recorder.step("PICK", reason="here it is")["has_item"]
+    assert not recorder.ended
+    assert recorder.episode.outcome == "unfinished"
+    for action in ("E", "E", "E", "DROP"):
+        recorder.step(action)
+    assert recorder.ended
+    assert (recorder.episode.agent, recorder.episode.seed) == ("me", None)
+    assert recorder.episode.reasons == ["here it is", "", "", "", ""]
+
+
+def test_a_step_that_is_refused_is_not_recorded() -> None:
+    recorder = EpisodeRecorder(WarehouseEnv(), agent="me")
+    with pytest.raises(TypeError):
+        recorder.step(1.5)
+    assert recorder.episode.steps == 0
+    assert len(recorder.episode.cells) == 1
+
+
+@pytest.mark.parametrize(
+    ("actions", "limits", "outcome"),
+    [
+        (DELIVERY, {}, "delivered"),
+        (DELIVERY, {"battery": 6}, "delivered"),
+        (DELIVERY, {"max_steps": 6}, "delivered"),
+        (DELIVERY, {"battery": 5}, "battery depleted"),
+        (DELIVERY, {"battery": 5, "max_steps": 5}, "battery depleted"),
+        (DELIVERY, {"max_steps": 5}, "out of time"),
+    ],
+)
+def test_an_outcome_is_named(actions: tuple[Any], limits: dict[str, int], outcome: str) -> None:
+    assert on_line(*actions, **limits).outcome == outcome
+
+
+# What can be drawn and measured.
+
+
+def test_frames_are_what_render_grid_gave() -> None:
+    env = WarehouseEnv()
+    env.reset(randomize=True, seed=2)
+    recorder, frames = EpisodeRecorder(env), [env.render_grid()]
+    for action in ("E", "E", "S", "PICK", "fly"):
+        recorder.step(action)
+        frames.append(env.render_grid())
+    assert recorder.episode.frames == frames
+
+
+def test_a_loaded_robot_is_drawn_as_such() -> None:
+    assert [frame[0] for frame in on_line(*DELIVERY).frames[:3]] == [
+        ["R", ".", ".", "D"],
+        ["r", ".", ".", "D"],
+        ["P", "r", ".", "D"],
+    ]
+
+
+def test_frames_are_fresh_lists() -> None:
+    episode = on_line(*DELIVERY)
+    episode.frames[0][0][0] = "?"
+    assert episode.frames[0][0][0] == "R"
+
+
+def test_metrics_are_the_chapters_four_lists() -> None:
+    metrics = on_line(*DELIVERY).metrics
+    assert metrics.keys() == {"rewards", "battery", "dist_pickup", "dist_dropoff"}
+    assert metrics["rewards"] == pytest.approx([0, 4.9, -0.1, -0.1, -0.1, -1.1, 9.9])
+    assert metrics["battery"] == [200, 199, 198, 197, 196, 195, 194]
+    assert metrics["dist_pickup"] == [0, 0, 1, 2, 3, 3, 3]
+    assert metrics["dist_dropoff"] == [3, 3, 2, 1, 0, 0, 0]
+
+
+def test_a_distance_to_no_station_is_nan() -> None:
+    env = WarehouseEnv(["..D"], start_pos=(0, 0), max_steps=1)
+    metrics = record_episode(env, Script("E"), randomize=False).metrics
+    assert all(math.isnan(distance) for distance in metrics["dist_pickup"])
+    assert metrics["dist_dropoff"] == [2, 1]
+
+
+# Files.
+
+
+def test_a_record_loads_as_it_was_saved(episode: Episode, saved: Path) -> None:
+    loaded = Episode.load(saved)
+    assert loaded == episode
+    assert loaded.motions == episode.motions
+    assert loaded.total_reward == episode.total_reward
+    kinds = {type(value) for cell in loaded.cells for value in cell}
+    kinds |= {type(value) for value in loaded.battery}
+    assert kinds == {int}
+    assert {type(value) for value in loaded.rewards} == {float}
+    assert {type(value) for value in loaded.loaded} == {bool}
+    assert [type(a) for a in loaded.actions] == [type(a) for a in episode.actions]
+    assert any(motion.contacts for motion in loaded.motions)
+    assert not any(motion.path.flags.writeable for motion in loaded.motions)
+
+
+def test_records_that_differ_in_one_value_are_not_equal(episode: Episode) -> None:
+    twin = copy.deepcopy(episode)
+    assert twin == episode
+    twin.motions[3] = twin.motions[3]._replace(path=twin.motions[3].path + 1e-12)
+    assert twin != episode
+
+
+@given(
+    st.lists(st.sampled_from(ACTIONS) | st.integers() | st.text(max_size=3), max_size=12),
+    st.none() | st.integers(),
+)
+def test_any_actions_survive_a_file(actions: list[str | int], seed: int | None) -> None:
+    env = WarehouseEnv()
+    env.reset(seed=seed)
+    recorder = EpisodeRecorder(env, seed=seed, agent="any")
+    for action in actions:
+        recorder.step(action, reason=str(action))
+    with tempfile.TemporaryDirectory() as folder:
+        recorder.episode.save(Path(folder) / "any.npz")
+        assert Episode.load(Path(folder) / "any.npz") == recorder.episode
+
+
+def test_a_record_without_a_step_survives_a_file(tmp_path: Path) -> None:
+    episode = EpisodeRecorder(WarehouseEnv()).episode
+    episode.save(tmp_path / "empty.npz")
+    assert Episode.load(tmp_path / "empty.npz") == episode
+
+
+def test_saving_twice_gives_the_same_arrays(episode: Episode, tmp_path: Path) -> None:
+    for name in ("one.npz", "two.npz"):
+        episode.save(tmp_path / name)
+    with np.load(tmp_path / "one.npz") as one, np.load(tmp_path / "two.npz") as two:
+        assert one.files == two.files
+        assert all(np.array_equal(one[name], two[name]) for name in one.files)
+
+
+def test_a_record_too_large_is_refused_before_a_file_is_begun(
+    episode: Episode, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(safe_npz_module, "MAX_BYTES", 1000)
+    with pytest.raises(RecordError, match=r"large\.npz: .* are more than MAX_BYTES = 1000"):
+        episode.save(tmp_path / "large.npz")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_save_that_fails_half_way_leaves_the_file_before_it(
+    episode: Episode, saved: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = saved.read_bytes()
+
+    def half(file: Any, **arrays: Any) -> None:
+        file.write(b"half of a record")
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(np, "savez_compressed", half)
+    with pytest.raises(OSError, match="no space left"):
+        episode.save(saved)
+    assert saved.read_bytes() == before
+    assert list(saved.parent.iterdir()) == [saved]
+
+
+# Running it again.
+
+
+def test_a_replay_is_equal_bit_for_bit(episode: Episode) -> None:
+    assert replay_episode(episode) == episode
+
+
+def test_a_loaded_record_replays_as_well(episode: Episode, saved: Path) -> None:
+    assert replay_episode(Episode.load(saved)) == episode
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_greedy_episodes_replay_from_wherever_they_began(seed: int) -> None:
+    env = WarehouseEnv(battery=60, view_radius=1)
+    episode = record_episode(env, GreedyAgent(seed=seed), seed=seed)
+    assert replay_episode(episode) == episode
+
+
+def test_a_replay_uses_the_radius_and_budgets_of_the_record() -> None:
+    env = WarehouseEnv(LINE, (0, 1), 7, 3, 1)
+    episode = record_episode(env, Script("E", "E", "E"), randomize=False)
+    assert replay_episode(episode).settings == episode.settings
+    assert replay_episode(episode) == episode
+
+
+def test_a_replay_on_another_backend_keeps_the_rules_and_names_the_backend(
+    episode: Episode,
+) -> None:
+    replayed = replay_episode(episode, backend=GridMotion(cell_size=0.5))
+    assert replayed.rewards == episode.rewards
+    assert replayed.cells == episode.cells
+    assert replayed.settings.backend == "GridMotion"
+    assert replayed.settings.cell_size == 0.5
+    assert replayed.motions != episode.motions
+
+
+def test_a_replay_leaves_the_record_alone(episode: Episode) -> None:
+    before = copy.deepcopy(episode)
+    replay_episode(episode)
+    assert episode == before

@@ -1,0 +1,223 @@
+import json
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from typing import Any
+
+import numpy as np
+import pytest
+
+from warehouse_core import Episode, RecordError
+from warehouse_core.files.npz import Arrays
+from warehouse_core.records.episode_arrays import EPISODE_SCHEMA, pack_fields, unpack_fields
+from warehouse_core.world.layout import MAX_CELLS
+
+Load = Callable[..., Episode]
+
+
+def as_text(header: object) -> np.ndarray:
+    return np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
+
+
+def header_of(arrays: Arrays) -> dict[str, Any]:
+    return json.loads(arrays["header"].tobytes())
+
+
+def refused(load: Load, **changed: np.ndarray) -> str:
+    with pytest.raises(RecordError) as caught:
+        load(**changed)
+    return str(caught.value)
+
+
+def changed_at(array: np.ndarray, place: Any, value: Any) -> np.ndarray:
+    changed = array.copy()
+    changed[place] = value
+    return changed
+
+
+def test_fields_come_back_as_they_were(episode: Episode) -> None:
+    fields = {name: getattr(episode, name) for name in episode.__slots__}
+    arrays = pack_fields(fields)
+    assert arrays.keys() == EPISODE_SCHEMA.keys()
+    typed = {name: arrays[name].astype(dtype) for name, (dtype, _) in EPISODE_SCHEMA.items()}
+    assert unpack_fields(typed) == fields
+
+
+def test_the_file_can_be_read_with_numpy_and_json_alone(arrays: Arrays, episode: Episode) -> None:
+    header = header_of(arrays)
+    assert header["format"] == "warehouse-lab episode 1"
+    assert [header["actions"][code] for code in arrays["actions"]] == episode.actions
+    assert arrays["layout"].tobytes().decode() == "".join(episode.layout.rows)
+    assert arrays["rewards"].tolist() == episode.rewards
+
+
+# The header.
+
+
+@pytest.mark.parametrize("text", [b"", b"{", b"\xff", b"[" * 50_000, b"nonsense", b"9" * 5000])
+def test_a_header_that_is_no_json_is_refused(load_changed: Load, text: bytes) -> None:
+    message = refused(load_changed, header=np.frombuffer(text, dtype=np.uint8))
+    assert "its header is no JSON text" in message
+
+
+@pytest.mark.parametrize("header", [None, [], 5, "text", {}, {"format": "warehouse-lab episode 2"}])
+def test_a_header_of_another_format_is_refused(load_changed: Load, header: object) -> None:
+    message = refused(load_changed, header=as_text(header))
+    assert "its format is not 'warehouse-lab episode 1'" in message
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *[("seed", bad) for bad in (1.0, "1", True, [1])],
+        *[("agent", bad) for bad in (None, 5, ["agent"])],
+        *[("terminated", bad) for bad in (None, 0, 1, "true")],
+        *[("truncated", bad) for bad in (None, 0, 1, "true")],
+        *[
+            ("actions", bad)
+            for bad in (None, 5, {"N": 0}, ["N", None], ["N", 1.0], [True], [["N"]])
+        ],
+        *[("reasons", bad) for bad in (None, "greedy", [5], [None])],
+        *[("counterparts", bad) for bad in (None, "wall", [5], [["wall"]])],
+        *[("settings", bad) for bad in (None, [], {}, "grid")],
+    ],
+)
+def test_a_header_with_a_bad_value_is_refused(
+    arrays: Arrays, load_changed: Load, name: str, value: object
+) -> None:
+    header = header_of(arrays)
+    assert name in refused(load_changed, header=as_text(header | {name: value}))
+    del header[name]
+    assert name in refused(load_changed, header=as_text(header))
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0, 0.0])
+def test_settings_are_checked(arrays: Arrays, load_changed: Load, value: float) -> None:
+    header = header_of(arrays)
+    header["settings"]["cell_size"] = value
+    assert "cell_size is" in refused(load_changed, header=as_text(header))
+
+
+@pytest.mark.parametrize("name", ["actions", "reasons", "counterparts"])
+def test_a_vocabulary_that_is_too_short_is_refused(
+    arrays: Arrays, load_changed: Load, name: str
+) -> None:
+    header = header_of(arrays)
+    header[name] = header[name][:-1]
+    assert "has a code outside" in refused(load_changed, header=as_text(header))
+
+
+# The columns.
+
+
+@pytest.mark.parametrize("name", ["actions", "reasons"])
+@pytest.mark.parametrize("code", [-1, 1000, 2**31 - 1])
+def test_a_code_beyond_the_vocabulary_is_refused(
+    arrays: Arrays, load_changed: Load, name: str, code: int
+) -> None:
+    message = refused(load_changed, **{name: changed_at(arrays[name], 5, code)})
+    assert f"{name} has a code outside" in message
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_a_reward_that_is_not_finite_is_refused(
+    arrays: Arrays, load_changed: Load, value: float
+) -> None:
+    rewards = changed_at(arrays["rewards"], 7, value)
+    assert "a reward is not finite" in refused(load_changed, rewards=rewards)
+
+
+@pytest.mark.parametrize("name", ["cells", "loaded", "battery", "rewards", "reasons", "actions"])
+def test_columns_of_different_lengths_are_refused(
+    arrays: Arrays, load_changed: Load, name: str
+) -> None:
+    assert "steps" in refused(load_changed, **{name: arrays[name][:-1]})
+    assert "steps" in refused(load_changed, **{name: arrays[name][:0]})
+
+
+def test_cells_without_two_columns_are_refused(arrays: Arrays, load_changed: Load) -> None:
+    for cells in (arrays["cells"][:, :1], np.repeat(arrays["cells"], 2, axis=1)):
+        assert "no (row, column) pairs" in refused(load_changed, cells=cells)
+
+
+@pytest.mark.parametrize(
+    ("cell", "message"),
+    [
+        ((0, 0), "row 0, column 0 is wall"),
+        ((7, 1), "row 7, column 1 is off the grid"),
+        ((-1, -1), "row -1, column -1 is off the grid"),
+        ((2**31 - 1, 1), "row 2147483647, column 1 is off the grid"),
+    ],
+)
+def test_a_robot_in_a_wall_is_refused(
+    arrays: Arrays, load_changed: Load, cell: tuple[int, int], message: str
+) -> None:
+    cells = changed_at(arrays["cells"], 9, cell)
+    assert f"no robot can be where {message}" in refused(load_changed, cells=cells)
+
+
+def test_motions_that_end_elsewhere_than_the_robot_was_are_refused(
+    arrays: Arrays, load_changed: Load
+) -> None:
+    cells = changed_at(arrays["motion_cells"], 2, (0, 0))
+    assert "other cells" in refused(load_changed, motion_cells=cells)
+
+
+@pytest.mark.parametrize("start", [[0, 0], [7, 1], [-1, 1], [10**30, 1]])
+def test_a_start_in_a_wall_is_refused(arrays: Arrays, load_changed: Load, start: list[int]) -> None:
+    header = header_of(arrays)
+    header["settings"]["start_pos"] = start
+    assert "no robot can be where row" in refused(load_changed, header=as_text(header))
+
+
+# The layout.
+
+
+@pytest.mark.parametrize("tile", [0, ord("R"), ord("\n"), 0xFF])
+def test_an_unknown_tile_is_refused(arrays: Arrays, load_changed: Load, tile: int) -> None:
+    refused(load_changed, layout=changed_at(arrays["layout"], (2, 3), tile))
+
+
+@pytest.mark.parametrize("shape", [(0, 0), (0, 12), (7, 0), (10**6, 0), (2**40, 0)])
+def test_a_layout_without_tiles_is_refused_in_no_time(
+    load_changed: Load,
+    little_memory: Callable[[], AbstractContextManager[None]],
+    shape: tuple[int, int],
+) -> None:
+    with little_memory():
+        message = refused(load_changed, layout=np.zeros(shape, dtype=np.uint8))
+    assert f"layout: {shape} tiles; there must be 1..{MAX_CELLS}" in message
+
+
+def test_a_layout_above_the_limit_is_refused_before_its_rows_are_made(
+    load_changed: Load, little_memory: Callable[[], AbstractContextManager[None]]
+) -> None:
+    layout = np.full((MAX_CELLS + 1, 1), ord("."), dtype=np.uint8)
+    with little_memory():
+        assert f"there must be 1..{MAX_CELLS}" in refused(load_changed, layout=layout)
+
+
+# What the file holds besides.
+
+
+@pytest.mark.parametrize("name", EPISODE_SCHEMA)
+def test_another_dtype_is_refused(arrays: Arrays, load_changed: Load, name: str) -> None:
+    other = np.float32 if name != "rewards" else np.int64
+    assert f"array {name} is" in refused(load_changed, **{name: arrays[name].astype(other)})
+
+
+@pytest.mark.parametrize("name", EPISODE_SCHEMA)
+def test_another_number_of_dimensions_is_refused(
+    arrays: Arrays, load_changed: Load, name: str
+) -> None:
+    assert f"array {name} is" in refused(load_changed, **{name: arrays[name][..., np.newaxis]})
+
+
+@pytest.mark.parametrize("name", EPISODE_SCHEMA)
+def test_an_array_of_objects_is_refused(arrays: Arrays, load_changed: Load, name: str) -> None:
+    assert f"array {name} is object" in refused(load_changed, **{name: arrays[name].astype(object)})
+
+
+def test_an_array_too_many_is_refused(load_changed: Load) -> None:
+    count = len(EPISODE_SCHEMA)
+    message = refused(load_changed, more=np.zeros(1))
+    assert f"{count + 1} arrays; there must be {count}" in message

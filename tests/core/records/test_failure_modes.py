@@ -1,0 +1,587 @@
+import copy
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core import Cell, Episode, EpisodeRecorder, Layout, WarehouseEnv, record_episode
+from warehouse_core.motion.grid import GridMotion
+from warehouse_core.records.failure_modes import (
+    CAUSE_SHARE,
+    FEW_CELLS,
+    LOST_SHARE,
+    MODES,
+    PROOF,
+    ROUNDS,
+    Diagnosis,
+    diagnose,
+    fewest_steps,
+)
+from warehouse_core.world.actions import ACTIONS
+from warehouse_physics import Disturbances, RigidBodyMotion
+
+WORDS = {"p": "PICK", "d": "DROP", ".": "WAIT"}
+
+LINE = ["P..D"]
+LONG = ["P" + "." * 40 + "D"]
+HALL = ["P......", ".......", ".......", "......D"]
+RING = [".....", ".###.", ".###.", ".....", "....P", "....D"]
+ROUND = "EEEESSSWWWWNNN"
+"""Once round the block of ``RING`` from its north-west corner."""
+POCKET = ["......", ".###..", "...#.P", ".###..", "D....."]
+"""From the west a robot that drives straight to the pickup is caught in the middle."""
+
+
+def drive(
+    rows: Sequence[str], start: Cell, actions: str, *, loaded: bool = False, **settings: Any
+) -> Episode:
+    """Carry out actions, a letter each, or as many of them as the episode lasts."""
+    env = WarehouseEnv(list(rows), start, **settings)
+    env.state.has_item = loaded
+    recorder = EpisodeRecorder(env)
+    for letter in actions:
+        if not recorder.ended:
+            recorder.step(WORDS.get(letter, letter))
+    return recorder.episode
+
+
+def named(*args: Any, **settings: Any) -> Diagnosis:
+    return diagnose(drive(*args, **settings))
+
+
+class Missing(GridMotion):
+    """Carries out another move than it is told to at some steps, with nothing in the way."""
+
+    def __init__(self, steps: Iterable[int], instead: Cell = (0, 0)) -> None:
+        super().__init__()
+        self.steps, self.instead, self.step = set(steps), instead, -1
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Any:
+        self.step += 1
+        return super().advance([self.instead] if self.step in self.steps else displacements, loaded)
+
+
+EXAMPLES = {
+    "delivered": drive(LINE, (0, 0), "pEEEd"),
+    "unreachable": drive(["P#.D"], (0, 2), "EW" * 20, max_steps=40),
+    "stalled": drive(LINE, (0, 1), "E" * 20, max_steps=20, backend=Missing(range(20))),
+    "oscillation": drive(HALL, (1, 3), "EW" * 20, max_steps=40),
+    "wandering": drive(HALL, (1, 0), "EEEESSWWWWNN" * 2, max_steps=24),
+    "battery depleted": drive(LONG, (0, 20), "W" * 15, battery=15),
+    "out of time": drive(LONG, (0, 20), "W" * 15, max_steps=15),
+    "unfinished": drive(LONG, (0, 20), "W" * 15),
+}
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_every_mode_has_an_example(mode: str) -> None:
+    assert diagnose(EXAMPLES[mode]).mode == mode
+
+
+def test_there_are_no_other_modes() -> None:
+    assert tuple(EXAMPLES) == MODES
+
+
+def test_the_thresholds_are_those_that_were_found_by_watching_replays() -> None:
+    assert (PROOF, FEW_CELLS, ROUNDS, CAUSE_SHARE, LOST_SHARE) == (8, 4, 3, 0.4, 0.5)
+
+
+# Delivered.
+
+
+def test_a_delivery_is_compared_with_the_shortest_way() -> None:
+    sentence = "delivered in 7 steps; the shortest way takes 5"
+    assert named(LINE, (0, 0), "p.EEE.d") == ("delivered", ((0, 3),), 7, 5, sentence)
+
+
+def test_a_delivery_is_one_however_it_came_about() -> None:
+    assert named(LINE, (0, 0), "EW" * 50 + "." * 50 + "pEEEd").mode == "delivered"
+
+
+def test_a_delivery_with_the_last_battery_unit_is_a_delivery() -> None:
+    assert named(LINE, (0, 0), "pEEEd", battery=5, max_steps=5).mode == "delivered"
+
+
+def test_a_robot_that_starts_loaded_needs_no_pickup() -> None:
+    assert named(["..D"], (0, 0), "EEd", loaded=True)[:4] == ("delivered", ((0, 2),), 3, 3)
+
+
+# Unreachable.
+
+
+@pytest.mark.parametrize(
+    ("rows", "loaded", "cells", "sentence"),
+    [
+        (["...."], False, (), "there is no pickup"),
+        (["D..."], False, (), "there is no pickup"),
+        (["P..."], False, (), "there is no dropoff"),
+        (["P..."], True, (), "there is no dropoff"),
+        ([".D#P"], False, ((0, 3),), "no way leads from (0, 0) to the pickup at (0, 3)"),
+        ([".P#D"], False, ((0, 3),), "no way leads from (0, 0) to the dropoff at (0, 3)"),
+        ([".P#D"], True, ((0, 3),), "no way leads from (0, 0) to the dropoff at (0, 3)"),
+        ([".#PD"], False, ((0, 2),), "no way leads from (0, 0) to the pickup at (0, 2)"),
+        ([".#PD"], True, ((0, 3),), "no way leads from (0, 0) to the dropoff at (0, 3)"),
+        (
+            [".#PP", ".#PD"],
+            False,
+            ((0, 2), (0, 3), (1, 2)),
+            "no way leads from (0, 0) to the pickup at (0, 2), (0, 3) or (1, 2)",
+        ),
+    ],
+)
+def test_what_is_cut_off_is_named(
+    rows: list[str], loaded: bool, cells: tuple[Cell, ...], sentence: str
+) -> None:
+    found = named(rows, (0, 0), "." * 30, loaded=loaded, max_steps=30)
+    assert found == ("unreachable", cells, 30, None, sentence)
+
+
+@pytest.mark.parametrize(
+    ("rows", "loaded"),
+    [([".D#P"], True), ([".PD#P"], False), ([".PD#D"], False), ([".PD#PD"], False)],
+)
+def test_one_station_that_can_be_reached_is_enough(rows: list[str], loaded: bool) -> None:
+    assert named(rows, (0, 0), "", loaded=loaded).mode == "unfinished"
+
+
+def test_a_robot_put_where_no_way_leads_on_is_cut_off_there() -> None:
+    env = WarehouseEnv(["PD#."], (0, 0))
+    recorder = EpisodeRecorder(env)
+    env.state.robot_pos = (0, 3)
+    recorder.step("WAIT")
+    assert diagnose(recorder.episode).mode == "unreachable"
+
+
+def test_a_robot_put_where_a_way_leads_on_has_not_come_nearer() -> None:
+    env = WarehouseEnv(["PD#."], (0, 3))
+    recorder = EpisodeRecorder(env)
+    env.state.robot_pos = (0, 0)
+    recorder.step("WAIT")
+    sentence = "it was stopped 3 steps short of the delivery"
+    assert diagnose(recorder.episode) == ("unfinished", ((0, 0),), 3, None, sentence)
+    for _ in range(PROOF):
+        recorder.step("WAIT")
+    assert diagnose(recorder.episode).mode == "oscillation"
+
+
+# Stalled.
+
+
+def test_a_robot_that_mostly_misses_its_cell_is_stalled() -> None:
+    backend = Missing(range(2, 20))
+    found = named(LONG, (0, 20), "W" * 20, max_steps=20, backend=backend)
+    sentence = "18 of 20 steps missed their cell with nothing in the way, 18 of them from (0, 18)"
+    assert found == ("stalled", ((0, 18),), 18, 21 + 1 + 40 + 1 - 0, sentence)
+
+
+def test_the_cell_of_most_misses_is_the_evidence() -> None:
+    backend = Missing([0, 1, 2, *range(4, 12), *range(14, 18)])
+    found = named(LONG, (0, 20), "W" * 18, max_steps=18, backend=backend)
+    assert (found.mode, found.cells, found.steps) == ("stalled", ((0, 19),), 15)
+    assert "8 of them from (0, 19)" in found.sentence
+
+
+def test_a_wait_that_ends_elsewhere_missed_its_cell() -> None:
+    found = named(HALL, (1, 3), ".E" * 10, backend=Missing(range(0, 20, 2), instead=(0, -1)))
+    assert (found.mode, found.steps) == ("stalled", 10)
+
+
+@pytest.mark.parametrize(("misses", "mode"), [(PROOF - 1, "unfinished"), (PROOF, "stalled")])
+def test_few_misses_prove_nothing(misses: int, mode: str) -> None:
+    assert named(LONG, (0, 40), "W" * 20, backend=Missing(range(misses))).mode == mode
+
+
+@pytest.mark.parametrize(("bumps", "mode"), [(18, "stalled"), (19, "oscillation")])
+def test_misses_that_make_up_little_of_the_loss_are_not_its_cause(bumps: int, mode: str) -> None:
+    actions = "W" * 12 + "N" * bumps
+    assert named(LONG, (0, 40), actions, backend=Missing(range(12))).mode == mode
+
+
+def test_misses_that_lose_nothing_are_no_stall() -> None:
+    slides_on = Missing(range(0, 36, 2), instead=(0, -1))
+    assert named(LONG, (0, 40), ".W" * 18, backend=slides_on).mode == "unfinished"
+
+
+def test_a_wall_in_the_way_is_no_miss() -> None:
+    assert named(LINE, (0, 1), "N" * 40).mode == "oscillation"
+
+
+@pytest.mark.parametrize(
+    ("disturbances", "cell"),
+    [
+        (Disturbances(motor_strength=0.0), (0, 9)),
+        (Disturbances(slippery=frozenset({(0, 6)}), grip=0.0), (0, 6)),
+    ],
+    ids=["no motor", "ice"],
+)
+def test_a_robot_without_force_or_grip_is_stalled(disturbances: Disturbances, cell: Cell) -> None:
+    backend = RigidBodyMotion(disturbances=disturbances)
+    env = WarehouseEnv(["P.........D"], (0, 9), max_steps=40, backend=backend)
+    found = diagnose(record_episode(env, GreedyAgent(seed=0), seed=0, randomize=False))
+    assert (found.mode, found.cells) == ("stalled", (cell,))
+
+
+# Oscillation.
+
+
+@pytest.mark.parametrize(
+    ("actions", "cells", "sentence"),
+    [
+        ("EW" * 20, ((1, 3), (1, 4)), "swung between (1, 3) and (1, 4) for the last 40 steps"),
+        (
+            "EWWE" * 10,
+            ((1, 3), (1, 4), (1, 2)),
+            "swung between (1, 3), (1, 4) and (1, 2) for the last 40 steps",
+        ),
+        (
+            "ESWN" * 10,
+            ((1, 3), (1, 4), (2, 4), (2, 3)),
+            "swung between (1, 3), (1, 4), (2, 4) and (2, 3) for the last 40 steps",
+        ),
+        ("." * 40, ((1, 3),), "stood on (1, 3) for the last 40 steps"),
+        ("Npd" * 20, ((0, 3),), "stood on (0, 3) for the last 59 steps"),
+        ("..N.N.S" * 9, ((1, 3), (0, 3)), "swung between (1, 3) and (0, 3) for the last 63 steps"),
+        (
+            "WWE" + "NS" * 9,
+            ((1, 2), (0, 2)),
+            "swung between (1, 2) and (0, 2) for the last 18 steps",
+        ),
+        ("WNSE" + "." * 20, ((1, 3),), "stood on (1, 3) for the last 20 steps"),
+    ],
+)
+def test_what_it_swung_between_is_named(
+    actions: str, cells: tuple[Cell, ...], sentence: str
+) -> None:
+    found = named(HALL, (1, 3), actions)
+    assert (found.mode, found.cells, found.sentence) == ("oscillation", cells, sentence)
+    assert f" {found.steps} steps" in sentence
+
+
+def test_a_cell_that_was_only_passed_is_no_evidence() -> None:
+    assert named(HALL, (1, 0), "EE" + "EW" * 20).cells == ((1, 2), (1, 3))
+
+
+def test_of_two_patterns_the_one_of_fewer_cells_is_named() -> None:
+    found = named(HALL, (1, 3), "ESWN" * 5 + "EW" * 20)
+    assert (found.cells, found.steps) == (((1, 3), (1, 4)), 40)
+    found = named(HALL, (1, 3), "ESWN" * 20 + "EW" * 5)
+    assert (len(found.cells), found.steps) == (4, 90)
+
+
+def test_a_swing_without_the_item_is_none_with_it() -> None:
+    found = named(["DP..."], (0, 1), "EW" * 6 + "p" + "EW" * 6, max_steps=25)
+    assert (found.mode, found.steps) == ("oscillation", 12)
+
+
+@pytest.mark.parametrize(("swings", "mode"), [(PROOF - 1, "unfinished"), (PROOF, "oscillation")])
+def test_a_short_swing_proves_nothing(swings: int, mode: str) -> None:
+    # The way back from where the swing may end is one step that is not lost.
+    assert named(LONG, (0, 40), "W" * 20 + ("NS" * PROOF)[:swings]).mode == mode
+
+
+@pytest.mark.parametrize(("bumps", "mode"), [(15, "wandering"), (16, "oscillation")])
+def test_a_swing_that_makes_up_little_of_the_loss_is_not_its_cause(bumps: int, mode: str) -> None:
+    assert named(HALL, (1, 0), "EEEESSWWWWNN" * 2 + "W" * bumps).mode == mode
+
+
+def test_stuck_in_two_places_it_is_named_after_the_last() -> None:
+    found = named(HALL, (1, 0), "EW" * 13 + "SEEEES" + "EW" * 12)
+    assert (found.mode, found.cells, found.steps) == ("oscillation", ((3, 4), (3, 5)), 24)
+
+
+def test_a_pattern_that_ended_early_is_not_the_cause() -> None:
+    assert named(HALL, (1, 0), "EW" * 20 + "EESSWWNN" * 2 + "ESEESW").mode == "wandering"
+
+
+@pytest.mark.parametrize(
+    ("cells", "mode"), [(FEW_CELLS, "oscillation"), (FEW_CELLS + 1, "wandering")]
+)
+def test_a_few_cells_in_any_order_are_a_pattern(cells: int, mode: str) -> None:
+    ways = ["E" * (cells - 2) + "WE" * k + "E" + "W" * (cells - 1) for k in range(1, 5)]
+    assert named(HALL, (1, 0), "".join(ways)).mode == mode
+
+
+@pytest.mark.parametrize(("visits", "mode"), [(0, "oscillation"), (-1, "wandering")])
+def test_more_cells_are_one_when_they_recur_in_order(visits: int, mode: str) -> None:
+    moves = ROUNDS * len(ROUND) - 1 + visits
+    assert named(RING, (0, 0), (ROUND * ROUNDS)[:moves]).mode == mode
+
+
+def test_a_loop_is_named_with_all_its_cells() -> None:
+    found = named(RING, (0, 0), "E.N" + ROUND[1:] + ROUND * 4)
+    sentence = "went round and round over 14 cells, (0, 0) among them, for the last 72 steps"
+    assert (found.mode, found.steps, found.sentence) == ("oscillation", 72, sentence)
+    assert found.cells[:3] == ((0, 0), (0, 1), (0, 2))
+    assert len(set(found.cells)) == len(found.cells) == 14
+
+
+def test_a_loop_may_begin_late() -> None:
+    found = named(RING, (3, 4), "NNNWWWW" + ROUND * 4)
+    assert (found.mode, found.steps) == ("oscillation", 56)
+
+
+def test_a_figure_of_eight_is_a_loop() -> None:
+    found = named(HALL, (1, 3), "EESSWWNNWWSSEENN" * 4)
+    assert (found.mode, len(found.cells), found.steps) == ("oscillation", 13, 64)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_in_a_pocket_the_greedy_agent_oscillates_unless_it_escapes(seed: int) -> None:
+    def sent(escape_steps: int) -> Diagnosis:
+        env = WarehouseEnv(POCKET, (2, 0), battery=60)
+        agent = GreedyAgent(seed, escape_steps=escape_steps)
+        return diagnose(record_episode(env, agent, randomize=False))
+
+    assert sent(0)[:3] == ("oscillation", ((2, 1), (2, 2)), 59)
+    assert sent(3).mode in ("wandering", "delivered")
+
+
+@pytest.mark.parametrize("more", range(8))
+def test_a_loop_that_begins_as_it_goes_on_is_one_wherever_it_is_cut(more: int) -> None:
+    actions = ("WEWEESWN" * 6)[: 40 + more]
+    found = named(HALL, (1, 3), actions)
+    assert (found.mode, len(found.cells), found.steps) == ("oscillation", 5, len(actions))
+
+
+# Wandering.
+
+
+def test_moves_that_bring_it_no_nearer_are_wandering() -> None:
+    found = named(HALL, (1, 0), "EEEESSWWWWNN" * 2)
+    sentence = "came no nearer in 24 moves over 12 cells"
+    assert found == ("wandering", ((1, 0),), 24, 12, sentence)
+
+
+@pytest.mark.parametrize(("straight", "mode"), [(13, "wandering"), (14, "unfinished")])
+def test_wandering_begins_where_half_of_the_moves_are_lost(straight: int, mode: str) -> None:
+    found = named(LONG, (0, 40), "WWE" * 13 + "W" * straight)
+    assert found.mode == mode
+    if mode == "wandering":
+        assert found.steps == 26
+        assert found.sentence == "came 26 steps nearer to the delivery in 52 moves over 27 cells"
+
+
+@pytest.mark.parametrize(("moves", "mode"), [(PROOF - 1, "unfinished"), (PROOF, "wandering")])
+def test_a_few_moves_prove_nothing(moves: int, mode: str) -> None:
+    assert named(HALL, (1, 0), "EESSWWNN"[:moves]).mode == mode
+
+
+def test_to_wait_on_the_way_is_not_to_wander() -> None:
+    assert named(LONG, (0, 40), "W...N." * 30).mode == "unfinished"
+
+
+@pytest.mark.parametrize(
+    ("actions", "mode"), [("EW" * 6, "oscillation"), ("EEESSWWWNN" * 2, "wandering")]
+)
+def test_other_misses_are_told_as_well(actions: str, mode: str) -> None:
+    found = named(HALL, (1, 0), "WW" + actions, backend=Missing(range(2)))
+    assert found.mode == mode
+    assert found.sentence.endswith("; 2 steps missed their cell")
+
+
+def test_nearer_as_the_crow_flies_is_not_nearer() -> None:
+    # Straight towards the pickup, into a dead end: every step makes the way longer.
+    rows = ["...........", ".#########.", ".........#P", ".#########.", "D.........."]
+    found = named(rows, (2, 0), "EEEEEEEE")
+    assert (found.mode, found.steps) == ("wandering", 8)
+
+
+# Used up on the way.
+
+
+@pytest.mark.parametrize(
+    ("settings", "mode", "ending"),
+    [
+        ({"battery": 15}, "battery depleted", "the battery ran out"),
+        ({"max_steps": 15}, "out of time", "the time ran out"),
+        ({"battery": 15, "max_steps": 15}, "battery depleted", "the battery ran out"),
+        ({}, "unfinished", "it was stopped"),
+    ],
+)
+def test_on_the_way_it_is_the_budget_that_ended_first(
+    settings: dict[str, int], mode: str, ending: str
+) -> None:
+    episode = drive(LONG, (0, 20), "W" * 15, **settings)
+    sentence = f"{ending} 48 steps short of the delivery; the shortest way takes 63"
+    assert diagnose(episode) == (mode, ((0, 5),), 48, 63, sentence)
+    assert episode.outcome == mode
+
+
+def test_one_step_short_is_said_as_such() -> None:
+    found = named(LINE, (0, 0), "pEEE", max_steps=4)
+    assert (
+        found.sentence == "the time ran out 1 step short of the delivery; the shortest way takes 5"
+    )
+
+
+def test_before_its_first_step_an_episode_is_unfinished() -> None:
+    assert named(LINE, (0, 1), "")[:4] == ("unfinished", ((0, 1),), 6, 6)
+
+
+# The fewest steps.
+
+
+def fewest_by_trying(layout: Layout, cell: Cell, loaded: bool) -> int | None:
+    """Try every action in every state of an environment, until one of them delivers."""
+    env = WarehouseEnv(layout, cell, max_steps=10**9, battery=10**9)
+    known, states, steps = {(cell, loaded)}, [(cell, loaded)], 0
+    while states:
+        steps += 1
+        ahead = []
+        for state in states:
+            for action in range(len(ACTIONS)):
+                env.state.robot_pos, env.state.has_item = state
+                if env.advance(action)[1]:
+                    return steps
+                after = (env.state.robot_pos, env.state.has_item)
+                if after not in known:
+                    known.add(after)
+                    ahead.append(after)
+        states = ahead
+    return None
+
+
+LAYOUTS = st.integers(1, 5).flatmap(
+    lambda width: st.lists(
+        st.text("...##PD", min_size=width, max_size=width), min_size=1, max_size=4
+    )
+).filter(lambda rows: any(set(row) != {"#"} for row in rows)).map(Layout)  # fmt: skip
+
+
+@given(LAYOUTS, st.data())
+def test_the_fewest_steps_are_what_trying_everything_finds(layout: Layout, data: Any) -> None:
+    cells = st.integers(0, len(layout.open_cells) - 1).map(layout.open_cell)
+    states = data.draw(st.lists(st.tuples(cells, st.booleans()), min_size=1, max_size=3))
+    expected = tuple(fewest_by_trying(layout, *state) for state in states)
+    assert fewest_steps(layout, *states) == expected
+
+
+# Any episode.
+
+
+def drawn(layout: Layout, data: Any) -> tuple[Cell, str, dict[str, Any]]:
+    """Draw a start, actions that repeat themselves somewhat, and settings."""
+    start = layout.open_cell(data.draw(st.integers(0, len(layout.open_cells) - 1)))
+    parts = st.tuples(st.text("NESWNESW.pd?", max_size=6), st.integers(1, 12))
+    actions = "".join(part * times for part, times in data.draw(st.lists(parts, max_size=5)))
+    limits = st.integers(1, 60)
+    settings = {
+        "battery": data.draw(limits),
+        "max_steps": data.draw(limits),
+        "loaded": data.draw(st.booleans()),
+    }
+    return start, actions, settings
+
+
+@given(LAYOUTS, st.data())
+def test_any_episode_has_one_mode_and_evidence_for_it(layout: Layout, data: Any) -> None:
+    start, actions, settings = drawn(layout, data)
+    episode = drive(layout.rows, start, actions, **settings)
+    before = copy.deepcopy(episode)
+    found = diagnose(episode)
+    assert episode == before
+    check_evidence(episode, found)
+
+
+@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("battery", [12, 60, 200])
+def test_any_agent_gets_one_mode_and_evidence_for_it(
+    seed: int, battery: int, clumsy_agent: Any
+) -> None:
+    clumsy_agent.seed = seed
+    for agent in (clumsy_agent, GreedyAgent(seed, escape_steps=seed % 4)):
+        episode = record_episode(WarehouseEnv(battery=battery), agent, seed=seed)
+        check_evidence(episode, diagnose(episode))
+
+
+def check_evidence(episode: Episode, found: Diagnosis) -> None:
+    assert found.mode in MODES
+    assert found.sentence == found.sentence.strip() != ""
+    assert (found.mode == "delivered") == episode.terminated
+    if found.mode in MODES[-3:]:
+        assert found.mode == episode.outcome
+    if found.mode == "unreachable":
+        reached = episode.layout.reachable_from(episode.cells[-1])
+        stations = episode.layout.pickups + episode.layout.dropoffs
+        assert set(found.cells) <= set(stations) - reached
+        return
+    assert set(found.cells) <= set(episode.cells)
+    if found.mode == "oscillation":
+        assert set(episode.cells[-1 - found.steps :]) == set(found.cells)
+    if found.mode in ("stalled", "oscillation", "wandering"):
+        assert PROOF <= found.steps <= episode.steps
+
+
+MIRROR = {"cells": lambda row, col, height, width: (row, width - 1 - col), "NESW": "NWSE"}
+TRANSPOSE = {"cells": lambda row, col, height, width: (col, row), "NESW": "WSEN"}
+
+
+@pytest.mark.parametrize("turn", [MIRROR, TRANSPOSE], ids=["mirror", "transpose"])
+@given(LAYOUTS, st.data())
+def test_a_warehouse_seen_from_elsewhere_has_the_same_mode(
+    turn: dict[str, Any], layout: Layout, data: Any
+) -> None:
+    start, actions, settings = drawn(layout, data)
+
+    def seen(cell: Cell) -> Cell:
+        turned: Cell = turn["cells"](*cell, layout.height, layout.width)
+        return turned
+
+    tiles = {
+        seen((row, col)): tile
+        for row, line in enumerate(layout.rows)
+        for col, tile in enumerate(line)
+    }
+    last_row, last_col = max(tiles)
+    rows = ["".join(tiles[row, col] for col in range(last_col + 1)) for row in range(last_row + 1)]
+    turned = actions.translate(str.maketrans("NESW", turn["NESW"]))
+    one = named(layout.rows, start, actions, **settings)
+    other = named(rows, seen(start), turned, **settings)
+    assert other[0] == one[0]
+    assert other[2:4] == one[2:4]
+    if one.mode == "unreachable":
+        assert set(other.cells) == set(map(seen, one.cells))
+    else:
+        assert other.cells == tuple(map(seen, one.cells))
+
+
+def test_an_action_may_be_a_word_in_any_case_or_an_index() -> None:
+    for example in EXAMPLES.values():
+        words = copy.deepcopy(example)
+        words.actions = [str(action).lower() for action in example.actions]
+        assert diagnose(words) == diagnose(example)
+        indices = copy.deepcopy(example)
+        indices.actions = [ACTIONS.index(str(action)) for action in example.actions]
+        assert diagnose(indices) == diagnose(example)
+
+
+def test_who_drove_and_why_makes_no_difference() -> None:
+    for example in EXAMPLES.values():
+        twin = copy.deepcopy(example)
+        twin.agent, twin.seed, twin.reasons = "somebody", 7, ["why not"] * example.steps
+        assert diagnose(twin) == diagnose(example)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_a_loaded_record_has_the_same_mode(mode: str, tmp_path: Path) -> None:
+    EXAMPLES[mode].save(tmp_path / "episode.npz")
+    assert diagnose(Episode.load(tmp_path / "episode.npz")) == diagnose(EXAMPLES[mode])
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_nominal_physics_changes_nothing(seed: int) -> None:
+    found = [
+        diagnose(
+            record_episode(
+                WarehouseEnv(battery=60, backend=backend),
+                GreedyAgent(seed, escape_steps=3 * (seed % 2)),
+                seed=seed,
+            )
+        )
+        for backend in ("grid", "physics")
+    ]
+    assert found[0] == found[1]

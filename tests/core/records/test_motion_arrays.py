@@ -1,0 +1,129 @@
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from warehouse_core import Contact, Episode, Outcome, RecordError
+from warehouse_core.files.npz import Arrays
+from warehouse_core.records.motion_arrays import (
+    MOTION_SCHEMA,
+    decode_words,
+    encode_words,
+    pack_motions,
+    unpack_motions,
+)
+
+floats = st.floats(allow_nan=False, allow_infinity=False)
+contacts = st.builds(
+    Contact, floats, floats, st.tuples(floats, floats), st.sampled_from(["wall", "robot 3"])
+)
+paths = st.lists(st.tuples(floats, floats, floats, floats), min_size=2, max_size=5).map(np.array)
+amounts = st.floats(min_value=0, exclude_min=True, allow_infinity=False)
+outcomes = st.builds(
+    Outcome,
+    st.tuples(st.integers(0, 2**31 - 1), st.integers(0, 2**31 - 1)),
+    st.booleans(),
+    amounts,
+    amounts,
+    paths,
+    st.lists(contacts, max_size=3).map(tuple),
+)
+
+STRAIGHT = np.array([[0.0, 0.5, 0.5, 0.0], [1.0, 1.5, 0.5, 0.0]])
+TWO = [
+    Outcome((0, 1), False, 1.0, 2.0, STRAIGHT),
+    Outcome((0, 1), True, 1.0, 2.0, STRAIGHT, (Contact(0.5, 9.0, (2.0, 0.5), "wall"),) * 2),
+]
+
+
+def packed(motions: list[Outcome]) -> tuple[Arrays, list[str]]:
+    """Return the arrays with the dtypes that they have in a file."""
+    arrays, counterparts = pack_motions(motions)
+    typed = {name: arrays[name].astype(dtype) for name, (dtype, _) in MOTION_SCHEMA.items()}
+    return typed, counterparts
+
+
+@given(st.lists(outcomes, max_size=6))
+def test_outcomes_come_back_value_by_value(motions: list[Outcome]) -> None:
+    arrays, counterparts = packed(motions)
+    assert {name: array.ndim for name, array in arrays.items()} == {
+        name: dimensions for name, (_, dimensions) in MOTION_SCHEMA.items()
+    }
+    assert unpack_motions(arrays, counterparts, len(motions)) == motions
+
+
+@given(st.lists(st.text(max_size=2) | st.integers()))
+def test_words_come_back_in_their_order(words: list[str | int]) -> None:
+    vocabulary, codes = encode_words(words)
+    assert len(set(vocabulary)) == len(vocabulary)
+    assert decode_words(vocabulary, codes, "words") == words
+
+
+@pytest.mark.parametrize("code", [-1, 2, 2**31 - 1])
+def test_a_code_beyond_the_vocabulary_is_refused(code: int) -> None:
+    with pytest.raises(RecordError, match=r"words has a code outside 0\.\.1"):
+        decode_words(["a", "b"], np.array([0, code], dtype=np.int32), "words")
+    with pytest.raises(RecordError, match="words has a code outside"):
+        decode_words([], np.array([0], dtype=np.int32), "words")
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"motion_cells": np.zeros((1, 2), int)}, "motion_cells: 1; there must be 2"),
+        ({"motion_cells": np.zeros((2, 3), int)}, "motion_cells columns: 3; there must be 2"),
+        ({"motion_blocked": np.zeros(3, bool)}, "motion_blocked: 3; there must be 2"),
+        ({"motion_seconds": np.zeros(0)}, "motion_seconds: 0; there must be 2"),
+        ({"motion_joules": np.zeros(1)}, "motion_joules: 1; there must be 2"),
+        ({"path_lengths": np.array([4])}, "path_lengths: 1; there must be 2"),
+        ({"path_lengths": np.array([2, 3])}, "path: 4; there must be 5"),
+        ({"path_lengths": np.array([1, 3])}, "fewer than two rows"),
+        ({"path_lengths": np.array([-2, 6])}, "fewer than two rows"),
+        ({"path_lengths": np.array([2**31 - 1] * 2, "<i4")}, "path: 4; there must be 4294967294"),
+        ({"path": np.zeros((4, 3))}, "path columns: 3; there must be 4"),
+        ({"path": np.zeros((5, 4))}, "path: 5; there must be 4"),
+        ({"contacts": np.zeros((2, 5))}, "contacts columns: 5; there must be 4"),
+        ({"contacts": np.zeros((3, 4))}, "contacts: 3; there must be 2"),
+        ({"contact_counts": np.array([0, 1])}, "contacts: 2; there must be 1"),
+        ({"contact_counts": np.array([-1, 3])}, "a count is negative"),
+        ({"contact_counts": np.array([2])}, "contact_counts: 1; there must be 2"),
+        ({"contact_counterparts": np.array([0])}, "contact_counterparts: 1; there must be 2"),
+        ({"contact_counterparts": np.array([0, 7])}, "contact_counterparts has a code outside"),
+    ],
+)
+def test_arrays_that_do_not_fit_together_are_refused(changed: Arrays, message: str) -> None:
+    arrays, counterparts = packed(TWO)
+    with pytest.raises(RecordError) as caught:
+        unpack_motions(arrays | changed, counterparts, 2)
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["motion_seconds", "motion_joules", "path", "contacts"])
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_a_number_that_is_not_finite_is_refused(name: str, value: float) -> None:
+    arrays, counterparts = packed(TWO)
+    arrays[name].flat[-1] = value
+    with pytest.raises(RecordError, match=f"{name} holds a number that is not finite"):
+        unpack_motions(arrays, counterparts, 2)
+
+
+def test_motions_are_checked_when_a_record_is_loaded(
+    arrays: Arrays, load_changed: Callable[..., Any], episode: Episode
+) -> None:
+    assert load_changed() == episode
+    lengths = arrays["path_lengths"].copy()
+    lengths[0] += 1
+    with pytest.raises(RecordError, match=r"changed\.npz: path: 120; there must be 121"):
+        load_changed(path_lengths=lengths)
+
+
+@pytest.mark.parametrize("name", ["motion_seconds", "motion_joules"])
+@pytest.mark.parametrize("amount", [0.0, -1.0])
+def test_a_motion_takes_some_time_and_some_energy(name: str, amount: float) -> None:
+    arrays, counterparts = packed(TWO)
+    arrays[name][1] = amount
+    with pytest.raises(RecordError, match="no time or no energy"):
+        unpack_motions(arrays, counterparts, len(TWO))

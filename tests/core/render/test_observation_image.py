@@ -1,0 +1,130 @@
+from typing import Any
+
+import numpy as np
+import pytest
+
+from warehouse_core import Layout, WarehouseEnv, random_layout
+from warehouse_core.render.observation_image import TILE_PIXELS, ObservationImage
+from warehouse_core.render.painter import CODES, TilePainter
+from warehouse_core.render.palette import BATTERY, FAINT, INK
+from warehouse_core.task.encoding import encode
+
+ROOM = Layout(["..P.", "D.#.", "...."])
+IMAGE = ObservationImage(height=3, width=4, battery=10, max_steps=20)
+
+KEYS = {
+    **{tile: (tile, "") for tile in ".#PD?"},
+    **{robot: (".", robot) for robot in "Rr"},
+    "A": ("P", "R"),
+    "a": ("P", "r"),
+    "B": ("D", "R"),
+    "b": ("D", "r"),
+}
+"""What a character of a drawing stands for: ``?`` was not seen, A is a robot on P, B one on D."""
+
+
+def painted(*drawing: str) -> Any:
+    """Return the picture of a drawing, without bars."""
+    return TilePainter(TILE_PIXELS).paint([[CODES[KEYS[key]] for key in row] for row in drawing])
+
+
+def picture(layout: Layout, cell: tuple[int, int], radius: int, loaded: bool = False) -> Any:
+    env = WarehouseEnv(layout, cell, max_steps=20, battery=10, view_radius=radius)
+    env.state.has_item = loaded
+    return IMAGE.paint(encode(env.observe()))
+
+
+def without_bars(pixels: Any) -> Any:
+    return pixels[:-TILE_PIXELS]
+
+
+@pytest.mark.parametrize(
+    ("cell", "radius", "loaded", "drawing"),
+    [
+        ((0, 0), 1, False, ("R.P?", "D.??", "????")),
+        ((2, 3), 1, True, ("??P?", "D?#.", "??.r")),
+        ((1, 1), 1, False, ("..P?", "DR#?", "...?")),
+        ((1, 1), 0, True, ("??P?", "Dr??", "????")),
+        ((2, 0), 2, False, ("..P?", "D.#?", "R..?")),
+        ((0, 2), 0, False, ("??A?", "D???", "????")),
+        ((0, 2), 1, True, ("?.a.", "D.#.", "????")),
+        ((1, 0), 9, False, ("..P.", "B.#.", "....")),
+        ((1, 0), 1, True, ("..P?", "b.??", "..??")),
+    ],
+)
+def test_what_was_seen_and_the_stations_are_shown_and_no_more(
+    cell: tuple[int, int], radius: int, loaded: bool, drawing: tuple[str, ...]
+) -> None:
+    found = picture(ROOM, cell, radius, loaded)
+    assert (found.shape, found.dtype) == (IMAGE.shape, np.uint8)
+    assert np.array_equal(without_bars(found), painted(*drawing))
+
+
+def test_of_several_stations_those_in_view_and_the_first_are_shown() -> None:
+    shop = Layout(["...P", "P..D", ".P.D"])
+    assert np.array_equal(without_bars(picture(shop, (2, 2), 1)), painted("???P", "?..D", "?PRD"))
+    alone = Layout(["....", "....", "...."])
+    assert np.array_equal(without_bars(picture(alone, (0, 0), 1)), painted("R.??", "..??", "????"))
+    assert np.array_equal(without_bars(picture(alone, (0, 0), 0)), painted("R???", "????", "????"))
+    # Only the first station of each kind is known to be under the robot.
+    assert np.array_equal(without_bars(picture(shop, (1, 0), 0)), painted("???P", "R??D", "????"))
+
+
+def test_the_bars_are_battery_and_steps() -> None:
+    assert IMAGE.shape == (32, 32, 3)
+    env = WarehouseEnv(ROOM, (0, 0), max_steps=20, battery=10)
+    for _ in range(5):
+        env.step("WAIT")
+    bars = IMAGE.paint(encode(env.observe()))[-TILE_PIXELS:]
+    half = TILE_PIXELS // 2
+    for lines, color, share in ((bars[:half], BATTERY, 0.5), (bars[half:], INK, 0.25)):
+        filled, ground = ([round(255 * part) for part in each] for each in (color, FAINT))
+        middle = lines[half // 2]
+        # One pixel at either end stays free; those that the filling ends in may be mixed.
+        end = 1 + 30 * share
+        assert (middle[1 : int(end)] == filled).all()
+        assert (middle[int(end) + 1 :] == ground).all()
+        assert (lines[[0, -1]] == ground).all()
+        assert (middle[0] == ground).all()
+
+
+def test_every_step_changes_the_picture() -> None:
+    image = ObservationImage(7, 12, battery=200, max_steps=200)
+    env = WarehouseEnv()
+    seen = {image.paint(encode(env.observe())).tobytes()}
+    for _ in range(199):
+        env.step("WAIT")
+        seen.add(image.paint(encode(env.observe())).tobytes())
+    assert len(seen) == 200
+
+
+@pytest.mark.parametrize("radius", [0, 2])
+def test_pictures_of_many_are_the_pictures_of_each(radius: int) -> None:
+    layout = random_layout(6, 8, 0.2, seed=3)
+    image = ObservationImage(6, 8, battery=200, max_steps=200)
+    env = WarehouseEnv(layout, view_radius=radius)
+    each: list[Any] = []
+    for seed in range(6):
+        env.reset(randomize=True, seed=seed)
+        env.state.has_item = seed % 2 == 1
+        if seed == 3:
+            env.state.robot_pos = env.layout.pickups[0]
+        if seed == 4:
+            env.state.robot_pos = env.layout.dropoffs[0]
+        each.append(encode(env.observe()))
+    together: Any = {
+        key: np.stack([np.asarray(arrays[key]) for arrays in each]).reshape(
+            2, 3, *np.shape(each[0][key])
+        )
+        for key in each[0]
+    }
+    found = image.paint(together)
+    assert found.shape == (2, 3, *image.shape)
+    assert np.array_equal(found.reshape(6, *image.shape), np.stack([*map(image.paint, each)]))
+
+
+def test_a_smaller_layout_is_shown_in_the_corner_of_a_larger_picture() -> None:
+    """As in a batch whose layouts differ: what is beyond its edge is a wall or was not seen."""
+    env = WarehouseEnv(Layout(["PD", ".."]), (1, 0), battery=10, max_steps=20, view_radius=1)
+    found = IMAGE.paint(encode(env.observe()))
+    assert np.array_equal(without_bars(found), painted("PD??", "R.??", "##??"))

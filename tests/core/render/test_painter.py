@@ -1,0 +1,439 @@
+import itertools
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from helpers.pictures import is_color
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from numpy.typing import NDArray
+
+from warehouse_core import DEFAULT_LAYOUT, Layout
+from warehouse_core.render import atlas as tile_atlas
+from warehouse_core.render.atlas import CELLS, CODES, NO_ROBOT, ROBOT_CODES, UNSEEN, atlas
+from warehouse_core.render.painter import TilePainter, bar, tile_pixels_for
+from warehouse_core.render.palette import BATTERY, COLORS, FAINT, INK, PAPER, UNKNOWN, WARNING
+from warehouse_core.viz import robot_view
+from warehouse_core.viz.figure import SceneFigure
+from warehouse_core.viz.grid_view import GridView
+from warehouse_core.viz.track import Pose
+from warehouse_core.world.tables import tile_codes
+from warehouse_core.world.tiles import CELL_CODES
+
+YARD = Layout(["#####", "#P.D#", "#.P##", "#####"])
+SIDES = (2, 3, 4, 6, 8, 10, 12, 15, 16, 20, 24, 32, 40)
+WITH_LETTERS = tuple(side for side in SIDES if side >= 16)
+
+
+def drawn_by_the_replay(
+    layout: Layout, side: int, robot: tuple[int, int], *, loaded: bool
+) -> NDArray[np.uint8]:
+    """Draw a layout and its robot as a replay does, with nothing around it."""
+    figure = SceneFigure((layout.width * side / 100, layout.height * side / 100), 100)
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes((0, 0, 1, 1))
+    view = GridView(figure, axes, side * 0.72, layout.rows)
+    view.robots[0].show([Pose((robot[1] + 0.5, robot[0] + 0.5), None, loaded)])
+    return np.asarray(figure.pixels())
+
+
+def correlation(one: NDArray[np.uint8], other: NDArray[np.uint8]) -> float:
+    return float(np.corrcoef(one.ravel(), other.ravel())[0, 1])
+
+
+def blurred(image: NDArray[np.uint8], block: int) -> NDArray[np.float64]:
+    height, width = image.shape[0] // block, image.shape[1] // block
+    return image.reshape(height, block, width, block, 3).mean(axis=(1, 3))
+
+
+def pixel(tile: str, robot: str, x: float, y: float, side: int = 40) -> NDArray[np.uint8]:
+    """Return the pixel at a place in a cell, given in cells."""
+    picture: NDArray[np.uint8] = atlas(side)[CODES[tile, robot], int(y * side), int(x * side)]
+    return picture
+
+
+def where(image: NDArray[np.uint8], color: tuple[float, float, float]) -> NDArray[np.bool_]:
+    return (np.abs(image - 255 * np.array(color)) <= 0.5 + 1e-9).all(axis=-1)
+
+
+# Codes.
+
+
+def test_the_codes_of_a_window_can_be_painted_as_they_are() -> None:
+    for character, code in CELL_CODES.items():
+        tile, robot = (".", character) if character in "Rr" else (character, NO_ROBOT)
+        assert CELLS[code] == (tile, robot)
+
+
+def test_each_cell_has_one_code() -> None:
+    robots = set(itertools.product(".PD", "Rr"))
+    assert set(CELLS) == robots | {(tile, NO_ROBOT) for tile in ".#PD?"}
+    assert len(set(CELLS)) == len(CELLS)
+    assert [CODES[cell] for cell in CELLS] == list(range(len(CELLS)))
+
+
+@given(
+    st.integers(1, 4).flatmap(
+        lambda width: st.lists(
+            st.text(".PD#", min_size=width, max_size=width), min_size=1, max_size=4
+        )
+    )
+)
+def test_a_layout_is_read_cell_by_cell(rows: list[str]) -> None:
+    codes = tile_codes(Layout(rows))
+    assert codes.dtype == np.uint8
+    assert [[CELLS[code] for code in row] for row in codes] == [
+        [(tile, NO_ROBOT) for tile in row] for row in rows
+    ]
+
+
+def test_the_codes_of_a_layout_may_be_changed() -> None:
+    codes = tile_codes(YARD)
+    codes[1, 1] = CODES[UNSEEN, NO_ROBOT]
+    assert tile_codes(YARD)[1, 1] == CODES["P", NO_ROBOT]
+
+
+def test_a_robot_can_be_put_on_many_tiles_at_once() -> None:
+    tiles = np.array([CODES[tile, NO_ROBOT] for tile in ".PD"])
+    for loaded, robot in enumerate("Rr"):
+        assert ROBOT_CODES[loaded, tiles].tolist() == [CODES[tile, robot] for tile in ".PD"]
+
+
+@pytest.mark.parametrize("code", [len(CELLS), *ROBOT_CODES[:, CODES["#", NO_ROBOT]]])
+def test_a_code_of_nothing_is_refused(code: int) -> None:
+    with pytest.raises(IndexError):
+        TilePainter(4).paint(np.full((2, 2), code, np.uint8))
+
+
+# What a cell looks like.
+
+
+def test_walls_are_dark_from_edge_to_edge() -> None:
+    for side in SIDES:
+        assert where(atlas(side)[CODES["#", NO_ROBOT]], COLORS["#"]).all()
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_floor_is_light_with_a_paler_line_along_two_sides(side: int) -> None:
+    floor = atlas(side)[CODES[".", NO_ROBOT]].astype(int)
+    assert where(floor[1:, 1:], COLORS["."]).all()
+    line = np.concatenate([floor[0], floor[:, 0]])
+    assert len(np.unique(line, axis=0)) == 1
+    assert (255 * np.array(FAINT) - 0.5 <= line).all()
+    assert (line < 255 * np.array(COLORS["."]) - 0.5).all()
+
+
+def test_the_lines_of_large_tiles_are_those_of_the_replay() -> None:
+    assert is_color(pixel(".", NO_ROBOT, 0.0, 0.5), FAINT)
+    assert is_color(pixel(".", NO_ROBOT, 0.5, 0.0), FAINT)
+
+
+def test_the_smaller_a_tile_the_paler_its_lines() -> None:
+    lines = [atlas(side)[CODES[".", NO_ROBOT], 0, 1, 0] for side in (2, 8, 16, 24, 100)]
+    assert lines[0] > lines[1] > lines[2] > lines[3] == lines[4]
+
+
+@pytest.mark.parametrize("tile", ["P", "D"])
+def test_a_station_is_a_square_inset_in_the_floor(tile: str) -> None:
+    image = atlas(100)[CODES[tile, NO_ROBOT]]
+    square = where(image, COLORS[tile]) | where(image, INK)
+    assert square[6:94, 94 // 2 :].any(axis=1).all()
+    rows, columns = np.flatnonzero(square.any(axis=1)), np.flatnonzero(square.any(axis=0))
+    assert (rows[0], rows[-1], columns[0], columns[-1]) == (6, 93, 6, 93)
+    assert where(image[94:, 1:], COLORS["."]).all()
+    assert where(image[1:, 94:], COLORS["."]).all()
+
+
+@pytest.mark.parametrize("side", SIDES)
+@pytest.mark.parametrize("tile", ["P", "D"])
+def test_a_station_has_its_colour_at_any_size(side: int, tile: str) -> None:
+    assert is_color(pixel(tile, NO_ROBOT, 0.6, 0.8, side), COLORS[tile])
+
+
+@pytest.mark.parametrize(("tile", "robot"), [*itertools.product(".PD", "Rr")])
+def test_a_robot_is_a_disc_on_its_tile(tile: str, robot: str) -> None:
+    for x, y in ((0.5 + 0.24, 0.5), (0.5 - 0.24, 0.5), (0.5, 0.5 + 0.24), (0.5, 0.5 - 0.24)):
+        assert is_color(pixel(tile, robot, x, y), COLORS[robot])
+    for x, y in ((0.2, 0.8), (0.8, 0.2), (0.8, 0.8), (0.5, 0.88)):
+        assert is_color(pixel(tile, robot, x, y), COLORS[tile])
+
+
+@pytest.mark.parametrize("robot", ["R", "r"])
+def test_a_robot_is_as_large_as_in_the_replay(robot: str) -> None:
+    assert tile_atlas.ROBOT_RADIUS == robot_view.ROBOT_RADIUS
+    image = atlas(100)[CODES[".", robot]]
+    row = image[50]
+    assert np.flatnonzero(where(row, INK))[0] == pytest.approx(50 - 33, abs=1)
+    assert np.flatnonzero(where(row, COLORS[robot]))[0] == pytest.approx(50 - 28.5, abs=1)
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_small_robots_have_no_outline_to_darken_them(side: int) -> None:
+    red = atlas(side)[CODES[".", "R"], ..., 0]
+    assert (red.min() < 150) == (side >= 10)
+
+
+def test_edges_are_smooth() -> None:
+    ring = atlas(40)[CODES[".", "R"], 1:, 1:]
+    plain = [COLORS["."], COLORS["R"], INK, PAPER]
+    assert sum(where(ring, color).sum() for color in plain) < 0.96 * ring[..., 0].size
+    assert len(np.unique(ring.reshape(-1, 3), axis=0)) > 30
+
+
+@pytest.mark.parametrize("side", WITH_LETTERS)
+def test_stations_have_a_letter_in_the_top_left_corner(side: int) -> None:
+    for tile in "PD":
+        rows, columns = np.nonzero(where(atlas(side)[CODES[tile, NO_ROBOT]], INK))
+        assert 0.06 * side <= rows.min() <= 0.15 * side
+        assert 0.06 * side <= columns.min() <= 0.15 * side
+        assert rows.max() - rows.min() + 1 == max(5, round(0.175 * side))
+        assert columns.max() < 0.45 * side
+
+
+@pytest.mark.parametrize("side", WITH_LETTERS)
+@pytest.mark.parametrize(("robot", "color"), [("R", PAPER), ("r", INK)])
+def test_robots_have_their_letter_in_the_middle(
+    side: int, robot: str, color: tuple[float, float, float]
+) -> None:
+    image = atlas(side)[CODES[".", robot]]
+    middle = slice(round(0.25 * side), side - round(0.25 * side))
+    rows, columns = np.nonzero(where(image[middle, middle], color))
+    extent = middle.stop - middle.start
+    assert rows.min() + rows.max() + 1 == pytest.approx(extent, abs=1)
+    assert columns.min() + columns.max() + 1 == pytest.approx(extent, abs=0.1 * side)
+    assert rows.max() - rows.min() + 1 >= 0.2 * side
+
+
+@pytest.mark.parametrize("side", [side for side in SIDES if side not in WITH_LETTERS])
+def test_small_tiles_have_no_letters(side: int) -> None:
+    for tile in "PD":
+        assert not where(atlas(side)[CODES[tile, NO_ROBOT]], INK).any()
+    for robot in "Rr":
+        centre = atlas(side)[CODES[".", robot]][side // 2, side // 2]
+        assert side <= 3 or is_color(centre, COLORS[robot])
+
+
+def test_two_letters_stand_together_only_where_there_is_room() -> None:
+    for side, fits in ((16, False), (18, False), (20, True), (40, True)):
+        corner = atlas(side)[CODES["P", "R"]][: side // 4, : side // 4]
+        assert where(corner, INK).any() == fits
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_colours_tell_any_two_cells_apart(side: int) -> None:
+    tiles = atlas(side).astype(int)
+    for one, other in itertools.combinations(range(len(CELLS)), 2):
+        differences = np.abs(tiles[one] - tiles[other]).mean(axis=(0, 1))
+        assert differences.max() > 20, (CELLS[one], CELLS[other])
+
+
+def test_the_unseen_is_a_grey_hatch_with_no_seams() -> None:
+    tile = atlas(40)[CODES[UNSEEN, NO_ROBOT]]
+    assert where(tile, UNKNOWN).mean() > 0.5
+    assert len(np.unique(tile.reshape(-1, 3), axis=0)) > 1
+    for axis in (0, 1):
+        assert np.array_equal(np.roll(tile, 20, axis), tile)
+    assert np.ptp(tile.astype(int), axis=-1).max() <= 12
+
+
+# The same as in the replay.
+
+
+@pytest.mark.parametrize(
+    ("robot", "loaded"), [((1, 1), False), ((1, 2), False), ((1, 3), True), ((2, 1), True)]
+)
+def test_it_looks_as_the_replay_does(robot: tuple[int, int], loaded: bool) -> None:
+    painted = TilePainter(40).picture(YARD, robot, loaded)
+    drawn = drawn_by_the_replay(YARD, 40, robot, loaded=loaded)
+    assert painted.shape == drawn.shape
+    assert correlation(painted, drawn) > 0.97
+    assert np.abs(blurred(painted, 10) - blurred(drawn, 10)).max() < 45
+    assert np.abs(blurred(painted, 40) - blurred(drawn, 40)).max() < 12
+
+
+def grey_cell_of_the_replay(cell: str, side: int) -> NDArray[np.float64]:
+    is_robot = cell in "Rr"
+    layout = Layout(["..", "..", ".."] if is_robot else [f"{cell}.", "..", ".."])
+    robot = (0, 0) if is_robot else (2, 1)
+    drawn = drawn_by_the_replay(layout, side, robot, loaded=cell == "r")
+    return drawn[:side, :side].mean(axis=-1)
+
+
+def likeness(letter: NDArray[np.float64], cell: NDArray[np.float64], at: int) -> float:
+    """Correlate a letter with a part of a cell, about ``at`` pixels from its top and its left."""
+    height, width = letter.shape
+    return max(
+        correlation(letter, cell[row : row + height, column : column + width])
+        for row in range(at - 8, at + 9)
+        for column in range(at - 8, at + 9)
+    )
+
+
+@pytest.mark.parametrize("letter", ["P", "D", "R", "r"])
+def test_a_letter_has_the_shape_that_it_has_in_the_replay(letter: str) -> None:
+    tile, robot = (".", letter) if letter in "Rr" else (letter, NO_ROBOT)
+    at, size = (34, 32) if letter in "Rr" else (9, 21)
+    painted = atlas(100)[CODES[tile, robot], at : at + size, at : at + size].mean(axis=-1)
+    others = {
+        other: likeness(painted, grey_cell_of_the_replay(other, 100), at)
+        for other in ("Rr" if letter in "Rr" else "PD")
+    }
+    mirrored = likeness(painted[:, ::-1], grey_cell_of_the_replay(letter, 100), at)
+    assert others[letter] > max(0.75, mirrored)
+    assert others[letter] == max(others.values())
+
+
+# Pictures.
+
+
+def test_each_tile_is_where_its_code_is() -> None:
+    codes = np.arange(24).reshape(2, 3, 4) % len(CELLS)
+    for side in (2, 5, 16):
+        pictures = TilePainter(side).paint(codes.astype(np.uint8))
+        assert pictures.shape == (2, 3 * side, 4 * side, 3)
+        assert pictures.dtype == np.uint8
+        for place in np.ndindex(codes.shape):
+            batch, row, col = place
+            rows, columns = (slice(at * side, (at + 1) * side) for at in (row, col))
+            assert np.array_equal(pictures[batch, rows, columns], atlas(side)[codes[place]])
+
+
+def test_a_batch_is_painted_as_its_parts_are() -> None:
+    codes = np.random.default_rng(1).integers(0, len(CELLS), (2, 3, 5, 4))
+    painter = TilePainter(6)
+    batch = painter.paint(codes)
+    assert batch.shape == (2, 3, 30, 24, 3)
+    for index in np.ndindex(2, 3):
+        assert np.array_equal(batch[index], painter.paint(codes[index]))
+
+
+def test_large_tiles_are_not_too_much_for_small_codes() -> None:
+    codes = np.full((1, 1), len(CELLS) - 1, np.uint8)
+    assert np.array_equal(TilePainter(64).paint(codes), atlas(64)[-1])
+
+
+@pytest.mark.parametrize("side", [2, 16, 40])
+def test_the_quick_way_paints_the_same(side: int) -> None:
+    painter, other = TilePainter(side), DEFAULT_LAYOUT.with_stations((1, 1), (5, 10))
+    for layout, robot, loaded in (
+        (DEFAULT_LAYOUT, (1, 1), False),
+        (DEFAULT_LAYOUT, (1, 3), True),
+        (DEFAULT_LAYOUT, (5, 6), False),
+        (other, (1, 1), True),
+        (DEFAULT_LAYOUT, (5, 10), True),
+        (Layout(other.rows), (5, 10), True),
+        (YARD, (2, 1), False),
+    ):
+        codes = tile_codes(layout)
+        codes[robot] = ROBOT_CODES[int(loaded), codes[robot]]
+        assert np.array_equal(painter.picture(layout, robot, loaded), painter.paint(codes))
+
+
+def test_a_picture_is_nobody_elses() -> None:
+    painter = TilePainter(8)
+    first = painter.picture(YARD, (1, 1), False)
+    kept = first.copy()
+    first[:] = 0
+    painter.paint(tile_codes(YARD))[:] = 0
+    assert np.array_equal(painter.picture(YARD, (1, 1), False), kept)
+    assert np.array_equal(TilePainter(8).picture(YARD, (1, 1), False), kept)
+
+
+def test_a_robot_on_a_wall_is_refused() -> None:
+    with pytest.raises(KeyError):
+        TilePainter(8).picture(YARD, (0, 0), False)
+
+
+def test_the_tiles_are_drawn_once_and_cannot_be_written_to() -> None:
+    assert atlas(12) is atlas(12)
+    with pytest.raises(ValueError, match="read-only"):
+        atlas(12)[:] = 0
+
+
+def test_a_tile_of_one_pixel_is_refused() -> None:
+    with pytest.raises(ValueError, match="at least 2"):
+        TilePainter(1)
+
+
+@pytest.mark.parametrize(
+    ("height", "width", "pixels"),
+    [(7, 12, 40), (1, 1, 40), (25, 3, 40), (3, 26, 38), (27, 27, 36), (100, 4, 10), (4, 333, 2)],
+)
+def test_large_maps_have_small_tiles(height: int, width: int, pixels: int) -> None:
+    assert tile_pixels_for(height, width) == pixels
+
+
+@given(st.integers(1, 4000), st.integers(1, 4000))
+def test_tiles_are_even_and_as_large_as_fits(height: int, width: int) -> None:
+    pixels, larger = tile_pixels_for(height, width), max(height, width)
+    assert pixels % 2 == 0
+    assert 2 <= pixels <= 40
+    assert pixels == 2 or pixels * larger <= 1000
+    assert pixels == 40 or (pixels + 2) * larger > 1000
+
+
+# Bars.
+
+
+def test_a_bar_is_filled_from_the_left() -> None:
+    image = bar(0.25, 42, 6)
+    assert image.shape == (6, 42, 3)
+    assert image.dtype == np.uint8
+    assert where(image[1:5, 1:11], BATTERY).all()
+    assert where(image[:, 11:], FAINT).all()
+    for edge in (image[0], image[-1], image[:, 0]):
+        assert where(edge, FAINT).all()
+
+
+def test_a_full_bar_leaves_its_edge_and_an_empty_one_is_bare() -> None:
+    assert where(bar(0, 20, 8), FAINT).all()
+    full = where(bar(1, 20, 8), BATTERY)
+    assert full[1:-1, 1:-1].all()
+    assert full.sum() == 6 * 18
+
+
+@pytest.mark.parametrize("height", [1, 2, 3])
+def test_a_thin_bar_has_no_edge(height: int) -> None:
+    assert where(bar(1.0, 10, height), BATTERY).all()
+
+
+@given(st.floats(0, 1), st.floats(0, 1))
+def test_a_larger_share_fills_more(one: float, other: float) -> None:
+    filled = [
+        (255 * np.array(FAINT) - bar(share, 50, 4).astype(float))[1].sum() for share in (one, other)
+    ]
+    whole = 48 * 255 * (np.array(FAINT) - BATTERY).sum()
+    assert filled[0] / whole == pytest.approx(one, abs=0.01)
+    assert (filled[0] - filled[1]) * (one - other) >= -1e-6
+
+
+def test_what_is_beyond_a_share_is_cut_off() -> None:
+    assert np.array_equal(bar([-1, 2], 10, 4), bar([0, 1], 10, 4))
+
+
+def test_bars_come_in_any_shape_and_colour() -> None:
+    shares = np.linspace(0, 1, 6).reshape(2, 3)
+    bars = bar(shares, 12, 5, WARNING)
+    assert bars.shape == (2, 3, 5, 12, 3)
+    for index in np.ndindex(2, 3):
+        assert np.array_equal(bars[index], bar(float(shares[index]), 12, 5, WARNING))
+    assert where(bars[1, 2, 1:-1, 1:-1], WARNING).all()
+
+
+# What it does without.
+
+
+def test_painting_needs_neither_matplotlib_nor_pillow() -> None:
+    program = """
+import sys
+from warehouse_core.world.layout import DEFAULT_LAYOUT
+from warehouse_core.render.painter import TilePainter, bar
+TilePainter(16).picture(DEFAULT_LAYOUT, (1, 1), True)
+bar(0.5, 10, 4)
+print([name for name in ("matplotlib", "PIL", "gymnasium") if name in sys.modules])
+"""
+    words = [sys.executable, "-c", program]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

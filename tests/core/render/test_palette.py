@@ -1,0 +1,67 @@
+import pytest
+from PIL import Image
+
+from warehouse_core.render import palette
+from warehouse_core.render.palette import COLORS, TRAIL_COLORS, TRAIL_STYLES, blend, indexed_palette
+
+CHAPTER = {
+    "#": (0.1, 0.1, 0.1),
+    ".": (0.95, 0.95, 0.95),
+    "P": (0.2, 0.6, 1.0),
+    "D": (0.2, 0.8, 0.3),
+    "R": (0.9, 0.2, 0.2),
+    "r": (0.95, 0.6, 0.2),
+}
+
+
+def test_the_six_colours_are_the_chapters() -> None:
+    assert COLORS == CHAPTER
+
+
+def test_a_blend_is_between_its_colours() -> None:
+    black, white = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+    assert blend(black, white, 0) == black
+    assert blend(black, white, 1) == white
+    assert blend((0.0, 0.5, 1.0), white, 0.5) == (0.5, 0.75, 1.0)
+
+
+def test_the_indexed_palette_fits_into_a_gif() -> None:
+    values = indexed_palette()
+    assert len(values) % 3 == 0
+    assert 3 * len(COLORS) < len(values) <= 3 * 256
+    assert all(0 <= value <= 255 for value in values)
+
+
+def test_no_entry_of_the_indexed_palette_is_there_twice() -> None:
+    values = indexed_palette()
+    entries = list(zip(values[::3], values[1::3], values[2::3], strict=True))
+    assert len(set(entries)) == len(entries)
+
+
+@pytest.mark.parametrize(
+    "color",
+    [
+        *COLORS.values(),
+        *TRAIL_COLORS.values(),
+        palette.PAPER,
+        palette.INK,
+        palette.FAINT,
+        palette.BATTERY,
+        palette.WARNING,
+        palette.PALE_WARNING,
+        palette.HIT,
+    ],
+)
+def test_a_colour_of_the_replay_stays_exact_in_256_colours(
+    color: tuple[float, float, float],
+) -> None:
+    exact = tuple(round(255 * part) for part in color)
+    template = Image.new("P", (1, 1))
+    template.putpalette(indexed_palette())
+    image = Image.new("RGB", (8, 8), exact)
+    indexed = image.quantize(palette=template, dither=Image.Dither.NONE)
+    assert indexed.convert("RGB").getpixel((3, 3)) == exact
+
+
+def test_trails_differ_by_more_than_their_colour() -> None:
+    assert TRAIL_STYLES[False] != TRAIL_STYLES[True]

@@ -1,0 +1,146 @@
+from typing import Any
+
+import numpy as np
+import pytest
+
+from warehouse_core import DEFAULT_LAYOUT, Layout, WarehouseEnv
+from warehouse_core.gymnasium_env.view import Encoder
+from warehouse_core.task.encoding import NOWHERE, encode, vector, vector_limits
+from warehouse_core.task.state import Observation
+
+ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
+
+EAST, WEST, PICK = 1, 3, 5
+
+
+def observation(**changes: Any) -> Observation:
+    seen: Any = {
+        "local_grid": ["#P.", "#rD", "..."],
+        "robot_pos": (4, 7),
+        "has_item": True,
+        "battery": 50,
+        "steps": 150,
+        "pickup_pos": (3, 7),
+        "dropoff_pos": (4, 8),
+    }
+    return seen | changes
+
+
+def test_an_observation_is_encoded_key_by_key() -> None:
+    arrays = encode(observation())
+    assert list(arrays) == list(observation())
+    assert arrays["local_grid"].tolist() == [1, 2, 0, 1, 5, 3, 0, 0, 0]
+    assert arrays["local_grid"].dtype == np.uint8
+    expected = {"robot_pos": [4, 7], "pickup_pos": [3, 7], "dropoff_pos": [4, 8]}
+    for key, values in (expected | {"battery": [50], "steps": [150]}).items():
+        assert arrays[key].tolist() == values
+        assert arrays[key].dtype == np.int32
+    assert arrays["has_item"] == 1
+    assert type(arrays["has_item"]) is int
+    assert encode(observation(local_grid=["R"]))["local_grid"].tolist() == [4]
+
+
+def test_a_station_that_does_not_exist_is_nowhere() -> None:
+    arrays = encode(observation(pickup_pos=None, dropoff_pos=None))
+    assert arrays["pickup_pos"].tolist() == arrays["dropoff_pos"].tolist() == list(NOWHERE)
+    assert encode(observation(pickup_pos=(0, 0)))["pickup_pos"].tolist() == [0, 0]
+
+
+def test_what_is_encoded_can_be_written_and_is_no_one_elses() -> None:
+    told = observation()
+    arrays = {key: value for key, value in encode(told).items() if key != "has_item"}
+    for value, key in enumerate(arrays):
+        arrays[key][:] = 10 + value
+    assert [set(array.tolist()) for array in arrays.values()] == [{10 + n} for n in range(6)]
+    assert told == observation()
+
+
+# What remembers.
+
+
+def assert_same(arrays: Any, expected: Any) -> None:
+    assert list(arrays) == list(expected)
+    for key, value in expected.items():
+        assert type(arrays[key]) is type(value)
+        assert np.asarray(arrays[key]).dtype == np.asarray(value).dtype
+        assert np.array_equal(arrays[key], value), key
+
+
+def test_an_encoder_says_what_encode_says_wherever_the_robot_has_been() -> None:
+    env = WarehouseEnv(ROOM)
+    encoder = Encoder(env)
+    for action in (WEST, PICK, EAST, WEST, EAST, EAST, WEST, WEST, PICK, EAST):
+        arrays = encoder.encode()
+        assert_same(arrays, encode(env.observe()))
+        for key in arrays.keys() - {"has_item"}:
+            arrays[key][:] = 9
+        env.step(action)
+    assert env.state.has_item
+
+
+def test_an_encoder_must_be_told_of_a_new_layout() -> None:
+    env = WarehouseEnv(ROOM)
+    encoder = Encoder(env)
+    encoder.encode()
+    env.reset_to(ROOM.with_stations((2, 2), None), (1, 1))
+    encoder.forget()
+    assert_same(encoder.encode(), encode(env.observe()))
+    assert encoder.encode()["dropoff_pos"].tolist() == [-1, -1]
+
+
+# As one vector.
+
+
+def test_a_vector_has_what_its_table_says() -> None:
+    window = [1, 0, 0, 0, 1, 0, 0, 0, 0]  # of "#P.": wall, pickup, dropoff for each cell
+    window += [1, 0, 0, 0, 0, 0, 0, 0, 1]  # "#rD": the robot is none of the three
+    window += [0] * 9
+    numbers = [0.4, 0.7, 1, -0.1, 0.0, 1, 0.0, 0.1, 1, 0.5, 1.5]
+    found = vector(encode(observation()))
+    assert found.dtype == np.float32
+    assert found.tolist() == pytest.approx(window + numbers, abs=1e-7)
+    far = observation(pickup_pos=(0, 27), has_item=False)
+    assert vector(encode(far))[27:].tolist() == pytest.approx(
+        [0.4, 0.7, 1, -0.4, 2.0, 1, 0.0, 0.1, 0, 0.5, 1.5]
+    )
+
+
+def test_a_station_that_does_not_exist_is_no_way_off() -> None:
+    found = vector(encode(observation(pickup_pos=None, dropoff_pos=(0, 0))))
+    assert found[29:32].tolist() == [0, 0, 0]
+    assert found[32:35].tolist() == pytest.approx([1, -0.4, -0.7])
+
+
+def test_vectors_of_many_are_the_vectors_of_each() -> None:
+    env = WarehouseEnv(DEFAULT_LAYOUT)
+    each = [encode(env.observe())]
+    for seed in range(5):
+        each.append(encode(env.reset(randomize=True, seed=seed)))
+    together: Any = {
+        key: np.stack([np.asarray(arrays[key]) for arrays in each]).reshape(
+            2, 3, *np.shape(each[0][key])
+        )
+        for key in each[0]
+    }
+    assert together["has_item"].shape == (2, 3)
+    found = vector(together)
+    assert found.shape == (2, 3, 3 * 25 + 11)
+    assert np.array_equal(found.reshape(6, -1), np.stack([vector(arrays) for arrays in each]))
+    assert not np.shares_memory(found, vector(together))
+
+
+def test_the_limits_of_a_vector_are_reached_and_not_passed() -> None:
+    low, high = vector_limits(height=31, width=6, view_radius=0, battery=70, max_steps=90)
+    assert (low.dtype, high.dtype) == (np.float32, np.float32)
+    assert low.tolist() == pytest.approx([0] * 3 + [0, 0, 0, -3, -0.5, 0, -3, -0.5, 0, 0, 0])
+    assert high.tolist() == pytest.approx([1] * 3 + [3, 0.5, 1, 3, 0.5, 1, 3, 0.5, 1, 0.7, 0.9])
+    corners: Any = {"local_grid": ["r"], "has_item": True, "battery": 70, "steps": 90}
+    last = observation(**corners, robot_pos=(30, 5), pickup_pos=(0, 0), dropoff_pos=(30, 5))
+    first = observation(**corners, robot_pos=(0, 0), pickup_pos=(30, 5), dropoff_pos=(0, 0))
+    for seen in map(vector, map(encode, (last, first))):
+        assert (low <= seen).all()
+        assert (seen <= high).all()
+    assert np.array_equal(
+        vector(encode(last))[[3, 4, 6, 7, 11, 12, 13]],
+        [*high[[3, 4]], *low[[6, 7]], *high[[11, 12, 13]]],
+    )

@@ -1,0 +1,61 @@
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from warehouse_core import DEFAULT_LAYOUT, Cell, Layout
+from warehouse_core.task import sight as sight_module
+from warehouse_core.task.sight import Sight
+
+
+def window_of(layout: Layout, radius: int, cell: Cell, robot: str) -> list[str]:
+    """Look at each cell on its own."""
+    lines = []
+    for row in range(cell[0] - radius, cell[0] + radius + 1):
+        line = ""
+        for col in range(cell[1] - radius, cell[1] + radius + 1):
+            inside = 0 <= row < layout.height and 0 <= col < layout.width
+            tile = layout.rows[row][col] if inside else "#"
+            line += robot if (row, col) == cell else tile
+        lines.append(line)
+    return lines
+
+
+@given(
+    st.integers(1, 5).flatmap(
+        lambda width: st.lists(
+            st.text(".PD#", min_size=width, max_size=width), min_size=1, max_size=5
+        )
+    ),
+    st.integers(0, 4),
+)
+def test_a_window_is_what_lies_around_the_robot(rows: list[str], radius: int) -> None:
+    layout = Layout(rows)
+    sight = Sight(layout, radius)
+    for row in range(layout.height):
+        for col in range(layout.width):
+            for loaded, robot in ((False, "R"), (True, "r"), (False, "R")):
+                expected = window_of(layout, radius, (row, col), robot)
+                assert sight.window((row, col), loaded) == expected
+
+
+def test_without_a_radius_the_robot_sees_itself() -> None:
+    sight = Sight(DEFAULT_LAYOUT, 0)
+    assert sight.window((1, 3), loaded=False) == ["R"]
+    assert sight.window((1, 3), loaded=True) == ["r"]
+
+
+def test_a_window_is_a_fresh_list() -> None:
+    sight = Sight(DEFAULT_LAYOUT, 1)
+    before = sight.window((1, 1), loaded=False)
+    before[:] = ["spoilt"]
+    assert sight.window((1, 1), loaded=False) == ["###", "#R.", "#.."]
+
+
+def test_what_is_remembered_has_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sight_module, "_MAX_REMEMBERED_CHARACTERS", 4 * 9)
+    sight = Sight(DEFAULT_LAYOUT, 1)
+    for _ in range(2):
+        for index in range(len(DEFAULT_LAYOUT.open_cells)):
+            cell = DEFAULT_LAYOUT.open_cell(index)
+            assert sight.window(cell, loaded=False) == window_of(DEFAULT_LAYOUT, 1, cell, "R")
+            assert len(sight._windows) <= 4

@@ -1,0 +1,438 @@
+import copy
+import inspect
+import random
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.traces import TRACES, as_json, assert_as_recorded, env_of, over_traces
+
+from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError, WarehouseEnv, WarehouseState
+from warehouse_core.motion.grid import GridMotion
+
+NO_ACTIONS = [None, 1.5, [], b"N", (), {}, np.float64(1), object()]
+
+
+def everything(env: WarehouseEnv) -> tuple[object, ...]:
+    """Return all that a refused call must leave alone, Python's random stream included."""
+    layout_and_state = (env.layout, env.grid, copy.copy(env.state), env.last_motion)
+    return (*layout_and_state, env.render_with_legend(), random.getstate())
+
+
+# The recorded episodes.
+
+
+def test_there_are_240_recorded_episodes() -> None:
+    assert sum(len(trace["episodes"]) for trace in TRACES) == 240
+
+
+@over_traces
+def test_recorded_episodes_come_out_as_recorded(trace: dict[str, Any]) -> None:
+    env = env_of(trace)
+    assert_as_recorded(env, trace)
+
+
+@over_traces
+def test_a_seed_draws_what_the_global_seed_draws_and_leaves_it_alone(trace: dict[str, Any]) -> None:
+    env = env_of(trace)
+    random.seed("anything")
+    before = random.getstate()
+    for episode in trace["episodes"]:
+        observation = env.reset(randomize=episode["randomize"], seed=episode["seed"])
+        assert as_json(observation) == episode["first_observation"]
+        drawn = Layout(env.grid)
+        stations = (observation["pickup_pos"], observation["dropoff_pos"])
+        assert stations == (next(iter(drawn.pickups), None), next(iter(drawn.dropoffs), None))
+    assert random.getstate() == before
+
+
+# The interface.
+
+
+def test_the_constructor_is_the_chapters() -> None:
+    parameters = inspect.signature(WarehouseEnv).parameters.values()
+    positional = {p.name: p.default for p in parameters if p.kind is p.POSITIONAL_OR_KEYWORD}
+    assert list(positional.items()) == [
+        ("grid", None),
+        ("start_pos", (1, 1)),
+        ("max_steps", 200),
+        ("battery", 200),
+        ("view_radius", 2),
+    ]
+    assert all(p.kind is p.KEYWORD_ONLY for p in parameters if p.name not in positional)
+
+
+def test_the_attributes_are_the_chapters() -> None:
+    env = WarehouseEnv(["...", ".PD"], (1, 0), 9, 8, 1)
+    assert env.ACTIONS == ["N", "E", "S", "W", "WAIT", "PICK", "DROP"]
+    assert env.MOVE_DELTAS == {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
+    assert (env.grid, env.height, env.width) == (["...", ".PD"], 2, 3)
+    assert (env.start_pos, env.max_steps, env.max_battery, env.view_radius) == ((1, 0), 9, 8, 1)
+    assert env.state == WarehouseState((1, 0), has_item=False, battery=8, steps=0)
+
+
+def test_without_a_grid_it_is_the_chapters_warehouse() -> None:
+    env = WarehouseEnv()
+    assert env.layout is DEFAULT_LAYOUT
+    assert env.reset() == {
+        "local_grid": ["#####", "#####", "##R.P", "##..#", "##..."],
+        "robot_pos": (1, 1),
+        "has_item": False,
+        "battery": 200,
+        "steps": 0,
+        "pickup_pos": (1, 3),
+        "dropoff_pos": (5, 6),
+    }
+
+
+def test_a_new_environment_can_be_stepped_at_once() -> None:
+    assert WarehouseEnv().step("E")[0]["robot_pos"] == (1, 2)
+
+
+def test_a_layout_object_is_a_grid_too() -> None:
+    assert WarehouseEnv(DEFAULT_LAYOUT).layout is DEFAULT_LAYOUT
+
+
+def test_numpy_integers_are_integers() -> None:
+    env = WarehouseEnv(
+        start_pos=(np.int64(1), np.int32(2)),
+        max_steps=np.int64(9),
+        battery=np.int8(8),
+        view_radius=np.uint8(1),
+    )
+    assert env.reset(seed=np.int64(5))["robot_pos"] == (1, 2)
+    assert env.step(np.int64(2))[1] == pytest.approx(-0.1)
+    assert type(env.max_steps) is type(env.max_battery) is type(env.start_pos[0]) is int
+
+
+def test_a_whole_delivery_earns_what_the_table_says() -> None:
+    env = WarehouseEnv([".P.", "#.D"], start_pos=(0, 0))
+    words = ["W", "PICK", "e", 5, "PICK", "E", "DROP", "S", "drop"]
+    steps = [env.step(word) for word in words]
+    rewards = [-1.1, -0.6, -0.1, 4.9, -0.6, -0.1, -0.6, -0.1, 9.9]
+    assert [reward for _, reward, *_ in steps] == pytest.approx(rewards)
+    assert [terminated for _, _, terminated, *_ in steps] == [False] * 8 + [True]
+    assert [observation["has_item"] for observation, *_ in steps] == [False] * 3 + [True] * 5 + [
+        False
+    ]
+    assert [info for *_, info in steps] == [{}] * 9
+
+
+@pytest.mark.parametrize("action", ["fly", "", 7, -1, np.int64(99)])
+def test_an_invalid_action_costs_a_step_and_is_reported(action: Any) -> None:
+    env = WarehouseEnv()
+    observation, reward, terminated, truncated, info = env.step(action)
+    assert info == {"invalid_action": True}
+    assert (reward, terminated, truncated) == (pytest.approx(-0.6), False, False)
+    assert (observation["steps"], observation["battery"]) == (1, 199)
+    assert observation["robot_pos"] == (1, 1)
+
+
+def test_a_delivery_with_the_last_unit_sets_both_flags() -> None:
+    env = WarehouseEnv(["PD"], start_pos=(0, 0), battery=3)
+    env.step("PICK")
+    env.step("E")
+    assert env.step("DROP")[2:4] == (True, True)
+
+
+@pytest.mark.parametrize(("max_steps", "battery"), [(3, 9), (9, 3), (3, 3)])
+def test_an_episode_is_cut_off_by_steps_or_by_battery(max_steps: int, battery: int) -> None:
+    env = WarehouseEnv(max_steps=max_steps, battery=battery)
+    assert [env.step("WAIT")[3] for _ in range(4)] == [False, False, True, True]
+
+
+def test_every_pickup_and_every_dropoff_works() -> None:
+    env = WarehouseEnv(["PDPD"], start_pos=(0, 2))
+    observation, reward, *_ = env.step("PICK")
+    assert reward == pytest.approx(4.9)
+    assert (observation["pickup_pos"], observation["dropoff_pos"]) == ((0, 0), (0, 1))
+    env.step("E")
+    assert env.step("DROP")[2]
+
+
+def test_without_stations_there_is_nowhere_to_go() -> None:
+    observation = WarehouseEnv([".."], start_pos=(0, 0)).reset()
+    assert observation["pickup_pos"] is observation["dropoff_pos"] is None
+
+
+def test_a_reset_empties_the_hands_and_fills_the_battery() -> None:
+    env = WarehouseEnv(["PD"], start_pos=(0, 0))
+    env.step("PICK")
+    env.step("E")
+    assert env.reset() == env.reset()
+    assert env.state == WarehouseState((0, 0), has_item=False, battery=200, steps=0)
+
+
+def test_new_stations_stay_for_later_resets() -> None:
+    env = WarehouseEnv()
+    drawn = env.reset(randomize=True, seed=4)
+    later = env.reset()
+    assert drawn["pickup_pos"] == later["pickup_pos"] != (1, 3)
+    assert drawn["dropoff_pos"] == later["dropoff_pos"] != (5, 6)
+    assert later["robot_pos"] == (1, 1)
+
+
+def test_unseeded_draws_come_from_the_global_stream() -> None:
+    random.seed(1)
+    first = WarehouseEnv().reset(randomize=True)
+    second = WarehouseEnv().reset(randomize=True)
+    assert first != second
+    assert first == WarehouseEnv().reset(randomize=True, seed=1)
+
+
+def test_two_free_cells_are_just_enough_to_draw_from() -> None:
+    drawn = set()
+    for seed in range(20):
+        env = WarehouseEnv([".#."], start_pos=(0, 2))
+        assert env.reset(randomize=True, seed=seed)["robot_pos"] == (0, 2)
+        drawn.add(env.grid[0])
+    assert drawn == {"P#D", "D#P"}
+
+
+def test_where_only_old_stations_are_open_a_draw_removes_them() -> None:
+    env = WarehouseEnv(["PD"], start_pos=(0, 0))
+    observation = env.reset(randomize=True, seed=0)
+    assert env.grid == [".."]
+    assert observation["pickup_pos"] is observation["dropoff_pos"] is None
+
+
+def test_render_shows_the_robot_on_top() -> None:
+    env = WarehouseEnv(["#P.", ".D#"], start_pos=(0, 1))
+    assert env.render_grid() == [["#", "R", "."], [".", "D", "#"]]
+    env.step("PICK")
+    assert env.render() == "#r.\n.D#"
+    assert env.render_with_legend() == (
+        "#r.\n.D#\n\nLegend:\n# = wall\n. = empty\nP = pickup\nD = dropoff\n"
+        "R = robot (empty)\nr = robot (loaded)"
+    )
+
+
+def test_the_last_motion_says_what_the_backend_did() -> None:
+    env = WarehouseEnv(["..#"], start_pos=(0, 0))
+    assert env.last_motion is None
+    env.step("E")
+    assert env.last_motion is not None
+    assert (env.last_motion.cell, env.last_motion.blocked) == ((0, 1), False)
+    env.step("E")
+    assert env.last_motion.blocked
+    env.step("fly")
+    assert not env.last_motion.blocked
+    env.reset()
+    assert env.last_motion is None
+
+
+def test_a_closed_environment_can_be_closed_again_but_not_stepped() -> None:
+    env = WarehouseEnv()
+    env.close()
+    env.close()
+    with pytest.raises(RuntimeError, match="reset"):
+        env.step("E")
+
+
+# Nothing is shared.
+
+
+def test_an_observation_can_be_spoilt_without_harm() -> None:
+    env, twin = WarehouseEnv(), WarehouseEnv()
+    for spoilt in (env.reset(randomize=True, seed=1), env.step("WAIT")[0]):
+        spoilt["local_grid"][:] = ["spoilt"]
+        spoilt["robot_pos"] = (0, 0)
+        spoilt["battery"] = -5
+        spoilt["has_item"] = True
+        spoilt["pickup_pos"] = None
+    twin.reset(randomize=True, seed=1)
+    twin.step("WAIT")
+    for action in ("N", "E", "WAIT", "PICK", "fly"):
+        assert env.step(action) == twin.step(action)
+
+
+def test_what_render_and_grid_return_can_be_spoilt_without_harm() -> None:
+    env = WarehouseEnv()
+    env.grid[0] = "spoilt"
+    env.render_grid()[1][1] = "?"
+    env.step("fly")[4]["invalid_action"] = "spoilt"
+    assert env.grid == list(DEFAULT_LAYOUT.rows)
+    assert env.step("fly")[4] == {"invalid_action": True}
+    assert env.render() == WarehouseEnv().render()
+
+
+def test_a_list_given_as_grid_may_be_changed_afterwards() -> None:
+    rows = ["...", "..."]
+    env = WarehouseEnv(rows, start_pos=(0, 0))
+    rows[0] = "###"
+    assert env.reset()["local_grid"][2] == "##R.."
+
+
+def test_environments_do_not_share_a_state() -> None:
+    one, other = WarehouseEnv(), WarehouseEnv()
+    one.reset(randomize=True, seed=1)
+    one.step("E")
+    assert other.grid == list(DEFAULT_LAYOUT.rows)
+    assert other.state.steps == 0
+
+
+# The state may be written.
+
+
+def test_a_robot_put_elsewhere_goes_on_from_there() -> None:
+    env = WarehouseEnv()
+    env.step("E")
+    env.state.robot_pos = (4, 8)
+    observation, reward, *_ = env.step("N")
+    assert (observation["robot_pos"], reward) == ((4, 8), pytest.approx(-1.1))
+    assert env.step("W")[0]["robot_pos"] == (4, 7)
+    assert env.state.steps == 3
+
+
+def test_a_robot_put_elsewhere_is_seen_there_at_once() -> None:
+    env = WarehouseEnv()
+    env.state.robot_pos = (1, 10)
+    assert env.render_grid()[1][10] == "R"
+    env.step("WAIT")
+    assert env.last_motion is not None
+    assert env.last_motion.path[0, 1:3].tolist() == [10.5, 1.5]
+
+
+def test_a_whole_new_state_is_taken_over() -> None:
+    env = WarehouseEnv(["P.D"], start_pos=(0, 0))
+    env.state = WarehouseState((0, 2), has_item=True, battery=1, steps=7)
+    observation, reward, terminated, truncated, _ = env.step("DROP")
+    assert (reward, terminated, truncated) == (pytest.approx(9.9), True, True)
+    assert (observation["steps"], observation["battery"]) == (8, 0)
+
+
+@pytest.mark.parametrize("cell", [(0, 0), (-1, 5), (7, 1), (1, 12)])
+def test_a_robot_put_on_a_wall_is_refused_at_the_next_step(cell: tuple[int, int]) -> None:
+    env = WarehouseEnv()
+    env.step("E")
+    env.state.robot_pos = cell
+    for _ in range(2):
+        with pytest.raises(LayoutError, match=f"row {cell[0]}, column {cell[1]} is"):
+            env.step("E")
+    assert (env.state.steps, env.state.battery) == (1, 199)
+    env.state.robot_pos = (1, 1)
+    assert env.step("E")[0]["robot_pos"] == (1, 2)
+
+
+# Errors, after which nothing has changed.
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"grid": []}, "the layout is empty"),
+        ({"grid": [""]}, "the layout is empty"),
+        ({"grid": ["...", ".."]}, "row 1 has 2 columns where row 0 has 3"),
+        (
+            {"grid": ["...", "..x"]},
+            r"row 1, column 2: 'x' is not a tile; allowed: # \(wall\), \. \(",
+        ),
+        ({"start_pos": (0, 0)}, "start_pos row 0, column 0 is wall"),
+        (
+            {"start_pos": (7, 1)},
+            r"start_pos row 7, column 1 is off the grid \(rows 0..6, columns 0..11",
+        ),
+        ({"start_pos": (-1, 1)}, "start_pos row -1, column 1 is off the grid"),
+        ({"grid": ["."]}, "start_pos row 1, column 1 is off the grid"),
+        ({"view_radius": -1}, "view_radius is -1; it must be at least 0"),
+        ({"max_steps": 0}, "max_steps is 0; it must be at least 1"),
+        ({"max_steps": -5}, "max_steps is -5"),
+        ({"battery": 0}, "battery is 0; it must be at least 1"),
+    ],
+)
+def test_a_bad_value_is_refused(arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        WarehouseEnv(**arguments)
+
+
+@pytest.mark.parametrize("name", ["max_steps", "battery", "view_radius"])
+@pytest.mark.parametrize("value", [None, 1.0, "5", [5]])
+def test_a_budget_is_an_integer(name: str, value: object) -> None:
+    with pytest.raises(TypeError, match=f"{name} is .*; it must be an integer"):
+        WarehouseEnv(**{name: value})
+
+
+@pytest.mark.parametrize("value", [None, 5, (1,), (1, 1, 1), (1.0, 1), "11", ("1", "1"), (1, None)])
+def test_a_start_is_two_integers(value: Any) -> None:
+    with pytest.raises(TypeError, match=r"start_pos is .*; it must be two integers"):
+        WarehouseEnv(start_pos=value)
+
+
+@pytest.mark.parametrize("grid", ["...", 5, [5], [b".."], {".": 1}])
+def test_a_grid_is_a_list_of_strings(grid: Any) -> None:
+    with pytest.raises(TypeError, match="string"):
+        WarehouseEnv(grid)
+
+
+@pytest.mark.parametrize("action", NO_ACTIONS)
+def test_what_is_no_action_is_refused_and_changes_nothing(action: Any) -> None:
+    env = WarehouseEnv()
+    env.step("E")
+    before = everything(env)
+    with pytest.raises(
+        TypeError, match="allowed: one of N, E, S, W, WAIT, PICK, DROP or its index"
+    ):
+        env.step(action)
+    assert everything(env) == before
+    assert env.step("E")[0]["robot_pos"] == (1, 3)
+
+
+@pytest.mark.parametrize("seed", [1.5, "1", [1], b"1", (1,)])
+@pytest.mark.parametrize("randomize", [False, True])
+def test_a_seed_of_another_type_is_refused_and_changes_nothing(seed: Any, randomize: bool) -> None:
+    env = WarehouseEnv()
+    env.step("E")
+    before = everything(env)
+    with pytest.raises(TypeError, match=r"seed is .*; it must be an integer"):
+        env.reset(randomize=randomize, seed=seed)
+    assert everything(env) == before
+
+
+@pytest.mark.parametrize("rows", [["."], ["#P#"], ["D"]])
+@pytest.mark.parametrize("seed", [None, 3])
+def test_too_few_cells_to_draw_from_change_nothing(rows: Sequence[str], seed: int | None) -> None:
+    env = WarehouseEnv(rows, start_pos=(0, rows[0].find("P") % len(rows[0])))
+    env.step("WAIT")
+    before = everything(env)
+    with pytest.raises(LayoutError, match=r"needs two open cells .* the layout has 1"):
+        env.reset(randomize=True, seed=seed)
+    assert everything(env) == before
+
+
+class Unreliable(GridMotion):
+    """Breaks down where it is told to."""
+
+    broken = False
+
+    def advance(self, *arguments: Any) -> Any:
+        if self.broken:
+            raise ArithmeticError("broken down")
+        return super().advance(*arguments)
+
+
+def test_a_motion_that_breaks_down_leaves_the_state_alone() -> None:
+    motion = Unreliable()
+    env = WarehouseEnv(backend=motion)
+    env.step("E")
+    before = everything(env)
+    motion.broken = True
+    with pytest.raises(ArithmeticError):
+        env.step("E")
+    assert everything(env) == before
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda env: setattr(env, "grid", ["..."]),
+        lambda env: setattr(env, "start_pos", (1, 2)),
+        lambda env: setattr(env, "view_radius", 3),
+        lambda env: setattr(env, "height", 3),
+    ],
+)
+def test_what_follows_from_the_layout_cannot_be_assigned(
+    change: Callable[[WarehouseEnv], None],
+) -> None:
+    with pytest.raises(AttributeError):
+        change(WarehouseEnv())

@@ -1,0 +1,80 @@
+from itertools import product
+
+import numpy as np
+import pytest
+
+from warehouse_core.task.rules import judge, useful_actions
+from warehouse_core.vector.rules import (
+    STATION_KINDS,
+    judge_all,
+    masks,
+    sides_number,
+    station_numbers,
+)
+
+NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
+EMPTY, PICKUP, DROPOFF = range(3)
+NO, YES = False, True
+
+
+def test_verdicts_are_those_of_the_rules_all_at_once() -> None:
+    cases = list(product(range(7), range(3), (NO, YES), (NO, YES)))
+    actions, stations, has_item, blocked = (np.array(column) for column in zip(*cases, strict=True))
+    rewards, holds, delivered = judge_all(actions, stations, has_item, blocked)
+    assert (rewards.dtype, holds.dtype, delivered.dtype) == (float, bool, bool)
+    for row, (action, station, has, stopped) in enumerate(cases):
+        expected = judge(action, STATION_KINDS[station], has, stopped)
+        assert (rewards[row], holds[row], delivered[row]) == expected
+
+
+def test_a_few_verdicts_by_hand() -> None:
+    steps = [
+        (EAST, EMPTY, NO, NO, -0.1, NO, NO),
+        (EAST, PICKUP, YES, YES, -1.1, YES, NO),
+        (PICK, PICKUP, NO, NO, 4.9, YES, NO),
+        (PICK, PICKUP, YES, NO, -0.6, YES, NO),
+        (PICK, DROPOFF, NO, NO, -0.6, NO, NO),
+        (DROP, DROPOFF, YES, NO, 9.9, NO, YES),
+        (DROP, PICKUP, YES, NO, -0.6, YES, NO),
+    ]
+    *given, rewards, holds, delivered = (np.array(column) for column in zip(*steps, strict=True))
+    found = judge_all(*given)
+    assert found[0] == pytest.approx(rewards)
+    assert found[1].tolist() == holds.tolist()
+    assert found[2].tolist() == delivered.tolist()
+
+
+def test_sides_are_numbered_north_first() -> None:
+    sides = np.array(
+        [[YES, NO, NO, NO], [NO, NO, NO, YES], [YES] * 4, [NO] * 4, [NO, YES, YES, NO]]
+    )
+    assert sides_number(sides).tolist() == [8, 1, 15, 0, 6]
+
+
+def test_only_pickup_and_dropoff_are_stations() -> None:
+    floor, wall, pickup, dropoff = range(4)
+    tiles = np.array([pickup, floor, dropoff, wall, pickup], np.uint8)
+    assert station_numbers(tiles).tolist() == [PICKUP, EMPTY, DROPOFF, EMPTY, PICKUP]
+
+
+def test_masks_are_the_useful_actions() -> None:
+    cases = list(product(range(16), range(3), (NO, YES)))
+    sides, stations, has_item = (np.array(column) for column in zip(*cases, strict=True))
+    found = masks(sides.astype(np.uint8), stations, has_item)
+    assert (found.shape, found.dtype) == ((96, 7), np.int8)
+    for row, (number, station, has) in enumerate(cases):
+        open_sides = tuple(bool(number & bit) for bit in (8, 4, 2, 1))
+        expected = useful_actions(open_sides, STATION_KINDS[station], has)
+        assert found[row].tolist() == list(expected)
+    by_hand = masks(np.array([9, 0, 15]), np.array([PICKUP, DROPOFF, DROPOFF]), np.array([0, 1, 0]))
+    assert by_hand.tolist() == [
+        [1, 0, 0, 1, 1, 1, 0],
+        [0, 0, 0, 0, 1, 0, 1],
+        [1, 1, 1, 1, 1, 0, 0],
+    ]
+
+
+def test_a_mask_is_nobody_elses() -> None:
+    given = np.array([9]), np.array([PICKUP]), np.array([NO])
+    masks(*given)[:] = 5
+    assert masks(*given).tolist() == [[1, 0, 0, 1, 1, 1, 0]]

@@ -1,0 +1,76 @@
+from itertools import permutations
+
+import numpy as np
+import pytest
+
+from warehouse_core import Cell, Layout, random_layout
+from warehouse_core.task.sight import Sight
+from warehouse_core.vector.sight import BatchSight
+from warehouse_core.world.tables import LayoutSet
+from warehouse_core.world.tiles import CELL_CODES
+
+OPEN = Layout(["....", "....", "...."])
+WALLED = random_layout(6, 5, 0.3, seed=2)
+LANE = Layout(["......."])
+BARE = [layout.with_stations(None, None) for layout in (OPEN, WALLED, LANE)]
+
+
+def codes(window: list[str]) -> list[int]:
+    return [CELL_CODES[tile] for line in window for tile in line]
+
+
+@pytest.mark.parametrize("radius", [0, 1, 2, 8])
+def test_stations_are_seen_where_they_are_and_nowhere_else(radius: int) -> None:
+    """Every place of pickup, dropoff and robot, in layouts narrower and wider than the window."""
+    layouts = LayoutSet(BARE)
+    sight = BatchSight(layouts, radius)
+    for layout, base in zip(BARE, layouts.base.tolist(), strict=True):
+        cells = [layout.open_cell(index) for index in range(len(layout.open_cells))]
+        stream = np.random.default_rng(radius)
+        pairs = list(permutations(cells, 2))
+        for pickup, dropoff in [pairs[index] for index in stream.permutation(len(pairs))[:25]]:
+            expected = Sight(layout.with_stations(pickup, dropoff), radius)
+            robots, count = np.array(cells, np.int32), len(cells)
+            loaded = stream.random(count) < 0.5
+            found = sight.windows(
+                base + robots[:, 0] * layout.width + robots[:, 1],
+                loaded,
+                robots,
+                np.tile(np.array(pickup, np.int32), (count, 1)),
+                np.tile(np.array(dropoff, np.int32), (count, 1)),
+            )
+            assert found.dtype == np.uint8
+            for cell, has_item, window in zip(cells, loaded, found.tolist(), strict=True):
+                assert window == codes(expected.window(cell, bool(has_item))), (cell, pickup)
+
+
+def test_stations_of_the_layout_need_no_telling() -> None:
+    shop = Layout(["P.D", "DP."])
+    found = BatchSight(LayoutSet([shop]), 1).windows(
+        np.array([1, 5]), np.array([False, True]), np.array([[0, 1], [1, 2]])
+    )
+    assert found.tolist() == [
+        codes(["###", "PRD", "DP."]),
+        codes([".D#", "Pr#", "###"]),
+    ]
+
+
+def test_a_station_very_far_away_is_out_of_sight() -> None:
+    """65,535 rows down at 65,537 numbers a row come to one to the west, if 32 bits are all."""
+    length = 2**16
+    layouts = LayoutSet([Layout(["."] * length), Layout(["." * length])])
+    ends: list[tuple[Cell, Cell]] = [((0, 0), (length - 1, 0)), ((length - 1, 0), (0, 0))]
+    sight = BatchSight(layouts, 1)
+    for (row, col), station in ends:
+        found = sight.windows(
+            np.array([row]), np.array([False]), np.array([[row, col]], np.int32),
+            np.array([station], np.int32), np.array([station], np.int32),
+        )  # fmt: skip
+        assert not {CELL_CODES["P"], CELL_CODES["D"]} & set(found.ravel().tolist())
+
+
+def test_what_is_seen_is_fresh() -> None:
+    sight = BatchSight(LayoutSet([OPEN]), 1)
+    given = np.array([5]), np.array([False]), np.array([[1, 1]])
+    sight.windows(*given)[:] = 9
+    assert sight.windows(*given).tolist() == [codes(["...", ".R.", "..."])]

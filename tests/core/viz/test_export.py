@@ -1,0 +1,495 @@
+"""Every file is opened again by something that did not write it."""
+
+import base64
+import errno
+import io
+import re
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from xml.etree import ElementTree
+
+import imageio_ffmpeg
+import numpy as np
+import pytest
+from helpers.pictures import (
+    HOSTILE_NAMES,
+    is_color,
+    named,
+    pixels,
+    point_of,
+    replay_of,
+    short_episode,
+    texts,
+)
+from matplotlib.colors import to_hex
+from PIL import Image
+
+from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core import WarehouseEnv, record_episode
+from warehouse_core.render.palette import COLORS
+from warehouse_core.viz import export
+from warehouse_core.viz.export import FORMATS, FormatError, check_format, progress_bar
+from warehouse_core.viz.figure import SceneFigure
+from warehouse_core.warehouse_viz import replay_animation
+from warehouse_core.world.tiles import DROPOFF, ROBOT_EMPTY
+
+FRAMES = 7
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def saved(folder: Path, suffix: str, **options: float) -> Path:
+    path = folder / f"film{suffix}"
+    replay_of(short_episode(), **options).save(path)
+    return path
+
+
+def drawn(frame: int) -> np.ndarray:
+    replay = replay_of(short_episode())
+    replay.go_to(frame)
+    return pixels(replay)
+
+
+# GIF.
+
+
+def frames_of_gif(path: Path) -> tuple[list[np.ndarray], list[int]]:
+    images, durations = [], []
+    with Image.open(path) as film:
+        for index in range(film.n_frames):  # type: ignore[attr-defined]
+            film.seek(index)
+            images.append(np.asarray(film.convert("RGB")).astype(np.int64))
+            durations.append(film.info["duration"])
+    return images, durations
+
+
+def test_a_gif_has_every_frame(tmp_path: Path) -> None:
+    images, _ = frames_of_gif(saved(tmp_path, ".gif"))
+    assert len(images) == FRAMES
+    for frame, image in enumerate(images):
+        # The same as a figure that has drawn no other frame, in 256 colours.
+        replay = replay_of(short_episode())
+        replay.go_to(frame)
+        assert np.array_equal(image, replay.figure.indexed_pixels().convert("RGB")), frame
+        # Smooth edges are rounded; what is plain is exact.
+        assert (np.abs(image - pixels(replay)).max(axis=2) <= 1).mean() > 0.95, frame
+
+
+def test_a_gif_rests_on_its_last_frame_and_begins_again(tmp_path: Path) -> None:
+    path = saved(tmp_path, ".gif")
+    assert frames_of_gif(path)[1] == [150] * (FRAMES - 1) + [2000]
+    with Image.open(path) as film:
+        assert film.info["loop"] == 0
+
+
+@pytest.mark.parametrize(
+    ("interval_ms", "speed", "duration"),
+    [
+        (150, 2, 70),  # GIFs count hundredths of a second
+        (400, 1, 400),
+        (150, 1000, 20),  # viewers play anything shorter at a tenth of a second
+        (60_000, 0.01, 655_350),  # the longest there is
+    ],
+)
+def test_a_gif_plays_at_the_speed_of_the_replay(
+    tmp_path: Path, interval_ms: float, speed: float, duration: int
+) -> None:
+    path = saved(tmp_path, ".gif", interval_ms=interval_ms, speed=speed)
+    assert set(frames_of_gif(path)[1][:-1]) == {duration}
+
+
+def test_the_colours_of_a_gif_are_exact(tmp_path: Path) -> None:
+    images, _ = frames_of_gif(saved(tmp_path, ".gif"))
+    replay = replay_of(short_episode())
+    places = {
+        "#": (0, 0.5, 0.5),
+        ".": (0, 1.5, 2.5),
+        "P": (0, 1.8, 1.8),
+        "D": (0, 3.8, 1.8),
+        "R": (0, 2.75, 1.5),
+        "r": (4, 2.25, 1.5),
+    }
+    for tile, (frame, x, y) in places.items():
+        assert is_color(images[frame][point_of(replay, x, y)], COLORS[tile]), tile
+
+
+def test_the_same_replay_gives_the_same_gif(tmp_path: Path) -> None:
+    first = saved(tmp_path, ".gif").read_bytes()
+    assert saved(tmp_path, ".gif").read_bytes() == first
+
+
+def test_each_frame_of_a_gif_is_drawn_once(tmp_path: Path) -> None:
+    replay = replay_of(short_episode())
+    drawn_frames: list[object] = []
+    replay.figure.canvas.mpl_connect("draw_event", drawn_frames.append)
+    replay.save(tmp_path / "film.gif")
+    assert len(drawn_frames) == FRAMES + 1, "and what it showed before, at the end"
+
+
+def test_a_gif_of_one_frame_is_a_gif(tmp_path: Path) -> None:
+    replay_of([["R.P"]]).save(tmp_path / "one.gif")
+    assert len(frames_of_gif(tmp_path / "one.gif")[0]) == 1
+
+
+# PNG.
+
+
+def test_a_png_shows_the_end(tmp_path: Path) -> None:
+    with Image.open(saved(tmp_path, ".png")) as image:
+        assert image.format == "PNG"
+        assert np.array_equal(image.convert("RGB"), drawn(FRAMES - 1))
+
+
+def test_a_png_shows_the_end_wherever_the_replay_is(tmp_path: Path) -> None:
+    replay = replay_of(short_episode())
+    replay.figure.canvas.draw()
+    for frame in (0, 3, FRAMES - 1):
+        replay.go_to(frame)
+        replay.save(tmp_path / "end.png")
+        with Image.open(tmp_path / "end.png") as image:
+            assert np.array_equal(image.convert("RGB"), drawn(FRAMES - 1))
+
+
+# SVG.
+
+
+def test_an_svg_shows_the_end(tmp_path: Path) -> None:
+    replay = replay_of(short_episode())
+    replay.save(tmp_path / "end.svg")
+    text = (tmp_path / "end.svg").read_text(encoding="utf-8")
+    # Letters are shapes; matplotlib notes beside them, as a comment, what they spell.
+    assert "<!-- step 6 of 6 -->" in text
+    assert "<!-- DELIVERED -->" in text
+    assert "step 0 of 6" not in text
+    root = ElementTree.fromstring(text)
+    assert root.tag == f"{SVG}svg"
+    assert not list(root.iter(f"{SVG}text")), "no font is needed to show it"
+    colors = set(re.findall(r"#[0-9a-f]{6}", text))
+    wall, pickup, dropoff, robot = "#1a1a1a", "#3399ff", "#33cc4c", "#e63333"
+    assert {wall, pickup, dropoff, robot} <= colors
+
+
+def test_an_svg_has_no_date_and_repeats_to_the_byte(tmp_path: Path) -> None:
+    first = saved(tmp_path, ".svg").read_bytes()
+    assert saved(tmp_path, ".svg").read_bytes() == first
+    assert b"dc:date" not in first
+
+
+def test_an_svg_is_the_same_in_another_process(tmp_path: Path) -> None:
+    program = (
+        "from pathlib import Path; from helpers.pictures import *; "
+        "replay_of(short_episode()).save(Path('other.svg'))"
+    )
+    subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            f"import sys; sys.path.append({str(Path(__file__).parents[2])!r}); {program}",
+        ],
+        cwd=tmp_path,
+        check=True,
+    )
+    assert (tmp_path / "other.svg").read_bytes() == saved(tmp_path, ".svg").read_bytes()
+
+
+# MP4.
+
+
+def ffmpeg(*words: object) -> "subprocess.CompletedProcess[bytes]":
+    program = imageio_ffmpeg.get_ffmpeg_exe()
+    return subprocess.run([program, *map(str, words)], capture_output=True, check=False)
+
+
+def test_an_mp4_has_every_frame(tmp_path: Path) -> None:
+    path = saved(tmp_path, ".mp4")
+    about = ffmpeg("-i", path).stderr.decode()
+    assert re.search(r"Video: h264\b.*\byuv420p\b.* 6\.67 fps", about)
+    # Its size is even, which may cost one row and one column.
+    rows, columns = (side // 2 * 2 for side in drawn(0).shape[:2])
+    data = ffmpeg("-v", "error", "-i", path, "-f", "rawvideo", "-pix_fmt", "rgb24", "-").stdout
+    images = np.frombuffer(data, dtype=np.uint8).reshape(-1, rows, columns, 3).astype(np.int64)
+    assert len(images) == FRAMES
+    expected = [drawn(frame)[:rows, :columns] for frame in range(FRAMES)]
+    distances = [[np.abs(image - other).mean() for other in expected] for image in images]
+    assert np.argmin(distances, axis=1).tolist() == list(range(FRAMES))
+    assert max(map(min, distances)) < 6
+
+
+def test_an_mp4_without_its_library_names_the_command_that_installs_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(FormatError, match=r"pip install 'warehouse-lab\[video\]'"):
+        saved(tmp_path, ".mp4")
+    assert list(tmp_path.iterdir()) == []
+
+
+# HTML.
+
+
+class Page(HTMLParser):
+    """The elements of a page, its title, and all that it refers to."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.references: list[str] = []
+        self.title = ""
+        self._in_title = False
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self._in_title = tag == "title"
+        self.references += [
+            value or ""
+            for name, value in attributes
+            if name in ("src", "href", "data", "action") and not (value or "").startswith("#")
+        ]
+
+    def handle_endtag(self, tag: str) -> None:
+        self._in_title = False
+
+    def handle_data(self, data: str) -> None:
+        if self._in_title:
+            self.title += data
+
+
+def frames_of_page(text: str) -> list[np.ndarray]:
+    found = re.findall(r"data:image/png;base64,([^\"]*)\"", text)
+    frames = []
+    for data in found:
+        with Image.open(io.BytesIO(base64.b64decode(data.replace("\\\n", "")))) as image:
+            frames.append(np.asarray(image.convert("RGB")).astype(np.int64))
+    return frames
+
+
+def test_a_page_has_every_frame(tmp_path: Path) -> None:
+    text = saved(tmp_path, ".html").read_text(encoding="utf-8")
+    images = frames_of_page(text)
+    assert len(images) == FRAMES
+    replay = replay_of(short_episode())
+    # The page may be one pixel narrower, which moves nothing by more than that.
+    for frame, robot, x in ((0, "R", 2.75), (2, "R", 1.75), (4, "r", 2.25), (6, "R", 3.25)):
+        assert is_color(images[frame][point_of(replay, x, 1.5)], COLORS[robot]), f"frame {frame}"
+
+
+def test_a_page_refers_to_nothing_outside(tmp_path: Path) -> None:
+    text = saved(tmp_path, ".html").read_text(encoding="utf-8")
+    page = Page(text)
+    assert page.tags[:3] == ["html", "head", "meta"]
+    assert page.title == "Tester on the grid backend, seed 4"
+    assert page.references == []
+    assert "link" not in page.tags
+    assert not re.search(r"https?:|@import|url\(", text)
+
+
+def test_a_page_of_bare_frames_has_a_title_too(tmp_path: Path) -> None:
+    replay_of([["R.P"]]).save(tmp_path / "film.html")
+    assert Page((tmp_path / "film.html").read_text(encoding="utf-8")).title == "Warehouse replay"
+
+
+# Names are never taken for anything else.
+
+
+@pytest.fixture(scope="module")
+def harmless_tags(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """Return the elements of a page with a name that nobody minds."""
+    path = saved(tmp_path_factory.mktemp("harmless"), ".html")
+    return Page(path.read_text(encoding="utf-8")).tags
+
+
+@pytest.mark.parametrize("name", HOSTILE_NAMES)
+@pytest.mark.filterwarnings("ignore:Glyph")  # matplotlib says when a font lacks a character
+def test_names_are_nothing_but_words_in_a_page(
+    tmp_path: Path, harmless_tags: list[str], name: str
+) -> None:
+    replay = replay_of(named(name))
+    replay.save(tmp_path / "film.html")
+    text = (tmp_path / "film.html").read_text(encoding="utf-8")
+    page = Page(text)
+    assert page.tags == harmless_tags
+    assert page.references == []
+    assert page.title == replay.track.title
+    assert "alert(1)</script>" not in text
+    assert len(frames_of_page(text)) == FRAMES
+
+
+@pytest.mark.parametrize("name", HOSTILE_NAMES)
+@pytest.mark.filterwarnings("ignore:Glyph")
+def test_names_are_nothing_but_shapes_in_an_svg(tmp_path: Path, name: str) -> None:
+    replay = replay_of(named(name))
+    replay.save(tmp_path / "end.svg")
+    root = ElementTree.parse(tmp_path / "end.svg").getroot()
+    kinds = {element.tag for element in root.iter()}
+    harmless = ElementTree.parse(saved(tmp_path, ".svg")).getroot()
+    assert kinds == {element.tag for element in harmless.iter()}
+    assert f"{SVG}script" not in kinds
+    assert not [
+        value for element in root.iter() for value in element.itertext() if "alert" in value
+    ]
+
+
+@pytest.mark.parametrize("name", HOSTILE_NAMES)
+@pytest.mark.filterwarnings("ignore:Glyph")
+def test_names_do_not_keep_pixels_from_being_saved(tmp_path: Path, name: str) -> None:
+    replay = replay_of(named(name))
+    for suffix in (".png", ".gif"):
+        replay.save(tmp_path / f"film{suffix}")
+        with Image.open(tmp_path / f"film{suffix}") as image:
+            assert image.size == replay.figure.canvas.get_width_height()
+
+
+# What cannot be saved.
+
+
+@pytest.mark.parametrize("name", ["film.xyz", "film", "film.jpeg", "film.gif.zip", ".gif", "film."])
+def test_an_unknown_suffix_is_refused_with_all_that_are_allowed(tmp_path: Path, name: str) -> None:
+    with pytest.raises(FormatError) as refused:
+        replay_of(short_episode()).save(tmp_path / name)
+    assert str(tmp_path / name) in str(refused.value)
+    assert str(refused.value).endswith("allowed: .gif, .mp4, .html, .svg, .png")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_suffix_may_be_in_capitals(tmp_path: Path) -> None:
+    assert len(frames_of_gif(saved(tmp_path, ".GIF"))[0]) == FRAMES
+
+
+def test_a_caller_may_allow_formats_of_its_own() -> None:
+    assert check_format(Path("a.npz"), also=[".npz"]) == ".npz"
+    assert check_format(Path("a.PNG"), also=[".npz"]) == ".png"
+    with pytest.raises(FormatError, match=r"\.png, \.npz$"):
+        check_format(Path("a.txt"), also=[".npz"])
+
+
+def break_off_after_three_frames(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the fourth picture fail, as a full disk or an interrupt would."""
+    taken = []
+    take = SceneFigure.pixels
+
+    def broken(self: SceneFigure) -> Image.Image:
+        taken.append(self)
+        if len(taken) > 3:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return take(self)
+
+    monkeypatch.setattr(SceneFigure, "pixels", broken)
+
+
+def break_off_while_writing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the file fail when half of it is there."""
+
+    def broken(self: object, target: object, *_: object, **__: object) -> None:
+        Path(str(target)).write_bytes(b"half of it")
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Image.Image, "save", broken)
+    monkeypatch.setattr(SceneFigure, "savefig", broken)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "break_off"),
+    [
+        (".gif", break_off_after_three_frames),
+        (".gif", break_off_while_writing),
+        (".mp4", break_off_after_three_frames),
+        (".html", break_off_after_three_frames),
+        (".png", break_off_while_writing),
+        (".svg", break_off_while_writing),
+    ],
+)
+def test_an_export_that_fails_leaves_the_older_file_and_no_part(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str, break_off: object
+) -> None:
+    assert callable(break_off)
+    target = tmp_path / f"film{suffix}"
+    target.write_bytes(b"the older file")
+    replay = replay_of(short_episode())
+    replay.go_to(2)
+    break_off(monkeypatch)
+    with pytest.raises(OSError, match="No space left"):
+        replay.save(target)
+    assert target.read_bytes() == b"the older file"
+    assert list(tmp_path.iterdir()) == [target]
+    assert "step 2 of 6" in texts(replay), "the replay shows what it showed before"
+    monkeypatch.undo()
+    replay.save(target)
+    assert target.stat().st_size > 1000
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_an_interrupted_export_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
+) -> None:
+    def interrupted(replay: object, path: Path) -> None:
+        path.write_bytes(b"half of it")
+        raise KeyboardInterrupt
+
+    monkeypatch.setitem(export.FORMATS, suffix, interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        saved(tmp_path, suffix)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_the_folder_must_exist(tmp_path: Path, suffix: str) -> None:
+    with pytest.raises(FileNotFoundError, match="missing does not exist"):
+        saved(tmp_path / "missing", suffix)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_a_file_is_no_folder(tmp_path: Path, suffix: str) -> None:
+    (tmp_path / "file").write_text("a file")
+    with pytest.raises(OSError, match="file does not exist"):
+        saved(tmp_path / "file", suffix)
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_a_folder_is_no_file(tmp_path: Path, suffix: str) -> None:
+    (tmp_path / f"film{suffix}").mkdir()
+    with pytest.raises(IsADirectoryError, match="is a folder"):
+        saved(tmp_path, suffix)
+
+
+# The progress bar.
+
+
+def test_there_is_no_bar_where_nobody_watches(capsys: pytest.CaptureFixture[str]) -> None:
+    with progress_bar(1000, "Drawing") as report:
+        for frame in range(1000):
+            report(frame, None)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_long_export_on_a_terminal_shows_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    outputs = {}
+    for frames in (export.LONG_EXPORT - 1, export.LONG_EXPORT):
+        terminal = Terminal()
+        monkeypatch.setattr(sys, "stderr", terminal)
+        with progress_bar(frames, "Drawing") as report:
+            for frame in range(frames):
+                report(frame, frames)
+        outputs[frames] = terminal.getvalue()
+    short, long = outputs.values()
+    assert "Drawing" not in short
+    assert "Drawing" in long
+
+
+def test_in_an_svg_the_robot_stands_on_its_tile(tmp_path: Path) -> None:
+    """Nothing there says what moves; what comes later is drawn over what came before."""
+    env = WarehouseEnv(["#####", "#P.D#", "#####"])
+    episode = record_episode(env, GreedyAgent(seed=1, escape_steps=0), randomize=False)
+    replay = replay_animation(episode, window=False)
+    assert replay is not None
+    replay.save(tmp_path / "end.svg")
+    drawing = (tmp_path / "end.svg").read_text(encoding="utf-8").split('id="axes_2"')[0]
+    tile, robot = (to_hex(COLORS[letter]) for letter in (DROPOFF, ROBOT_EMPTY))
+    assert drawing.rindex(f"fill: {robot}") > drawing.rindex(f"fill: {tile}")

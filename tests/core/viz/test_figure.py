@@ -1,0 +1,209 @@
+import io
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from helpers.pictures import pixels, replay_of, short_episode
+from matplotlib.backend_bases import DrawEvent
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from PIL import Image
+
+from warehouse_core.viz.figure import SceneFigure
+from warehouse_core.viz.replay import Replay
+
+FRAMES = 7
+
+
+def drawn_afresh(frame: int, change: Callable[[Replay], object] = lambda _: None) -> np.ndarray:
+    """Return the pixels of a frame in a figure that has drawn nothing before."""
+    replay = replay_of(short_episode())
+    replay.go_to(frame)
+    change(replay)
+    replay.figure.stale = True
+    return pixels(replay)
+
+
+@pytest.fixture
+def replay() -> Replay:
+    return replay_of(short_episode())
+
+
+@pytest.fixture
+def still_drawings(monkeypatch: pytest.MonkeyPatch) -> list[SceneFigure]:
+    """Return a list that grows each time something draws all that stands still."""
+    drawings: list[SceneFigure] = []
+    draw_still = SceneFigure._draw_still
+
+    def counted(self: SceneFigure, *arguments: object, **options: bool) -> None:
+        drawings.append(self)
+        draw_still(self, *arguments, **options)
+
+    monkeypatch.setattr(SceneFigure, "_draw_still", counted)
+    return drawings
+
+
+def test_a_frame_over_the_remembered_background_equals_a_fresh_drawing(replay: Replay) -> None:
+    pixels(replay)
+    for frame in (*range(FRAMES), 2, 0, 5):
+        replay.go_to(frame)
+        assert np.array_equal(pixels(replay), drawn_afresh(frame)), f"frame {frame}"
+
+
+def test_frames_do_not_draw_again_what_stands_still(
+    replay: Replay, still_drawings: list[SceneFigure]
+) -> None:
+    pixels(replay)
+    before = len(still_drawings)
+    for frame in range(FRAMES):
+        replay.go_to(frame)
+        pixels(replay)
+    assert len(still_drawings) == before
+
+
+def zoom(replay: Replay) -> None:
+    replay.figure.axes[0].set_xlim(1, 4)
+
+
+def resize(replay: Replay) -> None:
+    replay.figure.set_size_inches(7.31, 3.3)
+
+
+def refine(replay: Replay) -> None:
+    replay.figure.set_dpi(70)
+
+
+@pytest.mark.parametrize("change", [zoom, resize, refine])
+def test_a_change_of_what_stands_still_is_drawn(
+    replay: Replay, change: Callable[[Replay], object]
+) -> None:
+    replay.go_to(2)
+    before = pixels(replay)
+    change(replay)
+    after = pixels(replay)
+    assert before.shape != after.shape or not np.array_equal(before, after)
+    assert np.array_equal(after, drawn_afresh(2, change))
+    replay.go_to(4)
+    assert np.array_equal(pixels(replay), drawn_afresh(4, change))
+
+
+@pytest.mark.parametrize("dpi", ["figure", 72, 150])
+def test_a_vector_drawing_between_two_others_spoils_nothing(
+    replay: Replay, dpi: str | float
+) -> None:
+    replay.go_to(3)
+    pixels(replay)
+    zoom(replay)
+    replay.figure.savefig(io.BytesIO(), format="svg", dpi=dpi)
+    assert np.array_equal(pixels(replay), drawn_afresh(3, zoom))
+
+
+def test_a_vector_drawing_holds_what_moves_as_well() -> None:
+    figure = replay_of(short_episode()).figure
+    small, whole = io.BytesIO(), io.BytesIO()
+    movers = figure._movers
+    figure.savefig(whole, format="svg")
+    for mover in movers:
+        mover.set_visible(False)
+    figure.savefig(small, format="svg")
+    assert len(small.getvalue()) < len(whole.getvalue())
+    assert not any(mover.get_visible() for mover in movers), "what is hidden stays hidden"
+    assert all(mover.get_animated() for mover in movers)
+
+
+def test_listeners_are_told_of_every_drawing_once_it_is_whole(replay: Replay) -> None:
+    seen = []
+
+    def look(event: DrawEvent) -> None:
+        seen.append(np.asarray(event.canvas.buffer_rgba()).copy())  # type: ignore[attr-defined]
+
+    replay.figure.canvas.mpl_connect("draw_event", look)
+    for frame in (3, 3, 6):
+        replay.go_to(frame)
+    zoom(replay)
+    replay.figure.canvas.draw()
+    assert len(seen) == 4
+    for frame, picture in zip((3, 3, 6), seen, strict=False):
+        assert np.array_equal(picture[..., :3], drawn_afresh(frame)), f"frame {frame}"
+    assert np.array_equal(seen[3][..., :3], drawn_afresh(6, zoom))
+
+
+def test_a_listener_that_moves_something_does_not_change_the_drawing_it_is_told_of() -> None:
+    # A replay is such a listener: its first drawing starts it, which shows its current frame.
+    replay = replay_of(short_episode())
+    replay.show_end()
+    assert np.array_equal(pixels(replay), drawn_afresh(FRAMES - 1))
+
+
+def test_on_demand_nothing_is_drawn_but_what_is_asked_for(replay: Replay) -> None:
+    seen: list[object] = []
+    replay.figure.canvas.mpl_connect("draw_event", seen.append)
+    with replay.figure.drawn_on_demand():
+        replay.go_to(3)
+        replay.figure.canvas.draw()
+        assert seen == []
+        assert np.array_equal(pixels(replay), drawn_afresh(3))
+        assert len(seen) == 1
+        replay.go_to(5)
+        assert len(seen) == 1
+    replay.go_to(6)
+    assert len(seen) == 2, "it draws again as ever"
+    assert np.array_equal(pixels(replay), drawn_afresh(6))
+
+
+def test_it_draws_again_as_ever_after_an_error(replay: Replay) -> None:
+    with pytest.raises(KeyError), replay.figure.drawn_on_demand():
+        raise KeyError
+    seen: list[object] = []
+    replay.figure.canvas.mpl_connect("draw_event", seen.append)
+    replay.figure.canvas.draw()
+    assert len(seen) == 1
+
+
+def test_a_png_is_written_the_short_way_in_the_figures_own_size(replay: Replay) -> None:
+    replay.go_to(5)
+    for options in ({}, {"dpi": "figure"}, {"dpi": replay.figure.dpi}):
+        file = io.BytesIO()
+        replay.figure.savefig(file, format="png", **options)
+        with Image.open(file) as image:
+            assert (image.format, image.mode) == ("PNG", "P")
+            assert image.size == replay.figure.canvas.get_width_height()
+            assert np.array_equal(image, replay.figure.indexed_pixels())
+
+
+def test_another_resolution_goes_matplotlibs_way(replay: Replay) -> None:
+    file = io.BytesIO()
+    replay.figure.savefig(file, format="png", dpi=2 * replay.figure.dpi)
+    with Image.open(file) as image:
+        assert image.size == tuple(2 * side for side in replay.figure.canvas.get_width_height())
+
+
+@pytest.mark.parametrize("kind", ["raw", "rgba"])
+def test_raw_pixels_have_four_bytes_each(replay: Replay, kind: str) -> None:
+    file = io.BytesIO()
+    replay.figure.savefig(file, format=kind)
+    expected = pixels(replay)
+    found = np.frombuffer(file.getvalue(), dtype=np.uint8).reshape(*expected.shape[:2], 4)
+    assert np.array_equal(found[..., :3], expected)
+    assert (found[..., 3] == 255).all()
+
+
+def test_indexed_pixels_share_one_palette(replay: Replay) -> None:
+    first = replay.figure.indexed_pixels()
+    replay.go_to(6)
+    last = replay.figure.indexed_pixels()
+    assert first.getpalette() == last.getpalette()
+    assert first.tobytes() != last.tobytes()
+
+
+def test_a_colour_has_one_index_wherever_it_is(replay: Replay) -> None:
+    replay.go_to(6)
+    colors = (pixels(replay) * (65536, 256, 1)).sum(axis=2).ravel()
+    pairs = set(zip(colors.tolist(), replay.figure.indexed_pixels().tobytes(), strict=True))
+    assert len(pairs) == len(set(colors.tolist()))
+
+
+def test_a_figure_without_pixels_says_so() -> None:
+    figure = SceneFigure(figsize=(2, 1))
+    FigureCanvasSVG(figure)
+    with pytest.raises(TypeError, match="FigureCanvasSVG has no pixels"):
+        figure.pixels()

@@ -1,0 +1,283 @@
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.pictures import pixels, replay_of, short_episode, texts
+from matplotlib.animation import FuncAnimation, PillowWriter
+from matplotlib.backend_bases import KeyEvent
+
+from warehouse_core.render.window import NoDisplayError
+from warehouse_core.viz.replay import Replay
+
+LAST = 6
+
+
+@pytest.fixture
+def replay() -> Replay:
+    """Return a replay that has been drawn once, as in a window, and so has started."""
+    replay = replay_of(short_episode())
+    replay.figure.canvas.draw()
+    return replay
+
+
+def press(replay: Replay, *keys: str) -> None:
+    for key in keys:
+        event = KeyEvent("key_press_event", replay.figure.canvas, key)
+        replay.figure.canvas.callbacks.process("key_press_event", event)
+
+
+def tick(replay: Replay, times: int = 1) -> None:
+    """Let the clock of the animation strike."""
+    for _ in range(times):
+        assert replay.event_source is not None
+        replay.event_source._on_timer()
+
+
+def shown(replay: Replay) -> int:
+    """Return the step that the picture says it shows."""
+    (counter,) = [text for text in texts(replay) if text.startswith("step ")]
+    found = re.fullmatch(rf"step (\d+) of {LAST}", counter)
+    assert found is not None
+    return int(found.group(1))
+
+
+def played(replay: Replay, ticks: int) -> list[int]:
+    frames = []
+    for _ in range(ticks):
+        tick(replay)
+        frames.append(shown(replay))
+    return frames
+
+
+def test_a_replay_is_a_matplotlib_animation(replay: Replay) -> None:
+    assert isinstance(replay, FuncAnimation)
+
+
+def test_a_replay_plays_every_frame_and_stays_at_the_end(replay: Replay) -> None:
+    assert shown(replay) == 0
+    assert played(replay, 9) == [0, 1, 2, 3, 4, 5, 6, 6, 6]
+    assert replay.frame == LAST
+    assert not replay.playing
+
+
+def test_what_is_counted_is_what_is_drawn(replay: Replay) -> None:
+    tick(replay, 4)
+    assert shown(replay) == replay.frame == 3
+    fresh = replay_of(short_episode())
+    fresh.go_to(3)
+    assert np.array_equal(pixels(replay), pixels(fresh))
+
+
+def test_a_replay_pauses_on_space(replay: Replay) -> None:
+    tick(replay, 3)
+    press(replay, " ")
+    assert not replay.playing
+    assert played(replay, 3) == [2, 2, 2]
+
+
+def test_space_resumes_where_it_paused(replay: Replay) -> None:
+    tick(replay, 3)
+    press(replay, " ", " ")
+    assert replay.playing
+    assert played(replay, 2) == [3, 4]
+
+
+@pytest.mark.parametrize(("key", "step"), [("left", -1), ("right", 1)])
+def test_an_arrow_steps_one_frame_and_pauses(replay: Replay, key: str, step: int) -> None:
+    tick(replay, 4)
+    before = shown(replay)
+    press(replay, key)
+    assert shown(replay) == before + step
+    assert not replay.playing
+    assert played(replay, 2) == [before + step] * 2
+    press(replay, key)
+    assert shown(replay) == before + 2 * step
+
+
+def test_space_resumes_from_where_the_arrows_went(replay: Replay) -> None:
+    tick(replay, 5)
+    press(replay, "left", "left", " ")
+    assert played(replay, 3) == [3, 4, 5]
+
+
+def test_there_is_nothing_before_the_first_frame(replay: Replay) -> None:
+    press(replay, "left", "left")
+    assert shown(replay) == replay.frame == 0
+    press(replay, "right")
+    assert shown(replay) == 1
+
+
+def test_there_is_nothing_after_the_last_frame(replay: Replay) -> None:
+    press(replay, *["right"] * 9)
+    assert shown(replay) == replay.frame == LAST
+    press(replay, "left")
+    assert shown(replay) == LAST - 1
+
+
+def test_space_at_the_end_starts_again(replay: Replay) -> None:
+    tick(replay, 9)
+    press(replay, " ")
+    assert shown(replay) == 0
+    assert played(replay, 3) == [1, 2, 3]
+
+
+def test_space_at_the_end_starts_again_after_the_arrows_too(replay: Replay) -> None:
+    press(replay, *["right"] * LAST)
+    press(replay, " ")
+    assert shown(replay) == 0
+    assert replay.playing
+
+
+def test_other_keys_do_nothing(replay: Replay) -> None:
+    tick(replay, 3)
+    press(replay, "q", "p", "up", "shift+left", "home", "x", "escape")
+    assert shown(replay) == 2
+    assert replay.playing
+
+
+def test_a_replay_of_one_frame_can_be_paused_and_stepped() -> None:
+    replay = replay_of([["R."]])
+    replay.figure.canvas.draw()
+    tick(replay, 3)
+    press(replay, " ", "left", "right", " ")
+    tick(replay, 2)
+    assert replay.frame == 0
+    assert "step 0 of 0" in texts(replay)
+
+
+def test_a_replay_may_go_to_a_frame_before_it_is_drawn() -> None:
+    replay = replay_of(short_episode())
+    replay.go_to(4)
+    replay.figure.canvas.draw()
+    assert shown(replay) == 4
+    assert played(replay, 2) == [4, 4]
+
+
+@pytest.mark.parametrize(("frame", "expected"), [(-5, 0), (0, 0), (3, 3), (6, 6), (99, 6)])
+def test_going_beyond_an_end_goes_to_it(replay: Replay, frame: int, expected: int) -> None:
+    replay.go_to(frame)
+    assert shown(replay) == replay.frame == expected
+
+
+@pytest.mark.parametrize("name", ["interval_ms", "speed"])
+@pytest.mark.parametrize("value", [0, -1, float("nan"), float("inf"), -float("inf")])
+def test_intervals_and_speeds_must_be_positive_and_finite(name: str, value: float) -> None:
+    with pytest.raises(ValueError, match=rf"{name} is {value!r}; it must be positive and finite"):
+        replay_of(short_episode(), **{name: value})
+
+
+@pytest.mark.parametrize(
+    ("interval_ms", "speed", "frame_ms"), [(150, 1, 150), (150, 2, 75), (100, 0.5, 200)]
+)
+def test_speed_divides_the_interval(interval_ms: float, speed: float, frame_ms: float) -> None:
+    replay = replay_of(short_episode(), interval_ms=interval_ms, speed=speed)
+    assert replay.frame_ms == frame_ms
+    assert replay.fps == 1000 / frame_ms
+    assert replay.event_source is not None
+    assert replay.event_source.interval == frame_ms
+
+
+def test_a_fast_replay_ticks_once_a_millisecond_at_most() -> None:
+    replay = replay_of(short_episode(), interval_ms=1, speed=50)
+    assert replay.event_source is not None
+    assert replay.event_source.interval == 1
+
+
+def test_nothing_is_shown_where_there_is_no_window(replay: Replay) -> None:
+    with pytest.raises(NoDisplayError, match="there is no display"):
+        replay.show()
+
+
+# Saving.
+
+
+@pytest.mark.parametrize("suffix", [".gif", ".html", ".svg", ".png", ".mp4"])
+def test_saving_leaves_the_current_frame_as_it_was(
+    replay: Replay, tmp_path: Path, suffix: str
+) -> None:
+    replay.go_to(2)
+    replay.save(tmp_path / f"film{suffix}")
+    assert shown(replay) == replay.frame == 2
+    press(replay, "right")
+    assert shown(replay) == 3
+
+
+def test_saving_goes_on_playing_where_it_was(replay: Replay, tmp_path: Path) -> None:
+    tick(replay, 3)
+    replay.save(tmp_path / "film.gif")
+    assert replay.playing
+    assert played(replay, 2) == [3, 4]
+
+
+def test_a_path_may_be_text(replay: Replay, tmp_path: Path) -> None:
+    replay.save(str(tmp_path / "end.png"))
+    assert (tmp_path / "end.png").stat().st_size
+
+
+def test_a_writer_of_matplotlib_gets_every_frame(replay: Replay, tmp_path: Path) -> None:
+    from PIL import Image
+
+    target = tmp_path / "film.gif"
+    replay.go_to(4)
+    seen = []
+    replay.save(
+        target,
+        writer=PillowWriter(fps=5),
+        progress_callback=lambda frame, frames: seen.append(frame),
+    )
+    with Image.open(target) as film:
+        assert film.n_frames == LAST + 1  # type: ignore[attr-defined]
+    assert seen == list(range(LAST + 1))
+    assert shown(replay) == 4
+
+
+# In a notebook.
+
+
+def test_a_notebook_shows_a_player_with_every_frame_in_it(replay: Replay) -> None:
+    page = replay._repr_html_()
+    assert page.count("data:image/png;base64,") == LAST + 1
+    assert "<script" in page
+
+
+def test_a_player_loads_nothing_from_elsewhere(replay: Replay) -> None:
+    page = replay.to_jshtml()
+    assert not re.search(r"https?:|//cdn|<link|@import|src=\"(?!data:)|url\(", page)
+
+
+def test_a_player_has_a_sign_on_every_button(replay: Replay) -> None:
+    page = replay.to_jshtml()
+    buttons = re.findall(r'<i class="fa fa-([\w-]+)', page)
+    assert len(buttons) == 9
+    for name in buttons:
+        assert f".fa-{name}::before" in page
+
+
+def test_making_a_player_leaves_the_current_frame_as_it_was(replay: Replay) -> None:
+    replay.go_to(2)
+    replay.to_jshtml()
+    assert shown(replay) == replay.frame == 2
+
+
+def test_a_player_plays_at_the_speed_of_the_replay() -> None:
+    page = replay_of(short_episode(), interval_ms=300, speed=2).to_jshtml()
+    # Matplotlib rounds what one frame takes down to a whole millisecond.
+    assert re.search(r"new Animation\(frames, img_id, slider_id, (149|150)(\.0)?,", page)
+
+
+def test_a_replay_that_is_never_drawn_goes_without_a_warning() -> None:
+    import gc
+
+    replay_of(short_episode())
+    gc.collect()
+
+
+def test_a_figure_keeps_its_replay() -> None:
+    import gc
+
+    figure = replay_of(short_episode()).figure
+    gc.collect()
+    assert isinstance(figure.replay, Replay)
+    press(figure.replay, "right")
+    assert shown(figure.replay) == 1

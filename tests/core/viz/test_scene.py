@@ -1,0 +1,434 @@
+"""Pictures as they are seen: through the colours of their pixels and the words in them."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.pictures import (
+    ROOM,
+    is_color,
+    patch,
+    pixels,
+    point_of,
+    replay_of,
+    short_episode,
+    texts,
+)
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
+
+from warehouse_core.motion.base import Contact
+from warehouse_core.render.palette import COLORS, HIT, INK, PALE_WARNING, TRAIL_COLORS, WARNING
+from warehouse_core.viz.figure import make_figure
+from warehouse_core.viz.replay import Replay
+from warehouse_core.viz.scene import Scene
+from warehouse_core.viz.track import METRICS, track_of_episode
+
+BARE = ["#####", "#P.D#", "#..R#", "#####"]
+METRIC_TITLES = {
+    "rewards": "cumulative reward (bars: each step)",
+    "dist_pickup": "distance to pickup (cells)",
+    "dist_dropoff": "distance to dropoff (cells)",
+}
+
+
+def frames_at(*cells: tuple[int, int], robot: str = "R") -> list[list[list[str]]]:
+    """Return frames of ``ROOM`` with the robot in these cells."""
+    frames = []
+    for row, column in cells:
+        frame = [list(line) for line in ROOM.rows]
+        frame[row][column] = robot
+        frames.append(frame)
+    return frames
+
+
+def axes_titled(replay: Replay, title: str) -> Axes:
+    (found,) = [axes for axes in replay.figure.axes if axes.get_title(loc="left") == title]
+    return found
+
+
+def titles(replay: Replay) -> list[str]:
+    return [axes.get_title(loc="left") for axes in replay.figure.axes]
+
+
+# The grid.
+
+
+@pytest.mark.parametrize(
+    ("tile", "row", "column"), [("#", 0, 2), ("P", 1, 1), (".", 2, 1), ("D", 1, 3)]
+)
+@pytest.mark.parametrize(("right", "down"), [(0.5, 0.5), (0.9, 0.5), (0.5, 0.9), (0.1, 0.9)])
+def test_a_tile_has_its_colour_in_the_middle_and_at_the_edge(
+    tile: str, row: int, column: int, right: float, down: float
+) -> None:
+    replay = replay_of([BARE])
+    pixel = pixels(replay)[point_of(replay, column + right, row + down)]
+    assert is_color(pixel, COLORS[tile])
+
+
+def test_walls_meet_without_a_seam() -> None:
+    replay = replay_of([["#####", "#####", "##R##", "#####"]])
+    image = pixels(replay)
+    for corner in ((0.1, 0.1, 4.9, 1.9), (0.1, 0.1, 1.9, 3.9), (3.1, 0.1, 4.9, 3.9)):
+        wall = patch(replay, image, *corner)
+        assert wall.size
+        assert all(is_color(pixel, COLORS["#"]) for pixel in wall.reshape(-1, 3))
+
+
+@pytest.mark.parametrize("robot", ["R", "r"])
+@pytest.mark.parametrize(("right", "down"), [(0.25, 0.5), (0.75, 0.5), (0.5, 0.26), (0.5, 0.74)])
+def test_the_robot_is_a_disc_of_its_colour(robot: str, right: float, down: float) -> None:
+    replay = replay_of(frames_at((1, 1), robot=robot))
+    assert is_color(pixels(replay)[point_of(replay, 1 + right, 1 + down)], COLORS[robot])
+
+
+@pytest.mark.parametrize("robot", ["R", "r"])
+def test_the_robot_bears_its_letter(robot: str) -> None:
+    replay = replay_of(frames_at((2, 2), robot=robot))
+    assert robot in texts(replay)
+    ink = INK if robot == "r" else (1.0, 1.0, 1.0)
+    middle = patch(replay, pixels(replay), 2.3, 2.3, 2.7, 2.7).reshape(-1, 3)
+    assert sum(is_color(pixel, ink) for pixel in middle) > 10
+
+
+@pytest.mark.parametrize("robot", ["R", "r"])
+@pytest.mark.parametrize(("tile", "column"), [("P", 1), ("D", 3)])
+def test_the_letter_of_a_tile_stays_readable_under_the_robot(
+    robot: str, tile: str, column: int
+) -> None:
+    # The first frame shows what is under the robot in the second one.
+    replay = replay_of(frames_at((2, 2), (1, column), robot=robot))
+    corner = (column + 0.05, 1.05, column + 0.4, 1.4)
+    without = patch(replay, pixels(replay), *corner)
+    replay.go_to(1)
+    under = patch(replay, pixels(replay), *corner)
+    letter = np.abs(without - 255 * np.array(COLORS[tile])).sum(axis=2) > 30
+    assert letter.sum() > 20
+    assert np.array_equal(under[letter], without[letter])
+    assert is_color(pixels(replay)[point_of(replay, column + 0.5, 1.92)], COLORS[tile])
+
+
+def test_a_heading_is_a_line_in_front_of_the_robot() -> None:
+    replay = replay_of(short_episode())
+    sides = {(1, "north"): (2.5, 1.16), (2, "west"): (1.16, 1.5), (4, "east"): (2.84, 1.5)}
+    image = pixels(replay)
+    assert not is_color(image[point_of(replay, 2.5, 1.16)], INK)
+    for (frame, name), place in sides.items():
+        replay.go_to(frame)
+        row, column = point_of(replay, *place)
+        near = pixels(replay)[row - 1 : row + 2, column - 1 : column + 2].reshape(-1, 3)
+        assert any(is_color(pixel, INK) for pixel in near), name
+
+
+def test_the_trail_shows_where_the_robot_was_and_whether_it_was_loaded() -> None:
+    # Empty along the top row to P, then loaded along the row below.
+    cells = [(1, 3), (1, 2), (1, 1)]
+    loaded = frames_at((1, 1), (2, 1), (2, 2), (2, 3), robot="r")
+    replay = replay_of([*frames_at(*cells), *loaded])
+    replay.go_to(6)
+    image = pixels(replay)
+
+    def has(color: tuple[float, float, float], *place: float) -> bool:
+        cut = patch(replay, image, *place).reshape(-1, 3)
+        return any(is_color(pixel, color) for pixel in cut)
+
+    upper, lower = (2.0, 1.4, 2.9, 1.6), (1.7, 2.4, 2.6, 2.6)
+    assert has(TRAIL_COLORS[False], *upper)
+    assert has(TRAIL_COLORS[True], *lower)
+    assert not has(TRAIL_COLORS[True], *upper)
+    assert not has(TRAIL_COLORS[False], *lower)
+    assert has(COLORS["."], 2.0, 2.49, 2.6, 2.51), "a loaded trail has gaps"
+    replay.go_to(0)
+    image = pixels(replay)
+    assert not has(TRAIL_COLORS[False], *upper)
+
+
+def test_a_hit_flashes_in_its_frame_alone() -> None:
+    episode = short_episode()
+    contact = Contact(0.1, 2.0, (2.5, 1.0), "wall")
+    bump = episode.motions[0]._replace(contacts=(contact,))
+    replay = replay_of(short_episode(motions=[bump, *episode.motions[1:]]))
+    place = (2.35, 0.85, 2.65, 1.15)
+    flashed = []
+    for frame in range(3):
+        replay.go_to(frame)
+        cut = patch(replay, pixels(replay), *place).reshape(-1, 3)
+        flashed.append(any(is_color(pixel, HIT) for pixel in cut))
+    assert flashed == [False, True, False]
+
+
+def test_a_frame_without_a_robot_shows_none() -> None:
+    replay = replay_of([["...", ".P."], ["R..", ".P."]])
+    assert is_color(pixels(replay)[point_of(replay, 0.75, 0.5)], COLORS["."])
+    assert "R" not in texts(replay)
+    replay.go_to(1)
+    assert is_color(pixels(replay)[point_of(replay, 0.75, 0.5)], COLORS["R"])
+    replay.go_to(0)
+    assert is_color(pixels(replay)[point_of(replay, 0.75, 0.5)], COLORS["."])
+
+
+def test_tiles_may_change_from_frame_to_frame() -> None:
+    replay = replay_of([["P.R"], ["#.R"], ["P.R"]])
+    for frame, tile in enumerate("P#P"):
+        replay.go_to(frame)
+        assert is_color(pixels(replay)[point_of(replay, 0.5, 0.5)], COLORS[tile])
+        assert ("P" in texts(replay)) == (tile == "P")
+
+
+@pytest.mark.parametrize(("height", "width"), [(1, 1), (1, 120), (120, 1), (90, 90)])
+def test_a_layout_of_any_shape_fits_into_the_picture(height: int, width: int) -> None:
+    rows = ["." * width] * height
+    replay = replay_of([[["R", *rows[0][1:]], *rows[1:]]], {"battery": [1.0]})
+    box = replay.figure.axes[0].get_window_extent()
+    assert replay.figure.bbox.x0 <= box.x0 < box.x1 <= replay.figure.bbox.x1
+    assert replay.figure.bbox.y0 <= box.y0 < box.y1 <= replay.figure.bbox.y1
+    assert box.width / box.height == pytest.approx(width / height)
+    # On cells this small the robot is larger than a cell, so that it can be seen.
+    grid = patch(replay, pixels(replay), 0.0, 0.0, width - 0.01, height - 0.01).reshape(-1, 3)
+    assert sum(is_color(pixel, COLORS["R"]) for pixel in grid) > 5
+
+
+# Words.
+
+
+def test_the_counter_counts_steps() -> None:
+    replay = replay_of(short_episode())
+    for frame in (0, 3, 6):
+        replay.go_to(frame)
+        assert f"step {frame} of 6" in texts(replay)
+
+
+def test_the_caption_says_what_led_to_the_frame() -> None:
+    replay = replay_of(short_episode())
+    assert "N (why not)" not in texts(replay)
+    replay.go_to(1)
+    assert "N (why not)" in texts(replay)
+
+
+def test_the_ending_stands_in_the_last_frame_alone() -> None:
+    replay = replay_of(short_episode())
+    for frame in range(7):
+        replay.go_to(frame)
+        assert ("DELIVERED" in texts(replay)) == (frame == 6)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"terminated": False, "truncated": True}, "OUT OF TIME"),
+        ({"terminated": False, "battery": [6, 5, 4, 3, 2, 1, 0]}, "BATTERY DEPLETED"),
+    ],
+)
+def test_the_ending_names_how_it_ended(changes: dict[str, Any], words: str) -> None:
+    replay = replay_of(short_episode(**changes))
+    assert words not in texts(replay)
+    replay.go_to(6)
+    assert words in texts(replay)
+
+
+def test_names_are_no_mathematics() -> None:
+    replay = replay_of(short_episode(agent="$\\frac$", reasons=["$x_$"] * 6))
+    replay.go_to(1)
+    assert any("$\\frac$" in text for text in texts(replay))
+    assert "N ($x_$)" in texts(replay)
+    pixels(replay)
+
+
+def test_every_tile_and_robot_stands_in_the_legend() -> None:
+    (legend,) = replay_of([BARE]).figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == [
+        "#  wall",
+        ".  empty",
+        "P  pickup",
+        "D  dropoff",
+        "R  robot (empty)",
+        "r  robot (loaded)",
+        "trail empty",
+        "trail loaded",
+        "hit",
+    ]
+    markers = [handle.get_markerfacecolor() for handle in legend.get_lines()]
+    assert [to_rgb(color) for color in markers[:6]] == list(COLORS.values())
+
+
+def test_rows_and_columns_are_numbered_from_nought() -> None:
+    axes = replay_of([BARE]).figure.axes[0]
+    assert [label.get_text() for label in axes.get_xticklabels()] == ["0", "1", "2", "3", "4"]
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["0", "1", "2", "3"]
+    wide = replay_of([["R" + "." * 40]]).figure.axes[0]
+    assert [label.get_text() for label in wide.get_xticklabels()] == [
+        str(column) for column in range(0, 41, 5)
+    ]
+
+
+# The charts.
+
+
+@pytest.mark.parametrize("name", METRICS)
+def test_each_metric_is_enough_for_a_chart_of_its_own(name: str) -> None:
+    frames = frames_at((2, 1), (2, 2))
+    replay = replay_of(frames, {name: [1.0, 0.5]})
+    expected = METRIC_TITLES.get(name)
+    assert titles(replay) == ["", expected or ""]
+    assert any(text.startswith("battery ") for text in texts(replay)) == (name == "battery")
+
+
+@pytest.mark.parametrize("name", METRICS)
+def test_each_metric_may_be_missing(name: str) -> None:
+    metrics = {other: [1.0, 0.5] for other in METRICS if other != name}
+    replay = replay_of(frames_at((2, 1), (2, 2)), metrics)
+    found = titles(replay)
+    assert len(found) == 4 - (name in ("rewards", "battery"))
+    assert (METRIC_TITLES["rewards"] in found) == (name != "rewards")
+    replay.go_to(1)
+    pixels(replay)
+
+
+def test_without_metrics_there_is_the_grid_alone() -> None:
+    assert titles(replay_of([BARE])) == [""]
+    assert titles(replay_of([BARE], {})) == [""]
+
+
+def test_both_distances_share_a_chart_in_the_colours_of_their_stations() -> None:
+    replay = replay_of(short_episode())
+    axes = axes_titled(replay, "distance to pickup and dropoff (cells)")
+    assert [to_rgb(line.get_color()) for line in axes.lines] == [COLORS["P"], COLORS["D"]]
+    assert axes.lines[0].get_linestyle() != axes.lines[1].get_linestyle()
+    assert [text.get_text() for text in axes.texts] == ["P", "D"]
+    replay.go_to(4)
+    assert list(axes.lines[0].get_ydata()) == [1, 1, 0, 0, 1]
+    assert list(axes.lines[1].get_ydata()) == [1, 1, 2, 2, 1]
+    assert [text.get_position() for text in axes.texts] == [(4, 1), (4, 1)]
+
+
+def test_a_distance_to_nowhere_is_not_drawn() -> None:
+    replay = replay_of(
+        frames_at((2, 1), (2, 2)), {"dist_pickup": [None, 1.0], "dist_dropoff": [math.nan] * 2}
+    )
+    assert texts(replay).count("P") == 1, "the letter on the tile and none in the chart"
+    replay.go_to(1)
+    assert texts(replay).count("P") == 2
+    assert texts(replay).count("D") == 1
+    pixels(replay)
+
+
+def test_rewards_are_bars_and_their_sum_is_a_line() -> None:
+    replay = replay_of(short_episode())
+    axes = axes_titled(replay, METRIC_TITLES["rewards"])
+    replay.go_to(3)
+    line = axes.lines[1]
+    assert list(line.get_xdata()) == [0, 1, 2, 3]
+    assert list(line.get_ydata()) == pytest.approx([0, -1.1, -1.2, 3.7])
+    (bars,) = [found for found in axes.collections if isinstance(found, LineCollection)]
+    assert [bar[1][1] for bar in bars.get_segments()] == pytest.approx([0, -1.1, -0.1, 4.9])
+
+
+def test_a_reward_that_is_none_counts_as_nothing() -> None:
+    replay = replay_of(frames_at((2, 1), (2, 2), (2, 3)), {"rewards": [1.0, None, 2.0]})
+    replay.go_to(2)
+    line = axes_titled(replay, METRIC_TITLES["rewards"]).lines[1]
+    assert list(line.get_ydata()) == [1, 1, 3]
+
+
+def test_charts_have_room_for_the_whole_episode_from_the_first_frame() -> None:
+    replay = replay_of(short_episode())
+    for axes in replay.figure.axes[1:3]:
+        assert axes.get_xlim()[0] < 0
+        assert axes.get_xlim()[1] > 6
+    reward, distance = replay.figure.axes[1:3]
+    assert reward.get_ylim()[0] < -1.2
+    assert reward.get_ylim()[1] > 13.2
+    assert distance.get_ylim()[1] > 2
+
+
+# The battery.
+
+
+def battery_of(level: float | None, full: float = 100.0) -> tuple[Replay, str]:
+    replay = replay_of(frames_at((2, 1), (2, 2)), {"battery": [full, level]})
+    replay.go_to(1)
+    (words,) = [text for text in texts(replay) if text.startswith("battery")]
+    return replay, words
+
+
+def color_in_the_bar(replay: Replay, share: float) -> Any:
+    axes = replay.figure.axes[-1]
+    column, height = axes.transAxes.transform((share, 0.5))
+    return pixels(replay)[round(replay.figure.bbox.height) - 1 - int(height), int(column)]
+
+
+@pytest.mark.parametrize(
+    ("level", "words"),
+    [
+        (100.0, "battery 100 of 100"),
+        (20.0, "battery 20 of 100"),
+        (19.9, "battery 19.9 of 100  LOW!"),
+        (1.0, "battery 1 of 100  LOW!"),
+        (0.0, "battery 0 of 100  EMPTY!"),
+        (-1.0, "battery -1 of 100  EMPTY!"),
+        (None, "battery unknown"),
+    ],
+)
+def test_the_battery_says_how_full_it_is(level: float | None, words: str) -> None:
+    assert battery_of(level)[1] == words
+
+
+def test_a_large_battery_is_written_in_full() -> None:
+    assert battery_of(1_234_567, full=2_000_000)[1] == "battery 1234567 of 2000000"
+
+
+def test_the_bar_is_as_long_as_the_battery_is_full() -> None:
+    replay, _ = battery_of(90.0)
+    assert not is_color(color_in_the_bar(replay, 0.02), (1.0, 1.0, 1.0))
+    assert not is_color(color_in_the_bar(replay, 0.02), WARNING)
+    assert np.array_equal(color_in_the_bar(replay, 0.88), color_in_the_bar(replay, 0.02))
+    assert is_color(color_in_the_bar(replay, 0.92), (1.0, 1.0, 1.0))
+
+
+def test_a_low_battery_turns_red() -> None:
+    replay, _ = battery_of(19.0)
+    assert is_color(color_in_the_bar(replay, 0.1), WARNING)
+    assert is_color(color_in_the_bar(replay, 0.21), PALE_WARNING)
+    assert is_color(color_in_the_bar(replay, 0.95), PALE_WARNING)
+    replay.go_to(0)
+    assert not is_color(color_in_the_bar(replay, 0.1), WARNING)
+
+
+# A track that is still growing.
+
+
+def test_a_scene_shows_a_track_that_has_grown() -> None:
+    episode = short_episode()
+    whole = track_of_episode(episode)
+    start = track_of_episode(
+        short_episode(
+            cells=episode.cells[:1],
+            loaded=[False],
+            battery=[10],
+            rewards=[0.0],
+            actions=[],
+            reasons=[],
+            motions=[],
+        )
+    )
+    scene = Scene(start, make_figure, length=31)
+    assert "step 0 of 30" in [text.get_text() for text in scene.figure.texts]
+    before = scene.figure.axes[1].get_ylim()
+    scene.show(6, whole)
+    words = [text.get_text() for text in scene.figure.texts]
+    delivered = "delivered in 6 steps; the shortest way takes 5"
+    assert {"step 6 of 30", delivered, "DELIVERED"} <= set(words)
+    low, high = scene.figure.axes[1].get_ylim()
+    assert low < before[0]
+    assert high > 13
+    scene.show(0, start)
+    assert scene.figure.axes[1].get_ylim() == (low, high), "the range is never narrowed"
+
+
+def test_a_picture_may_be_without_its_legend() -> None:
+    track = track_of_episode(short_episode())
+    small, whole = Scene(track, make_figure, legend=False), Scene(track, make_figure)
+    assert small.figure.legends == []
+    assert small.figure.get_figheight() < whole.figure.get_figheight()

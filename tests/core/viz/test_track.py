@@ -1,0 +1,285 @@
+import dataclasses
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from helpers.pictures import HOSTILE_NAMES, ROOM, named, short_episode
+
+from warehouse_core import Layout, WarehouseEnv
+from warehouse_core.motion.base import Contact
+from warehouse_core.viz.track import METRICS, Pose, track_of_episode, track_of_frames
+
+
+def frame(*rows: str) -> list[list[str]]:
+    return [list(row) for row in rows]
+
+
+# Of an episode.
+
+
+def test_a_track_has_an_entry_for_every_frame() -> None:
+    episode = short_episode()
+    track = track_of_episode(episode)
+    assert len(track) == len(episode.cells) == 7
+    assert all(
+        len(column) == 7 for column in (track.tiles, track.poses, track.captions, track.hits)
+    )
+    assert [len(track.metrics[name]) for name in METRICS] == [7] * 4
+    assert track.tiles == [ROOM.rows] * 7
+
+
+def test_poses_are_the_middles_of_the_cells() -> None:
+    track = track_of_episode(short_episode())
+    assert [pose.at for pose in track.poses if pose] == [
+        (2.5, 1.5),
+        (2.5, 1.5),
+        (1.5, 1.5),
+        (1.5, 1.5),
+        (2.5, 1.5),
+        (3.5, 1.5),
+        (3.5, 1.5),
+    ]
+    assert [pose.loaded for pose in track.poses if pose] == [False] * 3 + [True] * 3 + [False]
+
+
+def test_headings_are_those_that_the_motions_ended_with() -> None:
+    track = track_of_episode(short_episode())
+    first, *others = [pose.heading for pose in track.poses if pose]
+    assert first is None
+    north, west, east = -math.pi / 2, math.pi, 0.0
+    for found, expected in zip(others, [north, west, west, east, east, east], strict=True):
+        assert found is not None
+        assert math.isclose(math.cos(found), math.cos(expected), abs_tol=1e-9)
+        assert math.isclose(math.sin(found), math.sin(expected), abs_tol=1e-9)
+
+
+def test_hits_are_in_cells_whatever_the_size_of_a_cell() -> None:
+    episode = short_episode()
+    contact = Contact(0.1, 2.0, (5.0, 2.0), "robot 3")
+    motions = [episode.motions[0]._replace(contacts=(contact,)), *episode.motions[1:]]
+    settings = dataclasses.replace(episode.settings, cell_size=2.0)
+    track = track_of_episode(dataclasses.replace(episode, motions=motions, settings=settings))
+    assert [[hit.at for hit in hits] for hits in track.hits] == [[], [(2.5, 1.0)], *[[]] * 5]
+
+
+def test_captions_say_what_was_done_and_why_and_at_last_what_became_of_it() -> None:
+    track = track_of_episode(short_episode())
+    done = ["", "N (why not)", "W", "PICK", "E", "E"]
+    assert track.captions == [*done, "delivered in 6 steps; the shortest way takes 5"]
+    unfinished = track_of_episode(short_episode(terminated=False))
+    assert unfinished.captions == [*done, "DROP"]
+
+
+def test_the_title_names_agent_backend_and_seed() -> None:
+    assert track_of_episode(short_episode()).title == "Tester on the grid backend, seed 4"
+    assert (
+        track_of_episode(short_episode(agent="", seed=None)).title
+        == "Warehouse on the grid backend"
+    )
+
+
+def test_the_ending_is_the_outcome_of_a_finished_episode() -> None:
+    assert track_of_episode(short_episode()).ending == "delivered"
+    assert track_of_episode(short_episode(terminated=False)).ending == ""
+    assert track_of_episode(short_episode(terminated=False, truncated=True)).ending == "out of time"
+
+
+def test_the_battery_is_compared_with_a_full_one() -> None:
+    track = track_of_episode(short_episode())
+    assert track.full_battery == 10
+    assert track.metrics["battery"] == [10, 9, 8, 7, 6, 5, 4]
+
+
+@pytest.mark.parametrize("name", HOSTILE_NAMES)
+def test_titles_and_captions_can_be_printed(name: str) -> None:
+    track = track_of_episode(named(name))
+    assert track.title.isprintable()
+    assert all(caption.isprintable() for caption in track.captions)
+
+
+def test_what_can_be_printed_is_left_as_it_is() -> None:
+    name = "Größe $x$ <b> 日本 & \"'"
+    assert track_of_episode(named(name)).captions[1] == f"{name} ({name})"
+
+
+# Of bare frames.
+
+
+def test_frames_of_an_environment_give_the_track_of_its_episode() -> None:
+    episode = short_episode()
+    bare, whole = track_of_frames(episode.frames, episode.metrics), track_of_episode(episode)
+    assert bare.tiles == whole.tiles
+    assert [(pose.at, pose.loaded) for pose in bare.poses if pose] == [
+        (pose.at, pose.loaded) for pose in whole.poses if pose
+    ]
+    assert bare.metrics == whole.metrics
+    assert bare.full_battery == whole.full_battery
+    assert (bare.title, bare.ending, bare.captions) == ("", "", [""] * 7)
+
+
+def test_rows_may_be_strings_and_arrays() -> None:
+    rows = ["#R", ".."]
+    lists = track_of_frames([frame(*rows)])
+    assert track_of_frames([rows]).tiles == lists.tiles
+    assert track_of_frames(np.array([[list(row) for row in rows]])).poses == lists.poses
+
+
+def test_the_tile_under_the_robot_is_seen_in_a_later_frame() -> None:
+    track = track_of_frames([frame("R.D"), frame("PR.")])
+    assert track.tiles[0] == ("P.D",)
+
+
+def test_the_tile_under_the_robot_is_seen_in_an_earlier_frame() -> None:
+    track = track_of_frames([frame("R.D"), frame(".Rr".replace("r", "D")), frame("..r")])
+    assert track.tiles[2] == ("..D",)
+
+
+def test_frames_in_which_the_robot_stands_still_say_nothing_of_its_tile() -> None:
+    track = track_of_frames([frame("R."), frame("r."), frame("Pr")])
+    assert track.tiles == [("P.",)] * 3
+
+
+def test_a_tile_that_is_never_seen_is_empty() -> None:
+    assert track_of_frames([frame("#R#")]).tiles == [("#.#",)]
+
+
+def test_equal_tiles_are_the_same_object() -> None:
+    # That is how the drawing knows that nothing has to be drawn anew.
+    track = track_of_frames(short_episode().frames)
+    assert all(one is other for one, other in pairwise(track.tiles))
+
+
+def test_a_frame_may_be_without_a_robot() -> None:
+    track = track_of_frames([frame("..P"), frame("R.P")])
+    assert track.poses == [None, Pose((0.5, 0.5), None, loaded=False)]
+
+
+def test_a_frame_is_what_render_grid_gives() -> None:
+    env = WarehouseEnv()
+    frames = [env.render_grid()]
+    env.step("E")
+    frames.append(env.render_grid())
+    assert track_of_frames(frames).tiles == [env.layout.rows] * 2
+    assert Layout(track_of_frames(frames).tiles[0]) == env.layout
+
+
+@pytest.mark.parametrize("wrong", ["?", "p", " ", "ä"])
+def test_an_unknown_character_is_named_with_its_frame_row_and_column(wrong: str) -> None:
+    bad = [["#", "#", "#"], ["#", "R", wrong]]
+    with pytest.raises(ValueError, match=r"frame 1, row 1, column 2: '.' is unknown; allowed: # "):
+        track_of_frames([frame("###", "#R#"), bad])
+
+
+@pytest.mark.parametrize(
+    ("frames", "message"),
+    [
+        ([["##", "#"]], "frame 0 has 2 rows with 1 columns in row 1; frame 0 has 2 rows of 2"),
+        ([["##"], ["#"]], "frame 1 has 1 rows with 1 columns in row 0; frame 0 has 1 rows of 2"),
+        ([["##"], ["##", "##"]], "frame 1 has 2 rows with 2 columns in row 0"),
+        ([["##", "##"], ["##"]], "frame 1 has 1 rows with 2 columns in row 0"),
+        ([["##"], []], "frame 1 has no rows"),
+        ([[]], "frame 0 has no rows"),
+        ([[""]], "frame 0 has 1 rows with 0 columns in row 0"),
+    ],
+)
+def test_frames_must_be_of_one_size(frames: list[list[str]], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        track_of_frames(frames)
+
+
+@pytest.mark.parametrize("name", METRICS)
+def test_a_metric_needs_an_entry_for_every_frame(name: str) -> None:
+    for values in ([], [1.0], [1.0, 2.0, 3.0]):
+        with pytest.raises(ValueError, match=rf"'{name}' has {len(values)} entries for 2 frames"):
+            track_of_frames([frame("R."), frame(".R")], {name: values})
+
+
+def test_an_unknown_metric_is_named() -> None:
+    with pytest.raises(ValueError, match=r"'reward' is unknown; allowed: rewards, battery, dist_"):
+        track_of_frames([frame("R.")], {"reward": [0.0]})
+
+
+@pytest.mark.parametrize("wrong", [math.inf, -math.inf, "a", [1], {}])
+def test_an_entry_that_cannot_be_plotted_is_named(wrong: object) -> None:
+    with pytest.raises(ValueError, match=r"metric 'battery', frame 1: .* is no finite number"):
+        track_of_frames([frame("R."), frame(".R")], {"battery": [3.0, wrong]})  # type: ignore[list-item]
+
+
+def test_none_and_nan_are_nothing_to_plot() -> None:
+    metrics = {"dist_pickup": [None, math.nan, np.float64(2.0)]}
+    track = track_of_frames([frame("R."), frame(".R"), frame("R.")], metrics)
+    first, second, third = track.metrics["dist_pickup"]
+    assert math.isnan(first)
+    assert math.isnan(second)
+    assert third == 2
+
+
+def test_the_fullest_battery_counts_as_full() -> None:
+    frames = [frame("R."), frame(".R")]
+    assert track_of_frames(frames, {"battery": [7, 9]}).full_battery == 9
+    assert track_of_frames(frames, {"battery": [None, 9]}).full_battery == 9
+    assert track_of_frames(frames, {"battery": [0, 0]}).full_battery == 1
+    assert track_of_frames(frames).full_battery == 1
+
+
+# Of continuous motions.
+
+
+def straight_on(seconds: float = 2.0) -> np.ndarray:
+    """A path of 1 m to the east at an even pace, with a row every tenth of a second."""
+    times = np.linspace(0, seconds, 21)
+    return np.column_stack([times, 2.5 + times / seconds, np.full(21, 1.5), np.zeros(21)])
+
+
+def continuous_track(frame_seconds: float = 0.5):
+    episode = short_episode()
+    contact = Contact(1.0, 28.4, (3.5, 1.5), "wall")
+    moving = episode.motions[3]._replace(
+        seconds=2.0, joules=100.0, path=straight_on(), contacts=(contact,)
+    )
+    motions = [*episode.motions[:3], moving, *episode.motions[4:]]
+    return track_of_episode(dataclasses.replace(episode, motions=motions), frame_seconds)
+
+
+def test_a_continuous_motion_has_a_frame_for_every_bit_of_time() -> None:
+    track = continuous_track()
+    along = [pose.at[0] for pose, p in zip(track.poses, track.progress, strict=True) if 3 < p <= 4]
+    assert along == pytest.approx([2.75, 3.0, 3.25, 3.5])
+    assert len(track) == 1 + 2 * 3 + 4 + 2 * 2
+    assert track.steps == 6
+    assert [track.step_at(frame) for frame in (0, 1, 2, 7, 10)] == [0, 0, 1, 3, 4]
+
+
+def test_the_clock_speed_and_energy_run_through_all_motions() -> None:
+    track = continuous_track()
+    assert track.clock[-1] == pytest.approx(5 * 1.0 + 2.0)
+    assert all(a < b for a, b in pairwise(track.clock))
+    inside = [v for v, p in zip(track.speed, track.progress, strict=True) if 3 < p <= 4]
+    assert inside == pytest.approx([0.5] * 4)
+    joules = [motion.joules for motion in short_episode().motions]
+    assert track.energy[-1] == pytest.approx(sum(joules) - joules[3] + 100.0)
+
+
+def test_a_hit_flashes_from_when_it_happened_with_its_impulse() -> None:
+    track = continuous_track(0.2)
+    shown = [
+        (round(time - 3.0, 6), hits[0].label)
+        for time, hits, p in zip(track.clock, track.hits, track.progress, strict=True)
+        if hits and 3 < p <= 4
+    ]
+    assert shown == [(1.0, "28 N·s"), (1.2, "28 N·s"), (1.4, "28 N·s"), (1.6, "28 N·s")]
+
+
+def test_the_robot_is_loaded_only_once_the_action_is_over() -> None:
+    track = continuous_track()
+    picking = [
+        pose.loaded for pose, p in zip(track.poses, track.progress, strict=True) if 2 < p <= 3
+    ]
+    assert picking == [False, True]
+
+
+@pytest.mark.parametrize("seconds", [0.0, -1.0, math.nan, math.inf])
+def test_frames_need_some_time_between_them(seconds: float) -> None:
+    with pytest.raises(ValueError, match="frame_seconds"):
+        track_of_episode(short_episode(), seconds)

@@ -1,0 +1,207 @@
+import random
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from warehouse_core import Layout, LayoutError, WarehouseEnv, random_layout, shelf_layout
+from warehouse_core.world import generators as generator_module
+from warehouse_core.world.generators import MAX_DENSITY, benchmark_warehouse
+
+sizes = st.integers(4, 16)
+densities = st.floats(0, MAX_DENSITY)
+seeds = st.integers(0, 2**64)
+counts = st.integers(1, 4)
+
+
+def assert_usable(layout: Layout) -> None:
+    """Every open cell can be reached, and there is one pickup, one dropoff and a border."""
+    everywhere = {layout.open_cell(index) for index in range(len(layout.open_cells))}
+    assert layout.reachable_from((1, 1)) == everywhere
+    assert len(layout.pickups) == len(layout.dropoffs) == 1
+    assert set(layout.rows[0]) == set(layout.rows[-1]) == {"#"}
+    assert all(row[0] == row[-1] == "#" for row in layout.rows)
+
+
+@given(sizes, sizes, densities, seeds)
+def test_a_random_layout_can_always_be_solved(
+    height: int, width: int, density: float, seed: int
+) -> None:
+    layout = random_layout(height, width, density, seed)
+    assert (layout.height, layout.width) == (height, width)
+    assert_usable(layout)
+    assert len(layout.open_cells) >= 4
+
+
+@pytest.mark.parametrize("density", [0, 0.1, 0.2, 0.3])
+@pytest.mark.parametrize("side", [10, 17, 40])
+def test_a_random_layout_is_as_dense_as_asked(side: int, density: float) -> None:
+    for seed in range(10):
+        layout = random_layout(side, side + 3, density, seed)
+        inside = (side - 2) * (side + 1)
+        assert inside - len(layout.open_cells) == round(density * inside)
+
+
+@pytest.mark.parametrize("density", [0, 0.2, MAX_DENSITY])
+def test_in_the_smallest_layouts_too_stations_can_be_drawn_anew(density: float) -> None:
+    for seed in range(20):
+        env = WarehouseEnv(random_layout(4, 4, density, seed))
+        observation = env.reset(randomize=True, seed=seed)
+        assert observation["pickup_pos"] is not None
+        assert observation["dropoff_pos"] is not None
+
+
+@pytest.mark.parametrize("side", [6, 10, 17])
+def test_the_densest_random_layout_is_at_most_a_few_walls_short(side: int) -> None:
+    for seed in range(50):
+        layout = random_layout(side, side, MAX_DENSITY, seed)
+        inside = (side - 2) ** 2
+        missing = round(MAX_DENSITY * inside) - (inside - len(layout.open_cells))
+        assert 0 <= missing <= 0.1 * inside + 1
+
+
+def test_the_same_seed_gives_the_same_random_layout() -> None:
+    layouts = [random_layout(9, 9, 0.3, seed) for seed in (1, 1, 2)]
+    assert layouts[0] == layouts[1] != layouts[2]
+
+
+def test_a_random_layout_draws_from_its_own_stream() -> None:
+    state = random.getstate()
+    random_layout(9, 9, 0.3, seed=1)
+    shelf_layout(seed=1)
+    assert random.getstate() == state
+
+
+def test_stations_of_random_layouts_may_be_anywhere() -> None:
+    layouts = [random_layout(4, 4, 0, seed) for seed in range(300)]
+    assert {layout.pickups[0] for layout in layouts} == {(1, 1), (1, 2), (2, 1), (2, 2)}
+    assert {layout.dropoffs[0] for layout in layouts} == {(1, 1), (1, 2), (2, 1), (2, 2)}
+
+
+@pytest.mark.parametrize(("height", "width"), [(3, 9), (9, 3), (0, 0), (-5, -5)])
+def test_a_random_layout_too_small_is_refused(height: int, width: int) -> None:
+    with pytest.raises(LayoutError, match=f"{height} x {width}; it must be at least 4 x 4"):
+        random_layout(height, width, 0.1, seed=0)
+
+
+def test_a_random_layout_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(generator_module, "MAX_CELLS", 30)
+    assert random_layout(5, 6, 0.1, seed=0).width == 6
+    with pytest.raises(LayoutError, match="MAX_CELLS = 30"):
+        random_layout(6, 6, 0.1, seed=0)
+
+
+@pytest.mark.parametrize("density", [-0.01, 0.41, 1, float("nan"), float("inf")])
+def test_a_density_out_of_range_is_refused(density: float) -> None:
+    with pytest.raises(LayoutError, match="density is"):
+        random_layout(9, 9, density, seed=0)
+
+
+def test_the_default_shelves_look_like_this() -> None:
+    walls = [row.replace("P", ".").replace("D", ".") for row in shelf_layout().rows]
+    assert walls == [
+        "##################",
+        "#................#",
+        "#.####.####.####.#",
+        "#................#",
+        "#.####.####.####.#",
+        "#................#",
+        "##################",
+    ]
+
+
+@given(counts, counts, counts, counts, counts, seeds)
+def test_shelves_can_always_be_served(
+    rows: int, columns: int, length: int, depth: int, aisle: int, seed: int
+) -> None:
+    layout = shelf_layout(rows, columns, length, depth, aisle, seed)
+    assert layout.height == rows * (depth + aisle) + aisle + 2
+    assert layout.width == columns * (length + aisle) + aisle + 2
+    assert_usable(layout)
+    inside = (layout.height - 2) * (layout.width - 2)
+    assert inside - len(layout.open_cells) == rows * columns * length * depth
+    (row, col), (bottom, _) = layout.pickups[0], layout.dropoffs[0]
+    assert layout.rows[row + 1][col] == "#"
+    assert row + 1 < layout.height - 1
+    assert bottom == layout.height - 2
+
+
+def test_the_seed_chooses_the_stations_of_shelves() -> None:
+    assert shelf_layout(seed=1) == shelf_layout(seed=1)
+    layouts = [shelf_layout(seed=seed) for seed in range(200)]
+    assert len({layout.pickups for layout in layouts}) == 24
+    assert len({layout.dropoffs for layout in layouts}) == 16
+
+
+@pytest.mark.parametrize(
+    "name", ["shelf_rows", "shelf_columns", "shelf_length", "shelf_depth", "aisle"]
+)
+@pytest.mark.parametrize("size", [0, -1])
+def test_a_shelf_size_below_one_is_refused(name: str, size: int) -> None:
+    with pytest.raises(LayoutError, match=f"{name} is {size}; it must be at least 1"):
+        shelf_layout(**{name: size})
+
+
+@pytest.mark.parametrize(
+    ("sizes", "width", "height", "open_cells"),
+    [
+        ((10, 20, 10, 2, 1), 161, 63, 5699),
+        ((10, 20, 10, 2, 2), 170, 84, 9776),
+        ((20, 40, 10, 2, 1), 321, 123, 22599),
+        ((20, 40, 10, 2, 2), 340, 164, 38756),
+    ],
+)
+def test_the_published_warehouses_have_their_sizes(
+    sizes: tuple[int, int, int, int, int], width: int, height: int, open_cells: int
+) -> None:
+    layout = benchmark_warehouse(*sizes)
+    assert (layout.width, layout.height) == (width, height)
+    assert len(layout.open_cells) == open_cells
+
+
+def test_a_benchmark_warehouse_has_the_smaller_margin_on_the_left() -> None:
+    assert benchmark_warehouse(1, 2, 4, 2, 1).rows == (
+        "###########",
+        "#.........#",
+        "#..####...#",
+        "#..####...#",
+        "#.........#",
+        "#..####...#",
+        "#..####...#",
+        "#.........#",
+        "###########",
+    )
+    assert benchmark_warehouse(2, 1, 2, 1, 3).rows[4] == "#.....##...##.....#"
+
+
+@given(counts, counts, counts, counts, counts)
+def test_a_benchmark_warehouse_is_of_the_sizes_asked_for(
+    columns: int, rows: int, length: int, depth: int, aisle: int
+) -> None:
+    layout = benchmark_warehouse(columns, rows, length, depth, aisle)
+    assert layout.width == columns * (length + aisle) - aisle + 5 * columns + 2
+    assert layout.height == rows * (depth + aisle) + aisle + 2
+    inside = (layout.height - 2) * (layout.width - 2)
+    assert inside - len(layout.open_cells) == columns * rows * length * depth
+    assert len(layout.reachable_from((1, 1))) == len(layout.open_cells)
+    assert layout.pickups == layout.dropoffs == ()
+
+
+@pytest.mark.parametrize("name", ["columns", "rows", "length", "depth", "aisle"])
+@pytest.mark.parametrize("size", [0, -1])
+def test_a_size_of_a_benchmark_warehouse_below_one_is_refused(name: str, size: int) -> None:
+    sizes = {"columns": 2, "rows": 2, "length": 2, "depth": 2, "aisle": 2}
+    with pytest.raises(LayoutError, match=f"^{name} is {size}; it must be at least 1"):
+        benchmark_warehouse(**(sizes | {name: size}))
+
+
+def test_a_benchmark_warehouse_too_large_is_refused_before_it_is_built(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    with pytest.raises(LayoutError, match="cells are more than MAX_CELLS = 16000000"):
+        benchmark_warehouse(10**12, 1, 1, 1, 1)
+    monkeypatch.setattr(generator_module, "MAX_CELLS", 45)
+    assert benchmark_warehouse(1, 1, 2, 1, 1).height == 5
+    monkeypatch.setattr(generator_module, "MAX_CELLS", 44)
+    with pytest.raises(LayoutError, match="5 x 9 cells are more than MAX_CELLS = 44"):
+        benchmark_warehouse(1, 1, 2, 1, 1)

@@ -1,0 +1,241 @@
+import copy
+import pickle
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError
+from warehouse_core.world import layout as layout_module
+from warehouse_core.world.tiles import ALLOWED_TILES
+
+FIELDS = ("rows", "height", "width", "pickups", "dropoffs")
+
+
+@st.composite
+def grids(draw: st.DrawFn) -> list[str]:
+    width = draw(st.integers(1, 7))
+    return draw(st.lists(st.text("#.PD", min_size=width, max_size=width), min_size=1, max_size=7))
+
+
+def cells_of(rows: list[str], tiles: str) -> list[tuple[int, int]]:
+    """Find tiles the slow way, in row-major order."""
+    return [
+        (row, col)
+        for row in range(len(rows))
+        for col in range(len(rows[0]))
+        if rows[row][col] in tiles
+    ]
+
+
+def test_the_default_layout_is_the_chapters() -> None:
+    assert DEFAULT_LAYOUT.rows == (
+        "############",
+        "#..P....#..#",
+        "#..##...#..#",
+        "#......##..#",
+        "#..#.......#",
+        "#..#..D....#",
+        "############",
+    )
+    assert (DEFAULT_LAYOUT.height, DEFAULT_LAYOUT.width) == (7, 12)
+    assert (DEFAULT_LAYOUT.pickups, DEFAULT_LAYOUT.dropoffs) == (((1, 3),), ((5, 6),))
+
+
+@given(grids())
+def test_every_field_follows_from_the_rows(rows: list[str]) -> None:
+    layout = Layout(rows)
+    assert layout.rows == tuple(rows)
+    assert (layout.height, layout.width) == (len(rows), len(rows[0]))
+    assert layout.pickups == tuple(cells_of(rows, "P"))
+    assert layout.dropoffs == tuple(cells_of(rows, "D"))
+    open_cells = cells_of(rows, ".PD")
+    assert [layout.open_cell(index) for index in range(len(layout.open_cells))] == open_cells
+    stations = [layout.open_cell(rank) for rank in layout.station_ranks()]
+    assert sorted(stations) == cells_of(rows, "PD")
+
+
+@given(grids(), st.integers(-3, 9), st.integers(-3, 9))
+def test_open_is_inside_the_grid_and_no_wall(rows: list[str], row: int, col: int) -> None:
+    layout = Layout(rows)
+    assert layout.is_open((row, col)) == ((row, col) in cells_of(rows, ".PD"))
+
+
+def test_describe_names_the_place_and_what_is_there() -> None:
+    layout = Layout(["#.", "PD"])
+    assert layout.describe((0, 0)) == "row 0, column 0 is wall"
+    assert layout.describe((1, 0)) == "row 1, column 0 is pickup"
+    off = "row 2, column -1 is off the grid (rows 0..1, columns 0..1)"
+    assert layout.describe((2, -1)) == off
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ([], "empty"),
+        ([""], "empty"),
+        (["", ".."], "empty"),
+        (["...", ".."], "row 1 has 2 columns where row 0 has 3"),
+        (["..", ".?"], "row 1, column 1: '?' is not a tile"),
+        (["..", "p."], "row 1, column 0: 'p' is not a tile"),
+        (["R."], "row 0, column 0: 'R' is not a tile"),
+        ([".é"], "row 0, column 1: 'é' is not a tile"),
+        ([". "], "row 0, column 1: ' ' is not a tile"),
+    ],
+)
+def test_a_bad_layout_is_refused_with_its_place(rows: list[str], message: str) -> None:
+    with pytest.raises(LayoutError) as caught:
+        Layout(rows)
+    assert message in str(caught.value)
+
+
+def test_an_unknown_tile_is_answered_with_the_allowed_ones() -> None:
+    with pytest.raises(LayoutError) as caught:
+        Layout(["x"])
+    assert ALLOWED_TILES == "# (wall), . (empty), P (pickup), D (dropoff)"
+    assert ALLOWED_TILES in str(caught.value)
+
+
+@pytest.mark.parametrize("rows", ["..", 5, None, {"..": 1}, iter(["."])])
+def test_rows_must_be_a_list(rows: object) -> None:
+    with pytest.raises(TypeError, match="list of strings"):
+        Layout(rows)
+
+
+@pytest.mark.parametrize("row", [b"..", 5, None, [".", "."]])
+def test_a_row_must_be_a_string(row: object) -> None:
+    with pytest.raises(TypeError, match="row 1 of the layout"):
+        Layout(["..", row])
+
+
+def test_a_layout_above_the_limit_is_refused(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(layout_module, "MAX_CELLS", 6)
+    assert Layout(["...", "..."]).width == 3
+    with pytest.raises(LayoutError, match="MAX_CELLS = 6"):
+        Layout(["...."] * 2)
+    with pytest.raises(LayoutError, match="text is longer than MAX_CELLS = 6"):
+        Layout.from_text("." * 13)
+    path = tmp_path / "large.txt"
+    path.write_text("." * 1000)
+    with pytest.raises(LayoutError, match=r"large\.txt.*MAX_CELLS = 6"):
+        Layout.load(path)
+
+
+def test_text_loses_its_indentation_and_outer_blank_lines() -> None:
+    assert Layout.from_text("\n\n    #.\n    P#\n  \n\n").rows == ("#.", "P#")
+
+
+def test_text_with_a_blank_line_inside_is_ragged() -> None:
+    with pytest.raises(LayoutError, match="row 1 has 0 columns"):
+        Layout.from_text("..\n\n..")
+
+
+@given(grids())
+def test_text_and_back_is_the_same_layout(rows: list[str]) -> None:
+    assert Layout.from_text(str(Layout(rows))) == Layout(rows)
+
+
+def test_a_saved_layout_loads_equal(tmp_path: Path) -> None:
+    path = tmp_path / "warehouse.txt"
+    DEFAULT_LAYOUT.save(path)
+    assert path.read_bytes() == f"{DEFAULT_LAYOUT}\n".encode()
+    assert Layout.load(path) == DEFAULT_LAYOUT
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("data", [b"#.\r\nP#\r\n", b"\xef\xbb\xbf#.\nP#\n", b"  #. \n  P#  "])
+def test_files_of_other_systems_load(tmp_path: Path, data: bytes) -> None:
+    path = tmp_path / "warehouse.txt"
+    path.write_bytes(data)
+    assert Layout.load(path).rows == ("#.", "P#")
+
+
+@pytest.mark.parametrize(
+    ("data", "message"), [(b"..\n\xff.", "UTF-8 text: byte 3"), (b"..\n.", "row 1"), (b"", "empty")]
+)
+def test_a_bad_file_is_named(tmp_path: Path, data: bytes, message: str) -> None:
+    path = tmp_path / "broken.txt"
+    path.write_bytes(data)
+    with pytest.raises(LayoutError) as caught:
+        Layout.load(path)
+    assert str(path) in str(caught.value)
+    assert message in str(caught.value)
+
+
+def test_a_missing_file_is_an_os_error(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        Layout.load(tmp_path / "missing.txt")
+
+
+def test_a_layout_cannot_be_changed() -> None:
+    layout = Layout(["#.P"])
+    with pytest.raises(AttributeError):
+        layout.rows = ("...",)
+    with pytest.raises(ValueError, match="read-only"):
+        layout.open_cells[0] = 0
+
+
+def test_a_layout_does_not_hold_on_to_the_list_it_was_given() -> None:
+    rows = ["..", ".P"]
+    layout = Layout(rows)
+    rows[0] = "##"
+    assert layout.rows == ("..", ".P")
+
+
+def test_layouts_are_equal_when_their_rows_are() -> None:
+    assert Layout(["#.P"]) == Layout(("#.P",)) != Layout(["#PD"])
+    assert len({Layout(["#.P"]), Layout(["#.P"]), Layout(["#PD"])}) == 2
+
+
+@pytest.mark.parametrize("clone", [copy.deepcopy, lambda it: pickle.loads(pickle.dumps(it))])
+def test_a_copy_is_equal_in_every_field(clone: object) -> None:
+    twin = clone(DEFAULT_LAYOUT)
+    assert all(getattr(twin, name) == getattr(DEFAULT_LAYOUT, name) for name in FIELDS)
+    assert twin.open_cells.tolist() == DEFAULT_LAYOUT.open_cells.tolist()
+
+
+@given(grids(), st.data())
+def test_new_stations_replace_all_others(rows: list[str], data: st.DataObject) -> None:
+    before = Layout(rows)
+    spots = st.none() | st.sampled_from(cells_of(rows, ".PD") or [None])
+    pickup, dropoff = data.draw(spots), data.draw(spots)
+    if pickup == dropoff:
+        dropoff = None
+    after = before.with_stations(pickup, dropoff)
+    fresh = Layout(after.rows)
+    assert all(getattr(after, name) == getattr(fresh, name) for name in FIELDS)
+    assert after.open_cells is before.open_cells
+    assert after.open_cells.tolist() == fresh.open_cells.tolist()
+    assert after.pickups == (() if pickup is None else (pickup,))
+    assert after.dropoffs == (() if dropoff is None else (dropoff,))
+    assert before == Layout(rows)
+
+
+@pytest.mark.parametrize("cell", [(0, 0), (-1, 1), (0, 3), (1, 0)])
+def test_a_station_needs_an_open_cell(cell: tuple[int, int]) -> None:
+    layout = Layout(["#.."])
+    with pytest.raises(LayoutError, match=f"no place for P: row {cell[0]}, column {cell[1]}"):
+        layout.with_stations(cell, None)
+    with pytest.raises(LayoutError, match="no place for D"):
+        layout.with_stations(None, cell)
+
+
+def test_reachable_is_what_a_robot_can_drive_to() -> None:
+    layout = Layout(["..#.", "P##.", "...D"])
+    assert layout.reachable_from((0, 0)) == {
+        (0, 0), (0, 1), (1, 0), (2, 0), (2, 1), (2, 2), (2, 3), (1, 3), (0, 3),
+    }  # fmt: skip
+    assert Layout([".#."]).reachable_from((0, 2)) == {(0, 2)}
+    assert Layout([".#", "#."]).reachable_from((0, 0)) == {(0, 0)}
+
+
+def test_a_copy_of_a_layout_cannot_be_written_to_either() -> None:
+    layout = Layout(["P.#", "..D"])
+    for copied in (copy.deepcopy(layout), pickle.loads(pickle.dumps(layout))):
+        assert copied == layout
+        assert copied.open_cells.tolist() == [0, 1, 3, 4, 5]
+        with pytest.raises(ValueError, match="read-only"):
+            copied.open_cells[0] = 2

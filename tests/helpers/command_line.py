@@ -1,0 +1,73 @@
+"""What the tests of the command line share."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+import typer
+
+from agents import cli
+from agents.console.main import main
+
+ROOT = Path(__file__).resolve().parents[2]
+DISPLAY_VARIABLES = ("DISPLAY", "WAYLAND_DISPLAY", "MPLBACKEND")
+
+
+class Result(NamedTuple):
+    """What a command came to."""
+
+    code: int
+    out: str
+    err: str
+
+
+def command(
+    capsys: pytest.CaptureFixture[str], *words: object, app: typer.Typer = cli.app
+) -> Result:
+    """Run a command in this process."""
+    capsys.readouterr()
+    with pytest.raises(SystemExit) as ended:
+        main(app, [str(word) for word in words])
+    out, err = capsys.readouterr()
+    assert isinstance(ended.value.code, int | None)
+    return Result(ended.value.code or 0, out, err)
+
+
+def refusal(capsys: pytest.CaptureFixture[str], *words: object, code: int = 1) -> str:
+    """Run a command that must fail with ``code`` and one line, and return the line."""
+    result = command(capsys, *words)
+    assert result.code == code
+    line = result.err
+    assert line.startswith("warehouse: ")
+    assert line.endswith("\n")
+    assert line.count("\n") == 1
+    return line.removeprefix("warehouse: ").rstrip("\n")
+
+
+def in_a_process(*words: object, folder: Path, **variables: str) -> Result:
+    """Run Python with ``words`` in a process of its own, where there is no display."""
+    environment = {
+        name: value for name, value in os.environ.items() if name not in DISPLAY_VARIABLES
+    }
+    done = subprocess.run(
+        [sys.executable, *map(str, words)],
+        cwd=folder,
+        env=environment | variables,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    return Result(done.returncode, done.stdout, done.stderr)
+
+
+def without_display(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let matplotlib open no window, whatever machine this is."""
+    import matplotlib.pyplot as plt
+
+    for name in DISPLAY_VARIABLES:
+        monkeypatch.delenv(name, raising=False)
+    plt.switch_backend("agg")

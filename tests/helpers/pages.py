@@ -1,0 +1,90 @@
+"""What the tests of reports share: a page with every part, and names that mean harm."""
+
+import io
+from typing import Any
+
+from PIL import Image
+
+from agents.experiments.case import make_case
+from agents.experiments.parameters import shown
+from agents.reports.analysis.answers import Answer
+from agents.reports.examples import Example, Found
+from agents.reports.figures.pictures import Picture
+from agents.reports.page import Page, Table
+
+HOSTILE = (
+    "<script>alert(1)</script>",
+    "</title></style><script>document.title = 'owned'</script>",
+    '"><img src=x onerror=alert(1)>',
+    "' autofocus onfocus=alert(1) x='",
+    "--><script>alert(1)</script><!--",
+    "$\\frac{",
+    "{{7*7}} {% raw %} {# gone #}",
+    "javascript:alert(1)",
+)
+
+SVG = (
+    b'<svg xmlns="http://www.w3.org/2000/svg" width="300" height="100">'
+    b'<rect width="300" height="100" fill="#ff00ff"/></svg>'
+)
+
+
+def gif(color: str = "#00ffff", size: tuple[int, int] = (300, 100)) -> bytes:
+    """Return a GIF of one colour."""
+    file = io.BytesIO()
+    Image.new("RGB", size, color).save(file, "GIF")
+    return file.getvalue()
+
+
+def found(mode: str = "oscillation", **changes: Any) -> Found:
+    """Return an episode that has been found."""
+    return Found(
+        **{  # type: ignore[arg-type]
+            "mode": mode,
+            "case_id": 3,
+            "case": make_case({"escape": False, "battery": 60}),
+            "seed": 1234,
+            "steps": 57,
+            "episodes": 4321,
+            **changes,
+        }
+    )
+
+
+def a_page(**changes: Any) -> Page:
+    """Return a page with something in every part."""
+    parts: dict[str, Any] = {
+        "title": "A title",
+        "summary": "A summary",
+        "methods": "The methods",
+        "answers": (Answer("Is it so?", ("It is.", "Mostly.")), Answer("And that?", ("No.",))),
+        "pictures": (Picture("success", "A caption", SVG),),
+        "settings": (("escape", "on, off"), ("memory", "5")),
+        "table": Table(
+            ("agent", "steps"),
+            (("greedy", "12.5"), ("mine", shown(None)), ("other", "7")),
+            "A note",
+        ),
+        "examples": (Example(found(), "swung to and fro", gif()),),
+        "made_with": (("warehouse-lab", "1.2.3"),),
+    }
+    return Page(**parts | changes)
+
+
+def a_page_of(name: str, svg: bytes = SVG) -> Page:
+    """Return a page that has a name wherever a text can be."""
+    case = {**make_case({}), "agent": name, "layout": name, name: name}
+    return Page(
+        title=name,
+        summary=name,
+        methods=name,
+        answers=(Answer(name, (name, name)),),
+        pictures=(Picture(name, name, svg),),
+        settings=((name, name),),
+        table=Table((name, name), ((name, name),), name),
+        examples=(
+            Example(found(name, case=case), name, gif()),
+            Example(found(name, case=case), name, b""),
+        ),
+        made_with=((name, name),),
+    )

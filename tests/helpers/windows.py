@@ -1,0 +1,249 @@
+"""Programs with real windows on a display of their own, and keys that are sent to them."""
+
+import ctypes
+import os
+import queue
+import shutil
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import ImageGrab
+
+PATIENCE = 60
+
+STILL = 6
+"""A picture that is drawn so many times without a change is taken to stand still."""
+
+LONG = 400
+"""Steps of the episode that is watched: it must not end while a test looks on."""
+
+
+class Picture(NamedTuple):
+    """What the watched program says of a picture that it has drawn."""
+
+    step: int
+    checksum: int
+    height: int
+    width: int
+    channels: int
+
+
+@pytest.fixture(scope="module")
+def display() -> Iterator[str]:
+    """Yield the name of an X display that nobody else uses."""
+    for program in ("Xvfb", "xdotool"):
+        if shutil.which(program) is None:
+            pytest.fail(f"{program} is not installed, and window tests need it (xvfb, xdotool)")
+    reading, writing = os.pipe()
+    # Without -noreset it begins anew, deaf for a moment, whenever its last client has gone.
+    options = ["-screen", "0", "1400x1000x24", "-nolisten", "tcp", "-noreset"]
+    server = subprocess.Popen(
+        ["Xvfb", "-displayfd", str(writing), *options],
+        pass_fds=[writing],
+        stderr=subprocess.DEVNULL,
+    )
+    try:
+        os.close(writing)
+        with open(reading, encoding="ascii") as pipe:
+            number = pipe.readline().strip()
+        assert number, "Xvfb did not start"
+        yield f":{number}"
+    finally:
+        stop(server)
+
+
+class Program:
+    """A Python program on the display, its window and what it prints."""
+
+    def __init__(self, display: str, folder: Path, *words: object) -> None:
+        names = ("WAYLAND_DISPLAY", "MPLBACKEND")
+        environment = {name: value for name, value in os.environ.items() if name not in names}
+        self._environment = environment | {"DISPLAY": display}
+        self._process = subprocess.Popen(
+            [sys.executable, "-u", "-c", *map(str, words)],
+            cwd=folder,
+            env=self._environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        self.printed: list[str] = []
+        self._lines: queue.Queue[str | None] = queue.Queue()
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
+
+    def close(self) -> None:
+        stop(self._process)
+        self._reader.join()
+        assert self._process.stdout is not None
+        self._process.stdout.close()
+
+    def line(self) -> str | None:
+        """Return the next line that it prints, ``None`` after the last one."""
+        try:
+            line = self._lines.get(timeout=PATIENCE)
+        except queue.Empty:
+            pytest.fail(f"nothing came for {PATIENCE} seconds after {self.printed[-5:]}")
+        if line is not None:
+            self.printed.append(line)
+        return line
+
+    def picture(self) -> Picture:
+        """Return the next picture that it draws."""
+        line = self.line()
+        assert line is not None, f"it ended: {self.printed[-20:]}"
+        assert line.replace(" ", "").isdigit(), f"it says: {line}, {self.rest()}"
+        return Picture(*map(int, line.split()))
+
+    def pictures_until(self, done: Callable[[Picture], bool]) -> list[Picture]:
+        """Return the pictures up to one for which ``done`` holds."""
+        pictures = [self.picture()]
+        while not done(pictures[-1]):
+            assert len(pictures) < 20 * LONG, "it never came"
+            pictures.append(self.picture())
+        return pictures
+
+    def still(self) -> Picture:
+        """Wait until the picture stands still, and return it."""
+        last, times = self.picture(), 1
+        while times < STILL:
+            picture = self.picture()
+            times = times + 1 if picture == last else 1
+            last = picture
+        assert last.step < LONG, "it came to the end"
+        return last
+
+    def rest(self) -> list[str]:
+        """Return the lines that are still to come, once it has ended by itself."""
+        return list(iter(self.line, None))  # type: ignore[arg-type]
+
+    def code(self) -> int:
+        """Wait for its end and return its exit code."""
+        return self._process.wait(PATIENCE)
+
+    def focus(self) -> str:
+        """Wait for its window, give it the keyboard and return its number."""
+        found = self._xdotool("search", "--sync", "--onlyvisible", "--name", "^Warehouse$").split()
+        self._xdotool("windowfocus", "--sync", found[-1])
+        # Keys that mean nothing: on a busy machine the toolkit loses the first after a change.
+        self._xdotool("key", "--delay", "150", *["F9"] * 4)
+        return found[-1]
+
+    def press(self, *keys: str) -> None:
+        """Press and release keys on the keyboard of the display."""
+        self._xdotool("key", "--delay", "30", *keys)
+
+    def resize(self, window: str, width: int, height: int) -> None:
+        self._xdotool("windowsize", window, str(width), str(height))
+
+    def _xdotool(self, *words: str) -> str:
+        done = subprocess.run(
+            ["xdotool", *words],
+            env=self._environment,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=PATIENCE,
+        )
+        assert done.returncode == 0, f"xdotool {words}: {done.stderr}; {self.printed}"
+        return done.stdout
+
+    def _read(self) -> None:
+        assert self._process.stdout is not None
+        for line in self._process.stdout:
+            self._lines.put(line.rstrip("\n"))
+        self._lines.put(None)
+
+
+def stop(process: "subprocess.Popen[str] | subprocess.Popen[bytes]") -> None:
+    """End a process, if need be by force."""
+    process.terminate()
+    try:
+        process.wait(10)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+MANY = 200
+"""A program that has printed so many lines will not print the one that is waited for."""
+
+
+class ClientMessage(ctypes.Structure):
+    """``XClientMessageEvent`` of Xlib, as long as its largest event."""
+
+    _fields_ = (
+        ("type", ctypes.c_int),
+        ("serial", ctypes.c_ulong),
+        ("send_event", ctypes.c_int),
+        ("display", ctypes.c_void_p),
+        ("window", ctypes.c_ulong),
+        ("message_type", ctypes.c_ulong),
+        ("format", ctypes.c_int),
+        ("data", ctypes.c_long * 24),
+    )
+
+
+class Shower(Program):
+    """A program that shows pictures on the display, and prints a line after each."""
+
+    def wait_for(self, line: str, times: int = 1) -> None:
+        """Read what it prints until it has printed ``line`` so many times."""
+        for _ in range(MANY):
+            said = self.line()
+            assert said is not None, f"it ended: {self.printed[-20:]}"
+            times -= said == line
+            if not times:
+                return
+        pytest.fail(f"it never said {line!r}: {self.printed[:3]} ... {self.printed[-3:]}")
+
+    def shot(self, window: str) -> NDArray[np.uint8]:
+        """Return what is on the display where the window is."""
+        said = self._xdotool("getwindowgeometry", "--shell", window)
+        place = {name: int(value) for name, value in (line.split("=") for line in said.split())}
+        box = (place["X"], place["Y"], place["X"] + place["WIDTH"], place["Y"] + place["HEIGHT"])
+        screen = ImageGrab.grab(xdisplay=self._environment["DISPLAY"]).convert("RGB")
+        return np.asarray(screen.crop(box))
+
+    def shows(self, window: str, picture: NDArray[np.uint8]) -> bool:
+        """Say whether the window shows exactly this picture, now or in a while."""
+        for _ in range(50):
+            shot = self.shot(window)
+            if np.array_equal(shot, picture):
+                return True
+            time.sleep(0.05)
+        return False
+
+    def windows(self) -> list[str]:
+        """Return the windows of its title, seen or not."""
+        words = ["xdotool", "search", "--name", "^Warehouse$"]
+        done = subprocess.run(
+            words, env=self._environment, capture_output=True, text=True, check=False
+        )
+        return done.stdout.split()
+
+    def point_at(self, window: str) -> None:
+        self._xdotool("mousemove", "--window", window, "50", "50")
+
+    def ask_to_close(self, window: str) -> None:
+        """Do what the cross of a window does: there is no window manager here to draw one."""
+        x11 = ctypes.CDLL("libX11.so.6")
+        x11.XOpenDisplay.restype = ctypes.c_void_p
+        x11.XInternAtom.restype = ctypes.c_ulong
+        connection = ctypes.c_void_p(x11.XOpenDisplay(self._environment["DISPLAY"].encode()))
+        protocols, delete = (
+            x11.XInternAtom(connection, name, 0) for name in (b"WM_PROTOCOLS", b"WM_DELETE_WINDOW")
+        )
+        message = ClientMessage(33, window=int(window), message_type=protocols, format=32)
+        message.data[0] = delete
+        target = ctypes.c_ulong(int(window))
+        x11.XSendEvent(connection, target, 0, ctypes.c_long(0), ctypes.byref(message))
+        x11.XCloseDisplay(connection)

@@ -1,0 +1,206 @@
+"""Several robots in one space: bodies that collide, and the table in ``motion/traffic.py``."""
+
+import math
+import random
+from itertools import combinations
+
+import numpy as np
+import pytest
+from helpers.rigid_bodies import (
+    EAST,
+    NORTH,
+    SOUTH,
+    STAY,
+    STEPS,
+    WEST,
+    fleet_keeps_the_table,
+    targets_of,
+)
+
+from warehouse_core import Cell, Layout, Outcome
+from warehouse_core.motion.base import WALL_CONTACT, robot_contact
+from warehouse_core.motion.traffic import find_stops
+from warehouse_physics import RigidBodyMotion, RobotSpec
+from warehouse_physics import motion as rigid_body_motion
+
+ACTIONS = 1_500
+"""Random actions of whole fleets; the benchmarks make more."""
+
+
+HALL = Layout(["......"] * 6)
+
+
+over_specs = pytest.mark.parametrize("spec", [RobotSpec(), RobotSpec.fast()], ids=["1/60", "1/30"])
+
+
+def together(
+    cells: list[Cell], moves: list[Cell], spec: RobotSpec | None = None, loaded: bool = False
+) -> list[Outcome]:
+    """Let robots in the hall make one move each."""
+    motion = RigidBodyMotion(spec)
+    motion.reset(HALL, cells, 0)
+    return list(motion.advance(moves, [loaded] * len(cells)))
+
+
+CASES = [
+    pytest.param([(2, 2)], [STAY], id="waiting"),
+    pytest.param([(2, 2), (2, 3)], [STAY, STAY], id="waiting side by side"),
+    pytest.param([(0, 0), (3, 3)], [NORTH, NORTH], id="wall"),
+    pytest.param([(2, 1), (2, 3)], [EAST, WEST], id="same target"),
+    pytest.param([(2, 1), (3, 2)], [EAST, NORTH], id="same target round a corner"),
+    pytest.param([(2, 1), (1, 2), (2, 3)], [EAST, SOUTH, WEST], id="three at one"),
+    pytest.param([(2, 1), (1, 2), (2, 3), (3, 2)], [EAST, SOUTH, WEST, NORTH], id="four at one"),
+    pytest.param([(2, 2), (2, 3)], [EAST, WEST], id="head-on"),
+    pytest.param([(2, 2), (3, 2)], [SOUTH, NORTH], id="head-on down a column"),
+    pytest.param([(2, 2), (2, 3)], [EAST, STAY], id="occupied"),
+    pytest.param([(2, 2), (2, 4), (2, 5)], [EAST] * 3, id="queue at the edge"),
+    pytest.param([(2, 5), (2, 4), (2, 3)], [EAST] * 3, id="occupied spreads backwards"),
+    pytest.param([(2, 1), (2, 2), (2, 3)], [EAST, EAST, WEST], id="same target goes first"),
+    pytest.param([(2, 1), (2, 2), (2, 3), (2, 4)], [EAST, STAY, STAY, WEST], id="both sides"),
+    pytest.param([(2, 1), (2, 2), (2, 3)], [EAST] * 3, id="following"),
+    pytest.param([(2, 1), (2, 2), (3, 2)], [EAST, SOUTH, SOUTH], id="following round a corner"),
+    pytest.param([(2, 2), (2, 3), (3, 3), (3, 2)], [EAST, SOUTH, WEST, NORTH], id="cycle"),
+    pytest.param(
+        [(2, 2), (2, 3), (3, 3), (3, 2), (1, 3)],
+        [EAST, SOUTH, WEST, NORTH, SOUTH],
+        id="a fifth robot spoils the cycle",
+    ),
+]
+
+
+@over_specs
+@pytest.mark.parametrize("loaded", [False, True], ids=["empty", "loaded"])
+@pytest.mark.parametrize(("cells", "moves"), CASES)
+def test_bodies_end_as_the_table_says(cells, moves, loaded, spec) -> None:
+    targets = targets_of(cells, moves)
+    stops = find_stops(HALL, cells, targets)
+    for robot, outcome in enumerate(together(cells, moves, spec, loaded)):
+        stop = stops[robot]
+        assert outcome.cell == (targets[robot] if stop is None else cells[robot])
+        assert outcome.blocked == (stop is not None)
+
+
+def test_the_cases_have_every_row_of_the_table() -> None:
+    names = {case.id for case in CASES}
+    rows = ("waiting", "wall", "same target", "head-on", "occupied", "following", "cycle")
+    assert names.issuperset(rows)
+
+
+@over_specs
+@pytest.mark.parametrize("robots", range(2, 11))
+def test_random_moves_end_as_the_table_says(robots: int, spec: RobotSpec) -> None:
+    for seed in (0, 1):
+        fleet_keeps_the_table(spec, robots, seed, ACTIONS // (9 * 2 * 2))
+
+
+@over_specs
+def test_a_jam_comes_undone(spec: RobotSpec) -> None:
+    """Robots 1, 5 and 6 all have to go back, and each is in the way of the next."""
+    layout = Layout(["########", "#.....##", "#.#.#..#", "#....#.#", "#......#", "########"])
+    cells = [(3, 6), (3, 3), (3, 1), (2, 1), (3, 2), (3, 4), (4, 3), (4, 5), (2, 6), (4, 4)]
+    moves = [NORTH, SOUTH, STAY, STAY, SOUTH, WEST, WEST, SOUTH, NORTH, SOUTH]
+    loaded = [robot in (0, 1, 6, 8, 9) for robot in range(10)]
+    motion = RigidBodyMotion(spec)
+    motion.reset(layout, cells, 0)
+    outcomes = motion.advance(moves, loaded)
+    assert [outcome.cell for outcome in outcomes] == cells
+    assert [outcome.blocked for outcome in outcomes] == [move != STAY for move in moves]
+
+
+def test_a_robot_that_is_grazed_from_the_side_drives_on() -> None:
+    """Robot 1 pushes robot 4 aside, and that brushes against robot 5 as it arrives."""
+    layout = Layout(["########", "#...##.#", "#......#", "#.##...#", "#......#", "########"])
+    cells = [(1, 1), (2, 1), (3, 1), (2, 6), (2, 2), (1, 3), (4, 2), (4, 5), (3, 6)]
+    moves = [SOUTH, EAST, NORTH, NORTH, SOUTH, SOUTH, STAY, EAST, SOUTH]
+    motion = RigidBodyMotion(RobotSpec.fast())
+    motion.reset(layout, cells, 0)
+    # Where earlier moves had left them.
+    for robot, aside in ((0, -2.1e-4), (1, 3.0e-4), (4, 9.7e-4)):
+        body = motion._arena.robots[robot].body
+        body.position += (0.0, aside)
+    outcome = motion.advance(moves, [robot in (1, 4, 7) for robot in range(9)])[5]
+    assert [contact.counterpart for contact in outcome.contacts] == [robot_contact(4)]
+    assert (outcome.cell, outcome.blocked) == ((2, 3), False)
+
+
+def test_a_robot_that_meets_one_that_was_pushed_into_its_way_drives_on() -> None:
+    """Robots 0, 4 and 6 push robot 2 out of its cell, where robot 3 is about to arrive."""
+    layout = Layout(["########", "#......#", "##.....#", "#....#.#", "#.#..#.#", "########"])
+    cells = [(2, 3), (4, 6), (3, 4), (4, 3), (2, 4), (4, 1), (2, 5), (2, 2)]
+    moves = [EAST, NORTH, EAST, EAST, SOUTH, STAY, WEST, EAST]
+    motion = RigidBodyMotion(RobotSpec.fast())
+    motion.reset(layout, cells, 0)
+    # Where earlier moves had left them.
+    for robot, aside in ((0, -3.8e-4), (4, 3.8e-4)):
+        motion._arena.robots[robot].body.position += (aside, 0.0)
+    outcome = motion.advance(moves, [robot in (3, 6, 7) for robot in range(8)])[3]
+    assert [contact.counterpart for contact in outcome.contacts][:1] == [robot_contact(2)]
+    assert (outcome.cell, outcome.blocked) == ((4, 4), False)
+
+
+@over_specs
+def test_two_robots_that_meet_head_on_get_the_same_impulse(spec: RobotSpec) -> None:
+    outcomes = together([(2, 2), (2, 4)], [EAST, WEST], spec)
+    first, second = (outcome.contacts[0] for outcome in outcomes)
+    assert (first.counterpart, second.counterpart) == (robot_contact(1), robot_contact(0))
+    assert first[:3] == second[:3]
+    assert first.point == pytest.approx((3.5, 2.5), abs=0.02)
+    # Each stops the other. They touch 0.65 m from their starts, where they brake already.
+    speed = math.sqrt(2 * spec.acceleration * (spec.cell_size - 0.65))
+    assert first.impulse == pytest.approx(spec.mass * speed, rel=0.1)
+
+
+def test_a_heavier_robot_hits_a_waiting_one_harder() -> None:
+    empty, loaded = (
+        together([(2, 2), (2, 3)], [EAST, STAY], loaded=load)[0].contacts[0].impulse
+        for load in (False, True)
+    )
+    assert 0 < empty < loaded
+
+
+def test_who_hits_whom_is_told_on_both_sides() -> None:
+    pushed = together([(2, 2), (2, 3)], [EAST, STAY])
+    assert pushed[0].contacts[0].counterpart == robot_contact(1)
+    assert pushed[1].contacts[0].counterpart == robot_contact(0)
+    assert (pushed[0].blocked, pushed[1].blocked) == (True, False)
+    beside_a_wall = together([(0, 0), (3, 3)], [NORTH, STAY])
+    assert beside_a_wall[0].contacts[0].counterpart == WALL_CONTACT
+    assert beside_a_wall[1].contacts == ()
+
+
+@over_specs
+def test_bodies_never_overlap_by_more_than_they_move_in_a_substep(spec, monkeypatch) -> None:
+    monkeypatch.setattr(rigid_body_motion, "PATH_EVERY", 1)
+    stream, deepest, fastest = random.Random(1), 0.0, 2 * spec.top_speed
+    motion = RigidBodyMotion(spec)
+    motion.reset(Layout(["...."] * 3), [(row, col) for row in range(3) for col in (0, 2)], 0)
+    for _ in range(60):
+        outcomes = motion.advance(stream.choices(STEPS, k=6), [False] * 6)
+        for one, other in combinations(outcomes, 2):
+            apart = np.hypot(*(one.path[:, 1:3] - other.path[:, 1:3]).T)
+            deepest = max(deepest, 2 * spec.radius - float(apart.min()))
+    assert 0 < deepest <= fastest * spec.time_step
+
+
+def test_all_robots_of_an_action_take_the_same_time() -> None:
+    outcomes = together([(2, 2), (2, 3), (4, 4)], [EAST, STAY, SOUTH])
+    assert len({outcome.seconds for outcome in outcomes}) == 1
+    assert {outcome.path[-1, 0] for outcome in outcomes} == {outcomes[0].seconds}
+
+
+def test_a_fleet_without_a_body_in_the_way_does_not_feel_the_others() -> None:
+    alone = together([(0, 0)], [EAST])[0]
+    among_others = together([(0, 0), (3, 3), (5, 0)], [EAST, EAST, EAST])[0]
+    assert among_others.path[-1, 1:3] == pytest.approx(alone.path[-1, 1:3], abs=1e-9)
+    assert among_others.joules == pytest.approx(alone.joules, rel=1e-9)
+
+
+def test_a_robot_that_is_pushed_out_of_its_cell_is_reported_where_it_is() -> None:
+    """Weak brakes and a strong push: the table does not hold, but what is said does."""
+    motion = RigidBodyMotion()
+    motion.reset(HALL, [(2, 2), (2, 3)], 0)
+    body = motion._arena.robots[1].body
+    body.position = (4.5, 4.5)
+    outcomes = motion.advance([EAST, STAY], [False, False])
+    assert [outcome.cell for outcome in outcomes] == [(2, 3), (4, 4)]
+    assert not outcomes[0].blocked

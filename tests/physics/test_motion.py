@@ -1,0 +1,441 @@
+"""One robot as a rigid body: what it reports is what its body did."""
+
+import math
+import os
+import random
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from helpers.rigid_bodies import (
+    EAST,
+    LEDGE,
+    MOVES,
+    NORTH,
+    SOUTH,
+    STAY,
+    WEST,
+    drive_at_walls,
+    motion_in,
+    move,
+)
+
+from warehouse_core import Cell, Layout, LayoutError, Outcome, random_layout
+from warehouse_core.motion.base import centre_of
+from warehouse_physics import RigidBodyMotion, RobotSpec
+from warehouse_physics import motion as rigid_body_motion
+from warehouse_physics.robot import WALL
+
+TUNNEL_MOVES = 2_000
+"""Wall-directed moves at the highest speed; the benchmarks make more."""
+
+
+HALL = Layout(["......."] * 7)
+
+
+TWO_ROOMS = Layout(["...#..."])
+
+
+SPECS = {
+    "default": RobotSpec(),
+    "fast": RobotSpec.fast(),
+    "brisk": RobotSpec(acceleration=2.0, motor_force=200.0),
+    "small cells": RobotSpec(cell_size=0.5, radius=0.17),
+    "small": RobotSpec(radius=0.2, mass=10.0),
+}
+
+
+over_specs = pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS.keys())
+
+
+over_loads = pytest.mark.parametrize("loaded", [False, True], ids=["empty", "loaded"])
+
+
+def free_move(spec: RobotSpec, displacement: Cell = EAST, loaded: bool = False) -> Outcome:
+    return move(motion_in(HALL, (3, 3), spec), displacement, loaded)
+
+
+def bump(spec: RobotSpec, displacement: Cell = EAST, loaded: bool = False) -> Outcome:
+    return move(motion_in(LEDGE, (0, 0), spec), displacement, loaded)
+
+
+def velocities(outcome: Outcome) -> np.ndarray:
+    """Return the velocity in m/s between each two rows of a path."""
+    return np.diff(outcome.path[:, 1:3], axis=0) / np.diff(outcome.path[:, 0])[:, None]
+
+
+def impact_speed(spec: RobotSpec, loaded: bool) -> float:
+    """Return the speed after the way from the middle of a cell to a touch with its edge."""
+    gap = spec.cell_size / 2 - spec.radius
+    return min(spec.top_speed, math.sqrt(2 * spec.attainable_acceleration(loaded) * gap))
+
+
+def remove_walls(motion: RigidBodyMotion) -> None:
+    space = motion._arena.space
+    space.remove(*[shape for shape in space.shapes if shape.collision_type == WALL])
+
+
+@pytest.fixture
+def every_substep(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a path have a row for each substep."""
+    monkeypatch.setattr(rigid_body_motion, "PATH_EVERY", 1)
+
+
+# Nothing is looked up in the grid.
+
+
+def test_without_the_shapes_of_its_walls_the_robot_drives_through() -> None:
+    motion = motion_in(TWO_ROOMS, (0, 2))
+    assert move(motion, EAST).blocked
+    remove_walls(motion)
+    for col in (3, 4):
+        outcome = move(motion, EAST)
+        assert (outcome.cell, outcome.blocked, outcome.contacts) == ((0, col), False, ())
+
+
+def test_without_the_shapes_around_the_grid_the_robot_drives_off() -> None:
+    motion = motion_in(LEDGE, (0, 0))
+    remove_walls(motion)
+    assert move(motion, NORTH).cell == (-1, 0)
+    assert move(motion, NORTH).cell == (-2, 0)
+
+
+@pytest.mark.parametrize("shift", [(1.0, 0.0), (0.0, -2.0), (-1.0, 1.0)])
+def test_the_outcome_follows_a_body_that_was_put_elsewhere(shift: tuple[float, float]) -> None:
+    motion = motion_in(HALL, (3, 3))
+    robot = motion._arena.robots[0]
+    x, y = robot.body.position
+    robot.body.position = (x + shift[0], y + shift[1])
+    cell = (3 + int(shift[1]), 3 + int(shift[0]))
+    outcome = move(motion, EAST)
+    assert outcome.cell == (cell[0], cell[1] + 1)
+    assert outcome.path[0, 1:3] == pytest.approx(centre_of(cell, 1.0))
+
+
+def test_the_outcome_follows_a_body_that_is_pushed_on_its_way() -> None:
+    motion = motion_in(HALL, (3, 3))
+    arena, driven = motion._arena, motion._drive
+
+    def pushed(*arguments):
+        substeps = driven(*arguments)
+        x, y = arena.robots[0].body.position
+        arena.robots[0].body.position = (x, y + 1.0)
+        return substeps
+
+    motion._drive = pushed
+    assert move(motion, EAST).cell == (4, 4)
+
+
+def test_an_extra_wall_in_the_space_blocks_though_the_grid_is_open() -> None:
+    motion = motion_in(HALL, (3, 3))
+    space = motion._arena.space
+    wall = next(shape for shape in space.shapes if shape.collision_type == WALL)
+    box = type(wall)(space.static_body, [(4, 3), (5, 3), (5, 4), (4, 4)])
+    box.collision_type = WALL
+    space.add(box)
+    outcome = move(motion, EAST)
+    assert (outcome.cell, outcome.blocked) == ((3, 3), True)
+    assert outcome.contacts[0].point[0] == pytest.approx(4, abs=0.02)
+
+
+# Free moves.
+
+
+@over_specs
+@over_loads
+def test_a_free_move_ends_at_rest_in_the_middle_of_the_next_cell(spec, loaded) -> None:
+    for displacement in MOVES:
+        motion = motion_in(HALL, (3, 3), spec)
+        outcome = move(motion, displacement, loaded)
+        cell = (3 + displacement[0], 3 + displacement[1])
+        assert (outcome.cell, outcome.blocked, outcome.contacts) == (cell, False, ())
+        assert math.dist(outcome.path[-1, 1:3], centre_of(cell, spec.cell_size)) < 1e-5
+        assert motion._arena.robots[0].body.velocity.length < 1e-6
+
+
+@over_specs
+@over_loads
+def test_a_free_move_takes_the_time_of_its_profile(spec, loaded) -> None:
+    pace = spec.attainable_acceleration(loaded)
+    speed = min(spec.top_speed, math.sqrt(pace * spec.cell_size))
+    seconds = spec.cell_size / speed + speed / pace
+    assert free_move(spec, loaded=loaded).seconds == pytest.approx(seconds, rel=0.05)
+
+
+@over_specs
+@over_loads
+@pytest.mark.usefixtures("every_substep")
+def test_top_speed_and_acceleration_are_kept(spec, loaded) -> None:
+    reached = velocities(free_move(spec, loaded=loaded))
+    changes = np.diff(reached, axis=0) / spec.time_step
+    pace = spec.attainable_acceleration(loaded)
+    assert np.hypot(*reached.T).max() <= spec.top_speed * (1 + 1e-6)
+    assert np.hypot(*changes.T).max() <= pace * (1 + 1e-6)
+    # And they are made use of: a robot that crawls would keep them too.
+    assert np.hypot(*changes.T).max() >= 0.9 * pace
+
+
+@over_specs
+@pytest.mark.parametrize("every", [1, 6, 50])
+def test_a_path_has_no_jump(spec, every, monkeypatch) -> None:
+    monkeypatch.setattr(rigid_body_motion, "PATH_EVERY", every)
+    motion, stream = motion_in(Layout(["..#.", "....", ".#.."]), (1, 1), spec), random.Random(1)
+    for _ in range(60):
+        outcome = move(motion, stream.choice(MOVES), stream.random() < 0.5)
+        assert np.hypot(*velocities(outcome).T).max() <= spec.top_speed * (1 + 1e-6)
+        assert np.diff(outcome.path[:, 0]).max() <= (every + 1e-6) * spec.time_step
+
+
+def test_without_recording_a_path_is_its_start_and_its_end() -> None:
+    kept, left_off = RigidBodyMotion(), RigidBodyMotion(record_path=False)
+    for motion in (kept, left_off):
+        motion.reset(HALL, [(0, 0)], 0)
+    for displacement in (EAST, NORTH, SOUTH, STAY, WEST, WEST):
+        whole, ends = move(kept, displacement), move(left_off, displacement)
+        assert np.array_equal(ends.path, whole.path[[0, -1]])
+        assert ends._replace(path=whole.path) == whole
+
+
+def test_the_heading_follows_the_way_and_turns_by_the_shorter_side() -> None:
+    motion = motion_in(HALL, (3, 3))
+    for displacement, heading in ((SOUTH, 0.5), (WEST, 1.0), (NORTH, 1.5), (EAST, 2.0)):
+        turned = move(motion, displacement).path[-1, 3]
+        assert turned == pytest.approx(heading * math.pi, abs=0.02)
+
+
+def test_waiting_takes_the_dwell_and_costs_idle_power() -> None:
+    outcome = free_move(RobotSpec(dwell=2.5, idle_power=8.0), STAY)
+    assert (outcome.cell, outcome.blocked, outcome.seconds) == ((3, 3), False, 2.5)
+    assert outcome.joules == pytest.approx(20.0)
+    assert np.ptp(outcome.path[:, 1:], axis=0).max() == 0
+
+
+# Bumps.
+
+
+@over_specs
+@over_loads
+@pytest.mark.parametrize("displacement", MOVES, ids="NESW")
+def test_the_impulse_of_a_bump_is_mass_times_speed(spec, loaded, displacement) -> None:
+    outcome = bump(spec, displacement, loaded)
+    assert outcome.blocked
+    assert [contact.counterpart for contact in outcome.contacts] == ["wall"]
+    momentum = spec.total_mass(loaded) * impact_speed(spec, loaded)
+    assert outcome.contacts[0].impulse == pytest.approx(momentum, rel=0.1)
+
+
+@over_specs
+@over_loads
+@pytest.mark.usefixtures("every_substep")
+def test_the_impulse_of_a_bump_agrees_with_the_speed_along_its_path(spec, loaded) -> None:
+    outcome = bump(spec, EAST, loaded)
+    speed = velocities(outcome)[:, 0].max()
+    momentum = spec.total_mass(loaded) * speed
+    assert outcome.contacts[0].impulse == pytest.approx(momentum, rel=0.1)
+
+
+@over_specs
+@over_loads
+@pytest.mark.parametrize("displacement", MOVES, ids="NESW")
+@pytest.mark.usefixtures("every_substep")
+def test_a_robot_sinks_into_a_wall_no_deeper_than_a_substep_takes_it(
+    spec, loaded, displacement
+) -> None:
+    outcome = bump(spec, displacement, loaded)
+    middle = spec.cell_size / 2
+    depth = np.abs(outcome.path[:, 1:3] - middle).max() + spec.radius - middle
+    speed = np.hypot(*velocities(outcome).T).max()
+    assert depth <= speed * spec.time_step
+    if spec == RobotSpec():
+        assert depth <= 0.01
+
+
+def test_a_hit_is_where_and_when_the_body_met_the_wall() -> None:
+    outcome = bump(RobotSpec(), WEST)
+    contact = outcome.contacts[0]
+    assert contact.point == pytest.approx((0.0, 0.5), abs=0.01)
+    # The way of 0.15 m at 1 m/s² takes sqrt(0.3) s; a substep to start and one to notice.
+    assert contact.seconds == pytest.approx(math.sqrt(0.3), abs=2.1 / 60)
+
+
+def test_a_faster_impact_hits_harder() -> None:
+    impulses = [
+        bump(RobotSpec(acceleration=pace, motor_force=500)).contacts[0].impulse
+        for pace in (0.5, 1.0, 2.0, 4.0)
+    ]
+    assert impulses == sorted(impulses)
+    assert impulses[-1] == pytest.approx(impulses[1] * 2, rel=0.1)
+
+
+@over_specs
+@over_loads
+def test_after_a_bump_the_robot_is_back_in_the_middle_of_its_cell(spec, loaded) -> None:
+    motion = motion_in(LEDGE, (0, 0), spec)
+    for displacement in MOVES * 5:
+        outcome = move(motion, displacement, loaded)
+        assert (outcome.cell, outcome.blocked) == ((0, 0), True)
+        middle = centre_of((0, 0), spec.cell_size)
+        assert math.dist(outcome.path[-1, 1:3], middle) < 1e-3 * spec.cell_size
+
+
+def test_a_robot_slides_along_a_wall_without_touching_a_seam() -> None:
+    layout = Layout(["############", "#..........#", "############"])
+    motion = motion_in(layout, (1, 1), RobotSpec(radius=0.499))
+    for col in range(2, 11):
+        assert move(motion, EAST)[:2] == ((1, col), False)
+
+
+@pytest.mark.parametrize("time_step", [1 / 60, 1 / 30])
+@pytest.mark.usefixtures("every_substep")
+def test_nothing_gets_through_a_wall_at_the_highest_speed_of_all(time_step: float) -> None:
+    drive_at_walls(time_step, TUNNEL_MOVES // 2)
+
+
+# Energy.
+
+
+def nominal_joules(spec: RobotSpec, loaded: bool) -> float:
+    """Return what a free move costs by its profile.
+
+    The motor gets the robot up to speed and overcomes the drag until it brakes; while it brakes
+    the drag is paid for by the speed that it had.
+    """
+    pace = spec.attainable_acceleration(loaded)
+    speed = min(spec.top_speed, math.sqrt(pace * spec.cell_size))
+    driven = spec.cell_size - speed**2 / (2 * pace)
+    work = spec.total_mass(loaded) * speed**2 / 2 + spec.drag_force(loaded) * driven
+    seconds = spec.cell_size / speed + speed / pace
+    return work / spec.drivetrain_efficiency + spec.idle_power * seconds
+
+
+@over_specs
+@over_loads
+def test_the_energy_of_a_free_move_is_that_of_its_profile(spec, loaded) -> None:
+    joules = free_move(spec, loaded=loaded).joules
+    assert joules == pytest.approx(nominal_joules(spec, loaded), rel=0.05)
+
+
+@over_loads
+@pytest.mark.parametrize("make", [free_move, bump])
+def test_the_energy_is_the_work_that_the_motor_did(make, loaded, monkeypatch) -> None:
+    """Add up force times way of every substep in which the motor pushes the way it drives."""
+    work = 0.0
+    spec = RobotSpec(idle_power=0, drivetrain_efficiency=1)
+    stepped = rigid_body_motion.Arena.__init__
+
+    def watched(arena, *arguments) -> None:
+        stepped(arena, *arguments)
+        robot, step = arena.robots[0], arena.space.step
+
+        def step_and_add(dt: float) -> None:
+            nonlocal work
+            before = robot.body.velocity
+            step(dt)
+            after = robot.body.velocity
+            if robot._control.velocity.length > 0:
+                work += robot._motor.impulse * ((before + after) / 2).length
+
+        arena.space.step = step_and_add
+
+    monkeypatch.setattr(rigid_body_motion.Arena, "__init__", watched)
+    outcome = make(spec, EAST, loaded)
+    assert outcome.joules == pytest.approx(work, rel=0.05)
+
+
+def test_energy_grows_with_load_distance_and_drag() -> None:
+    def joules(loaded: bool = False, **changes: float) -> float:
+        return free_move(RobotSpec(idle_power=0, motor_force=200, **changes), loaded=loaded).joules
+
+    assert joules(loaded=True) > joules()
+    assert joules(cell_size=1.0) < joules(cell_size=2.0) < joules(cell_size=4.0)
+    assert joules(floor_drag=0.0) < joules(floor_drag=0.015) < joules(floor_drag=0.03)
+    heavier = [joules(loaded=True, payload_mass=mass) for mass in (0, 1, 10, 20)]
+    assert heavier == sorted(heavier)
+    assert len(set(heavier)) == 4
+
+
+def test_idle_power_is_paid_for_by_the_second_and_efficiency_by_the_joule() -> None:
+    bare = free_move(RobotSpec(idle_power=0, drivetrain_efficiency=1.0))
+    lossy = free_move(RobotSpec(idle_power=0, drivetrain_efficiency=0.5))
+    awake = free_move(RobotSpec(idle_power=30, drivetrain_efficiency=1.0))
+    assert lossy.joules == pytest.approx(2 * bare.joules)
+    assert awake.joules == pytest.approx(bare.joules + 30 * bare.seconds)
+
+
+def test_a_load_makes_a_move_longer_and_dearer() -> None:
+    empty, loaded = (free_move(RobotSpec(), loaded=load) for load in (False, True))
+    assert loaded.seconds > empty.seconds
+    assert loaded.joules > empty.joules
+    # Put down again it is as light as before.
+    motion = motion_in(HALL, (3, 3))
+    there, back = move(motion, EAST, loaded=True), move(motion, WEST)
+    assert there.seconds > back.seconds == empty.seconds
+
+
+# Reproducible to the last bit.
+
+PRINT_A_HASH = """
+import hashlib, random
+from warehouse_core import random_layout
+from warehouse_physics import Disturbances, RigidBodyMotion
+
+layout, stream, digest = random_layout(7, 9, 0.2, seed=2), random.Random(3), hashlib.sha256()
+steps = [(0, 0), (-1, 0), (0, 1), (1, 0), (0, -1)]
+cells = [layout.open_cell(rank) for rank in range(len(layout.open_cells))]
+rough = Disturbances(0.1, cells[::3], motor_strength=0.9, drag_spread=0.5)
+for robots, disturbances in ((1, None), (4, None), (1, rough), (3, rough)):
+    motion = RigidBodyMotion(disturbances=disturbances)
+    motion.reset(layout, cells[:robots], 5)
+    for _ in range(60):
+        loaded = [stream.random() < 0.5 for _ in range(robots)]
+        for outcome in motion.advance(stream.choices(steps, k=robots), loaded):
+            digest.update(repr(outcome[:4] + outcome[5:]).encode() + outcome.path.tobytes())
+print(digest.hexdigest())
+"""
+
+
+def test_outcomes_are_the_same_to_the_last_bit_in_every_process() -> None:
+    digests = {
+        subprocess.run(
+            [sys.executable, "-c", PRINT_A_HASH],
+            env=os.environ | {"PYTHONHASHSEED": hash_seed},
+            capture_output=True,
+            check=True,
+            text=True,
+        ).stdout
+        for hash_seed in ("0", "1", "4242")
+    }
+    assert len(digests) == 1
+    assert len(digests.pop()) == 65
+
+
+def test_a_reset_leaves_nothing_behind() -> None:
+    fresh = motion_in(HALL, (3, 3))
+    used = motion_in(random_layout(7, 7, 0.2, seed=1), (1, 1))
+    for displacement in MOVES * 3:
+        move(used, displacement, loaded=True)
+    used.reset(HALL, [(3, 3)], 0)
+    for displacement in (EAST, SOUTH, STAY, NORTH):
+        assert move(used, displacement) == move(fresh, displacement)
+
+
+# Misuse.
+
+
+def test_bad_starts_are_refused_and_change_nothing() -> None:
+    motion = motion_in(HALL, (3, 3))
+    for cells in ([(9, 9)], [(1, 1), (1, 1)]):
+        with pytest.raises(LayoutError):
+            motion.reset(HALL, cells, 0)
+    assert move(motion, EAST).cell == (3, 4)
+
+
+def test_a_motion_that_is_closed_needs_a_reset() -> None:
+    motion = motion_in(HALL, (3, 3))
+    motion.close()
+    motion.close()
+    with pytest.raises(RuntimeError, match="needs a reset"):
+        move(motion, EAST)
+    motion.reset(HALL, [(3, 3)], 0)
+    assert move(motion, EAST).cell == (3, 4)

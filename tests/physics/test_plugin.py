@@ -1,0 +1,132 @@
+"""The plugin absent, broken or of the wrong version: one clear line, and the grid goes on."""
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from importlib.metadata import EntryPoint
+from pathlib import Path
+
+import pytest
+
+from warehouse_core import BackendError
+from warehouse_core.motion import backends
+from warehouse_core.motion.backends import load_backend
+from warehouse_physics import RigidBodyMotion
+from warehouse_physics.pymunk_version import check_version
+
+# Registers the plugin whether or not the installed distribution does, and tries both backends.
+TRY_BOTH = """
+import sys
+import importlib.metadata as metadata
+from importlib.metadata import EntryPoint
+
+{sabotage}
+from warehouse_core import BackendError, WarehouseEnv
+from warehouse_core.motion.backends import GROUP
+
+found = [
+    EntryPoint("grid", "warehouse_core.motion.grid:GridMotion", GROUP),
+    EntryPoint("physics", "warehouse_physics:RigidBodyMotion", GROUP),
+]
+metadata.entry_points = lambda group: found
+for point in found:
+    vars(point).update(dist=None)
+for attempt in range(2):
+    try:
+        WarehouseEnv(backend="physics")
+    except BackendError as error:
+        print(error)
+    print(WarehouseEnv(backend="grid").step("E")[1])
+"""
+ABSENT = "sys.modules['pymunk'] = None"
+OLD = "import pymunk; pymunk.version = '6.11.1'"
+NEW = "import pymunk; pymunk.version = '8.0.0'"
+COMMAND = "pip install 'warehouse_physics'"
+
+
+def try_both(sabotage: str, path: Path | None = None) -> list[str]:
+    code = TRY_BOTH.format(sabotage=sabotage)
+    run = subprocess.run(
+        [sys.executable, "-c", code], cwd=path, capture_output=True, check=True, text=True
+    )
+    assert run.stderr == ""
+    return run.stdout.splitlines()
+
+
+@pytest.mark.parametrize(
+    ("sabotage", "line"),
+    [
+        pytest.param(
+            ABSENT,
+            f"backend 'physics' needs pymunk, which is not installed: {COMMAND}",
+            id="absent",
+        ),
+        pytest.param(
+            OLD,
+            "backend 'physics' cannot be loaded: pymunk 6.11.1 is installed; 7.1 or later, "
+            f"but below 8, is needed; to repair it: {COMMAND}",
+            id="too old",
+        ),
+        pytest.param(
+            NEW,
+            "backend 'physics' cannot be loaded: pymunk 8.0.0 is installed; 7.1 or later, "
+            f"but below 8, is needed; to repair it: {COMMAND}",
+            id="too new",
+        ),
+    ],
+)
+def test_a_plugin_that_cannot_work_says_so_in_one_line_and_the_grid_goes_on(
+    sabotage: str, line: str
+) -> None:
+    # Twice: what failed to load once must not be found half loaded the second time.
+    assert try_both(sabotage) == [line, "-0.1"] * 2
+
+
+def test_a_broken_pymunk_is_one_line_too(tmp_path: Path) -> None:
+    (tmp_path / "pymunk.py").write_text("raise OSError('libchipmunk.so:\\n invalid ELF header')")
+    lines = try_both("", tmp_path)
+    line = "backend 'physics' cannot be loaded: libchipmunk.so: invalid ELF header; "
+    assert lines == [f"{line}to repair it: {COMMAND}", "-0.1"] * 2
+
+
+def test_a_plugin_that_works_says_nothing() -> None:
+    assert try_both("") == ["-0.1", "-0.1"]
+
+
+@pytest.mark.parametrize("version", ["7.1", "7.1.0", "7.3.1", "7.10.2", "7.2.0rc1"])
+def test_versions_that_it_was_written_for_are_fine(version: str) -> None:
+    check_version(version)
+
+
+@pytest.mark.parametrize("version", ["7.0.9", "6.11.1", "8.0.0", "8.0", "70.1", "", "unknown"])
+def test_other_versions_are_named_and_refused(version: str) -> None:
+    with pytest.raises(ImportError, match=rf"^pymunk {version} is installed; 7\.1 or later"):
+        check_version(version)
+
+
+@pytest.fixture
+def only_physics(monkeypatch: pytest.MonkeyPatch) -> Iterator[EntryPoint]:
+    """Make the plugin the only backend that is installed."""
+    point = EntryPoint("physics", "warehouse_physics:RigidBodyMotion", backends.GROUP)
+
+    def forget() -> None:
+        backends._entry_points.cache_clear()
+        load_backend.cache_clear()
+
+    monkeypatch.setattr("importlib.metadata.entry_points", lambda group: [point])
+    forget()
+    yield point
+    monkeypatch.undo()
+    forget()
+
+
+@pytest.mark.usefixtures("only_physics")
+def test_the_plugin_is_found_by_its_entry_point() -> None:
+    assert load_backend("physics") is RigidBodyMotion
+    assert isinstance(backends.make_motion("physics"), RigidBodyMotion)
+
+
+def test_a_plugin_without_its_class_is_one_line(only_physics: EntryPoint) -> None:
+    vars(only_physics).update(value="warehouse_physics:NoSuchMotion", dist=None)
+    with pytest.raises(BackendError, match=r"^backend 'physics' cannot be loaded: .*NoSuchMotion"):
+        load_backend("physics")

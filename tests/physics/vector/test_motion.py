@@ -1,0 +1,360 @@
+"""Warehouses side by side in one space: each row is what a motion of its own would do."""
+
+import math
+import os
+import random
+import subprocess
+import sys
+
+import numpy as np
+import pymunk
+import pytest
+from helpers.rigid_bodies import Singles, batch_in, rows_differ, some_layouts
+from hypothesis import given
+from hypothesis import strategies as st
+
+from warehouse_core import Layout, LayoutError
+from warehouse_core.motion.vector import Batchable, BatchOutcome
+from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
+from warehouse_physics.profile import braking, brakings, plan_leg, plan_legs
+from warehouse_physics.robot import WALL
+from warehouse_physics.vector import robots as drives
+from warehouse_physics.vector.arena import Hit
+from warehouse_physics.vector.body_arrays import BodyArrays
+from warehouse_physics.vector.motion import RigidBodyBatch
+
+NORTH, EAST, SOUTH, WEST, WAIT = range(5)
+
+
+HALL = Layout(["....."] * 4)
+
+
+LEDGE = Layout(["."])
+"""One cell, so that every move ends at a wall."""
+
+
+CORRIDOR = Layout(["..........."])
+
+
+SPECS = {
+    "default": RobotSpec(),
+    "fast": RobotSpec.fast(),
+    "brisk": RobotSpec(acceleration=2.0, motor_force=200.0),
+    "small cells": RobotSpec(cell_size=0.5, radius=0.17),
+    "large cells": RobotSpec(cell_size=2.0, radius=0.7, acceleration=0.5),
+    "tight": RobotSpec(radius=0.499),
+    "dragged": RobotSpec(floor_drag=0.05, acceleration=0.45),
+    "violent": RobotSpec(top_speed=10.5, acceleration=1e6, motor_force=1e9),
+}
+"""One with hardly any room beside it, one that the floor brakes harder than its drive does, and
+one that hits walls as hard as any may."""
+
+
+over_specs = pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS.keys())
+
+
+def advance(batch: RigidBodyBatch, *actions: int, loaded: bool = False) -> BatchOutcome:
+    return batch.advance(np.array(actions), np.full(len(actions), loaded))
+
+
+# Each row is what a motion of its own would do.
+
+
+@over_specs
+def test_each_row_is_what_a_motion_of_its_own_would_do(spec: RobotSpec) -> None:
+    blocked = rows_differ(spec, rows=12, steps=25)
+    assert blocked > 12 * 25 / 8, "bumps are what is worth comparing"
+
+
+def test_a_row_does_what_it_does_alone_whatever_the_others_do() -> None:
+    stream = random.Random(5)
+    layouts = some_layouts(9, stream)
+    actions = np.array([stream.choices(range(8), k=9) for _ in range(30)])
+    loaded = np.array([[stream.random() < 0.3 for _ in range(9)] for _ in range(30)])
+    together = batch_in(layouts)
+    outcomes = [together.advance(*each) for each in zip(actions, loaded, strict=True)]
+    for row, layout in enumerate(layouts):
+        alone = batch_in([layout])
+        for step, outcome in enumerate(outcomes):
+            own = alone.advance(actions[step, [row]], loaded[step, [row]])
+            assert [column[row] for column in outcome[:3]] == [column[0] for column in own[:3]]
+            assert outcome.joules[row] == pytest.approx(own.joules[0], rel=1e-9)
+
+
+def test_the_seconds_of_a_row_are_its_own_and_not_those_of_the_slowest() -> None:
+    batch = batch_in([HALL, LEDGE, HALL, HALL])
+    actions = np.array([EAST, EAST, EAST, WAIT])
+    outcome = batch.advance(actions, np.array([False, False, True, False]))
+    free, bump, slow, waiting = outcome.seconds
+    assert bump < free < slow
+    assert waiting == RobotSpec().dwell
+    assert outcome.joules[3] == RobotSpec().idle_power * RobotSpec().dwell
+
+
+def test_an_outcome_is_not_used_again() -> None:
+    batch = batch_in([LEDGE, HALL])
+    first = advance(batch, EAST, EAST)
+    kept = [column.copy() for column in first]
+    advance(batch, WAIT, SOUTH, loaded=True)
+    assert all(map(np.array_equal, first, kept))
+    assert [column.dtype for column in first] == [np.intp, np.bool_, np.float64, np.float64]
+
+
+def test_an_action_that_takes_too_long_ends_and_what_it_commanded_with_it(monkeypatch) -> None:
+    monkeypatch.setattr(drives, "MOST_SUBSTEPS", 30)
+    batch = batch_in([CORRIDOR, LEDGE])
+    yard = batch._drives.yard
+    # It ends with the first event after so many substeps, which is the hit of the second robot.
+    assert advance(batch, EAST, EAST).seconds == pytest.approx([34 / 60] * 2)
+    assert yard.look()[1][0, 0] > 0.5
+    advance(batch, WAIT, EAST)
+    assert np.abs(yard.look()[1][0]).max() < 1e-9
+
+
+def test_a_robot_with_weak_brakes_does_what_a_motion_of_its_own_would() -> None:
+    spec = RobotSpec(floor_drag=0.0)
+    batch, singles = batch_in([HALL], spec), Singles(spec, [HALL])
+    singles.place(0, 0)
+    batch._drives._braking_forces *= 0.6
+    singles.motions[0]._arena.robots[0]._braking_force *= 0.6
+    for action in (EAST, SOUTH, EAST, EAST):
+        outcome, expected = advance(batch, action), singles.advance([action], [False])
+        assert outcome.cells.tolist() == expected.cells.tolist()
+        assert outcome.seconds == pytest.approx(expected.seconds)
+        assert outcome.seconds[0] > 2.5, "the plan would take two seconds"
+
+
+def test_a_robot_that_rests_is_done_whatever_touches_it_while_others_drive() -> None:
+    batch = batch_in([LEDGE, HALL])
+    batch._drives.yard.robots[0].position += (0.2, 0.0)
+    outcome = advance(batch, WAIT, EAST)
+    assert (outcome.blocked[0], outcome.seconds[0]) == (False, RobotSpec().dwell)
+    batch._drives._meet([Hit(1, (-1.0, 0.0), (0.0, 0.0))], 200)
+    assert not batch._drives.gave_up[1]
+
+
+def test_a_robot_that_is_placed_stands_still() -> None:
+    batch = batch_in([HALL, HALL])
+    batch._drives.yard.robots[0].velocity = (1.0, 1.0)
+    batch.place(np.array([0]), np.array([6]))
+    advance(batch, WAIT, EAST)
+    assert batch._drives.yard.look()[0][0].tolist() == [1.5, 1.5]
+
+
+# Nothing is looked up in the grid.
+
+
+def test_without_the_shapes_of_the_walls_robots_drive_through() -> None:
+    batch = batch_in([Layout(["..#.."])] * 2)
+    advance(batch, EAST, EAST)
+    assert advance(batch, EAST, EAST).blocked.all()
+    space = batch._drives.yard.space
+    walls = [shape for shape in space.shapes if shape.collision_type == WALL]
+    # The first row has the first shapes: four around its grid and one within.
+    space.remove(walls[4])
+    outcome = advance(batch, EAST, EAST)
+    assert outcome.cells.tolist() == [2, 1]
+    assert outcome.blocked.tolist() == [False, True]
+
+
+def test_the_outcome_follows_a_body_that_was_put_elsewhere() -> None:
+    batch = batch_in([HALL, HALL])
+    body = batch._drives.yard.robots[1]
+    body.position += (2.0, 1.0)
+    assert advance(batch, EAST, EAST).cells.tolist() == [1, 5 + 3]
+
+
+def test_robots_are_driven_by_finite_force_and_never_put_anywhere(monkeypatch) -> None:
+    batch = batch_in([HALL, LEDGE])
+    yard = batch._drives.yard
+    step, seen = yard.space.step, []
+
+    def step_and_look(dt: float) -> None:
+        step(dt)
+        seen.append(np.concatenate([yard.look()[0], yard.look()[1]], axis=1))
+
+    monkeypatch.setattr(yard.space, "step", step_and_look)
+    for action in (EAST, SOUTH, WEST):
+        advance(batch, action, action)
+    states = np.array(seen)
+    ways = np.hypot(*np.diff(states[:, :, :2], axis=0).T)
+    gains = np.diff(np.hypot(states[:, :, 2], states[:, :, 3]), axis=0)
+    assert ways.max() <= 1.0 / 60 * (1 + 1e-6)
+    assert gains.max() <= 1.0 / 60 * (1 + 1e-6)
+    assert gains.max() >= 0.9 / 60
+
+
+def test_after_many_bumps_robots_are_in_the_middle_of_their_cells() -> None:
+    batch = batch_in([LEDGE] * 4)
+    for step in range(20):
+        outcome = advance(batch, *((row + step) % 4 for row in range(4)), loaded=step % 3 == 0)
+        assert outcome.blocked.all()
+    positions, velocities = batch._drives.yard.look()
+    assert np.abs(positions - 0.5).max() < 1e-3
+    assert np.abs(velocities).max() < 1e-6
+
+
+def test_a_touch_beside_the_way_blocks_nobody() -> None:
+    batch = batch_in([CORRIDOR], RobotSpec(radius=0.499))
+    body = batch._drives.yard.robots[0]
+    hits = []
+    noted = batch._drives._meet
+    batch._drives._meet = lambda found, now: (hits.extend(found), noted(found, now))
+    for cell in range(1, 11):
+        body.position += (0.0, 0.003)
+        outcome = advance(batch, EAST)
+        assert (outcome.cells[0], outcome.blocked[0]) == (cell, False)
+    assert hits
+
+
+# Reproducible to the last bit.
+
+PRINT_A_HASH = """
+import hashlib
+import numpy as np
+from warehouse_core import random_layout
+from warehouse_physics import RigidBodyMotion
+
+layouts = [random_layout(4 + seed % 5, 9 - seed % 3, 0.2, seed=seed) for seed in range(16)]
+batch, stream, digest = RigidBodyMotion().batch(layouts), np.random.default_rng(3), hashlib.sha256()
+batch.place(np.arange(16), np.array([layout.open_cells[-1] for layout in layouts]))
+for _ in range(20):
+    for column in batch.advance(stream.integers(0, 8, 16), stream.random(16) < 0.5):
+        digest.update(column.tobytes())
+print(digest.hexdigest())
+"""
+
+
+def test_outcomes_are_the_same_to_the_last_bit_in_every_process() -> None:
+    digests = {
+        subprocess.run(
+            [sys.executable, "-c", PRINT_A_HASH],
+            env=os.environ | {"PYTHONHASHSEED": hash_seed},
+            capture_output=True,
+            check=True,
+            text=True,
+        ).stdout
+        for hash_seed in ("0", "4242")
+    }
+    assert len(digests) == 1
+    assert len(digests.pop()) == 65
+
+
+# Misuse.
+
+
+def test_a_motion_can_be_multiplied_unless_something_disturbs_it() -> None:
+    assert isinstance(RigidBodyMotion(), Batchable)
+    disturbed = RigidBodyMotion(disturbances=Disturbances(motor_strength=0.5))
+    with pytest.raises(ValueError, match=r"motor_strength=0\.5.*cannot be batched.*nominal"):
+        disturbed.batch([HALL])
+
+
+def test_an_empty_batch_is_refused() -> None:
+    with pytest.raises(ValueError, match="at least one layout"):
+        RigidBodyMotion().batch([])
+
+
+@pytest.mark.parametrize(
+    ("rows", "cells", "error", "message"),
+    [
+        ([0, 2], [0, 0], ValueError, r"rows\[1\] is 2; allowed: 0\.\.1"),
+        ([-1], [0], ValueError, r"rows\[0\] is -1; allowed: 0\.\.1"),
+        ([1, 0, 1], [0, 0, 0], ValueError, r"rows\[0\] and rows\[2\] are both 1"),
+        ([0, 1], [0], ValueError, r"cells have the shape \(1,\); it must be \(2,\)"),
+        ([[0, 1]], [[0, 1]], ValueError, r"rows have the shape \(1, 2\)"),
+        ([0.0], [0], ValueError, "rows are float64; they must be integers"),
+        ([0], [math.nan], ValueError, "cells are float64; they must be integers"),
+        ([True], [0], ValueError, "rows are bool; they must be integers"),
+        ([0, 1], [1, 2], LayoutError, "row 1 cannot stand on cell 2: row 0, column 2 is wall"),
+        ([0, 1], [1, 3], LayoutError, "row 1 cannot stand on cell 3: row 1, column 0 is off the"),
+        ([0, 1], [1, -1], LayoutError, "row 1 cannot stand on cell -1: row -1, column 2 is off"),
+    ],
+)
+def test_bad_places_are_named_and_change_nothing(rows, cells, error, message) -> None:
+    batch = batch_in([HALL, Layout(["..#"])])
+    with pytest.raises(error, match=message):
+        batch.place(np.array(rows), np.array(cells))
+    assert advance(batch, WAIT, WAIT).cells.tolist() == [0, 0]
+
+
+@pytest.mark.parametrize(
+    ("actions", "loaded", "message"),
+    [
+        ([EAST], [False], r"actions have the shape \(1,\); it must be \(2,\)"),
+        ([[EAST, EAST]], [False, False], r"actions have the shape \(1, 2\)"),
+        ([EAST, 8], [False, False], r"action 8 of row 1; allowed: 0\.\.7"),
+        ([EAST, -1], [False, False], r"action -1 of row 1; allowed: 0\.\.7"),
+        ([EAST, math.inf], [False, False], "actions are float64; they must be integers"),
+        ([EAST, EAST], [False], r"loaded have the shape \(1,\); it must be \(2,\)"),
+        ([EAST, EAST], [0, 2], "loaded are int64; they must be bool"),
+    ],
+)
+def test_bad_actions_are_named_and_change_nothing(actions, loaded, message) -> None:
+    batch = batch_in([HALL, HALL])
+    with pytest.raises(ValueError, match=message):
+        batch.advance(np.array(actions), np.array(loaded))
+    assert advance(batch, WAIT, WAIT).cells.tolist() == [0, 0]
+
+
+def test_every_row_must_be_placed_before_the_first_action() -> None:
+    batch = RigidBodyMotion().batch([HALL] * 3)
+    batch.place(np.array([2, 0]), np.array([7, 7]))
+    with pytest.raises(RuntimeError, match="row 1 had none"):
+        advance(batch, EAST, EAST, EAST)
+    batch.place(np.array([1]), np.array([7]))
+    assert advance(batch, EAST, SOUTH, WEST).cells.tolist() == [8, 12, 6]
+
+
+def test_a_batch_that_is_closed_stays_closed() -> None:
+    batch = batch_in([HALL])
+    batch.close()
+    batch.close()
+    with pytest.raises(RuntimeError, match=r"advance\(\) after close"):
+        advance(batch, EAST)
+    with pytest.raises(RuntimeError, match=r"place\(\) after close"):
+        batch.place(np.array([0]), np.array([0]))
+
+
+# The parts.
+
+
+def test_bodies_are_read_and_written_in_the_order_in_which_they_were_added() -> None:
+    space = pymunk.Space()
+    space.add(pymunk.Poly(space.static_body, [(9, 9), (10, 9), (10, 10)]))
+    bodies = [pymunk.Body(1, 1), pymunk.Body(body_type=pymunk.Body.KINEMATIC), pymunk.Body(1, 1)]
+    for number, body in enumerate(bodies):
+        body.position, body.velocity = (number, 10 + number), (20 + number, 30 + number)
+    space.add(*bodies)
+    arrays = BodyArrays(space)
+    positions, velocities = arrays.read()
+    assert positions.tolist() == [[0, 10], [1, 11], [2, 12]]
+    assert velocities.tolist() == [[20, 30], [21, 31], [22, 32]]
+    arrays.write_velocities(np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]))
+    assert [tuple(body.velocity) for body in bodies] == [(1, 2), (3, 4), (5, 6)]
+    assert positions.tolist() == arrays.read()[0].tolist()
+    assert velocities.tolist() == [[20, 30], [21, 31], [22, 32]], "what was read stays as it was"
+    with pytest.raises(ValueError, match="shape"):
+        arrays.write_velocities(np.zeros((4, 2)))
+
+
+ways = st.lists(st.tuples(st.floats(-5, 5), st.floats(-5, 5)), min_size=1, max_size=5)
+
+
+paces = st.floats(0.05, 50.0)
+
+
+time_steps = st.sampled_from([1 / 240, 1 / 60, 1 / 30, 0.1])
+
+
+@given(ways, st.floats(0.05, 10.0), st.tuples(paces, paces), time_steps)
+def test_legs_of_many_are_the_leg_of_each(ways, speed, paces, time_step) -> None:
+    pace = np.resize(paces, len(ways))
+    legs = plan_legs(np.array(ways), speed, pace, time_step)
+    speeds = np.hypot(*np.array(ways).T)
+    stops = brakings(speeds, pace, time_step)
+    for row, way in enumerate(ways):
+        leg = plan_leg((0.0, 0.0), way, speed, pace[row], time_step)
+        assert legs.velocities[row] == pytest.approx(leg.velocity, rel=1e-9)
+        assert (legs.go[row], legs.brake[row]) == (leg.go, leg.brake)
+        assert stops[row] == braking(speeds[row], pace[row], time_step)

@@ -1,0 +1,356 @@
+"""The command as its users meet it: what it prints, what it writes, how it ends."""
+
+import json
+import re
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.command_line import Result, command, in_a_process, refusal, without_display
+from helpers.pictures import short_episode
+from PIL import Image
+
+from warehouse_core import Episode
+
+WAITER = """
+class Waiter:
+    def reset(self):
+        pass
+
+    def act(self, observation):
+        return "WAIT"
+"""
+
+
+@pytest.fixture(autouse=True)
+def no_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    without_display(monkeypatch)
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def record(tmp_path: Path) -> Path:
+    path = tmp_path / "episode.npz"
+    short_episode().save(path)
+    return path
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+# Itself.
+
+
+def test_the_version_is_that_of_the_package(capsys: pytest.CaptureFixture[str]) -> None:
+    expected = f"warehouse-lab {version('warehouse-lab')}\n"
+    assert command(capsys, "--version") == (0, expected, "")
+
+
+def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
+    result = command(capsys, "--help")
+    assert result.code == 0
+    assert all(name in result.out for name in ("run", "play", "replay", "layout"))
+
+
+@pytest.mark.parametrize(
+    "words", [["run"], ["play"], ["replay"], ["layout", "generate"], ["layout", "check"]]
+)
+def test_every_command_explains_itself(
+    capsys: pytest.CaptureFixture[str], words: list[str]
+) -> None:
+    result = command(capsys, *words, "--help")
+    assert result.code == 0
+    assert "Usage" in result.out
+
+
+def test_no_command_is_wrong_usage_and_gets_the_help(capsys: pytest.CaptureFixture[str]) -> None:
+    result = command(capsys)
+    assert result.code == 2
+    assert "Usage" in result.out + result.err
+
+
+@pytest.mark.parametrize(
+    ("words", "names"),
+    [
+        (["frobnicate"], "frobnicate"),
+        (["run", "--fast"], "--fast"),
+        (["run", "--battery", "0"], "--battery"),
+        (["run", "--battery", "-5"], "--battery"),
+        (["run", "--battery", "x"], "--battery"),
+        (["run", "--battery", str(10**21)], "--battery"),
+        (["run", "--battery"], "--battery"),
+        (["run", "--max-steps", "0"], "--max-steps"),
+        (["run", "--seed", "1.5"], "--seed"),
+        (["run", "extra"], "extra"),
+        (["play", "--battery", "0"], "--battery"),
+        (["replay"], "file"),
+        (["replay", "e.npz", "--speed", "0"], "--speed"),
+        (["replay", "e.npz", "--speed", "nan"], "--speed"),
+        (["replay", "e.npz", "--speed", "inf"], "--speed"),
+        (["replay", "e.npz", "--interval-ms", "-1"], "--interval-ms"),
+        (["replay", "e.npz", "--interval-ms", "inf"], "--interval-ms"),
+        (["replay", "e.npz", "--interval-ms", "nan"], "--interval-ms"),
+        (["replay", "e.npz", "--interval-ms", "fast"], "--interval-ms"),
+    ],
+)
+def test_wrong_usage_is_one_line_that_names_what_is_wrong(
+    capsys: pytest.CaptureFixture[str], words: list[str], names: str
+) -> None:
+    assert names in refusal(capsys, *words, code=2)
+
+
+# warehouse run
+
+
+def test_run_prints_the_same_for_the_same_seed_and_other_things_for_others(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    printed = [command(capsys, "run", "--seed", seed, "--no-show").out for seed in (1, 1, 2, 3)]
+    assert printed[0] == printed[1]
+    reports = [text.split("\n", 1)[1] for text in printed[1:]]
+    assert len(set(reports)) == 3
+
+
+def test_run_saves_several_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    files = ["a.gif", "b.html", "c.svg", "d.png", "e.npz", "f.mp4"]
+    words = [word for file in files for word in ("--save", file)]
+    result = command(capsys, "run", "--seed", 1, "--battery", 4, *words)
+    assert result.code == 0
+    assert result.out.splitlines()[-6:] == [f"saved {file}" for file in files]
+    assert names(tmp_path) == files
+    assert all((tmp_path / file).stat().st_size > 1000 for file in files)
+    assert Episode.load("e.npz").seed == 1
+
+
+def test_run_replaces_an_older_file(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    for seed in (1, 2):
+        assert command(capsys, "run", "--seed", seed, "--save", "e.npz").code == 0
+        assert Episode.load("e.npz").seed == seed
+
+
+def test_run_without_a_display_says_where_the_replay_went(tmp_path: Path) -> None:
+    words = ["-c", "from agents.cli import main; main()", "run", "--seed", "12", "--battery", "5"]
+    result = in_a_process(*words, folder=tmp_path)
+    assert (result.code, result.err) == (0, "")
+    assert result.out.splitlines()[-2:] == [
+        "there is no display to open a window on, so the replay goes to a file",
+        "saved replay-12.gif",
+    ]
+    with Image.open(tmp_path / "replay-12.gif") as film:
+        assert film.n_frames == 6  # type: ignore[attr-defined]
+
+
+def test_no_display_is_found_whatever_is_asked_of_matplotlib(
+    tmp_path: Path,
+) -> None:
+    words = ["-c", "from agents.cli import main; main()", "play"]
+    says = "warehouse: play needs a window, and there is no display here\n"
+    for backend in ("tkagg", "agg"):
+        result = in_a_process(*words, folder=tmp_path, MPLBACKEND=backend)
+        assert result == Result(1, "", says)
+
+
+def test_run_takes_an_agent_from_a_file(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(WAITER)
+    words = ["run", "--agent", "mine.py:Waiter", "--seed", 1, "--max-steps", 3, "--save", "e.npz"]
+    result = command(capsys, *words)
+    assert result.out.startswith(
+        "Waiter on the grid backend, seed 1\noutcome         out of time\n"
+    )
+    assert Episode.load("e.npz").actions == ["WAIT"] * 3
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--agent", "clever"], "no agent is called 'clever'; allowed: greedy"),
+        (["--agent", "missing.py:Agent"], "agent file missing.py does not exist"),
+        (["--agent", "wrong.py:Agent"], "wrong.py, line 2: "),
+        (["--agent", "waiter.py:Agent"], "waiter.py has no class 'Agent'"),
+        (["--backend", "sleigh"], "no backend is called 'sleigh'; installed: grid"),
+        (["--layout", "missing.txt"], "missing.txt: No such file or directory"),
+        (["--layout", "bad.txt"], "bad.txt: row 1, column 2: 'x' is not a tile; allowed: # (wall)"),
+        (["--layout", "tiny.txt"], "randomize needs two open cells"),
+        (["--save", "film.xyz"], "film.xyz: cannot save as .xyz; allowed: .gif, .mp4, .html"),
+        (["--save", "film"], "film: cannot save as a file without a suffix"),
+        (["--save", "missing/film.gif"], "the folder missing does not exist"),
+        (["--save", "folder.gif"], "folder.gif is a folder, not a file"),
+        (["--save", "good.npz", "--save", "film.xyz"], "film.xyz: cannot save"),
+    ],
+)
+def test_run_refuses_in_one_line_and_writes_nothing(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, words: list[str], message: str
+) -> None:
+    (tmp_path / "wrong.py").write_text("x = 1\nclass Agent(:\n")
+    (tmp_path / "waiter.py").write_text(WAITER)
+    (tmp_path / "bad.txt").write_text("P..D\n..x.\n")
+    (tmp_path / "tiny.txt").write_text("###\n#.#\n###\n")
+    (tmp_path / "folder.gif").mkdir()
+    before = names(tmp_path)
+    assert message in refusal(capsys, "run", *words)
+    assert [name for name in names(tmp_path) if name != "__pycache__"] == before
+
+
+def test_a_disk_that_is_full_is_one_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(np, "savez_compressed", full)
+    monkeypatch.setattr(Image.Image, "save", full)
+    words = ["run", "--seed", 1, "--battery", 2, "--save"]
+    for file in ("e.npz", "e.gif", "e.png"):
+        assert refusal(capsys, *words, file) == "No space left on device"
+    assert names(tmp_path) == []
+
+
+def test_a_folder_that_may_not_be_written_is_one_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    # Permissions do not stop an administrator, who may be running this.
+    def forbidden(self: Path, *_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied", str(self))
+
+    monkeypatch.setattr(Path, "open", forbidden)
+    message = refusal(capsys, "run", "--seed", 1, "--battery", 2, "--save", "e.npz")
+    assert message.endswith("npz: Permission denied")
+    assert names(tmp_path) == []
+
+
+# warehouse replay
+
+
+def test_replay_reports_and_saves(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, record: Path
+) -> None:
+    result = command(
+        capsys, "replay", record, "--save", "a.gif", "--interval-ms", 300, "--speed", 2.5
+    )
+    assert result.code == 0
+    assert result.out.splitlines() == [
+        "Tester on the grid backend, seed 4",
+        "outcome         delivered",
+        "diagnosis       delivered in 6 steps; the shortest way takes 5",
+        "total reward    13.40",
+        "final battery   4 of 10",
+        "episode length  6 of at most 30 steps",
+        "saved a.gif",
+    ]
+    with Image.open("a.gif") as film:
+        assert film.n_frames == 7  # type: ignore[attr-defined]
+        assert film.info["duration"] == 120
+
+
+def test_replay_without_a_display_writes_a_gif(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, record: Path
+) -> None:
+    assert command(capsys, "replay", record).out.endswith("saved replay-4.gif\n")
+    assert names(tmp_path) == ["episode.npz", "replay-4.gif"]
+
+
+def test_replay_reports_alone_if_no_window_is_wanted(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, record: Path
+) -> None:
+    assert command(capsys, "replay", record, "--no-show").code == 0
+    assert names(tmp_path) == ["episode.npz"]
+
+
+@pytest.mark.parametrize(("interval_ms", "speed"), [(1, 100), (60_000, 0.01)])
+def test_replay_is_saved_at_any_speed_that_is_allowed(
+    capsys: pytest.CaptureFixture[str], record: Path, interval_ms: float, speed: float
+) -> None:
+    words = ["--interval-ms", interval_ms, "--speed", speed]
+    targets = ["--save", "a.gif", "--save", "a.html", "--save", "a.mp4"]
+    assert command(capsys, "replay", record, *words, *targets).code == 0
+
+
+def test_a_missing_record_is_named(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert refusal(capsys, "replay", "e.npz") == "e.npz: No such file or directory"
+    assert str(tmp_path) in refusal(capsys, "replay", tmp_path)
+
+
+def damage_nothing_but_the_end(record: Path) -> None:
+    record.write_bytes(record.read_bytes()[:-40])
+
+
+def damage_a_byte(record: Path) -> None:
+    data = bytearray(record.read_bytes())
+    data[len(data) // 3] ^= 0xFF
+    record.write_bytes(data)
+
+
+def damage_all(record: Path) -> None:
+    record.write_bytes(b"what is this?")
+
+
+def damage_by_emptying(record: Path) -> None:
+    record.write_bytes(b"")
+
+
+def damage_the_header(record: Path) -> None:
+    with np.load(record) as file:
+        arrays = dict(file)
+    header = json.loads(arrays["header"].tobytes()) | {"seed": "one"}
+    arrays["header"] = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
+    np.savez_compressed(record, **arrays)
+
+
+def damage_by_another_file(record: Path) -> None:
+    np.savez(record, numbers=np.arange(3))
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        damage_nothing_but_the_end,
+        damage_a_byte,
+        damage_all,
+        damage_by_emptying,
+        damage_the_header,
+        damage_by_another_file,
+    ],
+)
+def test_a_damaged_record_is_one_line_that_names_the_file(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, record: Path, damage: object
+) -> None:
+    assert callable(damage)
+    damage(record)
+    assert refusal(capsys, "replay", record, "--save", "a.gif").startswith(f"{record}: ")
+    assert names(tmp_path) == ["episode.npz"]
+
+
+def test_replay_checks_its_targets_before_it_reads(capsys: pytest.CaptureFixture[str]) -> None:
+    assert "cannot save as .txt" in refusal(capsys, "replay", "missing.npz", "--save", "a.txt")
+
+
+# Interrupts and faults.
+
+
+def test_an_interrupt_ends_with_130_and_leaves_no_part(
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+    record: Path,
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Image.Image, "save", interrupted)
+    result = command(capsys, "replay", record, "--save", "a.gif")
+    assert result.code == 130
+    assert "Traceback" not in result.err
+    assert names(tmp_path) == ["episode.npz"]
+
+
+def test_the_installed_command_is_this_one(tmp_path: Path) -> None:
+    from importlib.metadata import entry_points
+
+    (entry,) = entry_points(group="console_scripts", name="warehouse")
+    assert entry.value == "agents.cli:main"
+    program = "import sys; sys.argv[0] = 'warehouse'; from agents.cli import main; main()"
+    result = in_a_process("-c", program, "run", "--agent", "clever", folder=tmp_path)
+    assert result.code == 1
+    assert re.fullmatch(r"warehouse: no agent is called 'clever'.*\n", result.err)

@@ -1,0 +1,213 @@
+"""Pictures in real windows, run with ``pytest -m window``, and what is so without a window."""
+
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.windows import PATIENCE, Program, Shower, display  # noqa: F401 - a fixture
+from numpy.typing import NDArray
+
+from warehouse_core import DEFAULT_LAYOUT
+from warehouse_core.render.painter import TilePainter
+from warehouse_core.render.window import NoDisplayError, PictureWindow
+
+in_a_window = pytest.mark.window
+
+
+BEGIN = """
+import sys, time
+from warehouse_core import DEFAULT_LAYOUT
+from warehouse_core.render.window import PictureWindow
+from warehouse_core.render.painter import TilePainter
+
+def painted(pixels, row, col):
+    return TilePainter(pixels).picture(DEFAULT_LAYOUT, (row, col), False)
+
+def show_for_ever(picture):
+    while True:
+        window.show(picture, 50)
+        print("closed" if window.is_closed else "open", flush=True)
+        if window.is_closed:
+            time.sleep(0.05)
+
+window = PictureWindow("Warehouse")
+"""
+
+
+def painted(pixels: int, row: int, col: int) -> NDArray[np.uint8]:
+    return TilePainter(pixels).picture(DEFAULT_LAYOUT, (row, col), False)
+
+
+@pytest.fixture
+def start(display: str, tmp_path: Path) -> Iterator[Callable[[str], Shower]]:  # noqa: F811
+    """Return a function that starts a program, which begins with a window not yet open."""
+    programs: list[Shower] = []
+
+    def begin(text: str) -> Shower:
+        programs.append(Shower(display, tmp_path, BEGIN + text))
+        return programs[-1]
+
+    yield begin
+    for program in programs:
+        program.close()
+
+
+Start = Callable[[str], Shower]
+
+
+@in_a_window
+@pytest.mark.parametrize("pixels", [9, 40])
+def test_a_picture_is_shown_pixel_by_pixel(start: Start, pixels: int) -> None:
+    program = start(f"show_for_ever(painted({pixels}, 1, 1))")
+    program.wait_for("open", 2)
+    assert program.shows(program.focus(), painted(pixels, 1, 1))
+
+
+@in_a_window
+def test_the_next_picture_takes_the_place_of_the_last(start: Start) -> None:
+    program = start("""
+window.show(painted(40, 1, 1), 50)
+show_for_ever(painted(40, 1, 2))
+""")
+    program.wait_for("open")
+    assert program.shows(program.focus(), painted(40, 1, 2))
+    assert len(program.windows()) == 1
+
+
+@in_a_window
+def test_the_window_follows_a_picture_of_another_size(start: Start) -> None:
+    program = start("""
+window.show(painted(40, 1, 1), 50)
+window.show(painted(20, 1, 1), 50)
+show_for_ever(painted(30, 1, 1))
+""")
+    program.wait_for("open")
+    assert program.shows(program.focus(), painted(30, 1, 1))
+
+
+@in_a_window
+def test_a_window_made_larger_stays_so_and_the_picture_with_it(start: Start) -> None:
+    program = start("show_for_ever(painted(20, 1, 1))")
+    program.wait_for("open", 2)
+    window, picture = program.focus(), painted(20, 1, 1)
+    height, width = picture.shape[:2]
+    program.resize(window, 3 * width, 2 * height)
+    program.wait_for("open", 10)
+    doubled = picture.repeat(2, axis=0).repeat(2, axis=1)
+    margin = np.full((2 * height, width // 2, 3), 255, np.uint8)
+    assert program.shows(window, np.concatenate([margin, doubled, margin], axis=1))
+
+
+@in_a_window
+def test_it_stays_closed_when_it_is_closed_by_hand(start: Start) -> None:
+    program = start("show_for_ever(painted(20, 1, 1))")
+    program.wait_for("open", 2)
+    program.ask_to_close(program.focus())
+    program.wait_for("closed", 5)
+    assert program.windows() == []
+
+
+@in_a_window
+def test_it_can_be_closed_by_hand_while_a_picture_stands(start: Start) -> None:
+    program = start("""
+window.show(painted(20, 1, 1), 50)
+print("shown", flush=True)
+window.show(painted(20, 1, 2), 1 / 3600)
+window.close()
+print("on it goes", flush=True)
+""")
+    program.wait_for("shown")
+    program.ask_to_close(program.focus())
+    program.wait_for("on it goes")
+    assert program.code() == 0
+
+
+@in_a_window
+def test_a_program_closes_it(start: Start) -> None:
+    program = start("""
+window.show(painted(20, 1, 1), 50)
+window.close()
+window.close()
+show_for_ever(painted(20, 1, 1))
+""")
+    program.wait_for("closed", 5)
+    assert program.windows() == []
+
+
+@in_a_window
+def test_a_window_that_never_opened_can_be_closed(start: Start) -> None:
+    program = start("window.close(); show_for_ever(painted(20, 1, 1))")
+    program.wait_for("closed", 3)
+    assert program.windows() == []
+
+
+@in_a_window
+def test_matplotlibs_keys_do_nothing(start: Start) -> None:
+    program = start("show_for_ever(painted(20, 1, 1))")
+    program.wait_for("open", 2)
+    window = program.focus()
+    program.point_at(window)
+    program.press("l", "k", "g", "f", "s", "q")
+    program.wait_for("open", 10)
+    assert program.shows(window, painted(20, 1, 1))
+
+
+@in_a_window
+def test_it_is_no_business_of_pyplots(start: Start) -> None:
+    program = start("""
+import warnings
+import matplotlib.pyplot as plt
+warnings.simplefilter("error", UserWarning)
+plt.rcParams["figure.autolayout"] = True
+window.show(painted(20, 1, 1), 50)
+print("figures", plt.get_fignums(), plt.rcParams["toolbar"], flush=True)
+plt.close("all")
+show_for_ever(painted(20, 1, 1))
+""")
+    program.wait_for("figures [] toolbar2")
+    program.wait_for("open", 2)
+    assert program.shows(program.focus(), painted(20, 1, 1))
+
+
+@in_a_window
+def test_it_keeps_to_the_speed_and_counts_the_programs_own_time(start: Start) -> None:
+    program = start("""
+window.show(painted(20, 1, 1), 50)
+begin = time.monotonic()
+for _ in range(20):
+    window.show(painted(20, 1, 1), 20)
+print(time.monotonic() - begin, flush=True)
+begin = time.monotonic()
+for _ in range(10):
+    time.sleep(0.15)
+    window.show(painted(20, 1, 1), 5)
+print(time.monotonic() - begin, flush=True)
+""")
+    alone, busy = (float(program.line() or "nan") for _ in range(2))
+    assert alone >= 1.0
+    assert 2.0 <= busy < 3.2
+
+
+def test_without_a_display_it_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("warehouse_core.render.window.has_display", lambda: False)
+    with pytest.raises(NoDisplayError, match=r'render_mode="human".*render_mode="rgb_array"'):
+        PictureWindow("Warehouse")
+
+
+def test_once_closed_it_does_not_even_try_to_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("warehouse_core.render.window.has_display", lambda: True)
+    window = PictureWindow("Warehouse")
+    monkeypatch.setattr(window, "_open", lambda picture: pytest.fail("it opens"))
+    window.close()
+    window.show(painted(2, 1, 1), 50)
+    assert window.is_closed
+
+
+def test_matplotlib_is_imported_by_a_window_alone() -> None:
+    program = "import sys, warehouse_core.render.window; print('matplotlib' in sys.modules)"
+    words = [sys.executable, "-c", program]
+    done = subprocess.run(words, capture_output=True, text=True, check=True, timeout=PATIENCE)
+    assert done.stdout.strip() == "False"

@@ -1,0 +1,198 @@
+"""Real windows on a display of their own, and real keys. Run with ``pytest -m window``.
+
+Nothing here goes by the clock: a test waits for what the program prints, and gives up after
+``PATIENCE`` seconds in which it has not come.
+"""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from helpers.pictures import ROOM
+from helpers.windows import LONG, Picture, Program
+
+from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
+
+pytestmark = pytest.mark.window
+
+WAREHOUSE = "from agents.cli import main; main()"
+
+WATCH = """
+import sys, zlib
+from warehouse_core import Episode
+from warehouse_core.warehouse_viz import replay_animation
+
+replay = replay_animation(Episode.load(sys.argv[1]), interval_ms=60)
+assert replay.window, "matplotlib finds no display or no toolkit such as tkinter"
+
+def tell(event):
+    (counter,) = [t.get_text() for t in replay.figure.texts if t.get_text().startswith("step ")]
+    picture = event.canvas.buffer_rgba()
+    print(counter.split()[1], zlib.crc32(picture), *picture.shape, flush=True)
+
+replay.figure.canvas.mpl_connect("draw_event", tell)
+replay.show()
+print("closed", flush=True)
+"""
+
+
+@pytest.fixture
+def start(display: str, tmp_path: Path) -> Iterator[Callable[..., Program]]:
+    """Return a function that starts a program; whatever happens, it is ended."""
+    programs: list[Program] = []
+
+    def begin(*words: object) -> Program:
+        programs.append(Program(display, tmp_path, *words))
+        return programs[-1]
+
+    yield begin
+    for program in programs:
+        program.close()
+
+
+@pytest.fixture
+def long_episode(tmp_path: Path) -> Path:
+    env = WarehouseEnv(ROOM, max_steps=LONG, battery=LONG)
+    recorder = EpisodeRecorder(env, seed=5, agent="Tester")
+    for step in range(LONG):
+        recorder.step("ESWN"[step % 4])
+    path = tmp_path / "long.npz"
+    recorder.episode.save(path)
+    return path
+
+
+@pytest.fixture
+def watched(start: Callable[..., Program], long_episode: Path) -> Program:
+    """Return a replay in a window with the keyboard, a few frames after its beginning."""
+    program = start(WATCH, long_episode)
+    program.pictures_until(lambda picture: picture.step >= 3)
+    program.focus()
+    return program
+
+
+def paused(watched: Program) -> Picture:
+    watched.press("space")
+    return watched.still()
+
+
+def test_a_window_plays_frame_by_frame(watched: Program) -> None:
+    steps = [picture.step for picture in watched.pictures_until(lambda p: p.step >= 25)]
+    assert sorted(set(steps)) == list(range(steps[0], steps[-1] + 1))
+    assert steps == sorted(steps)
+
+
+def test_space_pauses_and_resumes(watched: Program) -> None:
+    first = paused(watched)
+    assert {watched.picture() for _ in range(10)} == {first}
+    watched.press("space")
+    going_on = watched.pictures_until(lambda picture: picture.step >= first.step + 3)
+    steps = sorted({picture.step for picture in going_on} | {first.step})
+    assert steps == list(range(first.step, first.step + 4))
+
+
+@pytest.mark.parametrize(("key", "by"), [("Right", 1), ("Left", -1)])
+def test_an_arrow_steps_by_exactly_one(watched: Program, key: str, by: int) -> None:
+    before = paused(watched)
+    watched.press(key)
+    *_, changed = watched.pictures_until(lambda picture: picture.step != before.step)
+    assert changed.step == before.step + by
+    assert watched.still() == changed
+    watched.press(key, key)
+    *_, changed = watched.pictures_until(lambda picture: picture.step == before.step + 3 * by)
+    assert watched.still() == changed
+
+
+@pytest.mark.parametrize("key", ["Right", "Left"])
+def test_an_arrow_pauses(watched: Program, key: str) -> None:
+    watched.press(key)
+    still = watched.still()
+    assert watched.picture() == still
+
+
+def test_there_and_back_gives_the_same_picture(watched: Program) -> None:
+    before = paused(watched)
+    watched.press("Right", "Right", "Left", "Left")
+    watched.pictures_until(lambda picture: picture.step == before.step + 2)
+    assert watched.still() == before
+
+
+def test_a_paused_window_can_be_resized(watched: Program) -> None:
+    window = watched.focus()
+    before = paused(watched)
+    watched.resize(window, before.width + 120, before.height + 60)
+    watched.pictures_until(lambda picture: picture.width != before.width)
+    after = watched.still()
+    assert after.step == before.step
+    assert (after.width, after.height) > (before.width, before.height)
+    watched.resize(window, before.width, before.height + before.height - after.height + 60)
+    watched.pictures_until(lambda picture: picture.width == before.width)
+    assert watched.still() == before
+
+
+def test_q_closes_the_window_and_the_program_goes_on(watched: Program) -> None:
+    watched.press("q")
+    assert watched.rest()[-1] == "closed"
+    assert watched.code() == 0
+
+
+# The commands.
+
+
+@pytest.mark.parametrize("option", [[], ["--show", "--save", "e.npz"]])
+def test_run_opens_a_window_that_q_closes(
+    start: Callable[..., Program], tmp_path: Path, option: list[str]
+) -> None:
+    program = start(WAREHOUSE, "run", "--seed", 5, *option)
+    program.focus()
+    program.press("space", "Right", "Left", "q")
+    lines = program.rest()
+    assert program.code() == 0, lines
+    assert lines[0] == "GreedyAgent on the grid backend, seed 5"
+    assert lines[-1] == "space pauses, left and right step, q closes the window"
+    assert [path.name for path in tmp_path.iterdir()] == option[2:]
+
+
+def test_replay_opens_a_window_that_q_closes(
+    start: Callable[..., Program], long_episode: Path
+) -> None:
+    program = start(WAREHOUSE, "replay", long_episode, "--speed", 2)
+    program.focus()
+    program.press("q")
+    lines = program.rest()
+    assert program.code() == 0, lines
+    assert lines[-1] == "space pauses, left and right step, q closes the window"
+
+
+@pytest.fixture
+def play(start: Callable[..., Program], tmp_path: Path) -> Program:
+    """Return ``warehouse play`` with the keyboard.
+
+    This seed puts the robot at (1, 1), P below it at (2, 1) and D beside that at (2, 2).
+    """
+    ROOM.save(tmp_path / "room.txt")
+    program = start(
+        WAREHOUSE, "play", "--layout", "room.txt", "--seed", 4, "--save", "e.npz", "--save", "e.png"
+    )
+    program.focus()
+    return program
+
+
+def test_play_is_driven_by_real_keys(play: Program, tmp_path: Path) -> None:
+    play.press("Up", "Right", "space", "Left", "Down", "p", "e", "d", "n", "q")
+    lines = play.rest()
+    assert play.code() == 0, lines
+    episode = Episode.load(tmp_path / "e.npz")
+    assert episode.actions == ["N", "E", "WAIT", "W", "S", "PICK", "E", "DROP"]
+    assert (episode.agent, episode.seed, episode.outcome) == ("You", 4, "delivered")
+    assert lines[0] == "You on the grid backend, seed 4"
+    assert lines[-2:] == ["saved e.npz", "saved e.png"]
+    assert (tmp_path / "e.png").exists()
+
+
+def test_play_starts_again_on_enter(play: Program, tmp_path: Path) -> None:
+    play.press("Down", "Return", "S", "w", "Escape")
+    lines = play.rest()
+    assert play.code() == 0, lines
+    episode = Episode.load(tmp_path / "e.npz")
+    assert (episode.seed, episode.actions) == (5, ["S", "W"])
+    assert episode.outcome == "unfinished"

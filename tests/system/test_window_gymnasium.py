@@ -1,0 +1,93 @@
+"""``render_mode="human"`` on a real display. Run with ``pytest -m window``."""
+
+from pathlib import Path
+
+import pytest
+from helpers.windows import Program, Shower, display  # noqa: F401 - a fixture
+
+pytestmark = pytest.mark.window
+
+CHECK = """
+import sys, warnings
+warnings.simplefilter("error")
+import gymnasium
+from gymnasium.utils.env_checker import check_env
+form, backend, render_mode = sys.argv[1:]
+env = gymnasium.make(
+    "warehouse_core.gymnasium_env:Warehouse-v0",
+    observation=form,
+    backend=backend,
+    render_mode=None if render_mode == "None" else render_mode,
+)
+check_env(env.unwrapped)
+env.close()
+print("checked")
+"""
+
+WALK = """
+import gymnasium
+env = gymnasium.make(
+    "warehouse_core.gymnasium_env:Warehouse-v0", render_mode="human", randomize=False, max_steps=400
+)
+env.reset(seed=0)
+print(env.render())
+over = False
+for step in range(400):
+    *_, over, _ = env.step(step % 4)
+    print("closed" if env.unwrapped._window.is_closed else "open", flush=True)
+    if env.unwrapped._window.is_closed:
+        break
+env.reset()
+env.step(0)
+env.close()
+env.close()
+print("ended")
+"""
+
+
+@pytest.mark.parametrize("render_mode", [None, "human"])
+@pytest.mark.parametrize(
+    ("form", "backend"),
+    [("dict", "grid"), ("vector", "grid"), ("image", "grid"), ("dict", "physics")],
+)
+def test_gymnasium_finds_nothing_to_complain_of_in_any_render_mode(
+    display: str,  # noqa: F811
+    tmp_path: Path,
+    form: str,
+    backend: str,
+    render_mode: str | None,
+) -> None:
+    program = Program(display, tmp_path, CHECK, form, backend, render_mode)
+    try:
+        assert program.rest() == ["checked"]
+        assert program.code() == 0
+    finally:
+        program.close()
+
+
+def test_a_walk_outlives_its_window(display: str, tmp_path: Path) -> None:  # noqa: F811
+    program = Shower(display, tmp_path, WALK)
+    try:
+        program.wait_for("None")
+        program.wait_for("open", 3)
+        program.ask_to_close(program.focus())
+        program.wait_for("closed")
+        assert program.rest() == ["ended"]
+        assert program.code() == 0
+    finally:
+        program.close()
+
+
+def test_closing_the_environment_closes_its_window(
+    display: str,  # noqa: F811
+    tmp_path: Path,
+) -> None:
+    wait = "import time; print('gone', flush=True); time.sleep(60)"
+    program = Shower(display, tmp_path, WALK.replace("range(400)", "range(9)") + wait)
+    try:
+        program.wait_for("open")
+        assert len(program.windows()) == 1
+        program.wait_for("gone")
+        assert program.windows() == []
+    finally:
+        program.close()

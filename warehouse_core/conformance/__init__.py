@@ -1,0 +1,5 @@
+"""Checks that any motion backend can be put through: ``run_conformance(MyMotion)``."""
+
+from warehouse_core.conformance.suite import Report, run_conformance
+
+__all__ = ["Report", "run_conformance"]

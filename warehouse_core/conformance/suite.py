@@ -1,0 +1,111 @@
+"""The conformance suite: say whether a motion backend keeps the rules of the seam.
+
+No test runner is needed. A third party tests its own backend with three lines::
+
+    from warehouse_core.conformance.suite import run_conformance
+
+    report = run_conformance(MyMotion)
+    report.raise_for_failures()
+
+The rules themselves, each a plain function, are in ``checks.py`` and, for batches,
+``vector_checks.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from warehouse_core.conformance.checks import CHECKS as SINGLE_CHECKS
+from warehouse_core.conformance.checks import Check
+from warehouse_core.conformance.trials import ConformanceError, MakeMotion
+from warehouse_core.conformance.vector_checks import BATCH_CHECKS
+
+__all__ = ["CHECKS", "ConformanceError", "Report", "Result", "run_conformance"]
+
+CHECKS: tuple[Check, ...] = SINGLE_CHECKS + BATCH_CHECKS
+"""Every check, in the order in which they run."""
+
+PASSED, FAILED = "passed", "failed"
+EXPECTED_FAILURE, UNEXPECTED_PASS = "expected failure", "unexpected pass"
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What one check came to.
+
+    Attributes:
+        name: of the check, as in ``expected_failures``.
+        rule: which it checks, a sentence.
+        status: ``"passed"``, ``"failed"``, ``"expected failure"`` or ``"unexpected pass"``.
+        detail: how it failed, or why it was expected to; "" where it passed.
+    """
+
+    name: str
+    rule: str
+    status: str
+    detail: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.status}: {self.name}: {self.detail or self.rule}"
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """The results of all checks, in the order of ``CHECKS``; as text, one a line."""
+
+    results: tuple[Result, ...]
+
+    @property
+    def failures(self) -> tuple[Result, ...]:
+        """The checks that failed, and those that passed although they were declared to fail."""
+        return tuple(r for r in self.results if r.status in (FAILED, UNEXPECTED_PASS))
+
+    def raise_for_failures(self) -> None:
+        """Raise if there are failures.
+
+        Raises:
+            ConformanceError: listing every one.
+        """
+        if self.failures:
+            raise ConformanceError("\n".join(map(str, self.failures)))
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.results))
+
+
+def run_conformance(
+    make_motion: MakeMotion, expected_failures: Mapping[str, str] | None = None
+) -> Report:
+    """Run every check; whatever a motion raises in a check is a failure of that check.
+
+    Args:
+        make_motion: returns a fresh motion at each call; the class itself will do.
+        expected_failures: the reason for each check, by name, that the motion is known to fail.
+            Should one pass after all, that is a failure.
+
+    Raises:
+        ValueError: ``expected_failures`` names no check, or gives no reason.
+    """
+    expected = dict(expected_failures or {})
+    unknown = expected.keys() - {check.__name__ for check in CHECKS}
+    if unknown:
+        raise ValueError(f"no check is called {', '.join(sorted(unknown))}")
+    for name, reason in expected.items():
+        if not reason.strip():
+            raise ValueError(f"the expected failure of {name} needs a reason")
+    return Report(tuple(_run(check, make_motion, expected.get(check.__name__)) for check in CHECKS))
+
+
+def _run(check: Check, make_motion: MakeMotion, reason: str | None) -> Result:
+    name, rule = check.__name__, (check.__doc__ or "").strip()
+    try:
+        check(make_motion)
+    except Exception as error:
+        detail = str(error) if isinstance(error, ConformanceError) else f"it raised {error!r}"
+        if reason is None:
+            return Result(name, rule, FAILED, detail)
+        return Result(name, rule, EXPECTED_FAILURE, f"{reason} ({detail})")
+    if reason is None:
+        return Result(name, rule, PASSED)
+    return Result(name, rule, UNEXPECTED_PASS, f"was declared to fail: {reason}")

@@ -1,0 +1,141 @@
+"""What the conformance checks share: drive a motion, and raise where it is not as expected."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import closing
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.motion.base import Motion, Outcome, centre_of
+from warehouse_core.motion.traffic import Stop
+from warehouse_core.world.generators import random_layout
+from warehouse_core.world.layout import Layout
+from warehouse_core.world.tiles import MOVE_DELTAS, Cell
+
+MakeMotion = Callable[[], Motion]
+
+STAY: Cell = (0, 0)
+NORTH, EAST, SOUTH, WEST = MOVES = tuple(MOVE_DELTAS.values())
+
+MAZE = random_layout(height=7, width=8, density=0.25, seed=3)
+"""Where random walks take place: small, so that robots often meet walls and each other."""
+
+
+class ConformanceError(AssertionError):
+    """A motion breaks a rule."""
+
+
+class Step(NamedTuple):
+    """One action of each robot.
+
+    Attributes:
+        number: of the step in its walk, from 0.
+        cell_size: side of a cell in metres.
+        starts: the cells that the robots were in.
+        wanted: the cells that they were told to go to.
+        outcomes: what came of it.
+    """
+
+    number: int
+    cell_size: float
+    starts: list[Cell]
+    wanted: list[Cell]
+    outcomes: Sequence[Outcome]
+
+
+def advance(
+    motion: Motion,
+    cells: list[Cell],
+    displacements: list[Cell],
+    loaded: list[bool],
+    number: int = 0,
+) -> Step:
+    """Let robots that are in ``cells`` take one step."""
+    outcomes = motion.advance(displacements, loaded)
+    expect(len(outcomes) == len(cells), f"{len(outcomes)} outcomes for {len(cells)} robots")
+    expect(all(isinstance(outcome, Outcome) for outcome in outcomes), "it returned no Outcome")
+    pairs = zip(cells, displacements, strict=True)
+    wanted = [(row + down, col + right) for (row, col), (down, right) in pairs]
+    return Step(number, motion.cell_size, cells, wanted, outcomes)
+
+
+def trial(
+    make_motion: MakeMotion,
+    layout: Layout,
+    cells: list[Cell],
+    displacements: list[Cell],
+    loaded: bool = False,
+) -> Step:
+    """Let the robots of a fresh motion take one step from rest."""
+    with closing(make_motion()) as motion:
+        motion.reset(layout, cells, 0)
+        return advance(motion, cells, displacements, [loaded] * len(cells))
+
+
+def walk(motion: Motion, robots: int, moves: int, seed: int = 0) -> Iterator[Step]:
+    """Put robots anywhere in the maze and move them at random, some of the time loaded."""
+    stream = random.Random(seed)
+    ranks = stream.sample(range(len(MAZE.open_cells)), robots)
+    cells = [MAZE.open_cell(rank) for rank in ranks]
+    motion.reset(MAZE, cells, seed)
+    for number in range(moves):
+        displacements = [stream.choice((STAY, *MOVES)) for _ in cells]
+        loaded = [stream.random() < 0.5 for _ in cells]
+        step = advance(motion, cells, displacements, loaded, number)
+        yield step
+        cells = [outcome.cell for outcome in step.outcomes]
+
+
+def survey(make_motion: MakeMotion) -> Iterator[Step]:
+    """Walk with one robot and with four: enough for every kind of outcome to turn up."""
+    for robots in (1, 4):
+        with closing(make_motion()) as motion:
+            yield from walk(motion, robots, moves=150)
+
+
+def crowds(make_motion: MakeMotion) -> Iterator[Step]:
+    """Walk with two to five robots."""
+    for robots in (2, 3, 4, 5):
+        with closing(make_motion()) as motion:
+            yield from walk(motion, robots, moves=100, seed=robots)
+
+
+def outcomes_of(steps: Iterable[Step]) -> list[Outcome]:
+    """Return the outcomes of all robots in all steps."""
+    return [outcome for step in steps for outcome in step.outcomes]
+
+
+def off_centre(row: NDArray[np.float64], cell: Cell, cell_size: float) -> float:
+    """Return how far a row of a path is from the middle of ``cell``, in cells."""
+    return math.dist(row[1:3], centre_of(cell, cell_size)) / cell_size
+
+
+def expect(condition: bool, otherwise: str) -> None:
+    """Raise a ``ConformanceError`` that says ``otherwise`` where the condition does not hold."""
+    if not condition:
+        raise ConformanceError(otherwise)
+
+
+def expect_ends(step: Step, stops: Sequence[Stop]) -> None:
+    """Expect each robot to be where it wanted, or to have stayed where something stops it."""
+    for robot, (outcome, stop) in enumerate(zip(step.outcomes, stops, strict=True)):
+        end = step.wanted[robot] if stop is None else step.starts[robot]
+        expect(
+            outcome.cell == end and outcome.blocked == (stop is not None),
+            f"robot {robot} ended in {outcome.cell}, blocked {outcome.blocked}, and not in {end}, "
+            f"when robots in {step.starts} wanted {step.wanted}",
+        )
+
+
+def expect_error(kind: type[Exception], call: Callable[..., object], *arguments: object) -> None:
+    """Expect a call to raise an error of a kind; any other goes on to the caller."""
+    try:
+        call(*arguments)
+    except kind:
+        return
+    raise ConformanceError(f"{kind.__name__} was not raised for {arguments}")

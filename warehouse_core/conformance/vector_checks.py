@@ -1,0 +1,98 @@
+"""The rules of the seam for a batch, checked against the motion that it multiplies.
+
+A motion that has no method ``batch``, or whose ``batch`` raises ValueError, breaks none of them.
+"""
+
+from __future__ import annotations
+
+import random
+from contextlib import ExitStack, closing
+
+import numpy as np
+
+from warehouse_core.conformance.trials import MAZE, MakeMotion, expect, expect_error
+from warehouse_core.motion.base import Motion, Outcome
+from warehouse_core.motion.vector import Batchable, BatchMotion
+from warehouse_core.world.actions import ACTIONS, DISPLACEMENTS
+from warehouse_core.world.layout import Layout
+
+MOVES = 60
+TOLERANCE = 1e-6
+"""Of seconds and joules, relative; sums of the same terms may be added up in another order."""
+
+LAYOUTS = [MAZE, Layout(["#.#.", "....", "..#."]), MAZE, Layout(["."]), Layout(["......"]), MAZE]
+
+
+def check_a_batch_moves_as_single_motions_do(make_motion: MakeMotion) -> None:
+    """Each row of a batch ends, is blocked, takes and costs what a motion of its own would."""
+    with ExitStack() as open_motions:
+        batch = _batch_of(make_motion, open_motions)
+        if batch is not None:
+            singles = [open_motions.enter_context(closing(make_motion())) for _ in LAYOUTS]
+            _walk_side_by_side(batch, singles, random.Random(0))
+
+
+def check_a_closed_batch_does_not_move(make_motion: MakeMotion) -> None:
+    """To advance a batch after a close raises RuntimeError; closing twice is fine."""
+    with ExitStack() as open_motions:
+        batch = _batch_of(make_motion, open_motions)
+        if batch is not None:
+            for row, layout in enumerate(LAYOUTS):
+                batch.place(np.array([row]), layout.open_cells[:1])
+            batch.close()
+            nothing = np.zeros(len(LAYOUTS), np.intp)
+            expect_error(RuntimeError, batch.advance, nothing, nothing.astype(np.bool_))
+            batch.close()
+
+
+BATCH_CHECKS = (check_a_batch_moves_as_single_motions_do, check_a_closed_batch_does_not_move)
+
+
+def _batch_of(make_motion: MakeMotion, open_motions: ExitStack) -> BatchMotion | None:
+    """Return a batch in ``LAYOUTS``, or nothing where the motion cannot be multiplied."""
+    motion = open_motions.enter_context(closing(make_motion()))
+    if not isinstance(motion, Batchable):
+        return None
+    try:
+        return open_motions.enter_context(closing(motion.batch(LAYOUTS)))
+    except ValueError:
+        return None
+
+
+def _walk_side_by_side(batch: BatchMotion, singles: list[Motion], stream: random.Random) -> None:
+    """Make the same random moves on both, and put some of the robots elsewhere now and then."""
+    fresh = list(range(len(LAYOUTS)))
+    for _ in range(MOVES):
+        for row in fresh:
+            _place(batch, singles[row], row, stream)
+        actions = [stream.randrange(len(ACTIONS)) for _ in singles]
+        loaded = [stream.random() < 0.5 for _ in singles]
+        outcome = batch.advance(np.array(actions), np.array(loaded))
+        for row, single in enumerate(singles):
+            expected = single.advance([DISPLACEMENTS[actions[row]]], [loaded[row]])[0]
+            width = LAYOUTS[row].width
+            cell = divmod(int(outcome.cells[row]), width)
+            where = f"row {row} of a batch, action {ACTIONS[actions[row]]}: "
+            ends = f"it ended in {cell}, blocked {outcome.blocked[row]}"
+            expect(
+                cell == expected.cell and bool(outcome.blocked[row]) == expected.blocked,
+                f"{where}{ends}; alone in {expected.cell}, blocked {expected.blocked}",
+            )
+            _expect_amounts(where, outcome.seconds[row], outcome.joules[row], expected)
+        fresh = [row for row in range(len(LAYOUTS)) if stream.random() < 0.1]
+
+
+def _place(batch: BatchMotion, single: Motion, row: int, stream: random.Random) -> None:
+    layout = LAYOUTS[row]
+    cell = int(stream.choice(layout.open_cells))
+    batch.place(np.array([row]), np.array([cell]))
+    single.reset(layout, [divmod(cell, layout.width)], 0)
+
+
+def _expect_amounts(where: str, seconds: float, joules: float, expected: Outcome) -> None:
+    got, wanted = np.array([seconds, joules]), np.array([expected.seconds, expected.joules])
+    expect(
+        bool((abs(got - wanted) <= TOLERANCE * wanted).all()),
+        f"{where}it took {seconds} s and {joules} J; alone {expected.seconds} s and "
+        f"{expected.joules} J",
+    )

@@ -1,0 +1,129 @@
+"""Named arrays in one ``.npz`` file, read back without trusting it.
+
+Nothing is unpickled, and no memory is taken that the file has not been checked to need: a damaged
+or hostile file ends in one ``RecordError``. The files are plain ``numpy.savez_compressed`` files.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+import zipfile
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.files.atomic import atomic_path
+
+MAX_BYTES = 64 * 1024 * 1024
+"""Uncompressed size of all arrays together above which a file is neither written nor read."""
+
+Arrays = dict[str, NDArray[Any]]
+Schema = Mapping[str, tuple[str, int]]
+"""For each array its dtype, with byte order, and its number of dimensions."""
+
+_END_RECORD = struct.Struct("<4s4H2LH")
+_ZIP64_LOCATOR_SIZE = 20
+_MAX_ENTRY_SIZE = 256
+"""Of an array in the directory of a file: 46 bytes, its name, and some to spare."""
+
+
+class RecordError(ValueError):
+    """A file that is not a readable record; the message names it and says why."""
+
+
+def write_arrays(path: str | Path, arrays: Arrays, schema: Schema) -> None:
+    """Write arrays to ``path``, whole or not at all.
+
+    Raises:
+        RecordError: they take more than ``MAX_BYTES``.
+        OSError: the file cannot be written.
+    """
+    size = sum(array.nbytes for array in arrays.values())
+    if size > MAX_BYTES:
+        raise RecordError(f"{path}: {size} bytes are more than MAX_BYTES = {MAX_BYTES}")
+    typed = {name: np.asarray(arrays[name], dtype=dtype) for name, (dtype, _) in schema.items()}
+    with atomic_path(path) as part, part.open("wb") as file:
+        np.savez_compressed(file, **typed)  # type: ignore[arg-type]
+
+
+def read_arrays(path: str | Path, schema: Schema) -> Arrays:
+    """Read exactly the arrays of ``schema`` from ``path``; they are read-only.
+
+    Raises:
+        RecordError: anything in the file is not as ``schema`` says.
+        OSError: the file cannot be opened.
+    """
+    with Path(path).open("rb") as file:
+        try:
+            _check_directory(file, len(schema))
+            with zipfile.ZipFile(file) as archive:
+                return _read_all(archive, schema)
+        except RecordError as error:
+            raise RecordError(f"{path}: {error}") from error
+        except (ValueError, EOFError, OSError, struct.error, zipfile.BadZipFile, zlib.error,
+                RuntimeError, NotImplementedError) as error:  # fmt: skip
+            raise RecordError(f"{path}: damaged: {error}") from error
+
+
+def _check_directory(file: IO[bytes], count: int) -> None:
+    """Refuse a directory with other than ``count`` entries before zipfile reads it into memory."""
+    file.seek(0, 2)
+    size = file.tell()
+    tail_size = min(size, _END_RECORD.size + _ZIP64_LOCATOR_SIZE)
+    file.seek(size - tail_size)
+    tail = file.read(tail_size)
+    if not tail or tail_size < _END_RECORD.size:
+        raise RecordError("not an .npz file")
+    signature, _, _, _, entries, directory_size, *_ = _END_RECORD.unpack(tail[-_END_RECORD.size :])
+    if signature != b"PK\x05\x06" or tail.startswith(b"PK\x06\x07"):
+        raise RecordError("not an .npz file")
+    if entries != count:
+        raise RecordError(f"{entries} arrays; there must be {count}")
+    # zipfile reads as many entries as fit into the directory, whatever their number is said to be.
+    if directory_size > count * _MAX_ENTRY_SIZE:
+        raise RecordError(f"its directory of {directory_size} bytes is too large")
+
+
+def _read_all(archive: zipfile.ZipFile, schema: Schema) -> Arrays:
+    entries = {entry.filename: entry for entry in archive.infolist()}
+    names = sorted(entry.filename for entry in archive.infolist())
+    if names != sorted(f"{name}.npy" for name in schema):
+        raise RecordError(f"arrays are {names}; there must be {sorted(schema)}")
+    if sum(entry.file_size for entry in entries.values()) > MAX_BYTES:
+        raise RecordError(f"its arrays take more than MAX_BYTES = {MAX_BYTES}")
+    return {
+        name: _read_one(archive, entries[f"{name}.npy"], name, dtype, dimensions)
+        for name, (dtype, dimensions) in schema.items()
+    }
+
+
+def _read_one(
+    archive: zipfile.ZipFile, entry: zipfile.ZipInfo, name: str, dtype: str, dimensions: int
+) -> NDArray[Any]:
+    if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        raise RecordError(f"array {name}: unknown compression {entry.compress_type}")
+    with archive.open(entry) as file:
+        if np.lib.format.read_magic(file) != (1, 0):
+            raise RecordError(f"array {name}: not of .npy version 1.0")
+        try:
+            shape, fortran_order, found = np.lib.format.read_array_header_1_0(file)
+        except Exception as error:  # the header is Python text, which fails in a dozen ways
+            raise RecordError(f"array {name}: damaged header") from error
+        if found != np.dtype(dtype) or len(shape) != dimensions or fortran_order:
+            raise RecordError(
+                f"array {name} is {found} with {len(shape)} dimensions; "
+                f"it must be {np.dtype(dtype)} with {dimensions}, in C order"
+            )
+        size = math.prod(shape) * found.itemsize
+        if size != entry.file_size - file.tell():
+            raise RecordError(f"array {name} claims {size} bytes, which it does not have")
+        data = file.read(size)
+        # Reading on to the end is what makes zipfile compare the checksum.
+        if len(data) != size or file.read(1):
+            raise RecordError(f"array {name} is cut short")
+    return np.frombuffer(data, dtype=found).reshape(shape)

@@ -1,0 +1,29 @@
+"""The warehouse as Gymnasium environments: importing this package registers ``Warehouse-v0``.
+
+``gymnasium.make("warehouse_core.gymnasium_env:Warehouse-v0", backend="physics")`` does so. No rule
+is here: ``WarehouseEnv`` and ``BatchEnv`` do the work, and these files add spaces and infos.
+"""
+
+import gymnasium
+
+from warehouse_core.gymnasium_env.env import WarehouseGymnasiumEnv
+from warehouse_core.gymnasium_env.spaces import FORMS, Extent, Form, make_form
+from warehouse_core.gymnasium_env.vector import WarehouseVectorEnv
+
+ID = "Warehouse-v0"
+
+gymnasium.register(
+    ID,
+    entry_point=f"{__name__}:{WarehouseGymnasiumEnv.__name__}",
+    vector_entry_point=f"{__name__}:{WarehouseVectorEnv.__name__}",
+)
+
+__all__ = [
+    "FORMS",
+    "ID",
+    "Extent",
+    "Form",
+    "WarehouseGymnasiumEnv",
+    "WarehouseVectorEnv",
+    "make_form",
+]

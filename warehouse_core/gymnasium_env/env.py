@@ -1,0 +1,224 @@
+"""The warehouse as Gymnasium knows environments: ``Warehouse-v0``, one at a time or a batch.
+
+``gymnasium.make("warehouse_core.gymnasium_env:Warehouse-v0", backend="physics")`` imports this
+module, which registers the name. Nothing else in this package imports Gymnasium, and no rule is
+here: ``WarehouseEnv`` and ``BatchEnv`` do the work, and this file makes spaces and info of it.
+"""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.error import ResetNeeded
+from numpy.typing import NDArray
+
+from warehouse_core.arguments import as_cell, as_flag
+from warehouse_core.gymnasium_env.spaces import (
+    RENDER_FPS,
+    Extent,
+    _check_options,
+    check_render_mode,
+    make_form,
+)
+from warehouse_core.gymnasium_env.view import ActionMasks, Encoder
+from warehouse_core.motion.backends import Backend
+from warehouse_core.render.painter import TilePainter, tile_pixels_for
+from warehouse_core.render.window import PictureWindow
+from warehouse_core.task.starts import DRAWS, NEEDED, check_room, draw_stations, motion_seed
+from warehouse_core.warehouse_env import WarehouseEnv
+from warehouse_core.world.actions import ACTIONS, valid_action
+from warehouse_core.world.layout import GivenLayout, Layout, LayoutError, as_layout, check_start
+from warehouse_core.world.tiles import Cell
+
+UNSTARTED = "there has been no reset() yet"
+
+
+class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
+    """One warehouse. Actions are 0 to 6: N, E, S, W, WAIT, PICK, DROP.
+
+    ``info`` has ``action_mask``, ``[7]`` int8 with 1 for each action that does something now, and
+    after a step ``motion``, the ``Outcome`` of its motion.
+
+    Args:
+        layout: a ``Layout``, its rows or its text; ``None`` is the chapter's.
+        backend: name, class or instance of the motion that carries out the moves; of an instance
+            the environment takes a copy for itself.
+        observation: the form of the observations, see ``make_form``.
+        start_pos: where the robot starts without ``randomize``; ``None`` is the usual start.
+        max_steps: steps until the episode is truncated, 1 to ``MOST_STEPS``.
+        battery: battery units of a full charge, 1 to ``MOST_STEPS``; every step costs one.
+        view_radius: cells seen in each direction, 0 to ``MOST_VIEW_RADIUS``.
+        randomize: draw pickup, dropoff and start of each episode.
+        render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``.
+        tile_pixels: side of a cell in a picture, at least 2; ``None`` fits it to the layout.
+
+    Raises:
+        ValueError: a value that is not allowed; ``LayoutError`` and ``BackendError`` are such.
+        TypeError: an argument of another type.
+    """
+
+    metadata: dict[str, Any] = {  # noqa: RUF012 - so declared by Gymnasium
+        "render_modes": ["human", "rgb_array", "ansi"],
+        "render_fps": RENDER_FPS,
+    }
+
+    def __init__(
+        self,
+        layout: GivenLayout | None = None,
+        backend: Backend = "grid",
+        observation: str = "dict",
+        start_pos: Cell | None = None,
+        max_steps: int = 200,
+        battery: int = 200,
+        view_radius: int = 2,
+        randomize: bool = True,
+        render_mode: str | None = None,
+        tile_pixels: int | None = None,
+    ) -> None:
+        check_render_mode(render_mode, self.metadata["render_modes"])
+        self._layout = as_layout(layout)
+        self._start = None if start_pos is None else as_cell("start_pos", start_pos)
+        start = self._start or self._layout.usual_start()
+        # Environments that shared one motion would move each other's robots.
+        own = backend if isinstance(backend, (str, type)) else deepcopy(backend)
+        self._warehouse = WarehouseEnv(
+            self._layout, start, max_steps, battery, view_radius, backend=own
+        )
+        self._encoder, self._masks = Encoder(self._warehouse), ActionMasks(self._warehouse)
+        self._randomize = as_flag("randomize", randomize)
+        if randomize:
+            check_room(self._layout)
+        form = make_form(observation, _extent(self._warehouse))
+        self.observation_space, self._form = form.space, form.of
+        self.action_space = spaces.Discrete(len(ACTIONS))
+        self.render_mode = render_mode
+        if tile_pixels is None:
+            tile_pixels = tile_pixels_for(self._layout.height, self._layout.width)
+        self._painter = TilePainter(tile_pixels)
+        self._window: PictureWindow | None = None
+        self._over = UNSTARTED
+
+    @property
+    def warehouse(self) -> WarehouseEnv:
+        """The chapter's environment within."""
+        return self._warehouse
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Start an episode.
+
+        Args:
+            seed: of ``np_random``, from which pickup, dropoff, start and whatever chance the
+                motion knows are drawn; ``None`` goes on with it.
+            options: ``randomize`` (bool), ``layout`` (of the same size) and ``start_pos`` for
+                this episode alone, in place of what the environment was made with.
+
+        Raises:
+            ValueError: an unknown option or a bad value; nothing has changed.
+            TypeError: a value of another type; nothing has changed.
+            gymnasium.error.Error: a seed that is not a whole number from 0 on.
+        """
+        layout, start, randomize = self._options(
+            _check_options(options, {"layout", "randomize", "start_pos"})
+        )
+        super().reset(seed=seed)
+        uniforms = self.np_random.random(DRAWS)
+        if randomize:
+            layout, drawn = draw_stations(layout, uniforms)
+            start = start or drawn
+        assert start is not None, "what is not drawn has been told"
+        self._warehouse.reset_to(layout, start, motion_seed(uniforms))
+        self._encoder.forget()
+        self._masks.forget()
+        self._over = ""
+        if self.render_mode == "human":
+            self._show()
+        return self._form(self._encoder.encode()), {"action_mask": self.action_masks()}
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Carry out one action, an integer 0 to 6.
+
+        Raises:
+            ValueError: an action out of range; nothing has changed.
+            TypeError: an action that is not an integer.
+            ResetNeeded: before a reset or after the end of an episode.
+        """
+        index = valid_action(action)
+        if self._over:
+            raise ResetNeeded(f"step(): {self._over}")
+        warehouse = self._warehouse
+        reward, terminated, truncated = warehouse.advance(index)
+        if terminated or truncated:
+            self._over = "the episode has ended; a reset() must come first"
+        motion = warehouse.last_motion
+        assert motion is not None, "every step has a motion"
+        info = {"motion": motion.copy(), "action_mask": self.action_masks()}
+        if self.render_mode == "human":
+            self._show()
+        return self._form(self._encoder.encode()), reward, terminated, truncated, info
+
+    def action_masks(self) -> NDArray[np.int8]:
+        """Return ``[7]`` int8: 1 for each action that does something now.
+
+        Raises:
+            ResetNeeded: before a reset.
+        """
+        if self._over == UNSTARTED:
+            raise ResetNeeded(f"action_masks(): {self._over}")
+        return self._masks.mask()
+
+    def render(self) -> Any:
+        """Return a picture ``[H, W, 3]`` uint8 or the text; a window is shown by itself."""
+        if self.render_mode == "rgb_array":
+            return self._picture()
+        if self.render_mode == "ansi":
+            return self._warehouse.render()
+        if self.render_mode is None:
+            gymnasium.logger.warn("render() needs a render_mode, given to gymnasium.make")
+        return None
+
+    def close(self) -> None:
+        """Close the window and let the motion backend go."""
+        if self._window is not None:
+            self._window.close()
+            self._window = None
+        self._warehouse.close()
+        self._over = "the environment has been closed"
+
+    def _options(self, options: dict[str, Any]) -> tuple[Layout, Cell | None, bool]:
+        """Return the layout, the start unless it is to be drawn, and whether to draw."""
+        other = options.get("layout")
+        layout = self._layout if other is None else as_layout(other)
+        if (layout.height, layout.width) != (self._layout.height, self._layout.width):
+            raise LayoutError(
+                f"the layout has {layout.height} x {layout.width} cells; this environment was "
+                f"made for {self._layout.height} x {self._layout.width}"
+            )
+        randomize = options.get("randomize")
+        randomize = self._randomize if randomize is None else as_flag("randomize", randomize)
+        if randomize:
+            check_room(layout)
+        given = options.get("start_pos")
+        if given is None and randomize and len(layout.open_cells) > NEEDED:
+            return layout, None, True
+        start = self._start if given is None else as_cell("start_pos", given)
+        start = start or layout.usual_start()
+        check_start(layout, start)
+        return layout, start, randomize
+
+    def _picture(self) -> NDArray[np.uint8]:
+        state = self._warehouse.state
+        return self._painter.picture(self._warehouse.layout, state.robot_pos, state.has_item)
+
+    def _show(self) -> None:
+        self._window = self._window or PictureWindow("Warehouse")
+        self._window.show(self._picture(), self.metadata["render_fps"])
+
+
+def _extent(env: WarehouseEnv) -> Extent:
+    return Extent(env.height, env.width, env.view_radius, env.max_battery, env.max_steps)

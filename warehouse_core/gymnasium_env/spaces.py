@@ -1,0 +1,126 @@
+"""Observation spaces, and the options that both environments check alike."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import ArrayLike
+
+from warehouse_core.arguments import whole_number
+from warehouse_core.render.observation_image import ObservationImage
+from warehouse_core.task.encoding import MOST_STEPS, Arrays, vector, vector_limits
+from warehouse_core.world.tiles import CELL_CODES
+
+FORMS = ("dict", "vector", "image")
+
+RENDER_FPS = 8
+
+MOST_VIEW_RADIUS = 500
+"""A window of a million cells; no space need be larger."""
+
+LEAST = 2
+"""Rows and columns that spaces have room for: Gymnasium warns of bounds that leave no choice."""
+
+
+class Form(NamedTuple):
+    """One way to give observations: their space, and what makes them of arrays."""
+
+    space: spaces.Space[Any]
+    of: Callable[[Arrays], Any]
+
+
+class Extent(NamedTuple):
+    """What bounds every value of an observation."""
+
+    height: int
+    width: int
+    view_radius: int
+    battery: int
+    max_steps: int
+
+
+def make_form(name: str, extent: Extent) -> Form:
+    """Return a form of observation by its name.
+
+    ============  =================================================================================
+    ``"dict"``    a flat ``Dict`` with the keys of the chapter's observation, as ``Arrays`` in
+                  ``task/encoding.py`` says; a pickup or dropoff that does not exist is ``(-1, -1)``
+    ``"vector"``  a ``Box`` of one dimension, as ``encoding.vector`` says
+    ``"image"``   a ``Box`` of uint8 ``[8 (H + 1), 8 W, 3]``, see ``render/observation_image.py``
+    ============  =================================================================================
+
+    Raises:
+        ValueError: no form is called so, a battery or steps above ``MOST_STEPS``, or a view radius
+            above ``MOST_VIEW_RADIUS``.
+    """
+    height, width, view_radius, battery, max_steps = extent
+    whole_number("battery", battery, 1, MOST_STEPS)
+    whole_number("max_steps", max_steps, 1, MOST_STEPS)
+    whole_number("view_radius", view_radius, 0, MOST_VIEW_RADIUS)
+    if name == "dict":
+        return Form(_dict_space(extent), _as_it_is)
+    if name == "vector":
+        rows, columns = max(height, LEAST), max(width, LEAST)
+        low, high = vector_limits(rows, columns, view_radius, battery, max_steps)
+        return Form(spaces.Box(low, high, dtype=np.float32), vector)
+    if name == "image":
+        image = ObservationImage(height, width, battery, max_steps)
+        return Form(spaces.Box(0, 255, image.shape, np.uint8), image.paint)
+    raise ValueError(f"observation is {name!r}; allowed: {', '.join(FORMS)}")
+
+
+def _as_it_is(arrays: Arrays) -> Arrays:
+    return arrays  # a lambda could not be pickled
+
+
+def _dict_space(extent: Extent) -> spaces.Dict:
+    last_cell = np.maximum([extent.height, extent.width], LEAST) - 1
+    window = (2 * extent.view_radius + 1) ** 2
+
+    def whole(low: int, high: ArrayLike, size: int) -> spaces.Box[Any]:
+        highest = np.broadcast_to(np.asarray(high, np.int32), (size,))
+        return spaces.Box(np.full(size, low, np.int32), highest, dtype=np.int32)
+
+    return spaces.Dict(
+        {
+            "local_grid": spaces.Box(0, max(CELL_CODES.values()), (window,), np.uint8),
+            "robot_pos": whole(0, last_cell, 2),
+            "has_item": spaces.Discrete(2),
+            "battery": whole(0, extent.battery, 1),
+            "steps": whole(0, extent.max_steps, 1),
+            "pickup_pos": whole(-1, last_cell, 2),
+            "dropoff_pos": whole(-1, last_cell, 2),
+        }
+    )
+
+
+def _check_options(options: object, allowed: set[str]) -> dict[str, Any]:
+    """Return options that are known by name.
+
+    Raises:
+        TypeError: they are no dict.
+        ValueError: one is unknown.
+    """
+    if options is None:
+        return {}
+    if not isinstance(options, dict):
+        raise TypeError(f"options is {options!r}; it must be a dict")
+    unknown = sorted(map(repr, options.keys() - allowed))
+    if unknown:
+        raise ValueError(
+            f"unknown options: {', '.join(unknown)}; allowed: {', '.join(sorted(allowed))}"
+        )
+    return options
+
+
+def check_render_mode(mode: str | None, allowed: list[str]) -> None:
+    """Refuse an unknown render mode.
+
+    Raises:
+        ValueError: listing those allowed.
+    """
+    if mode is not None and mode not in allowed:
+        raise ValueError(f"render_mode is {mode!r}; allowed: None, {', '.join(allowed)}")

@@ -1,0 +1,185 @@
+"""Many warehouses as one ``gymnasium.vector.VectorEnv``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, TypeGuard, cast
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.error import ResetNeeded
+from gymnasium.vector.utils import batch_space, iterate
+from numpy.typing import ArrayLike, NDArray
+
+from warehouse_core.gymnasium_env.spaces import (
+    RENDER_FPS,
+    Extent,
+    _check_options,
+    check_render_mode,
+    make_form,
+)
+from warehouse_core.motion.backends import Backend
+from warehouse_core.render.painter import TilePainter, tile_pixels_for
+from warehouse_core.vector.env import NEXT_STEP, BatchEnv, EndedError, Seeds
+from warehouse_core.world.actions import ACTIONS
+from warehouse_core.world.layout import GivenLayout, Layout, as_layout
+from warehouse_core.world.tiles import Cell
+
+AutoresetMode: Any = getattr(gymnasium.vector, "AutoresetMode", str)
+"""Gymnasium's own enumeration; version 1.0 had none, and its name has to do."""
+
+
+class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
+    """A batch of warehouses, stepped together by NumPy; see ``BatchEnv``.
+
+    Rows are what ``WarehouseGymnasiumEnv`` gives for the seeds ``seed, seed + 1, ...``, but for
+    ``info["motion"]``, which has ``blocked``, ``seconds`` and ``joules`` of all rows, and no paths
+    or contacts. On the physics backend a batch cannot be pickled or copied.
+
+    Args:
+        num_envs: ``B``, at least 1.
+        layout: one for all rows, or a list of ``B`` of ``Layout`` for each its own.
+        autoreset_mode: an ``AutoresetMode`` or its value, ``"NextStep"``, ``"SameStep"`` or
+            ``"Disabled"``.
+        backend: as for ``WarehouseGymnasiumEnv``, and so are all further arguments.
+
+    Raises:
+        ValueError: a value that is not allowed; ``LayoutError`` and ``BackendError`` are such.
+        TypeError: an argument of another type.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        layout: GivenLayout | Sequence[Layout] | None = None,
+        backend: Backend = "grid",
+        observation: str = "dict",
+        start_pos: Cell | Sequence[Cell] | None = None,
+        max_steps: int = 200,
+        battery: int = 200,
+        view_radius: int = 2,
+        randomize: bool = True,
+        autoreset_mode: Any = NEXT_STEP,
+        render_mode: str | None = None,
+        tile_pixels: int | None = None,
+    ) -> None:
+        modes = ["rgb_array"]
+        check_render_mode(render_mode, modes)
+        mode = getattr(autoreset_mode, "value", autoreset_mode)
+        layouts = layout if _is_many(layout) else as_layout(cast("GivenLayout | None", layout))
+        self._batch = batch = BatchEnv(
+            num_envs,
+            layouts,
+            start_pos,
+            max_steps,
+            battery,
+            view_radius,
+            randomize=randomize,
+            autoreset_mode=mode,
+            backend=backend,
+        )
+        self.metadata = {
+            "render_modes": modes,
+            "render_fps": RENDER_FPS,
+            "autoreset_mode": AutoresetMode(mode),
+        }
+        self.num_envs = num_envs = batch.num_envs
+        self.render_mode = render_mode
+        height, width = batch.size
+        extent = Extent(height, width, batch.view_radius, batch.max_battery, batch.max_steps)
+        form = make_form(observation, extent)
+        self._form = form.of
+        self.single_observation_space = form.space
+        self.observation_space = batch_space(form.space, num_envs)
+        self.single_action_space = spaces.Discrete(len(ACTIONS))
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        if tile_pixels is None:
+            tile_pixels = tile_pixels_for(height, width)
+        self._painter = TilePainter(tile_pixels)
+
+    def reset(
+        self, *, seed: Seeds = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Start an episode in every row, or in those of ``options["reset_mask"]``.
+
+        Raises:
+            ValueError: an unknown option or a bad value; nothing has changed.
+            TypeError: a value of another type.
+            ResetNeeded: a mask before the first reset.
+        """
+        mask = _check_options(options, {"reset_mask"}).get("reset_mask")
+        try:
+            arrays, info = self._batch.reset(seed, mask)
+        except EndedError as error:
+            raise ResetNeeded(str(error)) from error
+        return self._form(arrays), info
+
+    def step(self, actions: ArrayLike) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Carry out one action in each row; see ``BatchEnv.step``.
+
+        Raises:
+            ValueError: a wrong shape, or an action out of range; nothing has changed.
+            TypeError: actions that are not integers.
+            ResetNeeded: before a reset, or where rows have ended with autoreset disabled.
+        """
+        try:
+            arrays, rewards, terminated, truncated, info = self._batch.step(actions)
+        except EndedError as error:
+            raise ResetNeeded(str(error)) from error
+        if "final_obs" in info:
+            info["final_obs"] = self._final(info["final_obs"], info["_final_obs"])
+        return self._form(arrays), rewards, terminated, truncated, info
+
+    def action_masks(self) -> NDArray[np.int8]:
+        """Return ``[B, 7]`` int8: 1 for each action that does something now.
+
+        Raises:
+            ResetNeeded: before a reset.
+        """
+        try:
+            return self._batch.action_masks()
+        except EndedError as error:
+            raise ResetNeeded(str(error)) from error
+
+    def render(self) -> Any:
+        """Return a picture of each row, ``[H, W, 3]`` uint8.
+
+        Raises:
+            ResetNeeded: before a reset.
+        """
+        if self.render_mode == "rgb_array":
+            try:
+                rows = [self._batch.row(row) for row in range(self.num_envs)]
+            except EndedError as error:
+                raise ResetNeeded(str(error)) from error
+            return tuple(
+                self._painter.picture(layout, state.robot_pos, state.has_item)
+                for layout, state in rows
+            )
+        gymnasium.logger.warn("render() needs a render_mode, given to gymnasium.make_vec")
+        return None
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Let the motion backend go."""
+        # Some versions of Gymnasium close what could not even be made.
+        if hasattr(self, "_batch"):
+            self._batch.close()
+
+    def _final(self, arrays: dict[str, NDArray[Any]], ended: NDArray[np.bool_]) -> NDArray[Any]:
+        """Return ``[B]`` last observations of rows that have ended, as Gymnasium gives them."""
+        final, rows = np.full(self.num_envs, None, object), np.flatnonzero(ended)
+        # Most rows go on, and it would take far longer than the step to make these of all of them.
+        some: Any = {key: values[rows] for key, values in arrays.items()}
+        observations = iterate(self.observation_space, self._form(some))
+        for row, observation in zip(rows, observations, strict=True):
+            final[row] = observation
+        return final
+
+
+def _is_many(layout: GivenLayout | Sequence[Layout] | None) -> TypeGuard[Sequence[Layout]]:
+    return (
+        not isinstance(layout, (str, Layout))
+        and isinstance(layout, Sequence)
+        and any(isinstance(each, Layout) for each in layout)
+    )

@@ -1,0 +1,110 @@
+"""Find a motion backend by its name among what is installed.
+
+A backend is a class in the entry-point group ``warehouse_core.motion.backends`` of any installed
+distribution; ``grid`` and ``physics`` are registered no other way than a third party's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cache
+from typing import TYPE_CHECKING
+
+from warehouse_core.motion.base import Motion
+from warehouse_core.motion.vector import Batchable, BatchMotion
+from warehouse_core.world.layout import Layout
+
+if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint
+
+GROUP = "warehouse_core.motion.backends"
+
+Backend = str | Motion | type[Motion]
+
+
+class BackendError(ValueError):
+    """No backend of that name, or one whose requirements are missing or broken."""
+
+
+def make_motion(backend: Backend) -> Motion:
+    """Return a motion for a backend given by name, as a class or as an instance.
+
+    Raises:
+        BackendError: the name is not installed, or its requirements are missing or broken.
+        TypeError: ``backend`` is none of the three.
+    """
+    if isinstance(backend, str):
+        return load_backend(backend)()
+    if isinstance(backend, type) and hasattr(backend, "advance"):
+        return backend()
+    if isinstance(backend, Motion):
+        return backend
+    raise TypeError(
+        f"backend {backend!r} is {type(backend).__name__}; allowed: a name "
+        f"({', '.join(backend_names())}), or a class or instance with reset, advance and close"
+    )
+
+
+def make_batch_motion(backend: Backend, layouts: Sequence[Layout]) -> BatchMotion:
+    """Return a motion for one robot in each of these layouts, like that of a backend.
+
+    Raises:
+        BackendError: as for ``make_motion``, or the backend has no ``batch``.
+        TypeError: as for ``make_motion``.
+    """
+    motion = make_motion(backend)
+    if not isinstance(motion, Batchable):
+        raise BackendError(
+            f"backend {backend!r} cannot move a batch; it would need a method batch(layouts)"
+        )
+    return motion.batch(layouts)
+
+
+def backend_names() -> list[str]:
+    """Return the names of all installed backends in alphabetical order."""
+    return sorted(_entry_points())
+
+
+@cache
+def load_backend(name: str) -> type[Motion]:
+    """Import the backend called ``name``.
+
+    Raises:
+        BackendError: listing what is installed, or saying which command installs what is missing
+            or broken.
+    """
+    entry_point = _entry_points().get(name)
+    if entry_point is None:
+        installed = ", ".join(backend_names()) or "none"
+        raise BackendError(f"no backend is called {name!r}; installed: {installed}")
+    try:
+        backend: type[Motion] = entry_point.load()
+    except Exception as error:
+        raise BackendError(f"backend {name!r} {_complaint(error, entry_point)}") from error
+    return backend
+
+
+@cache
+def _entry_points() -> dict[str, EntryPoint]:
+    from importlib.metadata import entry_points
+
+    return {entry_point.name: entry_point for entry_point in entry_points(group=GROUP)}
+
+
+def _complaint(error: Exception, entry_point: EntryPoint) -> str:
+    """Say in one line why a backend cannot be loaded, and which command may help."""
+    command = f"pip install '{_requirement(entry_point)}'"
+    if isinstance(error, ModuleNotFoundError):
+        return f"needs {error.name or error}, which is not installed: {command}"
+    reason = " ".join(str(error).split()) or type(error).__name__
+    return f"cannot be loaded: {reason}; to repair it: {command}"
+
+
+def _requirement(entry_point: EntryPoint) -> str:
+    """Return what to give to pip: the distribution, with the extra named like the backend."""
+    distribution = entry_point.dist
+    if distribution is None:
+        return entry_point.module.partition(".")[0]
+    extras = distribution.metadata.get_all("Provides-Extra") or []
+    name: str = distribution.metadata["Name"]
+    return f"{name}[{entry_point.name}]" if entry_point.name in extras else name

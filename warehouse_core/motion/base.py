@@ -1,0 +1,165 @@
+"""The seam: what carries out a move, and what it reports back.
+
+A *motion* moves ``R`` robots at once; the chapter's environment is ``R = 1``. It knows walls and
+robots but no rewards, items or batteries: those are in ``task/rules.py``, which reads nothing of an
+outcome but its ``cell`` and ``blocked``.
+
+A *position* is ``(x, y)`` in metres with ``x = (col + 0.5) * cell_size`` and
+``y = (row + 0.5) * cell_size``; rows grow downward and so does y. A *heading* is in radians from
+the x axis towards the y axis: east 0, south pi/2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.world.layout import Layout, LayoutError
+from warehouse_core.world.tiles import Cell
+
+WALL_CONTACT = "wall"
+
+
+def robot_contact(robot: int) -> str:
+    """Name robot number ``robot`` as the counterpart of a contact."""
+    return f"robot {robot}"
+
+
+class Contact(NamedTuple):
+    """One hit during a motion.
+
+    Attributes:
+        seconds: when it happened, from the start of the motion.
+        impulse: in N·s, positive.
+        point: position ``(x, y)`` in metres.
+        counterpart: ``"wall"`` or ``"robot 3"``.
+    """
+
+    seconds: float
+    impulse: float
+    point: tuple[float, float]
+    counterpart: str
+
+
+class Outcome(NamedTuple):
+    """What carrying out one action came to, in the same fields whatever the backend.
+
+    Attributes:
+        cell: where the robot is now.
+        blocked: something stopped the robot on its way to another cell.
+        seconds: how long it took.
+        joules: what it cost.
+        path: ``[K, 4]`` float64, read-only, ``K >= 2``: time from the start of the motion in
+            seconds, x, y, heading. The first row is the start, the last row the end.
+        contacts: every hit, in order of time; never empty when ``blocked``.
+    """
+
+    cell: Cell
+    blocked: bool
+    seconds: float
+    joules: float
+    path: NDArray[np.float64]
+    contacts: tuple[Contact, ...] = ()
+
+    def copy(self) -> Outcome:
+        """Return the same outcome with a path that is shared with no other."""
+        cell, blocked, seconds, joules, path, contacts = self
+        return Outcome(cell, blocked, seconds, joules, path.copy(), contacts)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Outcome):
+            return NotImplemented
+        return np.array_equal(self.path, other.path) and all(
+            mine == others
+            for mine, others in zip(self, other, strict=True)
+            if mine is not self.path
+        )
+
+    def __ne__(self, other: object) -> bool:
+        # A tuple brings its own, which would compare the paths as arrays.
+        return not self == other
+
+    def __hash__(self) -> int:
+        return hash((self.cell, self.blocked, self.seconds, self.joules, self.contacts))
+
+
+@runtime_checkable
+class Motion(Protocol):
+    """The part that can be swapped; ``warehouse_core/conformance`` checks an implementation."""
+
+    cell_size: float
+    """Side of a cell in metres."""
+
+    def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
+        """Put ``R = len(cells)`` robots at rest in the middle of their cells, heading east.
+
+        Args:
+            layout: where the walls are.
+            cells: one open cell for each robot, no two alike.
+            seed: of whatever chance the backend knows; ``None`` leaves the choice to it.
+
+        Raises:
+            LayoutError: a cell is a wall, off the grid, or given twice; nothing has changed.
+        """
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        """Carry out one action for each robot, all at the same time.
+
+        Args:
+            displacements: for each robot ``(0, 0)`` or one cell north, east, south or west.
+            loaded: for each robot whether it carries an item.
+
+        Returns:
+            One outcome for each robot.
+
+        Raises:
+            ValueError: not one of each for every robot, or another displacement; nothing has
+                changed.
+            RuntimeError: ``advance`` before ``reset`` or after ``close``.
+        """
+
+    def close(self) -> None:
+        """Let go of whatever the backend holds; a second call does nothing."""
+
+
+def centre_of(cell: Cell, cell_size: float) -> tuple[float, float]:
+    """Return the position of the middle of ``cell`` in metres."""
+    row, col = cell
+    return (col + 0.5) * cell_size, (row + 0.5) * cell_size
+
+
+def check_starts(layout: Layout, cells: Sequence[Cell]) -> None:
+    """Refuse cells that robots cannot be put on; for backends to call in ``reset``.
+
+    Raises:
+        LayoutError: naming the robot and the cell.
+    """
+    for robot, cell in enumerate(cells):
+        if not layout.is_open(cell):
+            raise LayoutError(f"robot {robot} cannot stand there: {layout.describe(cell)}")
+        if cell in cells[:robot]:
+            raise LayoutError(f"robots {cells.index(cell)} and {robot} are both given {cell}")
+
+
+_STEPS = frozenset({(0, 0), (-1, 0), (0, 1), (1, 0), (0, -1)})
+
+
+def check_moves(robots: int, displacements: Sequence[Cell], loaded: Sequence[bool]) -> None:
+    """Refuse what is not one action for each robot; for backends to call in ``advance``.
+
+    Raises:
+        ValueError: naming the robot and the displacement, or the two counts.
+    """
+    if not len(displacements) == len(loaded) == robots:
+        raise ValueError(
+            f"{len(displacements)} displacements and {len(loaded)} loads for {robots} robots; "
+            "one of each is needed for every robot"
+        )
+    for robot, displacement in enumerate(displacements):
+        if displacement not in _STEPS:
+            raise ValueError(
+                f"displacement {displacement!r} of robot {robot}; allowed: {sorted(_STEPS)}"
+            )

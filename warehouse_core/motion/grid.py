@@ -1,0 +1,168 @@
+"""The grid backend: a robot is in a cell or in the next one, and nothing in between.
+
+Time and cost are nominal, so that they can be compared with what a physical backend measures. A
+robot of ``NOMINAL_KG`` crosses a cell in ``NOMINAL_SECONDS``; every move, blocked or not, gets it
+up to speed and overcomes rolling resistance for one cell, and every action keeps its electronics
+on.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from warehouse_core.motion.base import (
+    WALL_CONTACT,
+    Contact,
+    Outcome,
+    centre_of,
+    check_moves,
+    check_starts,
+    robot_contact,
+)
+from warehouse_core.motion.traffic import Stop, find_stops
+from warehouse_core.motion.vector_grid import GridBatch
+from warehouse_core.world.layout import Layout
+from warehouse_core.world.tiles import EMPTY, MOVE_DELTAS, Cell
+
+NOMINAL_KG = 50.0
+NOMINAL_SECONDS = 1.0
+NOMINAL_IDLE_WATTS = 20.0
+ROLLING_RESISTANCE = 0.015
+"""Rolling force over weight; 0.01 to 0.02 is usual for a hard tyre on concrete."""
+GRAVITY = 9.81
+
+STAY, EAST = (0, 0), (0, 1)
+ANGLES = {delta: math.atan2(*delta) for delta in MOVE_DELTAS.values()}
+"""Heading in radians of a move; atan2 takes y, which is down the rows, before x."""
+
+MAX_REMEMBERED = 100_000
+"""Outcomes kept for lone robots, about half a kilobyte each."""
+
+
+class GridMotion:
+    """Moves robots by whole cells; several at once as the table in ``traffic.py`` says.
+
+    Args:
+        cell_size: side of a cell in metres.
+
+    Raises:
+        ValueError: ``cell_size`` is not a positive finite number.
+    """
+
+    def __init__(self, cell_size: float = 1.0) -> None:
+        if not (math.isfinite(cell_size) and cell_size > 0):
+            raise ValueError(f"cell_size is {cell_size!r}; it must be positive and finite")
+        self.cell_size = float(cell_size)
+        self._moving_joules = nominal_joules(self.cell_size, moving=True)
+        self._waiting_joules = nominal_joules(self.cell_size, moving=False)
+        self._layout = Layout([EMPTY])
+        self._cells: list[Cell] = []
+        self._headings: list[Cell] = []
+        self._lone: dict[tuple[Cell, Cell, Cell], tuple[Outcome]] = {}
+
+    def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
+        """Put robots in their cells; see ``Motion.reset``. There is no chance in it."""
+        check_starts(layout, cells)
+        if self._layout.open_cells is not layout.open_cells:
+            self._lone = {}
+        self._layout = layout
+        self._cells = list(cells)
+        self._headings = [EAST] * len(cells)
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        """Move every robot by one action; see ``Motion.advance``.
+
+        What a lone robot's move comes to depends on nothing but the walls, so it is worked out
+        once for each cell and direction.
+        """
+        if not len(self._cells) == len(displacements) == len(loaded) == 1:
+            return self._advance_all(displacements, loaded)
+        displacement = displacements[0]
+        heading = self._headings[0] if displacement == STAY else displacement
+        key = (self._cells[0], displacement, heading)
+        outcomes = self._lone.get(key)
+        if outcomes is None:
+            check_moves(1, displacements, loaded)
+            outcomes = self._remember(key)
+        self._cells[0] = outcomes[0].cell
+        self._headings[0] = heading
+        return outcomes
+
+    def close(self) -> None:
+        """Forget the robots; see ``Motion.close``."""
+        self._cells, self._headings, self._lone = [], [], {}
+
+    def batch(self, layouts: Sequence[Layout]) -> GridBatch:
+        """Return what moves one robot in each of these layouts; see ``vector.py``."""
+        return GridBatch(
+            layouts,
+            seconds=NOMINAL_SECONDS,
+            moving_joules=self._moving_joules,
+            waiting_joules=self._waiting_joules,
+        )
+
+    def _remember(self, key: tuple[Cell, Cell, Cell]) -> tuple[Outcome]:
+        cell, (down, right), heading = key
+        target = (cell[0] + down, cell[1] + right)
+        stop: Stop = None if self._layout.is_open(target) else WALL_CONTACT
+        if len(self._lone) >= MAX_REMEMBERED:
+            self._lone.clear()
+        self._lone[key] = outcomes = (self._outcome(cell, target, heading, stop),)
+        return outcomes
+
+    def _advance_all(
+        self, displacements: Sequence[Cell], loaded: Sequence[bool]
+    ) -> tuple[Outcome, ...]:
+        if not self._cells:
+            raise RuntimeError("advance() needs a reset() before it")
+        check_moves(len(self._cells), displacements, loaded)
+        targets = [
+            (row + down, col + right)
+            for (row, col), (down, right) in zip(self._cells, displacements, strict=True)
+        ]
+        stops = find_stops(self._layout, self._cells, targets)
+        self._headings = [
+            heading if displacement == STAY else displacement
+            for heading, displacement in zip(self._headings, displacements, strict=True)
+        ]
+        outcomes = tuple(map(self._outcome, self._cells, targets, self._headings, stops))
+        self._cells = [outcome.cell for outcome in outcomes]
+        return outcomes
+
+    def _outcome(self, cell: Cell, target: Cell, heading: Cell, stop: Stop) -> Outcome:
+        end = target if stop is None else cell
+        x0, y0 = centre_of(cell, self.cell_size)
+        x1, y1 = centre_of(end, self.cell_size)
+        angle = ANGLES[heading]
+        path = np.array(((0.0, x0, y0, angle), (NOMINAL_SECONDS, x1, y1, angle)))
+        path.flags.writeable = False
+        joules = self._waiting_joules if target == cell else self._moving_joules
+        contacts = () if stop is None else (self._contact((x0, y0), heading, stop),)
+        return Outcome(end, stop is not None, NOMINAL_SECONDS, joules, path, contacts)
+
+    def _contact(self, start: tuple[float, float], heading: Cell, stop: int | str) -> Contact:
+        """Return the nominal hit: half-way, at the edge of the cell, all momentum lost."""
+        (x, y), (down, right) = start, heading
+        return Contact(
+            seconds=NOMINAL_SECONDS / 2,
+            impulse=NOMINAL_KG * self.cell_size / NOMINAL_SECONDS,
+            point=(x + right * self.cell_size / 2, y + down * self.cell_size / 2),
+            counterpart=stop if isinstance(stop, str) else robot_contact(stop),
+        )
+
+
+def nominal_joules(cell_size: float, *, moving: bool) -> float:
+    """Return the nominal cost of one action in joules.
+
+    Idle power for the whole action; a move adds the kinetic energy at its mean speed and the work
+    against rolling resistance over one cell.
+    """
+    idle = NOMINAL_IDLE_WATTS * NOMINAL_SECONDS
+    if not moving:
+        return idle
+    speed = cell_size / NOMINAL_SECONDS
+    rolling = ROLLING_RESISTANCE * NOMINAL_KG * GRAVITY * cell_size
+    return idle + 0.5 * NOMINAL_KG * speed**2 + rolling

@@ -1,0 +1,1 @@
+"""Records of episodes, their files, and failure modes."""

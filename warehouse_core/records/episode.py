@@ -1,0 +1,247 @@
+"""One episode, recorded: enough to draw it, to measure it and to run it again bit for bit.
+
+``T`` is the number of steps and ``F = T + 1`` the number of frames; frame 0 is what ``reset`` left.
+How a record is kept in a file is in ``episode_arrays.py`` and ``files/npz.py``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Protocol, SupportsIndex
+
+from warehouse_core.files.npz import RecordError, read_arrays, write_arrays
+from warehouse_core.motion.backends import Backend
+from warehouse_core.motion.base import Outcome
+from warehouse_core.records.episode_arrays import EPISODE_SCHEMA, pack_fields, unpack_fields
+from warehouse_core.task.settings import Settings
+from warehouse_core.task.state import Observation
+from warehouse_core.warehouse_env import WarehouseEnv
+from warehouse_core.world.layout import Layout
+from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED, Cell
+
+DELIVERED = "delivered"
+BATTERY_DEPLETED = "battery depleted"
+OUT_OF_TIME = "out of time"
+UNFINISHED = "unfinished"
+
+Action = str | int
+Frame = list[list[str]]
+
+
+class Agent(Protocol):
+    """What ``record_episode`` asks of an agent.
+
+    An agent may also have an attribute ``reason``, a string that says why it chose its last
+    action; the record keeps it.
+    """
+
+    def reset(self) -> None:
+        """Forget the last episode."""
+
+    def act(self, observation: Observation) -> str | SupportsIndex:
+        """Return the next action, a word of ``WarehouseEnv.ACTIONS`` or its index."""
+
+
+@dataclass(slots=True)
+class Episode:
+    """The record of one episode. Two records are equal when every value in them is.
+
+    Attributes:
+        layout: walls and stations as they were during the episode.
+        settings: of the environment.
+        seed: given to ``reset``, or ``None``.
+        agent: a name for the agent.
+        cells: ``[F]`` where the robot was.
+        loaded: ``[F]`` whether it held an item.
+        battery: ``[F]`` units left.
+        rewards: ``[F]`` reward of the step that led to the frame; the first is 0.
+        actions: ``[T]`` as the agent gave them.
+        reasons: ``[T]`` why it chose them, or "".
+        motions: ``[T]`` what the backend did.
+        terminated: the item was delivered.
+        truncated: the battery or the steps were used up.
+    """
+
+    layout: Layout
+    settings: Settings
+    seed: int | None
+    agent: str
+    cells: list[Cell] = field(default_factory=list)
+    loaded: list[bool] = field(default_factory=list)
+    battery: list[int] = field(default_factory=list)
+    rewards: list[float] = field(default_factory=list)
+    actions: list[Action] = field(default_factory=list)
+    reasons: list[str] = field(default_factory=list)
+    motions: list[Outcome] = field(default_factory=list)
+    terminated: bool = False
+    truncated: bool = False
+
+    @property
+    def steps(self) -> int:
+        """``T``, the length of the episode."""
+        return len(self.actions)
+
+    @property
+    def total_reward(self) -> float:
+        """The sum of all rewards."""
+        return math.fsum(self.rewards)
+
+    @property
+    def seconds(self) -> float:
+        """The simulated time that all motions took."""
+        return sum(motion.seconds for motion in self.motions)
+
+    @property
+    def joules(self) -> float:
+        """The energy that all motions cost."""
+        return sum(motion.joules for motion in self.motions)
+
+    @property
+    def outcome(self) -> str:
+        """How it ended; a delivery with the last battery unit is a delivery."""
+        if self.terminated:
+            return DELIVERED
+        if self.battery[-1] <= 0:
+            return BATTERY_DEPLETED
+        return OUT_OF_TIME if self.truncated else UNFINISHED
+
+    @property
+    def frames(self) -> list[Frame]:
+        """``[F]`` frames as ``WarehouseEnv.render_grid`` gave them, fresh lists."""
+        frames = []
+        for (row, col), loaded in zip(self.cells, self.loaded, strict=True):
+            frame = [list(line) for line in self.layout.rows]
+            frame[row][col] = ROBOT_LOADED if loaded else ROBOT_EMPTY
+            frames.append(frame)
+        return frames
+
+    @property
+    def metrics(self) -> dict[str, list[float]]:
+        """The chapter's four lists, one entry a frame; a distance to no station is NaN."""
+        pickup = self.layout.pickups[0] if self.layout.pickups else None
+        dropoff = self.layout.dropoffs[0] if self.layout.dropoffs else None
+        return {
+            "rewards": list(self.rewards),
+            "battery": [float(units) for units in self.battery],
+            "dist_pickup": [_distance(cell, pickup) for cell in self.cells],
+            "dist_dropoff": [_distance(cell, dropoff) for cell in self.cells],
+        }
+
+    def save(self, path: str | Path) -> None:
+        """Write the record to one ``.npz`` file, whole or not at all.
+
+        Raises:
+            RecordError: it is larger than ``safe_npz.MAX_BYTES``.
+            OSError: the file cannot be written.
+        """
+        fields = {name: getattr(self, name) for name in self.__slots__}
+        write_arrays(path, pack_fields(fields), EPISODE_SCHEMA)
+
+    @staticmethod
+    def load(path: str | Path) -> Episode:
+        """Read a record from an ``.npz`` file that ``save`` wrote.
+
+        Raises:
+            RecordError: the file is damaged or was never a record; it names what is wrong.
+            OSError: the file cannot be read.
+        """
+        arrays = read_arrays(path, EPISODE_SCHEMA)
+        try:
+            return Episode(**unpack_fields(arrays))
+        except ValueError as error:
+            raise RecordError(f"{path}: {error}") from error
+
+
+class EpisodeRecorder:
+    """Steps an environment and keeps what happens; for whoever drives it by hand.
+
+    It starts from the state that the environment is in, which should be fresh from ``reset``.
+    """
+
+    def __init__(self, env: WarehouseEnv, *, seed: int | None = None, agent: str = "") -> None:
+        self._env = env
+        self.episode = Episode(env.layout, env.settings, seed, agent)
+        self._keep_frame(0.0)
+
+    @property
+    def ended(self) -> bool:
+        """Whether the episode is over."""
+        return self.episode.terminated or self.episode.truncated
+
+    def step(self, action: str | SupportsIndex, reason: str = "") -> Observation:
+        """Take one step and record it."""
+        observation, reward, terminated, truncated, _ = self._env.step(action)
+        motion = self._env.last_motion
+        assert motion is not None, "a step always leaves a motion"
+        episode = self.episode
+        episode.actions.append(str(action) if isinstance(action, str) else int(action))
+        episode.reasons.append(reason)
+        episode.motions.append(motion)
+        episode.terminated, episode.truncated = terminated, truncated
+        self._keep_frame(reward)
+        return observation
+
+    def _keep_frame(self, reward: float) -> None:
+        state, episode = self._env.state, self.episode
+        episode.cells.append(state.robot_pos)
+        episode.loaded.append(state.has_item)
+        episode.battery.append(state.battery)
+        episode.rewards.append(reward)
+
+
+def record_episode(
+    env: WarehouseEnv, agent: Agent, *, seed: int | None = None, randomize: bool = True
+) -> Episode:
+    """Reset the environment and the agent, and run one whole episode.
+
+    Args:
+        env: any environment, with any backend.
+        agent: see ``Agent``.
+        seed: given to ``env.reset``; it does not seed the agent.
+        randomize: given to ``env.reset``.
+
+    Returns:
+        The record, which ended by delivery or because the steps or the battery were used up.
+    """
+    observation = env.reset(randomize=randomize, seed=seed)
+    agent.reset()
+    recorder = EpisodeRecorder(env, seed=seed, agent=type(agent).__name__)
+    while not recorder.ended:
+        action = agent.act(observation)
+        observation = recorder.step(action, reason=str(getattr(agent, "reason", "")))
+    return recorder.episode
+
+
+def replay_episode(episode: Episode, backend: Backend | None = None) -> Episode:
+    """Run the actions of a record again in a fresh environment.
+
+    The result equals the record bit for bit where the backend is the same.
+
+    Args:
+        episode: the record.
+        backend: carry out the moves with another backend than the recorded one.
+    """
+    settings = episode.settings
+    env = WarehouseEnv(
+        episode.layout,
+        settings.start_pos,
+        settings.max_steps,
+        settings.battery,
+        settings.view_radius,
+        backend=settings.backend if backend is None else backend,
+    )
+    env.reset(seed=episode.seed)
+    env.state.robot_pos = episode.cells[0]
+    recorder = EpisodeRecorder(env, seed=episode.seed, agent=episode.agent)
+    for action, reason in zip(episode.actions, episode.reasons, strict=True):
+        recorder.step(action, reason)
+    env.close()
+    return recorder.episode
+
+
+def _distance(cell: Cell, station: Cell | None) -> float:
+    if station is None:
+        return math.nan
+    return float(abs(cell[0] - station[0]) + abs(cell[1] - station[1]))

@@ -1,0 +1,188 @@
+"""The tiles of which pictures are laid out, each drawn once at a size, by NumPy alone.
+
+They look as the cells of a replay do. A tile is first drawn with ``n = T * SAMPLES`` points a side,
+each of one colour, which are then mixed; ``T`` is the side of the tile in pixels. A shape says
+which of the points are in it, ``[n, n]`` or narrower, from their places ``x`` ``[1, n]`` and ``y``
+``[n, 1]``, which are in pixels.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.render.palette import COLORS, FAINT, INK, PAPER, UNKNOWN, Color, blend
+from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, WALL
+
+Pixels = NDArray[np.uint8]
+"""Red, green and blue, 0..255, in the last of the axes."""
+
+Places = NDArray[np.float64]
+Shape = NDArray[np.bool_]
+
+NO_ROBOT, UNSEEN = "", "?"
+
+CELLS = (
+    (EMPTY, NO_ROBOT),
+    (WALL, NO_ROBOT),
+    (PICKUP, NO_ROBOT),
+    (DROPOFF, NO_ROBOT),
+    (EMPTY, ROBOT_EMPTY),
+    (EMPTY, ROBOT_LOADED),
+    (UNSEEN, NO_ROBOT),
+    (PICKUP, ROBOT_EMPTY),
+    (PICKUP, ROBOT_LOADED),
+    (DROPOFF, ROBOT_EMPTY),
+    (DROPOFF, ROBOT_LOADED),
+)
+"""What can be painted: a tile and the robot on it. Its place here is its code.
+
+The first six are the characters of a window in the order of ``sight.CELL_CODES``, so that a
+window's codes can be painted as they are.
+"""
+
+CODES = {cell: code for code, cell in enumerate(CELLS)}
+"""The code of a tile and the robot on it."""
+
+ROBOT_CODES = np.array(
+    [
+        [CODES.get((tile, robot), 255) for tile, _ in CELLS[:4]]
+        for robot in (ROBOT_EMPTY, ROBOT_LOADED)
+    ],
+    np.uint8,
+)
+"""The code with a robot, by whether it is loaded and the code without; 255 is no code: a wall."""
+ROBOT_CODES.setflags(write=False)
+
+INSET, CORNER = 0.06, 0.1
+"""How far from the edge a station's square and its letter are, in cells."""
+
+ROBOT_RADIUS, OUTLINE = 0.31, 1 / 22
+"""Radius of the robot and width of the line around it, in cells."""
+
+CORNER_LETTER, ROBOT_LETTER = 0.175, 0.306
+"""Heights of capital letters, in cells."""
+
+MIN_RADIUS, MIN_CORNER_LETTER, MIN_ROBOT_LETTER = 3.0, 5, 6
+"""In pixels: what is smaller could not be made out."""
+
+MIN_OUTLINED, MIN_LETTERED, MIN_BOTH_LETTERED = 10, 16, 20
+"""The smallest tiles, in pixels, with room for an outline, for a letter, and for two of them."""
+
+WIDTHS = {PICKUP: 0.82, DROPOFF: 0.92, ROBOT_EMPTY: 0.86, ROBOT_LOADED: 0.58}
+"""Widths of the letters, as shares of the height of a capital."""
+
+SAMPLES = 8
+"""Points along each side of a pixel that say how much of it a shape covers."""
+
+
+@cache
+def atlas(tile_pixels: int) -> Pixels:
+    """Return the picture of each of ``CELLS``, ``[N, T, T, 3]``, read-only."""
+    tiles = np.stack([_draw_cell(tile, robot, tile_pixels) for tile, robot in CELLS])
+    tiles.setflags(write=False)
+    return tiles
+
+
+def _draw_cell(tile: str, robot: str, side: int) -> Pixels:
+    points = np.empty((side * SAMPLES, side * SAMPLES, 3), np.uint8)
+    points[:] = color_bytes({WALL: COLORS[WALL], UNSEEN: UNKNOWN}.get(tile, COLORS[EMPTY]))
+    along = (np.arange(side * SAMPLES) + 0.5) / SAMPLES
+    x, y = along[None, :], along[:, None]
+    if tile == UNSEEN:
+        _fill(points, (x + y) % (side / 2) < side / 8, blend(UNKNOWN, COLORS[EMPTY], 0.3))
+    elif tile != WALL:
+        # A line is a pixel wide, however small the tile is; it is paler there instead.
+        _fill(points, (x < 1) | (y < 1), blend(COLORS[EMPTY], FAINT, min(1.0, side / 24)))
+    if tile in (PICKUP, DROPOFF):
+        lettered = side >= (MIN_BOTH_LETTERED if robot else MIN_LETTERED)
+        _draw_station(points, x, y, side, tile, lettered)
+    if robot:
+        _draw_robot(points, x - side / 2, y - side / 2, side, robot)
+    mixed = points.reshape(side, SAMPLES, side, SAMPLES, 3).mean(axis=(1, 3))
+    pixels: Pixels = np.rint(mixed).astype(np.uint8)
+    return pixels
+
+
+def _draw_station(
+    points: Pixels, x: Places, y: Places, side: int, tile: str, lettered: bool
+) -> None:
+    inset = round(INSET * side)
+    _fill(points, _within(inset, x, side - inset) & _within(inset, y, side - inset), COLORS[tile])
+    if lettered:
+        corner = max(round(CORNER * side), inset + 1)
+        height = max(MIN_CORNER_LETTER, round(CORNER_LETTER * side))
+        width = round(WIDTHS[tile] * height)
+        _fill(points, _letter(tile, x - corner, y - corner, width, height), INK)
+
+
+def _draw_robot(points: Pixels, x: Places, y: Places, side: int, robot: str) -> None:
+    """Draw a robot in the middle, which is where ``x`` and ``y`` are 0."""
+    radius = max(ROBOT_RADIUS * side, min(MIN_RADIUS, side / 2))
+    outline = OUTLINE * side if side >= MIN_OUTLINED else 0.0
+    distance = np.hypot(x, y)
+    _fill(points, distance < radius + outline / 2, INK)
+    _fill(points, distance < radius - outline / 2, COLORS[robot])
+    if side >= MIN_LETTERED:
+        capital = max(MIN_ROBOT_LETTER, round(ROBOT_LETTER * side))
+        width = _centred(WIDTHS[robot] * capital, side)
+        height = _centred(capital if robot == ROBOT_EMPTY else 0.76 * capital, side)
+        letter = _letter(robot, x + width / 2, y + height / 2, width, height)
+        _fill(points, letter, PAPER if robot == ROBOT_EMPTY else INK)
+
+
+def _centred(length: float, side: int) -> int:
+    """Return about ``length``, but odd or even as ``side`` is, so that the middle is a middle."""
+    length = round(length)
+    return length + (side - length) % 2
+
+
+def _letter(letter: str, x: Places, y: Places, width: int, height: int) -> Shape:
+    """Return a letter in a box whose top left corner is at 0, 0.
+
+    Its strokes are whole pixels wide, or small letters would be blurred.
+    """
+    is_capital = letter != ROBOT_LOADED
+    thick = max(1, round((0.26 if is_capital else 0.32) * height))
+    thin = max(1, round((0.18 if is_capital else 0.28) * height))
+    stem = _within(0, x, thick) & _within(0, y, height)
+    if not is_capital:
+        bend = 0.6 * height
+        arm = _oval(x - width, y - bend, width - 0.6 * thick, bend)
+        hollow = _oval(x - width, y - bend, width - thick, bend - thin)
+        return stem | (arm & ~hollow & (x < width) & (y < bend))
+    bottom = height if letter == DROPOFF else round(0.55 * height + 0.5 * thin)
+    right = 0.94 * width if letter == ROBOT_EMPTY else width
+    hollow = _bow(x - thick, y - thin, right - 2 * thick, bottom - 2 * thin)
+    shape = stem | (_bow(x, y, right, bottom) & ~hollow)
+    if letter == ROBOT_EMPTY:
+        down = (y - bottom + thin) / (height - bottom + thin)
+        heel = width * (0.62 + 0.38 * down)
+        shape |= _within(0, down, 1) & _within(0, heel - x, 1.1 * thick)
+    return shape
+
+
+def _bow(x: Places, y: Places, right: float, bottom: float) -> Shape:
+    """Return a box from 0, 0 whose right end is rounded."""
+    half = bottom / 2
+    bend = min(1.2 * half, 0.85 * right)
+    return (x > 0) & _oval(np.maximum(x - right + bend, 0), y - half, bend, half)
+
+
+def _oval(x: Places, y: Places, half_width: float, half_height: float) -> Shape:
+    return (x * half_height) ** 2 + (y * half_width) ** 2 < (half_width * half_height) ** 2
+
+
+def _within(low: float, place: Places, high: float) -> Shape:
+    return (place > low) & (place < high)
+
+
+def _fill(points: Pixels, shape: Shape, color: Color) -> None:
+    points[np.broadcast_to(shape, points.shape[:2])] = color_bytes(color)
+
+
+def color_bytes(color: Color) -> NDArray[np.uint8]:
+    """Return a colour as three bytes."""
+    return np.array([round(255 * part) for part in color], np.uint8)

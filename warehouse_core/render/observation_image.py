@@ -1,0 +1,83 @@
+"""An observation as a picture that shows what it says, and no more.
+
+Cells within view are drawn as they are; of the others only the first pickup and dropoff are known,
+and the rest is hatched. Two bars beneath are the battery that is left and the steps taken.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.render.atlas import CODES, NO_ROBOT, ROBOT_CODES, UNSEEN, Pixels
+from warehouse_core.render.painter import TilePainter, bar
+from warehouse_core.render.palette import BATTERY, INK
+from warehouse_core.task.encoding import Arrays
+from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP
+
+TILE_PIXELS = 8
+"""Side of a tile; the default layout becomes 64 x 96 pixels."""
+
+
+class ObservationImage:
+    """Paints observations, one or a batch.
+
+    Args:
+        height: rows of the layout, ``H``.
+        width: columns, ``W``.
+        battery: units of a full charge.
+        max_steps: of an episode.
+    """
+
+    def __init__(self, height: int, width: int, battery: int, max_steps: int) -> None:
+        self._height, self._width = height, width
+        self._battery, self._max_steps = battery, max_steps
+        self._painter = TilePainter(TILE_PIXELS)
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Height, width and channels of a picture: a tile's height more than the layout has."""
+        return (self._height + 1) * TILE_PIXELS, self._width * TILE_PIXELS, 3
+
+    def paint(self, arrays: Arrays) -> Pixels:
+        """Return the pictures of observations with any leading shape ``...``, fresh.
+
+        Returns:
+            ``[..., (H + 1) * T, W * T, 3]`` uint8.
+        """
+        width, half = self._width * TILE_PIXELS, TILE_PIXELS // 2
+        battery = bar(arrays["battery"][..., 0] / self._battery, width, half, BATTERY)
+        steps = bar(arrays["steps"][..., 0] / self._max_steps, width, half, INK)
+        return np.concatenate([self._painter.paint(self._known(arrays)), battery, steps], axis=-3)
+
+    def _known(self, arrays: Arrays) -> NDArray[np.uint8]:
+        """Return what is known of each cell, ``[..., H, W]`` codes of the painter."""
+        batch = arrays["robot_pos"].shape[:-1]
+        robots = arrays["robot_pos"].reshape(-1, 2)
+        windows = arrays["local_grid"].reshape(len(robots), -1)
+        side = math.isqrt(windows.shape[1])
+        radius = side // 2
+        size = (self._height + 2 * radius, self._width + 2 * radius)
+        cells = np.full((len(robots), *size), CODES[UNSEEN, NO_ROBOT], np.uint8)
+        each = np.arange(len(robots))
+        rows, cols = (robots[:, axis, None] + np.arange(side) for axis in (0, 1))
+        for tile, stations in ((PICKUP, arrays["pickup_pos"]), (DROPOFF, arrays["dropoff_pos"])):
+            _put(cells, CODES[tile, NO_ROBOT], stations.reshape(-1, 2), radius)
+        cells[each[:, None, None], rows[:, :, None], cols[:, None, :]] = windows.reshape(
+            -1, side, side
+        )
+        under = np.full(len(robots), CODES[EMPTY, NO_ROBOT])
+        for tile, stations in ((PICKUP, arrays["pickup_pos"]), (DROPOFF, arrays["dropoff_pos"])):
+            under[(stations.reshape(-1, 2) == robots).all(axis=1)] = CODES[tile, NO_ROBOT]
+        loaded = np.asarray(arrays["has_item"]).reshape(-1)
+        cells[each, robots[:, 0] + radius, robots[:, 1] + radius] = ROBOT_CODES[loaded, under]
+        inner = cells[:, radius : radius + self._height, radius : radius + self._width]
+        return inner.reshape(*batch, self._height, self._width)
+
+
+def _put(cells: NDArray[np.uint8], code: int, stations: NDArray[np.int32], margin: int) -> None:
+    """Write a code where there is a station, in cells that have a margin around them."""
+    there = np.flatnonzero(stations[:, 0] >= 0)
+    cells[there, stations[there, 0] + margin, stations[there, 1] + margin] = code

@@ -1,0 +1,107 @@
+"""A warehouse as pixels, laid out of square tiles by NumPy alone.
+
+It looks as the cells of a replay do, and is quick enough to film every step of a training: each
+tile is drawn once, and a picture is copied together from them. ``T`` is the side of a tile in
+pixels, ``H, W`` are the height and width of a layout in cells, ``...`` is any leading shape, such
+as a batch.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from warehouse_core.arguments import whole_number
+from warehouse_core.render.atlas import CODES, Pixels, atlas, color_bytes
+from warehouse_core.render.palette import BATTERY, FAINT, Color
+from warehouse_core.world.layout import Layout
+from warehouse_core.world.tables import tile_codes
+from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED, Cell
+
+MOST_TILE_PIXELS = 256
+"""Of any tile."""
+
+MAX_TILE_PIXELS, MAX_PICTURE_PIXELS = 40, 1000
+"""The largest tile by default, and what the larger side of a picture is kept to."""
+
+
+def tile_pixels_for(height: int, width: int) -> int:
+    """Return a good side of a tile, in pixels, for a map of ``height`` x ``width`` cells.
+
+    It is even, because most encoders of video take pictures with even sides only.
+    """
+    pixels = min(MAX_TILE_PIXELS, MAX_PICTURE_PIXELS // max(height, width))
+    return max(2, pixels - pixels % 2)
+
+
+class TilePainter:
+    """Paints warehouses with tiles of one size.
+
+    Args:
+        tile_pixels: ``T``, 2 to ``MOST_TILE_PIXELS``. There are letters from 16 on, colours
+            alone below.
+
+    Raises:
+        ValueError: ``tile_pixels`` is out of range.
+        TypeError: it is not an integer.
+    """
+
+    def __init__(self, tile_pixels: int) -> None:
+        self.tile_pixels = whole_number("tile_pixels", tile_pixels, 2, MOST_TILE_PIXELS)
+        self._atlas = atlas(self.tile_pixels)
+        self._layout: Layout | None = None
+        self._background: Pixels = np.empty((0, 0, 3), np.uint8)
+
+    def paint(self, codes: ArrayLike) -> Pixels:
+        """Return fresh pictures of cells given by code: ``[..., H, W]`` to ``[..., H*T, W*T, 3]``.
+
+        Raises:
+            IndexError: no cell has such a code.
+        """
+        side = self.tile_pixels
+        # A row of a tile's pixels is one item, which is copied straight to where it belongs.
+        rows = self._atlas.reshape(-1, 3 * side).view(np.dtype((np.void, 3 * side)))[:, 0]
+        first = np.multiply(codes, side, dtype=np.intp)
+        *batch, height, width = first.shape
+        painted = rows.take(first[..., :, None, :] + np.arange(side)[:, None])
+        return painted.view(np.uint8).reshape(*batch, height * side, width * side, 3)
+
+    def picture(self, layout: Layout, robot_cell: Cell, loaded: bool) -> Pixels:
+        """Return a fresh picture of a layout with its robot, ``[H*T, W*T, 3]``.
+
+        The last layout is remembered as it looks without a robot: as long as it is the same
+        object, there is only that to copy and one tile to put in.
+
+        Raises:
+            KeyError: the robot is on a wall.
+        """
+        if layout is not self._layout:
+            self._background, self._layout = self.paint(tile_codes(layout)), layout
+        picture = self._background.copy()
+        (row, col), side = robot_cell, self.tile_pixels
+        robot = ROBOT_LOADED if loaded else ROBOT_EMPTY
+        tile = self._atlas[CODES[layout.rows[row][col], robot]]
+        picture[row * side : (row + 1) * side, col * side : (col + 1) * side] = tile
+        return picture
+
+
+def bar(share: ArrayLike, width: int, height: int, color: Color = BATTERY) -> Pixels:
+    """Return bars filled from the left: shares ``[...]`` to ``[..., height, width, 3]``.
+
+    The last pixel of the filling is mixed, so that a small change of the share can be seen too.
+    One pixel of the ground stays free all around, unless the bar is less than 4 pixels high.
+
+    Args:
+        share: 0..1; what is beyond is cut off.
+        width: in pixels.
+        height: in pixels.
+        color: of the filling.
+    """
+    edge = 1 if height >= 4 else 0
+    ground, filling = (color_bytes(part).astype(float) for part in (FAINT, color))
+    ends = (width - 2 * edge) * np.clip(np.asarray(share, np.float64), 0, 1)[..., None]
+    filled = np.clip(ends - np.arange(-edge, width - edge), 0, 1)
+    filled[..., :edge] = 0
+    shares = np.stack([np.zeros_like(filled), filled], axis=-2)[..., None]
+    lines: Pixels = np.rint(ground + shares * (filling - ground)).astype(np.uint8)
+    return lines.take([0] * edge + [1] * (height - 2 * edge) + [0] * edge, axis=-3)

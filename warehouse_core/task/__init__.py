@@ -1,0 +1,1 @@
+"""The task of a robot: rules, starts, observations, settings."""

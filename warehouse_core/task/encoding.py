@@ -1,0 +1,137 @@
+"""An observation as arrays: what a space, a network or a table can hold.
+
+``encode`` turns the chapter's observation into arrays; ``vector`` lays them end to end. Both know
+nothing that the observation does not say, so that an agent can call them too. ``K`` is
+``2 * view_radius + 1``; functions that take arrays take them with any leading shape ``...``, which
+is how one observation and a batch of them are the same thing here.
+"""
+
+from __future__ import annotations
+
+from typing import TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.task.state import Observation
+from warehouse_core.world.tiles import CELL_CODES, CODE_OF_BYTE, DROPOFF, PICKUP, WALL, Cell
+
+NOWHERE: Cell = (-1, -1)
+"""Stands for a pickup or dropoff that the layout does not have, which is ``None`` elsewhere."""
+
+MOST_STEPS = 2**31 - 1
+"""Of an episode, and battery units, that arrays have room for."""
+
+CELLS_PER_UNIT, STEPS_PER_UNIT = 10.0, 100.0
+"""What a vector counts distances and times in, so that on usual layouts they are about 1."""
+
+MARKED_TILES = (WALL, PICKUP, DROPOFF)
+"""The tiles that a vector tells apart, besides the floor."""
+
+OTHER_NUMBERS = 11
+"""Of a vector, besides the window."""
+
+_MARKS = np.zeros((len(CELL_CODES), len(MARKED_TILES)), np.float32)
+
+for _place, _tile in enumerate(MARKED_TILES):
+    _MARKS[CELL_CODES[_tile], _place] = 1.0
+
+_CELL, _STEP = 1 / CELLS_PER_UNIT, 1 / STEPS_PER_UNIT
+
+_SCALES = np.array([_CELL, _CELL, *[1.0, _CELL, _CELL] * 2, 1.0, _STEP, _STEP], np.float32)
+
+
+class Arrays(TypedDict):
+    """An observation as arrays, with the keys of the chapter's.
+
+    Attributes:
+        local_grid: ``[..., K * K]`` uint8, the window row by row in ``sight.CELL_CODES``.
+        robot_pos: ``[..., 2]`` int32, row and column.
+        has_item: ``[...]`` int64, 0 or 1; a plain ``int`` where there is no batch.
+        battery: ``[..., 1]`` int32, units left.
+        steps: ``[..., 1]`` int32, steps taken.
+        pickup_pos: ``[..., 2]`` int32, ``NOWHERE`` where the layout has none.
+        dropoff_pos: ``[..., 2]`` int32, likewise.
+    """
+
+    local_grid: NDArray[np.uint8]
+    robot_pos: NDArray[np.int32]
+    has_item: int | NDArray[np.int64]
+    battery: NDArray[np.int32]
+    steps: NDArray[np.int32]
+    pickup_pos: NDArray[np.int32]
+    dropoff_pos: NDArray[np.int32]
+
+
+def encode(observation: Observation) -> Arrays:
+    """Return an observation as fresh arrays that share nothing with it."""
+    return _arrays(_window(observation), _numbers(observation), observation["has_item"])
+
+
+def _window(observation: Observation) -> NDArray[np.uint8]:
+    text = "".join(observation["local_grid"]).encode()
+    return np.frombuffer(bytearray(text.translate(CODE_OF_BYTE)), np.uint8)
+
+
+def _numbers(observation: Observation) -> NDArray[np.int32]:
+    """Return all numbers of an observation as one array, which takes half as long as five."""
+    pickup, dropoff = observation["pickup_pos"] or NOWHERE, observation["dropoff_pos"] or NOWHERE
+    budgets = observation["battery"], observation["steps"]
+    return np.array((*observation["robot_pos"], *pickup, *dropoff, *budgets), np.int32)
+
+
+def _arrays(window: NDArray[np.uint8], numbers: NDArray[np.int32], has_item: bool) -> Arrays:
+    return {
+        "local_grid": window,
+        "robot_pos": numbers[0:2],
+        "has_item": int(has_item),
+        "battery": numbers[6:7],
+        "steps": numbers[7:8],
+        "pickup_pos": numbers[2:4],
+        "dropoff_pos": numbers[4:6],
+    }
+
+
+def vector(arrays: Arrays) -> NDArray[np.float32]:
+    """Return an observation as one vector of ``3 * K * K + 11`` numbers, ``[..., L]`` float32.
+
+    ======================  =====================================================================
+    ``3 * K * K``           for each cell of the window, row by row, three numbers: whether it is
+                            a wall, a pickup and a dropoff
+    2                       row and column of the robot, in tens of cells
+    3                       pickup: whether there is one, then rows and columns from the robot to
+                            it, in tens of cells, 0 without one
+    3                       dropoff, likewise
+    1                       whether the robot holds an item
+    2                       battery units left and steps taken, in hundreds
+    ======================  =====================================================================
+    """
+    window, robot = arrays["local_grid"], arrays["robot_pos"]
+    size = len(MARKED_TILES) * window.shape[-1]
+    out = np.empty((*window.shape[:-1], size + OTHER_NUMBERS), np.float32)
+    out[..., :size] = _MARKS.take(window, axis=0).reshape(*window.shape[:-1], size)
+    rest = out[..., size:]
+    rest[..., 0:2] = robot
+    for first, station in ((2, arrays["pickup_pos"]), (5, arrays["dropoff_pos"])):
+        exists = station[..., :1] >= 0
+        rest[..., first : first + 1] = exists
+        rest[..., first + 1 : first + 3] = (station - robot) * exists
+    rest[..., 8] = arrays["has_item"]
+    rest[..., 9:10] = arrays["battery"]
+    rest[..., 10:11] = arrays["steps"]
+    rest *= _SCALES
+    return out
+
+
+def vector_limits(
+    height: int, width: int, view_radius: int, battery: int, max_steps: int
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return the lowest and the highest vector that there can be, each ``[L]`` float32."""
+    window = len(MARKED_TILES) * (2 * view_radius + 1) ** 2
+    row, col = height - 1, width - 1
+    low = np.array([0, 0, *[0, -row, -col] * 2, 0, 0, 0], np.float32) * _SCALES
+    high = np.array([row, col, *[1, row, col] * 2, 1, battery, max_steps], np.float32) * _SCALES
+    return (
+        np.concatenate([np.zeros(window, np.float32), low]),
+        np.concatenate([np.ones(window, np.float32), high]),
+    )

@@ -1,0 +1,1 @@
+"""Many warehouses at once, in NumPy arrays."""

@@ -1,0 +1,337 @@
+"""Many warehouses at once: ``B`` environments stepped together by NumPy.
+
+Row ``b`` is what a ``WarehouseEnv`` in its layout would be, fed the same actions; the rules are
+those of ``task/rules.py`` and the moves those of the same backends. What differs is the form:
+arrays for all rows instead of one dict, and rows that start again by themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from warehouse_core.arguments import as_flag, whole_number
+from warehouse_core.motion.backends import Backend, make_batch_motion
+from warehouse_core.motion.vector import BatchOutcome, Flags, Integers, Rows
+from warehouse_core.task.encoding import MOST_STEPS, Arrays
+from warehouse_core.task.state import WarehouseState
+from warehouse_core.vector.floor import BatchFloor
+from warehouse_core.vector.rules import judge_all, masks
+from warehouse_core.vector.starts import BatchStart
+from warehouse_core.world.actions import ACTIONS, WAIT
+from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
+from warehouse_core.world.tables import LayoutSet
+from warehouse_core.world.tiles import Cell
+
+NEXT_STEP, SAME_STEP, DISABLED = "NextStep", "SameStep", "Disabled"
+AUTORESET_MODES = (NEXT_STEP, SAME_STEP, DISABLED)
+
+ALL = slice(None)
+
+Seeds = int | Sequence[int | None] | None
+
+BatchStep = tuple[Arrays, NDArray[np.float64], Flags, Flags, dict[str, Any]]
+"""Observation, rewards, terminated, truncated and info."""
+
+
+class EndedError(RuntimeError):
+    """A step before a reset, or of rows that have ended and do not start again by themselves."""
+
+
+class BatchEnv:
+    """``B`` warehouses with one robot each.
+
+    Args:
+        num_envs: ``B``, at least 1.
+        layout: one for all rows, or a list of one for each; ``None`` is the chapter's.
+        start_pos: where robots start that are not drawn, one for all rows or one for each;
+            ``None`` is the usual start of each layout.
+        max_steps: steps until an episode is truncated, 1 to ``MOST_STEPS``.
+        battery: battery units of a full charge, 1 to ``MOST_STEPS``; every step costs one.
+        view_radius: cells seen in each direction; with 0 a robot sees nothing but itself.
+        randomize: draw pickup, dropoff and start of each episode.
+        autoreset_mode: when a row that has ended starts again: with the step after, which takes no
+            action (``"NextStep"``), within the same step (``"SameStep"``), or not before
+            ``reset`` with a mask (``"Disabled"``).
+        backend: name, class or instance of a motion that can be multiplied.
+
+    Raises:
+        ValueError: a value that is not allowed; ``LayoutError`` and ``BackendError`` are such.
+        TypeError: an argument of another type.
+    """
+
+    def __init__(
+        self,
+        num_envs: int,
+        layout: Layout | Sequence[Layout] | None = None,
+        start_pos: Cell | Sequence[Cell] | None = None,
+        max_steps: int = 200,
+        battery: int = 200,
+        view_radius: int = 2,
+        *,
+        randomize: bool = True,
+        autoreset_mode: str = NEXT_STEP,
+        backend: Backend = "grid",
+    ) -> None:
+        self.num_envs = whole_number("num_envs", num_envs, least=1)
+        self.max_steps = whole_number("max_steps", max_steps, 1, MOST_STEPS)
+        self.max_battery = whole_number("battery", battery, 1, MOST_STEPS)
+        self.view_radius = whole_number("view_radius", view_radius, least=0)
+        if autoreset_mode not in AUTORESET_MODES:
+            raise ValueError(
+                f"autoreset_mode is {autoreset_mode!r}; allowed: {', '.join(AUTORESET_MODES)}"
+            )
+        self.autoreset_mode, self.randomize = autoreset_mode, as_flag("randomize", randomize)
+        self.layouts = LayoutSet(_one_each(layout, self.num_envs))
+        self._start = BatchStart(self.layouts, start_pos, randomize=randomize)
+        self._floor = BatchFloor(self.layouts, self.view_radius, moving_stations=randomize)
+        self._motion = make_batch_motion(backend, self.layouts.rows)
+        self._cells = np.zeros(self.num_envs, np.intp)
+        self._has_item = np.zeros(self.num_envs, np.bool_)
+        self._steps = np.zeros(self.num_envs, np.int32)
+        self._ended = np.zeros(self.num_envs, np.bool_)
+        self._started = False
+        # Steps rise as the battery falls, so the lower of the two budgets ends an episode.
+        self._last_step = min(self.max_steps, self.max_battery)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """The most rows and the most columns that any of the layouts has."""
+        kinds = self.layouts.kinds
+        return max(kind.height for kind in kinds), max(kind.width for kind in kinds)
+
+    def reset(self, seed: Seeds = None, mask: Flags | None = None) -> tuple[Arrays, dict[str, Any]]:
+        """Start an episode in every row, or in those of a mask.
+
+        Args:
+            seed: row ``b`` draws its starts from ``default_rng(seed + b)``, or from the ``b``-th
+                of ``B`` seeds; where there is none its stream goes on.
+            mask: ``[B]`` bool, the rows to reset; the others stay as they are.
+
+        Returns:
+            The observation of all rows, and info with the ``action_mask`` of those reset.
+
+        Raises:
+            ValueError: a negative seed, or not ``B`` seeds or flags; nothing has changed.
+            TypeError: a seed or a flag of another type.
+            EndedError: a mask before the first reset.
+        """
+        seeds, chosen = _checked_seeds(seed, self.num_envs), self._checked_mask(mask)
+        rows = np.flatnonzero(chosen)
+        self._start.seed(rows, [seeds[row] for row in rows.tolist()])
+        self._begin(rows)
+        self._started = True
+        return self._observe(ALL), {
+            "action_mask": self._masks(),
+            "_action_mask": chosen,
+        }
+
+    def step(self, actions: ArrayLike) -> BatchStep:
+        """Carry out one action in each row.
+
+        Args:
+            actions: ``[B]`` integers, 0 to 6.
+
+        Returns:
+            Observation, ``[B]`` float64 rewards, ``[B]`` bool terminated and truncated, and info:
+            ``action_mask`` ``[B, 7]`` int8; ``motion`` with ``blocked``, ``seconds`` and
+            ``joules``; and, in the same-step mode where rows have ended, ``final_obs`` and
+            ``final_info`` of those. Beside each key ``k`` stands ``_k``, ``[B]`` bool: which rows
+            it is about. Nothing in them is used again.
+
+        Raises:
+            ValueError: a wrong shape, or an action out of range; nothing has changed.
+            TypeError: actions that are not integers.
+            EndedError: before a reset, or where rows have ended in the disabled mode.
+        """
+        chosen = self._checked_actions(actions)
+        fresh = self._restart_ended()
+        chosen[fresh] = WAIT  # their step is the start of an episode
+        outcome = self._motion.advance(chosen, self._has_item)
+        self._cells = outcome.cells
+        on = self._floor.stations(ALL, self._cells)
+        rewards, self._has_item, terminated = judge_all(chosen, on, self._has_item, outcome.blocked)
+        self._steps += 1
+        self._steps[fresh] = 0
+        truncated = self._steps >= self._last_step
+        rewards[fresh] = outcome.seconds[fresh] = outcome.joules[fresh] = 0.0
+        self._ended = terminated | truncated
+        info = _motion_info(outcome, without=fresh)
+        if self.autoreset_mode == SAME_STEP and self._ended.any():
+            info = self._end_episodes(info)
+        info |= {"action_mask": self._masks(), "_action_mask": np.ones_like(terminated)}
+        return self._observe(ALL), rewards, terminated, truncated, info
+
+    def action_masks(self) -> NDArray[np.int8]:
+        """Return ``[B, 7]`` int8: 1 for each action that does something now.
+
+        Raises:
+            EndedError: before a reset.
+        """
+        if not self._started:
+            raise EndedError("action_masks() needs a reset() before it")
+        return self._masks()
+
+    def row(self, row: int) -> tuple[Layout, WarehouseState]:
+        """Return how one warehouse stands: its layout, and the state that it alone would have.
+
+        Raises:
+            EndedError: before a reset.
+        """
+        if not self._started:
+            raise EndedError("row() needs a reset() before it")
+        layout = self.layouts.kinds[self.layouts.kind[row]]
+        if self.randomize:
+            pickup, dropoff = self._floor.station_places(np.array([row]))[:, 0].tolist()
+            layout = layout.with_stations(tuple(pickup), tuple(dropoff))
+        robot, steps = divmod(int(self._cells[row]), layout.width), int(self._steps[row])
+        has_item = bool(self._has_item[row])
+        return layout, WarehouseState(robot, has_item, self.max_battery - steps, steps)
+
+    def close(self) -> None:
+        """Let the motion backend go."""
+        self._motion.close()
+
+    def _masks(self) -> NDArray[np.int8]:
+        floor, cells = self._floor, self._cells
+        return masks(floor.sides(ALL, cells), floor.stations(ALL, cells), self._has_item)
+
+    def _begin(self, rows: Integers) -> None:
+        """Start an episode in some rows."""
+        starts = self._start.draw(rows)
+        self._floor.put_stations(rows, starts.pickups, starts.dropoffs)
+        self._motion.place(rows, starts.robots)
+        self._cells[rows] = starts.robots
+        self._has_item[rows] = self._ended[rows] = False
+        self._steps[rows] = 0
+
+    def _restart_ended(self) -> Integers:
+        """Start the rows that have ended again and return which they are, in the next-step mode."""
+        rows = np.flatnonzero(self._ended)
+        if rows.size:
+            if self.autoreset_mode == DISABLED:
+                raise EndedError(
+                    f"{rows.size} rows have ended, row {rows[0]} first; they must be reset, by a "
+                    "mask, before the next step"
+                )
+            self._begin(rows)
+        return rows
+
+    def _end_episodes(self, info: dict[str, Any]) -> dict[str, Any]:
+        """Start the rows that have ended again, and return info with how they ended."""
+        rows, ended = np.flatnonzero(self._ended), self._ended.copy()
+        final_info = {
+            "motion": {key: values.copy() for key, values in info["motion"].items()}
+            | {f"_{key}": ended.copy() for key in info["motion"]},
+            "_motion": ended.copy(),
+            "action_mask": self._masks(),
+            "_action_mask": ended.copy(),
+        }
+        observed: dict[str, Any] = {**self._observe(rows)}
+        final = {key: _spread(values, rows, self.num_envs) for key, values in observed.items()}
+        self._begin(rows)
+        return {
+            "motion": info["motion"],
+            "_motion": info["_motion"] & ~ended,
+            "final_obs": final,
+            "_final_obs": ended.copy(),
+            "final_info": final_info,
+            "_final_info": ended.copy(),
+        }
+
+    def _observe(self, rows: Rows) -> Arrays:
+        floor, cells, has_item = self._floor, self._cells[rows], self._has_item[rows]
+        steps = self._steps[rows][:, None]
+        robots = floor.places(rows, cells)
+        pickups, dropoffs = floor.station_places(rows)
+        return {
+            "local_grid": floor.windows(rows, cells, has_item, robots),
+            "robot_pos": robots,
+            "has_item": has_item.astype(np.int64),
+            "battery": self.max_battery - steps,
+            "steps": steps.copy(),
+            "pickup_pos": pickups.copy(),
+            "dropoff_pos": dropoffs.copy(),
+        }
+
+    def _checked_actions(self, actions: ArrayLike) -> NDArray[np.intp]:
+        """Return actions that are allowed, as a copy."""
+        given = np.asarray(actions)
+        if not self._started:
+            raise EndedError("step() needs a reset() before it")
+        if given.dtype.kind not in "iu":
+            raise TypeError(f"the actions are {given.dtype}; they must be integers")
+        if given.shape != (self.num_envs,):
+            raise ValueError(
+                f"the actions have the shape {given.shape}; it must be ({self.num_envs},)"
+            )
+        chosen = given.astype(np.intp)
+        # A negative number is a very large one without its sign.
+        if chosen.view(np.uintp).max() >= len(ACTIONS):
+            row = int(np.argmax(chosen.view(np.uintp) >= len(ACTIONS)))
+            raise ValueError(
+                f"the action of row {row} is {given[row]}; allowed: 0..{len(ACTIONS) - 1}"
+            )
+        return chosen
+
+    def _checked_mask(self, mask: Flags | None) -> Flags:
+        """Return which rows to reset, as a copy."""
+        if mask is None:
+            return np.ones(self.num_envs, np.bool_)
+        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
+            raise TypeError(f"the mask is {mask!r}; it must be an array of bool")
+        if mask.shape != (self.num_envs,) or not mask.any():
+            raise ValueError(
+                f"the mask has the shape {mask.shape} and {mask.sum()} rows set; "
+                f"the shape must be ({self.num_envs},) and at least one row set"
+            )
+        if not self._started:
+            raise EndedError("the first reset() must be of all rows, without a mask")
+        return mask.copy()
+
+
+def _one_each(layout: Layout | Sequence[Layout] | None, rows: int) -> Sequence[Layout]:
+    if layout is None or isinstance(layout, Layout):
+        return [layout or DEFAULT_LAYOUT] * rows
+    if not isinstance(layout, Sequence):
+        raise TypeError(f"layout is {layout!r}; it must be a Layout, or one for each row")
+    if len(layout) != rows:
+        raise ValueError(f"{len(layout)} layouts for {rows} rows; give one, or one for each row")
+    for row, each in enumerate(layout):
+        if not isinstance(each, Layout):
+            raise TypeError(f"the layout of row {row} is {type(each).__name__}, not a Layout")
+    return layout
+
+
+def _checked_seeds(seed: Seeds, rows: int) -> Sequence[int | None]:
+    if seed is None:
+        return [None] * rows
+    if isinstance(seed, (int, np.integer)):
+        first = whole_number("seed", seed, least=0)
+        return range(first, first + rows)
+    if not isinstance(seed, (Sequence, np.ndarray)) or np.ndim(np.asarray(seed, object)) != 1:
+        raise TypeError(f"seed is {seed!r}; it must be an integer or one for each row")
+    if len(seed) != rows:
+        raise ValueError(f"{len(seed)} seeds for {rows} rows; give one, or one for each row")
+    return [
+        None if each is None else whole_number(f"the seed of row {row}", each, least=0)
+        for row, each in enumerate(seed)
+    ]
+
+
+def _motion_info(outcome: BatchOutcome, without: Integers) -> dict[str, Any]:
+    """Return what the motion did, and for which rows: not for those that only started."""
+    moved = np.ones(len(outcome.cells), np.bool_)
+    moved[without] = False
+    motion = {name: getattr(outcome, name) for name in ("blocked", "seconds", "joules")}
+    return {"motion": motion, "_motion": moved}
+
+
+def _spread(values: NDArray[Any], rows: Integers, count: int) -> NDArray[Any]:
+    """Return ``count`` rows, zero but for those given."""
+    spread = np.zeros((count, *values.shape[1:]), values.dtype)
+    spread[rows] = values
+    return spread

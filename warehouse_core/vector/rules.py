@@ -1,0 +1,73 @@
+"""The rules for a batch: every verdict of ``task/rules.py``, asked once and then looked up."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.motion.vector import Flags, Integers
+from warehouse_core.task.rules import judge, useful_actions
+from warehouse_core.world.actions import ACTIONS
+from warehouse_core.world.tiles import CELL_CODES, DROPOFF, EMPTY, PICKUP
+
+STATION_KINDS = (EMPTY, PICKUP, DROPOFF)
+"""What a robot can stand on, by the number that stands for it in a batch."""
+
+_BOTH = (False, True)
+_VERDICTS = [
+    judge(action, tile, has_item, blocked)
+    for action, tile, has_item, blocked in product(range(len(ACTIONS)), STATION_KINDS, _BOTH, _BOTH)
+]
+_REWARDS = np.array([verdict.reward for verdict in _VERDICTS])
+_HAS_ITEM = np.array([verdict.has_item for verdict in _VERDICTS])
+_DELIVERED = np.array([verdict.delivered for verdict in _VERDICTS])
+
+_MASK_BYTES = 8
+"""Of a mask and its padding: eight bytes are looked up at once, seven take far longer."""
+
+_MASKS = np.array(
+    [
+        [*useful_actions(sides, tile, has_item), *[False] * (_MASK_BYTES - len(ACTIONS))]
+        for sides, tile, has_item in product(product(_BOTH, repeat=4), STATION_KINDS, _BOTH)
+    ],
+    np.int8,
+).view(np.uint64)[:, 0]
+
+
+def judge_all(
+    actions: Integers, stations: Integers, has_item: Flags, blocked: Flags
+) -> tuple[NDArray[np.float64], Flags, Flags]:
+    """Judge one step of ``B`` robots; see ``rules.judge``.
+
+    Args:
+        actions: ``[B]``, 0 to 6.
+        stations: ``[B]``, what they stand on after their motion, indices into ``STATION_KINDS``.
+        has_item: ``[B]``, whether they held an item before the step.
+        blocked: ``[B]``, whether something stopped the motion.
+
+    Returns:
+        ``[B]`` each: the rewards, whether they hold an item now, and whether they have delivered.
+    """
+    index = ((actions * len(STATION_KINDS) + stations) * 2 + has_item) * 2 + blocked
+    return _REWARDS.take(index), _HAS_ITEM.take(index), _DELIVERED.take(index)
+
+
+def station_numbers(tiles: NDArray[np.uint8]) -> NDArray[np.intp]:
+    """Return the index into ``STATION_KINDS`` of ``[N]`` tiles given by their codes."""
+    numbers = np.zeros(len(CELL_CODES), np.intp)
+    for number, tile in enumerate(STATION_KINDS):
+        numbers[CELL_CODES[tile]] = number
+    return numbers[tiles]
+
+
+def sides_number(sides: Flags) -> NDArray[np.uint8]:
+    """Return ``[...]`` numbers, 0 to 15, of ``[..., 4]`` sides that are open, for ``masks``."""
+    return (np.packbits(sides, axis=-1)[..., 0] >> 4).astype(np.uint8)
+
+
+def masks(sides: Integers, stations: Integers, has_item: Flags) -> NDArray[np.int8]:
+    """Return ``[B, 7]`` int8 masks of the actions that do something; see ``useful_actions``."""
+    index = (sides * len(STATION_KINDS) + stations) * 2 + has_item
+    return _MASKS.take(index).view(np.int8).reshape(-1, _MASK_BYTES)[:, : len(ACTIONS)]

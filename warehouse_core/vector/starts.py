@@ -1,0 +1,116 @@
+"""Where the episodes of a batch begin: a random stream for each row, and what is drawn from it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.arguments import as_cell
+from warehouse_core.motion.vector import Integers
+from warehouse_core.task.starts import DRAWS, NO_RANK, check_room, draw_ranks
+from warehouse_core.vector.floor import NO_CELL
+from warehouse_core.world.layout import check_start
+from warehouse_core.world.tables import LayoutSet
+from warehouse_core.world.tiles import Cell
+
+
+class Starts(NamedTuple):
+    """Cells by their number in their layout, ``[N]`` each."""
+
+    pickups: Integers
+    dropoffs: Integers
+    robots: Integers
+
+
+class BatchStart:
+    """Draws the starts of ``B`` rows, each as ``draw_ranks`` does from a stream of its own.
+
+    Args:
+        layouts: of the rows.
+        start_pos: where robots start that are not drawn, one for all rows or one for each;
+            ``None`` is the usual start of each layout.
+        randomize: draw the starts, rather than take them from the layouts.
+
+    Raises:
+        LayoutError: a start that is not open, or no room for pickup and dropoff.
+    """
+
+    def __init__(
+        self, layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None, *, randomize: bool
+    ) -> None:
+        self._randomize = randomize
+        self._layouts = layouts
+        self._fixed = _fixed_starts(layouts, start_pos)
+        self._counts = layouts.of_rows([len(layout.open_cells) for layout in layouts.kinds])
+        self._open = np.concatenate([layout.open_cells for layout in layouts.kinds])
+        first = np.cumsum([0, *(len(layout.open_cells) for layout in layouts.kinds)])[:-1]
+        self._first = layouts.of_rows(first)
+        self._streams: list[np.random.Generator] = []
+        if randomize:
+            for layout in layouts.kinds:
+                check_room(layout)
+
+    def seed(self, rows: Integers, seeds: Sequence[int | None]) -> None:
+        """Begin the streams of some rows anew, those with a seed; a first time all of them."""
+        if not self._randomize:
+            return
+        if not self._streams:  # the first time is for all rows
+            self._streams = [np.random.default_rng(seed) for seed in seeds]
+            return
+        for row, seed in zip(rows.tolist(), seeds, strict=True):
+            if seed is not None:
+                self._streams[row] = np.random.default_rng(seed)
+
+    def draw(self, rows: Integers) -> Starts:
+        """Return where the next episodes of some rows begin."""
+        fixed = Starts(*(cells[rows] for cells in self._fixed))
+        if not self._randomize:
+            return fixed
+        uniforms = np.array([self._streams[row].random(DRAWS) for row in rows.tolist()])
+        ranks = draw_ranks(uniforms.reshape(-1, DRAWS), self._counts[rows])
+        pickups, dropoffs, robots = self._open.take(self._first[rows] + ranks.T, mode="clip")
+        return Starts(pickups, dropoffs, np.where(ranks[:, 2] == NO_RANK, fixed.robots, robots))
+
+
+def _fixed_starts(layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None) -> Starts:
+    """Return the starts as the layouts have them."""
+
+    def first(cells: Sequence[Cell], width: int) -> int:
+        return cells[0][0] * width + cells[0][1] if cells else NO_CELL
+
+    kinds = layouts.kinds
+    return Starts(
+        layouts.of_rows([first(layout.pickups, layout.width) for layout in kinds]),
+        layouts.of_rows([first(layout.dropoffs, layout.width) for layout in kinds]),
+        _robot_starts(layouts, start_pos),
+    )
+
+
+def _robot_starts(layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None) -> NDArray[np.intp]:
+    if start_pos is None:
+        usual = [layout.usual_start() for layout in layouts.kinds]
+        return layouts.of_rows(
+            [
+                row * layout.width + col
+                for (row, col), layout in zip(usual, layouts.kinds, strict=True)
+            ]
+        )
+    rows = len(layouts.kind)
+    try:
+        given = np.asarray(start_pos)
+    except ValueError:  # rows of different lengths
+        given = np.asarray(start_pos, object)
+    if given.shape not in ((2,), (rows, 2)):
+        raise ValueError(
+            f"start_pos has the shape {given.shape}; allowed: one cell (row, column) for all "
+            f"rows, or one for each, shape ({rows}, 2)"
+        )
+    cells = np.broadcast_to(given, (rows, 2))
+    for row, (cell, kind) in enumerate(zip(cells.tolist(), layouts.kind, strict=True)):
+        name = "start_pos" if given.ndim == 1 else f"start_pos[{row}]"
+        check_start(layouts.kinds[kind], as_cell(name, cell), name)
+    starts: NDArray[np.intp] = cells[:, 0] * layouts.width + cells[:, 1]
+    return starts

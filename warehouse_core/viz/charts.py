@@ -1,0 +1,191 @@
+"""What is plotted beside the warehouse: reward, distances and the battery."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import accumulate
+from typing import ClassVar
+
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.patches import Polygon, Rectangle
+from matplotlib.text import Text
+from matplotlib.ticker import MaxNLocator
+
+from warehouse_core.render.palette import (
+    BATTERY,
+    COLORS,
+    FAINT,
+    INK,
+    PALE_WARNING,
+    WARNING,
+    LineStyle,
+)
+from warehouse_core.viz.figure import SceneFigure
+from warehouse_core.viz.track import Track
+from warehouse_core.world.tiles import DROPOFF, PICKUP, TILES
+
+LOW_BATTERY = 0.2
+"""Share of a full battery below which the bar warns."""
+
+
+class RewardChart:
+    """Cumulative reward as a line, the reward of each step as a bar."""
+
+    def __init__(self, figure: SceneFigure, axes: Axes, track: Track, length: int) -> None:
+        _prepare(axes, "cumulative reward (bars: each step)", length)
+        self._axes = axes
+        axes.axhline(0, color=FAINT, linewidth=0.8, zorder=0)
+        self._bars = LineCollection([], colors=[BATTERY], linewidths=1.6, alpha=0.7)
+        axes.add_collection(self._bars, autolim=False)
+        self._line = axes.plot([], [], color=INK, linewidth=1.6)[0]
+        self._head = axes.plot([], [], "o", color=INK, markersize=4, clip_on=False)[0]
+        for mover in (self._bars, self._line, self._head):
+            figure.add_mover(mover)
+        axes.set_ylim(-1, 1)
+        self._fit(track)
+
+    def show(self, track: Track, frame: int) -> None:
+        """Draw everything up to the last step that is complete in ``frame``."""
+        last = track.step_at(frame)
+        rewards, totals = _rewards(track, last + 1)
+        _fit(self._axes, [*rewards, *totals])
+        self._bars.set_segments([[(step, 0.0), (step, r)] for step, r in enumerate(rewards)])
+        self._line.set_data(range(last + 1), totals)
+        self._head.set_data([last], [totals[-1]])
+
+    def _fit(self, track: Track) -> None:
+        rewards, totals = _rewards(track, track.steps + 1)
+        _fit(self._axes, [*rewards, *totals])
+
+
+class DistanceChart:
+    """Manhattan distances to pickup and dropoff; each line is led by its letter."""
+
+    NAMES: ClassVar[dict[str, str]] = {PICKUP: "dist_pickup", DROPOFF: "dist_dropoff"}
+    STYLES: ClassVar[dict[str, LineStyle]] = {PICKUP: "-", DROPOFF: (0, (4, 1.5))}
+
+    def __init__(self, figure: SceneFigure, axes: Axes, track: Track, length: int) -> None:
+        self._axes = axes
+        self._tiles = [tile for tile, name in self.NAMES.items() if name in track.metrics]
+        stations = " and ".join(TILES[tile] for tile in self._tiles)
+        _prepare(axes, f"distance to {stations} (cells)", length)
+        axes.set_ylim(-0.5, 1)
+        self._lines = {
+            tile: axes.plot([], [], color=COLORS[tile], linestyle=self.STYLES[tile], linewidth=1.8)[
+                0
+            ]
+            for tile in self._tiles
+        }
+        self._letters = {tile: self._letter(tile) for tile in self._tiles}
+        for mover in (*self._lines.values(), *self._letters.values()):
+            figure.add_mover(mover)
+        for tile in self._tiles:
+            _fit(axes, track.metrics[self.NAMES[tile]])
+
+    def show(self, track: Track, frame: int) -> None:
+        """Draw everything up to the last step that is complete in ``frame``."""
+        last = track.step_at(frame)
+        for tile in self._tiles:
+            distances = track.metrics[self.NAMES[tile]][: last + 1]
+            _fit(self._axes, distances)
+            self._lines[tile].set_data(range(last + 1), distances)
+            here = distances[-1]
+            self._letters[tile].set_visible(not math.isnan(here))
+            self._letters[tile].set_position((last, 0.0 if math.isnan(here) else here))
+
+    def _letter(self, tile: str) -> Text:
+        disc = {"boxstyle": "circle,pad=0.15", "facecolor": COLORS[tile], "linewidth": 0}
+        return self._axes.text(
+            0, 0, tile, fontsize=8, fontweight="bold", ha="center", va="center", bbox=disc
+        )
+
+
+class MotionChart:
+    """Speed as a line, and on a scale of its own the energy used so far."""
+
+    def __init__(self, figure: SceneFigure, axes: Axes, track: Track, length: int) -> None:
+        _prepare(axes, "speed (m/s, line) and energy used (J, area)", length)
+        self._axes, self._energy_axes = axes, axes.twinx()
+        self._energy_axes.set_zorder(axes.get_zorder() - 1)
+        axes.patch.set_visible(False)
+        self._energy_axes.spines[:].set_visible(False)
+        self._energy_axes.tick_params(labelsize=7, labelcolor="0.45", length=0, pad=1)
+        self._energy_axes.yaxis.set_major_locator(MaxNLocator(nbins=3))
+        self._area = Polygon([(0, 0), (0, 0)], closed=True, facecolor=FAINT, linewidth=0)
+        self._energy_axes.add_patch(self._area)
+        self._line = axes.plot([], [], color=BATTERY, linewidth=1.2)[0]
+        for mover in (self._area, self._line):
+            figure.add_mover(mover)
+        axes.set_ylim(-0.05, 1)
+        self._energy_axes.set_ylim(0, 100)
+        self._fit(track)
+
+    def show(self, track: Track, frame: int) -> None:
+        """Draw everything up to ``frame``."""
+        self._fit(track)
+        progress = track.progress[: frame + 1]
+        self._line.set_data(progress, track.speed[: frame + 1])
+        edge = zip(progress, track.energy, strict=False)
+        self._area.set_xy([(0.0, 0.0), *edge, (progress[-1], 0.0)])
+
+    def _fit(self, track: Track) -> None:
+        _fit(self._axes, [max(track.speed)])
+        _fit(self._energy_axes, [track.energy[-1]])
+
+
+class BatteryBar:
+    """What is left of the battery; below ``LOW_BATTERY`` it turns red and says so."""
+
+    def __init__(self, figure: SceneFigure, axes: Axes) -> None:
+        axes.set(xlim=(0, 1), ylim=(0, 1), xticks=[], yticks=[], facecolor="white")
+        axes.spines[:].set_color(INK)
+        self._paper = axes.add_patch(Rectangle((0, 0), 1, 1, linewidth=0))
+        self._bar = axes.add_patch(Rectangle((0, 0), 1, 1, linewidth=0))
+        self._text = axes.text(
+            0.5, 0.47, "", ha="center", va="center", fontsize=8, fontweight="bold", color=INK
+        )
+        self._text.set_bbox({"boxstyle": "round,pad=0.15", "fc": "white", "lw": 0, "alpha": 0.75})
+        for mover in (self._paper, self._bar, self._text, *axes.spines.values()):
+            figure.add_mover(mover)
+
+    def show(self, track: Track, frame: int) -> None:
+        """Draw the level of ``frame``."""
+        level = track.metrics["battery"][track.step_at(frame)]
+        known = not math.isnan(level)
+        share = min(1.0, max(0.0, level / track.full_battery)) if known else 0.0
+        low = known and share < LOW_BATTERY
+        self._paper.set_facecolor(PALE_WARNING if low else "white")
+        self._bar.set(width=share, facecolor=WARNING if low else BATTERY)
+        warning = "" if not low else "  EMPTY!" if share == 0 else "  LOW!"
+        units = f"{level:.10g} of {track.full_battery:.10g}" if known else "unknown"
+        self._text.set_text(f"battery {units}{warning}")
+
+
+def _prepare(axes: Axes, title: str, count: int) -> None:
+    axes.set_title(title, fontsize=9, loc="left", color=INK, pad=4)
+    axes.set_xlim(-0.5, max(count - 0.5, 1))
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.tick_params(labelsize=8)
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=8, integer=True))
+    axes.grid(color=FAINT, linewidth=0.5)
+    axes.set_axisbelow(True)
+
+
+def _rewards(track: Track, count: int) -> tuple[list[float], list[float]]:
+    """Return the first ``count`` rewards, NaN as nothing, and their running sums."""
+    rewards = [0.0 if math.isnan(r) else r for r in track.metrics["rewards"][:count]]
+    return rewards, list(accumulate(rewards))
+
+
+def _fit(axes: Axes, values: Sequence[float]) -> None:
+    """Widen the range of ``axes``, never narrow it, so that it shows ``values``."""
+    low, high = axes.get_ylim()
+    known = [value for value in values if not math.isnan(value)]
+    least, most = min([low, *known]), max([high, *known])
+    margin = 0.08 * (most - least)
+    if least < low:
+        axes.set_ylim(bottom=least - margin)
+    if most > high:
+        axes.set_ylim(top=most + margin)

@@ -1,0 +1,1 @@
+"""The world that a robot is in: tiles, layouts, generators, map files."""

@@ -1,0 +1,63 @@
+"""The seven actions, as words, as indices and as displacements."""
+
+from __future__ import annotations
+
+import operator
+from typing import Any, SupportsIndex
+
+from warehouse_core.world.tiles import MOVE_DELTAS, Cell
+
+ACTIONS = ("N", "E", "S", "W", "WAIT", "PICK", "DROP")
+
+WAIT, PICK, DROP = (ACTIONS.index(word) for word in ("WAIT", "PICK", "DROP"))
+
+INVALID = len(ACTIONS)
+"""The index that stands for every word and integer that is no action."""
+
+DISPLACEMENTS: tuple[Cell, ...] = tuple(
+    MOVE_DELTAS.get(word, (0, 0)) for word in (*ACTIONS, "INVALID")
+)
+"""Rows and columns that each action asks for, by index, ``INVALID`` last."""
+
+_INDEX_OF_WORD = {word: index for index, word in enumerate(ACTIONS)}
+
+
+def action_index(action: str | SupportsIndex) -> int:
+    """Return the index of an action given as a word (any case) or an integer (NumPy's too).
+
+    An unknown word or an integer out of range is ``INVALID``: it costs a step, as in the chapter.
+
+    Raises:
+        TypeError: ``action`` is neither a word nor an integer.
+    """
+    if isinstance(action, str):
+        index = _INDEX_OF_WORD.get(action)
+        if index is None:  # some letters beyond ASCII have an upper case within it
+            return _INDEX_OF_WORD.get(action.upper() if action.isascii() else "", INVALID)
+        return index
+    try:
+        number = operator.index(action)
+    except TypeError:
+        raise TypeError(
+            f"action {action!r} is {type(action).__name__}; allowed: one of {', '.join(ACTIONS)} "
+            f"or its index 0..{INVALID - 1}"
+        ) from None
+    return number if 0 <= number < INVALID else INVALID
+
+
+def valid_action(action: Any) -> int:
+    """Return the index of an action that must be one, and given as an integer.
+
+    Raises:
+        ValueError: it is out of range.
+        TypeError: it is not an integer.
+    """
+    try:
+        index = operator.index(action)
+    except TypeError:
+        raise TypeError(
+            f"action {action!r} is {type(action).__name__}; allowed: an integer 0..{INVALID - 1}"
+        ) from None
+    if not 0 <= index < INVALID:
+        raise ValueError(f"action {index} is out of range; allowed: 0..{INVALID - 1}")
+    return index

@@ -1,0 +1,288 @@
+"""The layout of a warehouse: an immutable grid of tiles, read from text and checked.
+
+A *cell* is ``(row, col)``, both counted from 0; row 0 is the top row. ``H, W`` are the height and
+width of a layout in cells. How layouts are made up is in ``generators.py``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from textwrap import dedent
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.files.atomic import atomic_path
+from warehouse_core.world.tiles import (
+    ALLOWED_TILES,
+    DROPOFF,
+    EMPTY,
+    MOVE_DELTAS,
+    PICKUP,
+    TILES,
+    WALL,
+    Cell,
+)
+
+CHAPTER_START: Cell = (1, 1)
+"""Where a robot starts unless it is told otherwise."""
+
+MAX_CELLS = 16_000_000
+"""The largest layout that is accepted, in cells; a larger text is refused before it is parsed."""
+
+
+class LayoutError(ValueError):
+    """A layout that cannot be used; the message says where and what is allowed."""
+
+
+@dataclass(frozen=True, slots=True, init=False)
+class Layout:
+    """An ``H`` x ``W`` grid of tiles.
+
+    Args:
+        rows: equally long strings of ``#`` wall, ``.`` empty, ``P`` pickup, ``D`` dropoff.
+
+    Raises:
+        LayoutError: no rows, a ragged row, an unknown character, or more than ``MAX_CELLS`` cells.
+        TypeError: ``rows`` is not a sequence of strings.
+
+    Source: the chapter's exercise; every field besides ``rows`` follows from it.
+    """
+
+    rows: tuple[str, ...]
+    height: int = field(init=False, compare=False, repr=False)
+    width: int = field(init=False, compare=False, repr=False)
+    pickups: tuple[Cell, ...] = field(init=False, compare=False, repr=False)
+    dropoffs: tuple[Cell, ...] = field(init=False, compare=False, repr=False)
+    open_cells: NDArray[np.intp] = field(init=False, compare=False, repr=False)
+    """Every cell that is not a wall, as ``row * W + col`` in rising order, read-only."""
+
+    def __init__(self, rows: Sequence[str]) -> None:
+        checked = _checked_rows(rows)
+        tiles = np.frombuffer("".join(checked).encode("ascii"), dtype=np.uint8)
+        open_cells = np.flatnonzero(tiles != ord(WALL))
+        open_cells.setflags(write=False)
+        pickups = tuple(_cells_of(PICKUP, checked))
+        self._fill(checked, pickups, tuple(_cells_of(DROPOFF, checked)), open_cells)
+
+    def _fill(
+        self,
+        rows: tuple[str, ...],
+        pickups: tuple[Cell, ...],
+        dropoffs: tuple[Cell, ...],
+        open_cells: NDArray[np.intp],
+    ) -> None:
+        values = (rows, len(rows), len(rows[0]), pickups, dropoffs, open_cells)
+        for name, value in zip(self.__slots__, values, strict=True):
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def from_text(cls, text: str) -> Layout:
+        """Read a layout from lines of tiles; common indentation and outer blank lines are dropped.
+
+        Raises:
+            LayoutError: as for the class.
+        """
+        if len(text) > 2 * MAX_CELLS:
+            raise LayoutError(f"layout text is longer than MAX_CELLS = {MAX_CELLS} cells allow")
+        lines = dedent(text).strip("\n").split("\n")
+        return cls([line.rstrip() for line in lines])
+
+    @classmethod
+    def load(cls, path: str | Path) -> Layout:
+        """Read a layout from a UTF-8 text file.
+
+        Raises:
+            LayoutError: as for the class, with the file's name in front.
+            OSError: the file cannot be read.
+        """
+        with Path(path).open("rb") as file:
+            data = file.read(2 * MAX_CELLS + 1)
+        try:
+            return cls.from_text(data.decode("utf-8-sig").replace("\r\n", "\n"))
+        except UnicodeDecodeError as error:
+            raise LayoutError(f"{path}: not UTF-8 text: byte {error.start}") from error
+        except LayoutError as error:
+            raise LayoutError(f"{path}: {error}") from error
+
+    def save(self, path: str | Path) -> None:
+        """Write the layout as text; the file appears whole or not at all."""
+        with atomic_path(path) as part:
+            part.write_text(f"{self}\n", encoding="utf-8", newline="\n")
+
+    def __str__(self) -> str:
+        return "\n".join(self.rows)
+
+    def __deepcopy__(self, memo: object) -> Layout:
+        return self  # it never changes, and a copied array could be written to
+
+    def __reduce__(self) -> tuple[type[Layout], tuple[tuple[str, ...]]]:
+        return Layout, (self.rows,)
+
+    def is_open(self, cell: Cell) -> bool:
+        """Say whether a robot can stand on ``cell``: inside the grid and not a wall."""
+        row, col = cell
+        return 0 <= row < self.height and 0 <= col < self.width and self.rows[row][col] != WALL
+
+    def open_sides(self, cell: Cell) -> tuple[bool, ...]:
+        """Say whether the neighbours of ``cell`` to the N, E, S and W are open."""
+        row, col = cell
+        return tuple(self.is_open((row + dr, col + dc)) for dr, dc in MOVE_DELTAS.values())
+
+    def open_cell(self, index: int) -> Cell:
+        """Return the ``index``-th open cell in row-major order."""
+        row, col = divmod(int(self.open_cells[index]), self.width)
+        return row, col
+
+    def usual_start(self) -> Cell:
+        """Return the chapter's start, or the first open cell where that is a wall.
+
+        Raises:
+            LayoutError: no cell is open.
+        """
+        if self.is_open(CHAPTER_START):
+            return CHAPTER_START
+        if not len(self.open_cells):
+            raise LayoutError("the layout has no open cell; a robot needs one to start on")
+        return self.open_cell(0)
+
+    def station_ranks(self) -> list[int]:
+        """Return which open cells, by their index, hold a pickup or a dropoff."""
+        flat = [row * self.width + col for row, col in self.pickups + self.dropoffs]
+        return [int(rank) for rank in np.searchsorted(self.open_cells, flat)]
+
+    def describe(self, cell: Cell) -> str:
+        """Name what is at ``cell`` for an error message, off the grid included."""
+        row, col = cell
+        if not (0 <= row < self.height and 0 <= col < self.width):
+            return (
+                f"row {row}, column {col} is off the grid "
+                f"(rows 0..{self.height - 1}, columns 0..{self.width - 1})"
+            )
+        return f"row {row}, column {col} is {TILES[self.rows[row][col]]}"
+
+    def reachable_from(self, cell: Cell) -> set[Cell]:
+        """Return every cell that a robot at ``cell`` can drive to, ``cell`` included."""
+        seen, fresh = {cell}, [cell]
+        while fresh:
+            row, col = fresh.pop()
+            for dr, dc in MOVE_DELTAS.values():
+                neighbour = (row + dr, col + dc)
+                if neighbour not in seen and self.is_open(neighbour):
+                    seen.add(neighbour)
+                    fresh.append(neighbour)
+        return seen
+
+    def with_stations(self, pickup: Cell | None, dropoff: Cell | None) -> Layout:
+        """Return the same walls with these stations, or none, in place of all others.
+
+        The walls are shared with the new layout (``open_cells`` is the same object), so that what
+        depends on them alone need not be worked out again.
+
+        Raises:
+            LayoutError: a station is not on an open cell.
+        """
+        rows = list(self.rows)
+        for row in {row for row, _ in self.pickups + self.dropoffs}:
+            rows[row] = rows[row].replace(PICKUP, EMPTY).replace(DROPOFF, EMPTY)
+        for cell, tile in ((pickup, PICKUP), (dropoff, DROPOFF)):
+            if cell is not None:
+                self._put(rows, cell, tile)
+        layout = object.__new__(Layout)
+        pickups, dropoffs = (() if cell is None else (cell,) for cell in (pickup, dropoff))
+        layout._fill(tuple(rows), pickups, dropoffs, self.open_cells)
+        return layout
+
+    def _put(self, rows: list[str], cell: Cell, tile: str) -> None:
+        if not self.is_open(cell):
+            raise LayoutError(f"no place for {tile}: {self.describe(cell)}")
+        row, col = cell
+        rows[row] = f"{rows[row][:col]}{tile}{rows[row][col + 1 :]}"
+
+
+def check_open(layout: Layout, cell: Cell, name: str) -> None:
+    """Refuse a cell where a robot cannot stand.
+
+    Raises:
+        LayoutError: with its name and what is there.
+    """
+    if not layout.is_open(cell):
+        raise LayoutError(f"{name} {layout.describe(cell)}; it must be an open cell")
+
+
+def _checked_rows(rows: Sequence[str]) -> tuple[str, ...]:
+    if isinstance(rows, str) or not isinstance(rows, Sequence):
+        raise TypeError(f"a layout is a list of strings, not {type(rows).__name__}")
+    for index, row in enumerate(rows):
+        if not isinstance(row, str):
+            raise TypeError(f"row {index} of the layout is {type(row).__name__}, not a string")
+    if not rows or not rows[0]:
+        raise LayoutError("the layout is empty; it needs at least one row with one cell")
+    width = len(rows[0])
+    if len(rows) * width > MAX_CELLS:
+        raise LayoutError(f"{len(rows)} x {width} cells are more than MAX_CELLS = {MAX_CELLS}")
+    for index, row in enumerate(rows):
+        _check_row(index, row, width)
+    return tuple(map(str, rows))
+
+
+def _check_row(index: int, row: str, width: int) -> None:
+    for column, tile in enumerate(row) if not set(row) <= TILES.keys() else ():
+        if tile not in TILES:
+            raise LayoutError(
+                f"row {index}, column {column}: {tile!r} is not a tile; allowed: {ALLOWED_TILES}"
+            )
+    if len(row) != width:
+        raise LayoutError(
+            f"row {index} has {len(row)} columns where row 0 has {width}; "
+            "all rows must be equally long"
+        )
+
+
+def _cells_of(tile: str, rows: Iterable[str]) -> Iterable[Cell]:
+    for r, row in enumerate(rows):
+        if tile in row:
+            yield from ((r, c) for c, found in enumerate(row) if found == tile)
+
+
+GivenLayout = Layout | Sequence[str] | str
+"""A layout, its rows, or its text; of the three only the last two can be kept as JSON."""
+
+DEFAULT_LAYOUT = Layout.from_text(
+    """
+    ############
+    #..P....#..#
+    #..##...#..#
+    #......##..#
+    #..#.......#
+    #..#..D....#
+    ############
+    """
+)
+"""The chapter's warehouse, 7 x 12."""
+
+
+def as_layout(layout: GivenLayout | None) -> Layout:
+    """Return a layout that was given as one, as rows or as text; the chapter's where none was.
+
+    Raises:
+        LayoutError: it cannot be used.
+        TypeError: it is something else.
+    """
+    if layout is None:
+        return DEFAULT_LAYOUT
+    if isinstance(layout, Layout):
+        return layout
+    return Layout.from_text(layout) if isinstance(layout, str) else Layout(layout)
+
+
+def check_start(layout: Layout, start: Cell, name: str = "start_pos") -> None:
+    """Refuse a start that is not an open cell.
+
+    Raises:
+        LayoutError: naming what is there.
+    """
+    if not layout.is_open(start):
+        raise LayoutError(f"{name} {layout.describe(start)}; the robot must start on an open cell")

@@ -1,0 +1,169 @@
+"""Maps from outside, in MovingAI's format ``.map``.
+
+Errors name a line and a column of the file, counted from 1, as editors do. A robot drives on land:
+MovingAI's swamp can be entered from land and is floor; its water can only be entered from water
+and is a wall here.
+
+Source: https://movingai.com/benchmarks/formats.html; for the dialect ``Input_Output_Format.md`` of
+the League of Robot Runners' Start-Kit.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from io import BufferedReader
+from pathlib import Path
+
+from warehouse_core.files.atomic import atomic_path
+from warehouse_core.world.layout import MAX_CELLS, Layout, LayoutError
+from warehouse_core.world.text_lines import MAX_LINE, error_at, expect, read_line, whole_number_at
+from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP, WALL
+
+SUFFIX = ".map"
+
+MAX_BLANKS = 16
+"""Bytes that may follow the last column of a row, its line end included."""
+
+TERRAIN = {".": EMPTY, "G": EMPTY, "S": EMPTY, "@": WALL, "O": WALL, "T": WALL, "W": WALL}
+
+ALLOWED_TERRAIN = ". G S (floor), @ O T W (not), and E only in the robot-runners dialect"
+
+ROBOT_RUNNERS = {".": EMPTY, "E": PICKUP, "S": DROPOFF, "@": WALL, "T": WALL}
+"""Goods come from an emitter and go to a service point, so that a map is at once a task.
+
+So run the tasks of the Start-Kit's warehouse, from ``E`` to ``S``, although its table of symbols
+says "delivery" of ``E`` and "pick up" of ``S``.
+"""
+
+ALLOWED_ROBOT_RUNNERS = ". (floor), E (emitter), S (service), @ T (not passable)"
+
+_BLANK = b" \t\r\n"
+
+_SIZE = re.compile(r"(\w+)\s+(\S+)")
+
+_TO_MAP = str.maketrans({WALL: "@", PICKUP: ".", DROPOFF: "."})
+
+
+def load_map(path: str | Path, *, robot_runners: bool = False) -> Layout:
+    """Read a ``.map``. Stations are there in the dialect only: ``E`` a pickup, ``S`` a dropoff.
+
+    A map of more than ``MAX_CELLS`` is refused by its header. Of any other at most ``MAX_BLANKS``
+    bytes a row are read besides its cells.
+
+    Args:
+        path: of the file.
+        robot_runners: read the dialect of the League of Robot Runners.
+
+    Raises:
+        LayoutError: it is no such map, or too large; with the file's name in front.
+        OSError: the file cannot be read.
+    """
+    terrain, allowed = TERRAIN, ALLOWED_TERRAIN
+    if robot_runners:
+        terrain, allowed = ROBOT_RUNNERS, ALLOWED_ROBOT_RUNNERS
+    with Path(path).open("rb") as file:
+        try:
+            height, width = _read_header(file)
+            rows = list(_read_rows(file, height, width, terrain, allowed))
+            _check_end(file, height)
+            return Layout(rows)
+        except LayoutError as error:
+            raise LayoutError(f"{path}: {error}") from error
+
+
+def save_map(layout: Layout, path: str | Path) -> None:
+    """Write a layout as a ``.map``, its stations as floor; the file appears whole or not at all.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    header = f"type octile\nheight {layout.height}\nwidth {layout.width}\nmap\n"
+    with atomic_path(path) as part:
+        text = f"{header}{str(layout).translate(_TO_MAP)}\n"
+        part.write_text(text, encoding="ascii", newline="\n")
+
+
+def _read_header(file: BufferedReader) -> tuple[int, int]:
+    """Return height and width; both orders of the two are found in the wild."""
+    expect(read_line(file, 1), 1, "type octile")
+    sizes: dict[str, int] = {}
+    for number in (2, 3):
+        line = read_line(file, number)
+        wanted = [name for name in ("height", "width") if name not in sizes]
+        size = _SIZE.fullmatch(line)
+        if not size or size[1] not in wanted:
+            allowed = " or ".join(f"'{name} N'" for name in wanted)
+            raise error_at(number, 1, f"{line!r} is not allowed; it must be {allowed}")
+        column = size.start(2) + 1
+        sizes[size[1]] = whole_number_at(size[2], size[1], 1, number, column)
+    height, width = sizes["height"], sizes["width"]
+    if height * width > MAX_CELLS:
+        raise error_at(3, column, f"{height} x {width} cells are more than MAX_CELLS = {MAX_CELLS}")
+    expect(read_line(file, 4), 4, "map")
+    return height, width
+
+
+def _read_rows(
+    file: BufferedReader, height: int, width: int, terrain: dict[str, str], allowed: str
+) -> Iterator[str]:
+    """Yield the rows of a map as tiles."""
+    known = "".join(terrain).encode()
+    tiles = bytes.maketrans(known, "".join(terrain.values()).encode())
+    for number in range(5, height + 5):
+        data = file.readline(width + MAX_BLANKS + 1)
+        if not data:
+            raise error_at(number, 1, f"the map ends here; its header says height {height}")
+        row = data.rstrip(_BLANK)
+        if strange := row.translate(None, known):
+            column = row.index(strange[:1])
+            shown = row[column:].decode(errors="replace")[0]
+            raise error_at(number, column + 1, f"{shown!r} is no terrain; allowed: {allowed}")
+        _check_length(number, width, len(row), len(data))
+        yield row.translate(tiles).decode("ascii")
+
+
+def _check_length(number: int, width: int, found: int, with_blanks: int) -> None:
+    if found != width:
+        ends = "ends" if found < width else "goes on"
+        raise error_at(
+            number, min(found, width) + 1, f"the row {ends} here; its header says width {width}"
+        )
+    if with_blanks > width + MAX_BLANKS:
+        raise error_at(
+            number, with_blanks, f"more than MAX_BLANKS = {MAX_BLANKS} blanks follow the row"
+        )
+
+
+def _check_end(file: BufferedReader, height: int) -> None:
+    """Refuse more rows than the header says; empty lines may follow."""
+    for number in range(height + 5, height + 5 + MAX_BLANKS):
+        data = file.readline(MAX_LINE)
+        if not data:
+            return
+        if data.strip(_BLANK):
+            column = len(data) - len(data.lstrip(_BLANK)) + 1
+            raise error_at(number, column, f"the map goes on here; its header says height {height}")
+    raise error_at(number, 1, f"MAX_BLANKS = {MAX_BLANKS} or more empty lines at the end")
+
+
+def load_layout(path: str | Path) -> Layout:
+    """Read a layout; the suffix ``.map`` is MovingAI's.
+
+    Raises:
+        LayoutError: it is no layout; with the file's name in front.
+        OSError: the file cannot be read.
+    """
+    return load_map(path) if Path(path).suffix.lower() == SUFFIX else Layout.load(path)
+
+
+def save_layout(layout: Layout, path: str | Path) -> None:
+    """Write a layout; as ``.map`` its stations become floor.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    if Path(path).suffix.lower() == SUFFIX:
+        save_map(layout, path)
+    else:
+        layout.save(path)

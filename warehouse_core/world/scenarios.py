@@ -1,0 +1,157 @@
+"""Scenarios from outside, in MovingAI's format ``.scen``: ways to be found in a map.
+
+``x`` is the column and ``y`` the row, both counted from 0 with row 0 at the top: ``x, y`` is the
+cell ``(y, x)``. Errors name a line and a column of the file, counted from 1, as editors do.
+
+Source: https://movingai.com/benchmarks/formats.html.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from io import BufferedReader
+from pathlib import Path
+from typing import NamedTuple
+
+from warehouse_core.world.distances import distances
+from warehouse_core.world.layout import Layout, LayoutError
+from warehouse_core.world.text_lines import error_at, expect, read_line, whole_number_at
+from warehouse_core.world.tiles import Cell
+
+MAX_SCENARIOS = 100_000
+"""Lines of a file after its first."""
+
+_LENGTH = re.compile(r"[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]+)?")
+
+
+class Scenario(NamedTuple):
+    """A way to be found in a map.
+
+    Args:
+        bucket: number of a group of scenarios that are about equally hard.
+        map_name: file of the map, as the scenario names it.
+        width: columns of that map.
+        height: rows of that map.
+        start: where the way begins.
+        goal: where it ends.
+        octile_length: of the shortest way for a robot that can also drive diagonally, in cells;
+            for one that cannot see ``four_connected_length``.
+    """
+
+    bucket: int
+    map_name: str
+    width: int
+    height: int
+    start: Cell
+    goal: Cell
+    octile_length: float
+
+
+_FIELDS = (
+    "bucket", "map", "width", "height", "start_x", "start_y", "goal_x", "goal_y", "optimal_length"
+)  # fmt: skip
+
+
+def load_scenarios(path: str | Path) -> list[Scenario]:
+    """Read a ``.scen``: ``version 1``, then scenarios of 9 columns apart by tabs or spaces.
+
+    Whether they fit a layout is for ``check_scenarios`` to say.
+
+    Raises:
+        LayoutError: it is no such file, or has more than ``MAX_SCENARIOS`` lines; with the file's
+            name in front.
+        OSError: the file cannot be read.
+    """
+    with Path(path).open("rb") as file:
+        try:
+            expect(read_line(file, 1), 1, "version 1", "version 1.0")
+            return list(_read_scenarios(file))
+        except LayoutError as error:
+            raise LayoutError(f"{path}: {error}") from error
+
+
+def check_scenarios(layout: Layout, scenarios: Sequence[Scenario]) -> None:
+    """Refuse scenarios that are not of this layout.
+
+    Raises:
+        LayoutError: a size is not the layout's, or a start or goal is off the grid or in a wall;
+            scenarios are counted from 1, rows and columns from 0.
+    """
+    for number, scenario in enumerate(scenarios, 1):
+        if (scenario.height, scenario.width) != (layout.height, layout.width):
+            raise LayoutError(
+                f"scenario {number} is for {scenario.height} x {scenario.width} cells "
+                f"where the layout has {layout.height} x {layout.width}"
+            )
+        for name, cell in (("start", scenario.start), ("goal", scenario.goal)):
+            if not layout.is_open(cell):
+                raise LayoutError(
+                    f"scenario {number}: its {name} at {layout.describe(cell)}; it must be floor"
+                )
+
+
+def four_connected_length(layout: Layout, start: Cell, goal: Cell) -> int | None:
+    """Return the moves of a shortest way to N, E, S and W, or None where there is no way.
+
+    Raises:
+        LayoutError: the start or the goal is off the grid or in a wall.
+    """
+    for name, cell in (("start", start), ("goal", goal)):
+        if not layout.is_open(cell):
+            raise LayoutError(f"the {name} at {layout.describe(cell)}; it must be floor")
+    length = float(distances(layout, [goal])[start])
+    return int(length) if math.isfinite(length) else None
+
+
+def _read_scenarios(file: BufferedReader) -> Iterator[Scenario]:
+    number = 2
+    while file.peek(1):
+        if number > MAX_SCENARIOS + 1:
+            raise error_at(number, 1, f"more than MAX_SCENARIOS = {MAX_SCENARIOS} lines")
+        line = read_line(file, number)
+        if line:
+            yield _scenario(line, number)
+        number += 1
+
+
+def _scenario(line: str, number: int) -> Scenario:
+    fields = list(re.finditer(r"\S+", line))
+    if len(fields) != len(_FIELDS):
+        too_many = fields[len(_FIELDS) :]
+        raise error_at(
+            number,
+            too_many[0].start() + 1 if too_many else len(line) + 1,
+            f"{len(fields)} columns where there must be {len(_FIELDS)}: {' '.join(_FIELDS)}",
+        )
+    found = dict(zip(_FIELDS, fields, strict=True))
+    bucket = _number_in(found, "bucket", number, 0)
+    width, height = (_number_in(found, name, number, 1) for name in ("width", "height"))
+    start_x, goal_x = (_number_in(found, name, number, 0, width) for name in ("start_x", "goal_x"))
+    start_y, goal_y = (_number_in(found, name, number, 0, height) for name in ("start_y", "goal_y"))
+    length = _length(found["optimal_length"], number)
+    start, goal = (start_y, start_x), (goal_y, goal_x)
+    return Scenario(bucket, found["map"][0], width, height, start, goal, length)
+
+
+def _number_in(
+    found: dict[str, re.Match[str]], name: str, line: int, least: int, size: float = math.inf
+) -> int:
+    """Return a whole number of a scenario, from ``least`` to below ``size``."""
+    column = found[name].start() + 1
+    number = whole_number_at(found[name][0], name, least, line, column)
+    if number >= size:
+        raise error_at(line, column, f"{name} is {number}; it must be less than the map's {size}")
+    return number
+
+
+def _length(field: re.Match[str], line: int) -> float:
+    length = float(field[0]) if _LENGTH.fullmatch(field[0]) else math.inf
+    if not math.isfinite(length):
+        raise error_at(
+            line,
+            field.start() + 1,
+            f"optimal_length is {field[0]!r}; it must be a number, at least 0",
+        )
+    return length

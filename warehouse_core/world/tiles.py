@@ -1,0 +1,41 @@
+"""Tiles, cells and the characters and codes that stand for them.
+
+A *cell* is ``(row, col)``, both counted from 0; row 0 is the top row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+Cell = tuple[int, int]
+
+WALL, EMPTY, PICKUP, DROPOFF = "#", ".", "P", "D"
+
+TILES = {WALL: "wall", EMPTY: "empty", PICKUP: "pickup", DROPOFF: "dropoff"}
+
+ALLOWED_TILES = ", ".join(f"{tile} ({name})" for tile, name in TILES.items())
+
+MOVE_DELTAS: dict[str, Cell] = {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
+
+
+def runs_of(tile: str, row: str) -> Iterator[tuple[int, int]]:
+    """Yield the first column of each run of ``tile`` in a row, and the column after its last."""
+    start = row.find(tile)
+    while start >= 0:
+        end = start
+        while end < len(row) and row[end] == tile:
+            end += 1
+        yield start, end
+        start = row.find(tile, end)
+
+
+ROBOT_EMPTY, ROBOT_LOADED = "R", "r"
+
+CELL_CODES = {
+    character: code
+    for code, character in enumerate((EMPTY, WALL, PICKUP, DROPOFF, ROBOT_EMPTY, ROBOT_LOADED))
+}
+"""What stands for each character of a window where it is an array."""
+
+CODE_OF_BYTE = bytes(CELL_CODES.get(chr(byte), 255) for byte in range(256))
+"""The same as a table for ``bytes.translate``."""

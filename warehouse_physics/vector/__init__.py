@@ -1,0 +1,1 @@
+"""Many warehouses in one pymunk space."""

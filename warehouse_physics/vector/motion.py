@@ -1,0 +1,134 @@
+"""The physics backend for a batch: one rigid body in each of ``B`` warehouses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from warehouse_core import Layout, LayoutError
+from warehouse_core.motion.base import centre_of
+from warehouse_core.motion.vector import BatchOutcome, Flags, Integers
+from warehouse_core.world.actions import DISPLACEMENTS
+from warehouse_physics.robot_spec import RobotSpec
+from warehouse_physics.vector.arena import Yard
+from warehouse_physics.vector.robots import Drives
+
+_WAYS = np.array([(right, down) for down, right in DISPLACEMENTS], np.float64)
+
+
+class RigidBodyBatch:
+    """Moves one robot in each of ``B`` layouts as a disc with mass; see ``BatchMotion``.
+
+    All stand in one space, far enough apart never to touch. An action takes as many substeps as its
+    slowest robot needs; ``seconds`` and ``joules`` are those of each robot for itself.
+
+    Args:
+        spec: what the robots are made of.
+        layouts: of the rows, ``B`` of them, at least 1.
+
+    Raises:
+        ValueError: no layouts.
+    """
+
+    def __init__(self, spec: RobotSpec, layouts: Sequence[Layout]) -> None:
+        if not layouts:
+            raise ValueError("an empty batch; it needs at least one layout")
+        self.spec = spec
+        self._layouts = tuple(layouts)
+        self._widths = np.array([layout.width for layout in layouts])
+        self._is_placed = np.zeros(len(layouts), np.bool_)
+        self._drives: Drives | None = Drives(spec, Yard(spec, self._layouts))
+
+    def place(self, rows: Integers, cells: Integers) -> None:
+        """Put some of the robots at rest in a cell; see ``BatchMotion.place``.
+
+        Raises:
+            LayoutError: a cell is a wall or off the grid; nothing has changed.
+            ValueError: not one cell for each row, or a row that there is not or that is given
+                twice; nothing has changed.
+            RuntimeError: after ``close``.
+        """
+        yard = self._in_use("place").yard
+        rows = self._checked_rows(rows)
+        cells = _checked_vector("cells", cells, len(rows))
+        starts = [self._start(*each) for each in zip(rows.tolist(), cells.tolist(), strict=True)]
+        for row, start in zip(rows.tolist(), starts, strict=True):
+            yard.place(row, start)
+        self._is_placed[rows] = True
+
+    def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
+        """Carry out one action for each robot; see ``BatchMotion.advance``.
+
+        Raises:
+            ValueError: not one action and one load for each row, or an action that there is not;
+                nothing has changed.
+            RuntimeError: before every row has been placed, or after ``close``.
+        """
+        drives = self._in_use("advance")
+        if not self._is_placed.all():
+            missing = int(np.argmin(self._is_placed))
+            raise RuntimeError(f"advance() needs a place() of every row; row {missing} had none")
+        actions = self._checked_actions(actions)
+        loaded = _checked_vector("loaded", loaded, len(self._layouts), kinds="b")
+        drives.drive(_WAYS[actions], loaded)
+        moved = drives.substeps > 0
+        seconds = np.where(moved, drives.substeps * self.spec.time_step, self.spec.dwell)
+        joules = drives.work / self.spec.drivetrain_efficiency + self.spec.idle_power * seconds
+        cols, rows = drives.cells().T
+        return BatchOutcome(rows * self._widths + cols, drives.gave_up.copy(), seconds, joules)
+
+    def close(self) -> None:
+        """Let the world go; see ``BatchMotion.close``."""
+        self._drives = None
+
+    def _in_use(self, call: str) -> Drives:
+        if self._drives is None:
+            raise RuntimeError(f"{call}() after close()")
+        return self._drives
+
+    def _start(self, row: int, cell: int) -> tuple[float, float]:
+        """Return the position in metres of the middle of a cell, given as a number."""
+        layout = self._layouts[row]
+        place = divmod(cell, layout.width)
+        if not layout.is_open(place):
+            raise LayoutError(
+                f"the robot of row {row} cannot stand on cell {cell}: {layout.describe(place)}"
+            )
+        return centre_of(place, self.spec.cell_size)
+
+    def _checked_rows(self, rows: Integers) -> Integers:
+        rows, count = _checked_vector("rows", rows), len(self._layouts)
+        seen: dict[int, int] = {}
+        for index, row in enumerate(rows.tolist()):
+            if not 0 <= row < count:
+                raise ValueError(f"rows[{index}] is {row}; allowed: 0..{count - 1}")
+            if row in seen:
+                raise ValueError(f"rows[{seen[row]}] and rows[{index}] are both {row}")
+            seen[row] = index
+        return rows
+
+    def _checked_actions(self, actions: Integers) -> Integers:
+        actions = _checked_vector("actions", actions, len(self._layouts))
+        wrong = (actions < 0) | (actions >= len(_WAYS))
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            raise ValueError(f"action {actions[row]} of row {row}; allowed: 0..{len(_WAYS) - 1}")
+        return actions
+
+
+def _checked_vector(name: str, values: Any, length: int | None = None, kinds: str = "iu") -> Any:
+    """Return ``values`` as an array of whole numbers, or of flags.
+
+    Raises:
+        ValueError: they are something else, or not one for each row.
+    """
+    array = np.asarray(values)
+    if array.ndim != 1 or length not in (None, len(array)):
+        wanted = "one for each row" if length is None else f"({length},)"
+        raise ValueError(f"{name} have the shape {array.shape}; it must be {wanted}")
+    if array.dtype.kind not in kinds:
+        allowed = "bool" if kinds == "b" else "integers"
+        raise ValueError(f"{name} are {array.dtype}; they must be {allowed}")
+    return array

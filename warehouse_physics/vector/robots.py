@@ -1,0 +1,172 @@
+"""The drives of the robots of a yard as arrays: what ``robot.py`` does for one, for ``B`` at once.
+
+The robots are alone and the floor is even, which leaves this of it: go, brake, rest; and after a
+hit that is in the way, brake and go back. Nothing pushes a lone robot aside, so that its way back
+is straight.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.motion.vector import Flags, Integers, Rows
+from warehouse_physics.profile import Floats, Substeps, brakings, lengths_of, plan_legs
+from warehouse_physics.robot import AGAINST, AT_REST, MOST_SUBSTEPS, NEVER
+from warehouse_physics.robot_spec import ARRIVED, RobotSpec
+from warehouse_physics.vector.arena import Hit, Yard
+
+REST, GO, BRAKE = range(3)
+"""What a drive is doing."""
+
+
+class Drives:
+    """Drives ``B`` robots by one action at a time.
+
+    Args:
+        spec: what the robots are made of.
+        yard: that they stand in.
+
+    Attributes:
+        yard: as given.
+        gave_up: ``[B]``, whether a wall was in the way.
+        work: ``[B]``, what each motor has done since the action began, in joules.
+        substeps: ``[B]``, after how many substeps each robot rested.
+    """
+
+    def __init__(self, spec: RobotSpec, yard: Yard) -> None:
+        self._spec, self.yard = spec, yard
+        robots = len(yard.robots)
+        loads = (False, True)
+        self._masses = np.array([spec.total_mass(load) for load in loads])
+        self._drags = np.array([spec.drag_force(load) for load in loads])
+        self._paces = np.array([spec.attainable_acceleration(load) for load in loads])
+        # The floor helps to brake; where its drag is more than is asked for, it brakes alone.
+        self._going_forces = self._masses * self._paces
+        self._braking_forces = np.maximum(self._going_forces, self._drags)
+        self._loaded = np.zeros(robots, np.intp)
+        self._force = np.zeros(robots)
+        self._commands = np.zeros((robots, 2))
+        self._phase = np.full(robots, REST)
+        self._until: Substeps = np.full(robots, NEVER, np.int64)
+        self._braking: Substeps = np.zeros(robots, np.int64)
+        self._start = np.zeros((robots, 2))
+        self.gave_up = np.zeros(robots, np.bool_)
+        self.work = np.zeros(robots)
+        self.substeps: Substeps = np.zeros(robots, np.int64)
+
+    def cells(self) -> NDArray[np.intp]:
+        """Return the cells ``[B, 2]`` under the robots, column before row."""
+        self._look()
+        return np.floor(self._positions / self._spec.cell_size).astype(np.intp)
+
+    def drive(self, ways: Floats, loaded: Flags) -> None:
+        """Drive each robot to the middle of a cell, or back if a wall is in the way.
+
+        Args:
+            ways: ``[B, 2]`` cells to go, columns before rows.
+            loaded: ``[B]``, whether it carries an item.
+        """
+        self._load(loaded)
+        self._home, self._ways = self.cells(), ways
+        self._target = (self._home + ways + 0.5) * self._spec.cell_size
+        self._commands[:], self.gave_up[:], self.work[:] = 0.0, False, 0.0
+        now = 0
+        self._rest(slice(None), now)
+        self._go(np.flatnonzero(ways.any(axis=1)), now)
+        while now < MOST_SUBSTEPS and (until := int(self._until.min())) < NEVER:
+            self.yard.command(self._commands)
+            now, hits = self.yard.run(now, until)
+            self._look()
+            if hits:
+                self._meet(hits, now)
+            self._next_phase(now)
+        self.substeps[self._until < NEVER] = now
+
+    def _look(self) -> None:
+        self._positions, self._velocities = self.yard.look()
+
+    def _next_phase(self, now: int) -> None:
+        """Do what comes next at substep ``now``: brake, or drive on where one is not there yet."""
+        due = np.flatnonzero(self._until <= now)
+        is_going = self._phase[due] == GO
+        gone, braked = due[is_going], due[~is_going]
+        if len(gone):
+            self._count_work(gone, self._velocities[gone])
+            self._brake(gone, now, self._braking[gone])
+        if len(braked):
+            speeds = lengths_of(self._velocities[braked])
+            rolls = speeds > AT_REST
+            if rolls.any():
+                self._brake_from(braked[rolls], now, speeds[rolls])
+                braked = braked[~rolls]
+            off = lengths_of(self._target[braked] - self._positions[braked])
+            arrived = off <= ARRIVED * self._spec.cell_size
+            self._rest(braked[arrived], now)
+            self._go(braked[~arrived], now)
+
+    def _meet(self, hits: Sequence[Hit], now: int) -> None:
+        """Give up where a hit at substep ``now`` is in the way: brake, and drive back.
+
+        A robot that rests has ended its action and is in nobody's way, however long others take.
+        """
+        rows = np.array([hit.row for hit in hits])
+        pushes = np.array([hit.push for hit in hits])
+        velocities = np.array([hit.velocity for hit in hits])
+        is_against = (pushes * self._ways[rows]).sum(axis=1) < -AGAINST
+        is_hindered = is_against & (self._phase[rows] != REST)
+        rows, velocities = rows[is_hindered], velocities[is_hindered]
+        is_going = self._phase[rows] == GO
+        self._count_work(rows[is_going], velocities[is_going])
+        self.gave_up[rows] = True
+        self._target[rows] = (self._home[rows] + 0.5) * self._spec.cell_size
+        self._brake_from(rows, now, lengths_of(self._velocities[rows]))
+
+    def _go(self, rows: Integers, now: int) -> None:
+        if not len(rows):
+            return
+        spec = self._spec
+        self._start[rows] = start = self._positions[rows]
+        pace = self._paces[self._loaded[rows]]
+        ways = self._target[rows] - start
+        legs = plan_legs(ways, spec.top_speed, pace, spec.time_step)
+        self._commands[rows] = legs.velocities
+        self._push(rows, self._going_forces)
+        self._phase[rows], self._braking[rows] = GO, legs.brake
+        self._until[rows] = now + legs.go
+
+    def _brake_from(self, rows: Integers, now: int, speeds: Floats) -> None:
+        pace = self._paces[self._loaded[rows]]
+        self._brake(rows, now, brakings(speeds, pace, self._spec.time_step))
+
+    def _brake(self, rows: Integers, now: int, substeps: Substeps) -> None:
+        self._commands[rows] = 0.0
+        self._push(rows, self._braking_forces)
+        self._phase[rows] = BRAKE
+        self._until[rows] = now + substeps
+
+    def _load(self, loaded: Flags) -> None:
+        for row in np.flatnonzero(loaded != self._loaded).tolist():
+            self.yard.load(row, self._masses[int(loaded[row])])
+        self._loaded = loaded.astype(np.intp)
+
+    def _push(self, rows: Integers, forces: Floats) -> None:
+        """Let the drives push with up to what ``forces`` has for their load, in N."""
+        wanted = forces[self._loaded[rows]]
+        changed = wanted != self._force[rows]
+        if changed.any():
+            self._force[rows] = wanted
+            for row, force in zip(rows[changed].tolist(), wanted[changed].tolist(), strict=True):
+                self.yard.push(row, force)
+
+    def _count_work(self, rows: Integers, velocities: Floats) -> None:
+        """Add what the motors have done in this leg: speed gained, and drag overcome."""
+        loaded = self._loaded[rows]
+        energy = 0.5 * self._masses[loaded] * (velocities**2).sum(axis=1)
+        way = lengths_of(self._positions[rows] - self._start[rows])
+        self.work[rows] += energy + self._drags[loaded] * way
+
+    def _rest(self, rows: Rows, now: int) -> None:
+        self._phase[rows], self._until[rows], self.substeps[rows] = REST, NEVER, now
