@@ -1,9 +1,35 @@
-"""The error of every agent: by name, from a file, or trained."""
+"""The errors of agents and experiments that a user may expect, and what caused one."""
 
 from __future__ import annotations
 
 import traceback
 from pathlib import Path
+
+from warehouse_core.errors import WarehouseError
+
+
+class AgentError(WarehouseError, ValueError):
+    """No agent of that name, or a file, class or model that is none."""
+
+
+class ParameterError(WarehouseError, ValueError):
+    """An unknown parameter of an experiment, or a value that it cannot take."""
+
+
+class EpisodeError(WarehouseError):
+    """An episode that could not be run; the message says which and why."""
+
+
+class StoreError(WarehouseError):
+    """A file of results that cannot be used or written; the message says which and why."""
+
+
+class ClusterError(WarehouseError):
+    """A cluster that cannot be reached or used; the message says why."""
+
+
+class WorkerError(WarehouseError):
+    """A process of this machine that ended before its work was done."""
 
 
 def reason_of(error: BaseException, file: Path | None = None) -> str:
@@ -26,7 +52,3 @@ def reason_of(error: BaseException, file: Path | None = None) -> str:
 
 def _is_same(name: str, file: Path) -> bool:
     return Path(name).resolve() == file.resolve()
-
-
-class AgentError(ValueError):
-    """No agent of that name, or a file, class or model that is none."""

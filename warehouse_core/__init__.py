@@ -1,7 +1,6 @@
 """A grid warehouse for rational agents, with a motion backend that can be swapped."""
 
-from warehouse_core.files.npz import RecordError
-from warehouse_core.motion.backends import BackendError
+from warehouse_core.errors import BackendError, LayoutError, RecordError, WarehouseError
 from warehouse_core.motion.base import Contact, Motion, Outcome
 from warehouse_core.records.episode import (
     Agent,
@@ -14,7 +13,7 @@ from warehouse_core.task.settings import Settings
 from warehouse_core.task.state import Observation, WarehouseState
 from warehouse_core.warehouse_env import WarehouseEnv
 from warehouse_core.world.generators import random_layout, shelf_layout
-from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout, LayoutError
+from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
 from warehouse_core.world.tiles import Cell
 
 __all__ = [
@@ -33,6 +32,7 @@ __all__ = [
     "RecordError",
     "Settings",
     "WarehouseEnv",
+    "WarehouseError",
     "WarehouseState",
     "random_layout",
     "record_episode",

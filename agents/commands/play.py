@@ -18,7 +18,8 @@ from agents.console.options import (
 from agents.console.output import check_targets, save_episode
 from agents.run_episode import draw_seed, make_env, report_episode
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
-from warehouse_core.render.window import NoDisplayError, has_display
+from warehouse_core.errors import NoDisplayError
+from warehouse_core.render.window import has_display
 from warehouse_core.viz.figure import make_window
 from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.track import track_of_episode

@@ -26,8 +26,9 @@ from agents.search.heuristics import manhattan, true_distance, zero
 from agents.search.picture import MOST_PANELS, SearchReplay, search_replay
 from agents.search.problems import RouteProblem
 from agents.search.trace import SearchCourse
+from warehouse_core.errors import LayoutError
 from warehouse_core.render.window import has_display
-from warehouse_core.world.layout import Layout, LayoutError
+from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 
 MakeHeuristic = Callable[[RouteProblem, Layout], Heuristic[Cell]]

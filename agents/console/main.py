@@ -9,34 +9,14 @@ from collections.abc import Sequence
 import typer
 from typer.exceptions import TyperException
 
-from agents.errors import AgentError
-from agents.experiments.episodes import EpisodeError
-from agents.experiments.parameters import SettingError
-from agents.experiments.store import StoreError
-from agents.experiments.workers import ClusterError, WorkerError
-from warehouse_core import BackendError, LayoutError, RecordError
-from warehouse_core.render.window import NoDisplayError
-from warehouse_core.viz.export import FormatError
+from warehouse_core.errors import WarehouseError
 
 USER_ERROR, INTERRUPTED = 1, 130
 
 LONGEST = 2000
 """Characters of an error; a value that is named in it may be as long as a file."""
 
-EXPECTED = (
-    ClusterError,
-    EpisodeError,
-    SettingError,
-    StoreError,
-    WorkerError,
-    AgentError,
-    BackendError,
-    FormatError,
-    LayoutError,
-    NoDisplayError,
-    RecordError,
-    OSError,
-)
+EXPECTED = (WarehouseError, OSError)
 """Errors of what the user gave. Everything else is a fault, and its traceback is wanted."""
 
 

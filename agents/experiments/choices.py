@@ -24,7 +24,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from agents.experiments.parameters import PHYSICAL, SettingError, find
+from agents.errors import ParameterError
+from agents.experiments.parameters import PHYSICAL, find
 
 WORDS: dict[str, bool] = {"on": True, "off": False, "true": True, "false": False}
 
@@ -36,17 +37,17 @@ def parse_flags(flags: Sequence[str]) -> dict[str, Any]:
         flags: ``NAME=VALUE``, ``NAME=VALUE,VALUE,...`` or ``NAME=FROM:TO:STEP``.
 
     Raises:
-        SettingError: naming the flag and what is allowed.
+        ParameterError: naming the flag and what is allowed.
     """
     choices: dict[str, Any] = {}
     for flag in flags:
         name, equals, words = flag.partition("=")
         name = name.strip()
         if not equals:
-            raise SettingError(f"{flag!r} has no value; write NAME=VALUE")
+            raise ParameterError(f"{flag!r} has no value; write NAME=VALUE")
         find(name)
         if name in choices:
-            raise SettingError(f"{name} is given twice; write {name}=VALUE,VALUE")
+            raise ParameterError(f"{name} is given twice; write {name}=VALUE,VALUE")
         choices[name] = _choice(words)
     return choices
 
@@ -93,34 +94,34 @@ def read_plan_file(path: Path) -> PlanFile:
     """Read a plan.
 
     Raises:
-        SettingError: naming the file, the key, and what is allowed.
+        ParameterError: naming the file, the key, and what is allowed.
         OSError: the file cannot be read.
     """
     with path.open("rb") as file:
         data = file.read(MAX_BYTES + 1)
     if len(data) > MAX_BYTES:
-        raise SettingError(f"{path}: it is longer than MAX_BYTES = {MAX_BYTES}")
+        raise ParameterError(f"{path}: it is longer than MAX_BYTES = {MAX_BYTES}")
     try:
         return _parse(tomllib.loads(data.decode("utf-8-sig")))
     except (ValueError, RecursionError) as error:
-        raise SettingError(f"{path}: {error}") from error
+        raise ParameterError(f"{path}: {error}") from error
 
 
 def _parse(content: Mapping[str, Any]) -> PlanFile:
     allowed = ["episodes", "seed", "settings", *PHYSICAL]
     unknown = [key for key in content if key not in allowed]
     if unknown:
-        raise SettingError(f"unknown key {unknown[0]!r}; allowed: {', '.join(allowed)}")
+        raise ParameterError(f"unknown key {unknown[0]!r}; allowed: {', '.join(allowed)}")
     choices: dict[str, Any] = {}
     for group in ("settings", *PHYSICAL):
         table = content.get(group, {})
         if not isinstance(table, dict):
-            raise SettingError(f"{group} is {table!r}; it must be a table, [{group}]")
+            raise ParameterError(f"{group} is {table!r}; it must be a table, [{group}]")
         for key, choice in table.items():
             name = key if group == "settings" else f"{group}.{key}"
             find(name)
             if name in choices:
-                raise SettingError(f"{name} is given twice")
+                raise ParameterError(f"{name} is given twice")
             choices[name] = choice
     return PlanFile(choices, _whole(content, "episodes", 1), _whole(content, "seed", 0))
 
@@ -130,5 +131,5 @@ def _whole(content: Mapping[str, Any], key: str, least: int) -> int | None:
     if value is None:
         return None
     if isinstance(value, bool) or not isinstance(value, int) or value < least:
-        raise SettingError(f"{key} is {value!r}; it must be a whole number, at least {least}")
+        raise ParameterError(f"{key} is {value!r}; it must be a whole number, at least {least}")
     return value

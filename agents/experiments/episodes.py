@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from agents.errors import reason_of
+from agents.errors import EpisodeError, reason_of
 from agents.experiments.case import (
     FINGERPRINT,
     Case,
@@ -17,10 +17,6 @@ from agents.experiments.store import Row
 from agents.registry import agent_file
 from warehouse_core import Episode, record_episode
 from warehouse_core.records.failure_modes import diagnose
-
-
-class EpisodeError(Exception):
-    """An episode that could not be run; the message says which and why."""
 
 
 def run_episodes(case: Case, seeds: Sequence[int]) -> Iterator[Row]:

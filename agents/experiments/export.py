@@ -13,8 +13,9 @@ from typing import Annotated, Any
 
 import typer
 
+from agents.errors import StoreError
 from agents.experiments.case import TILES, Case
-from agents.experiments.store import Row, Store, StoreError
+from agents.experiments.store import Row, Store
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.viz.export import check_suffix
 

@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
+from agents.errors import ParameterError
 from warehouse_core.motion import backends
 from warehouse_core.world.generators import MAX_DENSITY
 
@@ -26,10 +27,6 @@ MOST = 1_000_000_000
 
 MAX_VIEW_RADIUS = 1000
 """A view of so many cells takes memory, whether there is anything to see or not."""
-
-
-class SettingError(ValueError):
-    """A setting that there is not, or a value that it cannot take."""
 
 
 def always(case: Mapping[str, Value]) -> bool:
@@ -192,7 +189,7 @@ def find(name: str) -> Setting:
     """Return a setting by its name, ``battery`` or ``robot.mass``.
 
     Raises:
-        SettingError: listing what there is.
+        ParameterError: listing what there is.
     """
     if name in SETTINGS:
         return SETTINGS[name]
@@ -202,9 +199,11 @@ def find(name: str) -> Setting:
         if field in allowed:
             about = f"of {PHYSICAL[group]}"
             return Setting(allowed[field], number(), about, is_physical, "with backend=physics")
-        raise SettingError(f"{group} has no {field!r}; allowed: {', '.join(allowed)}")
+        raise ParameterError(f"{group} has no {field!r}; allowed: {', '.join(allowed)}")
     groups = [f"{group}.NAME" for group in PHYSICAL]
-    raise SettingError(f"no setting is called {name!r}; allowed: {', '.join([*SETTINGS, *groups])}")
+    raise ParameterError(
+        f"no setting is called {name!r}; allowed: {', '.join([*SETTINGS, *groups])}"
+    )
 
 
 def field_defaults(group: str) -> dict[str, float]:
@@ -224,13 +223,13 @@ def checked(name: str, value: Any) -> Value:
     """Return a value of a setting as it is kept.
 
     Raises:
-        SettingError: naming the setting, the value and what is allowed.
+        ParameterError: naming the setting, the value and what is allowed.
     """
     setting = find(name)
     try:
         return setting.check(value)
     except ValueError as error:
-        raise SettingError(f"{name} is {value!r}; allowed: {error}") from None
+        raise ParameterError(f"{name} is {value!r}; allowed: {error}") from None
 
 
 def shown(value: Value | None) -> str:

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Any
 
+from agents.errors import ParameterError
 from agents.experiments.case import Case, key_of, make_case
-from agents.experiments.parameters import MOST, SettingError, Value, checked, find
+from agents.experiments.parameters import MOST, Value, checked, find
 
 MAX_CASES = 10_000
 MAX_EPISODES = 100_000_000
@@ -58,7 +59,7 @@ def make_plan(choices: Mapping[str, Any], episodes: int, seed: int) -> Plan:
         seed: of the first episode of each.
 
     Raises:
-        SettingError: naming what it is, and what is allowed; also of a layout or a robot that
+        ParameterError: naming what it is, and what is allowed; also of a layout or a robot that
             cannot be used.
         AgentError: an agent that cannot be used.
         OSError: a file that cannot be read.
@@ -66,14 +67,14 @@ def make_plan(choices: Mapping[str, Any], episodes: int, seed: int) -> Plan:
     values = {name: spread(name, choice) for name, choice in choices.items()}
     _check_number(values, episodes)
     if not 0 <= seed <= MAX_SEED:
-        raise SettingError(f"seed is {seed}; it must be a whole number 0..{MAX_SEED}")
+        raise ParameterError(f"seed is {seed}; it must be a whole number 0..{MAX_SEED}")
     try:
         combinations = [
             make_case(dict(zip(values, combination, strict=True)))
             for combination in product(*values.values())
         ]
     except ValueError as error:
-        raise SettingError(str(error)) from error
+        raise ParameterError(str(error)) from error
     _check_use(values, combinations)
     cases = {key_of(case): case for case in combinations}
     return Plan(tuple(cases.values()), episodes, seed)
@@ -83,20 +84,20 @@ def _check_use(values: Mapping[str, Sequence[Value]], cases: Sequence[Case]) -> 
     """Refuse a setting that means nothing in any of the cases."""
     for name in values:
         if not any(name in case for case in cases):
-            raise SettingError(f"{name} means nothing here; it counts only {find(name).needs}")
+            raise ParameterError(f"{name} means nothing here; it counts only {find(name).needs}")
 
 
 def spread(name: str, choice: Any) -> list[Value]:
     """Return the values that a choice stands for, each checked.
 
     Raises:
-        SettingError: naming the setting, the value and what is allowed.
+        ParameterError: naming the setting, the value and what is allowed.
     """
     if isinstance(choice, Mapping):
         return [checked(name, value) for value in _range(name, choice)]
     values = choice if isinstance(choice, list) else [choice]
     if not values:
-        raise SettingError(f"{name} has no value; it needs at least one")
+        raise ParameterError(f"{name} has no value; it needs at least one")
     return list(dict.fromkeys(checked(name, value) for value in values))
 
 
@@ -104,18 +105,18 @@ def _range(name: str, limits: Mapping[str, Any]) -> list[int | float]:
     """Return the numbers from a first to a last, both included."""
     find(name)
     if limits.keys() != {"from", "to", "step"}:
-        raise SettingError(f"{name} is {dict(limits)!r}; a range has the keys from, to and step")
+        raise ParameterError(f"{name} is {dict(limits)!r}; a range has the keys from, to and step")
     first, last, step = (limits[key] for key in ("from", "to", "step"))
     for key, value in limits.items():
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise SettingError(f"{name}.{key} is {value!r}; it must be a number")
+            raise ParameterError(f"{name}.{key} is {value!r}; it must be a number")
         if not abs(value) <= MOST:
-            raise SettingError(f"{name}.{key} is not within {-MOST}..{MOST}")
+            raise ParameterError(f"{name}.{key} is not within {-MOST}..{MOST}")
     if not (step > 0 and first <= last):
-        raise SettingError(f"{name} goes from {first} to {last} by {step}; it must go up")
+        raise ParameterError(f"{name} goes from {first} to {last} by {step}; it must go up")
     steps = (last - first) / step + 1e-9
     if steps >= MAX_CASES:
-        raise SettingError(
+        raise ParameterError(
             f"{name} has {steps + 1:.0f} values; MAX_CASES = {MAX_CASES} are allowed"
         )
     # As they would be typed: 0.1 + 0.2 is 0.3, or the same value would be two.
@@ -127,12 +128,12 @@ def _check_number(values: Mapping[str, Sequence[Value]], episodes: int) -> None:
     count = math.prod(map(len, values.values()))
     if count > MAX_CASES:
         most = max(values, key=lambda name: len(values[name]))
-        raise SettingError(
+        raise ParameterError(
             f"{count} combinations, {len(values[most])} of them by {most}; "
             f"MAX_CASES = {MAX_CASES} are allowed"
         )
     if count * episodes > MAX_EPISODES:
-        raise SettingError(
+        raise ParameterError(
             f"episodes is {episodes}; with {count} combinations that makes {count * episodes}, "
             f"and MAX_EPISODES = {MAX_EPISODES} are allowed"
         )

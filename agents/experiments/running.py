@@ -13,8 +13,9 @@ from itertools import islice
 from time import perf_counter
 from typing import NamedTuple
 
+from agents.errors import EpisodeError
 from agents.experiments.case import Case
-from agents.experiments.episodes import EpisodeError, run_episodes
+from agents.experiments.episodes import run_episodes
 from agents.experiments.plan import Plan
 from agents.experiments.store import Row, Store
 

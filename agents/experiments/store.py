@@ -17,6 +17,7 @@ from time import monotonic, sleep
 from types import TracebackType
 from typing import Any, NamedTuple
 
+from agents.errors import StoreError
 from agents.experiments.case import TILES, Case, key_of
 
 VERSION = 1
@@ -45,10 +46,6 @@ CREATE TABLE episodes (
     PRIMARY KEY (case_id, seed)
 ) WITHOUT ROWID;
 """
-
-
-class StoreError(Exception):
-    """A file of results that cannot be used or written; the message says which and why."""
 
 
 class Row(NamedTuple):

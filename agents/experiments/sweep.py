@@ -25,9 +25,10 @@ from rich.progress import (
 )
 from rich.text import Text
 
+from agents.errors import ParameterError
 from agents.evaluation.wording import counted
 from agents.experiments.choices import PlanFile, parse_flags, read_plan_file
-from agents.experiments.parameters import SETTINGS, SettingError
+from agents.experiments.parameters import SETTINGS
 from agents.experiments.plan import Plan, make_plan
 from agents.experiments.presets import PRESETS
 from agents.experiments.running import Report, run_missing
@@ -146,13 +147,13 @@ def sweep(
 def _given(file: Path | None, preset: str | None) -> PlanFile:
     """Return the plan that flags are added to."""
     if file is not None and preset is not None:
-        raise SettingError(f"both {file} and --preset {preset} are given; one plan will do")
+        raise ParameterError(f"both {file} and --preset {preset} are given; one plan will do")
     if file is not None:
         return read_plan_file(file)
     if preset is None:
         return PlanFile({}, None, None)
     if preset not in PRESETS:
-        raise SettingError(f"no preset is called {preset!r}; allowed: {', '.join(PRESETS)}")
+        raise ParameterError(f"no preset is called {preset!r}; allowed: {', '.join(PRESETS)}")
     return PlanFile(PRESETS[preset].choices, PRESETS[preset].episodes, None)
 
 

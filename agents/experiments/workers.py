@@ -14,6 +14,8 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, contextmanager
 from types import FrameType
 
+from agents.errors import ClusterError, WorkerError
+
 REMEMBERED = (signal.SIGINT, signal.SIGTERM)
 
 Check = Callable[[], None]
@@ -65,14 +67,6 @@ def uninterrupted_children() -> Iterator[None]:
 
 Hands = AbstractContextManager[tuple[Executor, int]]
 """Gives what runs calls, and how many it runs at once."""
-
-
-class ClusterError(Exception):
-    """A cluster that cannot be reached or used; the message says why."""
-
-
-class WorkerError(Exception):
-    """A process of this machine that ended before its work was done."""
 
 
 MOST = 61 if sys.platform == "win32" else 1024

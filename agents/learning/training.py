@@ -18,8 +18,8 @@ from agents.console.progress import Advance, training_bar
 from agents.evaluation.samples import FIRST_EXAM_SEED, MakeAgent, Scores, Task, evaluate
 from agents.learning.curve import Point, save_learning_curve
 from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core.errors import FormatError
 from warehouse_core.files.atomic import check_target
-from warehouse_core.viz.export import FormatError
 
 EXAMS = 25
 """Examinations on the way, evenly spread, which are the points of the learning curve."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from agents.errors import AgentError, reason_of
+from agents.errors import AgentError, EpisodeError, reason_of
 from agents.experiments.case import Case
-from agents.experiments.episodes import EpisodeError, check_fingerprint, run_one
+from agents.experiments.episodes import check_fingerprint, run_one
 from agents.experiments.store import Store
 from agents.registry import agent_file, is_own_code
 from warehouse_core import BackendError, Episode, LayoutError

@@ -11,8 +11,9 @@ from helpers.windows import PATIENCE, Program, Shower, display  # noqa: F401 - a
 from numpy.typing import NDArray
 
 from warehouse_core import DEFAULT_LAYOUT
+from warehouse_core.errors import NoDisplayError
 from warehouse_core.render.painter import TilePainter
-from warehouse_core.render.window import NoDisplayError, PictureWindow
+from warehouse_core.render.window import PictureWindow
 
 in_a_window = pytest.mark.window
 

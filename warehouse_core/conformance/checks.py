@@ -33,9 +33,10 @@ from warehouse_core.conformance.trials import (
     trial,
     walk,
 )
+from warehouse_core.errors import LayoutError
 from warehouse_core.motion.base import WALL_CONTACT, Outcome, robot_contact
 from warehouse_core.motion.traffic import Stop, find_stops
-from warehouse_core.world.layout import Layout, LayoutError
+from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 
 Check = Callable[[MakeMotion], None]

@@ -17,6 +17,7 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from warehouse_core.errors import RecordError
 from warehouse_core.files.atomic import atomic_path
 
 MAX_BYTES = 64 * 1024 * 1024
@@ -30,10 +31,6 @@ _END_RECORD = struct.Struct("<4s4H2LH")
 _ZIP64_LOCATOR_SIZE = 20
 _MAX_ENTRY_SIZE = 256
 """Of an array in the directory of a file: 46 bytes, its name, and some to spare."""
-
-
-class RecordError(ValueError):
-    """A file that is not a readable record; the message names it and says why."""
 
 
 def write_arrays(path: str | Path, arrays: Arrays, schema: Schema) -> None:

@@ -17,6 +17,7 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from warehouse_core.arguments import as_cell, as_flag
+from warehouse_core.errors import LayoutError
 from warehouse_core.gymnasium_env.spaces import (
     RENDER_FPS,
     Extent,
@@ -31,7 +32,7 @@ from warehouse_core.render.window import PictureWindow
 from warehouse_core.task.starts import DRAWS, NEEDED, check_room, draw_stations, motion_seed
 from warehouse_core.warehouse_env import WarehouseEnv
 from warehouse_core.world.actions import ACTIONS, valid_action
-from warehouse_core.world.layout import GivenLayout, Layout, LayoutError, as_layout, check_start
+from warehouse_core.world.layout import GivenLayout, Layout, as_layout, check_start
 from warehouse_core.world.tiles import Cell
 
 UNSTARTED = "there has been no reset() yet"

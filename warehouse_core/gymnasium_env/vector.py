@@ -12,6 +12,7 @@ from gymnasium.error import ResetNeeded
 from gymnasium.vector.utils import batch_space, iterate
 from numpy.typing import ArrayLike, NDArray
 
+from warehouse_core.errors import EndedError
 from warehouse_core.gymnasium_env.spaces import (
     RENDER_FPS,
     Extent,
@@ -21,7 +22,7 @@ from warehouse_core.gymnasium_env.spaces import (
 )
 from warehouse_core.motion.backends import Backend
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
-from warehouse_core.vector.env import NEXT_STEP, BatchEnv, EndedError, Seeds
+from warehouse_core.vector.env import NEXT_STEP, BatchEnv, Seeds
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.layout import GivenLayout, Layout, as_layout
 from warehouse_core.world.tiles import Cell

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from functools import cache
 from typing import TYPE_CHECKING
 
+from warehouse_core.errors import BackendError
 from warehouse_core.motion.base import Motion
 from warehouse_core.motion.vector import Batchable, BatchMotion
 from warehouse_core.world.layout import Layout
@@ -20,10 +21,6 @@ if TYPE_CHECKING:
 GROUP = "warehouse_core.motion.backends"
 
 Backend = str | Motion | type[Motion]
-
-
-class BackendError(ValueError):
-    """No backend of that name, or one whose requirements are missing or broken."""
 
 
 def make_motion(backend: Backend) -> Motion:

@@ -17,7 +17,8 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.world.layout import Layout, LayoutError
+from warehouse_core.errors import LayoutError
+from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 
 WALL_CONTACT = "wall"

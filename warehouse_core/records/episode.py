@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol, SupportsIndex
 
-from warehouse_core.files.npz import RecordError, read_arrays, write_arrays
+from warehouse_core.errors import RecordError
+from warehouse_core.files.npz import read_arrays, write_arrays
 from warehouse_core.motion.backends import Backend
 from warehouse_core.motion.base import Outcome
 from warehouse_core.records.episode_arrays import EPISODE_SCHEMA, pack_fields, unpack_fields

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.files.npz import Arrays, RecordError, Schema
+from warehouse_core.errors import RecordError
+from warehouse_core.files.npz import Arrays, Schema
 from warehouse_core.records.motion_arrays import (
     MOTION_SCHEMA,
     decode_words,

@@ -11,7 +11,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.files.npz import Arrays, RecordError, Schema
+from warehouse_core.errors import RecordError
+from warehouse_core.files.npz import Arrays, Schema
 from warehouse_core.motion.base import Contact, Outcome
 
 MOTION_SCHEMA: Schema = {

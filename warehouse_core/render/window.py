@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from warehouse_core.errors import NoDisplayError
+
 DPI = 100
 """Of the figure. Sizes are pixels here, so that it is as good as any."""
 
@@ -32,7 +34,7 @@ class PictureWindow:
     """
 
     def __init__(self, title: str) -> None:
-        from warehouse_core.render.window import NoDisplayError, has_display
+        from warehouse_core.render.window import has_display
 
         if not has_display():
             raise NoDisplayError(
@@ -123,10 +125,6 @@ class PictureWindow:
 
     def _on_close(self, event: object) -> None:
         self._is_closed = True
-
-
-class NoDisplayError(RuntimeError):
-    """A window was asked for where none can be opened."""
 
 
 def has_display() -> bool:

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from warehouse_core.world.layout import Layout, LayoutError
+from warehouse_core.errors import LayoutError
+from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 
 NEEDED = 2

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from warehouse_core.arguments import as_flag, whole_number
+from warehouse_core.errors import EndedError
 from warehouse_core.motion.backends import Backend, make_batch_motion
 from warehouse_core.motion.vector import BatchOutcome, Flags, Integers, Rows
 from warehouse_core.task.encoding import MOST_STEPS, Arrays
@@ -35,10 +36,6 @@ Seeds = int | Sequence[int | None] | None
 
 BatchStep = tuple[Arrays, NDArray[np.float64], Flags, Flags, dict[str, Any]]
 """Observation, rewards, terminated, truncated and info."""
-
-
-class EndedError(RuntimeError):
-    """A step before a reset, or of rows that have ended and do not start again by themselves."""
 
 
 class BatchEnv:

@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
+from warehouse_core.errors import FormatError
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.render.palette import indexed_palette
 from warehouse_core.viz.figure import SceneFigure
@@ -41,10 +42,6 @@ KEEP_WHAT_IS_THERE = 1
 
 LONG_EXPORT = 40
 """Frames from which a progress bar is shown, on a terminal."""
-
-
-class FormatError(ValueError):
-    """A file format that there is not, or one whose requirements are not installed."""
 
 
 Pixels = NDArray[np.uint8]

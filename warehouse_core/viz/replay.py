@@ -12,7 +12,7 @@ import matplotlib as mpl
 from matplotlib.animation import FuncAnimation
 from matplotlib.backend_bases import Event, KeyEvent
 
-from warehouse_core.render.window import NoDisplayError
+from warehouse_core.errors import NoDisplayError
 from warehouse_core.viz.export import export, progress_bar, self_contained
 from warehouse_core.viz.figure import PAIR_DPI, SceneFigure, make_figure, make_window
 from warehouse_core.viz.scene import PairScene, Scene

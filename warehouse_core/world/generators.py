@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import random
 
-from warehouse_core.world.layout import CHAPTER_START, MAX_CELLS, Layout, LayoutError
+from warehouse_core.errors import LayoutError
+from warehouse_core.world.layout import CHAPTER_START, MAX_CELLS, Layout
 from warehouse_core.world.tiles import EMPTY, WALL
 
 MAX_DENSITY = 0.4

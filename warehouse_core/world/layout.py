@@ -14,6 +14,7 @@ from textwrap import dedent
 import numpy as np
 from numpy.typing import NDArray
 
+from warehouse_core.errors import LayoutError
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.world.tiles import (
     ALLOWED_TILES,
@@ -31,10 +32,6 @@ CHAPTER_START: Cell = (1, 1)
 
 MAX_CELLS = 16_000_000
 """The largest layout that is accepted, in cells; a larger text is refused before it is parsed."""
-
-
-class LayoutError(ValueError):
-    """A layout that cannot be used; the message says where and what is allowed."""
 
 
 @dataclass(frozen=True, slots=True, init=False)

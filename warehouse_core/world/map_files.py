@@ -15,8 +15,9 @@ from collections.abc import Iterator
 from io import BufferedReader
 from pathlib import Path
 
+from warehouse_core.errors import LayoutError
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.world.layout import MAX_CELLS, Layout, LayoutError
+from warehouse_core.world.layout import MAX_CELLS, Layout
 from warehouse_core.world.text_lines import MAX_LINE, error_at, expect, read_line, whole_number_at
 from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP, WALL
 

@@ -15,8 +15,9 @@ from io import BufferedReader
 from pathlib import Path
 from typing import NamedTuple
 
+from warehouse_core.errors import LayoutError
 from warehouse_core.world.distances import distances
-from warehouse_core.world.layout import Layout, LayoutError
+from warehouse_core.world.layout import Layout
 from warehouse_core.world.text_lines import error_at, expect, read_line, whole_number_at
 from warehouse_core.world.tiles import Cell
 

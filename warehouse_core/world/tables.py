@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.world.layout import Layout, LayoutError
+from warehouse_core.errors import LayoutError
+from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import (
     CELL_CODES,
     CODE_OF_BYTE,

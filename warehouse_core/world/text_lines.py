@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from io import BufferedReader
 
-from warehouse_core.world.layout import LayoutError
+from warehouse_core.errors import LayoutError
 
 MAX_LINE = 1000
 """Bytes of a line."""

@@ -12,9 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from agents.errors import StoreError
 from agents.evaluation.interval import Interval, mean_interval, share_interval
 from agents.experiments.case import Case
-from agents.experiments.store import Store, StoreError
+from agents.experiments.store import Store
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.records.failure_modes import MODES
 

@@ -21,8 +21,9 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import EngFormatter, MaxNLocator
 from numpy.typing import NDArray
 
+from agents.errors import StoreError
 from agents.experiments.case import TILES
-from agents.experiments.store import Store, StoreError
+from agents.experiments.store import Store
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.records.failure_modes import MODES
 from warehouse_core.render.palette import COLORS, FAINT, INK, PAPER

@@ -10,14 +10,16 @@ from helpers.command_line import Result, command
 
 from agents.console.main import LONGEST
 from agents.console.options import BatteryOption, load_layout
-from agents.errors import AgentError
-from agents.experiments.episodes import EpisodeError
-from agents.experiments.parameters import SettingError
-from agents.experiments.store import StoreError
-from agents.experiments.workers import ClusterError, WorkerError
+from agents.errors import (
+    AgentError,
+    ClusterError,
+    EpisodeError,
+    ParameterError,
+    StoreError,
+    WorkerError,
+)
 from warehouse_core import DEFAULT_LAYOUT, BackendError, LayoutError, RecordError
-from warehouse_core.render.window import NoDisplayError
-from warehouse_core.viz.export import FormatError
+from warehouse_core.errors import FormatError, NoDisplayError
 
 
 def outcome_of(capsys: pytest.CaptureFixture[str], error: BaseException | None) -> Result:
@@ -48,7 +50,7 @@ def test_a_command_that_succeeds_ends_with_0(capsys: pytest.CaptureFixture[str])
         LayoutError,
         NoDisplayError,
         RecordError,
-        SettingError,
+        ParameterError,
         StoreError,
         WorkerError,
     ],

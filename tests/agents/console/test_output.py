@@ -8,7 +8,7 @@ from PIL import Image
 from agents.console import output as replaying
 from agents.console.output import check_targets, replay_or_save, save_episode
 from warehouse_core import Episode
-from warehouse_core.viz.export import FormatError
+from warehouse_core.errors import FormatError
 
 NO_DISPLAY = "there is no display to open a window on"
 

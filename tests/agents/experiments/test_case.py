@@ -6,8 +6,9 @@ from typing import Any
 import pytest
 from helpers.command_line import refusal
 
+from agents.errors import ParameterError
 from agents.experiments.case import flags_of, key_of, make_agent_for, make_case, make_env
-from agents.experiments.parameters import SETTINGS, SettingError
+from agents.experiments.parameters import SETTINGS
 from agents.experiments.plan import make_plan
 from warehouse_core import DEFAULT_LAYOUT
 
@@ -40,7 +41,7 @@ def test_a_default_that_is_written_out_makes_no_other_case() -> None:
     ],
 )  # fmt: skip
 def test_what_means_nothing_at_all_is_refused(choices: dict[str, Any], needs: str) -> None:
-    with pytest.raises(SettingError) as caught:
+    with pytest.raises(ParameterError) as caught:
         make_plan(choices, 1, 0)
     assert str(caught.value) == needs
 

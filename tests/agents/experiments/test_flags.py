@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from helpers.command_line import refusal
 
+from agents.errors import ParameterError
 from agents.experiments.choices import parse_flags
-from agents.experiments.parameters import SettingError
 
 FLAGS = {
     "battery": "battery",
@@ -40,7 +40,7 @@ def test_a_hostile_flag_is_refused_before_anything_is_made(
 
 
 def test_a_flag_given_twice_is_refused() -> None:
-    with pytest.raises(SettingError, match=r"^battery is given twice"):
+    with pytest.raises(ParameterError, match=r"^battery is given twice"):
         parse_flags(["battery=1", "battery=2"])
 
 

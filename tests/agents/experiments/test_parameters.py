@@ -5,11 +5,11 @@ from typing import Any
 
 import pytest
 
+from agents.errors import ParameterError
 from agents.experiments.parameters import (
     MAX_VIEW_RADIUS,
     MOST,
     SETTINGS,
-    SettingError,
     checked,
     field_defaults,
     find,
@@ -64,7 +64,7 @@ def test_a_value_is_kept_as_it_is(name: str, value: Any) -> None:
 
 @pytest.mark.parametrize(("name", "value"), pairs(REFUSED))
 def test_a_value_that_cannot_be_is_refused_by_its_name(name: str, value: Any) -> None:
-    with pytest.raises(SettingError) as caught:
+    with pytest.raises(ParameterError) as caught:
         checked(name, value)
     assert str(caught.value).startswith(f"{name} is {value!r}; allowed: ")
 
@@ -90,6 +90,6 @@ def test_the_numbers_of_a_group_are_those_of_its_class(group: str, kind: type) -
 
 @pytest.mark.parametrize("name", ["batery", "", "robot", "robot.", "robot.mas", ".mass", "a.b"])
 def test_what_there_is_not_is_refused_with_what_there_is(name: str) -> None:
-    with pytest.raises(SettingError, match="allowed: ") as caught:
+    with pytest.raises(ParameterError, match="allowed: ") as caught:
         find(name)
     assert repr(name) in str(caught.value) or name.startswith("robot")

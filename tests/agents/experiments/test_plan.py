@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from helpers.command_line import refusal
 
-from agents.experiments.parameters import SettingError
+from agents.errors import ParameterError
 from agents.experiments.plan import MAX_CASES, MAX_EPISODES, MAX_SEED, Plan, make_plan, spread
 
 
@@ -24,7 +24,7 @@ def test_a_range_has_both_its_ends_whatever_is_rounded() -> None:
 def test_as_many_cases_as_are_allowed_and_not_one_more() -> None:
     limits = {"from": 1, "to": MAX_CASES, "step": 1}
     assert make_plan({"battery": limits}, 1, 0).total == MAX_CASES
-    with pytest.raises(SettingError, match="battery"):
+    with pytest.raises(ParameterError, match="battery"):
         make_plan({"battery": limits | {"to": MAX_CASES + 1}}, 1, 0)
 
 
@@ -42,7 +42,7 @@ def test_a_seed_that_cannot_be_kept_is_refused(
 
 
 def test_the_number_of_episodes_is_that_of_all_cases_together() -> None:
-    with pytest.raises(SettingError, match="MAX_EPISODES"):
+    with pytest.raises(ParameterError, match="MAX_EPISODES"):
         make_plan({"battery": [20, 30]}, MAX_EPISODES // 2 + 1, 0)
 
 

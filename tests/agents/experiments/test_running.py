@@ -9,10 +9,11 @@ from typing import Any
 import pytest
 from helpers.sweeps import AGENT, Here, nothing, table
 
-from agents.experiments.episodes import EpisodeError, run_episodes
+from agents.errors import EpisodeError, StoreError
+from agents.experiments.episodes import run_episodes
 from agents.experiments.plan import Plan, make_plan
 from agents.experiments.running import MOST_EPISODES, TASK_SECONDS, Pace, run_missing
-from agents.experiments.store import Row, Store, StoreError
+from agents.experiments.store import Row, Store
 from agents.experiments.workers import processes
 
 PLAN = make_plan({"escape": [True, False], "battery": [20, 60], "layout": "random"}, 12, 5)

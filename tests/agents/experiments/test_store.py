@@ -15,8 +15,9 @@ from tempfile import TemporaryDirectory
 import pytest
 from helpers.command_line import ROOT, in_a_process
 
+from agents.errors import StoreError
 from agents.experiments.case import make_case
-from agents.experiments.store import APPLICATION, VERSION, Row, Store, StoreError
+from agents.experiments.store import APPLICATION, VERSION, Row, Store
 
 CASE, OTHER = make_case({"battery": 20}), make_case({"battery": 30})
 EVERY = range(2**63 - 1)

@@ -11,8 +11,9 @@ from concurrent.futures import Executor
 import pytest
 from helpers.command_line import ROOT
 
+from agents.errors import WorkerError
 from agents.experiments import workers
-from agents.experiments.workers import KILLED, WorkerError, processes
+from agents.experiments.workers import KILLED, processes
 
 ORPHAN_MAKER = """
 import os, time

@@ -13,7 +13,7 @@ from agents.learning import training as module
 from agents.learning.curve import Point
 from agents.learning.training import EXAM_SEEDS, EXAMS, FINAL_SEEDS, Training, comparison_table
 from warehouse_core import Observation
-from warehouse_core.viz.export import FormatError
+from warehouse_core.errors import FormatError
 
 TASK = Task(max_steps=5)
 

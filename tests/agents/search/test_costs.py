@@ -9,7 +9,7 @@ from agents.search.costs import COSTS, JOULES, ONE_EACH, SECONDS, STEPS, ActionC
 from agents.search.heuristics import manhattan_delivery
 from agents.search.problems import DeliveryProblem
 from warehouse_core import Cell, Layout, Outcome, WarehouseEnv
-from warehouse_core.motion.backends import BackendError
+from warehouse_core.errors import BackendError
 from warehouse_core.motion.grid import GridMotion, nominal_joules
 
 LANE = Layout(["##########", "#...P...D#", "##########"])

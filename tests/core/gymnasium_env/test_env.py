@@ -35,13 +35,13 @@ from gymnasium.wrappers import (
 from gymnasium.wrappers.vector import RecordEpisodeStatistics as RecordBatchStatistics
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError, WarehouseEnv, random_layout
+from warehouse_core.errors import NoDisplayError
 from warehouse_core.gymnasium_env import ID, WarehouseGymnasiumEnv
 from warehouse_core.gymnasium_env import env as gymnasium_env_module
 from warehouse_core.gymnasium_env.spaces import FORMS, RENDER_FPS
 from warehouse_core.gymnasium_env.vector import WarehouseVectorEnv
 from warehouse_core.motion.grid import GridMotion
 from warehouse_core.render.observation_image import ObservationImage
-from warehouse_core.render.window import NoDisplayError
 from warehouse_core.task.encoding import encode, vector
 from warehouse_core.task.rules import useful_actions
 

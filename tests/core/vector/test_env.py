@@ -18,11 +18,12 @@ from warehouse_core import (
     WarehouseEnv,
     random_layout,
 )
+from warehouse_core.errors import EndedError
 from warehouse_core.gymnasium_env.env import WarehouseGymnasiumEnv
 from warehouse_core.motion.grid import GridMotion
 from warehouse_core.task.encoding import encode
 from warehouse_core.task.rules import useful_actions
-from warehouse_core.vector.env import AUTORESET_MODES, BatchEnv, EndedError
+from warehouse_core.vector.env import AUTORESET_MODES, BatchEnv
 from warehouse_core.world import tables as floor_tables
 
 NEXT_STEP, SAME_STEP, DISABLED = AUTORESET_MODES

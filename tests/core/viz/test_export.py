@@ -28,9 +28,10 @@ from PIL import Image
 
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import WarehouseEnv, record_episode
+from warehouse_core.errors import FormatError
 from warehouse_core.render.palette import COLORS
 from warehouse_core.viz import export
-from warehouse_core.viz.export import FORMATS, FormatError, check_format, progress_bar
+from warehouse_core.viz.export import FORMATS, check_format, progress_bar
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.warehouse_viz import replay_animation
 from warehouse_core.world.tiles import DROPOFF, ROBOT_EMPTY

@@ -7,7 +7,7 @@ from helpers.pictures import pixels, replay_of, short_episode, texts
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.backend_bases import KeyEvent
 
-from warehouse_core.render.window import NoDisplayError
+from warehouse_core.errors import NoDisplayError
 from warehouse_core.viz.replay import Replay
 
 LAST = 6

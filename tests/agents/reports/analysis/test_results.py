@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 from helpers.results_files import fill, outcomes, row
 
+from agents.errors import StoreError
 from agents.evaluation.interval import Interval, share_interval
-from agents.experiments.store import Store, StoreError
+from agents.experiments.store import Store
 from agents.reports.analysis.results import Experiment
 
 ON, OFF = {"escape": True}, {"escape": False}
