@@ -18,6 +18,16 @@ ALLOWED_TILES = ", ".join(f"{tile} ({name})" for tile, name in TILES.items())
 MOVE_DELTAS: dict[str, Cell] = {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
 
 
+def moved(cell: Cell, delta: Cell) -> Cell:
+    """Return the cell that is ``delta`` rows and columns away from ``cell``."""
+    return cell[0] + delta[0], cell[1] + delta[1]
+
+
+def manhattan_distance(a: Cell, b: Cell) -> int:
+    """Return ``|row_a - row_b| + |col_a - col_b|``: the steps between two cells without walls."""
+    return abs(a[0] - b[0]) + abs(a[1] - b[1])
+
+
 def runs_of(tile: str, row: str) -> Iterator[tuple[int, int]]:
     """Yield the first column of each run of ``tile`` in a row, and the column after its last."""
     start = row.find(tile)
