@@ -91,6 +91,7 @@ def test_a_layout_is_given_in_any_of_its_forms() -> None:
         ([], "empty"),
         ([""], "empty"),
         (["...", ".."], "row 1 has 2 columns where row 0 has 3"),
+        (["..", "..."], "row 1 has 3 columns where row 0 has 2"),
         (["..", ".?"], "row 1, column 1: '?' is not a tile"),
         (["R."], "row 0, column 0: 'R' is not a tile"),
         ([".é"], "row 0, column 1: 'é' is not a tile"),
