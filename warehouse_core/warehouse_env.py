@@ -1,9 +1,4 @@
-"""The chapter's environment: one robot, one pickup, one dropoff, a grid of walls.
-
-It owns the state and the observation. What an action earns is in ``task/rules.py``; how the robot
-gets from cell to cell is up to the motion backend (``motion/base.py``). Neither Gymnasium nor
-matplotlib nor pymunk is needed here.
-"""
+"""The chapter's environment: it joins the rules (``task/``) and a motion backend (``motion/``)."""
 
 from __future__ import annotations
 
@@ -20,31 +15,54 @@ from warehouse_core.task.sight import Sight
 from warehouse_core.task.starts import check_room
 from warehouse_core.task.state import Observation, WarehouseState
 from warehouse_core.world.actions import ACTIONS, DISPLACEMENTS, INVALID, action_index
-from warehouse_core.world.layout import (
-    CHAPTER_START,
-    DEFAULT_LAYOUT,
-    Layout,
-    check_start,
-)
+from warehouse_core.world.layout import CHAPTER_START, DEFAULT_LAYOUT, Layout, check_open
 from warehouse_core.world.tiles import MOVE_DELTAS, ROBOT_EMPTY, ROBOT_LOADED, TILES, Cell
 
 LEGEND = TILES | {ROBOT_EMPTY: "robot (empty)", ROBOT_LOADED: "robot (loaded)"}
 
 
 class WarehouseEnv:
-    """A warehouse with the ``reset``/``step`` of the chapter's exercise.
+    """The warehouse of the chapter's exercise.
+
+    ## Description
+
+    A robot in a grid of walls picks up an item at a pickup and delivers it to a dropoff. It sees
+    the cells around it, and its battery loses one unit in every step.
+
+    ## Actions
+
+    | Index      | Word       | Action                                     |
+    | ---------- | ---------- | ------------------------------------------ |
+    | 0, 1, 2, 3 | N, E, S, W | move one cell north, east, south or west   |
+    | 4          | WAIT       | stay                                       |
+    | 5          | PICK       | take the item, on a pickup without an item |
+    | 6          | DROP       | deliver the item, on a dropoff with it     |
+
+    ## Observations
+
+    A dictionary, see ``Observation``.
+
+    ## Rewards
+
+    See the table of ``warehouse_core/task/rules.py``.
+
+    ## Ends
+
+    Terminated: the item is delivered. Truncated: ``max_steps`` are taken, or the battery is empty.
+    Both may be true. Later steps are allowed, as in the chapter.
 
     Args:
         grid: equally long strings of ``#.PD``, or a ``Layout``; ``None`` is the chapter's 7 x 12.
-        start_pos: cell of the robot after ``reset()`` without ``randomize``.
+        start_pos: cell of the robot after ``reset()`` without ``randomize``; ``None`` is the
+            layout's ``usual_start()``.
         max_steps: steps until the episode is truncated, at least 1.
-        battery: battery units of a full charge, at least 1; every step costs one.
+        battery: battery units of a full charge, at least 1.
         view_radius: cells seen in each direction, at least 0.
         backend: name, class or instance of the motion that carries out the moves.
 
     Raises:
-        ValueError: a bad layout (``LayoutError``), a start that is a wall or off the grid, a
-            budget below 1, a negative radius, or an unknown backend.
+        ValueError: an invalid layout or a start that is not open (``LayoutError``), a number that
+            is too small, or an unknown backend (``BackendError``).
         TypeError: an argument of another type.
 
     Source: the chapter's exercise (Russell and Norvig, 4th ed., ch. 2).
@@ -56,21 +74,20 @@ class WarehouseEnv:
     def __init__(
         self,
         grid: Sequence[str] | Layout | None = None,
-        start_pos: Cell = CHAPTER_START,
+        start_pos: Cell | None = CHAPTER_START,
         max_steps: int = 200,
         battery: int = 200,
         view_radius: int = 2,
         *,
         backend: Backend = "grid",
     ) -> None:
-        self.max_steps = whole_number("max_steps", max_steps, least=1)
-        self.max_battery = whole_number("battery", battery, least=1)
-        self._view_radius = whole_number("view_radius", view_radius, least=0)
+        self.max_steps = whole_number("max_steps", max_steps, 1)
+        self.max_battery = whole_number("battery", battery, 1)
+        self._view_radius = whole_number("view_radius", view_radius, 0)
         if grid is None:
             grid = DEFAULT_LAYOUT
         self._use(grid if isinstance(grid, Layout) else Layout(grid))
-        self._start_pos = as_cell("start_pos", start_pos)
-        check_start(self.layout, self._start_pos)
+        self._start_pos = self._start_in(self.layout, start_pos)
         self._motion = make_motion(backend)
         self.last_motion: Outcome | None = None
         self._placed: Cell = self._start_pos
@@ -79,27 +96,27 @@ class WarehouseEnv:
 
     @property
     def grid(self) -> list[str]:
-        """The layout in force as a fresh list of strings, without the robot."""
+        """The current layout as a new list of strings, without the robot."""
         return list(self.layout.rows)
 
     @property
     def height(self) -> int:
-        """Rows of the layout."""
+        """Number of rows."""
         return self.layout.height
 
     @property
     def width(self) -> int:
-        """Columns of the layout."""
+        """Number of columns."""
         return self.layout.width
 
     @property
     def start_pos(self) -> Cell:
-        """Where the robot starts without ``randomize``."""
+        """Start of the robot without ``randomize``."""
         return self._start_pos
 
     @property
     def view_radius(self) -> int:
-        """How many cells the robot sees in each direction."""
+        """Number of cells that the robot sees in each direction."""
         return self._view_radius
 
     @property
@@ -109,7 +126,7 @@ class WarehouseEnv:
 
     @property
     def settings(self) -> Settings:
-        """How this environment is set up, but for its layout."""
+        """The arguments of this environment without its layout."""
         return Settings(
             backend=self.backend,
             cell_size=float(self._motion.cell_size),
@@ -120,15 +137,14 @@ class WarehouseEnv:
         )
 
     def reset(self, randomize: bool = False, seed: int | None = None) -> Observation:
-        """Start an episode: hands empty, battery full, no steps taken.
+        """Start an episode: no item, full battery, no steps taken.
 
         Args:
-            randomize: draw pickup, dropoff and start uniformly over the open cells, in this
+            randomize: draw pickup, dropoff and start uniformly from the open cells, in this
                 order; the new pickup and dropoff replace the old ones for later resets too.
-            seed: draw from a private stream that gives what Python's ``random`` gives after
-                ``random.seed(seed)``; ``None`` draws from the global ``random`` itself. The
-                stations are drawn over the cells that are empty before, so the same seed gives
-                the same layout only where the stations were the same.
+            seed: for ``random.Random(seed)``, from which the cells are drawn; ``None`` draws from
+                the global ``random``. Pickup and dropoff are drawn from the cells that are empty
+                before, so the same seed gives the same layout only after the same stations.
 
         Raises:
             LayoutError: ``randomize`` with fewer than two open cells; nothing has changed.
@@ -140,35 +156,35 @@ class WarehouseEnv:
             layout, start = self._drawn(random if seed is None else random.Random(seed))
         return self._begin(layout, start, seed)
 
-    def reset_to(self, layout: Layout, start_pos: Cell, seed: int | None = None) -> Observation:
-        """Start an episode in a layout and from a cell that the caller has chosen.
-
-        The layout stays for later resets.
+    def reset_to(
+        self, layout: Layout, start_pos: Cell | None = None, seed: int | None = None
+    ) -> Observation:
+        """Start an episode in a given layout, which is kept for later resets.
 
         Args:
             layout: of any size.
-            start_pos: for this episode.
-            seed: of whatever chance the motion backend knows.
+            start_pos: for this episode; ``None`` is the layout's ``usual_start()``.
+            seed: for the random numbers of the motion backend.
 
         Raises:
             LayoutError: the start is not open; nothing has changed.
+            TypeError: ``start_pos`` is not a cell.
         """
-        check_start(layout, start_pos)
-        return self._begin(layout, start_pos, seed)
+        return self._begin(layout, self._start_in(layout, start_pos), seed)
 
     def step(
         self, action: str | SupportsIndex
     ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Carry out one action, a word (any case) or its index.
+        """Carry out one action, given as a word (any case) or an index.
 
         Returns:
-            Observation, reward, terminated, truncated and info, which is empty but for
-            ``invalid_action`` after an unknown word or an index out of range. What the motion did
-            is in ``last_motion``.
+            Observation, reward, terminated, truncated and info. ``info`` is empty, or contains
+            ``invalid_action`` after an unknown word or an index out of range. The outcome of the
+            motion is in ``last_motion``.
 
         Raises:
-            TypeError: ``action`` is neither a word nor an integer; nothing has changed.
-            LayoutError: ``state.robot_pos`` was set to a cell that is not open.
+            TypeError: ``action`` is neither a string nor an integer; nothing has changed.
+            LayoutError: ``state.robot_pos`` has been set to a cell that is not open.
         """
         index = action_index(action)
         reward, terminated, truncated = self.advance(index)
@@ -176,10 +192,10 @@ class WarehouseEnv:
         return self.observe(), reward, terminated, truncated, info
 
     def advance(self, index: int) -> tuple[float, bool, bool]:
-        """Carry out one action as ``step`` does, and look at nothing afterwards.
+        """Carry out one action as ``step`` does, without an observation.
 
         Args:
-            index: of the action, or ``INVALID``; it is not checked.
+            index: index of the action, or ``INVALID``; it is not checked.
 
         Returns:
             Reward, terminated and truncated.
@@ -198,7 +214,7 @@ class WarehouseEnv:
         return reward, delivered, is_truncated(state.steps, self.max_steps, state.battery)
 
     def observe(self) -> Observation:
-        """Return what the robot senses now."""
+        """Return the current observation."""
         state = self.state
         return {
             "local_grid": self._sight.window(state.robot_pos, state.has_item),
@@ -222,13 +238,22 @@ class WarehouseEnv:
         return "\n".join("".join(row) for row in self.render_grid())
 
     def render_with_legend(self) -> str:
-        """Return ``render()`` with a line under it for each character."""
+        """Return ``render()`` followed by a line for each character."""
         lines = "\n".join(f"{character} = {meaning}" for character, meaning in LEGEND.items())
         return f"{self.render()}\n\nLegend:\n{lines}"
 
     def close(self) -> None:
-        """Let the motion backend go."""
+        """Close the motion backend."""
         self._motion.close()
+
+    @staticmethod
+    def _start_in(layout: Layout, start_pos: Cell | None) -> Cell:
+        """Return a start given as a cell or as ``None``, checked."""
+        if start_pos is None:
+            return layout.usual_start()
+        start = as_cell("start_pos", start_pos)
+        check_open(layout, start, "start_pos")
+        return start
 
     def _begin(self, layout: Layout, start: Cell, seed: int | None) -> Observation:
         if layout is not self.layout:
@@ -250,11 +275,11 @@ class WarehouseEnv:
         self.last_motion = None
 
     def _drawn(self, stream: Any) -> tuple[Layout, Cell]:
-        """Draw pickup and dropoff into the layout, and the start.
+        """Return the layout with random pickup and dropoff, and a random start.
 
-        The stations are drawn over the cells that were empty before, the start over those that
-        are empty with the new stations in place. That order, and that too few empty cells leave a
-        layout without stations, is what the chapter's recorded episodes show.
+        The stations are drawn from the cells that were empty before, the start from those that are
+        empty with the new stations. With fewer than two empty cells the layout is left without
+        stations. All this is as in the chapter's recorded episodes.
         """
         layout = self.layout
         check_room(layout)
@@ -271,9 +296,9 @@ class WarehouseEnv:
 
 
 def _draw(stream: Any, count: int, without: list[int]) -> int:
-    """Draw one of ``range(count)`` but not of ``without``.
+    """Draw one of ``range(count)`` that is not in ``without``.
 
-    It is the draw that ``choice`` would make over a list of what is left, without making the list.
+    Equals ``choice`` from a list of what remains, without building the list.
     """
     index: int = stream.choice(range(count - len(without)))
     for taken in sorted(without):

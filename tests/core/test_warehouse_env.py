@@ -11,11 +11,9 @@ from helpers.traces import TRACES, as_json, assert_as_recorded, env_of, over_tra
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError, WarehouseEnv, WarehouseState
 from warehouse_core.motion.grid import GridMotion
 
-NO_ACTIONS = [None, 1.5, [], b"N", (), {}, np.float64(1), object()]
-
 
 def everything(env: WarehouseEnv) -> tuple[object, ...]:
-    """Return all that a refused call must leave alone, Python's random stream included."""
+    """Return everything that a failed call must not change, Python's random state included."""
     layout_and_state = (env.layout, env.grid, copy.copy(env.state), env.last_motion)
     return (*layout_and_state, env.render_with_legend(), random.getstate())
 
@@ -28,22 +26,22 @@ def test_there_are_240_recorded_episodes() -> None:
 
 
 @over_traces
-def test_recorded_episodes_come_out_as_recorded(trace: dict[str, Any]) -> None:
+def test_recorded_episodes_are_reproduced(trace: dict[str, Any]) -> None:
     env = env_of(trace)
     assert_as_recorded(env, trace)
 
 
-@over_traces
-def test_a_seed_draws_what_the_global_seed_draws_and_leaves_it_alone(trace: dict[str, Any]) -> None:
-    env = env_of(trace)
+def test_a_seed_draws_like_the_global_random_and_leaves_it_unchanged() -> None:
     random.seed("anything")
     before = random.getstate()
-    for episode in trace["episodes"]:
-        observation = env.reset(randomize=episode["randomize"], seed=episode["seed"])
-        assert as_json(observation) == episode["first_observation"]
-        drawn = Layout(env.grid)
-        stations = (observation["pickup_pos"], observation["dropoff_pos"])
-        assert stations == (next(iter(drawn.pickups), None), next(iter(drawn.dropoffs), None))
+    for trace in TRACES[::5]:
+        env = env_of(trace)
+        for episode in trace["episodes"]:
+            observation = env.reset(randomize=episode["randomize"], seed=episode["seed"])
+            assert as_json(observation) == episode["first_observation"]
+            drawn = Layout(env.grid)
+            stations = (observation["pickup_pos"], observation["dropoff_pos"])
+            assert stations == (next(iter(drawn.pickups), None), next(iter(drawn.dropoffs), None))
     assert random.getstate() == before
 
 
@@ -72,9 +70,9 @@ def test_the_attributes_are_the_chapters() -> None:
     assert env.state == WarehouseState((1, 0), has_item=False, battery=8, steps=0)
 
 
-def test_without_a_grid_it_is_the_chapters_warehouse() -> None:
+def test_the_default_grid_is_the_chapters() -> None:
     env = WarehouseEnv()
-    assert env.layout is DEFAULT_LAYOUT
+    assert env.layout is WarehouseEnv(DEFAULT_LAYOUT).layout is DEFAULT_LAYOUT
     assert env.reset() == {
         "local_grid": ["#####", "#####", "##R.P", "##..#", "##..."],
         "robot_pos": (1, 1),
@@ -90,8 +88,20 @@ def test_a_new_environment_can_be_stepped_at_once() -> None:
     assert WarehouseEnv().step("E")[0]["robot_pos"] == (1, 2)
 
 
-def test_a_layout_object_is_a_grid_too() -> None:
-    assert WarehouseEnv(DEFAULT_LAYOUT).layout is DEFAULT_LAYOUT
+def test_a_start_of_none_is_the_usual_start() -> None:
+    env = WarehouseEnv(["#P", "D#"], start_pos=None)
+    assert env.start_pos == env.reset()["robot_pos"] == (0, 1)
+    assert WarehouseEnv(start_pos=None).start_pos == (1, 1)
+    assert env.reset_to(DEFAULT_LAYOUT)["robot_pos"] == (1, 1)
+    assert env.reset_to(DEFAULT_LAYOUT, (1, 2))["robot_pos"] == (1, 2)
+
+
+def test_a_reset_to_a_wall_raises_and_changes_nothing() -> None:
+    env = WarehouseEnv()
+    before = everything(env)
+    with pytest.raises(LayoutError, match="start_pos row 0, column 0 is wall; it must be an open"):
+        env.reset_to(Layout(["#."]), (0, 0))
+    assert everything(env) == before
 
 
 def test_numpy_integers_are_integers() -> None:
@@ -106,7 +116,7 @@ def test_numpy_integers_are_integers() -> None:
     assert type(env.max_steps) is type(env.max_battery) is type(env.start_pos[0]) is int
 
 
-def test_a_whole_delivery_earns_what_the_table_says() -> None:
+def test_the_rewards_of_a_delivery_follow_the_table() -> None:
     env = WarehouseEnv([".P.", "#.D"], start_pos=(0, 0))
     words = ["W", "PICK", "e", 5, "PICK", "E", "DROP", "S", "drop"]
     steps = [env.step(word) for word in words]
@@ -119,7 +129,7 @@ def test_a_whole_delivery_earns_what_the_table_says() -> None:
     assert [info for *_, info in steps] == [{}] * 9
 
 
-@pytest.mark.parametrize("action", ["fly", "", 7, -1, np.int64(99)])
+@pytest.mark.parametrize("action", ["fly", -1, np.int64(99)])
 def test_an_invalid_action_costs_a_step_and_is_reported(action: Any) -> None:
     env = WarehouseEnv()
     observation, reward, terminated, truncated, info = env.step(action)
@@ -136,8 +146,8 @@ def test_a_delivery_with_the_last_unit_sets_both_flags() -> None:
     assert env.step("DROP")[2:4] == (True, True)
 
 
-@pytest.mark.parametrize(("max_steps", "battery"), [(3, 9), (9, 3), (3, 3)])
-def test_an_episode_is_cut_off_by_steps_or_by_battery(max_steps: int, battery: int) -> None:
+@pytest.mark.parametrize(("max_steps", "battery"), [(3, 9), (9, 3)])
+def test_an_episode_is_truncated_by_steps_or_by_battery(max_steps: int, battery: int) -> None:
     env = WarehouseEnv(max_steps=max_steps, battery=battery)
     assert [env.step("WAIT")[3] for _ in range(4)] == [False, False, True, True]
 
@@ -151,12 +161,12 @@ def test_every_pickup_and_every_dropoff_works() -> None:
     assert env.step("DROP")[2]
 
 
-def test_without_stations_there_is_nowhere_to_go() -> None:
+def test_positions_of_missing_stations_are_none() -> None:
     observation = WarehouseEnv([".."], start_pos=(0, 0)).reset()
     assert observation["pickup_pos"] is observation["dropoff_pos"] is None
 
 
-def test_a_reset_empties_the_hands_and_fills_the_battery() -> None:
+def test_a_reset_removes_the_item_and_fills_the_battery() -> None:
     env = WarehouseEnv(["PD"], start_pos=(0, 0))
     env.step("PICK")
     env.step("E")
@@ -164,7 +174,7 @@ def test_a_reset_empties_the_hands_and_fills_the_battery() -> None:
     assert env.state == WarehouseState((0, 0), has_item=False, battery=200, steps=0)
 
 
-def test_new_stations_stay_for_later_resets() -> None:
+def test_new_stations_are_kept_for_later_resets() -> None:
     env = WarehouseEnv()
     drawn = env.reset(randomize=True, seed=4)
     later = env.reset()
@@ -173,7 +183,7 @@ def test_new_stations_stay_for_later_resets() -> None:
     assert later["robot_pos"] == (1, 1)
 
 
-def test_unseeded_draws_come_from_the_global_stream() -> None:
+def test_draws_without_a_seed_use_the_global_random() -> None:
     random.seed(1)
     first = WarehouseEnv().reset(randomize=True)
     second = WarehouseEnv().reset(randomize=True)
@@ -181,7 +191,7 @@ def test_unseeded_draws_come_from_the_global_stream() -> None:
     assert first == WarehouseEnv().reset(randomize=True, seed=1)
 
 
-def test_two_free_cells_are_just_enough_to_draw_from() -> None:
+def test_two_open_cells_are_enough_for_a_random_reset() -> None:
     drawn = set()
     for seed in range(20):
         env = WarehouseEnv([".#."], start_pos=(0, 2))
@@ -190,7 +200,7 @@ def test_two_free_cells_are_just_enough_to_draw_from() -> None:
     assert drawn == {"P#D", "D#P"}
 
 
-def test_where_only_old_stations_are_open_a_draw_removes_them() -> None:
+def test_a_random_reset_without_empty_cells_removes_the_stations() -> None:
     env = WarehouseEnv(["PD"], start_pos=(0, 0))
     observation = env.reset(randomize=True, seed=0)
     assert env.grid == [".."]
@@ -208,7 +218,7 @@ def test_render_shows_the_robot_on_top() -> None:
     )
 
 
-def test_the_last_motion_says_what_the_backend_did() -> None:
+def test_last_motion_is_the_outcome_of_the_backend() -> None:
     env = WarehouseEnv(["..#"], start_pos=(0, 0))
     assert env.last_motion is None
     env.step("E")
@@ -233,31 +243,31 @@ def test_a_closed_environment_can_be_closed_again_but_not_stepped() -> None:
 # Nothing is shared.
 
 
-def test_an_observation_can_be_spoilt_without_harm() -> None:
+def test_an_observation_can_be_changed_without_effect() -> None:
     env, twin = WarehouseEnv(), WarehouseEnv()
-    for spoilt in (env.reset(randomize=True, seed=1), env.step("WAIT")[0]):
-        spoilt["local_grid"][:] = ["spoilt"]
-        spoilt["robot_pos"] = (0, 0)
-        spoilt["battery"] = -5
-        spoilt["has_item"] = True
-        spoilt["pickup_pos"] = None
+    for changed in (env.reset(randomize=True, seed=1), env.step("WAIT")[0]):
+        changed["local_grid"][:] = ["changed"]
+        changed["robot_pos"] = (0, 0)
+        changed["battery"] = -5
+        changed["has_item"] = True
+        changed["pickup_pos"] = None
     twin.reset(randomize=True, seed=1)
     twin.step("WAIT")
     for action in ("N", "E", "WAIT", "PICK", "fly"):
         assert env.step(action) == twin.step(action)
 
 
-def test_what_render_and_grid_return_can_be_spoilt_without_harm() -> None:
+def test_other_results_can_be_changed_without_effect() -> None:
     env = WarehouseEnv()
-    env.grid[0] = "spoilt"
+    env.grid[0] = "changed"
     env.render_grid()[1][1] = "?"
-    env.step("fly")[4]["invalid_action"] = "spoilt"
+    env.step("fly")[4]["invalid_action"] = "changed"
     assert env.grid == list(DEFAULT_LAYOUT.rows)
     assert env.step("fly")[4] == {"invalid_action": True}
     assert env.render() == WarehouseEnv().render()
 
 
-def test_a_list_given_as_grid_may_be_changed_afterwards() -> None:
+def test_the_rows_of_a_grid_are_copied() -> None:
     rows = ["...", "..."]
     env = WarehouseEnv(rows, start_pos=(0, 0))
     rows[0] = "###"
@@ -272,10 +282,10 @@ def test_environments_do_not_share_a_state() -> None:
     assert other.state.steps == 0
 
 
-# The state may be written.
+# The state can be assigned.
 
 
-def test_a_robot_put_elsewhere_goes_on_from_there() -> None:
+def test_a_robot_put_on_another_cell_continues_there() -> None:
     env = WarehouseEnv()
     env.step("E")
     env.state.robot_pos = (4, 8)
@@ -285,7 +295,7 @@ def test_a_robot_put_elsewhere_goes_on_from_there() -> None:
     assert env.state.steps == 3
 
 
-def test_a_robot_put_elsewhere_is_seen_there_at_once() -> None:
+def test_a_robot_put_on_another_cell_is_rendered_there() -> None:
     env = WarehouseEnv()
     env.state.robot_pos = (1, 10)
     assert env.render_grid()[1][10] == "R"
@@ -294,7 +304,7 @@ def test_a_robot_put_elsewhere_is_seen_there_at_once() -> None:
     assert env.last_motion.path[0, 1:3].tolist() == [10.5, 1.5]
 
 
-def test_a_whole_new_state_is_taken_over() -> None:
+def test_the_state_can_be_replaced() -> None:
     env = WarehouseEnv(["P.D"], start_pos=(0, 0))
     env.state = WarehouseState((0, 2), has_item=True, battery=1, steps=7)
     observation, reward, terminated, truncated, _ = env.step("DROP")
@@ -302,8 +312,8 @@ def test_a_whole_new_state_is_taken_over() -> None:
     assert (observation["steps"], observation["battery"]) == (8, 0)
 
 
-@pytest.mark.parametrize("cell", [(0, 0), (-1, 5), (7, 1), (1, 12)])
-def test_a_robot_put_on_a_wall_is_refused_at_the_next_step(cell: tuple[int, int]) -> None:
+@pytest.mark.parametrize("cell", [(0, 0), (-1, 5)])
+def test_a_step_of_a_robot_put_on_a_wall_raises(cell: tuple[int, int]) -> None:
     env = WarehouseEnv()
     env.step("E")
     env.state.robot_pos = cell
@@ -322,8 +332,6 @@ def test_a_robot_put_on_a_wall_is_refused_at_the_next_step(cell: tuple[int, int]
     ("arguments", "message"),
     [
         ({"grid": []}, "the layout is empty"),
-        ({"grid": [""]}, "the layout is empty"),
-        ({"grid": ["...", ".."]}, "row 1 has 2 columns where row 0 has 3"),
         (
             {"grid": ["...", "..x"]},
             r"row 1, column 2: 'x' is not a tile; allowed: # \(wall\), \. \(",
@@ -333,40 +341,37 @@ def test_a_robot_put_on_a_wall_is_refused_at_the_next_step(cell: tuple[int, int]
             {"start_pos": (7, 1)},
             r"start_pos row 7, column 1 is off the grid \(rows 0..6, columns 0..11",
         ),
-        ({"start_pos": (-1, 1)}, "start_pos row -1, column 1 is off the grid"),
         ({"grid": ["."]}, "start_pos row 1, column 1 is off the grid"),
         ({"view_radius": -1}, "view_radius is -1; it must be at least 0"),
         ({"max_steps": 0}, "max_steps is 0; it must be at least 1"),
-        ({"max_steps": -5}, "max_steps is -5"),
         ({"battery": 0}, "battery is 0; it must be at least 1"),
     ],
 )
-def test_a_bad_value_is_refused(arguments: dict[str, Any], message: str) -> None:
+def test_an_invalid_value_raises(arguments: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         WarehouseEnv(**arguments)
 
 
 @pytest.mark.parametrize("name", ["max_steps", "battery", "view_radius"])
-@pytest.mark.parametrize("value", [None, 1.0, "5", [5]])
-def test_a_budget_is_an_integer(name: str, value: object) -> None:
+def test_a_number_must_be_an_integer(name: str) -> None:
     with pytest.raises(TypeError, match=f"{name} is .*; it must be an integer"):
-        WarehouseEnv(**{name: value})
+        WarehouseEnv(**{name: 1.0})
 
 
-@pytest.mark.parametrize("value", [None, 5, (1,), (1, 1, 1), (1.0, 1), "11", ("1", "1"), (1, None)])
-def test_a_start_is_two_integers(value: Any) -> None:
+@pytest.mark.parametrize("value", [5, (1, 1, 1), "11"])
+def test_a_start_must_be_two_integers(value: Any) -> None:
     with pytest.raises(TypeError, match=r"start_pos is .*; it must be two integers"):
         WarehouseEnv(start_pos=value)
 
 
-@pytest.mark.parametrize("grid", ["...", 5, [5], [b".."], {".": 1}])
-def test_a_grid_is_a_list_of_strings(grid: Any) -> None:
+@pytest.mark.parametrize("grid", ["...", [5]])
+def test_a_grid_must_be_a_list_of_strings(grid: Any) -> None:
     with pytest.raises(TypeError, match="string"):
         WarehouseEnv(grid)
 
 
-@pytest.mark.parametrize("action", NO_ACTIONS)
-def test_what_is_no_action_is_refused_and_changes_nothing(action: Any) -> None:
+@pytest.mark.parametrize("action", [None, 1.5, b"N"])
+def test_an_action_of_another_type_raises_and_changes_nothing(action: Any) -> None:
     env = WarehouseEnv()
     env.step("E")
     before = everything(env)
@@ -378,9 +383,8 @@ def test_what_is_no_action_is_refused_and_changes_nothing(action: Any) -> None:
     assert env.step("E")[0]["robot_pos"] == (1, 3)
 
 
-@pytest.mark.parametrize("seed", [1.5, "1", [1], b"1", (1,)])
-@pytest.mark.parametrize("randomize", [False, True])
-def test_a_seed_of_another_type_is_refused_and_changes_nothing(seed: Any, randomize: bool) -> None:
+@pytest.mark.parametrize(("seed", "randomize"), [(1.5, False), ("1", True)])
+def test_a_seed_of_another_type_raises_and_changes_nothing(seed: Any, randomize: bool) -> None:
     env = WarehouseEnv()
     env.step("E")
     before = everything(env)
@@ -389,9 +393,10 @@ def test_a_seed_of_another_type_is_refused_and_changes_nothing(seed: Any, random
     assert everything(env) == before
 
 
-@pytest.mark.parametrize("rows", [["."], ["#P#"], ["D"]])
-@pytest.mark.parametrize("seed", [None, 3])
-def test_too_few_cells_to_draw_from_change_nothing(rows: Sequence[str], seed: int | None) -> None:
+@pytest.mark.parametrize(("rows", "seed"), [(["."], None), (["#P#"], 3)])
+def test_a_random_reset_with_too_few_cells_raises_and_changes_nothing(
+    rows: Sequence[str], seed: int | None
+) -> None:
     env = WarehouseEnv(rows, start_pos=(0, rows[0].find("P") % len(rows[0])))
     env.step("WAIT")
     before = everything(env)
@@ -401,7 +406,7 @@ def test_too_few_cells_to_draw_from_change_nothing(rows: Sequence[str], seed: in
 
 
 class Unreliable(GridMotion):
-    """Breaks down where it is told to."""
+    """Raises on request."""
 
     broken = False
 
@@ -411,7 +416,7 @@ class Unreliable(GridMotion):
         return super().advance(*arguments)
 
 
-def test_a_motion_that_breaks_down_leaves_the_state_alone() -> None:
+def test_an_error_of_the_motion_leaves_the_state_unchanged() -> None:
     motion = Unreliable()
     env = WarehouseEnv(backend=motion)
     env.step("E")
@@ -431,7 +436,7 @@ def test_a_motion_that_breaks_down_leaves_the_state_alone() -> None:
         lambda env: setattr(env, "height", 3),
     ],
 )
-def test_what_follows_from_the_layout_cannot_be_assigned(
+def test_properties_cannot_be_assigned(
     change: Callable[[WarehouseEnv], None],
 ) -> None:
     with pytest.raises(AttributeError):

@@ -1,1 +1,6 @@
-"""Files that are complete or not there."""
+"""Files written atomically, and arrays in files that are not trusted."""
+
+from warehouse_core.files.atomic import atomic_path
+from warehouse_core.files.npz import read_arrays, write_arrays
+
+__all__ = ["atomic_path", "read_arrays", "write_arrays"]

@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all, so that an interrupted export leaves no half file."""
+"""Atomic writes: a file appears complete or not at all."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def check_target(target: Path) -> None:
-    """Refuse a path that no file can be written to.
+    """Raise if no file can be written to a path.
 
     Raises:
         OSError: it is a folder, or its folder does not exist.
@@ -23,8 +23,8 @@ def check_target(target: Path) -> None:
 def atomic_path(path: str | Path) -> Iterator[Path]:
     """Yield a path beside ``path`` to write to; rename it to ``path`` when the block succeeds.
 
-    The suffix is kept, because writers choose their format by it. On any error the part is
-    removed and what stood at ``path`` before is untouched.
+    The suffix is kept, because writers choose their format by it. On any error the temporary file
+    is removed and an existing file at ``path`` is left unchanged.
 
     Raises:
         OSError: the folder does not exist or cannot be written.

@@ -1,7 +1,7 @@
-"""Named arrays in one ``.npz`` file, read back without trusting it.
+"""Named arrays in one ``.npz`` file, which is not trusted when it is read.
 
-Nothing is unpickled, and no memory is taken that the file has not been checked to need: a damaged
-or hostile file ends in one ``RecordError``. The files are plain ``numpy.savez_compressed`` files.
+Nothing is unpickled, and sizes are checked before memory is allocated: a damaged or hostile file
+raises ``RecordError``. The files are plain ``numpy.savez_compressed`` files.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from warehouse_core.errors import RecordError
 from warehouse_core.files.atomic import atomic_path
 
 MAX_BYTES = 64 * 1024 * 1024
-"""Uncompressed size of all arrays together above which a file is neither written nor read."""
+"""Limit on the uncompressed size of all arrays together, for writing and reading."""
 
 Arrays = dict[str, NDArray[Any]]
 Schema = Mapping[str, tuple[str, int]]
@@ -30,11 +30,11 @@ Schema = Mapping[str, tuple[str, int]]
 _END_RECORD = struct.Struct("<4s4H2LH")
 _ZIP64_LOCATOR_SIZE = 20
 _MAX_ENTRY_SIZE = 256
-"""Of an array in the directory of a file: 46 bytes, its name, and some to spare."""
+"""Limit on the directory entry of an array: 46 bytes, its name, and some spare."""
 
 
 def write_arrays(path: str | Path, arrays: Arrays, schema: Schema) -> None:
-    """Write arrays to ``path``, whole or not at all.
+    """Write arrays to ``path``, atomically.
 
     Raises:
         RecordError: they take more than ``MAX_BYTES``.
@@ -49,10 +49,10 @@ def write_arrays(path: str | Path, arrays: Arrays, schema: Schema) -> None:
 
 
 def read_arrays(path: str | Path, schema: Schema) -> Arrays:
-    """Read exactly the arrays of ``schema`` from ``path``; they are read-only.
+    """Read exactly the arrays of ``schema`` from ``path``, read-only.
 
     Raises:
-        RecordError: anything in the file is not as ``schema`` says.
+        RecordError: the file is damaged or differs from ``schema``.
         OSError: the file cannot be opened.
     """
     with Path(path).open("rb") as file:
@@ -68,7 +68,7 @@ def read_arrays(path: str | Path, schema: Schema) -> Arrays:
 
 
 def _check_directory(file: IO[bytes], count: int) -> None:
-    """Refuse a directory with other than ``count`` entries before zipfile reads it into memory."""
+    """Raise unless the directory has ``count`` entries, before zipfile reads it into memory."""
     file.seek(0, 2)
     size = file.tell()
     tail_size = min(size, _END_RECORD.size + _ZIP64_LOCATOR_SIZE)
@@ -81,7 +81,7 @@ def _check_directory(file: IO[bytes], count: int) -> None:
         raise RecordError("not an .npz file")
     if entries != count:
         raise RecordError(f"{entries} arrays; there must be {count}")
-    # zipfile reads as many entries as fit into the directory, whatever their number is said to be.
+    # zipfile reads as many entries as fit into the directory, whatever their stated number.
     if directory_size > count * _MAX_ENTRY_SIZE:
         raise RecordError(f"its directory of {directory_size} bytes is too large")
 
@@ -109,7 +109,7 @@ def _read_one(
             raise RecordError(f"array {name}: not of .npy version 1.0")
         try:
             shape, fortran_order, found = np.lib.format.read_array_header_1_0(file)
-        except Exception as error:  # the header is Python text, which fails in a dozen ways
+        except Exception as error:  # the header is Python text, which can raise many types
             raise RecordError(f"array {name}: damaged header") from error
         if found != np.dtype(dtype) or len(shape) != dimensions or fortran_order:
             raise RecordError(
@@ -120,7 +120,7 @@ def _read_one(
         if size != entry.file_size - file.tell():
             raise RecordError(f"array {name} claims {size} bytes, which it does not have")
         data = file.read(size)
-        # Reading on to the end is what makes zipfile compare the checksum.
+        # zipfile compares the checksum only when the end is read.
         if len(data) != size or file.read(1):
             raise RecordError(f"array {name} is cut short")
     return np.frombuffer(data, dtype=found).reshape(shape)

@@ -29,10 +29,10 @@ from warehouse_core.gymnasium_env.view import ActionMasks, Encoder
 from warehouse_core.motion.backends import Backend
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
 from warehouse_core.render.window import PictureWindow
-from warehouse_core.task.starts import DRAWS, NEEDED, check_room, draw_stations, motion_seed
+from warehouse_core.task.starts import DRAWS, MIN_OPEN_CELLS, check_room, draw_stations, motion_seed
 from warehouse_core.warehouse_env import WarehouseEnv
 from warehouse_core.world.actions import ACTIONS, valid_action
-from warehouse_core.world.layout import GivenLayout, Layout, as_layout, check_start
+from warehouse_core.world.layout import GivenLayout, Layout, as_layout, check_open
 from warehouse_core.world.tiles import Cell
 
 UNSTARTED = "there has been no reset() yet"
@@ -50,8 +50,8 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
             the environment takes a copy for itself.
         observation: the form of the observations, see ``make_form``.
         start_pos: where the robot starts without ``randomize``; ``None`` is the usual start.
-        max_steps: steps until the episode is truncated, 1 to ``MOST_STEPS``.
-        battery: battery units of a full charge, 1 to ``MOST_STEPS``; every step costs one.
+        max_steps: steps until the episode is truncated, 1 to ``MAX_STEPS``.
+        battery: battery units of a full charge, 1 to ``MAX_STEPS``; every step costs one.
         view_radius: cells seen in each direction, 0 to ``MOST_VIEW_RADIUS``.
         randomize: draw pickup, dropoff and start of each episode.
         render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``.
@@ -205,11 +205,11 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         if randomize:
             check_room(layout)
         given = options.get("start_pos")
-        if given is None and randomize and len(layout.open_cells) > NEEDED:
+        if given is None and randomize and len(layout.open_cells) > MIN_OPEN_CELLS:
             return layout, None, True
         start = self._start if given is None else as_cell("start_pos", given)
         start = start or layout.usual_start()
-        check_start(layout, start)
+        check_open(layout, start, "start_pos")
         return layout, start, randomize
 
     def _picture(self) -> NDArray[np.uint8]:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from warehouse_core.arguments import whole_number
 from warehouse_core.render.observation_image import ObservationImage
-from warehouse_core.task.encoding import MOST_STEPS, Arrays, vector, vector_limits
+from warehouse_core.task.encoding import MAX_STEPS, Arrays, vector, vector_limits
 from warehouse_core.world.tiles import CELL_CODES
 
 FORMS = ("dict", "vector", "image")
@@ -53,12 +53,12 @@ def make_form(name: str, extent: Extent) -> Form:
     ============  =================================================================================
 
     Raises:
-        ValueError: no form is called so, a battery or steps above ``MOST_STEPS``, or a view radius
+        ValueError: no form is called so, a battery or steps above ``MAX_STEPS``, or a view radius
             above ``MOST_VIEW_RADIUS``.
     """
     height, width, view_radius, battery, max_steps = extent
-    whole_number("battery", battery, 1, MOST_STEPS)
-    whole_number("max_steps", max_steps, 1, MOST_STEPS)
+    whole_number("battery", battery, 1, MAX_STEPS)
+    whole_number("max_steps", max_steps, 1, MAX_STEPS)
     whole_number("view_radius", view_radius, 0, MOST_VIEW_RADIUS)
     if name == "dict":
         return Form(_dict_space(extent), _as_it_is)

@@ -1,1 +1,17 @@
-"""The seam between the rules and what carries out a move, and the grid backend."""
+"""Motions carry out the moves of robots: the interface, the grid backend, and backends by name."""
+
+from warehouse_core.motion.backends import backend_names, load_backend, make_motion
+from warehouse_core.motion.base import Contact, Motion, Outcome
+from warehouse_core.motion.vector import Batchable, BatchMotion, BatchOutcome
+
+__all__ = [
+    "BatchMotion",
+    "BatchOutcome",
+    "Batchable",
+    "Contact",
+    "Motion",
+    "Outcome",
+    "backend_names",
+    "load_backend",
+    "make_motion",
+]

@@ -1,7 +1,7 @@
-"""Find a motion backend by its name among what is installed.
+"""Find installed motion backends by name.
 
 A backend is a class in the entry-point group ``warehouse_core.motion.backends`` of any installed
-distribution; ``grid`` and ``physics`` are registered no other way than a third party's.
+distribution; ``grid`` and ``physics`` are registered in the same way as third-party backends.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def make_motion(backend: Backend) -> Motion:
 
 
 def make_batch_motion(backend: Backend, layouts: Sequence[Layout]) -> BatchMotion:
-    """Return a motion for one robot in each of these layouts, like that of a backend.
+    """Return a batch motion of a backend, for one robot in each of these layouts.
 
     Raises:
         BackendError: as for ``make_motion``, or the backend has no ``batch``.
@@ -67,8 +67,8 @@ def load_backend(name: str) -> type[Motion]:
     """Import the backend called ``name``.
 
     Raises:
-        BackendError: listing what is installed, or saying which command installs what is missing
-            or broken.
+        BackendError: the name is not installed, or its requirements are missing or broken; the
+            message lists the installed names, or gives the command to install what is missing.
     """
     entry_point = _entry_points().get(name)
     if entry_point is None:
@@ -89,7 +89,7 @@ def _entry_points() -> dict[str, EntryPoint]:
 
 
 def _complaint(error: Exception, entry_point: EntryPoint) -> str:
-    """Say in one line why a backend cannot be loaded, and which command may help."""
+    """Return one line with the cause of an import error and a command that may fix it."""
     command = f"pip install '{_requirement(entry_point)}'"
     if isinstance(error, ModuleNotFoundError):
         return f"needs {error.name or error}, which is not installed: {command}"
@@ -98,7 +98,7 @@ def _complaint(error: Exception, entry_point: EntryPoint) -> str:
 
 
 def _requirement(entry_point: EntryPoint) -> str:
-    """Return what to give to pip: the distribution, with the extra named like the backend."""
+    """Return the requirement for pip: the distribution, with its extra of the backend's name."""
     distribution = entry_point.dist
     if distribution is None:
         return entry_point.module.partition(".")[0]

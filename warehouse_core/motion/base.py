@@ -1,8 +1,8 @@
-"""The seam: what carries out a move, and what it reports back.
+"""The interface of a motion, which carries out moves, and the outcome that it returns.
 
-A *motion* moves ``R`` robots at once; the chapter's environment is ``R = 1``. It knows walls and
-robots but no rewards, items or batteries: those are in ``task/rules.py``, which reads nothing of an
-outcome but its ``cell`` and ``blocked``.
+A *motion* moves ``R`` robots at once; in the chapter's environment ``R = 1``. It knows walls and
+robots, but no rewards, items or batteries: those are in ``task/rules.py``, which reads only the
+``cell`` and ``blocked`` of an outcome.
 
 A *position* is ``(x, y)`` in metres with ``x = (col + 0.5) * cell_size`` and
 ``y = (row + 0.5) * cell_size``; rows grow downward and so does y. A *heading* is in radians from
@@ -18,14 +18,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.errors import LayoutError
-from warehouse_core.world.layout import Layout
+from warehouse_core.world.actions import DISPLACEMENTS
+from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.tiles import Cell
 
 WALL_CONTACT = "wall"
 
 
 def robot_contact(robot: int) -> str:
-    """Name robot number ``robot`` as the counterpart of a contact."""
+    """Return the name of a robot as the counterpart of a contact."""
     return f"robot {robot}"
 
 
@@ -33,7 +34,7 @@ class Contact(NamedTuple):
     """One hit during a motion.
 
     Attributes:
-        seconds: when it happened, from the start of the motion.
+        seconds: time of the hit, from the start of the motion.
         impulse: in N·s, positive.
         point: position ``(x, y)`` in metres.
         counterpart: ``"wall"`` or ``"robot 3"``.
@@ -46,13 +47,13 @@ class Contact(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """What carrying out one action came to, in the same fields whatever the backend.
+    """The outcome of one action of one robot, in the same fields for every backend.
 
     Attributes:
         cell: where the robot is now.
-        blocked: something stopped the robot on its way to another cell.
-        seconds: how long it took.
-        joules: what it cost.
+        blocked: whether something stopped the robot on its way to another cell.
+        seconds: its duration.
+        joules: its cost.
         path: ``[K, 4]`` float64, read-only, ``K >= 2``: time from the start of the motion in
             seconds, x, y, heading. The first row is the start, the last row the end.
         contacts: every hit, in order of time; never empty when ``blocked``.
@@ -66,7 +67,7 @@ class Outcome(NamedTuple):
     contacts: tuple[Contact, ...] = ()
 
     def copy(self) -> Outcome:
-        """Return the same outcome with a path that is shared with no other."""
+        """Return the same outcome with a copy of its path."""
         cell, blocked, seconds, joules, path, contacts = self
         return Outcome(cell, blocked, seconds, joules, path.copy(), contacts)
 
@@ -80,7 +81,7 @@ class Outcome(NamedTuple):
         )
 
     def __ne__(self, other: object) -> bool:
-        # A tuple brings its own, which would compare the paths as arrays.
+        # The __ne__ of a tuple would compare the paths as arrays.
         return not self == other
 
     def __hash__(self) -> int:
@@ -89,7 +90,7 @@ class Outcome(NamedTuple):
 
 @runtime_checkable
 class Motion(Protocol):
-    """The part that can be swapped; ``warehouse_core/conformance`` checks an implementation."""
+    """The interface of a backend; ``warehouse_core/conformance`` checks an implementation."""
 
     cell_size: float
     """Side of a cell in metres."""
@@ -99,8 +100,8 @@ class Motion(Protocol):
 
         Args:
             layout: where the walls are.
-            cells: one open cell for each robot, no two alike.
-            seed: of whatever chance the backend knows; ``None`` leaves the choice to it.
+            cells: one open cell for each robot, all different.
+            seed: for the backend's random numbers; ``None`` lets the backend choose.
 
         Raises:
             LayoutError: a cell is a wall, off the grid, or given twice; nothing has changed.
@@ -117,13 +118,13 @@ class Motion(Protocol):
             One outcome for each robot.
 
         Raises:
-            ValueError: not one of each for every robot, or another displacement; nothing has
-                changed.
+            ValueError: another number of arguments than robots, or another displacement; nothing
+                has changed.
             RuntimeError: ``advance`` before ``reset`` or after ``close``.
         """
 
     def close(self) -> None:
-        """Let go of whatever the backend holds; a second call does nothing."""
+        """Release resources; safe to call twice."""
 
 
 def centre_of(cell: Cell, cell_size: float) -> tuple[float, float]:
@@ -133,23 +134,22 @@ def centre_of(cell: Cell, cell_size: float) -> tuple[float, float]:
 
 
 def check_starts(layout: Layout, cells: Sequence[Cell]) -> None:
-    """Refuse cells that robots cannot be put on; for backends to call in ``reset``.
+    """Raise if robots cannot be put on these cells; for backends to call in ``reset``.
 
     Raises:
         LayoutError: naming the robot and the cell.
     """
     for robot, cell in enumerate(cells):
-        if not layout.is_open(cell):
-            raise LayoutError(f"robot {robot} cannot stand there: {layout.describe(cell)}")
+        check_open(layout, cell, f"robot {robot}:")
         if cell in cells[:robot]:
             raise LayoutError(f"robots {cells.index(cell)} and {robot} are both given {cell}")
 
 
-_STEPS = frozenset({(0, 0), (-1, 0), (0, 1), (1, 0), (0, -1)})
+_ALLOWED = frozenset(DISPLACEMENTS)
 
 
 def check_moves(robots: int, displacements: Sequence[Cell], loaded: Sequence[bool]) -> None:
-    """Refuse what is not one action for each robot; for backends to call in ``advance``.
+    """Raise unless there is one action for each robot; for backends to call in ``advance``.
 
     Raises:
         ValueError: naming the robot and the displacement, or the two counts.
@@ -160,7 +160,7 @@ def check_moves(robots: int, displacements: Sequence[Cell], loaded: Sequence[boo
             "one of each is needed for every robot"
         )
     for robot, displacement in enumerate(displacements):
-        if displacement not in _STEPS:
+        if displacement not in _ALLOWED:
             raise ValueError(
-                f"displacement {displacement!r} of robot {robot}; allowed: {sorted(_STEPS)}"
+                f"displacement {displacement!r} of robot {robot}; allowed: {sorted(_ALLOWED)}"
             )

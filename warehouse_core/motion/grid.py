@@ -1,9 +1,7 @@
-"""The grid backend: a robot is in a cell or in the next one, and nothing in between.
+"""The grid backend: a robot moves by whole cells.
 
-Time and cost are nominal, so that they can be compared with what a physical backend measures. A
-robot of ``NOMINAL_KG`` crosses a cell in ``NOMINAL_SECONDS``; every move, blocked or not, gets it
-up to speed and overcomes rolling resistance for one cell, and every action keeps its electronics
-on.
+Time and cost are nominal, for comparison with the measurements of a physical backend. A robot of
+``NOMINAL_KG`` crosses a cell in ``NOMINAL_SECONDS``; see ``nominal_joules`` for the cost.
 """
 
 from __future__ import annotations
@@ -25,25 +23,25 @@ from warehouse_core.motion.base import (
 from warehouse_core.motion.traffic import Stop, find_stops
 from warehouse_core.motion.vector_grid import GridBatch
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tiles import EMPTY, MOVE_DELTAS, Cell
+from warehouse_core.world.tiles import EMPTY, MOVE_DELTAS, Cell, moved
 
 NOMINAL_KG = 50.0
 NOMINAL_SECONDS = 1.0
 NOMINAL_IDLE_WATTS = 20.0
 ROLLING_RESISTANCE = 0.015
-"""Rolling force over weight; 0.01 to 0.02 is usual for a hard tyre on concrete."""
+"""Rolling force over weight; 0.01 to 0.02 is typical for a hard tyre on concrete."""
 GRAVITY = 9.81
 
 STAY, EAST = (0, 0), (0, 1)
 ANGLES = {delta: math.atan2(*delta) for delta in MOVE_DELTAS.values()}
-"""Heading in radians of a move; atan2 takes y, which is down the rows, before x."""
+"""Heading in radians of a move; atan2 takes y (rows, downward) before x."""
 
-MAX_REMEMBERED = 100_000
-"""Outcomes kept for lone robots, about half a kilobyte each."""
+MAX_CACHED = 100_000
+"""Limit on the cached outcomes of a lone robot, about half a kilobyte each."""
 
 
 class GridMotion:
-    """Moves robots by whole cells; several at once as the table in ``traffic.py`` says.
+    """Moves robots by whole cells; several at once by the table in ``traffic.py``.
 
     Args:
         cell_size: side of a cell in metres.
@@ -64,7 +62,7 @@ class GridMotion:
         self._lone: dict[tuple[Cell, Cell, Cell], tuple[Outcome]] = {}
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
-        """Put robots in their cells; see ``Motion.reset``. There is no chance in it."""
+        """Put robots in their cells; see ``Motion.reset``. The seed is not used."""
         check_starts(layout, cells)
         if self._layout.open_cells is not layout.open_cells:
             self._lone = {}
@@ -75,8 +73,8 @@ class GridMotion:
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
         """Move every robot by one action; see ``Motion.advance``.
 
-        What a lone robot's move comes to depends on nothing but the walls, so it is worked out
-        once for each cell and direction.
+        The outcome for a lone robot depends only on the walls, so it is cached for each cell,
+        displacement and heading.
         """
         if not len(self._cells) == len(displacements) == len(loaded) == 1:
             return self._advance_all(displacements, loaded)
@@ -86,7 +84,7 @@ class GridMotion:
         outcomes = self._lone.get(key)
         if outcomes is None:
             check_moves(1, displacements, loaded)
-            outcomes = self._remember(key)
+            outcomes = self._cache(key)
         self._cells[0] = outcomes[0].cell
         self._headings[0] = heading
         return outcomes
@@ -96,7 +94,7 @@ class GridMotion:
         self._cells, self._headings, self._lone = [], [], {}
 
     def batch(self, layouts: Sequence[Layout]) -> GridBatch:
-        """Return what moves one robot in each of these layouts; see ``vector.py``."""
+        """Return a motion for one robot in each of these layouts; see ``vector.py``."""
         return GridBatch(
             layouts,
             seconds=NOMINAL_SECONDS,
@@ -104,11 +102,11 @@ class GridMotion:
             waiting_joules=self._waiting_joules,
         )
 
-    def _remember(self, key: tuple[Cell, Cell, Cell]) -> tuple[Outcome]:
-        cell, (down, right), heading = key
-        target = (cell[0] + down, cell[1] + right)
+    def _cache(self, key: tuple[Cell, Cell, Cell]) -> tuple[Outcome]:
+        cell, displacement, heading = key
+        target = moved(cell, displacement)
         stop: Stop = None if self._layout.is_open(target) else WALL_CONTACT
-        if len(self._lone) >= MAX_REMEMBERED:
+        if len(self._lone) >= MAX_CACHED:
             self._lone.clear()
         self._lone[key] = outcomes = (self._outcome(cell, target, heading, stop),)
         return outcomes
@@ -119,10 +117,7 @@ class GridMotion:
         if not self._cells:
             raise RuntimeError("advance() needs a reset() before it")
         check_moves(len(self._cells), displacements, loaded)
-        targets = [
-            (row + down, col + right)
-            for (row, col), (down, right) in zip(self._cells, displacements, strict=True)
-        ]
+        targets = list(map(moved, self._cells, displacements))
         stops = find_stops(self._layout, self._cells, targets)
         self._headings = [
             heading if displacement == STAY else displacement
@@ -144,7 +139,7 @@ class GridMotion:
         return Outcome(end, stop is not None, NOMINAL_SECONDS, joules, path, contacts)
 
     def _contact(self, start: tuple[float, float], heading: Cell, stop: int | str) -> Contact:
-        """Return the nominal hit: half-way, at the edge of the cell, all momentum lost."""
+        """Return the nominal hit: half-way, at the edge of the cell, with all momentum lost."""
         (x, y), (down, right) = start, heading
         return Contact(
             seconds=NOMINAL_SECONDS / 2,
@@ -157,8 +152,8 @@ class GridMotion:
 def nominal_joules(cell_size: float, *, moving: bool) -> float:
     """Return the nominal cost of one action in joules.
 
-    Idle power for the whole action; a move adds the kinetic energy at its mean speed and the work
-    against rolling resistance over one cell.
+    Every action costs idle power. A move, blocked or not, adds the kinetic energy at its mean speed
+    and the work against rolling resistance over one cell.
     """
     idle = NOMINAL_IDLE_WATTS * NOMINAL_SECONDS
     if not moving:

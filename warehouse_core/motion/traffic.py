@@ -1,21 +1,22 @@
-"""Who may move when several robots move at once: the rule that every nominal backend keeps.
+"""Which robots may move when several move at once; every nominal backend follows this rule.
 
-Robots start together, each towards its own or a neighbouring cell. Read the table from the top;
-the first line that fits a robot decides.
+Robots start together, each towards its own or a neighbouring cell. The first line of the table that
+applies to a robot decides.
 
-| case          | the robot wants a cell that             | it ends | stopped by             |
-| ------------- | --------------------------------------- | ------- | ---------------------- |
-| waiting       | it is in already                        | there   | nothing                |
-| wall          | is a wall or off the grid               | stays   | the wall               |
-| same target   | another moving robot wants too          | stays   | the first such robot   |
-| head-on       | another robot leaves for this robot's   | stays   | that robot             |
-| occupied      | a robot is in that stays, for any cause | stays   | that robot             |
-| following     | a robot is in that moves away           | moves   | nothing                |
-| cycle         | belongs to a ring of three or more that | moves   | nothing                |
-|               | all move on                             |         |                        |
+| case          | the robot's target cell                | it ends | stopped by             |
+| ------------- | -------------------------------------- | ------- | ---------------------- |
+| waiting       | is its own                             | there   | nothing                |
+| wall          | is a wall or off the grid              | stays   | the wall               |
+| same target   | is the target of another moving robot  | stays   | the first such robot   |
+| head-on       | is left by a robot whose target is     | stays   | that robot             |
+|               | this robot's cell                      |         |                        |
+| occupied      | has a robot that stays, for any reason | stays   | that robot             |
+| following     | has a robot that moves away            | moves   | nothing                |
+| cycle         | is in a ring of three or more robots   | moves   | nothing                |
+|               | that all move on                       |         |                        |
 
-Where several want one cell all of them stay: that is what bodies do, and it needs no order among
-the robots. "Occupied" spreads backwards along a queue until nobody is stopped anew.
+If several robots have the same target, all of them stay, as rigid bodies would; the result does not
+depend on the order of the robots. "Occupied" spreads backwards along a queue of robots.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ def find_stops(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -
     """Return what stops each of ``R`` robots on its way from ``cells`` to ``targets``.
 
     Args:
-        layout: where the walls are.
+        layout: the layout with the walls.
         cells: ``R`` different open cells.
         targets: for each robot its own cell or a neighbour of it.
     """
@@ -42,41 +43,17 @@ def find_stops(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -
     robot_in = {cell: robot for robot, cell in enumerate(cells)}
     movers = [i for i, stop in enumerate(stops) if stop is None and targets[i] != cells[i]]
     for i in movers:
-        stops[i] = _rival(i, movers, cells, targets, robot_in)
-    _spread(stops, movers, cells, targets, robot_in)
-    return stops
-
-
-def _rival(
-    robot: int,
-    movers: Sequence[int],
-    cells: Sequence[Cell],
-    targets: Sequence[Cell],
-    robot_in: dict[Cell, int],
-) -> int | None:
-    """Return the robot that wants the same cell, or else the one that comes head-on."""
-    for other in movers:
-        if other != robot and targets[other] == targets[robot]:
-            return other
-    other = robot_in.get(targets[robot], robot)
-    return other if other != robot and targets[other] == cells[robot] else None
-
-
-def _spread(
-    stops: list[Stop],
-    movers: Sequence[int],
-    cells: Sequence[Cell],
-    targets: Sequence[Cell],
-    robot_in: dict[Cell, int],
-) -> None:
-    """Stop whoever wants the cell of a robot that stays, until nobody is stopped anew."""
-    changed = True
-    while changed:
-        changed = False
-        for robot in movers:
-            ahead = robot_in.get(targets[robot])
-            if stops[robot] is not None or ahead is None:
+        rivals = (j for j in movers if j != i and targets[j] == targets[i])
+        ahead = robot_in.get(targets[i])
+        head_on = None if ahead is None or targets[ahead] != cells[i] else ahead
+        stops[i] = next(rivals, head_on)
+    stopped = True
+    while stopped:
+        stopped = False
+        for i in movers:
+            ahead = robot_in.get(targets[i])
+            if stops[i] is not None or ahead is None:
                 continue
             if stops[ahead] is not None or targets[ahead] == cells[ahead]:
-                stops[robot] = ahead
-                changed = True
+                stops[i], stopped = ahead, True
+    return stops

@@ -1,10 +1,10 @@
-"""The seam of ``base.py`` for a batch: one robot in each of ``B`` warehouses, moved together.
+"""The interface of a batch motion: one robot in each of ``B`` warehouses, moved together.
 
-What carries out the moves of a batch is made by the motion that it multiplies: a motion with a
-method ``batch(layouts)`` can be given as the backend of ``BatchEnv``. Row ``b`` of a batch is what
-a motion of its own would do in ``layouts[b]``, equal in ``cell`` and ``blocked``.
+A motion with a method ``batch(layouts)`` makes one and can be the backend of ``BatchEnv``. Row
+``b`` of the batch equals a separate motion in ``layouts[b]``, in ``cell`` and ``blocked``.
 
-The cell of a robot is a single number here, ``row * W + col`` with ``W`` the width of its layout.
+Here the cell of a robot is a single number, ``row * W + col``, where ``W`` is the width of its
+layout.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from warehouse_core.world.layout import Layout
 Integers = NDArray[np.integer]
 Flags = NDArray[np.bool_]
 Rows = Integers | slice
-"""Rows of a batch: some by their numbers, or all."""
+"""Rows of a batch: an array of indices, or a slice."""
 
 
 class BatchOutcome(NamedTuple):
-    """What carrying out one action in each warehouse came to; nothing in it is used again.
+    """The outcome of one action in each warehouse; the arrays belong to the caller.
 
     Attributes:
         cells: ``[B]`` intp, where the robots are now.
-        blocked: ``[B]`` bool, something stopped the robot on its way to another cell.
-        seconds: ``[B]`` float64, how long it took.
-        joules: ``[B]`` float64, what it cost.
+        blocked: ``[B]`` bool, whether something stopped the robot on its way to another cell.
+        seconds: ``[B]`` float64, duration of each action.
+        joules: ``[B]`` float64, cost of each action.
     """
 
     cells: NDArray[np.intp]
@@ -40,22 +40,22 @@ class BatchOutcome(NamedTuple):
 
 
 class BatchMotion(Protocol):
-    """Moves ``B`` lone robots, each in a layout of its own."""
+    """Moves ``B`` robots, each alone in its layout."""
 
     def place(self, rows: Integers, cells: Integers) -> None:
-        """Put some of the robots at rest in the middle of a cell, heading east.
+        """Put some of the robots at rest in the middle of their cells, heading east.
 
         Args:
-            rows: ``[N]``, which robots, no two alike.
-            cells: ``[N]``, for each of them an open cell of its layout; a backend may take both
-                on trust.
+            rows: ``[N]``, the robots, all different.
+            cells: ``[N]``, for each of them an open cell of its layout. A backend need not check
+                either.
         """
 
     def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
-        """Carry out one action for each robot, all of which have been placed.
+        """Carry out one action for each robot; all must have been placed.
 
         Args:
-            actions: ``[B]``, indices into ``rules.DISPLACEMENTS``.
+            actions: ``[B]``, indices into ``DISPLACEMENTS``.
             loaded: ``[B]``, whether the robot carries an item.
 
         Raises:
@@ -63,16 +63,16 @@ class BatchMotion(Protocol):
         """
 
     def close(self) -> None:
-        """Let go of whatever the backend holds; a second call does nothing."""
+        """Release resources; safe to call twice."""
 
 
 @runtime_checkable
 class Batchable(Protocol):
-    """A motion that can be multiplied."""
+    """A motion that can make a batch motion."""
 
     def batch(self, layouts: Sequence[Layout]) -> BatchMotion:
         """Return a motion for one robot in each of these layouts.
 
         Raises:
-            ValueError: this motion is of a kind that can be multiplied, but as it is it cannot.
+            ValueError: the settings of this motion do not allow a batch.
         """

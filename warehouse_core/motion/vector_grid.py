@@ -1,4 +1,4 @@
-"""The grid backend for a batch: one look at a table moves every robot."""
+"""The grid backend for a batch: one table lookup moves every robot."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ class GridBatch:
     """Moves one robot in each of ``B`` layouts by whole cells; see ``BatchMotion``.
 
     Args:
-        layouts: of the rows, ``B`` of them.
-        seconds: that every action takes.
+        layouts: the ``B`` layouts.
+        seconds: duration of every action.
         moving_joules: cost of a move, blocked or not.
         waiting_joules: cost of any other action.
     """
@@ -42,7 +42,7 @@ class GridBatch:
         self._joules = np.where(is_move, moving_joules, waiting_joules)
 
     def place(self, rows: Integers, cells: Integers) -> None:
-        """Put some of the robots in a cell; see ``BatchMotion.place``."""
+        """Put some of the robots in their cells; see ``BatchMotion.place``."""
         self._cells[rows] = cells
 
     def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
@@ -56,14 +56,14 @@ class GridBatch:
         return BatchOutcome(self._cells.astype(np.intp), blocked, self._seconds.copy(), joules)
 
     def close(self) -> None:
-        """Let nobody move any more; see ``BatchMotion.close``."""
+        """Make ``advance`` raise from now on; see ``BatchMotion.close``."""
         self._closed = True
 
 
 def _next_cells(layout: Layout) -> Integers:
-    """Return where each action leads from each cell, ``[N * actions]``."""
+    """Return the cell after each action in each cell, ``[N * actions]``."""
     sides = sides_table([layout])
     steps = np.array([row * layout.width + col for row, col in DISPLACEMENTS])
     cells = np.repeat(np.arange(len(sides))[:, None], _ACTIONS, axis=1)
     cells[:, :WAIT] += sides * steps[:WAIT]
-    return cells.ravel().astype(np.int32)  # half as much to fetch from memory as intp
+    return cells.ravel().astype(np.int32)  # int32 is faster to read than intp

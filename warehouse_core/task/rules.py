@@ -1,19 +1,17 @@
-"""The rules of the warehouse: what an action earns, and when an episode ends.
+"""The rules of the warehouse: the rewards, and when an episode ends.
 
-Nothing here moves a robot. A motion backend says where the robot came to rest and whether
-something stopped it; these pure functions turn that into a reward, a cargo and an ending. They
-know no backend, so every backend is judged alike.
+Nothing here moves a robot. A motion backend reports where the robot is and whether something
+stopped it; these pure functions compute the reward, whether the robot holds an item, and whether
+the episode ends. They are the same for every backend.
 
-| action                       | effect               | reward beside the step's -0.1 |
-| ---------------------------- | -------------------- | ----------------------------- |
-| N E S W, not blocked         | the robot moves      |  0                            |
-| N E S W, blocked             | the robot stays      | -1.0                          |
-| WAIT                         |                      | -0.05                         |
-| PICK on a P, hands empty     | takes the item       | +5.0                          |
-| PICK otherwise               |                      | -0.5                          |
-| DROP on a D, loaded          | delivers, terminated | +10.0                         |
-| DROP otherwise               | keeps what it holds  | -0.5                          |
-| anything else                | nothing              | -0.5                          |
+| action              | effect                            | reward, added to `STEP_REWARD` |
+| ------------------- | --------------------------------- | ------------------------------ |
+| N E S W             | the robot moves                   | 0                              |
+| N E S W, blocked    | the robot stays                   | `BLOCKED_REWARD`               |
+| WAIT                | none                              | `WAIT_REWARD`                  |
+| PICK on a P, empty  | the robot takes the item          | `PICK_REWARD`                  |
+| DROP on a D, loaded | the item is delivered; terminated | `DROP_REWARD`                  |
+| any other           | none                              | `MISTAKE_REWARD`               |
 
 Source: the chapter's exercise (Russell and Norvig, 4th ed., ch. 2).
 """
@@ -27,20 +25,15 @@ from warehouse_core.world.actions import DROP, PICK, WAIT
 from warehouse_core.world.tiles import DROPOFF, PICKUP
 
 STEP_REWARD = -0.1
-
 BLOCKED_REWARD = -1.0
-
 WAIT_REWARD = -0.05
-
 PICK_REWARD = 5.0
-
 DROP_REWARD = 10.0
-
 MISTAKE_REWARD = -0.5
 
 
 class Verdict(NamedTuple):
-    """What one step came to."""
+    """The reward and effect of one step."""
 
     reward: float
     has_item: bool
@@ -49,7 +42,7 @@ class Verdict(NamedTuple):
 
 @cache
 def judge(action: int, tile: str, has_item: bool, blocked: bool) -> Verdict:
-    """Judge one step: the table at the top of this file.
+    """Return the reward and effect of one step, by the table at the top of this file.
 
     Args:
         action: index into ``ACTIONS``, or ``INVALID``.
@@ -70,10 +63,10 @@ def judge(action: int, tile: str, has_item: bool, blocked: bool) -> Verdict:
 
 @cache
 def useful_actions(open_sides: tuple[bool, ...], tile: str, has_item: bool) -> tuple[bool, ...]:
-    """Say of each action whether it does something: whatever else only costs its penalty.
+    """Return for each action whether it has an effect; all others only cost a penalty.
 
     Args:
-        open_sides: whether the neighbouring cell can be driven to, in the order N E S W.
+        open_sides: whether the neighbouring cells to the N, E, S and W are open.
         tile: the tile under the robot.
         has_item: whether the robot holds an item.
     """
@@ -82,5 +75,5 @@ def useful_actions(open_sides: tuple[bool, ...], tile: str, has_item: bool) -> t
 
 
 def is_truncated(steps: int, max_steps: int, battery: int) -> bool:
-    """Say whether an episode is cut off: the steps or the battery are used up."""
+    """Return whether an episode is truncated because its steps or the battery are used up."""
     return steps >= max_steps or battery <= 0

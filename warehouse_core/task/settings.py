@@ -1,4 +1,4 @@
-"""How an environment was set up, but for its layout: what a record needs to run again."""
+"""The settings of an environment, which a record stores in order to be replayed."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from warehouse_core.world.tiles import Cell
 class Settings:
     """The arguments of ``WarehouseEnv`` that are not its layout.
 
-    ``backend`` is a name; of a backend that was given as a class or an instance it is the name of
-    the class. ``cell_size`` is in metres, ``battery`` in units of one step.
+    ``backend`` is the name of the backend, or of its class if it was given as a class or instance.
+    ``cell_size`` is in metres, ``battery`` in units of one step.
     """
 
     backend: str
@@ -25,17 +25,17 @@ class Settings:
 
     @classmethod
     def from_json(cls, values: Any) -> Settings:
-        """Read settings from a JSON object, checking every value.
+        """Return the settings in a JSON object.
 
         Raises:
             ValueError: a key is missing or unknown, or a value is of the wrong type or size.
         """
         if not isinstance(values, dict) or values.keys() != set(cls.__slots__):
             raise ValueError(f"settings must have the keys {', '.join(cls.__slots__)}")
-        least = {"max_steps": 1, "battery": 1, "view_radius": 0}
-        for name, lowest in least.items():
-            if type(values[name]) is not int or values[name] < lowest:
-                raise ValueError(f"{name} is {values[name]!r}; it must be an integer >= {lowest}")
+        minima = {"max_steps": 1, "battery": 1, "view_radius": 0}
+        for name, minimum in minima.items():
+            if type(values[name]) is not int or values[name] < minimum:
+                raise ValueError(f"{name} is {values[name]!r}; it must be an integer >= {minimum}")
         if not isinstance(values["backend"], str):
             raise ValueError(f"backend is {values['backend']!r}; it must be a name")
         size, start = values["cell_size"], values["start_pos"]

@@ -1,6 +1,6 @@
 """What a robot sees around its cell.
 
-It changes only with the layout, so each window is cut once and remembered.
+It depends on the layout alone, so each window is cached.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED, WALL, Cell
 
-_MAX_REMEMBERED_CHARACTERS = 32_000_000
+_MAX_CACHED_CHARACTERS = 32_000_000
 
 
 class Sight:
@@ -24,10 +24,10 @@ class Sight:
         ]
         self._centre = radius
         self._windows: dict[tuple[Cell, bool], list[str]] = {}
-        self._capacity = max(1, _MAX_REMEMBERED_CHARACTERS // self._side**2)
+        self._capacity = max(1, _MAX_CACHED_CHARACTERS // self._side**2)
 
     def window(self, cell: Cell, loaded: bool) -> list[str]:
-        """Return a fresh list of what is seen from ``cell``, the robot itself in the middle."""
+        """Return the window around ``cell``, the robot in the middle, as a new list."""
         known = self._windows.get((cell, loaded))
         if known is None:
             known = self._cut(cell, loaded)

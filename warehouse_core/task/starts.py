@@ -1,8 +1,8 @@
-"""Where an episode takes place: pickup, dropoff and start, from uniform numbers.
+"""Draw pickup, dropoff and start of an episode from uniform random numbers.
 
-The chapter's ``reset(randomize=True)`` draws as its recorded episodes do, from Python's ``random``
-(``warehouse_env.py``). Here no episode depends on the one before it, and one function draws for a
-single warehouse and for a batch, so that both come to the same from the same numbers.
+The chapter's ``reset(randomize=True)`` (``warehouse_env.py``) draws from Python's ``random``, as
+its recorded episodes do. Here no episode depends on the one before it, and one function draws for a
+single warehouse and for a batch, so that the same numbers give the same episodes in both.
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ from warehouse_core.errors import LayoutError
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 
-NEEDED = 2
-"""Open cells without which there is no room for pickup and dropoff."""
+MIN_OPEN_CELLS = 2
+"""Open cells that pickup and dropoff need."""
 
 DRAWS = 4
-"""Uniform numbers that one episode takes: for pickup, dropoff, start, and the motion's chance."""
+"""Uniform random numbers for one episode: pickup, dropoff, start, and the motion's seed."""
 
 NO_RANK = -1
-"""Stands for a start where pickup and dropoff have left no cell."""
+"""The rank of a start if pickup and dropoff leave no cell."""
 
 
 def check_room(layout: Layout) -> None:
-    """Refuse a layout without room for pickup and dropoff.
+    """Raise if a layout has no room for pickup and dropoff.
 
     Raises:
-        LayoutError: it has fewer open cells than ``NEEDED``.
+        LayoutError: it has fewer open cells than ``MIN_OPEN_CELLS``.
     """
-    if len(layout.open_cells) < NEEDED:
+    if len(layout.open_cells) < MIN_OPEN_CELLS:
         raise LayoutError(
             f"randomize needs two open cells for pickup and dropoff; "
             f"the layout has {len(layout.open_cells)}"
@@ -40,15 +40,15 @@ def check_room(layout: Layout) -> None:
 
 
 def draw_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArray[np.intp]:
-    """Draw three different open cells, each uniform over what those before it leave.
+    """Draw three different open cells, each uniformly from those not drawn yet.
 
     Args:
-        uniforms: ``[..., DRAWS]``, in [0, 1), of which the first three count here.
-        counts: ``[...]``, how many open cells there are, at least ``NEEDED``.
+        uniforms: ``[..., DRAWS]``, in [0, 1); the first three are used.
+        counts: ``[...]``, numbers of open cells, at least ``MIN_OPEN_CELLS``.
 
     Returns:
         ``[..., 3]`` the pickup, the dropoff and the start, as indices among the open cells. The
-        start is ``NO_RANK`` where there are but two.
+        start is ``NO_RANK`` if there are only two.
     """
     left = np.asarray(counts)[..., None] - np.arange(3)
     ranks: NDArray[Any] = (uniforms[..., :3] * left).astype(np.intp)
@@ -62,15 +62,15 @@ def draw_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArray[np.i
 
 
 def motion_seed(uniforms: NDArray[np.float64]) -> int:
-    """Return the seed of the motion's chance from the ``[DRAWS]`` numbers of one episode."""
+    """Return the seed of the motion from the ``[DRAWS]`` numbers of one episode."""
     return int(uniforms[-1] * 2**32)
 
 
 def draw_stations(layout: Layout, uniforms: NDArray[np.float64]) -> tuple[Layout, Cell | None]:
-    """Return a layout with pickup and dropoff drawn into it, and the start if a cell is left.
+    """Return a layout with random pickup and dropoff, and a random start if a cell is left.
 
     Args:
-        layout: with room for both, see ``check_room``.
+        layout: must have room for both, see ``check_room``.
         uniforms: ``[DRAWS]``, in [0, 1).
     """
     pickup, dropoff, start = draw_ranks(uniforms, len(layout.open_cells)).tolist()

@@ -1,4 +1,4 @@
-"""The state of a robot and its task, and what the robot observes of it."""
+"""The state of a robot and its task, and the observation of a robot."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from warehouse_core.world.tiles import Cell
 class WarehouseState:
     """What changes from step to step.
 
-    It may be written between steps: a robot that is put on another open cell starts from rest in
-    the middle of it.
+    It may be assigned between steps: a robot put on another open cell starts at rest in the middle
+    of it.
     """
 
     robot_pos: Cell
@@ -23,11 +23,11 @@ class WarehouseState:
 
 
 class Observation(TypedDict):
-    """What an agent is given; nothing in it is shared with a later observation.
+    """What an agent receives; observations share no mutable object.
 
-    ``local_grid`` is ``2 * view_radius + 1`` equally long strings centred on the robot, ``#``
-    outside the grid, the robot itself ``R`` (empty) or ``r`` (loaded). ``pickup_pos`` and
-    ``dropoff_pos`` are the first ``P`` and ``D`` in row-major order, ``None`` without any.
+    ``local_grid`` is ``2 * view_radius + 1`` equally long strings centred on the robot: ``#``
+    outside the grid, ``R`` (empty) or ``r`` (loaded) for the robot. ``pickup_pos`` and
+    ``dropoff_pos`` are the first ``P`` and ``D`` in row-major order, or ``None``.
     """
 
     local_grid: list[str]

@@ -17,7 +17,7 @@ from warehouse_core.arguments import as_flag, whole_number
 from warehouse_core.errors import EndedError
 from warehouse_core.motion.backends import Backend, make_batch_motion
 from warehouse_core.motion.vector import BatchOutcome, Flags, Integers, Rows
-from warehouse_core.task.encoding import MOST_STEPS, Arrays
+from warehouse_core.task.encoding import MAX_STEPS, Arrays
 from warehouse_core.task.state import WarehouseState
 from warehouse_core.vector.floor import BatchFloor
 from warehouse_core.vector.rules import judge_all, masks
@@ -46,8 +46,8 @@ class BatchEnv:
         layout: one for all rows, or a list of one for each; ``None`` is the chapter's.
         start_pos: where robots start that are not drawn, one for all rows or one for each;
             ``None`` is the usual start of each layout.
-        max_steps: steps until an episode is truncated, 1 to ``MOST_STEPS``.
-        battery: battery units of a full charge, 1 to ``MOST_STEPS``; every step costs one.
+        max_steps: steps until an episode is truncated, 1 to ``MAX_STEPS``.
+        battery: battery units of a full charge, 1 to ``MAX_STEPS``; every step costs one.
         view_radius: cells seen in each direction; with 0 a robot sees nothing but itself.
         randomize: draw pickup, dropoff and start of each episode.
         autoreset_mode: when a row that has ended starts again: with the step after, which takes no
@@ -74,8 +74,8 @@ class BatchEnv:
         backend: Backend = "grid",
     ) -> None:
         self.num_envs = whole_number("num_envs", num_envs, least=1)
-        self.max_steps = whole_number("max_steps", max_steps, 1, MOST_STEPS)
-        self.max_battery = whole_number("battery", battery, 1, MOST_STEPS)
+        self.max_steps = whole_number("max_steps", max_steps, 1, MAX_STEPS)
+        self.max_battery = whole_number("battery", battery, 1, MAX_STEPS)
         self.view_radius = whole_number("view_radius", view_radius, least=0)
         if autoreset_mode not in AUTORESET_MODES:
             raise ValueError(

@@ -12,7 +12,7 @@ from warehouse_core.arguments import as_cell
 from warehouse_core.motion.vector import Integers
 from warehouse_core.task.starts import DRAWS, NO_RANK, check_room, draw_ranks
 from warehouse_core.vector.floor import NO_CELL
-from warehouse_core.world.layout import check_start
+from warehouse_core.world.layout import check_open
 from warehouse_core.world.tables import LayoutSet
 from warehouse_core.world.tiles import Cell
 
@@ -111,6 +111,6 @@ def _robot_starts(layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None) -
     cells = np.broadcast_to(given, (rows, 2))
     for row, (cell, kind) in enumerate(zip(cells.tolist(), layouts.kind, strict=True)):
         name = "start_pos" if given.ndim == 1 else f"start_pos[{row}]"
-        check_start(layouts.kinds[kind], as_cell(name, cell), name)
+        check_open(layouts.kinds[kind], as_cell(name, cell), name)
     starts: NDArray[np.intp] = cells[:, 0] * layouts.width + cells[:, 1]
     return starts

@@ -12,27 +12,27 @@ ACTIONS = ("N", "E", "S", "W", "WAIT", "PICK", "DROP")
 WAIT, PICK, DROP = (ACTIONS.index(word) for word in ("WAIT", "PICK", "DROP"))
 
 INVALID = len(ACTIONS)
-"""The index that stands for every word and integer that is no action."""
+"""The index for any word or integer that is not an action."""
 
 DISPLACEMENTS: tuple[Cell, ...] = tuple(
     MOVE_DELTAS.get(word, (0, 0)) for word in (*ACTIONS, "INVALID")
 )
-"""Rows and columns that each action asks for, by index, ``INVALID`` last."""
+"""Rows and columns by which each action moves a robot, by index, ``INVALID`` last."""
 
 _INDEX_OF_WORD = {word: index for index, word in enumerate(ACTIONS)}
 
 
 def action_index(action: str | SupportsIndex) -> int:
-    """Return the index of an action given as a word (any case) or an integer (NumPy's too).
+    """Return the index of an action given as a word (any case) or an integer (NumPy included).
 
     An unknown word or an integer out of range is ``INVALID``: it costs a step, as in the chapter.
 
     Raises:
-        TypeError: ``action`` is neither a word nor an integer.
+        TypeError: ``action`` is neither a string nor an integer.
     """
     if isinstance(action, str):
         index = _INDEX_OF_WORD.get(action)
-        if index is None:  # some letters beyond ASCII have an upper case within it
+        if index is None:  # some letters outside ASCII have an upper case inside it
             return _INDEX_OF_WORD.get(action.upper() if action.isascii() else "", INVALID)
         return index
     try:
@@ -46,7 +46,7 @@ def action_index(action: str | SupportsIndex) -> int:
 
 
 def valid_action(action: Any) -> int:
-    """Return the index of an action that must be one, and given as an integer.
+    """Return the index of an action given as an integer, which must be in range.
 
     Raises:
         ValueError: it is out of range.

@@ -1,4 +1,4 @@
-"""How far it is from every cell to the nearest of some, round the walls."""
+"""Distances around walls, from every cell to the nearest of some cells."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.tiles import Cell
 
 Distances = NDArray[np.float64]
-"""``[H, W]`` moves to N, E, S and W; infinite where no way leads, and in walls."""
+"""``[H, W]`` moves N, E, S or W; infinite for walls and cells without a path."""
 
 
 def distances(layout: Layout, cells: Collection[Cell]) -> Distances:
-    """Return the moves from each cell to the nearest of some.
+    """Return the number of moves from each cell to the nearest of ``cells``.
 
     Raises:
-        LayoutError: one of these is not open.
+        LayoutError: one of ``cells`` is not open.
     """
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import dijkstra
@@ -37,13 +37,13 @@ def distances(layout: Layout, cells: Collection[Cell]) -> Distances:
 
 
 def _neighbours(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-    """Return the open neighbours of all open cells, and where in them those of each cell end.
+    """Return the open neighbours of all open cells, as the indices and index pointer of CSR.
 
     Cells are numbered as in ``open_cells``, ``[O]``. The first array holds the neighbours of cell
     ``i`` from ``ends[i]`` to ``ends[i + 1]``; ``ends`` is ``[O + 1]`` and starts with 0.
     """
-    # A closed column at the right and a closed row above and below spare all tests for the edge:
-    # what would be left of the first column is the closed one of the row above.
+    # A closed column on the right and a closed row above and below make tests for the edge
+    # unnecessary: left of the first column is the closed column of the row above.
     padded = layout.width + 1
     places = layout.open_cells + layout.open_cells // layout.width + padded
     numbers = np.full((layout.height + 2) * padded, -1, dtype=np.int32)

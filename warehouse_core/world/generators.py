@@ -1,6 +1,7 @@
-"""Layouts made up from sizes and a seed. Every open cell can be reached from every other.
+"""Layout generators.
 
-So wherever pickup, dropoff and robot are put or drawn, the item can be delivered.
+In every generated layout each open cell can be reached from every other, so that the item can be
+delivered wherever pickup, dropoff and robot are placed.
 """
 
 from __future__ import annotations
@@ -12,22 +13,22 @@ from warehouse_core.world.layout import CHAPTER_START, MAX_CELLS, Layout
 from warehouse_core.world.tiles import EMPTY, WALL
 
 MAX_DENSITY = 0.4
-"""Densest walls of ``random_layout``; a connected grid of single cells gets hardly denser."""
+"""Limit for ``random_layout``; walls that keep a grid connected can hardly be denser."""
 
 MIN_OPEN = 4
-"""Cells for a pickup and a dropoff, and for those that ``reset(randomize=True)`` draws anew."""
+"""Room for a pickup and a dropoff and for the two that ``reset(randomize=True)`` draws next."""
 
 
 def random_layout(height: int, width: int, density: float, seed: int) -> Layout:
-    """Return walls strewn at random inside a border, with one pickup and one dropoff.
+    """Return random walls inside a border, with one pickup and one dropoff.
 
     Args:
         height: rows, border included, at least 4.
         width: columns, border included, at least 4.
         density: share of the cells inside the border that are walls, 0 to ``MAX_DENSITY``. A
-            layout that is very small, or near the limit, may end a few walls short, where any
-            more would cut a loop.
-        seed: of the drawing.
+            very small or very dense layout may have a few walls fewer, if any more would
+            disconnect open cells.
+        seed: for the random numbers.
 
     Raises:
         LayoutError: a size or density that is not allowed.
@@ -42,7 +43,7 @@ def random_layout(height: int, width: int, density: float, seed: int) -> Layout:
     stream = random.Random(seed)
     border, row = [WALL] * width, [WALL, *[EMPTY] * (width - 2), WALL]
     tiles = [border, *(row.copy() for _ in range(height - 2)), border]
-    _strew_walls(tiles, density, stream)
+    _scatter_walls(tiles, density, stream)
     layout = Layout(["".join(row) for row in tiles])
     pickup, dropoff = stream.sample(range(len(layout.open_cells)), 2)
     return layout.with_stations(layout.open_cell(pickup), layout.open_cell(dropoff))
@@ -64,10 +65,10 @@ def shelf_layout(
         shelf_length: cells of a block from left to right, at least 1.
         shelf_depth: cells of a block from top to bottom, at least 1.
         aisle: cells between blocks and along the border, at least 1.
-        seed: chooses the pickup, beside a shelf, and the dropoff, on the bottom aisle.
+        seed: chooses the pickup, above a shelf, and the dropoff, on the bottom aisle.
 
     Raises:
-        LayoutError: a size that is not allowed.
+        LayoutError: a size that is not allowed, or more than ``MAX_CELLS`` cells.
     """
     sizes = {
         "shelf_rows": shelf_rows,
@@ -76,13 +77,7 @@ def shelf_layout(
         "shelf_depth": shelf_depth,
         "aisle": aisle,
     }
-    _check_sizes(sizes)
-    lane = EMPTY * (shelf_columns * (shelf_length + aisle) + aisle)
-    shelves = EMPTY * aisle + (WALL * shelf_length + EMPTY * aisle) * shelf_columns
-    block = [shelves] * shelf_depth + [lane] * aisle
-    inside = [lane] * aisle + block * shelf_rows
-    border = WALL * (len(lane) + 2)
-    layout = Layout([border, *(f"{WALL}{row}{WALL}" for row in inside), border])
+    layout = _blocks(sizes, left=aisle, right=aisle)
     stream = random.Random(seed)
     beside_shelf = [
         (row, col)
@@ -111,29 +106,37 @@ def benchmark_warehouse(columns: int, rows: int, length: int, depth: int, aisle:
 
     Source: Stern et al. (2019), Multi-Agent Pathfinding: Definitions, Variants, and Benchmarks.
     """
-    _check_sizes(
-        {"columns": columns, "rows": rows, "length": length, "depth": depth, "aisle": aisle}
-    )
-    width = columns * (length + aisle) - aisle + 5 * columns + 2
+    sizes = {"rows": rows, "columns": columns, "length": length, "depth": depth, "aisle": aisle}
+    left = 5 * columns // 2
+    return _blocks(sizes, left, right=5 * columns - left)
+
+
+def _blocks(sizes: dict[str, int], left: int, right: int) -> Layout:
+    """Return blocks of walls with aisles between them.
+
+    Args:
+        sizes: rows and columns of blocks, length and depth of a block, and width of an aisle, by
+            the names to use in errors.
+        left: open columns to the left of the blocks.
+        right: open columns to their right.
+    """
+    for name, size in sizes.items():
+        if size < 1:
+            raise LayoutError(f"{name} is {size}; it must be at least 1")
+    rows, columns, length, depth, aisle = sizes.values()
+    width = left + columns * (length + aisle) - aisle + right + 2
     height = rows * (depth + aisle) + aisle + 2
     if height * width > MAX_CELLS:
         raise LayoutError(f"{height} x {width} cells are more than MAX_CELLS = {MAX_CELLS}")
-    left = 5 * columns // 2
     blocks = (EMPTY * aisle).join([WALL * length] * columns)
-    shelves = f"{WALL}{EMPTY * left}{blocks}".ljust(width - 1, EMPTY) + WALL
+    shelves = f"{WALL}{EMPTY * left}{blocks}{EMPTY * right}{WALL}"
     lane = f"{WALL}{EMPTY * (width - 2)}{WALL}"
     inside = [lane] * aisle + ([shelves] * depth + [lane] * aisle) * rows
     return Layout([WALL * width, *inside, WALL * width])
 
 
-def _check_sizes(sizes: dict[str, int]) -> None:
-    for name, size in sizes.items():
-        if size < 1:
-            raise LayoutError(f"{name} is {size}; it must be at least 1")
-
-
-def _strew_walls(tiles: list[list[str]], density: float, stream: random.Random) -> None:
-    """Build walls one by one in random order, none that would cut the open cells apart."""
+def _scatter_walls(tiles: list[list[str]], density: float, stream: random.Random) -> None:
+    """Add walls one by one in random order, skipping those that would disconnect open cells."""
     height, width = len(tiles), len(tiles[0])
     candidates = [(r, c) for r in range(1, height - 1) for c in range(1, width - 1)]
     wanted = min(round(density * len(candidates)), len(candidates) - MIN_OPEN)
@@ -149,7 +152,7 @@ def _strew_walls(tiles: list[list[str]], density: float, stream: random.Random) 
                 left.append((row, col))
         if len(left) == len(candidates):
             return
-        # New walls may have made a cell a dead end, which can be walled up after all.
+        # New walls may have turned a skipped cell into a dead end, which can become a wall.
         candidates = left
 
 
@@ -157,9 +160,10 @@ _RING = ((-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1))
 
 
 def _joins_neighbours(tiles: list[list[str]], row: int, col: int) -> bool:
-    """Say whether open neighbours of a cell might be cut apart without it.
+    """Return whether the open neighbours of a cell may be disconnected without it.
 
-    They surely are not when one unbroken arc of open cells among the eight around joins them all.
+    They stay connected if one unbroken arc of open cells, among the eight around the cell, joins
+    them all.
     """
     ring = [tiles[row + down][col + right] == EMPTY for down, right in _RING]
     arcs = 0

@@ -1,12 +1,11 @@
 """The layout of a warehouse: an immutable grid of tiles, read from text and checked.
 
-A *cell* is ``(row, col)``, both counted from 0; row 0 is the top row. ``H, W`` are the height and
-width of a layout in cells. How layouts are made up is in ``generators.py``.
+``H, W`` are the height and width of a layout in cells.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from textwrap import dedent
@@ -25,13 +24,14 @@ from warehouse_core.world.tiles import (
     TILES,
     WALL,
     Cell,
+    moved,
 )
 
 CHAPTER_START: Cell = (1, 1)
-"""Where a robot starts unless it is told otherwise."""
+"""Default start of a robot."""
 
 MAX_CELLS = 16_000_000
-"""The largest layout that is accepted, in cells; a larger text is refused before it is parsed."""
+"""Limit on the cells of a layout; longer text is rejected before it is parsed."""
 
 
 @dataclass(frozen=True, slots=True, init=False)
@@ -45,7 +45,7 @@ class Layout:
         LayoutError: no rows, a ragged row, an unknown character, or more than ``MAX_CELLS`` cells.
         TypeError: ``rows`` is not a sequence of strings.
 
-    Source: the chapter's exercise; every field besides ``rows`` follows from it.
+    Source: the chapter's exercise. All other fields are computed from ``rows``.
     """
 
     rows: tuple[str, ...]
@@ -54,15 +54,14 @@ class Layout:
     pickups: tuple[Cell, ...] = field(init=False, compare=False, repr=False)
     dropoffs: tuple[Cell, ...] = field(init=False, compare=False, repr=False)
     open_cells: NDArray[np.intp] = field(init=False, compare=False, repr=False)
-    """Every cell that is not a wall, as ``row * W + col`` in rising order, read-only."""
+    """Every cell that is not a wall, as ``row * W + col`` in ascending order, read-only."""
 
     def __init__(self, rows: Sequence[str]) -> None:
         checked = _checked_rows(rows)
         tiles = np.frombuffer("".join(checked).encode("ascii"), dtype=np.uint8)
         open_cells = np.flatnonzero(tiles != ord(WALL))
         open_cells.setflags(write=False)
-        pickups = tuple(_cells_of(PICKUP, checked))
-        self._fill(checked, pickups, tuple(_cells_of(DROPOFF, checked)), open_cells)
+        self._fill(checked, _cells_of(PICKUP, checked), _cells_of(DROPOFF, checked), open_cells)
 
     def _fill(
         self,
@@ -105,7 +104,7 @@ class Layout:
             raise LayoutError(f"{path}: {error}") from error
 
     def save(self, path: str | Path) -> None:
-        """Write the layout as text; the file appears whole or not at all."""
+        """Write the layout as text, atomically."""
         with atomic_path(path) as part:
             part.write_text(f"{self}\n", encoding="utf-8", newline="\n")
 
@@ -113,20 +112,19 @@ class Layout:
         return "\n".join(self.rows)
 
     def __deepcopy__(self, memo: object) -> Layout:
-        return self  # it never changes, and a copied array could be written to
+        return self  # immutable; a copied array would be writable
 
     def __reduce__(self) -> tuple[type[Layout], tuple[tuple[str, ...]]]:
         return Layout, (self.rows,)
 
     def is_open(self, cell: Cell) -> bool:
-        """Say whether a robot can stand on ``cell``: inside the grid and not a wall."""
+        """Return whether ``cell`` is inside the grid and not a wall."""
         row, col = cell
         return 0 <= row < self.height and 0 <= col < self.width and self.rows[row][col] != WALL
 
     def open_sides(self, cell: Cell) -> tuple[bool, ...]:
-        """Say whether the neighbours of ``cell`` to the N, E, S and W are open."""
-        row, col = cell
-        return tuple(self.is_open((row + dr, col + dc)) for dr, dc in MOVE_DELTAS.values())
+        """Return whether the neighbours of ``cell`` to the N, E, S and W are open."""
+        return tuple(self.is_open(moved(cell, delta)) for delta in MOVE_DELTAS.values())
 
     def open_cell(self, index: int) -> Cell:
         """Return the ``index``-th open cell in row-major order."""
@@ -134,7 +132,7 @@ class Layout:
         return row, col
 
     def usual_start(self) -> Cell:
-        """Return the chapter's start, or the first open cell where that is a wall.
+        """Return the chapter's start if it is open, otherwise the first open cell.
 
         Raises:
             LayoutError: no cell is open.
@@ -146,12 +144,12 @@ class Layout:
         return self.open_cell(0)
 
     def station_ranks(self) -> list[int]:
-        """Return which open cells, by their index, hold a pickup or a dropoff."""
+        """Return the indices, among the open cells, of all pickups and dropoffs."""
         flat = [row * self.width + col for row, col in self.pickups + self.dropoffs]
         return [int(rank) for rank in np.searchsorted(self.open_cells, flat)]
 
     def describe(self, cell: Cell) -> str:
-        """Name what is at ``cell`` for an error message, off the grid included."""
+        """Describe what is at ``cell``, on or off the grid, for an error message."""
         row, col = cell
         if not (0 <= row < self.height and 0 <= col < self.width):
             return (
@@ -162,21 +160,21 @@ class Layout:
 
     def reachable_from(self, cell: Cell) -> set[Cell]:
         """Return every cell that a robot at ``cell`` can drive to, ``cell`` included."""
-        seen, fresh = {cell}, [cell]
-        while fresh:
-            row, col = fresh.pop()
-            for dr, dc in MOVE_DELTAS.values():
-                neighbour = (row + dr, col + dc)
-                if neighbour not in seen and self.is_open(neighbour):
-                    seen.add(neighbour)
-                    fresh.append(neighbour)
-        return seen
+        reached, frontier = {cell}, [cell]
+        while frontier:
+            here = frontier.pop()
+            for delta in MOVE_DELTAS.values():
+                neighbour = moved(here, delta)
+                if neighbour not in reached and self.is_open(neighbour):
+                    reached.add(neighbour)
+                    frontier.append(neighbour)
+        return reached
 
     def with_stations(self, pickup: Cell | None, dropoff: Cell | None) -> Layout:
-        """Return the same walls with these stations, or none, in place of all others.
+        """Return the same walls with these stations in place of all others.
 
-        The walls are shared with the new layout (``open_cells`` is the same object), so that what
-        depends on them alone need not be worked out again.
+        Both layouts share ``open_cells`` (the same object), so that a cache that depends on the
+        walls alone can be kept.
 
         Raises:
             LayoutError: a station is not on an open cell.
@@ -186,24 +184,20 @@ class Layout:
             rows[row] = rows[row].replace(PICKUP, EMPTY).replace(DROPOFF, EMPTY)
         for cell, tile in ((pickup, PICKUP), (dropoff, DROPOFF)):
             if cell is not None:
-                self._put(rows, cell, tile)
+                check_open(self, cell, TILES[tile])
+                row, col = cell
+                rows[row] = f"{rows[row][:col]}{tile}{rows[row][col + 1 :]}"
         layout = object.__new__(Layout)
         pickups, dropoffs = (() if cell is None else (cell,) for cell in (pickup, dropoff))
         layout._fill(tuple(rows), pickups, dropoffs, self.open_cells)
         return layout
 
-    def _put(self, rows: list[str], cell: Cell, tile: str) -> None:
-        if not self.is_open(cell):
-            raise LayoutError(f"no place for {tile}: {self.describe(cell)}")
-        row, col = cell
-        rows[row] = f"{rows[row][:col]}{tile}{rows[row][col + 1 :]}"
-
 
 def check_open(layout: Layout, cell: Cell, name: str) -> None:
-    """Refuse a cell where a robot cannot stand.
+    """Raise if a cell is off the grid or a wall.
 
     Raises:
-        LayoutError: with its name and what is there.
+        LayoutError: with ``name``, and what is at the cell.
     """
     if not layout.is_open(cell):
         raise LayoutError(f"{name} {layout.describe(cell)}; it must be an open cell")
@@ -238,14 +232,18 @@ def _check_row(index: int, row: str, width: int) -> None:
         )
 
 
-def _cells_of(tile: str, rows: Iterable[str]) -> Iterable[Cell]:
-    for r, row in enumerate(rows):
-        if tile in row:
-            yield from ((r, c) for c, found in enumerate(row) if found == tile)
+def _cells_of(tile: str, rows: Sequence[str]) -> tuple[Cell, ...]:
+    return tuple(
+        (r, c)
+        for r, row in enumerate(rows)
+        if tile in row
+        for c, found in enumerate(row)
+        if found == tile
+    )
 
 
 GivenLayout = Layout | Sequence[str] | str
-"""A layout, its rows, or its text; of the three only the last two can be kept as JSON."""
+"""A layout, its rows or its text; rows and text can be stored as JSON."""
 
 DEFAULT_LAYOUT = Layout.from_text(
     """
@@ -262,24 +260,14 @@ DEFAULT_LAYOUT = Layout.from_text(
 
 
 def as_layout(layout: GivenLayout | None) -> Layout:
-    """Return a layout that was given as one, as rows or as text; the chapter's where none was.
+    """Return a layout given as one, as rows or as text; ``None`` is the chapter's.
 
     Raises:
-        LayoutError: it cannot be used.
-        TypeError: it is something else.
+        LayoutError: as for ``Layout``.
+        TypeError: it is of another type.
     """
     if layout is None:
         return DEFAULT_LAYOUT
     if isinstance(layout, Layout):
         return layout
     return Layout.from_text(layout) if isinstance(layout, str) else Layout(layout)
-
-
-def check_start(layout: Layout, start: Cell, name: str = "start_pos") -> None:
-    """Refuse a start that is not an open cell.
-
-    Raises:
-        LayoutError: naming what is there.
-    """
-    if not layout.is_open(start):
-        raise LayoutError(f"{name} {layout.describe(start)}; the robot must start on an open cell")

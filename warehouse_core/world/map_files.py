@@ -1,8 +1,8 @@
-"""Maps from outside, in MovingAI's format ``.map``.
+"""Layout files: MovingAI's ``.map``, or lines of tiles in a file of any other suffix.
 
-Errors name a line and a column of the file, counted from 1, as editors do. A robot drives on land:
-MovingAI's swamp can be entered from land and is floor; its water can only be entered from water
-and is a wall here.
+Errors in a ``.map`` give a line and a column, counted from 1, as editors do. Robots drive on land:
+MovingAI's swamp can be entered from land and becomes floor; its water can only be entered from
+water and becomes a wall.
 
 Source: https://movingai.com/benchmarks/formats.html; for the dialect ``Input_Output_Format.md`` of
 the League of Robot Runners' Start-Kit.
@@ -24,17 +24,17 @@ from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP, WALL
 SUFFIX = ".map"
 
 MAX_BLANKS = 16
-"""Bytes that may follow the last column of a row, its line end included."""
+"""Limit on the bytes after the last column of a row, line end included."""
 
 TERRAIN = {".": EMPTY, "G": EMPTY, "S": EMPTY, "@": WALL, "O": WALL, "T": WALL, "W": WALL}
 
 ALLOWED_TERRAIN = ". G S (floor), @ O T W (not), and E only in the robot-runners dialect"
 
 ROBOT_RUNNERS = {".": EMPTY, "E": PICKUP, "S": DROPOFF, "@": WALL, "T": WALL}
-"""Goods come from an emitter and go to a service point, so that a map is at once a task.
+"""Items come from an emitter and go to a service point.
 
-So run the tasks of the Start-Kit's warehouse, from ``E`` to ``S``, although its table of symbols
-says "delivery" of ``E`` and "pick up" of ``S``.
+The tasks of the Start-Kit's warehouse run from ``E`` to ``S`` too, although its table of symbols
+calls ``E`` "delivery" and ``S`` "pick up".
 """
 
 ALLOWED_ROBOT_RUNNERS = ". (floor), E (emitter), S (service), @ T (not passable)"
@@ -46,18 +46,40 @@ _SIZE = re.compile(r"(\w+)\s+(\S+)")
 _TO_MAP = str.maketrans({WALL: "@", PICKUP: ".", DROPOFF: "."})
 
 
-def load_map(path: str | Path, *, robot_runners: bool = False) -> Layout:
-    """Read a ``.map``. Stations are there in the dialect only: ``E`` a pickup, ``S`` a dropoff.
+def load_layout(path: str | Path) -> Layout:
+    """Read a layout in the format that the suffix of the file stands for.
 
-    A map of more than ``MAX_CELLS`` is refused by its header. Of any other at most ``MAX_BLANKS``
-    bytes a row are read besides its cells.
+    Raises:
+        LayoutError: the file is not a layout; the message starts with its name.
+        OSError: the file cannot be read.
+    """
+    return load_map(path) if Path(path).suffix.lower() == SUFFIX else Layout.load(path)
+
+
+def save_layout(layout: Layout, path: str | Path) -> None:
+    """Write a layout in the format of the suffix; in a ``.map`` its stations become floor.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    if Path(path).suffix.lower() == SUFFIX:
+        save_map(layout, path)
+    else:
+        layout.save(path)
+
+
+def load_map(path: str | Path, *, robot_runners: bool = False) -> Layout:
+    """Read a ``.map``. Only the dialect has stations: ``E`` is a pickup, ``S`` a dropoff.
+
+    A map of more than ``MAX_CELLS`` is rejected by its header. Of any other map at most
+    ``MAX_BLANKS`` bytes a row are read in addition to its cells.
 
     Args:
-        path: of the file.
+        path: the file.
         robot_runners: read the dialect of the League of Robot Runners.
 
     Raises:
-        LayoutError: it is no such map, or too large; with the file's name in front.
+        LayoutError: the file is not such a map, or too large; the message starts with its name.
         OSError: the file cannot be read.
     """
     terrain, allowed = TERRAIN, ALLOWED_TERRAIN
@@ -74,7 +96,7 @@ def load_map(path: str | Path, *, robot_runners: bool = False) -> Layout:
 
 
 def save_map(layout: Layout, path: str | Path) -> None:
-    """Write a layout as a ``.map``, its stations as floor; the file appears whole or not at all.
+    """Write a layout as a ``.map``, atomically, its stations as floor.
 
     Raises:
         OSError: the file cannot be written.
@@ -86,7 +108,7 @@ def save_map(layout: Layout, path: str | Path) -> None:
 
 
 def _read_header(file: BufferedReader) -> tuple[int, int]:
-    """Return height and width; both orders of the two are found in the wild."""
+    """Return height and width, which a file may give in either order."""
     expect(read_line(file, 1), 1, "type octile")
     sizes: dict[str, int] = {}
     for number in (2, 3):
@@ -137,7 +159,7 @@ def _check_length(number: int, width: int, found: int, with_blanks: int) -> None
 
 
 def _check_end(file: BufferedReader, height: int) -> None:
-    """Refuse more rows than the header says; empty lines may follow."""
+    """Raise if more rows follow than the header says; empty lines may follow."""
     for number in range(height + 5, height + 5 + MAX_BLANKS):
         data = file.readline(MAX_LINE)
         if not data:
@@ -146,25 +168,3 @@ def _check_end(file: BufferedReader, height: int) -> None:
             column = len(data) - len(data.lstrip(_BLANK)) + 1
             raise error_at(number, column, f"the map goes on here; its header says height {height}")
     raise error_at(number, 1, f"MAX_BLANKS = {MAX_BLANKS} or more empty lines at the end")
-
-
-def load_layout(path: str | Path) -> Layout:
-    """Read a layout; the suffix ``.map`` is MovingAI's.
-
-    Raises:
-        LayoutError: it is no layout; with the file's name in front.
-        OSError: the file cannot be read.
-    """
-    return load_map(path) if Path(path).suffix.lower() == SUFFIX else Layout.load(path)
-
-
-def save_layout(layout: Layout, path: str | Path) -> None:
-    """Write a layout; as ``.map`` its stations become floor.
-
-    Raises:
-        OSError: the file cannot be written.
-    """
-    if Path(path).suffix.lower() == SUFFIX:
-        save_map(layout, path)
-    else:
-        layout.save(path)

@@ -1,7 +1,7 @@
-"""Scenarios from outside, in MovingAI's format ``.scen``: ways to be found in a map.
+"""Scenario files in MovingAI's format ``.scen``: pathfinding problems on a map.
 
 ``x`` is the column and ``y`` the row, both counted from 0 with row 0 at the top: ``x, y`` is the
-cell ``(y, x)``. Errors name a line and a column of the file, counted from 1, as editors do.
+cell ``(y, x)``. Errors give a line and a column of the file, counted from 1, as editors do.
 
 Source: https://movingai.com/benchmarks/formats.html.
 """
@@ -17,28 +17,28 @@ from typing import NamedTuple
 
 from warehouse_core.errors import LayoutError
 from warehouse_core.world.distances import distances
-from warehouse_core.world.layout import Layout
+from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.text_lines import error_at, expect, read_line, whole_number_at
 from warehouse_core.world.tiles import Cell
 
 MAX_SCENARIOS = 100_000
-"""Lines of a file after its first."""
+"""Limit on the lines of a file after its first."""
 
 _LENGTH = re.compile(r"[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]+)?")
 
 
 class Scenario(NamedTuple):
-    """A way to be found in a map.
+    """A pathfinding problem on a map.
 
-    Args:
-        bucket: number of a group of scenarios that are about equally hard.
-        map_name: file of the map, as the scenario names it.
+    Attributes:
+        bucket: number of a group of scenarios of about equal difficulty.
+        map_name: file name of the map, as given in the scenario.
         width: columns of that map.
         height: rows of that map.
-        start: where the way begins.
-        goal: where it ends.
-        octile_length: of the shortest way for a robot that can also drive diagonally, in cells;
-            for one that cannot see ``four_connected_length``.
+        start: first cell of the path.
+        goal: last cell of the path.
+        octile_length: length in cells of a shortest path that may use diagonal moves; see
+            ``four_connected_length`` for paths without them.
     """
 
     bucket: int
@@ -56,13 +56,13 @@ _FIELDS = (
 
 
 def load_scenarios(path: str | Path) -> list[Scenario]:
-    """Read a ``.scen``: ``version 1``, then scenarios of 9 columns apart by tabs or spaces.
+    """Read a ``.scen``: ``version 1``, then scenarios of 9 columns separated by tabs or spaces.
 
-    Whether they fit a layout is for ``check_scenarios`` to say.
+    ``check_scenarios`` checks whether they fit a layout.
 
     Raises:
-        LayoutError: it is no such file, or has more than ``MAX_SCENARIOS`` lines; with the file's
-            name in front.
+        LayoutError: the file has another format, or more than ``MAX_SCENARIOS`` lines; the message
+            starts with the file's name.
         OSError: the file cannot be read.
     """
     with Path(path).open("rb") as file:
@@ -74,10 +74,10 @@ def load_scenarios(path: str | Path) -> list[Scenario]:
 
 
 def check_scenarios(layout: Layout, scenarios: Sequence[Scenario]) -> None:
-    """Refuse scenarios that are not of this layout.
+    """Raise if scenarios do not fit a layout.
 
     Raises:
-        LayoutError: a size is not the layout's, or a start or goal is off the grid or in a wall;
+        LayoutError: a size is not the layout's, or a start or goal is off the grid or a wall;
             scenarios are counted from 1, rows and columns from 0.
     """
     for number, scenario in enumerate(scenarios, 1):
@@ -87,21 +87,17 @@ def check_scenarios(layout: Layout, scenarios: Sequence[Scenario]) -> None:
                 f"where the layout has {layout.height} x {layout.width}"
             )
         for name, cell in (("start", scenario.start), ("goal", scenario.goal)):
-            if not layout.is_open(cell):
-                raise LayoutError(
-                    f"scenario {number}: its {name} at {layout.describe(cell)}; it must be floor"
-                )
+            check_open(layout, cell, f"scenario {number}: {name}")
 
 
 def four_connected_length(layout: Layout, start: Cell, goal: Cell) -> int | None:
-    """Return the moves of a shortest way to N, E, S and W, or None where there is no way.
+    """Return the moves of a shortest path of moves N, E, S and W, or ``None`` without a path.
 
     Raises:
-        LayoutError: the start or the goal is off the grid or in a wall.
+        LayoutError: the start or the goal is off the grid or a wall.
     """
-    for name, cell in (("start", start), ("goal", goal)):
-        if not layout.is_open(cell):
-            raise LayoutError(f"the {name} at {layout.describe(cell)}; it must be floor")
+    check_open(layout, start, "start")
+    check_open(layout, goal, "goal")
     length = float(distances(layout, [goal])[start])
     return int(length) if math.isfinite(length) else None
 
@@ -137,11 +133,11 @@ def _scenario(line: str, number: int) -> Scenario:
 
 
 def _number_in(
-    found: dict[str, re.Match[str]], name: str, line: int, least: int, size: float = math.inf
+    found: dict[str, re.Match[str]], name: str, line: int, minimum: int, size: float = math.inf
 ) -> int:
-    """Return a whole number of a scenario, from ``least`` to below ``size``."""
+    """Return a whole number of a scenario, at least ``minimum`` and less than ``size``."""
     column = found[name].start() + 1
-    number = whole_number_at(found[name][0], name, least, line, column)
+    number = whole_number_at(found[name][0], name, minimum, line, column)
     if number >= size:
         raise error_at(line, column, f"{name} is {number}; it must be less than the map's {size}")
     return number

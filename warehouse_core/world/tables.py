@@ -1,8 +1,8 @@
-"""What depends on nothing but the layout, worked out once for every cell of every layout.
+"""Lookup tables for the layouts of a batch: for every cell, what depends on its layout alone.
 
-A batch looks up in these tables what a single environment works out: what one row of a table holds
-is then one ``take``, however many cells a window has. The cells of all layouts follow each other in
-one long row; a cell has the number ``base + row * W + col``, with ``base`` where its layout begins.
+``N`` is the number of cells in all layouts together. A cell is numbered ``base + row * W + col``,
+where ``base`` is the number of the first cell of its layout, so that a batch reads all its rows by
+one ``take``.
 """
 
 from __future__ import annotations
@@ -15,32 +15,27 @@ from numpy.typing import NDArray
 
 from warehouse_core.errors import LayoutError
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tiles import (
-    CELL_CODES,
-    CODE_OF_BYTE,
-    MOVE_DELTAS,
-    WALL,
-)
+from warehouse_core.world.tiles import CELL_CODES, CODE_OF_BYTE, MOVE_DELTAS, WALL
 
 MAX_TABLE_BYTES = 2**30
-"""Of the windows of a batch; larger ones are refused before they are made."""
+"""Limit on the windows of a batch, checked before they are allocated."""
 
 
 class LayoutSet:
-    """The layouts of ``B`` rows, of which those that are alike are kept once.
+    """The layouts of ``B`` rows, with equal layouts stored once.
 
     Attributes:
-        kinds: the layouts that differ.
+        kinds: the different layouts.
         kind: ``[B]`` intp, index into ``kinds`` for each row.
-        base: ``[B]`` intp, the number of the first cell of its layout.
-        width: ``[B]`` intp, columns of its layout.
+        base: ``[B]`` intp, the number of the first cell of each row's layout.
+        width: ``[B]`` intp, columns of each row's layout.
     """
 
     def __init__(self, layouts: Sequence[Layout]) -> None:
         numbers: dict[Layout, int] = {}
-        # Looked up by identity first, as a layout is hashed cell by cell.
-        number_of = {id(layout): layout for layout in layouts}
-        known = {key: numbers.setdefault(each, len(numbers)) for key, each in number_of.items()}
+        # By identity first: hashing a layout takes time proportional to its cells.
+        by_id = {id(layout): layout for layout in layouts}
+        known = {key: numbers.setdefault(each, len(numbers)) for key, each in by_id.items()}
         self.kinds = tuple(numbers)
         self.kind = np.array([known[id(layout)] for layout in layouts], np.intp)
         self.base = self.of_rows(np.cumsum([0, *map(size_of, self.kinds)])[:-1])
@@ -52,7 +47,7 @@ class LayoutSet:
         return [self.kinds[kind] for kind in self.kind]
 
     def without_stations(self) -> LayoutSet:
-        """Return the same rows with layouts that have no pickup and no dropoff."""
+        """Return the same rows, their layouts without pickup and dropoff."""
         bare = [kind.with_stations(None, None) for kind in self.kinds]
         return LayoutSet([bare[kind] for kind in self.kind])
 
@@ -62,12 +57,12 @@ class LayoutSet:
 
 
 def size_of(layout: Layout) -> int:
-    """Return how many cells a layout has, walls included."""
+    """Return the number of cells of a layout, walls included."""
     return layout.height * layout.width
 
 
 def tiles_table(layouts: Sequence[Layout]) -> NDArray[np.uint8]:
-    """Return the code of the tile of every cell, ``[N]``."""
+    """Return the tile code of every cell, ``[N]``."""
     return np.concatenate([tile_codes(layout).ravel() for layout in layouts])
 
 
@@ -76,17 +71,17 @@ def places_table(layouts: Sequence[Layout]) -> NDArray[np.int32]:
     places = [
         np.indices((layout.height, layout.width), np.int32).reshape(2, -1).T for layout in layouts
     ]
-    # Row and column side by side in memory: otherwise each look would copy the whole table first.
+    # Row and column side by side in memory; otherwise each take would copy the whole table.
     return np.ascontiguousarray(np.concatenate(places))
 
 
 def sides_table(layouts: Sequence[Layout]) -> NDArray[np.bool_]:
-    """Return whether one can drive N, E, S and W from every cell, ``[N, 4]``."""
+    """Return whether the neighbours of every cell to the N, E, S and W are open, ``[N, 4]``."""
     return np.concatenate([_sides(layout) for layout in layouts])
 
 
 def windows_table(layouts: Sequence[Layout], radius: int) -> NDArray[np.uint8]:
-    """Return what is seen from every cell without the robot, ``[N, K * K]`` codes.
+    """Return the window around every cell, without the robot, as ``[N, K * K]`` codes.
 
     Raises:
         LayoutError: the table would be larger than ``MAX_TABLE_BYTES``.
@@ -125,6 +120,6 @@ def _windows(layout: Layout, radius: int) -> NDArray[np.uint8]:
 
 
 def tile_codes(layout: Layout) -> NDArray[np.uint8]:
-    """Return the codes of all tiles of a layout, ``[H, W]``, fresh."""
+    """Return the codes of all tiles of a layout as a new ``[H, W]`` array."""
     codes = bytearray("".join(layout.rows).encode("ascii").translate(CODE_OF_BYTE))
     return np.frombuffer(codes, np.uint8).reshape(layout.height, layout.width)

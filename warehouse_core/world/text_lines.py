@@ -1,4 +1,4 @@
-"""Lines of a text file from outside, read in bounded memory, with errors that say where.
+"""Lines of a third-party text file, read in bounded memory, with errors that give the place.
 
 Lines and columns are counted from 1, as editors do; columns are bytes.
 """
@@ -11,18 +11,22 @@ from io import BufferedReader
 from warehouse_core.errors import LayoutError
 
 MAX_LINE = 1000
-"""Bytes of a line."""
+"""Limit on the bytes of a line."""
 
-WHOLE = re.compile(r"[0-9]+")
+_WHOLE = re.compile(r"[0-9]+")
 
 
 def error_at(line: int, column: int, message: str) -> LayoutError:
-    """Return the error of a place in a file."""
+    """Return an error at a place in a file."""
     return LayoutError(f"line {line}, column {column}: {message}")
 
 
 def read_line(file: BufferedReader, number: int) -> str:
-    """Read a line of a header or a scenario without its end and without a byte-order mark."""
+    """Read a line without its trailing blanks, line end and byte-order mark.
+
+    Raises:
+        LayoutError: it is longer than ``MAX_LINE``, or not UTF-8.
+    """
     data = file.readline(MAX_LINE + 1)
     if len(data) > MAX_LINE:
         raise error_at(number, MAX_LINE + 1, f"the line is longer than MAX_LINE = {MAX_LINE} bytes")
@@ -33,16 +37,16 @@ def read_line(file: BufferedReader, number: int) -> str:
 
 
 def expect(line: str, number: int, *wanted: str) -> None:
-    """Refuse a line that is none of those wanted, however its words are spaced."""
+    """Raise ``LayoutError`` if a line, with single spaces, is none of ``wanted``."""
     if " ".join(line.split()) not in wanted:
         allowed = " or ".join(map(repr, wanted))
         raise error_at(number, 1, f"{line!r} is not allowed; it must be {allowed}")
 
 
-def whole_number_at(text: str, name: str, least: int, line: int, column: int) -> int:
-    """Return the whole number that stands at a place."""
-    if not WHOLE.fullmatch(text) or int(text) < least:
+def whole_number_at(text: str, name: str, minimum: int, line: int, column: int) -> int:
+    """Return the whole number at a place, at least ``minimum``; raise ``LayoutError`` otherwise."""
+    if not _WHOLE.fullmatch(text) or int(text) < minimum:
         raise error_at(
-            line, column, f"{name} is {text!r}; it must be a whole number, at least {least}"
+            line, column, f"{name} is {text!r}; it must be a whole number, at least {minimum}"
         )
     return int(text)

@@ -1,4 +1,4 @@
-"""Tiles, cells and the characters and codes that stand for them.
+"""Cells, tiles, and the characters and codes that represent tiles.
 
 A *cell* is ``(row, col)``, both counted from 0; row 0 is the top row.
 """
@@ -29,7 +29,7 @@ def manhattan_distance(a: Cell, b: Cell) -> int:
 
 
 def runs_of(tile: str, row: str) -> Iterator[tuple[int, int]]:
-    """Yield the first column of each run of ``tile`` in a row, and the column after its last."""
+    """Yield ``(first, end)`` columns of each run of ``tile`` in a row, ``end`` excluded."""
     start = row.find(tile)
     while start >= 0:
         end = start
@@ -45,7 +45,7 @@ CELL_CODES = {
     character: code
     for code, character in enumerate((EMPTY, WALL, PICKUP, DROPOFF, ROBOT_EMPTY, ROBOT_LOADED))
 }
-"""What stands for each character of a window where it is an array."""
+"""The code of each character of a window in an array."""
 
 CODE_OF_BYTE = bytes(CELL_CODES.get(chr(byte), 255) for byte in range(256))
-"""The same as a table for ``bytes.translate``."""
+"""The same codes as a table for ``bytes.translate``."""

@@ -1,10 +1,9 @@
-"""Damaged and hostile files end in a ``RecordError``, quickly and in little memory."""
+"""Damaged and hostile files raise ``RecordError``, quickly and in little memory."""
 
 import contextlib
 import io
 import struct
 import zipfile
-import zlib
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
@@ -15,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from warehouse_core import Episode, RecordError
-from warehouse_core.files import npz as safe_npz_module
+from warehouse_core.files import npz as npz_module
 from warehouse_core.files.npz import MAX_BYTES, Arrays, Schema, read_arrays, write_arrays
 
 SCHEMA: Schema = {"words": ("<i4", 1), "points": ("<f8", 2)}
@@ -59,6 +58,14 @@ def with_end_record(data: bytearray, **fields: int) -> bytearray:
     return data
 
 
+def with_directory_of(data: bytearray, count: int) -> bytearray:
+    """Replace the directory of a zip file by ``count`` copies of its first entry."""
+    start, second = data.index(b"PK\x01\x02"), data.rindex(b"PK\x01\x02")
+    directory = data[start:second] * count
+    crowded = data[:start] + directory + data[-22:]
+    return with_end_record(crowded, entries=count, here=count, size=len(directory))
+
+
 def in_directory(data: bytearray, offset: int, value: bytes) -> bytearray:
     """Overwrite a field of the first directory entry."""
     start = data.index(b"PK\x01\x02") + offset
@@ -68,7 +75,7 @@ def in_directory(data: bytearray, offset: int, value: bytes) -> bytearray:
 
 @pytest.fixture
 def refused(tmp_path: Path, little_memory: Watch) -> Callable[[bytes], str]:
-    """Return a function that expects a file to be refused, and returns the message."""
+    """Return a function that returns the error message of a file."""
 
     def refuse(data: bytes) -> str:
         path = tmp_path / "hostile.npz"
@@ -86,7 +93,7 @@ def refused(tmp_path: Path, little_memory: Watch) -> Callable[[bytes], str]:
 # Round trips.
 
 
-def test_arrays_come_back_as_they_were(tmp_path: Path) -> None:
+def test_arrays_are_read_as_written(tmp_path: Path) -> None:
     write_arrays(tmp_path / "a.npz", good_arrays(), SCHEMA)
     arrays = read_arrays(tmp_path / "a.npz", SCHEMA)
     assert arrays.keys() == SCHEMA.keys()
@@ -96,7 +103,7 @@ def test_arrays_come_back_as_they_were(tmp_path: Path) -> None:
         assert not arrays[name].flags.writeable
 
 
-def test_empty_arrays_come_back_too(tmp_path: Path) -> None:
+def test_empty_arrays_are_read_as_written(tmp_path: Path) -> None:
     arrays = {"words": np.empty(0), "points": np.empty((0, 2))}
     write_arrays(tmp_path / "a.npz", arrays, SCHEMA)
     assert read_arrays(tmp_path / "a.npz", SCHEMA)["points"].shape == (0, 2)
@@ -117,7 +124,7 @@ def test_stored_and_deflated_files_are_read(tmp_path: Path, method: int) -> None
 def test_arrays_above_the_limit_are_not_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(safe_npz_module, "MAX_BYTES", 67)
+    monkeypatch.setattr(npz_module, "MAX_BYTES", 67)
     with pytest.raises(RecordError, match="68 bytes are more than MAX_BYTES = 67"):
         write_arrays(tmp_path / "a.npz", good_arrays(), SCHEMA)
     assert list(tmp_path.iterdir()) == []
@@ -128,103 +135,89 @@ def test_a_missing_file_is_an_os_error(tmp_path: Path) -> None:
         read_arrays(tmp_path / "missing.npz", SCHEMA)
 
 
-# No zip file, or not ours.
+# Files of another format, or with other arrays.
 
 
 @pytest.mark.parametrize(
     "data",
     [
         b"",
-        b"P",
         b"not a record\n" * 9,
         b"PK\x05\x06",
-        bytes(21),
         bytes(22),
-        b"PK\x03\x04" + bytes(99),
     ],
 )
-def test_what_is_no_zip_file_is_refused(refused: Callable[[bytes], str], data: bytes) -> None:
+def test_a_file_that_is_not_a_zip_file_raises(refused: Callable[[bytes], str], data: bytes) -> None:
     assert refused(data).endswith("not an .npz file")
 
 
-def test_an_empty_zip_file_is_refused(refused: Callable[[bytes], str]) -> None:
+def test_a_missing_array_raises(refused: Callable[[bytes], str]) -> None:
     assert "0 arrays; there must be 2" in refused(zipped([]))
-
-
-def test_a_missing_array_is_refused(refused: Callable[[bytes], str]) -> None:
     assert "1 arrays; there must be 2" in refused(zipped([*good_members().items()][:1]))
 
 
-def test_an_extra_array_is_refused(refused: Callable[[bytes], str]) -> None:
+def test_an_extra_array_raises(refused: Callable[[bytes], str]) -> None:
     members = [*good_members().items(), ("more.npy", npy(np.zeros(1)))]
     assert "3 arrays; there must be 2" in refused(zipped(members))
     assert "'more.npy'" in refused(with_end_record(zipped(members), entries=2, here=2))
 
 
-def test_another_name_is_refused(refused: Callable[[bytes], str]) -> None:
+def test_another_name_raises(refused: Callable[[bytes], str]) -> None:
     words, points = good_members().values()
-    for name in ("wordy.npy", "words", "./words.npy", "../words.npy", "/words.npy", "WORDS.npy"):
+    for name in ("wordy.npy", "words", "../words.npy", "WORDS.npy"):
         assert "there must be" in refused(zipped([(name, words), ("points.npy", points)]))
 
 
 @pytest.mark.filterwarnings("ignore:Duplicate name")
-def test_a_name_given_twice_is_refused(refused: Callable[[bytes], str]) -> None:
+def test_a_duplicate_name_raises(refused: Callable[[bytes], str]) -> None:
     twice = [*good_members().items(), ("words.npy", npy(np.zeros(5, dtype="<i4")))]
     assert "3 arrays" in refused(zipped(twice))
     assert "'words.npy', 'words.npy'" in refused(with_end_record(zipped(twice), entries=2, here=2))
 
 
-def test_a_crowded_directory_is_refused_unread(refused: Callable[[bytes], str]) -> None:
-    assert "not an .npz file" in refused(zipped([(f"{i}.npy", b"") for i in range(100_000)]))
-
-
-def test_a_crowded_directory_is_refused_whatever_it_says_of_itself(
-    refused: Callable[[bytes], str],
-) -> None:
-    crowded = zipped([(f"{i}.npy", b"") for i in range(60_000)])
+def test_a_large_directory_raises_before_it_is_read(refused: Callable[[bytes], str]) -> None:
+    crowded = with_directory_of(zipped([*good_members().items()]), 60_000)
     assert "60000 arrays" in refused(crowded)
-    assert "directory" in refused(with_end_record(crowded, entries=2, here=2))
+    assert "directory of" in refused(with_end_record(crowded, entries=2, here=2))
 
 
-def test_a_zip64_locator_is_refused(refused: Callable[[bytes], str]) -> None:
+def test_a_zip64_locator_raises(refused: Callable[[bytes], str]) -> None:
     data = zipped([*good_members().items()])
     data[-22:-22] = struct.pack("<4sLQL", b"PK\x06\x07", 0, 0, 1)
     assert "not an .npz file" in refused(data)
 
 
 @pytest.mark.parametrize("field", ["size", "offset"])
-@pytest.mark.parametrize("value", [1, 300, 0xFFFFFFFF])
-def test_a_false_end_record_is_refused(
-    refused: Callable[[bytes], str], field: str, value: int
-) -> None:
+@pytest.mark.parametrize("value", [1, 0xFFFFFFFF])
+def test_a_wrong_end_record_raises(refused: Callable[[bytes], str], field: str, value: int) -> None:
     refused(with_end_record(zipped([*good_members().items()]), **{field: value}))
 
 
-# Members that are not what they seem.
+# Invalid members.
 
 
-def test_an_encrypted_member_is_refused(refused: Callable[[bytes], str]) -> None:
+def test_an_encrypted_member_raises(refused: Callable[[bytes], str]) -> None:
     assert "encrypted" in refused(in_directory(zipped([*good_members().items()]), 8, b"\x01\x00"))
 
 
-@pytest.mark.parametrize("method", [1, 9, 12, 14, 93, 99])
-def test_another_compression_is_refused(refused: Callable[[bytes], str], method: int) -> None:
+@pytest.mark.parametrize("method", [9, 14])
+def test_another_compression_raises(refused: Callable[[bytes], str], method: int) -> None:
     data = in_directory(zipped([*good_members().items()]), 10, struct.pack("<H", method))
     assert f"array words: unknown compression {method}" in refused(data)
 
 
-def test_a_false_checksum_is_refused(refused: Callable[[bytes], str]) -> None:
+def test_a_wrong_checksum_raises(refused: Callable[[bytes], str]) -> None:
     for method in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         data = zipped([*good_members().items()], method)
         assert "CRC" in refused(in_directory(data, 16, b"\0\0\0\0"))
 
 
-def test_a_bomb_that_says_so_is_refused_unread(refused: Callable[[bytes], str]) -> None:
+def test_a_member_above_the_limit_raises_before_it_is_read(refused: Callable[[bytes], str]) -> None:
     data = zipped([*good_members().items()])
     assert f"MAX_BYTES = {MAX_BYTES}" in refused(in_directory(data, 24, b"\xff\xff\xff\x7f"))
 
 
-def test_a_bomb_that_says_it_is_small_is_not_unpacked(refused: Callable[[bytes], str]) -> None:
+def test_a_member_that_states_a_wrong_size_is_not_unpacked(refused: Callable[[bytes], str]) -> None:
     header = "{'descr': '<i4', 'fortran_order': False, 'shape': (5,)}"
     bomb = npy_with_header(header, bytes(MAX_BYTES - 1000))
     packed = zipped([("words.npy", bomb), ("points.npy", good_members()["points.npy"])])
@@ -234,10 +227,11 @@ def test_a_bomb_that_says_it_is_small_is_not_unpacked(refused: Callable[[bytes],
     assert "CRC" in refused(small)
 
 
-def test_a_bomb_of_several_members_is_added_up(refused: Callable[[bytes], str]) -> None:
-    half = bytes(MAX_BYTES // 2 + 1)
-    deflated = zlib.compressobj(9, zlib.DEFLATED, -15)
-    assert len(deflated.compress(half) + deflated.flush()) < 500_000
+def test_the_limit_is_on_all_members_together(
+    refused: Callable[[bytes], str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(npz_module, "MAX_BYTES", 1000)
+    half = bytes(501)
     assert "MAX_BYTES" in refused(zipped([("words.npy", half), ("points.npy", half)]))
 
 
@@ -246,46 +240,40 @@ def test_a_bomb_of_several_members_is_added_up(refused: Callable[[bytes], str]) 
     [
         ("{'descr': '<i4', 'fortran_order': False, 'shape': (1000000000000,)}", "claims"),
         ("{'descr': '<i4', 'fortran_order': False, 'shape': (6,)}", "claims 24 bytes"),
-        ("{'descr': '<i4', 'fortran_order': False, 'shape': (4,)}", "claims 16 bytes"),
         ("{'descr': '<i4', 'fortran_order': False, 'shape': (-5,)}", "claims -20 bytes"),
         ("{'descr': '<i4', 'fortran_order': False, 'shape': ()}", "with 0 dimensions"),
         ("{'descr': '<i4', 'fortran_order': False, 'shape': (5, 1)}", "with 2 dimensions"),
         ("{'descr': '<i4', 'fortran_order': True, 'shape': (5,)}", "in C order"),
         ("{'descr': '>i4', 'fortran_order': False, 'shape': (5,)}", "it must be int32"),
-        ("{'descr': '<f4', 'fortran_order': False, 'shape': (5,)}", "it must be int32"),
         ("{'descr': '|O', 'fortran_order': False, 'shape': (5,)}", "it must be int32"),
         ("{'descr': [('a', '<i4')], 'fortran_order': False, 'shape': (5,)}", "it must be int32"),
         ("{'descr': (), 'fortran_order': False, 'shape': (5,)}", "damaged header"),
         ("{'descr': '<i4', 'fortran_order': False}", "damaged header"),
-        ("{1: 2, 'descr': 3}", "damaged header"),
         ("{[]: 1}", "damaged header"),
-        ("{", "damaged header"),
         ("(" * 118, "damaged header"),
-        ("-" * 117 + "1", "damaged header"),
-        ("", "damaged header"),
         ("\0", "damaged header"),
-        ("  indented", "damaged header"),
         ("__import__('os').getcwd()", "damaged header"),
     ],
 )
-def test_a_member_with_a_false_header_is_refused(
+def test_a_member_with_a_wrong_header_raises(
     refused: Callable[[bytes], str], header: str, message: str
 ) -> None:
     words = npy_with_header(header, bytes(20))
     assert message in refused(zipped([*(good_members() | {"words.npy": words}).items()]))
 
 
-@pytest.mark.parametrize("depth", [9_000, 60_000])
-@pytest.mark.parametrize("text", ["-", "(", "[", "{1:", "not "])
-def test_a_header_nested_without_end_is_refused(
+@pytest.mark.parametrize(("text", "depth"), [("-", 9_000), ("{1:", 9_000), ("(", 60_000)])
+def test_a_deeply_nested_header_raises(
     refused: Callable[[bytes], str], text: str, depth: int
 ) -> None:
     words = npy_with_header((text * depth)[: min(depth, 0xFFFF - 1)])
     assert "damaged header" in refused(zipped([*(good_members() | {"words.npy": words}).items()]))
 
 
-@pytest.mark.parametrize("shape", [f"(0, {2**70})", f"({2**40}, 0)", "(-3, -2)", "(0, -1)"])
-def test_a_shape_without_data_is_harmless(tmp_path: Path, shape: str, little_memory: Watch) -> None:
+@pytest.mark.parametrize("shape", [f"(0, {2**70})", f"({2**40}, 0)", "(-3, -2)"])
+def test_a_shape_without_data_takes_no_memory(
+    tmp_path: Path, shape: str, little_memory: Watch
+) -> None:
     header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}}}"
     points = npy_with_header(header, bytes(48) if shape == "(-3, -2)" else b"")
     path = tmp_path / "empty.npz"
@@ -297,8 +285,8 @@ def test_a_shape_without_data_is_harmless(tmp_path: Path, shape: str, little_mem
             read_arrays(path, SCHEMA)
 
 
-@pytest.mark.parametrize("version", [b"\x02\x00", b"\x03\x00", b"\x00\x00", b"\xff\xff"])
-def test_another_npy_version_is_refused(refused: Callable[[bytes], str], version: bytes) -> None:
+@pytest.mark.parametrize("version", [b"\x02\x00", b"\xff\xff"])
+def test_another_npy_version_raises(refused: Callable[[bytes], str], version: bytes) -> None:
     header = "{'descr': '<i4', 'fortran_order': False, 'shape': (5,)}"
     words = npy_with_header(header, bytes(20), version)
     assert "array words: not of" in refused(
@@ -306,13 +294,13 @@ def test_another_npy_version_is_refused(refused: Callable[[bytes], str], version
     )
 
 
-@pytest.mark.parametrize("data", [b"", b"\x93NUM", b"PK\x03\x04", b"\x93NUMPY\x01\x00\xff\xff{"])
-def test_a_member_that_is_no_array_is_refused(refused: Callable[[bytes], str], data: bytes) -> None:
+@pytest.mark.parametrize("data", [b"", b"PK\x03\x04", b"\x93NUMPY\x01\x00\xff\xff{"])
+def test_a_member_that_is_not_an_array_raises(refused: Callable[[bytes], str], data: bytes) -> None:
     refused(zipped([*(good_members() | {"words.npy": data}).items()]))
 
 
 class Trap:
-    """Says so when it is unpickled."""
+    """Records that it has been unpickled."""
 
     sprung = False
 
@@ -324,7 +312,7 @@ def spring() -> None:
     Trap.sprung = True
 
 
-def test_a_pickle_is_refused_and_not_opened(refused: Callable[[bytes], str]) -> None:
+def test_a_pickle_raises_and_is_not_loaded(refused: Callable[[bytes], str]) -> None:
     words = npy(np.array([Trap()], dtype=object), pickled=True)
     assert "it must be int32" in refused(zipped([*(good_members() | {"words.npy": words}).items()]))
     assert not Trap.sprung
@@ -333,46 +321,46 @@ def test_a_pickle_is_refused_and_not_opened(refused: Callable[[bytes], str]) -> 
 # Damage.
 
 
-@settings(max_examples=400, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=50, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.data())
-def test_a_damaged_record_loads_equal_or_not_at_all(
+def test_a_damaged_record_raises_or_loads_equal(
     saved: Path, episode: Episode, data: st.DataObject
 ) -> None:
     content = bytearray(saved.read_bytes())
     flips = st.tuples(st.integers(0, len(content) - 1), st.integers(1, 255))
     for place, change in data.draw(st.lists(flips, min_size=1, max_size=4)):
         content[place] ^= change
-    expect_equal_or_nothing(saved.with_name("damaged.npz"), content, episode)
+    assert_raises_or_loads_equal(saved.with_name("damaged.npz"), content, episode)
 
 
-def test_a_record_with_any_one_byte_of_its_frame_changed_loads_equal_or_not_at_all(
+def test_a_record_with_one_byte_of_its_headers_changed_raises_or_loads_equal(
     saved: Path, episode: Episode
 ) -> None:
     content = saved.read_bytes()
-    directory = content.index(b"PK\x01\x02")
-    for place in [*range(300), *range(directory, len(content))]:
+    directory, end = content.index(b"PK\x01\x02"), content.index(b"PK\x05\x06")
+    for place in [*range(60), *range(directory, directory + 60), *range(end, len(content))]:
         changed = bytearray(content)
         changed[place] ^= 0x41
-        expect_equal_or_nothing(saved.with_name("damaged.npz"), changed, episode)
+        assert_raises_or_loads_equal(saved.with_name("damaged.npz"), changed, episode)
 
 
-def test_a_record_cut_short_does_not_load(saved: Path) -> None:
+def test_a_truncated_record_raises(saved: Path) -> None:
     content = saved.read_bytes()
     path = saved.with_name("short.npz")
-    for length in range(0, len(content), 7):
+    for length in [*range(0, len(content), 101), len(content) - 1]:
         path.write_bytes(content[:length])
         with pytest.raises(RecordError):
             Episode.load(path)
 
 
-def test_a_record_with_something_after_it_does_not_load(saved: Path) -> None:
+def test_a_record_with_data_after_its_end_raises(saved: Path) -> None:
     path = saved.with_name("long.npz")
     path.write_bytes(saved.read_bytes() + b"\n")
     with pytest.raises(RecordError):
         Episode.load(path)
 
 
-def expect_equal_or_nothing(path: Path, content: bytes, episode: Episode) -> None:
+def assert_raises_or_loads_equal(path: Path, content: bytes, episode: Episode) -> None:
     path.write_bytes(content)
     loaded = None
     with contextlib.suppress(RecordError):

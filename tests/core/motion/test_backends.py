@@ -11,7 +11,7 @@ from warehouse_core.motion.grid import GridMotion
 
 
 class FakeDistribution:
-    """What an entry point knows of the distribution that brought it."""
+    """The distribution of an entry point."""
 
     def __init__(self, name: str, extras: list[str]) -> None:
         self._extras = extras
@@ -36,7 +36,7 @@ def entry_point(name: str, value: str, distribution: Any = None) -> EntryPoint:
 
 @pytest.fixture
 def install(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
-    """Return a function that makes these entry points the only ones installed."""
+    """Return a function that replaces all installed entry points."""
 
     def forget() -> None:
         backends_module._entry_points.cache_clear()
@@ -63,25 +63,20 @@ def test_a_backend_is_given_by_name_class_or_instance() -> None:
     assert make_motion(instance) is instance
 
 
-def test_an_environment_takes_all_three_and_names_them() -> None:
+def test_an_environment_accepts_all_three_and_names_them() -> None:
     assert WarehouseEnv(backend="grid").backend == "grid"
     assert WarehouseEnv(backend=GridMotion).backend == "GridMotion"
     env = WarehouseEnv(backend=GridMotion(cell_size=0.5))
     assert (env.backend, env.settings.cell_size) == ("GridMotion", 0.5)
 
 
-def test_an_unknown_name_lists_what_is_installed(install: Any) -> None:
+def test_the_error_of_an_unknown_name_lists_the_installed_ones(install: Any) -> None:
     install(entry_point("rails", "no.such:Rails"), entry_point("grid", "no.such:Grid"))
     with pytest.raises(BackendError, match="no backend is called 'boat'; installed: grid, rails"):
         make_motion("boat")
     install()
     with pytest.raises(BackendError, match="installed: none"):
         make_motion("grid")
-
-
-def test_names_are_told_apart_by_case() -> None:
-    with pytest.raises(BackendError, match="'Grid'"):
-        WarehouseEnv(backend="Grid")
 
 
 @pytest.mark.parametrize(
@@ -93,7 +88,7 @@ def test_names_are_told_apart_by_case() -> None:
         (None, "'missing_engine'"),
     ],
 )
-def test_a_missing_requirement_is_answered_with_the_command(
+def test_the_error_of_a_missing_requirement_gives_the_command(
     install: Any, distribution: Any, command: str
 ) -> None:
     install(entry_point("physics", "missing_engine.motion:Motion", distribution))
@@ -105,7 +100,7 @@ def test_a_missing_requirement_is_answered_with_the_command(
     assert isinstance(caught.value.__cause__, ImportError)
 
 
-def test_a_backend_that_could_not_be_loaded_is_tried_again(install: Any) -> None:
+def test_a_failed_import_is_tried_again(install: Any) -> None:
     install(entry_point("late", "missing_engine:Motion"))
     with pytest.raises(BackendError):
         make_motion("late")
@@ -121,7 +116,7 @@ def test_a_third_party_backend_is_found_by_its_name(install: Any) -> None:
     assert isinstance(make_motion("mine"), GridMotion)
 
 
-@pytest.mark.parametrize("backend", [None, 5, dict, object(), b"grid"])
-def test_anything_else_is_a_type_error(backend: Any) -> None:
+@pytest.mark.parametrize("backend", [None, dict, b"grid"])
+def test_a_backend_of_another_type_raises(backend: Any) -> None:
     with pytest.raises(TypeError, match=r"allowed: a name \(.*grid.*\), or a class or instance"):
         WarehouseEnv(backend=backend)

@@ -35,12 +35,12 @@ def test_a_wall_stops_the_robot_and_costs_a_bump() -> None:
     assert outcome.path[:, 1:3].tolist() == [[1.5, 1.5], [1.5, 1.5]]
 
 
-def test_a_robot_that_hits_another_names_it() -> None:
+def test_a_contact_names_the_other_robot() -> None:
     _, outcome, _ = started((0, 0), (2, 2), (2, 3)).advance([EAST, EAST, STAY], [False] * 3)
     assert outcome.contacts == (Contact(0.5, 50.0, (3.0, 2.5), "robot 2"),)
 
 
-def test_a_move_costs_what_the_formula_says() -> None:
+def test_the_cost_of_a_move_follows_the_formula() -> None:
     rolling = 0.015 * 50 * 9.81
     assert nominal_joules(1.0, moving=False) == 20.0
     assert nominal_joules(1.0, moving=True) == pytest.approx(20 + 25 + rolling)
@@ -60,8 +60,8 @@ def test_positions_and_impulses_grow_with_the_cell() -> None:
     assert outcome.contacts == (Contact(0.5, 25.0, (2.5, 0.25), "wall"),)
 
 
-@pytest.mark.parametrize("cell_size", [0, -1, math.nan, math.inf])
-def test_a_cell_needs_a_size(cell_size: float) -> None:
+@pytest.mark.parametrize("cell_size", [0, math.nan, math.inf])
+def test_a_cell_size_must_be_positive_and_finite(cell_size: float) -> None:
     with pytest.raises(ValueError, match="cell_size is"):
         GridMotion(cell_size)
 
@@ -75,34 +75,34 @@ def test_a_robot_starts_heading_east_and_keeps_its_heading_while_it_waits() -> N
     assert moved(motion, STAY).path[0, 3] == 0
 
 
-def test_a_robot_turns_even_where_it_is_blocked() -> None:
+def test_a_blocked_robot_turns() -> None:
     motion = started((0, 0))
     assert moved(motion, WEST).path[0, 3] == pytest.approx(math.pi)
     assert moved(motion, STAY).path[0, 3] == pytest.approx(math.pi)
 
 
-def test_a_lone_robot_fares_as_one_beside_a_robot_that_is_far_away() -> None:
+def test_the_cached_outcomes_equal_those_of_several_robots() -> None:
     walls = random_layout(8, 8, 0.3, seed=5)
     rows = [f"{row}##" for row in walls.rows]
     rows[0] = rows[0][:-1] + "."
     layout = Layout(rows)
     alone, together = started((1, 1), layout=layout), started((1, 1), (0, 9), layout=layout)
     stream = random.Random(0)
-    for _ in range(300):
+    for _ in range(200):
         move, loaded = stream.choice([STAY, NORTH, EAST, SOUTH, WEST]), stream.random() < 0.5
         first, _ = together.advance([move, STAY], [loaded, False])
         assert moved(alone, move, loaded) == first
 
 
-def test_what_is_remembered_of_one_layout_is_not_used_in_another() -> None:
+def test_the_cache_is_cleared_for_another_layout() -> None:
     motion = started((0, 0), layout=Layout([".."]))
     assert not moved(motion, EAST).blocked
     motion.reset(Layout([".#"]), [(0, 0)], None)
     assert moved(motion, EAST).blocked
 
 
-def test_what_is_remembered_has_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(grid_motion_module, "MAX_REMEMBERED", 3)
+def test_the_cache_has_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(grid_motion_module, "MAX_CACHED", 3)
     motion = started((0, 0))
     for _ in range(5):
         for move in (EAST, SOUTH, WEST, NORTH):
@@ -110,8 +110,8 @@ def test_what_is_remembered_has_a_limit(monkeypatch: pytest.MonkeyPatch) -> None
             assert len(motion._lone) <= 3
 
 
-@pytest.mark.parametrize("move", [(2, 0), (1, 1), (-1, -1), (0, -2)])
-def test_a_move_by_more_than_a_cell_is_refused(move: tuple[int, int]) -> None:
+@pytest.mark.parametrize("move", [(2, 0), (-1, -1)])
+def test_a_move_by_more_than_a_cell_raises(move: tuple[int, int]) -> None:
     motion = started((2, 2))
     with pytest.raises(ValueError, match="of robot 0; allowed"):
         moved(motion, move)
@@ -120,7 +120,7 @@ def test_a_move_by_more_than_a_cell_is_refused(move: tuple[int, int]) -> None:
         started((0, 0), (2, 2)).advance([EAST, move], [False, False])
 
 
-@pytest.mark.parametrize(("moves", "loads"), [(0, 0), (1, 1), (3, 2), (2, 1), (2, 3)])
+@pytest.mark.parametrize(("moves", "loads"), [(0, 0), (3, 2), (2, 1)])
 def test_every_robot_needs_one_move_and_one_load(moves: int, loads: int) -> None:
     motion = started((0, 0), (2, 2))
     message = f"{moves} displacements and {loads} loads for 2 robots"
@@ -128,9 +128,9 @@ def test_every_robot_needs_one_move_and_one_load(moves: int, loads: int) -> None
         motion.advance([EAST] * moves, [False] * loads)
 
 
-def test_a_start_that_is_taken_or_no_floor_is_refused_by_name() -> None:
+def test_the_error_of_an_invalid_start_names_the_robot() -> None:
     motion = GridMotion()
-    with pytest.raises(ValueError, match="robot 1 cannot stand there: row 0, column 0 is wall"):
+    with pytest.raises(ValueError, match="robot 1: row 0, column 0 is wall"):
         motion.reset(DEFAULT_LAYOUT, [(1, 1), (0, 0)], None)
     with pytest.raises(ValueError, match=r"robots 0 and 2 are both given \(1, 1\)"):
         motion.reset(DEFAULT_LAYOUT, [(1, 1), (1, 2), (1, 1)], None)
@@ -145,7 +145,7 @@ def test_it_can_be_reset_after_a_close() -> None:
     assert moved(motion, EAST).cell == (0, 1)
 
 
-def test_the_list_of_starts_may_be_changed_afterwards() -> None:
+def test_the_starts_are_copied() -> None:
     cells = [(0, 0), (2, 2)]
     motion = GridMotion()
     motion.reset(HALL, cells, None)

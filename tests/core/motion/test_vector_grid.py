@@ -17,14 +17,14 @@ def batch_of(layouts: list[Layout]) -> GridBatch:
     return GridBatch(layouts, seconds=1.5, moving_joules=9.0, waiting_joules=4.0)
 
 
-def test_every_action_from_every_cell_is_what_a_lone_robot_does() -> None:
-    """Borders too: nobody leaves a row by the west to come back by the east of the one above."""
+def test_every_action_in_every_cell_equals_the_motion_of_one_robot() -> None:
+    """Borders included: a robot does not leave a row in the west and enter the one above."""
     motion = GridMotion()
     assert isinstance(motion, Batchable)
     for layout in set(LAYOUTS):
         cells = np.repeat(layout.open_cells, 7)
         actions = np.tile(np.arange(7), len(layout.open_cells))
-        # A layout before it, so that it does not begin at 0.
+        # Another layout comes first, so that the base is not 0.
         batch = motion.batch([LAYOUTS[1], *[layout] * len(cells)])
         batch.place(np.arange(1 + len(cells)), np.array([LAYOUTS[1].open_cells[0], *cells]))
         found = batch.advance(np.array([WAIT, *actions]), np.zeros(1 + len(cells), bool))
@@ -36,7 +36,7 @@ def test_every_action_from_every_cell_is_what_a_lone_robot_does() -> None:
             assert (found.blocked[row], found.seconds[row], found.joules[row]) == expected[1:4]
 
 
-def test_time_and_cost_are_what_it_was_told() -> None:
+def test_time_and_cost_are_the_arguments() -> None:
     batch = batch_of([OPEN] * 4)
     batch.place(np.arange(4), np.zeros(4, int))
     found = batch.advance(np.array([EAST, NORTH, WAIT, DROP]), np.ones(4, bool))
@@ -47,19 +47,19 @@ def test_time_and_cost_are_what_it_was_told() -> None:
     assert [values.dtype for values in found] == [np.intp, bool, float, float]
 
 
-def test_robots_are_placed_one_by_one() -> None:
+def test_some_robots_can_be_placed() -> None:
     batch = batch_of([OPEN, Layout(["...."]), OPEN])
     batch.place(np.arange(3), np.array([0, 1, 2]))
     batch.place(np.array([2, 1]), np.array([4, 3]))
     assert batch.advance(np.full(3, WAIT), np.zeros(3, bool)).cells.tolist() == [0, 3, 4]
 
 
-@pytest.mark.parametrize("field", ["cells", "seconds", "joules", "blocked"])
-def test_nothing_in_an_outcome_is_used_again(field: str) -> None:
+def test_the_arrays_of_an_outcome_belong_to_the_caller() -> None:
     batch = batch_of([OPEN] * 2)
     batch.place(np.arange(2), np.array([0, 1]))
     actions, loaded = np.array([SOUTH, SOUTH]), np.zeros(2, bool)
-    getattr(batch.advance(actions, loaded), field)[:] = 1
+    for array in batch.advance(actions, loaded):
+        array[:] = 1
     found = batch.advance(actions, loaded)
     assert found.cells.tolist() == [4, 5]
     assert found.seconds.tolist() == [1.5, 1.5]
@@ -67,3 +67,5 @@ def test_nothing_in_an_outcome_is_used_again(field: str) -> None:
     assert found.blocked.tolist() == [False, False]
     batch.close()
     batch.close()
+    with pytest.raises(RuntimeError, match="after close"):
+        batch.advance(actions, loaded)

@@ -40,19 +40,19 @@ def test_an_observation_is_encoded_key_by_key() -> None:
     assert encode(observation(local_grid=["R"]))["local_grid"].tolist() == [4]
 
 
-def test_a_station_that_does_not_exist_is_nowhere() -> None:
+def test_a_missing_station_is_nowhere() -> None:
     arrays = encode(observation(pickup_pos=None, dropoff_pos=None))
     assert arrays["pickup_pos"].tolist() == arrays["dropoff_pos"].tolist() == list(NOWHERE)
     assert encode(observation(pickup_pos=(0, 0)))["pickup_pos"].tolist() == [0, 0]
 
 
-def test_what_is_encoded_can_be_written_and_is_no_one_elses() -> None:
-    told = observation()
-    arrays = {key: value for key, value in encode(told).items() if key != "has_item"}
+def test_the_arrays_share_nothing() -> None:
+    given = observation()
+    arrays = {key: value for key, value in encode(given).items() if key != "has_item"}
     for value, key in enumerate(arrays):
         arrays[key][:] = 10 + value
     assert [set(array.tolist()) for array in arrays.values()] == [{10 + n} for n in range(6)]
-    assert told == observation()
+    assert given == observation()
 
 
 # What remembers.
@@ -91,7 +91,7 @@ def test_an_encoder_must_be_told_of_a_new_layout() -> None:
 # As one vector.
 
 
-def test_a_vector_has_what_its_table_says() -> None:
+def test_a_vector_has_the_numbers_of_its_table() -> None:
     window = [1, 0, 0, 0, 1, 0, 0, 0, 0]  # of "#P.": wall, pickup, dropoff for each cell
     window += [1, 0, 0, 0, 0, 0, 0, 0, 1]  # "#rD": the robot is none of the three
     window += [0] * 9
@@ -105,13 +105,13 @@ def test_a_vector_has_what_its_table_says() -> None:
     )
 
 
-def test_a_station_that_does_not_exist_is_no_way_off() -> None:
+def test_a_missing_station_is_zeros_in_a_vector() -> None:
     found = vector(encode(observation(pickup_pos=None, dropoff_pos=(0, 0))))
     assert found[29:32].tolist() == [0, 0, 0]
     assert found[32:35].tolist() == pytest.approx([1, -0.4, -0.7])
 
 
-def test_vectors_of_many_are_the_vectors_of_each() -> None:
+def test_a_batch_of_vectors_equals_single_vectors() -> None:
     env = WarehouseEnv(DEFAULT_LAYOUT)
     each = [encode(env.observe())]
     for seed in range(5):
@@ -129,7 +129,7 @@ def test_vectors_of_many_are_the_vectors_of_each() -> None:
     assert not np.shares_memory(found, vector(together))
 
 
-def test_the_limits_of_a_vector_are_reached_and_not_passed() -> None:
+def test_the_limits_of_a_vector_are_exact() -> None:
     low, high = vector_limits(height=31, width=6, view_radius=0, battery=70, max_steps=90)
     assert (low.dtype, high.dtype) == (np.float32, np.float32)
     assert low.tolist() == pytest.approx([0] * 3 + [0, 0, 0, -3, -0.5, 0, -3, -0.5, 0, 0, 0])

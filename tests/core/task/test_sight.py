@@ -1,5 +1,5 @@
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout
@@ -8,7 +8,7 @@ from warehouse_core.task.sight import Sight
 
 
 def window_of(layout: Layout, radius: int, cell: Cell, robot: str) -> list[str]:
-    """Look at each cell on its own."""
+    """Return a window, computed cell by cell."""
     lines = []
     for row in range(cell[0] - radius, cell[0] + radius + 1):
         line = ""
@@ -20,6 +20,7 @@ def window_of(layout: Layout, radius: int, cell: Cell, robot: str) -> list[str]:
     return lines
 
 
+@settings(max_examples=30)
 @given(
     st.integers(1, 5).flatmap(
         lambda width: st.lists(
@@ -28,7 +29,7 @@ def window_of(layout: Layout, radius: int, cell: Cell, robot: str) -> list[str]:
     ),
     st.integers(0, 4),
 )
-def test_a_window_is_what_lies_around_the_robot(rows: list[str], radius: int) -> None:
+def test_a_window_shows_the_cells_around_the_robot(rows: list[str], radius: int) -> None:
     layout = Layout(rows)
     sight = Sight(layout, radius)
     for row in range(layout.height):
@@ -38,21 +39,21 @@ def test_a_window_is_what_lies_around_the_robot(rows: list[str], radius: int) ->
                 assert sight.window((row, col), loaded) == expected
 
 
-def test_without_a_radius_the_robot_sees_itself() -> None:
+def test_a_window_of_radius_zero_is_the_robot() -> None:
     sight = Sight(DEFAULT_LAYOUT, 0)
     assert sight.window((1, 3), loaded=False) == ["R"]
     assert sight.window((1, 3), loaded=True) == ["r"]
 
 
-def test_a_window_is_a_fresh_list() -> None:
+def test_a_window_is_a_new_list() -> None:
     sight = Sight(DEFAULT_LAYOUT, 1)
     before = sight.window((1, 1), loaded=False)
     before[:] = ["spoilt"]
     assert sight.window((1, 1), loaded=False) == ["###", "#R.", "#.."]
 
 
-def test_what_is_remembered_has_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sight_module, "_MAX_REMEMBERED_CHARACTERS", 4 * 9)
+def test_the_cache_has_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sight_module, "_MAX_CACHED_CHARACTERS", 4 * 9)
     sight = Sight(DEFAULT_LAYOUT, 1)
     for _ in range(2):
         for index in range(len(DEFAULT_LAYOUT.open_cells)):

@@ -7,7 +7,7 @@ from warehouse_core import Layout, LayoutError
 from warehouse_core.task.starts import DRAWS, NO_RANK, check_room, draw_ranks, motion_seed
 
 BELOW_ONE = 1 - 2**-53
-"""The largest number that a stream gives."""
+"""The largest random number."""
 
 
 @pytest.mark.parametrize(
@@ -15,22 +15,22 @@ BELOW_ONE = 1 - 2**-53
     [
         ((0, 0, 0, 0), [0, 1, 2]),
         ((BELOW_ONE, BELOW_ONE, BELOW_ONE, 0), [4, 3, 2]),
-        # Of 0 1 2 3 4 the third, of 0 1 3 4 the third, of 0 1 4 the second.
+        # The third of 0 1 2 3 4, the third of 0 1 3 4, the second of 0 1 4.
         ((0.5, 0.5, 0.5, 0), [2, 3, 1]),
-        # Of 0 1 2 3 4 the fourth, of 0 1 2 4 the second, of 0 2 4 the second.
+        # The fourth of 0 1 2 3 4, the second of 0 1 2 4, the second of 0 2 4.
         ((0.7, 0.4, 0.4, 0), [3, 1, 2]),
         ((0.3, 0, 0, BELOW_ONE), [1, 0, 2]),
         ((0, BELOW_ONE, BELOW_ONE, 0.3), [0, 4, 3]),
     ],
 )
-def test_each_is_drawn_from_what_those_before_it_leave(
+def test_each_cell_is_drawn_from_those_not_drawn_yet(
     uniforms: tuple[float, ...], expected: list[int]
 ) -> None:
     assert draw_ranks(np.array(uniforms), 5).tolist() == expected
 
 
-@pytest.mark.parametrize("count", [3, 4, 6])
-def test_every_triple_comes_from_an_equal_part_of_the_numbers(count: int) -> None:
+@pytest.mark.parametrize("count", [3, 5])
+def test_every_triple_has_the_same_probability(count: int) -> None:
     places = product(range(count), range(count - 1), range(count - 2))
     middles = [
         [(i + 0.5) / count, (j + 0.5) / (count - 1), (k + 0.5) / (count - 2)] for i, j, k in places
@@ -39,28 +39,28 @@ def test_every_triple_comes_from_an_equal_part_of_the_numbers(count: int) -> Non
     assert sorted(map(tuple, found.tolist())) == sorted(permutations(range(count), 3))
 
 
-def test_where_there_are_but_two_cells_no_start_is_drawn() -> None:
+def test_with_only_two_cells_no_start_is_drawn() -> None:
     uniforms = np.array([[0, 0, 0, 0], [0.6, 0, 0.9, 0], [0.6, 0, 0.9, 0]])
     found = draw_ranks(uniforms, np.array([2, 2, 3]))
     assert found.tolist() == [[0, 1, NO_RANK], [1, 0, NO_RANK], [1, 0, 2]]
 
 
-def test_the_largest_number_never_leads_beyond_the_last_cell() -> None:
-    counts = np.array([2, 3, 5, 7, 10, 1000, 2**20, 2**20 + 1, 15_999_999, 16_000_000])
+def test_the_largest_number_gives_the_last_cell() -> None:
+    counts = np.array([2, 3, 7, 2**20 + 1, 16_000_000])
     found = draw_ranks(np.full((len(counts), DRAWS), BELOW_ONE), counts)
     assert found[:, 0].tolist() == (counts - 1).tolist()
     assert found[:, 1].tolist() == (counts - 2).tolist()
     assert found[1:, 2].tolist() == (counts[1:] - 3).tolist()
 
 
-def test_what_is_given_stays_as_it_is() -> None:
+def test_the_arguments_are_not_changed() -> None:
     uniforms, counts = np.full((2, DRAWS), 0.5), np.array([4, 6])
     draw_ranks(uniforms, counts)
     assert (uniforms == 0.5).all()
     assert counts.tolist() == [4, 6]
 
 
-def test_the_chance_of_the_motion_comes_from_a_number_of_its_own() -> None:
+def test_the_seed_of_the_motion_is_the_last_number() -> None:
     assert motion_seed(np.array([0.1, 0.2, 0.3, 0.5])) == 2**31
     assert motion_seed(np.array([0.9, 0.9, 0.9, 0.0])) == 0
     assert motion_seed(np.array([0, 0, 0, BELOW_ONE])) == 2**32 - 1

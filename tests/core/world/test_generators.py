@@ -1,7 +1,7 @@
 import random
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from warehouse_core import Layout, LayoutError, WarehouseEnv, random_layout, shelf_layout
@@ -15,7 +15,7 @@ counts = st.integers(1, 4)
 
 
 def assert_usable(layout: Layout) -> None:
-    """Every open cell can be reached, and there is one pickup, one dropoff and a border."""
+    """Check that every open cell can be reached, and that there are two stations and a border."""
     everywhere = {layout.open_cell(index) for index in range(len(layout.open_cells))}
     assert layout.reachable_from((1, 1)) == everywhere
     assert len(layout.pickups) == len(layout.dropoffs) == 1
@@ -23,6 +23,7 @@ def assert_usable(layout: Layout) -> None:
     assert all(row[0] == row[-1] == "#" for row in layout.rows)
 
 
+@settings(max_examples=30)
 @given(sizes, sizes, densities, seeds)
 def test_a_random_layout_can_always_be_solved(
     height: int, width: int, density: float, seed: int
@@ -33,27 +34,27 @@ def test_a_random_layout_can_always_be_solved(
     assert len(layout.open_cells) >= 4
 
 
-@pytest.mark.parametrize("density", [0, 0.1, 0.2, 0.3])
-@pytest.mark.parametrize("side", [10, 17, 40])
-def test_a_random_layout_is_as_dense_as_asked(side: int, density: float) -> None:
-    for seed in range(10):
+@pytest.mark.parametrize("density", [0, 0.1, 0.3])
+@pytest.mark.parametrize("side", [10, 17])
+def test_a_random_layout_has_the_given_density(side: int, density: float) -> None:
+    for seed in range(5):
         layout = random_layout(side, side + 3, density, seed)
         inside = (side - 2) * (side + 1)
         assert inside - len(layout.open_cells) == round(density * inside)
 
 
-@pytest.mark.parametrize("density", [0, 0.2, MAX_DENSITY])
-def test_in_the_smallest_layouts_too_stations_can_be_drawn_anew(density: float) -> None:
-    for seed in range(20):
+@pytest.mark.parametrize("density", [0, MAX_DENSITY])
+def test_the_smallest_layouts_have_room_for_a_random_reset(density: float) -> None:
+    for seed in range(10):
         env = WarehouseEnv(random_layout(4, 4, density, seed))
         observation = env.reset(randomize=True, seed=seed)
         assert observation["pickup_pos"] is not None
         assert observation["dropoff_pos"] is not None
 
 
-@pytest.mark.parametrize("side", [6, 10, 17])
+@pytest.mark.parametrize("side", [6, 12])
 def test_the_densest_random_layout_is_at_most_a_few_walls_short(side: int) -> None:
-    for seed in range(50):
+    for seed in range(20):
         layout = random_layout(side, side, MAX_DENSITY, seed)
         inside = (side - 2) ** 2
         missing = round(MAX_DENSITY * inside) - (inside - len(layout.open_cells))
@@ -65,34 +66,34 @@ def test_the_same_seed_gives_the_same_random_layout() -> None:
     assert layouts[0] == layouts[1] != layouts[2]
 
 
-def test_a_random_layout_draws_from_its_own_stream() -> None:
+def test_generators_do_not_use_the_global_random() -> None:
     state = random.getstate()
     random_layout(9, 9, 0.3, seed=1)
     shelf_layout(seed=1)
     assert random.getstate() == state
 
 
-def test_stations_of_random_layouts_may_be_anywhere() -> None:
-    layouts = [random_layout(4, 4, 0, seed) for seed in range(300)]
+def test_stations_of_random_layouts_can_be_anywhere() -> None:
+    layouts = [random_layout(4, 4, 0, seed) for seed in range(100)]
     assert {layout.pickups[0] for layout in layouts} == {(1, 1), (1, 2), (2, 1), (2, 2)}
     assert {layout.dropoffs[0] for layout in layouts} == {(1, 1), (1, 2), (2, 1), (2, 2)}
 
 
-@pytest.mark.parametrize(("height", "width"), [(3, 9), (9, 3), (0, 0), (-5, -5)])
-def test_a_random_layout_too_small_is_refused(height: int, width: int) -> None:
+@pytest.mark.parametrize(("height", "width"), [(3, 9), (9, 3)])
+def test_a_random_layout_that_is_too_small_raises(height: int, width: int) -> None:
     with pytest.raises(LayoutError, match=f"{height} x {width}; it must be at least 4 x 4"):
         random_layout(height, width, 0.1, seed=0)
 
 
-def test_a_random_layout_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_random_layout_that_is_too_large_raises(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(generator_module, "MAX_CELLS", 30)
     assert random_layout(5, 6, 0.1, seed=0).width == 6
     with pytest.raises(LayoutError, match="MAX_CELLS = 30"):
         random_layout(6, 6, 0.1, seed=0)
 
 
-@pytest.mark.parametrize("density", [-0.01, 0.41, 1, float("nan"), float("inf")])
-def test_a_density_out_of_range_is_refused(density: float) -> None:
+@pytest.mark.parametrize("density", [-0.01, 0.41, float("nan")])
+def test_a_density_out_of_range_raises(density: float) -> None:
     with pytest.raises(LayoutError, match="density is"):
         random_layout(9, 9, density, seed=0)
 
@@ -110,6 +111,7 @@ def test_the_default_shelves_look_like_this() -> None:
     ]
 
 
+@settings(max_examples=30)
 @given(counts, counts, counts, counts, counts, seeds)
 def test_shelves_can_always_be_served(
     rows: int, columns: int, length: int, depth: int, aisle: int, seed: int
@@ -136,18 +138,15 @@ def test_the_seed_chooses_the_stations_of_shelves() -> None:
 @pytest.mark.parametrize(
     "name", ["shelf_rows", "shelf_columns", "shelf_length", "shelf_depth", "aisle"]
 )
-@pytest.mark.parametrize("size", [0, -1])
-def test_a_shelf_size_below_one_is_refused(name: str, size: int) -> None:
-    with pytest.raises(LayoutError, match=f"{name} is {size}; it must be at least 1"):
-        shelf_layout(**{name: size})
+def test_a_shelf_size_below_one_raises(name: str) -> None:
+    with pytest.raises(LayoutError, match=f"{name} is 0; it must be at least 1"):
+        shelf_layout(**{name: 0})
 
 
 @pytest.mark.parametrize(
     ("sizes", "width", "height", "open_cells"),
     [
         ((10, 20, 10, 2, 1), 161, 63, 5699),
-        ((10, 20, 10, 2, 2), 170, 84, 9776),
-        ((20, 40, 10, 2, 1), 321, 123, 22599),
         ((20, 40, 10, 2, 2), 340, 164, 38756),
     ],
 )
@@ -174,8 +173,9 @@ def test_a_benchmark_warehouse_has_the_smaller_margin_on_the_left() -> None:
     assert benchmark_warehouse(2, 1, 2, 1, 3).rows[4] == "#.....##...##.....#"
 
 
+@settings(max_examples=30)
 @given(counts, counts, counts, counts, counts)
-def test_a_benchmark_warehouse_is_of_the_sizes_asked_for(
+def test_a_benchmark_warehouse_has_the_given_sizes(
     columns: int, rows: int, length: int, depth: int, aisle: int
 ) -> None:
     layout = benchmark_warehouse(columns, rows, length, depth, aisle)
@@ -188,14 +188,13 @@ def test_a_benchmark_warehouse_is_of_the_sizes_asked_for(
 
 
 @pytest.mark.parametrize("name", ["columns", "rows", "length", "depth", "aisle"])
-@pytest.mark.parametrize("size", [0, -1])
-def test_a_size_of_a_benchmark_warehouse_below_one_is_refused(name: str, size: int) -> None:
+def test_a_size_of_a_benchmark_warehouse_below_one_raises(name: str) -> None:
     sizes = {"columns": 2, "rows": 2, "length": 2, "depth": 2, "aisle": 2}
-    with pytest.raises(LayoutError, match=f"^{name} is {size}; it must be at least 1"):
-        benchmark_warehouse(**(sizes | {name: size}))
+    with pytest.raises(LayoutError, match=f"^{name} is 0; it must be at least 1"):
+        benchmark_warehouse(**(sizes | {name: 0}))
 
 
-def test_a_benchmark_warehouse_too_large_is_refused_before_it_is_built(
+def test_a_benchmark_warehouse_that_is_too_large_raises_before_it_is_built(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     with pytest.raises(LayoutError, match="cells are more than MAX_CELLS = 16000000"):

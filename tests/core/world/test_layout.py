@@ -1,13 +1,15 @@
 import copy
 import pickle
+from itertools import product
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError
 from warehouse_core.world import layout as layout_module
+from warehouse_core.world.layout import as_layout, check_open
 from warehouse_core.world.tiles import ALLOWED_TILES
 
 FIELDS = ("rows", "height", "width", "pickups", "dropoffs")
@@ -20,7 +22,7 @@ def grids(draw: st.DrawFn) -> list[str]:
 
 
 def cells_of(rows: list[str], tiles: str) -> list[tuple[int, int]]:
-    """Find tiles the slow way, in row-major order."""
+    """Find tiles one by one, in row-major order."""
     return [
         (row, col)
         for row in range(len(rows))
@@ -43,6 +45,7 @@ def test_the_default_layout_is_the_chapters() -> None:
     assert (DEFAULT_LAYOUT.pickups, DEFAULT_LAYOUT.dropoffs) == (((1, 3),), ((5, 6),))
 
 
+@settings(max_examples=50)
 @given(grids())
 def test_every_field_follows_from_the_rows(rows: list[str]) -> None:
     layout = Layout(rows)
@@ -54,20 +57,32 @@ def test_every_field_follows_from_the_rows(rows: list[str]) -> None:
     assert [layout.open_cell(index) for index in range(len(layout.open_cells))] == open_cells
     stations = [layout.open_cell(rank) for rank in layout.station_ranks()]
     assert sorted(stations) == cells_of(rows, "PD")
+    for row, col in product(range(-2, layout.height + 2), range(-2, layout.width + 2)):
+        assert layout.is_open((row, col)) == ((row, col) in open_cells)
+    assert Layout.from_text(str(layout)) == layout
 
 
-@given(grids(), st.integers(-3, 9), st.integers(-3, 9))
-def test_open_is_inside_the_grid_and_no_wall(rows: list[str], row: int, col: int) -> None:
-    layout = Layout(rows)
-    assert layout.is_open((row, col)) == ((row, col) in cells_of(rows, ".PD"))
-
-
-def test_describe_names_the_place_and_what_is_there() -> None:
+def test_a_cell_is_described_by_its_place_and_its_tile() -> None:
     layout = Layout(["#.", "PD"])
     assert layout.describe((0, 0)) == "row 0, column 0 is wall"
     assert layout.describe((1, 0)) == "row 1, column 0 is pickup"
     off = "row 2, column -1 is off the grid (rows 0..1, columns 0..1)"
     assert layout.describe((2, -1)) == off
+    check_open(layout, (0, 1), "start")
+    with pytest.raises(LayoutError, match=r"^start row 0, column 0 is wall; it must be an open"):
+        check_open(layout, (0, 0), "start")
+
+
+def test_the_usual_start_is_the_chapters_or_the_first_open_cell() -> None:
+    assert DEFAULT_LAYOUT.usual_start() == (1, 1)
+    assert Layout(["#P", "D#"]).usual_start() == (0, 1)
+    with pytest.raises(LayoutError, match="no open cell"):
+        Layout(["##"]).usual_start()
+
+
+def test_a_layout_is_given_in_any_of_its_forms() -> None:
+    assert as_layout(None) is as_layout(DEFAULT_LAYOUT) is DEFAULT_LAYOUT
+    assert as_layout("#.\nP#") == as_layout(["#.", "P#"]) == Layout(["#.", "P#"])
 
 
 @pytest.mark.parametrize(
@@ -75,43 +90,39 @@ def test_describe_names_the_place_and_what_is_there() -> None:
     [
         ([], "empty"),
         ([""], "empty"),
-        (["", ".."], "empty"),
         (["...", ".."], "row 1 has 2 columns where row 0 has 3"),
+        (["..", "..."], "row 1 has 3 columns where row 0 has 2"),
         (["..", ".?"], "row 1, column 1: '?' is not a tile"),
-        (["..", "p."], "row 1, column 0: 'p' is not a tile"),
         (["R."], "row 0, column 0: 'R' is not a tile"),
         ([".é"], "row 0, column 1: 'é' is not a tile"),
-        ([". "], "row 0, column 1: ' ' is not a tile"),
     ],
 )
-def test_a_bad_layout_is_refused_with_its_place(rows: list[str], message: str) -> None:
+def test_an_invalid_layout_raises_with_its_place(rows: list[str], message: str) -> None:
     with pytest.raises(LayoutError) as caught:
         Layout(rows)
     assert message in str(caught.value)
 
 
-def test_an_unknown_tile_is_answered_with_the_allowed_ones() -> None:
+def test_the_error_of_an_unknown_tile_lists_the_allowed_ones() -> None:
     with pytest.raises(LayoutError) as caught:
         Layout(["x"])
     assert ALLOWED_TILES == "# (wall), . (empty), P (pickup), D (dropoff)"
     assert ALLOWED_TILES in str(caught.value)
 
 
-@pytest.mark.parametrize("rows", ["..", 5, None, {"..": 1}, iter(["."])])
+@pytest.mark.parametrize("rows", ["..", 5, iter(["."])])
 def test_rows_must_be_a_list(rows: object) -> None:
     with pytest.raises(TypeError, match="list of strings"):
         Layout(rows)
 
 
-@pytest.mark.parametrize("row", [b"..", 5, None, [".", "."]])
+@pytest.mark.parametrize("row", [b"..", 5])
 def test_a_row_must_be_a_string(row: object) -> None:
     with pytest.raises(TypeError, match="row 1 of the layout"):
         Layout(["..", row])
 
 
-def test_a_layout_above_the_limit_is_refused(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_layout_above_the_limit_raises(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(layout_module, "MAX_CELLS", 6)
     assert Layout(["...", "..."]).width == 3
     with pytest.raises(LayoutError, match="MAX_CELLS = 6"):
@@ -124,18 +135,13 @@ def test_a_layout_above_the_limit_is_refused(
         Layout.load(path)
 
 
-def test_text_loses_its_indentation_and_outer_blank_lines() -> None:
+def test_indentation_and_outer_blank_lines_of_text_are_dropped() -> None:
     assert Layout.from_text("\n\n    #.\n    P#\n  \n\n").rows == ("#.", "P#")
 
 
-def test_text_with_a_blank_line_inside_is_ragged() -> None:
+def test_text_with_an_inner_blank_line_raises() -> None:
     with pytest.raises(LayoutError, match="row 1 has 0 columns"):
         Layout.from_text("..\n\n..")
-
-
-@given(grids())
-def test_text_and_back_is_the_same_layout(rows: list[str]) -> None:
-    assert Layout.from_text(str(Layout(rows))) == Layout(rows)
 
 
 def test_a_saved_layout_loads_equal(tmp_path: Path) -> None:
@@ -147,16 +153,18 @@ def test_a_saved_layout_loads_equal(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("data", [b"#.\r\nP#\r\n", b"\xef\xbb\xbf#.\nP#\n", b"  #. \n  P#  "])
-def test_files_of_other_systems_load(tmp_path: Path, data: bytes) -> None:
+def test_other_line_ends_a_byte_order_mark_and_blanks_are_accepted(
+    tmp_path: Path, data: bytes
+) -> None:
     path = tmp_path / "warehouse.txt"
     path.write_bytes(data)
     assert Layout.load(path).rows == ("#.", "P#")
 
 
 @pytest.mark.parametrize(
-    ("data", "message"), [(b"..\n\xff.", "UTF-8 text: byte 3"), (b"..\n.", "row 1"), (b"", "empty")]
+    ("data", "message"), [(b"..\n\xff.", "UTF-8 text: byte 3"), (b"..\n.", "row 1")]
 )
-def test_a_bad_file_is_named(tmp_path: Path, data: bytes, message: str) -> None:
+def test_the_error_of_an_invalid_file_names_it(tmp_path: Path, data: bytes, message: str) -> None:
     path = tmp_path / "broken.txt"
     path.write_bytes(data)
     with pytest.raises(LayoutError) as caught:
@@ -178,7 +186,7 @@ def test_a_layout_cannot_be_changed() -> None:
         layout.open_cells[0] = 0
 
 
-def test_a_layout_does_not_hold_on_to_the_list_it_was_given() -> None:
+def test_a_layout_copies_its_rows() -> None:
     rows = ["..", ".P"]
     layout = Layout(rows)
     rows[0] = "##"
@@ -195,8 +203,10 @@ def test_a_copy_is_equal_in_every_field(clone: object) -> None:
     twin = clone(DEFAULT_LAYOUT)
     assert all(getattr(twin, name) == getattr(DEFAULT_LAYOUT, name) for name in FIELDS)
     assert twin.open_cells.tolist() == DEFAULT_LAYOUT.open_cells.tolist()
+    assert not twin.open_cells.flags.writeable
 
 
+@settings(max_examples=50)
 @given(grids(), st.data())
 def test_new_stations_replace_all_others(rows: list[str], data: st.DataObject) -> None:
     before = Layout(rows)
@@ -214,28 +224,19 @@ def test_new_stations_replace_all_others(rows: list[str], data: st.DataObject) -
     assert before == Layout(rows)
 
 
-@pytest.mark.parametrize("cell", [(0, 0), (-1, 1), (0, 3), (1, 0)])
+@pytest.mark.parametrize("cell", [(0, 0), (-1, 1)])
 def test_a_station_needs_an_open_cell(cell: tuple[int, int]) -> None:
     layout = Layout(["#.."])
-    with pytest.raises(LayoutError, match=f"no place for P: row {cell[0]}, column {cell[1]}"):
+    with pytest.raises(LayoutError, match=f"pickup row {cell[0]}, column {cell[1]} is"):
         layout.with_stations(cell, None)
-    with pytest.raises(LayoutError, match="no place for D"):
+    with pytest.raises(LayoutError, match="dropoff row"):
         layout.with_stations(None, cell)
 
 
-def test_reachable_is_what_a_robot_can_drive_to() -> None:
+def test_reachable_cells_are_those_with_a_path() -> None:
     layout = Layout(["..#.", "P##.", "...D"])
     assert layout.reachable_from((0, 0)) == {
         (0, 0), (0, 1), (1, 0), (2, 0), (2, 1), (2, 2), (2, 3), (1, 3), (0, 3),
     }  # fmt: skip
     assert Layout([".#."]).reachable_from((0, 2)) == {(0, 2)}
     assert Layout([".#", "#."]).reachable_from((0, 0)) == {(0, 0)}
-
-
-def test_a_copy_of_a_layout_cannot_be_written_to_either() -> None:
-    layout = Layout(["P.#", "..D"])
-    for copied in (copy.deepcopy(layout), pickle.loads(pickle.dumps(layout))):
-        assert copied == layout
-        assert copied.open_cells.tolist() == [0, 1, 3, 4, 5]
-        with pytest.raises(ValueError, match="read-only"):
-            copied.open_cells[0] = 2

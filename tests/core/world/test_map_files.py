@@ -1,5 +1,3 @@
-"""Maps in MovingAI's format. Lines and columns of a file are counted from 1."""
-
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from functools import partial
@@ -7,12 +5,20 @@ from pathlib import Path
 
 import pytest
 from helpers.map_files import grids, refusal
-from hypothesis import given
+from hypothesis import given, settings
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError
-from warehouse_core.world import map_files as moving_ai_module
+from warehouse_core.world import map_files as map_files_module
 from warehouse_core.world.layout import MAX_CELLS
-from warehouse_core.world.map_files import MAX_BLANKS, load_map, save_map
+from warehouse_core.world.map_files import (
+    MAX_BLANKS,
+    load_layout,
+    load_map,
+    save_layout,
+    save_map,
+)
+
+HALL = Layout(["####", "#P.#", "#.D#", "####"])
 
 HEADER = "type octile\nheight 2\nwidth 3\nmap\n"
 
@@ -36,15 +42,15 @@ def test_the_first_line_of_a_map_is_the_top_row(hall: Path) -> None:
     assert load_map(hall).rows == ("..#", ".##")
 
 
-def test_in_the_dialect_emitters_are_pickups_and_service_points_dropoffs(hall: Path) -> None:
+def test_emitters_of_the_dialect_are_pickups_and_service_points_are_dropoffs(hall: Path) -> None:
     hall.write_text(f"{HEADER}.E@\nTS.\n")
     layout = load_map(hall, robot_runners=True)
     assert layout.rows == (".P#", "#D.")
     assert (layout.pickups, layout.dropoffs) == (((0, 1),), ((1, 1),))
 
 
-@pytest.mark.parametrize("symbol", ["G", "O", "W"])
-def test_the_dialect_has_no_other_terrain(hall: Path, symbol: str) -> None:
+@pytest.mark.parametrize("symbol", ["G", "W"])
+def test_other_terrain_in_the_dialect_raises(hall: Path, symbol: str) -> None:
     message = refused(hall, f"{HEADER}...\n..{symbol}\n", robot_runners=True)
     assert message == (
         f"line 6, column 3: '{symbol}' is no terrain; "
@@ -62,7 +68,7 @@ def test_the_dialect_has_no_other_terrain(hall: Path, symbol: str) -> None:
     ],
     ids=["width first", "Windows", "blanks", "no last line end"],
 )
-def test_maps_are_read_as_they_are_found_in_the_wild(hall: Path, text: str) -> None:
+def test_variants_of_the_format_are_read(hall: Path, text: str) -> None:
     hall.write_bytes(text.encode())
     assert load_map(hall).rows == ("..#", ".##")
 
@@ -77,11 +83,9 @@ def test_maps_are_read_as_they_are_found_in_the_wild(hall: Path, text: str) -> N
         ("type octile\nmap\n", "line 2, column 1: 'map' is not allowed; it must be 'height N' or"
          " 'width N'"),
         ("type octile\nheight\n", "line 2, column 1: 'height' is not allowed"),
-        ("type octile\nheight 2 3\n", "line 2, column 1: 'height 2 3' is not allowed"),
         ("type octile\nheight -2\n", "line 2, column 8: height is '-2'; it must be a whole number,"
          " at least 1"),
         ("type octile\nheight 2\nwidth  0\n", "line 3, column 8: width is '0'; it must be"),
-        ("type octile\nheight 2.0\n", "line 2, column 8: height is '2.0'; it must be"),
         ("type octile\nheight 1_0\n", "line 2, column 8: height is '1_0'; it must be"),
         ("type octile\nheight ²\n", "line 2, column 8: height is '²'; it must be"),
         ("type octile\nheight 2\nwidth 3\n..@\n", "line 4, column 1: '..@' is not allowed; it must"
@@ -90,7 +94,7 @@ def test_maps_are_read_as_they_are_found_in_the_wild(hall: Path, text: str) -> N
         ("x" * 5000, "line 1, column 1001: the line is longer than MAX_LINE = 1000 bytes"),
     ],
 )  # fmt: skip
-def test_a_header_that_is_none_is_refused_where_it_is_wrong(
+def test_an_invalid_header_raises_with_its_place(
     hall: Path, data: str | bytes, message: str
 ) -> None:
     assert refused(hall, data).startswith(message)
@@ -106,62 +110,55 @@ def test_a_header_that_is_none_is_refused_where_it_is_wrong(
         ("...\n. .\n", "line 6, column 2: ' ' is no terrain"),
         ("...\r...\r", "line 5, column 4: '\\r' is no terrain"),
         ("...\n..\n", "line 6, column 3: the row ends here; its header says width 3"),
-        ("...\n\n...\n", "line 6, column 1: the row ends here; its header says width 3"),
         ("...@\n...\n", "line 5, column 4: the row goes on here; its header says width 3"),
-        ("...\n" + "." * 99, "line 6, column 4: the row goes on here; its header says width 3"),
         ("", "line 5, column 1: the map ends here; its header says height 2"),
         ("...\n", "line 6, column 1: the map ends here; its header says height 2"),
         ("...\n...\n...\n", "line 7, column 1: the map goes on here; its header says height 2"),
         ("...\n...\n\n  x\n", "line 8, column 3: the map goes on here; its header says height 2"),
     ],
 )  # fmt: skip
-def test_rows_that_do_not_fit_are_refused_where_they_are_wrong(
-    hall: Path, rows: str | bytes, message: str
-) -> None:
+def test_invalid_rows_raise_with_their_place(hall: Path, rows: str | bytes, message: str) -> None:
     data = rows.encode() if isinstance(rows, str) else rows
     assert refused(hall, HEADER.encode() + data).startswith(message)
 
 
-def test_as_many_blanks_as_the_limit_may_follow_a_row_and_no_more(hall: Path) -> None:
+def test_blanks_after_a_row_have_a_limit(hall: Path) -> None:
     hall.write_text(f"{HEADER}...{' ' * (MAX_BLANKS - 1)}\n...{' ' * MAX_BLANKS}")
     assert load_map(hall).rows == ("...", "...")
     message = refused(hall, f"{HEADER}...{' ' * MAX_BLANKS}\n...\n")
     assert message == "line 5, column 20: more than MAX_BLANKS = 16 blanks follow the row"
 
 
-def test_an_end_of_empty_lines_is_not_read_forever(hall: Path) -> None:
+def test_empty_lines_at_the_end_have_a_limit(hall: Path) -> None:
     hall.write_text(f"{HEADER}...\n...\n{(MAX_BLANKS - 1) * chr(10)}")
     assert load_map(hall).height == 2
     message = refused(hall, f"{HEADER}...\n...\n{1000 * chr(10)}")
     assert message == "line 22, column 1: MAX_BLANKS = 16 or more empty lines at the end"
 
 
-@pytest.mark.parametrize(
-    ("height", "width"), [(10_000, 10_000), (1, MAX_CELLS + 1), (10**50, 10**50)]
-)
-def test_a_map_that_is_too_large_is_refused_by_its_header(
+@pytest.mark.parametrize(("height", "width"), [(1, MAX_CELLS + 1), (10**50, 10**50)])
+def test_a_map_that_is_too_large_raises_after_its_header(
     hall: Path,
     height: int,
     width: int,
     little_memory: Callable[[], AbstractContextManager[None]],
 ) -> None:
-    # What follows the header is not looked at: it is no map at all.
     with little_memory():
         message = refused(hall, f"type octile\nheight {height}\nwidth {width}\nnonsense\n")
     cells = f"{height} x {width} cells are more than MAX_CELLS = {MAX_CELLS}"
     assert message == f"line 3, column 7: {cells}"
 
 
-def test_a_map_of_just_the_limit_is_read(hall: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_map_of_exactly_the_limit_is_read(hall: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     hall.write_text(f"{HEADER}...\n...\n")
-    monkeypatch.setattr(moving_ai_module, "MAX_CELLS", 6)
+    monkeypatch.setattr(map_files_module, "MAX_CELLS", 6)
     assert load_map(hall).width == 3
-    monkeypatch.setattr(moving_ai_module, "MAX_CELLS", 5)
+    monkeypatch.setattr(map_files_module, "MAX_CELLS", 5)
     with pytest.raises(LayoutError, match="2 x 3 cells are more than MAX_CELLS = 5"):
         load_map(hall)
 
 
-def test_a_row_without_an_end_is_not_read_whole(
+def test_a_row_without_an_end_is_not_read_completely(
     hall: Path, little_memory: Callable[[], AbstractContextManager[None]]
 ) -> None:
     with hall.open("wb") as file:
@@ -172,11 +169,12 @@ def test_a_row_without_an_end_is_not_read_whole(
         load_map(hall)
 
 
-def test_a_file_that_cannot_be_read_is_an_error_of_the_system(tmp_path: Path) -> None:
+def test_a_missing_file_is_an_os_error(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         load_map(tmp_path / "missing.map")
 
 
+@settings(max_examples=25)
 @given(rows=grids())
 def test_a_saved_map_has_the_same_walls_and_no_stations(
     tmp_path_factory: pytest.TempPathFactory, rows: list[str]
@@ -192,7 +190,7 @@ def test_a_saved_map_looks_like_this(hall: Path) -> None:
     assert hall.read_bytes() == f"{HEADER}@..\n..@\n".encode()
 
 
-def test_a_map_is_written_whole_or_not_at_all(hall: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_map_is_written_atomically(hall: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     save_map(DEFAULT_LAYOUT, hall)
     before = hall.read_bytes()
 
@@ -205,3 +203,24 @@ def test_a_map_is_written_whole_or_not_at_all(hall: Path, monkeypatch: pytest.Mo
         save_map(Layout(["."]), hall)
     assert hall.read_bytes() == before
     assert list(hall.parent.iterdir()) == [hall]
+
+
+@pytest.mark.parametrize("name", ["hall.txt", "hall", "hall.map.txt"])
+def test_other_suffixes_keep_the_stations(tmp_path: Path, name: str) -> None:
+    save_layout(HALL, tmp_path / name)
+    assert load_layout(tmp_path / name) == HALL
+
+
+@pytest.mark.parametrize("name", ["hall.map", "HALL.MAP"])
+def test_a_map_suffix_keeps_only_the_walls(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    save_layout(HALL, path)
+    assert path.read_text().startswith("type octile\n")
+    assert load_layout(path) == HALL.with_stations(None, None)
+
+
+def test_the_suffix_selects_the_format(tmp_path: Path) -> None:
+    path = tmp_path / "hall.map"
+    HALL.save(path)
+    with pytest.raises(LayoutError, match="line 1"):
+        load_layout(path)

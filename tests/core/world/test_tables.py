@@ -17,7 +17,7 @@ LANE = Layout([".#P."])
 NO, YES = False, True
 
 
-def test_layouts_that_are_alike_are_kept_once() -> None:
+def test_equal_layouts_are_stored_once() -> None:
     twin = Layout(SHOP.rows)
     assert twin is not SHOP
     layouts = LayoutSet([LANE, SHOP, LANE, twin, Layout(LANE.rows)])
@@ -29,30 +29,30 @@ def test_layouts_that_are_alike_are_kept_once() -> None:
     assert layouts.of_rows([7, 9]).tolist() == [7, 9, 7, 9, 7]
 
 
-def test_without_stations_the_rows_stay_what_they_are() -> None:
+def test_rows_keep_their_walls_without_stations() -> None:
     other = Layout(["..#", "PD."])
     bare = LayoutSet([SHOP, other, SHOP]).without_stations()
     assert [layout.rows for layout in bare.rows] == [("..#", "...")] * 3
-    assert bare.base.tolist() == [0, 0, 0], "layouts that have become alike are kept once"
+    assert bare.base.tolist() == [0, 0, 0], "layouts that are now equal are stored once"
 
 
-def test_tiles_are_codes_row_by_row_layout_by_layout() -> None:
+def test_tiles_are_codes_in_order_of_layouts_and_rows() -> None:
     assert tiles_table([SHOP, LANE]).tolist() == [2, 0, 1, 3, 0, 0, 0, 1, 2, 0]
     assert tile_codes(LANE).tolist() == [[0, 1, 2, 0]]
 
 
-def test_places_are_counted_anew_in_each_layout() -> None:
+def test_places_are_relative_to_their_layout() -> None:
     found = places_table([SHOP, LANE])
     assert found.tolist() == [
         *([0, 0], [0, 1], [0, 2], [1, 0], [1, 1], [1, 2]),
         *([0, 0], [0, 1], [0, 2], [0, 3]),
     ]
     assert found.dtype == np.int32
-    assert found.flags.c_contiguous, "or every look would copy the table"
+    assert found.flags.c_contiguous, "or every take would copy the table"
 
 
-def test_sides_are_open_where_a_robot_can_drive() -> None:
-    """North, east, south, west; what lies beyond the edge is none of the next row or layout."""
+def test_sides_are_open_if_the_neighbour_is() -> None:
+    """Neighbours across an edge do not belong to the next row or layout."""
     assert sides_table([SHOP, LANE]).tolist() == [
         [NO, YES, YES, NO],
         [NO, NO, YES, YES],
@@ -67,7 +67,7 @@ def test_sides_are_open_where_a_robot_can_drive() -> None:
     ]
 
 
-def test_windows_are_walls_beyond_the_edge() -> None:
+def test_windows_contain_walls_outside_the_grid() -> None:
     found = windows_table([SHOP, LANE], 1)
     assert found.shape == (10, 9)
     assert found[0].reshape(3, 3).tolist() == [[1, 1, 1], [1, 2, 0], [1, 3, 0]]
@@ -76,8 +76,10 @@ def test_windows_are_walls_beyond_the_edge() -> None:
     assert windows_table([SHOP], 0).ravel().tolist() == tiles_table([SHOP]).tolist()
 
 
-def test_windows_are_refused_before_they_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(floor_tables, "_windows", lambda *_: pytest.fail("it was made"))
+def test_windows_above_the_limit_raise_before_they_are_allocated(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(floor_tables, "_windows", lambda *_: pytest.fail("allocated"))
     with pytest.raises(
         LayoutError, match=r"windows of 20001 x 20001 for 2 layouts take 400\d{7} b"
     ):
