@@ -10,7 +10,6 @@ Closer Look at Invalid Action Masking in Policy Gradient Algorithms*, 2022.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +18,10 @@ import torch
 from sb3_contrib import MaskablePPO
 from stable_baselines3.common.callbacks import BaseCallback
 
-from agents.evaluation.samples import RECENT, MakeAgent, Task
+from agents.evaluation.scores import MakeAgent, Task
 from agents.learning.policy_network import Layer, PolicyNetwork
 from agents.learning.ppo_agent import PPOAgent
+from agents.learning.training import RECENT_EPISODES, Watch
 from agents.learning.vec_env import BatchVecEnv
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.vector.env import SAME_STEP, BatchEnv
@@ -41,13 +41,11 @@ SETTINGS: dict[str, Any] = {
     "n_epochs": 4,
     "gamma": 0.97,
     "ent_coef": 0.02,
-    "stats_window_size": RECENT,
+    "stats_window_size": RECENT_EPISODES,
     "policy_kwargs": {"net_arch": [64, 64]},
     "device": "cpu",
 }
 """Chosen on the chapter's layout; the rest is as Stable-Baselines3 has it."""
-
-Watch = Callable[[int, float, MakeAgent], None]
 
 
 class PPOLearner:
