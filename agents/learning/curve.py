@@ -1,4 +1,4 @@
-"""The picture of a training: how often the agent delivers, and how long it takes, as it learns."""
+"""The picture of a training: deliveries and episode lengths over the steps of training."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from warehouse_core.world.tiles import PICKUP
 SIZE, DPI = (9.0, 3.8), 150
 STEP_TICKS = [digit * 10**power for power in range(9) for digit in (1, 2, 5)]
 ROOM = 1.5
-"""For the names of the lines, above the highest and below the lowest."""
+"""Factor of space for the names of the lines, above the highest and below the lowest."""
 
 LEARNER, GREEDY = COLORS[PICKUP], WARNING
 
@@ -28,14 +28,14 @@ LEARNER, GREEDY = COLORS[PICKUP], WARNING
 def save_learning_curve(
     path: Path, name: str, title: str, points: Sequence[Point], greedy: Scores
 ) -> None:
-    """Write the picture as PNG; the file appears whole or not at all.
+    """Write the picture as PNG, whole or not at all.
 
     Args:
         path: of the file.
         name: of the agent that learns.
         title: of the picture.
         points: at least one.
-        greedy: how the greedy agent does, for comparison.
+        greedy: the scores of the greedy agent, for comparison.
     """
     figure = make_figure(SIZE, DPI)
     left, right = figure.subplots(1, 2)
@@ -54,7 +54,7 @@ def save_learning_curve(
 
 
 def mean_length(scores: Scores) -> float:
-    """Return the mean number of steps of all episodes, those without a delivery too."""
+    """Return the mean number of steps of all episodes, including those without a delivery."""
     return float(scores.lengths.mean())
 
 
@@ -90,7 +90,7 @@ def _draw_lines(
 ) -> None:
     """Draw the learner's line and the greedy agent's, each with its name and last value.
 
-    The names stand above the higher line and below the lower, where they cannot meet.
+    The names are above the higher line and below the lower, so they cannot overlap.
     """
     values = [measure(point.scores) for point in points]
     axes.axhline(measure(greedy), color=GREEDY, linewidth=1.4, linestyle=(0, (5, 2)))

@@ -32,7 +32,7 @@ POINTS = [Point(60_000 * (n + 1), scores(s)) for n, s in enumerate((0, 0.1, 0.5,
 
 @pytest.fixture
 def drawn(monkeypatch: pytest.MonkeyPatch) -> list[SceneFigure]:
-    """Return a list to which every figure that is made is added."""
+    """Return a list that collects the figures."""
     figures: list[SceneFigure] = []
 
     def make(*arguments: float) -> SceneFigure:
@@ -74,7 +74,7 @@ def test_both_lines_are_in_the_picture(tmp_path: Path) -> None:
     assert [each.name for each in tmp_path.iterdir()] == ["curve.png"]
 
 
-def test_the_picture_says_what_it_shows(tmp_path: Path, drawn: list[SceneFigure]) -> None:
+def test_the_picture_has_its_captions(tmp_path: Path, drawn: list[SceneFigure]) -> None:
     save_learning_curve(tmp_path / "c.png", "PPO", "A title", POINTS, scores(0.87, 1000))
     said = words(drawn[0])
     for phrase in (
@@ -126,7 +126,7 @@ def test_every_line_and_name_is_within_the_axes(
                 assert box.containsy(text.get_window_extent().y1)
 
 
-def test_the_names_of_the_lines_never_meet(tmp_path: Path, drawn: list[SceneFigure]) -> None:
+def test_the_names_of_the_lines_never_overlap(tmp_path: Path, drawn: list[SceneFigure]) -> None:
     for success in (0.0, 0.88, 0.9, 1.0):
         save_learning_curve(tmp_path / "c.png", "PPO", "", [Point(9, scores(success))], scores(0.9))
         for axes in drawn[-1].axes:
@@ -134,7 +134,7 @@ def test_the_names_of_the_lines_never_meet(tmp_path: Path, drawn: list[SceneFigu
             assert not one.overlaps(other), success
 
 
-def test_a_picture_that_cannot_be_finished_leaves_nothing(
+def test_a_picture_that_cannot_be_written_leaves_no_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(_: object, file: Path, **__: object) -> None:
@@ -147,5 +147,5 @@ def test_a_picture_that_cannot_be_finished_leaves_nothing(
     assert not list(tmp_path.iterdir())
 
 
-def test_failures_count_with_all_their_steps() -> None:
+def test_the_mean_length_includes_failures() -> None:
     assert mean_length(scores(0.5)) == 107

@@ -37,7 +37,7 @@ def equal(one: PolicyNetwork, other: PolicyNetwork) -> bool:
 
 
 def ignore(*_: Any) -> None:
-    """Watch nothing."""
+    """Do nothing."""
 
 
 def trained(seed: int) -> PolicyNetwork:
@@ -72,7 +72,7 @@ def test_the_network_chooses_what_the_model_chooses(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["m.npz", "m.zip"]
 
 
-def test_a_model_that_cannot_be_written_leaves_nothing(
+def test_a_model_that_cannot_be_written_leaves_no_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     learning = learner()
@@ -87,7 +87,7 @@ def test_a_model_that_cannot_be_written_leaves_nothing(
     assert not list(tmp_path.iterdir())
 
 
-def test_a_model_can_be_trained_on(tmp_path: Path) -> None:
+def test_a_model_can_be_trained_further(tmp_path: Path) -> None:
     from sb3_contrib import MaskablePPO
 
     from agents.learning.vec_env import BatchVecEnv
@@ -121,7 +121,7 @@ def test_steps_are_rounded_up_to_whole_rounds() -> None:
         assert learning.model.num_timesteps == expected
 
 
-def test_the_watcher_is_told_of_every_round_and_of_the_end() -> None:
+def test_watch_is_called_at_every_round_and_at_the_end() -> None:
     told: list[tuple[int, float, PPOAgent]] = []
     make_agent = learner(rounds=2).learn(
         lambda steps, delivers, make: told.append((steps, delivers, make(0)))
@@ -135,14 +135,14 @@ def test_the_watcher_is_told_of_every_round_and_of_the_end() -> None:
     assert equal(networks[2], make_agent(0)._network)
 
 
-def test_a_room_is_learnt() -> None:
+def test_deliveries_in_a_room_are_learned() -> None:
     make_agent = learner(rounds=25).learn(ignore)
     scores = evaluate(make_agent, Task(ROOM, 30, 30), range(100))
     assert scores.delivered.all()
     assert scores.lengths.mean() < 6
 
 
-def test_the_rows_are_what_stable_baselines_expects() -> None:
+def test_the_rows_have_the_format_of_stable_baselines() -> None:
     from sb3_contrib.common.maskable.utils import get_action_masks, is_masking_supported
     from stable_baselines3.common.vec_env import VecCheckNan
 
