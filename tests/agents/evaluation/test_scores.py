@@ -47,6 +47,12 @@ def test_the_episodes_are_those_of_the_command_run(task: Task) -> None:
     assert scores.delivered.any()
 
 
+def test_the_environment_of_a_task_has_its_settings() -> None:
+    env = Task(ROOM, 100, 5, "physics").make_env()
+    assert (env.layout, env.max_battery, env.max_steps) == (ROOM, 100, 5)
+    env.close()
+
+
 def test_an_agent_is_made_for_each_seed_and_reset_before_it_acts() -> None:
     notes: list[object] = []
 

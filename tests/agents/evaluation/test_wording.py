@@ -38,7 +38,15 @@ def test_a_mean_without_an_interval_has_no_ends() -> None:
 
 @pytest.mark.parametrize(
     ("part", "words"),
-    [(0, "0%"), (0.001, "<1%"), (0.005, "0%"), (0.126, "13%"), (0.996, ">99%"), (1, "100%")],
+    [
+        (0, "0%"),
+        (0.001, "<1%"),
+        (0.005, "0%"),
+        (0.126, "13%"),
+        (0.96, "96%"),
+        (0.996, ">99%"),
+        (1, "100%"),
+    ],
 )
 def test_a_share_is_not_rounded_to_none_or_all(part: float, words: str) -> None:
     assert wording.percent(part) == words
