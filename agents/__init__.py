@@ -1,1 +1,31 @@
-"""Agents for the warehouse, the episode runner and the command line."""
+"""Agents for the warehouse, the episode runner and the command line.
+
+The agents are imported when they are first used, so that ``import agents`` is fast.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from agents.learning.ppo_agent import PPOAgent
+    from agents.learning.q_learning import QAgent
+    from agents.search.agents import ExploringAgent, SearchAgent
+    from agents.warehouse_agent_greedy import GreedyAgent
+
+__all__ = ["ExploringAgent", "GreedyAgent", "PPOAgent", "QAgent", "SearchAgent"]
+
+_MODULES = {
+    "ExploringAgent": "agents.search.agents",
+    "GreedyAgent": "agents.warehouse_agent_greedy",
+    "PPOAgent": "agents.learning.ppo_agent",
+    "QAgent": "agents.learning.q_learning",
+    "SearchAgent": "agents.search.agents",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_MODULES[name]), name)

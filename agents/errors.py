@@ -1,4 +1,15 @@
-"""The errors of agents and experiments that a user may expect, and what caused one."""
+"""The errors of agents and experiments that a user may expect.
+
+::
+
+    WarehouseError          (warehouse_core/errors.py)
+    |-- AgentError      (ValueError)    an agent by name, or a file, class or model of one
+    |-- ParameterError  (ValueError)    a parameter of an experiment, or its value
+    |-- EpisodeError                    an episode that could not be run
+    |-- StoreError                      a file of results
+    |-- ClusterError                    a cluster
+    +-- WorkerError                     a process that ended early
+"""
 
 from __future__ import annotations
 
@@ -9,11 +20,11 @@ from warehouse_core.errors import WarehouseError
 
 
 class AgentError(WarehouseError, ValueError):
-    """No agent of that name, or a file, class or model that is none."""
+    """No agent has that name, or its file, class or model is not one of an agent."""
 
 
 class ParameterError(WarehouseError, ValueError):
-    """An unknown parameter of an experiment, or a value that it cannot take."""
+    """An unknown parameter of an experiment, or a value that it does not allow."""
 
 
 class EpisodeError(WarehouseError):
@@ -29,15 +40,15 @@ class ClusterError(WarehouseError):
 
 
 class WorkerError(WarehouseError):
-    """A process of this machine that ended before its work was done."""
+    """A process on this machine that ended before its work was done."""
 
 
 def reason_of(error: BaseException, file: Path | None = None) -> str:
-    """Return what an exception says and where it was raised.
+    """Return the message of an exception and where it was raised.
 
     Args:
-        error: that was caught.
-        file: the place is where this one was last at work, if it was.
+        error: an exception that was caught.
+        file: if it is in the traceback, its last line there is given as the place.
     """
     frames = traceback.extract_tb(error.__traceback__)
     own = [frame for frame in frames if file is not None and _is_same(frame.filename, file)]
@@ -45,7 +56,7 @@ def reason_of(error: BaseException, file: Path | None = None) -> str:
     where = "".join(f" ({Path(frame.filename).name}, line {frame.lineno})" for frame in place)
     try:
         text = f": {error}" if str(error) else ""
-    except Exception:  # an exception may be as broken as what raised it
+    except Exception:  # the exception of a user may itself be broken
         text = ""
     return f"{type(error).__name__}{text}{where}"
 

@@ -1,4 +1,4 @@
-"""Agents by name, for the command line: a built-in name, a trained one, or somebody's own class."""
+"""Agents by name: a built-in agent, a trained one from its file, or a class of the user."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ AGENTS: dict[str, Callable[..., Agent]] = {
 }
 
 TRAINED: dict[str, Callable[..., Agent]] = {"ppo": PPOAgent.load, "q": load_agent}
-"""What loads an agent that ``warehouse train`` made, by the word before the colon."""
+"""Functions that load an agent of ``warehouse train``, by the word before the colon."""
 
 
 def make_agent(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT) -> Agent:
@@ -37,11 +37,11 @@ def make_agent(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYO
     Args:
         name: one of ``AGENTS``; one of ``TRAINED``, a colon and a file; or ``file.py:Class`` or
             ``package.module:Class``.
-        seed: given to the agent if it takes a ``seed``.
-        layout: given to the agent if it takes a ``layout``: the walls, for one that knows the map.
+        seed: passed to the agent if it takes a ``seed``.
+        layout: passed to the agent if it takes a ``layout``.
 
     Raises:
-        AgentError: saying what is wrong with the name.
+        AgentError: there is no such agent; the message says why.
     """
     word, colon, file = name.partition(":")
     if colon and word in TRAINED:
@@ -54,12 +54,12 @@ def make_agent(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYO
 
 
 def is_own_code(name: str) -> bool:
-    """Say whether an agent is a class of somebody's own, which making it would run."""
+    """Return whether a name is that of a user's class, whose code ``make_agent`` would run."""
     return name not in AGENTS and name.partition(":")[0] not in TRAINED
 
 
 def agent_file(name: str) -> Path | None:
-    """Return the file that an agent is read from, if its name says one."""
+    """Return the file that an agent is read from, or ``None`` if its name has no file."""
     word, colon, rest = name.partition(":")
     if colon and word in TRAINED:
         return Path(rest)
@@ -68,7 +68,7 @@ def agent_file(name: str) -> Path | None:
 
 
 def _wanted(make: Callable[..., Agent], seed: int | None, layout: Layout) -> dict[str, Any]:
-    """Return what an agent takes of what there is for it, by name."""
+    """Return those of the two arguments that ``make`` takes, by name."""
     given = {"seed": seed, "layout": layout}
     return {name: given[name] for name in given.keys() & inspect.signature(make).parameters.keys()}
 
@@ -116,12 +116,12 @@ def _load_module(source: str) -> ModuleType:
     path = Path(source)
     if not path.is_file():
         raise AgentError(f"agent file {source} does not exist")
-    # The name must not be that of a module which is imported under it.
+    # The name must differ from those of modules that can be imported.
     spec = importlib.util.spec_from_file_location(f"agent file {path.stem}", path)
     assert spec is not None, "a .py file always has a spec"
     assert spec.loader is not None, "a .py file always has a loader"
     module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module  # where dataclasses look their module up
+    sys.modules[spec.name] = module  # dataclasses look it up there
     try:
         spec.loader.exec_module(module)
     except SyntaxError as error:

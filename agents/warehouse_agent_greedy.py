@@ -1,7 +1,7 @@
-"""The chapter's greedy agent: lower the Manhattan distance, and break loops by chance.
+"""The chapter's greedy agent: lower the Manhattan distance, and escape loops by random moves.
 
-It sees the observation and nothing else. Source: the chapter's exercise (Russell and Norvig, 4th
-ed., ch. 2); its questions about loop escape are asked with ``escape_steps=0``.
+It uses nothing but the observation. Source: the chapter's exercise (Russell and Norvig, 4th ed.,
+ch. 2); for its questions about loop escape use ``escape_steps=0``.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from warehouse_core.world.tiles import MOVE_DELTAS, WALL, Cell
 class GreedyAgent:
     """Drives to the pickup, picks, drives to the dropoff, drops.
 
-    It takes a move that lowers the Manhattan distance to its goal. Where every open move would
-    raise it the agent is stuck and takes a random open move. Where it has stood before, among the
-    last ``memory`` positions on the way to this goal, it takes random open moves for
-    ``escape_steps`` steps.
+    It takes a move that lowers the Manhattan distance to its goal. If every open move would raise
+    the distance, the agent is stuck and takes a random open move. On a cell among the last
+    ``memory`` positions on its path to this goal, it takes random open moves for ``escape_steps``
+    steps.
 
     Args:
-        seed: of the agent's own random stream, begun anew at each ``reset``; ``None`` draws from
-            Python's global ``random``, as in the chapter.
+        seed: of the agent's own random stream, restarted at each ``reset``; ``None`` uses Python's
+            global ``random``, as in the chapter.
         memory: positions remembered, at least 0.
-        escape_steps: random moves of one escape; 0 turns the escape off.
+        escape_steps: random moves of one escape; 0 disables the escape.
 
     Raises:
         ValueError: ``memory`` or ``escape_steps`` is negative.
@@ -49,10 +49,10 @@ class GreedyAgent:
         self.reason = ""
 
     def act(self, observation: Observation) -> str:
-        """Return the action for ``observation``; ``reason`` then says why it was chosen.
+        """Return the action for ``observation`` and set ``reason`` to why it was chosen.
 
-        Reasons are ``"greedy"``, ``"stuck"`` and ``"escape"``, and ``"no goal"`` where the layout
-        has no pickup or dropoff to go to.
+        Reasons are ``"greedy"``, ``"stuck"`` and ``"escape"``, and ``"no goal"`` if the layout has
+        no pickup or dropoff to go to.
         """
         here, has_item = observation["robot_pos"], observation["has_item"]
         goal = observation["dropoff_pos"] if has_item else observation["pickup_pos"]
@@ -69,7 +69,7 @@ class GreedyAgent:
         return self._choose("greedy", closer[0]) if closer else self._choose("stuck", *moves)
 
     def _notice_loop(self, here: Cell, has_item: bool) -> bool:
-        """Remember ``here`` and say whether it was visited lately on the way to this goal."""
+        """Remember ``here`` and return whether it is among the remembered positions."""
         if has_item != self._had_item:
             self._visited.clear()
             self._had_item = has_item
@@ -90,7 +90,7 @@ def distance(a: Cell, b: Cell) -> int:
 
 
 def distance_after(move: str, here: Cell, goal: Cell) -> int:
-    """Return the Manhattan distance to ``goal`` once ``move`` has been made from ``here``."""
+    """Return the Manhattan distance to ``goal`` after ``move`` from ``here``."""
     down, right = MOVE_DELTAS[move]
     return distance((here[0] + down, here[1] + right), goal)
 

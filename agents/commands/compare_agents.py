@@ -1,8 +1,9 @@
-"""The chapter's agent beside those that search, over the same seeds: a table and a figure."""
+"""The command ``warehouse compare-agents``: agents over the same seeds, a table and a figure."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -18,8 +19,11 @@ from agents.console.options import (
     MaxStepsOption,
     load_layout,
 )
-from agents.evaluation.scores import CONTENDERS, MEASURES, Run, Scores, Task, run_agent
+from agents.evaluation.scores import MEASURES, MakeAgent, Scores, Task, evaluate
 from agents.evaluation.wording import counted, mean, share
+from agents.search.agents import ExploringAgent, SearchAgent
+from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core import Layout
 from warehouse_core.files.atomic import atomic_path, check_target
 from warehouse_core.viz.export import check_suffix, save_svg
 
@@ -45,8 +49,12 @@ def compare_agents(
     if save is not None:
         check_suffix(save, PICTURES)
         check_target(save)
-    task = Task(load_layout(layout), backend, battery, max_steps)
-    scores = {name: Scores(_runs(name, task, range(seed, seed + episodes))) for name in CONTENDERS}
+    task, seeds = (
+        Task(load_layout(layout), battery, max_steps, backend),
+        range(seed, seed + episodes),
+    )
+    agents = contenders(task.layout)
+    scores = {name: _evaluate(name, make, task, seeds) for name, make in agents.items()}
     title = f"{counted(episodes, 'episode')} each, backend {backend}, seeds from {seed}"
     Console().print(scores_table(scores, title))
     if save is not None:
@@ -54,26 +62,36 @@ def compare_agents(
         typer.echo(f"saved {save}")
 
 
+def contenders(layout: Layout) -> dict[str, MakeAgent]:
+    """Return what makes each agent: the chapter's, and those that search instead."""
+    return {
+        "greedy": GreedyAgent,
+        "greedy without escape": partial(GreedyAgent, escape_steps=0),
+        "exploring": lambda _: ExploringAgent(),
+        "uniform-cost": lambda _: SearchAgent(layout, "ucs"),
+        "A*": lambda _: SearchAgent(layout, "astar"),
+    }
+
+
 def scores_table(scores: Mapping[str, Scores], title: str) -> Table:
-    """Return the table of what the agents come to, with 95% intervals."""
+    """Return the table of the agents' scores, with 95% intervals."""
     table = Table(title=title, caption="all but success and expanded: of what was delivered")
     table.add_column("agent")
     for measure in MEASURES:
         table.add_column(measure.column, justify="right")
     for name, each in scores.items():
-        cells = (measure.of(each) for measure in MEASURES)
-        first, *others = cells
-        assert first is not None, "a share there always is"
+        first, *others = (measure.of(each) for measure in MEASURES)
+        assert first is not None, "there is always a share"
         words = [share(first), *("none" if cell is None else mean(cell, "") for cell in others)]
         # The interval below its estimate, so that the table fits a terminal.
         table.add_row(name, *(each.replace(" (", "\n(") for each in words))
     return table
 
 
-def _runs(name: str, task: Task, seeds: range) -> list[Run]:
+def _evaluate(name: str, make_agent: MakeAgent, task: Task, seeds: range) -> Scores:
     console = Console(stderr=True)
     bar = track(seeds, name, console=console, transient=True, disable=not console.is_terminal)
-    return [run_agent(CONTENDERS[name], task, seed) for seed in bar]
+    return evaluate(make_agent, task, bar)
 
 
 def _save(scores: Mapping[str, Scores], title: str, path: Path) -> None:

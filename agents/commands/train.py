@@ -2,29 +2,55 @@
 
 from __future__ import annotations
 
+import time
 from collections import deque
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-from agents.console.options import BatteryOption, LayoutOption, MaxStepsOption, load_layout
+import numpy as np
+import typer
+from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
+
+from agents.console.options import MOST, BatteryOption, LayoutOption, MaxStepsOption, load_layout
+from agents.console.progress import training_bar
 from agents.errors import AgentError
-from agents.evaluation.samples import RECENT, MakeAgent, Task
+from agents.evaluation.scores import MakeAgent, Scores, Task, evaluate
 from agents.learning.q_learning import QAgent, QTable, learn
 from agents.learning.q_table import save_table
-from agents.learning.training import (
-    MODEL_SUFFIX,
-    OutputOption,
-    StepsOption,
-    Training,
-    TrainingSeedOption,
-)
-from agents.run_episode import make_env
+from agents.learning.training import FINAL_SEEDS, RECENT_EPISODES, Examiner, Point, Watch
+from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core.errors import FormatError
+from warehouse_core.files.atomic import check_target
 
 if TYPE_CHECKING:
     from agents.learning.ppo_training import PPOLearner
 
-
 LIBRARIES = ("torch", "stable_baselines3", "sb3_contrib")
+"""What training by PPO needs besides this package."""
+
+MODEL_SUFFIX, CURVE_SUFFIX = ".npz", ".png"
+
+StepsOption = Annotated[
+    int, typer.Option("--steps", metavar="N", min=1, max=MOST, help="Steps of training, at least.")
+]
+TrainingSeedOption = Annotated[
+    int,
+    typer.Option("--seed", metavar="N", min=0, max=2**32 - 1, help="Repeats a training."),
+]
+OutputOption = Annotated[
+    Path,
+    typer.Option("--output", "-o", metavar="FILE", help="The file of the agent, .npz."),
+]
+
+Learn = Callable[[Watch], MakeAgent]
+"""Trains an agent, calls ``Watch`` during that, and returns what makes the agent."""
+
+Writer = Callable[[Path], None]
 
 
 def train_ppo(
@@ -38,22 +64,21 @@ def train_ppo(
     """Train a network by PPO and compare it with the greedy agent.
 
     Writes the agent (.npz), which "warehouse run --agent ppo:FILE" takes, a
-    picture of how it learnt (.png), and the model of Stable-Baselines3 (.zip)
-    for those who want to train on. The .zip holds pickled Python: load only
+    picture of its learning curve (.png), and the model of Stable-Baselines3
+    (.zip) for further training. The .zip holds pickled Python: load only
     files of that kind that you trust.
     """
     task = Task(load_layout(layout), battery, max_steps)
     training = Training("PPO", task, steps, seed, output)
     learner = make_learner(task, steps, seed)
-    writers = {MODEL_SUFFIX: learner.save_network, ".zip": learner.save_model}
-    training.run(lambda: learner.learn(training.watch), writers)
+    training.run(learner.learn, {MODEL_SUFFIX: learner.save_network, ".zip": learner.save_model})
 
 
 def make_learner(task: Task, steps: int, seed: int) -> PPOLearner:
-    """Return what learns a task.
+    """Return a learner for a task.
 
     Raises:
-        AgentError: a library is missing; it says which command installs it.
+        AgentError: a library is missing; the message has the command that installs it.
     """
     try:
         from agents.learning.ppo_training import PPOLearner
@@ -78,27 +103,121 @@ def train_q(
     """Train a table by Q-learning and compare it with the greedy agent.
 
     Writes the table (.npz), which "warehouse run --agent q:FILE" takes, and a
-    picture of how it learnt (.png).
+    picture of its learning curve (.png).
     """
     task = Task(load_layout(layout), battery, max_steps)
-    training = Training("Q-learning", task, steps, seed, output)
-    table = QTable()
-
-    def train() -> MakeAgent:
-        return fill(table, task, steps, seed, training)
-
-    training.run(train, {MODEL_SUFFIX: lambda path: save_table(table, path)})
+    training, table = Training("Q-learning", task, steps, seed, output), QTable()
+    learn = partial(fill_table, table, task, steps, seed)
+    training.run(learn, {MODEL_SUFFIX: partial(save_table, table)})
 
 
-def fill(table: QTable, task: Task, steps: int, seed: int, training: Training) -> MakeAgent:
-    """Let a table learn under the eyes of ``training``, and return what makes its agent."""
-    env = make_env(task.layout, "grid", task.battery, task.max_steps)
-    recent = deque[bool](maxlen=RECENT)
-
-    def make_agent(seed: int) -> QAgent:
-        return QAgent(table, seed)
-
-    for taken, delivered in learn(table, env, steps, seed):
+def fill_table(table: QTable, task: Task, steps: int, seed: int, watch: Watch) -> MakeAgent:
+    """Train a table, and return what makes its agent."""
+    recent = deque[bool](maxlen=RECENT_EPISODES)
+    make_agent = partial(QAgent, table)
+    for taken, delivered in learn(table, task.make_env(), steps, seed):
         recent.append(delivered)
-        training.watch(taken, sum(recent) / len(recent), make_agent)
+        watch(taken, sum(recent) / len(recent), make_agent)
     return make_agent
+
+
+@dataclass(frozen=True)
+class Training:
+    """A training with a progress bar, and the files and the table that it results in.
+
+    Args:
+        name: of the method of learning.
+        task: to be learned.
+        steps: of the whole training.
+        seed: of the training.
+        output: the file of the agent; the picture of the learning curve goes beside it.
+
+    Raises:
+        FormatError: ``output`` is no ``.npz``.
+    """
+
+    name: str
+    task: Task
+    steps: int
+    seed: int
+    output: Path
+
+    def __post_init__(self) -> None:
+        if self.output.suffix != MODEL_SUFFIX:
+            raise FormatError(
+                f"{self.output}: cannot save as {self.output.suffix or 'a file without a suffix'}; "
+                f"allowed: {MODEL_SUFFIX}"
+            )
+
+    def run(self, learn: Learn, writers: Mapping[str, Writer]) -> None:
+        """Train an agent, write its files, and compare it with the greedy agent.
+
+        An interrupt ends the training; if there has been an examination by then, the files are
+        written all the same.
+
+        Args:
+            learn: trains the agent.
+            writers: of the files of the agent, by suffix.
+
+        Raises:
+            OSError: a file cannot be written; raised before the training if its folder is missing.
+        """
+        for suffix in (*writers, CURVE_SUFFIX):
+            check_target(self.output.with_suffix(suffix))
+        greedy = evaluate(GreedyAgent, self.task, FINAL_SEEDS)
+        started, examiner = time.perf_counter(), Examiner(self.task, self.steps)
+
+        def save() -> None:
+            self._save(examiner.points, time.perf_counter() - started, greedy, writers)
+
+        try:
+            with training_bar(self.name, self.steps) as show_progress:
+
+                def watch(steps: int, delivers: float, make_agent: MakeAgent) -> None:
+                    examiner.watch(steps, make_agent)
+                    show_progress(steps, delivers, examiner.success)
+
+                make_agent = learn(watch)
+        except KeyboardInterrupt:
+            if examiner.points:
+                save()
+            raise
+        save()
+        scores = evaluate(make_agent, self.task, FINAL_SEEDS)
+        Console().print(comparison_table({self.name: scores, "greedy": greedy}))
+
+    def _save(
+        self, points: Sequence[Point], seconds: float, greedy: Scores, writers: Mapping[str, Writer]
+    ) -> None:
+        steps = points[-1].steps
+        of = "" if steps >= self.steps else f" of {self.steps:,}"
+        typer.echo(f"{steps:,}{of} steps in {seconds:.1f} s, seed {self.seed}")
+
+        def draw(path: Path) -> None:
+            from agents.learning.curve import save_learning_curve
+
+            title = f"Learning to deliver: {self.name}, seed {self.seed}"
+            save_learning_curve(path, self.name, title, points, greedy)
+
+        for suffix, write in {**writers, CURVE_SUFFIX: draw}.items():
+            target = self.output.with_suffix(suffix)
+            write(target)
+            typer.echo(f"saved {target}")
+
+
+def comparison_table(scores: Mapping[str, Scores]) -> Table:
+    """Return the table of the scores of agents on the same starts."""
+    each = list(scores.values())
+    table = Table(title=f"{len(each[0].runs):,} random starts, the same for each")
+    table.add_column("")
+    for name in scores:
+        table.add_column(name, justify="right")
+    by_all = np.all([one.delivered for one in each], axis=0)
+    table.add_row("delivered", *(f"{one.delivered.mean():.1%}" for one in each))
+    table.add_row("steps to deliver", *(_mean_length(one, one.delivered) for one in each))
+    table.add_row("  where all deliver", *(_mean_length(one, by_all) for one in each))
+    return table
+
+
+def _mean_length(scores: Scores, among: NDArray[np.bool_]) -> str:
+    return f"{scores.lengths[among].mean():.2f}" if among.any() else "nan"

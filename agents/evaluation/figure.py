@@ -1,4 +1,4 @@
-"""The figure of how several agents do: a panel a measure, a bar an agent."""
+"""A figure that compares agents: a panel for each measure, a bar for each agent."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SIZE, DPI = (10.0, 5.2), 120
 
 
 def scores_figure(scores: Mapping[str, Scores], title: str) -> SceneFigure:
-    """Draw what the agents come to, with 95% intervals."""
+    """Draw the agents' scores, with 95% intervals."""
     figure = make_figure(SIZE, DPI)
     grid = figure.subplots(2, 3, sharey=True)
     figure.subplots_adjust(left=0.16, right=0.97, top=0.85, bottom=0.08, wspace=0.12, hspace=0.42)

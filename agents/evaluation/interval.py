@@ -1,4 +1,4 @@
-"""Estimates with the 95% intervals that go with them."""
+"""Estimates with their 95% intervals."""
 
 from __future__ import annotations
 
@@ -10,18 +10,17 @@ import numpy as np
 CONFIDENCE = 0.95
 
 RESAMPLES = 999
-"""Of a bootstrap."""
+"""Resamples of a bootstrap."""
 
 BATCH_VALUES = 2_000_000
-"""Values that a bootstrap draws at once, so that many take little memory."""
+"""Values that a bootstrap draws at once; it limits the memory."""
 
-
-FEW = 20
-"""Values; the bootstrap of fewer makes intervals that are far too narrow."""
+MIN_VALUES = 20
+"""Of a bootstrap; from fewer values its intervals are far too narrow."""
 
 
 class Interval(NamedTuple):
-    """An estimate and the ends of its interval, NaN where nothing can be said of them."""
+    """An estimate and the ends of its interval, NaN if they are unknown."""
 
     estimate: float
     low: float = math.nan
@@ -29,16 +28,16 @@ class Interval(NamedTuple):
 
     @property
     def is_known(self) -> bool:
-        """Whether there is more than the estimate."""
+        """Whether the ends are known."""
         return not math.isnan(self.low)
 
 
 def share_interval(count: int, total: int) -> Interval:
-    """Return Wilson's interval of a share.
+    """Return the Wilson interval of a share.
 
     Args:
-        count: of those that have it.
-        total: of all, at least one.
+        count: of successes.
+        total: of trials, at least one.
 
     Source: Wilson (1927), Probable inference, the law of succession, and statistical inference.
     """
@@ -49,10 +48,13 @@ def share_interval(count: int, total: int) -> Interval:
 
 
 def mean_interval(values: np.ndarray) -> Interval | None:
-    """Return the percentile bootstrap's interval of a mean, the same one every time.
+    """Return the interval of a mean by the percentile bootstrap; equal values give an equal one.
 
     Args:
-        values: ``[n]``; of fewer than ``FEW`` there is a mean but no interval, of none ``None``.
+        values: ``[n]``; fewer than ``MIN_VALUES`` have a mean and no interval.
+
+    Returns:
+        The interval, or ``None`` if there are no values.
 
     Source: Efron (1979), Bootstrap methods: another look at the jackknife.
     """
@@ -60,11 +62,11 @@ def mean_interval(values: np.ndarray) -> Interval | None:
 
     if not len(values):
         return None
-    if len(values) < FEW:
+    if len(values) < MIN_VALUES:
         return Interval(float(values.astype(float).mean()))
     values = values.astype(float)
     mean = float(values.mean())
-    # About the mean, so that large values lose no digits.
+    # Without their mean, so that large values lose no digits.
     found = bootstrap(
         (values - mean,),
         np.mean,

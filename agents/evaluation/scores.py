@@ -1,53 +1,50 @@
-"""How several agents do over the same seeds: what they deliver, what it takes, what they search."""
+"""How well agents do: whole episodes from random starts, the same ones for every agent.
+
+Each start has a seed, so ``warehouse run --seed`` shows any of the episodes.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from agents.evaluation.interval import Interval, mean_interval, share_interval
-from agents.run_episode import make_env
-from agents.search.agents import ExploringAgent, SearchAgent
-from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core import Agent, Layout, record_episode
-from warehouse_core.records.episode import DELIVERED
-from warehouse_core.records.failure_modes import diagnose
+from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, WarehouseEnv
+from warehouse_core.records.failure_modes import fewest_steps
 
-MakeAgent = Callable[[int, Layout], Agent]
-"""Makes an agent for a seed and the walls of a layout."""
-
-CONTENDERS: dict[str, MakeAgent] = {
-    "greedy": lambda seed, layout: GreedyAgent(seed),
-    "greedy without escape": lambda seed, layout: GreedyAgent(seed, escape_steps=0),
-    "exploring": lambda seed, layout: ExploringAgent(),
-    "uniform-cost": lambda seed, layout: SearchAgent(layout, "ucs"),
-    "A*": lambda seed, layout: SearchAgent(layout, "astar"),
-}
-"""The chapter's agent, and what search puts in its place."""
+MakeAgent = Callable[[int], Agent]
+"""Returns the agent for the episode with a seed."""
 
 
 class Task(NamedTuple):
-    """Where the agents are compared."""
+    """What an agent has to do."""
 
-    layout: Layout
-    backend: str
-    battery: int
-    max_steps: int
+    layout: Layout = DEFAULT_LAYOUT
+    battery: int = 200
+    max_steps: int = 200
+    backend: str = "grid"
+
+    def make_env(self) -> WarehouseEnv:
+        """Return an environment for the task."""
+        start = self.layout.usual_start()
+        return WarehouseEnv(self.layout, start, self.max_steps, self.battery, backend=self.backend)
 
 
 class Run(NamedTuple):
-    """One episode of an agent.
+    """The outcome of one episode.
 
     Attributes:
-        delivered: whether the item was.
-        steps: its length.
-        needed: the fewest steps there are; NaN where no way leads there.
-        seconds: of simulated time.
-        joules: of energy.
-        expanded: nodes that its agent has expanded; 0 for one that does not search.
+        delivered: whether the item was delivered.
+        steps: the length of the episode.
+        needed: the fewest steps of a delivery; NaN where no path leads there.
+        seconds: simulated time.
+        joules: energy.
+        expanded: nodes that the agent expanded; 0 for an agent that does not search.
     """
 
     delivered: bool
@@ -60,14 +57,27 @@ class Run(NamedTuple):
 
 @dataclass(frozen=True)
 class Scores:
-    """What the episodes of an agent come to; all but success and expansions are of deliveries."""
+    """The outcomes of an agent's episodes, and their means with 95% intervals.
+
+    The means are over deliveries, except those of ``success`` and ``expanded``.
+    """
 
     runs: Sequence[Run]
 
     @property
+    def delivered(self) -> NDArray[np.bool_]:
+        """``[N]`` whether each episode ended with the delivery."""
+        return np.array([run.delivered for run in self.runs], np.bool_)
+
+    @property
+    def lengths(self) -> NDArray[np.int64]:
+        """``[N]`` the steps of each episode."""
+        return np.array([run.steps for run in self.runs], np.int64)
+
+    @property
     def success(self) -> Interval:
-        """The share that was delivered."""
-        return share_interval(sum(run.delivered for run in self.runs), len(self.runs))
+        """The share of episodes that ended with the delivery."""
+        return share_interval(int(self.delivered.sum()), len(self.runs))
 
     @property
     def steps(self) -> Interval | None:
@@ -76,7 +86,7 @@ class Scores:
 
     @property
     def ratio(self) -> Interval | None:
-        """The steps of a delivery over the fewest that there are: 1 is as short as can be."""
+        """The steps of a delivery divided by the fewest possible; at least 1."""
         return self._mean(lambda run: run.steps / run.needed)
 
     @property
@@ -99,12 +109,12 @@ class Scores:
 
 
 class Measure(NamedTuple):
-    """Something that agents are compared by.
+    """A number by which agents are compared.
 
     Attributes:
         column: its name in a table.
-        title: what it is, above a chart.
-        of: the measure.
+        title: its name above a chart.
+        of: returns its value.
     """
 
     column: str
@@ -122,20 +132,32 @@ MEASURES = (
 )
 
 
-def run_agent(make: MakeAgent, task: Task, seed: int) -> Run:
-    """Run one episode, from a random start."""
-    env = make_env(task.layout, task.backend, task.battery, task.max_steps)
-    agent = make(seed, task.layout)
+def evaluate(make_agent: MakeAgent, task: Task, seeds: Iterable[int]) -> Scores:
+    """Run one whole episode for each seed and return the outcomes."""
+    return Scores([_run(make_agent(seed), task, seed) for seed in seeds])
+
+
+def _run(agent: Agent, task: Task, seed: int) -> Run:
+    # Random stations depend on the stations before them, so each episode has its own environment.
+    env = task.make_env()
     try:
-        episode = record_episode(env, agent, seed=seed)
+        observation, done, terminated = env.reset(randomize=True, seed=seed), False, False
+        [needed] = fewest_steps(env.layout, (env.state.robot_pos, False))
+        agent.reset()
+        seconds = joules = 0.0
+        while not done:
+            observation, _, terminated, truncated, _ = env.step(agent.act(observation))
+            done = terminated or truncated
+            assert env.last_motion is not None, "each step has a motion"
+            seconds += env.last_motion.seconds
+            joules += env.last_motion.joules
+        return Run(
+            terminated,
+            env.state.steps,
+            math.nan if needed is None else needed,
+            seconds,
+            joules,
+            getattr(agent, "expanded", 0),
+        )
     finally:
         env.close()
-    needed = diagnose(episode).needed
-    return Run(
-        episode.outcome == DELIVERED,
-        episode.steps,
-        float("nan") if needed is None else needed,
-        episode.seconds,
-        episode.joules,
-        getattr(agent, "expanded", 0),
-    )

@@ -1,4 +1,4 @@
-"""Numbers as they stand in a sentence."""
+"""Numbers and lists in sentences."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ def mean(interval: Interval, unit: str, also: str = "") -> str:
     """Return a mean with its interval to three digits, ``49.9 steps (47.6 to 52.3)``.
 
     Args:
-        interval: of the mean; what is not known of it is left out.
-        unit: of the mean; left out where it is empty.
-        also: stands in the brackets too.
+        interval: of the mean; its ends are left out if they are unknown.
+        unit: of the mean, or "".
+        also: further text in the brackets.
     """
     estimate, low, high = interval
     digits = max(0, 2 - int(math.log10(max(abs(estimate), 1))))
@@ -30,33 +30,33 @@ def mean(interval: Interval, unit: str, also: str = "") -> str:
 
 
 def percent(part: float) -> str:
-    """Return a share as whole percents, ``<1%`` and ``>99%`` where they would say none or all."""
+    """Return a share in whole percents; ``<1%`` and ``>99%`` instead of a rounded 0% or 100%."""
     if 0 < part < 0.005:
         return "<1%"
     return ">99%" if 0.995 <= part < 1 else f"{part:.0%}"
 
 
 def points(change: float) -> str:
-    """Return a change of a share in points, ``+4.2 points``."""
+    """Return a change of a share in percentage points, ``+4.2 points``."""
     return f"{change * 100:+.1f} points"
 
 
 def chance(probability: float) -> str:
-    """Return a probability as it stands after a p."""
+    """Return a p-value, ``p = 0.050`` or ``p < 0.001``."""
     return "p < 0.001" if probability < 0.001 else f"p = {probability:.3f}"
 
 
 def counted(number: int, noun: str) -> str:
-    """Return a number of things, ``1 failure`` or ``1,239 failures``."""
+    """Return a number with its noun, ``1 failure`` or ``1,239 failures``."""
     return f"{number:,} {noun}{'' if number == 1 else 's'}"
 
 
 def listed(parts: Sequence[str]) -> str:
-    """Return parts as a list, ``a, b and c``."""
+    """Return a list in words, ``a, b and c``."""
     *others, last = parts
     return f"{', '.join(others)} and {last}" if others else last
 
 
 def sentence(words: str) -> str:
-    """Return words with a capital and a full stop."""
+    """Return words with a capital letter and a full stop."""
     return f"{words[0].upper()}{words[1:]}."

@@ -1,18 +1,17 @@
-"""The picture of a training: how often the agent delivers, and how long it takes, as it learns."""
+"""The picture of a training: deliveries and episode lengths over the steps of training."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import EngFormatter, MaxNLocator, PercentFormatter
 
-from agents.evaluation.interval import share_interval
-from agents.evaluation.samples import Scores
+from agents.evaluation.scores import Scores
+from agents.learning.training import Point
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.render.palette import COLORS, FAINT, INK, PAPER, WARNING
 from warehouse_core.viz.figure import make_figure
@@ -21,29 +20,22 @@ from warehouse_core.world.tiles import PICKUP
 SIZE, DPI = (9.0, 3.8), 150
 STEP_TICKS = [digit * 10**power for power in range(9) for digit in (1, 2, 5)]
 ROOM = 1.5
-"""For the names of the lines, above the highest and below the lowest."""
+"""Factor of space for the names of the lines, above the highest and below the lowest."""
 
 LEARNER, GREEDY = COLORS[PICKUP], WARNING
-
-
-class Point(NamedTuple):
-    """How an agent did after so many steps of training."""
-
-    steps: int
-    scores: Scores
 
 
 def save_learning_curve(
     path: Path, name: str, title: str, points: Sequence[Point], greedy: Scores
 ) -> None:
-    """Write the picture as PNG; the file appears whole or not at all.
+    """Write the picture as PNG, whole or not at all.
 
     Args:
         path: of the file.
         name: of the agent that learns.
         title: of the picture.
         points: at least one.
-        greedy: how the greedy agent does, for comparison.
+        greedy: the scores of the greedy agent, for comparison.
     """
     figure = make_figure(SIZE, DPI)
     left, right = figure.subplots(1, 2)
@@ -51,10 +43,10 @@ def save_learning_curve(
     figure.suptitle(title, x=0.065, y=0.97, ha="left", fontsize=12, color=INK)
     _draw_success(left, name, points, greedy)
     _draw_lengths(right, name, points, greedy)
-    count = len(points[0].scores.steps)
+    count = len(points[0].scores.runs)
     caption = (
         f"each point: {count:,} random starts, the same ones every time, band: 95% (Wilson);  "
-        f"greedy: {len(greedy.steps):,} random starts"
+        f"greedy: {len(greedy.runs):,} random starts"
     )
     figure.text(0.065, 0.03, caption, fontsize=8, color="0.4")
     with atomic_path(path) as part:
@@ -62,8 +54,8 @@ def save_learning_curve(
 
 
 def mean_length(scores: Scores) -> float:
-    """Return the mean number of steps of all episodes, those without a delivery too."""
-    return float(scores.steps.mean())
+    """Return the mean number of steps of all episodes, including those without a delivery."""
+    return float(scores.lengths.mean())
 
 
 def _draw_success(axes: Axes, name: str, points: Sequence[Point], greedy: Scores) -> None:
@@ -71,10 +63,9 @@ def _draw_success(axes: Axes, name: str, points: Sequence[Point], greedy: Scores
     axes.set_ylim(-0.1, 1.1)
     axes.set_yticks(np.linspace(0, 1, 6))
     axes.yaxis.set_major_formatter(PercentFormatter(1.0))
-    delivered = [point.scores.delivered for point in points]
-    _, low, high = zip(*(share_interval(int(e.sum()), len(e)) for e in delivered), strict=True)
+    _, low, high = zip(*(point.scores.success for point in points), strict=True)
     axes.fill_between(_steps(points), low, high, color=LEARNER, alpha=0.18, linewidth=0)
-    _draw_lines(axes, name, points, greedy, lambda scores: scores.success, "{:.1%}")
+    _draw_lines(axes, name, points, greedy, lambda scores: scores.success.estimate, "{:.1%}")
 
 
 def _draw_lengths(axes: Axes, name: str, points: Sequence[Point], greedy: Scores) -> None:
@@ -99,7 +90,7 @@ def _draw_lines(
 ) -> None:
     """Draw the learner's line and the greedy agent's, each with its name and last value.
 
-    The names stand above the higher line and below the lower, where they cannot meet.
+    The names are above the higher line and below the lower, so they cannot overlap.
     """
     values = [measure(point.scores) for point in points]
     axes.axhline(measure(greedy), color=GREEDY, linewidth=1.4, linestyle=(0, (5, 2)))

@@ -1,7 +1,7 @@
 """The network that chooses an action: two hidden layers of tanh, run by NumPy.
 
-Training it takes PyTorch (``ppo_training.py``); running it takes what is here. A saved network is
-a plain ``.npz`` file that is read back without unpickling anything.
+Training needs PyTorch (``ppo_training.py``); running needs only this file. A saved network is a
+plain ``.npz`` file without pickled objects.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ FORMAT = "warehouse-lab policy 1"
 LAYERS = 3
 
 TIMES = 2
-"""Battery and steps at the end of a vector, which a network is not given.
+"""Battery and steps, at the end of a vector; they are no input of a network.
 
-What to do next does not depend on them, and so a network may be run with another battery than
-the one that it was trained with.
+The best action does not depend on them, so a network may be run with another battery than in its
+training.
 """
 
 SCHEMA: Schema = {
@@ -41,7 +41,7 @@ Layer = tuple[Floats, Floats]
 
 
 def network_input(arrays: Arrays) -> Floats:
-    """Return what a network is given of an observation, ``[..., L]``."""
+    """Return the input of a network for an observation, ``[..., L]``."""
     return vector(arrays)[..., :-TIMES]
 
 
@@ -51,10 +51,10 @@ def input_size(view_radius: int) -> int:
 
 
 class PolicyNetwork:
-    """A network with its weights, which are not changed.
+    """A network with fixed weights.
 
     Args:
-        view_radius: of the observations that it takes.
+        view_radius: of its observations.
         layers: ``LAYERS`` of them, from the first to the last.
 
     Raises:
@@ -78,7 +78,7 @@ class PolicyNetwork:
             width = outputs
 
     def logits(self, inputs: Floats) -> Floats:
-        """Return ``[..., 7]``, the higher the likelier an action, for ``[..., L]`` inputs."""
+        """Return ``[..., 7]`` for ``[..., L]`` inputs; the higher, the more likely is an action."""
         *hidden, (weights, biases) = self.layers
         for inner_weights, inner_biases in hidden:
             inputs = np.tanh(inputs @ inner_weights.T + inner_biases)
@@ -98,7 +98,7 @@ class PolicyNetwork:
         """Read a network that ``save`` wrote.
 
         Raises:
-            RecordError: the file is damaged or holds something else; it names what is wrong.
+            RecordError: the file is damaged or has other contents; the message says which.
             OSError: the file cannot be read.
         """
         arrays = read_arrays(path, SCHEMA)
@@ -110,10 +110,10 @@ class PolicyNetwork:
 
 
 def _view_radius(data: NDArray[np.uint8]) -> int:
-    """Return what a header says.
+    """Return the view radius in a header.
 
     Raises:
-        ValueError: it is none.
+        ValueError: it is not a header.
     """
     try:
         header = json.loads(data.tobytes().decode("utf-8"))

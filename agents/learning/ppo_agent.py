@@ -1,6 +1,6 @@
 """The agent that ``warehouse train ppo`` trains; running it needs NumPy alone.
 
-It sees the observation and nothing else.
+It uses nothing but the observation.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from warehouse_core.world.tiles import DROPOFF, EMPTY, MOVE_DELTAS, PICKUP
 
 
 class PPOAgent:
-    """Takes the action that its network holds for the best of those that do something.
+    """Takes the useful action with the highest output of its network.
 
     Args:
-        network: with its weights.
-        name: what errors call it.
+        network: that chooses the actions.
+        name: of the network in error messages.
     """
 
     def __init__(self, network: PolicyNetwork, name: str = "the network") -> None:
@@ -36,20 +36,20 @@ class PPOAgent:
         """Return an agent with a network from a file.
 
         Raises:
-            RecordError: the file is no network.
+            RecordError: the file is not one of a network.
             OSError: the file cannot be read.
         """
         return cls(PolicyNetwork.load(path), str(path))
 
     def reset(self) -> None:
-        """Begin an episode; nothing is remembered from one to the next."""
+        """Prepare for an episode; the agent remembers nothing."""
         self.reason = ""
 
     def act(self, observation: Observation) -> str:
-        """Return the action for ``observation``; ``reason`` then says how sure the network is.
+        """Return the action for ``observation`` and set ``reason`` to its probability.
 
         Raises:
-            AgentError: the robot sees more or less than the network was trained with.
+            AgentError: the view radius is not that of the training.
         """
         radius = len(observation["local_grid"]) // 2
         if radius != self._network.view_radius:
@@ -66,7 +66,7 @@ class PPOAgent:
 
 
 def useful_now(observation: Observation) -> tuple[bool, ...]:
-    """Say of each action whether it does something, as far as the observation tells."""
+    """Return for each action whether it would have an effect, judged by the observation."""
     moves = open_moves(observation["local_grid"])
     stations = {observation["dropoff_pos"]: DROPOFF, observation["pickup_pos"]: PICKUP}
     tile = stations.get(observation["robot_pos"], EMPTY)

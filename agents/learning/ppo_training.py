@@ -1,7 +1,7 @@
 """Proximal policy optimisation of a network, by Stable-Baselines3; needs the extra ``rl``.
 
-Actions that do nothing are masked: they are never tried. Without masks the penalties for them
-teach the network to wait before it has ever delivered anything.
+Actions without effect are masked: they are never tried. Without masks the network learns from their
+penalties to wait, before it has ever delivered anything.
 
 Source: Schulman et al., *Proximal Policy Optimization Algorithms*, 2017; Huang and Ontañón, *A
 Closer Look at Invalid Action Masking in Policy Gradient Algorithms*, 2022.
@@ -10,7 +10,6 @@ Closer Look at Invalid Action Masking in Policy Gradient Algorithms*, 2022.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,21 +18,22 @@ import torch
 from sb3_contrib import MaskablePPO
 from stable_baselines3.common.callbacks import BaseCallback
 
-from agents.evaluation.samples import RECENT, MakeAgent, Task
+from agents.evaluation.scores import MakeAgent, Task
 from agents.learning.policy_network import Layer, PolicyNetwork
 from agents.learning.ppo_agent import PPOAgent
+from agents.learning.training import RECENT_EPISODES, Watch
 from agents.learning.vec_env import BatchVecEnv
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.vector.env import SAME_STEP, BatchEnv
 
 ENVS = 128
-"""Warehouses that are stepped together."""
+"""Warehouses in the batch."""
 
 ROUND = 64
-"""Steps of each warehouse between two changes of the network."""
+"""Steps of each warehouse between two updates of the network."""
 
 LEARNING_RATE = 2e-3
-"""Of the first round; it falls in a straight line, and after the last it would be 0."""
+"""Of the first round; it decreases linearly, to 0 after the last round."""
 
 SETTINGS: dict[str, Any] = {
     "n_steps": ROUND,
@@ -41,29 +41,27 @@ SETTINGS: dict[str, Any] = {
     "n_epochs": 4,
     "gamma": 0.97,
     "ent_coef": 0.02,
-    "stats_window_size": RECENT,
+    "stats_window_size": RECENT_EPISODES,
     "policy_kwargs": {"net_arch": [64, 64]},
     "device": "cpu",
 }
-"""Chosen on the chapter's layout; the rest is as Stable-Baselines3 has it."""
-
-Watch = Callable[[int, float, MakeAgent], None]
+"""Chosen on the chapter's layout; all others are the defaults of Stable-Baselines3."""
 
 
 class PPOLearner:
     """Learns a task from episodes with random starts.
 
     Args:
-        task: to be learnt.
+        task: to be learned; its backend is not used.
         steps: of the whole training, rounded up to whole rounds of all warehouses.
-        seed: repeats a training, on the same machine and with the same versions.
+        seed: repeats a training on the same machine with the same versions.
 
     Raises:
-        LayoutError: the layout has no room for pickup and dropoff.
+        LayoutError: the layout has no space for pickup and dropoff.
     """
 
     def __init__(self, task: Task, steps: int, seed: int) -> None:
-        torch.set_num_threads(1)  # the network is small, and sums in one order repeat
+        torch.set_num_threads(1)  # the network is small, and sums are repeatable
         batch = BatchEnv(
             ENVS,
             task.layout,
@@ -76,7 +74,7 @@ class PPOLearner:
         self.model = MaskablePPO(
             "MlpPolicy",
             BatchVecEnv(batch),
-            # What is left is told after a round, before the network changes by it.
+            # ``left`` has been reduced by the round whose update uses the rate.
             learning_rate=lambda left: LEARNING_RATE * (left + 1 / rounds),
             seed=seed,
             **SETTINGS,
@@ -88,12 +86,12 @@ class PPOLearner:
         return self.agents()
 
     def agents(self) -> MakeAgent:
-        """Return what makes the agent as it is now; it does not change when training goes on."""
+        """Return what makes the agent in its present state; further training does not change it."""
         agent = PPOAgent(self.network())
         return lambda _: agent
 
     def network(self) -> PolicyNetwork:
-        """Return a copy of the network that chooses actions."""
+        """Return a copy of the policy network."""
         policy = self.model.policy
         hidden = [part for part in policy.mlp_extractor.policy_net if hasattr(part, "weight")]
         return PolicyNetwork(
@@ -101,17 +99,17 @@ class PPOLearner:
         )
 
     def save_network(self, path: Path) -> None:
-        """Write what ``PPOAgent.load`` reads."""
+        """Write the file that ``PPOAgent.load`` reads."""
         self.network().save(path)
 
     def save_model(self, path: Path) -> None:
-        """Write what ``MaskablePPO.load`` reads, to train on; load only files that you trust."""
+        """Write the file that ``MaskablePPO.load`` reads, for further training."""
         with atomic_path(path) as part:
             self.model.save(part)
 
 
 class _Watcher(BaseCallback):
-    """Tells of the learner before each round of episodes and at the end."""
+    """Calls ``watch`` before each round and at the end."""
 
     def __init__(self, learner: PPOLearner, watch: Watch) -> None:
         super().__init__()

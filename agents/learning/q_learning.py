@@ -1,12 +1,12 @@
-"""Tabular Q-learning: what each action is worth in each state, learnt from rewards alone.
+"""Tabular Q-learning: the value of each action in each state, learned from rewards alone.
 
-After every step, in state S with action A, reward R and the state S' that it led to,
+After every step from state S by action A, with reward R, to state S',
 
     Q(S, A)  <-  Q(S, A) + alpha * (R + gamma * max Q(S', a) - Q(S, A))
                                             a
 
-The states are (where the robot is, where it has to go, whether it holds the item). The table
-knows one layout: in another one the same cells have other neighbours.
+A state is (the robot's cell, its goal's cell, whether it holds the item). A table is for one
+layout: in another one the same cells have other neighbours.
 
 Source: Sutton and Barto, *Reinforcement Learning*, 2nd ed., 2018, sec. 6.5; Russell and Norvig,
 4th ed., 2020, ch. 22, temporal-difference Q-learning.
@@ -24,23 +24,23 @@ from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.tiles import Cell
 
 ALPHA = 0.1
-"""How far a value moves towards what a step says. Less averages better over the places where the
-next goal may be, more is faster."""
+"""The learning rate. A lower one averages better over the possible cells of the next goal, a higher
+one learns faster."""
 
 GAMMA = 0.95
-"""What a reward is worth one step later; it is what makes a short way better than a long one."""
+"""The discount factor; it makes a short path better than a long one."""
 
 EPSILON = 0.1
-"""How often an action is tried that may not be the best."""
+"""The share of actions that are chosen at random, to explore."""
 
 TRAINING_SEEDS = 1_000_000
-"""Episodes to learn from have lower seeds; those that examine an agent have higher ones."""
+"""Episodes of a training have lower seeds; those that evaluate an agent have higher ones."""
 
 State = tuple[Cell, Cell, bool]
 
 
 class QTable(dict[State, list[float]]):
-    """The values of all actions by state: 0 until something is known."""
+    """The values of all actions by state; those of a new state are 0."""
 
     def __missing__(self, state: State) -> list[float]:
         values = self[state] = [0.0] * len(ACTIONS)
@@ -48,21 +48,21 @@ class QTable(dict[State, list[float]]):
 
 
 def state_of(observation: Observation) -> State:
-    """Return the state that an observation shows."""
+    """Return the state of an observation."""
     loaded = observation["has_item"]
     goal = observation["dropoff_pos"] if loaded else observation["pickup_pos"]
     return observation["robot_pos"], goal or NOWHERE, loaded
 
 
 def best_action(values: list[float], stream: random.Random) -> int:
-    """Return the action with the highest value, any of them where several have it."""
+    """Return the action with the highest value, a random one if several have it."""
     highest = max(values)
     best = [action for action, value in enumerate(values) if value == highest]
     return best[0] if len(best) == 1 else stream.choice(best)
 
 
 def learn(table: QTable, env: WarehouseEnv, steps: int, seed: int) -> Iterator[tuple[int, bool]]:
-    """Fill a table by whole episodes from random starts until so many steps have been taken.
+    """Fill a table by whole episodes from random starts, in ``steps`` steps or a few more.
 
     Yields:
         After each episode the steps taken so far, and whether it ended with a delivery.
@@ -86,8 +86,8 @@ class QAgent:
     """Takes the action with the highest value in a table.
 
     Args:
-        table: of values; where it knows nothing the agent acts at random.
-        seed: of the agent's own random stream, begun anew at each ``reset``.
+        table: of values; in a state that is not in it, the agent acts at random.
+        seed: of the agent's own random stream, restarted at each ``reset``.
     """
 
     def __init__(self, table: QTable, seed: int | None = None) -> None:
@@ -95,11 +95,11 @@ class QAgent:
         self.reset()
 
     def reset(self) -> None:
-        """Begin an episode."""
+        """Prepare for an episode."""
         self._random, self.reason = random.Random(self.seed), ""
 
     def act(self, observation: Observation) -> str:
-        """Return the best action for ``observation``; ``reason`` then says what it is worth."""
+        """Return the best action for ``observation`` and set ``reason`` to its value."""
         values = self.table.get(state_of(observation), [0.0] * len(ACTIONS))
         action = best_action(values, self._random)
         self.reason = f"worth {values[action]:.1f}"

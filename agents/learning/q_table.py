@@ -1,4 +1,4 @@
-"""A table of Q-learning in a file: two arrays, states and the values of their actions."""
+"""Files of Q-learning tables: two arrays, the states and the values of their actions."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def save_table(table: QTable, path: str | Path) -> None:
     """Write a table to one ``.npz`` file, whole or not at all.
 
     Raises:
-        RecordError: it is larger than ``safe_npz.MAX_BYTES``.
+        RecordError: it is larger than ``npz.MAX_BYTES``.
         OSError: the file cannot be written.
     """
     states = [(*robot, *goal, loaded) for robot, goal, loaded in table]
@@ -34,7 +34,7 @@ def load_table(path: str | Path) -> QTable:
     """Read a table that ``save_table`` wrote.
 
     Raises:
-        RecordError: the file is damaged or holds something else; it names what is wrong.
+        RecordError: the file is damaged or has other contents; the message says which.
         OSError: the file cannot be read.
     """
     arrays = read_arrays(path, SCHEMA)
@@ -56,5 +56,5 @@ def load_table(path: str | Path) -> QTable:
 
 
 def load_agent(path: Path, seed: int | None = None) -> QAgent:
-    """Return an agent with a table from a file; errors are those of ``load_table``."""
+    """Return an agent with a table from a file; raises what ``load_table`` raises."""
     return QAgent(load_table(path), seed)

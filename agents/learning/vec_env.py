@@ -16,7 +16,7 @@ from warehouse_core.world.actions import ACTIONS
 
 
 class BatchVecEnv(VecEnv):
-    """All rows of a batch, stepped together; what they say is in ``vector_steps.py``.
+    """All rows of a batch as one ``VecEnv``; ``vector_steps.py`` has its observations and infos.
 
     Args:
         batch: with ``autoreset_mode="SameStep"``.
@@ -28,39 +28,39 @@ class BatchVecEnv(VecEnv):
         super().__init__(batch.num_envs, limits, spaces.Discrete(len(ACTIONS)))
 
     def reset(self) -> Floats:
-        """Start every row, with the seeds given to ``seed`` if there are any."""
+        """Start an episode in every row, with the seeds given to ``seed`` if there are any."""
         observations = self._steps.reset(self._seeds)
         self._reset_seeds()
         return observations
 
     def step_async(self, actions: NDArray[np.int64]) -> None:
-        """Keep the actions for ``step_wait``."""
+        """Store the actions for ``step_wait``."""
         self._actions = actions
 
     def step_wait(self) -> VectorStep:
-        """Carry them out."""
+        """Carry out the stored actions."""
         return self._steps.step(self._actions)
 
     def env_method(
         self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any
     ) -> list[Any]:
-        """Call a method of the batch, such as ``action_masks``, and return its rows."""
+        """Call a method of the batch, such as ``action_masks``, and return a list of its rows."""
         results = getattr(self._batch, method_name)(*method_args, **method_kwargs)
         return [results[row] for row in self._get_indices(indices)]
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """Return an attribute of the batch for each row; nothing is rendered here."""
+        """Return an attribute of the batch for each row; ``render_mode`` is always ``None``."""
         value = None if attr_name == "render_mode" else getattr(self._batch, attr_name)
         return [value for _ in self._get_indices(indices)]
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Refuse: the rows share their attributes."""
+        """Raise ``NotImplementedError``: the rows share their attributes."""
         raise NotImplementedError(f"{attr_name} cannot be set; make another BatchEnv")
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
-        """Say of each row that it is not wrapped."""
+        """Return ``False`` for each row."""
         return [False for _ in self._get_indices(indices)]
 
     def close(self) -> None:
-        """Let the motion backend go."""
+        """Close the motion backend."""
         self._batch.close()

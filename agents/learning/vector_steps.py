@@ -1,4 +1,4 @@
-"""A batch of warehouses in the terms of Stable-Baselines3, which this file does not need."""
+"""Steps of a batch in the format of Stable-Baselines3, without importing it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ VectorStep = tuple[Floats, Floats, NDArray[np.bool_], list[dict[str, Any]]]
 
 
 class VectorSteps:
-    """Steps a batch whose rows start again within the step that ends them.
+    """Steps a batch whose rows restart in the step that ends them.
 
     Args:
         batch: with ``autoreset_mode="SameStep"``.
@@ -36,9 +36,9 @@ class VectorSteps:
     def step(self, actions: NDArray[np.int64]) -> VectorStep:
         """Carry out one action in each row.
 
-        The observation of a row that ended is the first of its next episode. Its info has the
-        last of the old one as ``terminal_observation``; ``TimeLimit.truncated`` where the episode
-        was cut off, so that what might have followed still counts; and ``is_success``.
+        The observation of a row that ended is the first of its next episode. Its info has the last
+        one of the old episode as ``terminal_observation``; ``TimeLimit.truncated``, true if the
+        value of later steps still counts; and ``is_success``.
         """
         arrays, rewards, terminated, truncated, info = self.batch.step(actions)
         ended = terminated | truncated

@@ -1,6 +1,4 @@
-"""Agents that search: one that knows the map, and one that knows only what it has seen.
-
-The exploring one plans through the unknown as if it were free.
+"""Agents that search: ``SearchAgent`` knows the map, ``ExploringAgent`` only what it has seen.
 
 Source: Russell and Norvig, 4th ed., ch. 3, and section 4.5 on online search.
 """
@@ -25,13 +23,13 @@ from agents.search.problems import DeliveryProblem, State
 from warehouse_core.motion.backends import Backend
 from warehouse_core.task.state import Observation
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tiles import MOVE_DELTAS, Cell
+from warehouse_core.world.tiles import MOVE_DELTAS, Cell, moved
 
 WEIGHT = 2.0
-"""Of the heuristic in weighted A*, unless another is given."""
+"""Default weight of the heuristic in weighted A*."""
 
 PATIENCE = 10
-"""Times that an exploring agent doubts the walls that it has only run into, for each goal."""
+"""Times per goal that an exploring agent forgets the walls that it has not seen."""
 
 Plan = Solution[State, str]
 
@@ -46,29 +44,28 @@ ALGORITHMS: dict[str, Callable[[DeliveryProblem, float], Plan]] = {
         problem, manhattan_delivery(problem), weight
     ),
 }
-"""What plans a delivery, by name; a weight is given to all and used by one."""
+"""Planners of a delivery by name; the weight is for weighted A* only."""
 
 
 class SearchAgent:
     """Knows the walls, plans the delivery once, and follows the plan.
 
-    Where it finds itself off the plan, because a motion ended elsewhere, it plans anew. Where no
-    way leads on, it says so and waits.
+    If a motion leads off the plan, it makes a new one. If there is no path, it waits.
 
     Args:
-        layout: the walls, and the stations as long as they are where the observation has them.
+        layout: the walls, and the stations if the observation agrees with them.
         algorithm: one of ``ALGORITHMS``.
-        cost: what the plan is to save: ``"steps"``, ``"seconds"`` or ``"joules"``.
+        cost: to be minimised: ``"steps"``, ``"seconds"`` or ``"joules"``.
         weight: of the heuristic in weighted A*.
-        backend: that is asked for seconds and joules.
+        backend: that measures seconds and joules.
 
     Attributes:
         reason: of the last action.
         expanded: nodes since the last reset.
-        plans: how often it has planned since then.
+        plans: number of plans since the last reset.
 
     Raises:
-        ValueError: an algorithm, a cost or a weight that there is not.
+        ValueError: the algorithm, the cost or the weight is not allowed.
     """
 
     def __init__(
@@ -98,13 +95,13 @@ class SearchAgent:
         self.expanded = self.plans = 0
 
     def act(self, observation: Observation) -> str:
-        """Return the action that the plan has for where the robot is."""
+        """Return the action of the plan for the robot's state."""
         state = observation["robot_pos"], observation["has_item"]
         action = self._plan.get(state)
         if action is None:
             return self._make_plan(observation)
         if state == self._before and action in ("PICK", "DROP"):
-            # It did nothing: there is no such station any more. One is where it is sensed.
+            # It had no effect, so the station is not there; only the observed ones are.
             self._knows_stations = False
             return self._make_plan(observation)
         self._before = state
@@ -122,7 +119,7 @@ class SearchAgent:
             self._plan = {(here, has_item): "WAIT"}
             self.reason = f"no way leads to the {'dropoff' if has_item else 'pickup and dropoff'}"
             return "WAIT"
-        # The last state is the delivery, which needs no action.
+        # The last state, the delivery, has no action.
         self._plan = {
             ((row, col), loaded): action
             for (row, col, loaded), action in zip(found.states, found.actions, strict=False)
@@ -132,11 +129,11 @@ class SearchAgent:
         return self._plan[here, has_item]
 
     def _problem(self, observation: Observation) -> DeliveryProblem:
-        """Return the delivery that is still to be made."""
+        """Return the rest of the delivery."""
         stations = [observation["pickup_pos"], observation["dropoff_pos"]]
         own = [self.layout.pickups, self.layout.dropoffs]
-        # The layout has all stations, the observation the first of each kind; where that is
-        # another one, stations have been drawn anew.
+        # The layout has all stations, the observation the first of each kind. If they differ, the
+        # episode has random stations.
         known = [
             theirs if self._knows_stations and theirs[:1] == (seen,) else [seen] if seen else []
             for seen, theirs in zip(stations, own, strict=True)
@@ -152,16 +149,16 @@ class SearchAgent:
 
 
 class ExploringAgent:
-    """Knows nothing but its observations: it remembers them, and plans through the unknown.
+    """Knows only its observations; it plans as if all cells that it has not seen were free.
 
-    It plans anew whenever it meets a wall: along a wall of n cells that is n searches. What is not
-    in view it takes for a wall once two moves in a row have not got there.
+    It makes a new plan whenever it meets a wall: along a wall of n cells that is n searches. It
+    takes a cell that is not in view for a wall if two successive moves did not reach it.
 
     Attributes:
-        belief: what it has seen.
+        belief: the cells that it has seen.
         reason: of the last action.
         expanded: nodes since the last reset.
-        plans: how often it has planned since then.
+        plans: number of plans since the last reset.
     """
 
     def __init__(self) -> None:
@@ -176,42 +173,42 @@ class ExploringAgent:
         self._goal: Cell | None = None
         self._patience = PATIENCE
         self._left: Cell | None = None
-        self._asked_for: Cell | None = None
+        self._target: Cell | None = None
 
     def act(self, observation: Observation) -> str:
-        """Return the next move of a plan that still holds, or of a new one."""
+        """Return the next action, of the plan if it is still valid, or else of a new one."""
         here, has_item = observation["robot_pos"], observation["has_item"]
-        if here == self._left and self._asked_for is not None:
-            self.belief.bump(self._asked_for)
+        if here == self._left and self._target is not None:
+            self.belief.bump(self._target)
         self.belief.look(observation)
         goal = observation["dropoff_pos"] if has_item else observation["pickup_pos"]
-        self._left, self._asked_for = here, None
+        self._left, self._target = here, None
         if goal is None:
-            return self._say("WAIT", "there is nowhere to go")
+            return self._choose("WAIT", "there is nowhere to go")
         if here == goal:
-            return self._say("DROP" if has_item else "PICK", "is there")
+            return self._choose("DROP" if has_item else "PICK", "is there")
         why = self._why_to_plan(here, goal)
         if why:
             self._make_plan(here, goal)
         move = self._moves.get(here)
         if move is None:
-            return self._say("WAIT", f"no way leads to {goal}, as far as it has seen")
-        self._asked_for = _after(here, move)
-        return self._say(move, why or "follows its plan")
+            return self._choose("WAIT", f"no way leads to {goal}, as far as it has seen")
+        self._target = moved(here, MOVE_DELTAS[move])
+        return self._choose(move, why or "follows its plan")
 
     @property
     def route(self) -> tuple[Cell, ...]:
-        """The cells that the plan leads through, from the one where it acted last."""
+        """The cells of the plan, from the one of the last action."""
         cells = [] if self._left is None else [self._left]
         while cells and cells[-1] in self._moves:
-            cells.append(_after(cells[-1], self._moves[cells[-1]]))
+            cells.append(moved(cells[-1], MOVE_DELTAS[self._moves[cells[-1]]]))
         return tuple(cells)
 
     def _why_to_plan(self, here: Cell, goal: Cell) -> str:
-        """Return why the plan holds no more, or nothing."""
+        """Return why a new plan is needed, or ""."""
         if goal != self._goal:
             return f"plans its way to {goal}"
-        ahead = {_after(cell, move) for cell, move in self._moves.items()}
+        ahead = {moved(cell, MOVE_DELTAS[move]) for cell, move in self._moves.items()}
         if any(not self.belief.is_free(cell) for cell in ahead):
             return "meets a wall, plans round it"
         if self._moves and here not in self._moves:
@@ -223,7 +220,7 @@ class ExploringAgent:
             self._goal, self._patience = goal, PATIENCE
         found = self._search(here, goal)
         if not found.found and self.belief.bumps and self._patience:
-            # A motion may have failed for another reason than a wall.
+            # The moves may have failed for another reason than a wall.
             self._patience -= 1
             self.belief.bumps.clear()
             found = self._search(here, goal)
@@ -236,11 +233,6 @@ class ExploringAgent:
         self.expanded += found.expanded
         return found
 
-    def _say(self, action: str, reason: str) -> str:
+    def _choose(self, action: str, reason: str) -> str:
         self.reason = reason
         return action
-
-
-def _after(cell: Cell, move: str) -> Cell:
-    down, right = MOVE_DELTAS[move]
-    return cell[0] + down, cell[1] + right

@@ -1,9 +1,9 @@
-"""Search in the book's words: one best-first core, and the algorithms that it becomes.
+"""Search algorithms in the book's words, all by one best-first search.
 
 A *problem* has an initial state, actions, a transition model, action costs and a goal test. A
 *node* is a state with the path that led to it. The *frontier* holds the nodes that have been
-generated and not yet expanded; *reached* holds the best path known to each state. All that the
-algorithms differ in is which node is expanded next:
+generated and not yet expanded; *reached* holds the best known path to each state. The algorithms
+differ only in which node is expanded next, the one with the least f:
 
 | algorithm         | evaluation function f                 | section |
 | ----------------- | ------------------------------------- | ------- |
@@ -13,8 +13,8 @@ algorithms differ in is which node is expanded next:
 | A*                | g + h                                 | 3.5.2   |
 | weighted A*       | g + W h                               | 3.5.4   |
 
-Of nodes that are evaluated alike the one generated last is expanded first: on a grid, where many
-paths are equally long, that goes straight on where the first in would widen all of them together.
+Among nodes of equal f the last one generated is expanded first: on a grid, where many paths are
+equally long, this follows one of them instead of widening all together.
 
 Source: Russell and Norvig, Artificial Intelligence, 4th ed., ch. 3.
 """
@@ -32,30 +32,30 @@ S = TypeVar("S", bound=Hashable)
 A = TypeVar("A")
 
 Evaluation = Callable[[S, float], float]
-"""f: how early a node is expanded, the least first, by its state and the cost of its path."""
+"""f: the order of expansion, by the state of a node and the cost of its path; least first."""
 
 MAX_WEIGHT = 1_000_000
-"""Of the finite ones; what a far larger one weighs would be infinite, as if no way led on."""
+"""Of finite weights; with much larger ones estimates overflow to infinity."""
 
 Heuristic = Callable[[S], float]
 """h: an estimate of the cost from a state to the nearest goal."""
 
 Reached = dict[S, tuple[float, S | None, A | None]]
-"""To each state the cost of the best path known, and the state and the action before it."""
+"""For each state the cost of the best known path, and the state and the action before it."""
 
 
 class Problem(ABC, Generic[S, A]):
     """A search problem (section 3.1.1).
 
     Attributes:
-        initial: the state to begin with.
+        initial: the first state.
     """
 
     initial: S
 
     @abstractmethod
     def is_goal(self, state: S) -> bool:
-        """Say whether a state is a goal."""
+        """Return whether a state is a goal."""
 
     @abstractmethod
     def actions(self, state: S) -> Iterable[A]:
@@ -66,7 +66,7 @@ class Problem(ABC, Generic[S, A]):
         """Return the state that an action leads to: the transition model."""
 
     def action_cost(self, state: S, action: A, successor: S) -> float:
-        """Return what an action costs, at least 0; 1 unless a problem says otherwise."""
+        """Return the cost of an action, at least 0; 1 by default."""
         return 1.0
 
     def expand(self, state: S) -> Iterable[tuple[A, S, float]]:
@@ -80,8 +80,8 @@ class Event(NamedTuple):
     """One expansion, for a picture.
 
     Attributes:
-        expanded: the state whose node was taken from the frontier.
-        reached: the states to which that found a first or a better path.
+        expanded: the state of the node.
+        reached: the states to which it found a first or a better path.
     """
 
     expanded: Hashable
@@ -90,16 +90,16 @@ class Event(NamedTuple):
 
 @dataclass(frozen=True)
 class Solution(Generic[S, A]):
-    """What a search has found.
+    """The result of a search.
 
     Attributes:
-        states: the path from the initial state to a goal; empty where there is none.
-        actions: one fewer than the states; empty where there is no path.
-        cost: of the path; infinite where there is none.
-        generated: nodes, the first one included.
-        expanded: nodes.
-        largest_frontier: nodes that waited at once, those included that a better path has outdone.
-        events: one for each node expanded, in order, if they were asked for.
+        states: the path from the initial state to a goal; empty if there is none.
+        actions: one fewer than the states; empty if there is no path.
+        cost: of the path; infinite if there is none.
+        generated: number of nodes generated, including the first.
+        expanded: number of nodes expanded.
+        largest_frontier: most nodes in the frontier at once, including outdated ones.
+        events: one for each node expanded, in order, if requested.
     """
 
     states: tuple[S, ...]
@@ -119,18 +119,17 @@ class Solution(Generic[S, A]):
 def best_first_search(
     problem: Problem[S, A], evaluate: Evaluation[S], *, with_events: bool = False
 ) -> Solution[S, A]:
-    """Expand the node with the least evaluation until that is a goal (figure 3.7).
+    """Expand the node with the least evaluation until it is a goal (figure 3.7).
 
-    What is evaluated at infinity is left out, but for the initial state: it says that no way leads
-    on from there.
+    Nodes that are evaluated at infinity are not put on the frontier: no path leads on from there.
 
     Args:
         problem: to be solved.
         evaluate: the evaluation function f.
-        with_events: record what is expanded and reached.
+        with_events: record each expansion.
 
     Raises:
-        ValueError: an action costs less than nothing, or its cost is no number.
+        ValueError: the cost of an action is negative or NaN.
     """
     start, order = problem.initial, 0
     reached: Reached[S, A] = {start: (0.0, None, None)}
@@ -141,7 +140,7 @@ def best_first_search(
     while frontier:
         _, _, state, cost = heappop(frontier)
         if cost > reached[state][0]:
-            continue  # a better path to it has been found since
+            continue  # outdated: a better path has been found since
         if is_goal(state):
             states, actions = _path(reached, state)
             return Solution(states, actions, cost, generated, expanded, largest, tuple(events))
@@ -156,9 +155,9 @@ def best_first_search(
             if known is None or path_cost < known[0]:
                 value = evaluate(successor, path_cost)
                 if value == math.inf:
-                    continue  # no way leads on from there
+                    continue  # no path leads on from there
                 reached[successor] = (path_cost, state, action)
-                order -= 1  # of equals the last comes first
+                order -= 1  # the last of equals comes first
                 heappush(frontier, (value, order, successor, path_cost))
                 if with_events:
                     fresh.append(successor)
@@ -170,7 +169,7 @@ def best_first_search(
 
 
 def breadth_first_search(problem: Problem[S, A], *, with_events: bool = False) -> Solution[S, A]:
-    """Find a path of the fewest actions, whatever they cost (section 3.4.1)."""
+    """Find a path of the fewest actions, regardless of their costs (section 3.4.1)."""
     found = best_first_search(_OneEach(problem), path_cost, with_events=with_events)
     steps = zip(found.states, found.actions, found.states[1:], strict=False)
     cost = sum((problem.action_cost(*step) for step in steps), 0.0)
@@ -185,7 +184,7 @@ def uniform_cost_search(problem: Problem[S, A], *, with_events: bool = False) ->
 def greedy_best_first_search(
     problem: Problem[S, A], heuristic: Heuristic[S], *, with_events: bool = False
 ) -> Solution[S, A]:
-    """Find a path by going wherever the goal looks nearest (section 3.5.1)."""
+    """Find a path by expanding the node with the least heuristic (section 3.5.1)."""
     return weighted_astar_search(problem, heuristic, math.inf, with_events=with_events)
 
 
@@ -203,17 +202,17 @@ def weighted_astar_search(
     *,
     with_events: bool = False,
 ) -> Solution[S, A]:
-    """Find a path that need not be the best, often much faster (section 3.5.4).
+    """Find a path that may not be the best, often much faster (section 3.5.4).
 
     Args:
         problem: to be solved.
         heuristic: h.
         weight: 0 is uniform-cost search, 1 is A*, infinity is greedy best-first search. If h never
             overestimates, the path costs at most ``max(1, weight)`` times the least.
-        with_events: record what is expanded and reached.
+        with_events: record each expansion.
 
     Raises:
-        ValueError: another weight than ``check_weight`` allows.
+        ValueError: ``check_weight`` does not allow the weight.
     """
     return best_first_search(problem, weighted(heuristic, weight), with_events=with_events)
 
@@ -227,7 +226,7 @@ def weighted(heuristic: Heuristic[S], weight: float) -> Evaluation[S]:
     """Return the evaluation function g + W h.
 
     Raises:
-        ValueError: another weight than ``check_weight`` allows.
+        ValueError: ``check_weight`` does not allow the weight.
     """
     check_weight(weight)
     if weight == 0:
@@ -240,10 +239,10 @@ def weighted(heuristic: Heuristic[S], weight: float) -> Evaluation[S]:
 
 
 def check_weight(weight: float) -> None:
-    """Refuse what is no weight of a heuristic.
+    """Check a weight of a heuristic.
 
     Raises:
-        ValueError: it is none of 0 to ``MAX_WEIGHT``, nor infinity.
+        ValueError: it is neither in 0 to ``MAX_WEIGHT`` nor infinity.
     """
     if not (0 <= weight <= MAX_WEIGHT or weight == math.inf):
         raise ValueError(f"weight is {weight!r}; it must be 0..{MAX_WEIGHT} or infinity")
@@ -261,7 +260,7 @@ def _path(reached: Reached[S, A], state: S) -> tuple[tuple[S, ...], tuple[A, ...
 
 
 class _OneEach(Problem[S, A]):
-    """A problem as it would be if every action cost one."""
+    """A problem with the cost of every action changed to one."""
 
     def __init__(self, problem: Problem[S, A]) -> None:
         self.initial = problem.initial

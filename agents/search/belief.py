@@ -1,4 +1,4 @@
-"""What a robot believes of a warehouse that it has not been shown: all that it has seen."""
+"""The belief of a robot without a map: the cells that it has seen, and that others are free."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from collections.abc import Iterable
 
 from agents.search.algorithms import Problem
 from warehouse_core.task.state import Observation
-from warehouse_core.world.tiles import EMPTY, MOVE_DELTAS, WALL, Cell
+from warehouse_core.world.tiles import EMPTY, MOVE_DELTAS, WALL, Cell, moved
 
 
 class Belief:
-    """The cells that have been seen; every other is believed to be free until it is seen.
+    """The cells that have been seen; every other cell is believed to be free.
 
     Attributes:
-        known: what has been seen, ``"#"`` or ``"."``, by the cell.
-        bumps: cells that two moves in a row have not got to, and that have not been seen: walls,
-            as a guess.
+        known: the tile of each cell that has been seen, ``"#"`` or ``"."``.
+        bumps: cells that have not been seen and that two successive moves did not reach; probably
+            walls.
     """
 
     def __init__(self) -> None:
@@ -24,7 +24,7 @@ class Belief:
         self._failed: set[Cell] = set()
 
     def look(self, observation: Observation) -> None:
-        """Take in what is seen."""
+        """Add the cells in view."""
         window = observation["local_grid"]
         radius = len(window) // 2
         row, col = observation["robot_pos"]
@@ -33,29 +33,29 @@ class Belief:
                 self.known[down, right] = WALL if tile == WALL else EMPTY
 
     def bump(self, cell: Cell) -> None:
-        """Take in that a move to a cell has not got there.
+        """Note that a move to a cell did not reach it.
 
-        Once is no proof: a robot that slips may get there when it tries again.
+        One failure is no proof: a robot that slips may reach the cell at the next attempt.
         """
         if cell in self._failed and cell not in self.known:
             self.bumps.add(cell)
         self._failed = {cell}
 
     def is_free(self, cell: Cell) -> bool:
-        """Say whether a cell may be free, for all that is known."""
+        """Return whether a cell is believed to be free."""
         return self.known.get(cell) != WALL and (cell in self.known or cell not in self.bumps)
 
 
 class BeliefProblem(Problem[Cell, str]):
-    """Drive to a cell through what is believed to be free.
+    """Drive to a cell through cells that are believed to be free.
 
-    Beyond all that has been seen everything is believed to be free, so that no way need ever lead
-    further out than one cell: the search stays within that.
+    All cells outside the seen ones are believed to be free, so no shortest path leads further out
+    than one cell; the search is limited to that.
 
     Args:
-        belief: what is known.
+        belief: of the robot.
         start: the cell of the robot.
-        goal: the cell to come to.
+        goal: the last cell.
     """
 
     def __init__(self, belief: Belief, start: Cell, goal: Cell) -> None:
@@ -67,17 +67,16 @@ class BeliefProblem(Problem[Cell, str]):
         self._cols = range(min(cols) - 1, max(cols) + 2)
 
     def is_goal(self, state: Cell) -> bool:
-        """Say whether a cell is the goal."""
+        """Return whether a cell is the goal."""
         return state == self.goal
 
     def actions(self, state: Cell) -> Iterable[str]:
-        """Return the moves that no known wall stops."""
-        for move in MOVE_DELTAS:
-            row, col = cell = self.result(state, move)
+        """Return the moves to cells that are believed to be free."""
+        for move, delta in MOVE_DELTAS.items():
+            row, col = cell = moved(state, delta)
             if row in self._rows and col in self._cols and self._belief.is_free(cell):
                 yield move
 
     def result(self, state: Cell, action: str) -> Cell:
         """Return the cell that a move leads to."""
-        down, right = MOVE_DELTAS[action]
-        return state[0] + down, state[1] + right
+        return moved(state, MOVE_DELTAS[action])

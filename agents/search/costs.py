@@ -1,7 +1,6 @@
-"""What a robot's actions cost: steps, or seconds or joules as a backend measures them.
+"""Costs of a robot's actions: steps, or seconds or joules as measured with a backend.
 
-The physics backend is asked, not looked up in a book: a short run on an open floor says what a move
-and a stand cost, empty and loaded.
+The measurement is a short run on an open floor, of a move and of standing still, empty and loaded.
 """
 
 from __future__ import annotations
@@ -14,23 +13,23 @@ from warehouse_core.world.layout import Layout
 
 STEPS, SECONDS, JOULES = "steps", "seconds", "joules"
 COSTS = (STEPS, SECONDS, JOULES)
-"""What can be counted."""
+"""Measures of cost."""
 
 FLOOR = Layout(["......."] * 3)
-"""Wide enough for the moves of a calibration."""
+"""Large enough for the moves of a measurement."""
 
 WARM_UP = 1
-"""Moves before the one that counts, after which the robot heads where it goes."""
+"""Moves before the one that is measured; after them the robot faces its direction."""
 
 
 class ActionCosts(NamedTuple):
-    """What each action costs.
+    """The cost of each action.
 
     Attributes:
-        move_empty: one cell with empty hands.
-        move_loaded: one cell with the item.
-        pick: taking the item.
-        drop: delivering it.
+        move_empty: a move of one cell without the item.
+        move_loaded: a move of one cell with the item.
+        pick: a pick.
+        drop: a drop.
     """
 
     move_empty: float
@@ -43,15 +42,15 @@ ONE_EACH = ActionCosts(1.0, 1.0, 1.0, 1.0)
 
 
 def action_costs(measure: str = STEPS, backend: Backend = "physics") -> ActionCosts:
-    """Return what actions cost.
+    """Return the costs of actions.
 
     Args:
         measure: one of ``COSTS``.
-        backend: that is asked for seconds and joules.
+        backend: that measures seconds and joules.
 
     Raises:
-        ValueError: another measure.
-        BackendError: the backend is not there.
+        ValueError: ``measure`` is unknown.
+        BackendError: there is no such backend.
     """
     if measure == STEPS:
         return ONE_EACH
@@ -63,7 +62,7 @@ def action_costs(measure: str = STEPS, backend: Backend = "physics") -> ActionCo
 
 
 def _measured(backend: Backend, measure: str, displacement: tuple[int, int], loaded: bool) -> float:
-    """Return what one action costs, from rest in the middle of a cell to rest in another."""
+    """Return the cost of one action, from rest to rest in the middle of a cell."""
     motion = make_motion(backend)
     try:
         motion.reset(FLOOR, [(1, 1)], 0)

@@ -1,7 +1,10 @@
-"""The delivery of an item as a search problem.
+"""Search problems on a layout: the route to a cell, and the delivery of an item.
 
-A state is ``(row, col, has_item)``, and ``DELIVERED`` once the item has been dropped. The
-transition model is that of ``warehouse_core/task/rules.py`` for a robot that goes where it is told.
+Both take their moves from a ``MoveTable``, which all problems with the same walls share. The
+transition model is that of ``warehouse_core/task/rules.py`` for a robot whose moves succeed.
+
+A state of a route is a cell. A state of a delivery is ``(row, col, has_item)``, and ``DELIVERED``
+after the drop.
 """
 
 from __future__ import annotations
@@ -12,19 +15,53 @@ from functools import lru_cache
 from agents.search.algorithms import Problem
 from agents.search.costs import ONE_EACH, ActionCosts
 from warehouse_core.world.layout import Layout, check_open
-from warehouse_core.world.tiles import DROPOFF, EMPTY, MOVE_DELTAS, PICKUP, Cell
+from warehouse_core.world.tiles import DROPOFF, EMPTY, MOVE_DELTAS, PICKUP, Cell, moved
+
+Moves = tuple[tuple[str, Cell, float], ...]
+"""The result of EXPAND for a cell: each open move, the cell that it leads to, and 1.0 step."""
+
+State = tuple[int, int, bool]
+
+DELIVERED: State = (-1, -1, False)
+"""The state after the drop, wherever the robot is."""
+
+
+class MoveTable(dict[Cell, Moves]):
+    """The open moves from each cell of a layout, computed when a cell is first looked up."""
+
+    def __init__(self, walls: Layout) -> None:
+        super().__init__()
+        self._walls = walls
+
+    def __missing__(self, cell: Cell) -> Moves:
+        moves = self[cell] = tuple(
+            (move, ahead, 1.0)
+            for move, delta in MOVE_DELTAS.items()
+            if self._walls.is_open(ahead := moved(cell, delta))
+        )
+        return moves
+
+
+def move_table(layout: Layout) -> MoveTable:
+    """Return the move table of a layout; layouts with the same walls share one."""
+    return _table(tuple(row.replace(PICKUP, EMPTY).replace(DROPOFF, EMPTY) for row in layout.rows))
+
+
+@lru_cache(maxsize=8)
+def _table(walls: tuple[str, ...]) -> MoveTable:
+    return MoveTable(Layout(walls))
 
 
 class RouteProblem(Problem[Cell, str]):
-    """Drive from a cell to another, at a cost of one for each move.
+    """Drive from one cell to another; each move costs 1.
 
     Args:
         layout: the walls.
-        start: the cell to begin with.
-        goal: the cell to come to.
+        start: the first cell.
+        goal: the last cell.
 
     Raises:
-        LayoutError: one of them is not open.
+        LayoutError: one of the cells is not open.
     """
 
     def __init__(self, layout: Layout, start: Cell, goal: Cell) -> None:
@@ -32,72 +69,34 @@ class RouteProblem(Problem[Cell, str]):
         check_open(layout, goal, "goal")
         self.initial = start
         self.goal = goal
-        self._floor = floor_of(layout)
+        self._moves = move_table(layout)
 
     def is_goal(self, state: Cell) -> bool:
-        """Say whether a cell is the goal."""
+        """Return whether a cell is the goal."""
         return state == self.goal
 
     def actions(self, state: Cell) -> Iterable[str]:
-        """Return the moves that no wall stops."""
-        return [move for move, _, _ in self._floor[state]]
+        """Return the open moves."""
+        return [move for move, _, _ in self._moves[state]]
 
     def result(self, state: Cell, action: str) -> Cell:
         """Return the cell that a move leads to."""
-        down, right = MOVE_DELTAS[action]
-        return state[0] + down, state[1] + right
+        return moved(state, MOVE_DELTAS[action])
 
     def expand(self, state: Cell) -> Moves:
-        """Return each move with its result and its cost, as the floor keeps them."""
-        return self._floor[state]
-
-
-Moves = tuple[tuple[str, Cell, float], ...]
-"""Each move that no wall stops, the cell that it leads to, and its cost in steps: EXPAND."""
-
-
-class Floor(dict[Cell, Moves]):
-    """The moves from every cell of some walls, worked out when a cell is first asked for."""
-
-    def __init__(self, walls: Layout) -> None:
-        super().__init__()
-        self._walls = walls
-
-    def __missing__(self, cell: Cell) -> Moves:
-        row, col = cell
-        moves = self[cell] = tuple(
-            (move, (row + down, col + right), 1.0)
-            for move, (down, right) in MOVE_DELTAS.items()
-            if self._walls.is_open((row + down, col + right))
-        )
-        return moves
-
-
-def floor_of(layout: Layout) -> Floor:
-    """Return the floor of a layout, the same one for all that have its walls."""
-    return _floor(tuple(row.replace(PICKUP, EMPTY).replace(DROPOFF, EMPTY) for row in layout.rows))
-
-
-@lru_cache(maxsize=8)
-def _floor(walls: tuple[str, ...]) -> Floor:
-    return Floor(Layout(walls))
-
-
-State = tuple[int, int, bool]
-
-DELIVERED: State = (-1, -1, False)
-"""The item has arrived, wherever the robot is."""
+        """Return each open move with its result and its cost."""
+        return self._moves[state]
 
 
 class DeliveryProblem(Problem[State, str]):
     """Pick the item up at a pickup and drop it at a dropoff.
 
     Args:
-        layout: the walls, and the stations where no others are given.
+        layout: the walls, and the default stations.
         start: the cell of the robot.
         has_item: whether it holds the item already.
-        pickups: where the item can be had.
-        dropoffs: where it can be delivered.
+        pickups: cells of the item; ``None`` for those of the layout.
+        dropoffs: cells where it can be delivered; ``None`` for those of the layout.
         costs: of the actions.
 
     Raises:
@@ -114,7 +113,6 @@ class DeliveryProblem(Problem[State, str]):
         dropoffs: Sequence[Cell] | None = None,
         costs: ActionCosts = ONE_EACH,
     ) -> None:
-        self.layout = layout
         self.initial = (*start, has_item)
         self.pickups = frozenset(layout.pickups if pickups is None else pickups)
         self.dropoffs = frozenset(layout.dropoffs if dropoffs is None else dropoffs)
@@ -123,14 +121,14 @@ class DeliveryProblem(Problem[State, str]):
             for cell in cells:
                 check_open(layout, cell, name)
         self.costs = costs
-        self._floor = floor_of(layout)
+        self._moves = move_table(layout)
 
     def is_goal(self, state: State) -> bool:
-        """Say whether the item has been delivered."""
+        """Return whether the item has been delivered."""
         return state == DELIVERED
 
     def actions(self, state: State) -> Iterable[str]:
-        """Return the moves that no wall stops, and ``PICK`` or ``DROP`` where they do something."""
+        """Return the open moves, and ``PICK`` or ``DROP`` where it has an effect."""
         return [action for action, _, _ in self.expand(state)]
 
     def result(self, state: State, action: str) -> State:
@@ -140,11 +138,10 @@ class DeliveryProblem(Problem[State, str]):
             return DELIVERED
         if action == "PICK":
             return row, col, True
-        down, right = MOVE_DELTAS[action]
-        return row + down, col + right, has_item
+        return *moved((row, col), MOVE_DELTAS[action]), has_item
 
     def action_cost(self, state: State, action: str, successor: State) -> float:
-        """Return what an action costs."""
+        """Return the cost of an action."""
         if action in MOVE_DELTAS:
             return self.costs.move_loaded if state[2] else self.costs.move_empty
         return self.costs.drop if action == "DROP" else self.costs.pick
@@ -155,7 +152,7 @@ class DeliveryProblem(Problem[State, str]):
         if state == DELIVERED:
             return []
         cost = self.costs.move_loaded if has_item else self.costs.move_empty
-        found = [(move, (*cell, has_item), cost) for move, cell, _ in self._floor[row, col]]
+        found = [(move, (*cell, has_item), cost) for move, cell, _ in self._moves[row, col]]
         if has_item and (row, col) in self.dropoffs:
             found.append(("DROP", DELIVERED, self.costs.drop))
         if not has_item and (row, col) in self.pickups:

@@ -1,4 +1,4 @@
-"""Why an agent failed, in a line that names the place in its file."""
+"""The reason of an agent's failure, with the place in its file."""
 
 from pathlib import Path
 
@@ -20,13 +20,13 @@ def caught(error: BaseException) -> BaseException:
     return found.value
 
 
-def test_it_says_what_and_where() -> None:
+def test_a_reason_has_the_error_and_the_place() -> None:
     line = caught.__code__.co_firstlineno + 2
     reason = reason_of(caught(ValueError("too\nlate")))
     assert reason == f"ValueError: too\nlate (test_errors.py, line {line})"
 
 
-def test_the_place_is_in_the_file_that_is_asked_about() -> None:
+def test_the_place_is_in_the_given_file() -> None:
     with pytest.raises(ValueError, match="Invalid name") as found:
         Path(FILE / "x").with_name("/")
     assert "pathlib.py" in reason_of(found.value)
@@ -35,6 +35,6 @@ def test_the_place_is_in_the_file_that_is_asked_about() -> None:
     assert "pathlib.py" in reason_of(found.value, Path("other.py"))
 
 
-def test_an_exception_without_words_or_place_is_its_name() -> None:
+def test_an_exception_without_a_message_and_a_place_is_its_name() -> None:
     assert reason_of(KeyboardInterrupt()) == "KeyboardInterrupt"
     assert reason_of(BrokenError()) == "BrokenError"

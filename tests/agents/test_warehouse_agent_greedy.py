@@ -42,12 +42,12 @@ def chosen(agent: GreedyAgent, *observations: Observation) -> list[tuple[str, st
 # One step.
 
 
-def test_distance_is_manhattans() -> None:
+def test_distances_are_manhattan_distances() -> None:
     assert distance((1, 2), (4, 0)) == distance((4, 0), (1, 2)) == 5
     assert distance((3, 3), (3, 3)) == 0
 
 
-def test_distance_after_a_move_is_from_where_it_leads() -> None:
+def test_the_distance_after_a_move() -> None:
     after = [distance_after(move, (2, 2), (0, 4)) for move in ("N", "E", "S", "W")]
     assert after == [3, 3, 5, 5]
 
@@ -75,12 +75,12 @@ def test_a_move_that_lowers_the_distance_is_taken(goal: Cell, action: str) -> No
     assert chosen(GreedyAgent(seed=0), seen(pickup=goal)) == [(action, "greedy")]
 
 
-def test_a_wall_in_the_way_is_not_driven_at() -> None:
+def test_a_move_into_a_wall_is_not_taken() -> None:
     walled = seen(pickup=(2, 9), view=[".#.", ".R.", "..."])
     assert chosen(GreedyAgent(seed=0), walled) == [("E", "greedy")]
 
 
-def test_empty_hands_go_to_the_pickup_and_full_ones_to_the_dropoff() -> None:
+def test_the_goal_is_the_pickup_and_with_the_item_the_dropoff() -> None:
     places: dict[str, Any] = {"pickup": (5, 9), "dropoff": (5, 0)}
     assert GreedyAgent(seed=0).act(seen(**places)) == "E"
     assert GreedyAgent(seed=0).act(seen(**places, loaded=True)) == "W"
@@ -99,7 +99,7 @@ def test_without_a_goal_it_waits(loaded: bool) -> None:
     assert chosen(GreedyAgent(seed=0), *[nowhere] * 5) == [("WAIT", "no goal")] * 5
 
 
-def test_where_every_open_move_leads_away_it_is_stuck_and_takes_any() -> None:
+def test_where_every_open_move_raises_the_distance_it_is_stuck_and_takes_any() -> None:
     stuck = seen(pickup=(2, 5), view=[".#.", ".R.", "..."])
     answers = [chosen(GreedyAgent(seed=seed), stuck)[0] for seed in range(60)]
     assert set(answers) == {("E", "stuck"), ("S", "stuck"), ("W", "stuck")}
@@ -113,14 +113,14 @@ def test_walled_in_it_waits() -> None:
 # Loops.
 
 
-def test_on_a_cell_visited_lately_it_escapes_for_three_steps() -> None:
+def test_on_a_remembered_cell_it_escapes_for_three_steps() -> None:
     cells = [(5, 5), (5, 6), (5, 5), (5, 7), (5, 8), (5, 9), (5, 10)]
     reasons = [reason for _, reason in chosen(GreedyAgent(seed=0), *map(seen, cells))]
     assert reasons == ["greedy", "greedy", "escape", "escape", "escape", "greedy", "greedy"]
 
 
-@pytest.mark.parametrize("escape_steps", [1, 2, 5])
-def test_an_escape_lasts_as_long_as_asked(escape_steps: int) -> None:
+@pytest.mark.parametrize("escape_steps", [1, 5])
+def test_an_escape_takes_escape_steps(escape_steps: int) -> None:
     cells = [(5, 5), (5, 5), *((5, col) for col in range(20, 30))]
     agent = GreedyAgent(seed=0, escape_steps=escape_steps)
     reasons = [reason for _, reason in chosen(agent, *map(seen, cells))]
@@ -141,7 +141,7 @@ def test_an_escape_takes_any_open_move() -> None:
     assert moves == {("E", "escape"), ("S", "escape"), ("W", "escape")}
 
 
-def test_an_escape_does_not_pass_over_the_goal() -> None:
+def test_an_escape_stops_at_the_goal() -> None:
     answers = chosen(GreedyAgent(seed=0), seen(), seen(), seen((9, 9)))
     assert answers[1][1] == "escape"
     assert answers[2] == ("PICK", "greedy")
@@ -154,9 +154,9 @@ def test_without_escape_steps_it_never_escapes() -> None:
     assert {reason for _, reason in chosen(agent, *[seen()] * 30)} == {"greedy"}
 
 
-@pytest.mark.parametrize("memory", [0, 1, 4, 10])
-def test_it_remembers_as_many_positions_as_asked(memory: int) -> None:
-    for between in range(14):
+@pytest.mark.parametrize("memory", [0, 4])
+def test_it_remembers_as_many_positions_as_memory(memory: int) -> None:
+    for between in range(6):
         detour = [seen((20 + step, 5)) for step in range(between)]
         agent = GreedyAgent(seed=0, memory=memory)
         reason = chosen(agent, seen(), *detour, seen())[-1][1]
@@ -180,10 +180,10 @@ def test_a_reset_forgets_positions_and_escapes() -> None:
     assert chosen(agent, seen(), seen((6, 6))) == [("E", "greedy"), ("E", "greedy")]
 
 
-# Chance.
+# Random numbers.
 
 
-def test_a_reset_begins_the_seeded_stream_anew() -> None:
+def test_a_reset_restarts_the_seeded_stream() -> None:
     agent, stuck = GreedyAgent(seed=3), seen(pickup=(2, 5), view=["###", ".R.", "#.#"])
     runs = []
     for _ in range(2):
@@ -209,7 +209,7 @@ def test_an_unseeded_agent_draws_from_the_global_stream() -> None:
 
 
 @pytest.mark.parametrize("name", ["memory", "escape_steps"])
-def test_a_negative_number_is_refused(name: str) -> None:
+def test_a_negative_number_is_an_error(name: str) -> None:
     with pytest.raises(ValueError, match=f"{name} is -1; it must be at least 0"):
         GreedyAgent(**{name: -1})
 
@@ -217,49 +217,49 @@ def test_a_negative_number_is_refused(name: str) -> None:
 # Whole episodes.
 
 
-class Blinkered(dict[str, Any]):
-    """An observation that notes what is looked at."""
+class Watched(dict[str, Any]):
+    """An observation that notes the keys that are read."""
 
-    asked: set[str]
+    read: set[str]
 
     def __getitem__(self, key: str) -> Any:
-        self.asked.add(key)
+        self.read.add(key)
         return super().__getitem__(key)
 
 
 def test_it_uses_nothing_but_the_observation() -> None:
-    blinkered, plain = GreedyAgent(seed=1), GreedyAgent(seed=1)
+    watched, plain = GreedyAgent(seed=1), GreedyAgent(seed=1)
     env = WarehouseEnv()
     observation = env.reset(randomize=True, seed=1)
     for _ in range(100):
-        frozen = Blinkered(observation)
-        frozen.asked = set()
-        action = blinkered.act(frozen)
+        frozen = Watched(observation)
+        frozen.read = set()
+        action = watched.act(frozen)
         assert action == plain.act(observation)
-        assert frozen.asked <= {
+        assert frozen.read <= {
             "robot_pos", "has_item", "pickup_pos", "dropoff_pos", "local_grid",
         }  # fmt: skip
         assert frozen == observation
         observation = env.step(action)[0]
 
 
-def test_it_never_drives_at_a_wall_in_view() -> None:
-    for seed in range(50):
+def test_it_never_drives_into_a_wall_in_view() -> None:
+    for seed in range(20):
         episode = record_episode(WarehouseEnv(), GreedyAgent(seed=seed), seed=seed)
         assert not any(motion.blocked for motion in episode.motions)
 
 
 def delivered(**options: int) -> float:
-    """Return the share of 300 random episodes that end with a delivery."""
+    """Return the share of 200 random episodes that end with a delivery."""
     env = WarehouseEnv()
     episodes = (
-        record_episode(env, GreedyAgent(seed=seed, **options), seed=seed) for seed in range(300)
+        record_episode(env, GreedyAgent(seed=seed, **options), seed=seed) for seed in range(200)
     )
-    return sum(episode.terminated for episode in episodes) / 300
+    return sum(episode.terminated for episode in episodes) / 200
 
 
 def test_it_delivers_in_about_85_of_100_episodes() -> None:
-    # The standard error of 300 episodes is 0.02; one escape step instead of three gives 0.75.
+    # The standard error of 200 episodes is 0.025; one escape step instead of three gives 0.75.
     assert 0.80 < delivered() < 0.90
 
 

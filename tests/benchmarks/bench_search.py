@@ -1,4 +1,4 @@
-"""A* on the benchmark's warehouse beside networkx, and a plan on the chapter's."""
+"""A* on a benchmark warehouse against networkx, and a plan on the chapter's layout."""
 
 import random
 from collections.abc import Callable, Sequence
@@ -40,7 +40,7 @@ def pairs(warehouse: Layout) -> list[Pair]:
 
 @pytest.fixture(scope="module")
 def graph(warehouse: Layout) -> nx.Graph:
-    """Return the same map for networkx, ready built."""
+    """Return the same map as a graph of networkx."""
     rows = warehouse.rows
     graph = nx.grid_2d_graph(warehouse.height, warehouse.width)
     walls = [(r, c) for r, row in enumerate(rows) for c, tile in enumerate(row) if tile == "#"]
@@ -71,7 +71,7 @@ def theirs(graph: nx.Graph, pairs: Sequence[Pair], weight: Weight | None = None)
 
 
 def their_expansions(graph: nx.Graph, pair: Pair) -> int:
-    """Count the nodes whose edges networkx asks the weight of."""
+    """Count the nodes whose edge weights networkx reads."""
     seen = set()
 
     def weight(here: Cell, there: Cell, edge: object) -> float:
@@ -92,7 +92,7 @@ def test_astar_is_ten_times_as_fast_as_networkx(
 def test_astar_expands_no_more_than_networkx(
     warehouse: Layout, pairs: list[Pair], graph: nx.Graph, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """In all; a single pair may go either way, as equal nodes are taken in another order."""
+    """In total; for a single pair it may differ, as equal nodes are expanded in another order."""
     mine = [expanded for _, expanded in ours(warehouse, pairs)]
     others = [their_expansions(graph, pair) for pair in pairs]
     fewer = sum(one <= other for one, other in zip(mine, others, strict=True))
@@ -107,7 +107,7 @@ def test_astar_expands_no_more_than_networkx(
 def test_both_legs_on_the_default_grid_take_less_than_a_millisecond(
     times_faster: Callable[..., float], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A thousand plans, against a loop that asks the clock until a second has passed."""
+    """A thousand plans, against a loop that reads the clock for a second."""
 
     def plan() -> None:
         problem = DeliveryProblem(DEFAULT_LAYOUT, (1, 1))
@@ -124,8 +124,8 @@ def test_both_legs_on_the_default_grid_take_less_than_a_millisecond(
     assert ratio > 1
 
 
-def test_a_step_that_follows_a_plan_costs_little_more_than_a_look_into_a_table(capsys) -> None:
-    """Less than 2 microseconds more, as the median of many rounds in turn."""
+def test_a_step_of_a_plan_is_about_as_fast_as_a_dictionary_lookup(capsys) -> None:
+    """Less than 2 microseconds more, as the median of alternating rounds."""
     agent, env = SearchAgent(DEFAULT_LAYOUT), WarehouseEnv()
     observation = env.reset(randomize=True, seed=12)
     agent.act(observation)
@@ -143,5 +143,5 @@ def test_a_step_that_follows_a_plan_costs_little_more_than_a_look_into_a_table(c
     more = [seconds(ask_agent) - seconds(ask_table) for _ in range(15)]
     microseconds = median(more) / count * 1e6
     with capsys.disabled():
-        print(f"\na step of SearchAgent: {microseconds:.2f} us more than a look into a table")
+        print(f"\na step of SearchAgent: {microseconds:.2f} us more than a lookup in a table")
     assert microseconds < 2

@@ -1,4 +1,4 @@
-"""Networks that tests make up."""
+"""Networks for tests."""
 
 from itertools import pairwise
 
@@ -8,7 +8,7 @@ from agents.learning.policy_network import Layer, PolicyNetwork, input_size
 
 
 def layers_of(*widths: int, stream: np.random.Generator) -> list[Layer]:
-    """Return layers from each width to the next, with weights drawn from a stream."""
+    """Return layers from each width to the next, with random weights."""
     return [
         (
             stream.normal(size=(outputs, inputs)).astype(np.float32),
@@ -19,14 +19,14 @@ def layers_of(*widths: int, stream: np.random.Generator) -> list[Layer]:
 
 
 def random_network(seed: int, view_radius: int = 2) -> PolicyNetwork:
-    """Return a network that has learnt nothing."""
+    """Return a network with random weights."""
     stream = np.random.default_rng(seed)
     widths = input_size(view_radius), 8, 6, 7
     return PolicyNetwork(view_radius, layers_of(*widths, stream=stream))
 
 
-def stubborn_network(*logits: float, view_radius: int = 2) -> PolicyNetwork:
-    """Return a network that gives the same seven numbers whatever it sees."""
+def constant_network(*logits: float, view_radius: int = 2) -> PolicyNetwork:
+    """Return a network with the same seven outputs for every input."""
     size = input_size(view_radius)
     layers = [(np.zeros((5, inputs), np.float32), np.zeros(5, np.float32)) for inputs in (size, 5)]
     last = np.zeros((7, 5), np.float32), np.array(logits, np.float32)

@@ -1,6 +1,6 @@
-"""What judges the planners and shares no code with them: a replay of plans, graphs for networkx.
+"""A validator of plans, and graphs for networkx; neither shares code with the planners.
 
-A *way* is a state of a delivery in a graph: ``(row, col, has_item)``, or ``END`` once delivered.
+A state of a delivery in a graph is ``(row, col, has_item)``, and ``END`` after the drop.
 """
 
 import random
@@ -11,7 +11,7 @@ import networkx as nx
 
 Place = tuple[int, int]
 Prices = dict[str, float]
-"""What a move with empty hands, a move with the item, PICK and DROP cost, by these names."""
+"""The costs of a move with empty hands, a move with the item, PICK and DROP, by these names."""
 
 EMPTY_HANDS, LOADED, PICK, DROP = "empty", "loaded", "PICK", "DROP"
 END = "end"
@@ -19,14 +19,14 @@ END = "end"
 
 @dataclass
 class Replay:
-    """What the actions of a plan lead to on the rows of a layout.
+    """The result of the actions of a plan on the rows of a layout.
 
     Attributes:
         place: where the robot is at the end.
         has_item: whether it holds the item then.
         cost: of all actions.
-        places: all that it stood on, one for each action and the first.
-        errors: what was wrong, each with the number of its action.
+        places: the first, and that after each action.
+        errors: each with the number of its action.
     """
 
     place: Place
@@ -37,7 +37,7 @@ class Replay:
 
 
 def replay_route(rows: Sequence[str], start: Place, goal: Place, plan: Sequence[str]) -> Replay:
-    """Replay a plan of moves that is to end on the goal."""
+    """Replay a plan of moves that should end on the goal."""
     done = Replay(start, places=[start])
     for number, word in enumerate(plan):
         _drive(done, rows, number, word)
@@ -56,7 +56,7 @@ def replay_delivery(
     prices: Prices,
     plan: Sequence[str],
 ) -> Replay:
-    """Replay a plan that is to end with the one and only drop."""
+    """Replay a plan that should end with its only drop."""
     done, drops = Replay(start, has_item, places=[start]), []
     for number, word in enumerate(plan):
         if word == "PICK":
@@ -94,12 +94,12 @@ def _drive(done: Replay, rows: Sequence[str], number: int, word: str) -> None:
     done.places.append(done.place)
 
 
-def random_rows(stream: random.Random, least: int = 4, most: int = 9) -> list[str]:
-    """Return walls strewn at any density, without a border and often in several pieces.
+def random_rows(stream: random.Random, min_size: int = 4, max_size: int = 9) -> list[str]:
+    """Return random walls of a random density, without a border and often in several parts.
 
     At least one cell is open.
     """
-    height, width = stream.randint(least, most), stream.randint(least, most)
+    height, width = stream.randint(min_size, max_size), stream.randint(min_size, max_size)
     density = stream.uniform(0, 0.6)
     tiles = [
         ["#" if stream.random() < density else "." for _ in range(width)] for _ in range(height)
@@ -113,7 +113,7 @@ def open_places(rows: Sequence[str]) -> list[Place]:
 
 
 def random_prices(stream: random.Random) -> Prices:
-    """Return prices in eighths, zero among them: their sums are exact whatever the order."""
+    """Return prices in eighths, including 0: their sums are exact in any order."""
     return {
         name: stream.choice((0.0, 1.0, stream.randrange(80) / 8))
         for name in (EMPTY_HANDS, LOADED, PICK, DROP)
@@ -121,7 +121,7 @@ def random_prices(stream: random.Random) -> Prices:
 
 
 def _steps(rows: Sequence[str]) -> list[tuple[Place, Place]]:
-    """Return each two open places that are beside or below each other, once."""
+    """Return each pair of neighbouring open places once."""
     places = open_places(rows)
     known = set(places)
     return [
@@ -133,7 +133,7 @@ def _steps(rows: Sequence[str]) -> list[tuple[Place, Place]]:
 
 
 def route_graph(rows: Sequence[str]) -> nx.Graph:
-    """Return the open places, joined where a robot can drive."""
+    """Return the graph of the open places and the moves between them."""
     graph = nx.Graph()
     graph.add_nodes_from(open_places(rows))
     graph.add_edges_from(_steps(rows))
@@ -146,7 +146,7 @@ def delivery_graph(
     dropoffs: Collection[Place],
     prices: Prices,
 ) -> nx.DiGraph:
-    """Return the ways of a delivery, each edge with its ``weight``: two floors and an end."""
+    """Return the graph of the states of a delivery, each edge with its ``weight``."""
     graph = nx.DiGraph()
     graph.add_node(END)
     graph.add_nodes_from((r, c, load) for r, c in open_places(rows) for load in (False, True))

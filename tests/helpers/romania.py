@@ -29,7 +29,7 @@ STRAIGHT_LINE = {
 
 
 class Travel(Problem[str, str]):
-    """Go from a place to another by one-way roads; an action is the name of the next place."""
+    """Travel by one-way roads; an action is the name of the next place."""
 
     def __init__(self, roads: Mapping[tuple[str, str], float], start: str, goal: str) -> None:
         self.initial = start
@@ -50,7 +50,7 @@ class Travel(Problem[str, str]):
 
 
 def romania(start: str = "Arad", goal: str = "Bucharest") -> Travel:
-    """Return the book's problem: every road leads both ways."""
+    """Return the book's problem; every road can be used both ways."""
     back = {(there, here): miles for (here, there), miles in ROADS.items()}
     return Travel(ROADS | back, start, goal)
 

@@ -1,14 +1,17 @@
 """The command ``warehouse compare-agents``."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from helpers.command_line import command, refusal
 from PIL import Image
 
-from agents.evaluation.scores import CONTENDERS
+from agents.commands.compare_agents import contenders
+from agents.search.agents import ExploringAgent
+from warehouse_core import DEFAULT_LAYOUT
 
-SMALL = ("compare-agents", "-n", 3, "--backend", "grid", "--max-steps", 40)
+SMALL = ("compare-agents", "-n", 2, "--backend", "grid", "--max-steps", 40)
 
 
 def test_it_prints_a_row_for_each_agent(
@@ -17,8 +20,8 @@ def test_it_prints_a_row_for_each_agent(
     monkeypatch.setenv("COLUMNS", "150")
     code, out, err = command(capsys, *SMALL, "--seed", 5)
     assert (code, err) == (0, "")
-    assert "3 episodes each, backend grid, seeds from 5" in out
-    assert all(name in out for name in CONTENDERS)
+    assert "2 episodes each, backend grid, seeds from 5" in out
+    assert all(name in out for name in contenders(DEFAULT_LAYOUT))
     assert "none" not in out.split("A*")[1]
 
 
@@ -26,6 +29,15 @@ def test_the_same_seeds_give_the_same_table(capsys: pytest.CaptureFixture[str]) 
     tables = [command(capsys, *SMALL, "--seed", seed).out for seed in (1, 1, 2)]
     rows = [table.partition("\n")[2] for table in tables]  # the title has the seed
     assert rows[0] == rows[1] != rows[2]
+
+
+def test_the_agents_are_what_their_names_say() -> None:
+    made: dict[str, Any] = {name: make(7) for name, make in contenders(DEFAULT_LAYOUT).items()}
+    assert made["greedy"].seed == made["greedy without escape"].seed == 7
+    assert made["greedy"].escape_steps > 0
+    assert made["greedy without escape"].escape_steps == 0
+    assert isinstance(made["exploring"], ExploringAgent)
+    assert (made["uniform-cost"].algorithm, made["A*"].algorithm) == ("ucs", "astar")
 
 
 @pytest.mark.parametrize("name", ["figure.png", "figure.svg"])
@@ -39,7 +51,7 @@ def test_the_figure_is_saved(capsys: pytest.CaptureFixture[str], tmp_path: Path,
         assert "<svg" in path.read_text(encoding="utf-8")
 
 
-def test_what_cannot_be_saved_is_refused_before_anything_runs(
+def test_a_file_that_cannot_be_written_is_an_error_before_the_episodes(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     line = refusal(capsys, *SMALL, "--save", tmp_path / "figure.gif")

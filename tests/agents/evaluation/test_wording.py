@@ -1,4 +1,4 @@
-"""Numbers in sentences: as many digits as they are worth, and plurals that are right."""
+"""Numbers in sentences: their digits and plurals."""
 
 import pytest
 
@@ -6,7 +6,7 @@ from agents.evaluation import wording
 from agents.evaluation.interval import Interval
 
 
-def test_a_share_stands_with_its_interval_in_points() -> None:
+def test_a_share_has_its_interval_in_brackets() -> None:
     assert wording.share(Interval(0.8744, 0.852, 0.8931)) == "87.4% (85.2 to 89.3)"
 
 
@@ -16,7 +16,7 @@ def test_a_share_stands_with_its_interval_in_points() -> None:
      (48.91, "48.9 s (48.9 to 48.9)"), (107.4, "107 s (107 to 107)"),
      (3863.2, "3,863 s (3,863 to 3,863)"), (-12.34, "-12.3 s (-12.3 to -12.3)")],
 )  # fmt: skip
-def test_a_mean_has_three_digits_and_all_before_the_point(estimate: float, words: str) -> None:
+def test_a_mean_has_three_digits_or_all_before_the_point(estimate: float, words: str) -> None:
     assert wording.mean(Interval(estimate, estimate, estimate), "s") == words
 
 
@@ -27,20 +27,28 @@ def test_a_mean_may_have_no_unit_and_more_in_its_brackets() -> None:
 @pytest.mark.parametrize(
     ("probability", "words"), [(0.0, "p < 0.001"), (0.00099, "p < 0.001"), (0.05, "p = 0.050")]
 )
-def test_a_chance_is_never_said_to_be_nought(probability: float, words: str) -> None:
+def test_a_p_value_is_never_zero(probability: float, words: str) -> None:
     assert wording.chance(probability) == words
 
 
-def test_of_a_mean_only_what_is_known_is_said() -> None:
+def test_a_mean_without_an_interval_has_no_ends() -> None:
     assert wording.mean(Interval(20), "steps") == "20.0 steps"
     assert wording.mean(Interval(20), "s", "shortest 8") == "20.0 s (shortest 8)"
 
 
 @pytest.mark.parametrize(
     ("part", "words"),
-    [(0, "0%"), (0.001, "<1%"), (0.005, "0%"), (0.126, "13%"), (0.996, ">99%"), (1, "100%")],
+    [
+        (0, "0%"),
+        (0.001, "<1%"),
+        (0.005, "0%"),
+        (0.126, "13%"),
+        (0.96, "96%"),
+        (0.996, ">99%"),
+        (1, "100%"),
+    ],
 )
-def test_a_little_is_not_said_to_be_none_nor_nearly_all_to_be_all(part: float, words: str) -> None:
+def test_a_share_is_not_rounded_to_none_or_all(part: float, words: str) -> None:
     assert wording.percent(part) == words
 
 
@@ -51,7 +59,7 @@ def test_a_list_ends_with_and(parts: list[str], words: str) -> None:
     assert wording.listed(parts) == words
 
 
-def test_one_thing_has_no_plural() -> None:
+def test_only_one_has_no_plural() -> None:
     assert wording.counted(1, "seed") == "1 seed"
     assert wording.counted(0, "seed") == "0 seeds"
     assert wording.counted(12345, "seed") == "12,345 seeds"

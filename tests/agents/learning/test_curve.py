@@ -5,24 +5,26 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from agents.evaluation.interval import share_interval
-from agents.evaluation.samples import Scores
+from agents.evaluation.scores import Run, Scores
 from agents.learning import curve as learning_curve
 from agents.learning.curve import (
     DPI,
     GREEDY,
     LEARNER,
     SIZE,
-    Point,
     mean_length,
     save_learning_curve,
 )
+from agents.learning.training import Point
 from warehouse_core.viz.figure import SceneFigure, make_figure
 
 
 def scores(success: float, count: int = 200) -> Scores:
-    delivered = np.arange(count) < success * count
-    return Scores(delivered, np.where(delivered, 14, 200))
+    good = round(success * count)
+    return Scores(
+        [Run(True, 14, 14.0, 0.0, 0.0, 0)] * good
+        + [Run(False, 200, 14.0, 0.0, 0.0, 0)] * (count - good)
+    )
 
 
 POINTS = [Point(60_000 * (n + 1), scores(s)) for n, s in enumerate((0, 0.1, 0.5, 0.98, 1))]
@@ -30,7 +32,7 @@ POINTS = [Point(60_000 * (n + 1), scores(s)) for n, s in enumerate((0, 0.1, 0.5,
 
 @pytest.fixture
 def drawn(monkeypatch: pytest.MonkeyPatch) -> list[SceneFigure]:
-    """Return a list to which every figure that is made is added."""
+    """Return a list that collects the figures."""
     figures: list[SceneFigure] = []
 
     def make(*arguments: float) -> SceneFigure:
@@ -72,7 +74,7 @@ def test_both_lines_are_in_the_picture(tmp_path: Path) -> None:
     assert [each.name for each in tmp_path.iterdir()] == ["curve.png"]
 
 
-def test_the_picture_says_what_it_shows(tmp_path: Path, drawn: list[SceneFigure]) -> None:
+def test_the_picture_has_its_captions(tmp_path: Path, drawn: list[SceneFigure]) -> None:
     save_learning_curve(tmp_path / "c.png", "PPO", "A title", POINTS, scores(0.87, 1000))
     said = words(drawn[0])
     for phrase in (
@@ -105,18 +107,16 @@ def test_the_band_is_the_interval_of_each_point(tmp_path: Path, drawn: list[Scen
     (outline,) = band.get_paths()
     corners = {(round(x), round(y, 4)) for x, y in np.asarray(outline.vertices).tolist()}
     for point in POINTS:
-        _, *ends = share_interval(int(point.scores.delivered.sum()), 200)
-        for end in ends:
+        for end in point.scores.success[1:]:
             assert (point.steps, round(end, 4)) in corners
 
 
-@pytest.mark.parametrize("count", [1, 2])
-@pytest.mark.parametrize("success", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize(("success", "count"), [(0.0, 1), (0.3, 2), (1.0, 1)])
 def test_every_line_and_name_is_within_the_axes(
     tmp_path: Path, drawn: list[SceneFigure], success: float, count: int
 ) -> None:
     points = [Point(1 + n, scores(success)) for n in range(count)]
-    for greedy in (scores(0), scores(0.9), scores(1)):
+    for greedy in (scores(0), scores(1)):
         save_learning_curve(tmp_path / "c.png", "PPO", "", points, greedy)
         for axes in drawn[-1].axes:
             box = axes.get_window_extent().expanded(1.01, 1.02)
@@ -126,15 +126,15 @@ def test_every_line_and_name_is_within_the_axes(
                 assert box.containsy(text.get_window_extent().y1)
 
 
-def test_the_names_of_the_lines_never_meet(tmp_path: Path, drawn: list[SceneFigure]) -> None:
-    for success in (0.0, 0.5, 0.88, 0.9, 1.0):
+def test_the_names_of_the_lines_never_overlap(tmp_path: Path, drawn: list[SceneFigure]) -> None:
+    for success in (0.0, 0.88, 0.9, 1.0):
         save_learning_curve(tmp_path / "c.png", "PPO", "", [Point(9, scores(success))], scores(0.9))
         for axes in drawn[-1].axes:
             one, other = (text.get_window_extent() for text in axes.texts)
             assert not one.overlaps(other), success
 
 
-def test_a_picture_that_cannot_be_finished_leaves_nothing(
+def test_a_picture_that_cannot_be_written_leaves_no_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(_: object, file: Path, **__: object) -> None:
@@ -147,5 +147,5 @@ def test_a_picture_that_cannot_be_finished_leaves_nothing(
     assert not list(tmp_path.iterdir())
 
 
-def test_failures_count_with_all_their_steps() -> None:
+def test_the_mean_length_includes_failures() -> None:
     assert mean_length(scores(0.5)) == 107

@@ -41,10 +41,10 @@ def as_header(header: object) -> np.ndarray:
     return np.frombuffer(json.dumps(header).encode(), np.uint8)
 
 
-# What it computes.
+# Outputs.
 
 
-def test_each_layer_is_a_weighted_sum_and_all_but_the_last_are_bent_by_tanh() -> None:
+def test_each_layer_is_a_weighted_sum_with_tanh_except_the_last() -> None:
     network = random_network(3, view_radius=0)
     values = [0.1 * number for number in range(input_size(0))]
     for number, (weights, biases) in enumerate(network.layers):
@@ -57,14 +57,14 @@ def test_each_layer_is_a_weighted_sum_and_all_but_the_last_are_bent_by_tanh() ->
     assert network.logits(inputs) == pytest.approx(values, abs=1e-5)
 
 
-def test_a_batch_gives_what_its_rows_give() -> None:
+def test_a_batch_has_the_outputs_of_its_rows() -> None:
     network = random_network(1)
     inputs = np.random.default_rng(2).random((5, input_size(2)), np.float32)
     each = np.array([network.logits(row) for row in inputs])
     assert network.logits(inputs) == pytest.approx(each, abs=1e-5)
 
 
-def test_what_is_left_of_battery_and_time_is_no_input() -> None:
+def test_battery_and_steps_are_no_input() -> None:
     observation = WarehouseEnv().reset()
     inputs = network_input(encode(observation))
     assert inputs.shape == (input_size(2),) == (84,)
@@ -75,23 +75,23 @@ def test_what_is_left_of_battery_and_time_is_no_input() -> None:
         assert not np.array_equal(changed, inputs), change
 
 
-@pytest.mark.parametrize("radius", [0, 1, 3])
-def test_the_input_is_as_large_as_is_said_for_each_radius(radius: int) -> None:
+@pytest.mark.parametrize("radius", [0, 3])
+def test_the_input_has_the_input_size(radius: int) -> None:
     observation = WarehouseEnv(view_radius=radius).reset()
     assert network_input(encode(observation)).shape == (input_size(radius),)
 
 
 @pytest.mark.parametrize(
     ("widths", "layer"),
-    [((83, 8, 6, 7), 0), ((84, 8, 6, 6), 2), ((84, 8, 6, 8), 2)],
+    [((83, 8, 6, 7), 0), ((84, 8, 6, 8), 2)],
 )
-def test_layers_that_do_not_fit_are_refused(widths: tuple[int, ...], layer: int) -> None:
+def test_a_wrong_width_is_an_error(widths: tuple[int, ...], layer: int) -> None:
     layers = layers_of(*widths, stream=np.random.default_rng(1))
     with pytest.raises(ValueError, match=rf"layer {layer} has the shapes"):
         PolicyNetwork(2, layers)
 
 
-def test_a_layer_that_does_not_follow_the_one_before_is_refused() -> None:
+def test_layers_that_do_not_fit_together_are_an_error() -> None:
     stream = np.random.default_rng(1)
     first, *_ = layers_of(84, 8, stream=stream)
     with pytest.raises(ValueError, match="layer 1 has the shapes"):
@@ -102,7 +102,7 @@ def test_a_layer_that_does_not_follow_the_one_before_is_refused() -> None:
 
 
 @pytest.mark.parametrize("widths", [(84, 7), (84, 8, 8, 8, 7)])
-def test_another_number_of_layers_is_refused(widths: tuple[int, ...]) -> None:
+def test_another_number_of_layers_is_an_error(widths: tuple[int, ...]) -> None:
     layers = layers_of(*widths, stream=np.random.default_rng(1))
     with pytest.raises(ValueError, match=f"there are {len(layers)} layers; there must be 3"):
         PolicyNetwork(2, layers)
@@ -111,7 +111,7 @@ def test_another_number_of_layers_is_refused(widths: tuple[int, ...]) -> None:
 # Its file.
 
 
-def test_a_network_comes_back_from_its_file(saved: Path) -> None:
+def test_a_network_is_read_back_from_its_file(saved: Path) -> None:
     network, again = random_network(1), PolicyNetwork.load(saved)
     assert again.view_radius == network.view_radius
     for one, other in zip(network.layers, again.layers, strict=True):
@@ -133,36 +133,35 @@ def test_the_file_holds_plain_arrays(saved: Path) -> None:
         (HEADER | {"view_radius": -1}, "view_radius is -1; it must be a whole number, at least 0"),
         (HEADER | {"view_radius": 2.0}, "view_radius is 2.0; "),
         (HEADER | {"view_radius": True}, "view_radius is True; "),
-        (HEADER | {"view_radius": "2"}, "view_radius is '2'; "),
         (HEADER | {"view_radius": 1}, "layer 0 has the shapes (8, 84) and (8,); they must be"),
     ],
 )
-def test_a_header_that_is_wrong_is_refused(saved: Path, header: object, says: str) -> None:
+def test_a_wrong_header_is_an_error(saved: Path, header: object, says: str) -> None:
     save_changed(saved, header=as_header(header))
     assert refusal(saved).startswith(says)
 
 
-def test_a_header_that_is_no_text_is_refused(saved: Path) -> None:
+def test_a_header_that_is_not_json_is_an_error(saved: Path) -> None:
     for data in (b"{", b"\xff", b"[" * 100_000):
         save_changed(saved, header=np.frombuffer(data, np.uint8))
         assert refusal(saved).startswith("its header is no JSON text")
 
 
-def test_a_radius_that_asks_for_much_memory_is_refused(saved: Path, little_memory: Any) -> None:
+def test_a_large_radius_is_an_error_without_much_memory(saved: Path, little_memory: Any) -> None:
     save_changed(saved, header=as_header(HEADER | {"view_radius": 10**6}))
     with little_memory():
         refusal(saved)
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
-def test_numbers_that_are_not_finite_are_refused(saved: Path, value: float) -> None:
+def test_numbers_that_are_not_finite_are_an_error(saved: Path, value: float) -> None:
     biases = np.zeros(7, np.float32)
     biases[3] = value
     save_changed(saved, biases_2=biases)
     assert refusal(saved) == "layer 2 has numbers that are not finite"
 
 
-def test_damage_is_refused(saved: Path) -> None:
+def test_a_damaged_file_is_an_error(saved: Path) -> None:
     data = saved.read_bytes()
     for damaged in (b"", data[:-30], data[: len(data) // 2]):
         saved.write_bytes(damaged)

@@ -33,7 +33,7 @@ def test_the_first_observation_is_that_of_the_batch() -> None:
     assert np.array_equal(steps.reset(seeds), network_input(arrays))
 
 
-def test_a_delivery_ends_an_episode_and_the_next_one_begins_with_the_same_step() -> None:
+def test_a_delivery_ends_an_episode_and_the_next_one_starts_in_the_same_step() -> None:
     steps = room(max_steps=10)
     first = steps.reset(1)
     single = WarehouseEnv(ROOM)
@@ -54,7 +54,7 @@ def test_a_delivery_ends_an_episode_and_the_next_one_begins_with_the_same_step()
     assert not np.array_equal(network_input(encode(last)), first[0])
 
 
-def test_an_episode_that_was_cut_off_says_so() -> None:
+def test_a_truncated_episode_is_marked() -> None:
     steps = room(max_steps=3)
     steps.reset(1)
     for words in zip(DELIVERY[:3], WAITING, strict=False):
@@ -69,7 +69,7 @@ def test_an_episode_that_was_cut_off_says_so() -> None:
     assert np.array_equal(observations[0], observations[1])
 
 
-def test_a_delivery_with_the_last_step_is_no_cut() -> None:
+def test_a_delivery_in_the_last_step_is_not_truncated() -> None:
     steps = room(max_steps=4)
     steps.reset(1)
     for words in zip(DELIVERY, WAITING, strict=True):

@@ -1,4 +1,4 @@
-"""The best-first core and the algorithms that it becomes, on the book's map and on small ones."""
+"""Best-first search and its algorithms, on the book's map and on small ones."""
 
 import math
 import random
@@ -38,7 +38,7 @@ VIA_PITESTI = ("Arad", "Sibiu", "Rimnicu Vilcea", "Pitesti", "Bucharest")
 VIA_FAGARAS = ("Arad", "Sibiu", "Fagaras", "Bucharest")
 
 DETOUR = {("S", "A"): 1, ("S", "B"): 5, ("A", "C"): 0.5, ("A", "B"): 1, ("B", "G"): 10}
-"""From S to G by way of A and B; C is a dead end, and the road from S to B a bad one."""
+"""From S to G by A and B; C is a dead end, and the road from S to B is long."""
 
 
 def expanded(solution: Solution[str, str]) -> list[object]:
@@ -52,7 +52,7 @@ def random_route(stream: random.Random) -> tuple[list[str], RouteProblem]:
 
 
 def test_the_map_is_the_books() -> None:
-    """Twenty cities and 23 roads, none shorter than the straight line between its ends allows."""
+    """Twenty cities and 23 roads, each consistent with the straight lines to Bucharest."""
     assert len(ROADS) == 23
     assert {city for road in ROADS for city in road} == STRAIGHT_LINE.keys()
     assert len(STRAIGHT_LINE) == 20
@@ -60,16 +60,16 @@ def test_the_map_is_the_books() -> None:
         assert abs(STRAIGHT_LINE[here] - STRAIGHT_LINE[there]) <= miles
 
 
-def test_astar_goes_to_bucharest_by_way_of_pitesti() -> None:
+def test_astar_goes_to_bucharest_through_pitesti() -> None:
     """Figure 3.18: the cities in the order of their expansion, each with its f = g + h."""
     evaluations: dict[tuple[str, float], float] = {}
     astar = weighted(straight_line, 1.0)
 
-    def noted(state: str, cost: float) -> float:
+    def evaluate(state: str, cost: float) -> float:
         evaluations[state, cost] = astar(state, cost)
         return evaluations[state, cost]
 
-    found = best_first_search(romania(), noted, with_events=True)
+    found = best_first_search(romania(), evaluate, with_events=True)
     assert (found.states, found.cost) == (VIA_PITESTI, 418)
     assert expanded(found) == ["Arad", "Sibiu", "Rimnicu Vilcea", "Fagaras", "Pitesti"]
     assert evaluations == {
@@ -81,19 +81,19 @@ def test_astar_goes_to_bucharest_by_way_of_pitesti() -> None:
     assert found == astar_search(romania(), straight_line, with_events=True)
 
 
-def test_greedy_search_goes_by_way_of_fagaras() -> None:
-    """Figure 3.17: 32 miles more than need be, and no city expanded in vain."""
+def test_greedy_search_goes_through_fagaras() -> None:
+    """Figure 3.17: 32 miles more than the optimum; only cities on the path are expanded."""
     found = greedy_best_first_search(romania(), straight_line, with_events=True)
     assert (found.states, found.cost) == (VIA_FAGARAS, 450)
     assert expanded(found) == ["Arad", "Sibiu", "Fagaras"]
 
 
-def test_breadth_first_search_passes_the_fewest_cities_and_tells_the_miles() -> None:
+def test_breadth_first_search_finds_the_fewest_cities_and_returns_the_miles() -> None:
     found = breadth_first_search(romania())
     assert (found.states, found.cost) == (VIA_FAGARAS, 140 + 99 + 211)
 
 
-def test_uniform_cost_search_goes_the_shortest_way_nearest_first() -> None:
+def test_uniform_cost_search_finds_the_shortest_path_and_expands_the_nearest_first() -> None:
     """The distances from Arad grow, and every city nearer than Bucharest has been expanded."""
     found = uniform_cost_search(romania(), with_events=True)
     assert (found.states, found.cost) == (VIA_PITESTI, 418)
@@ -103,7 +103,7 @@ def test_uniform_cost_search_goes_the_shortest_way_nearest_first() -> None:
     ]  # fmt: skip
 
 
-def test_the_shortest_way_between_any_two_cities_is_the_one_networkx_finds() -> None:
+def test_the_shortest_path_between_any_two_cities_is_that_of_networkx() -> None:
     graph = nx.Graph()
     graph.add_weighted_edges_from((here, there, miles) for (here, there), miles in ROADS.items())
     for here, row in nx.all_pairs_dijkstra_path_length(graph):
@@ -111,7 +111,7 @@ def test_the_shortest_way_between_any_two_cities_is_the_one_networkx_finds() -> 
             assert uniform_cost_search(romania(here, there)).cost == miles
 
 
-def test_the_numbers_of_a_search_worked_out_by_hand() -> None:
+def test_the_numbers_of_a_search_by_hand() -> None:
     """S gives A 1 and B 5; A gives C 1.5 and B 2; C gives none; B 2 gives G 12; B 5 is outdone.
 
     After A three nodes wait: C, the good B, and the B that it has outdone.
@@ -137,30 +137,30 @@ def test_a_path_that_is_no_better_is_not_reached_anew() -> None:
     assert (found.states, found.generated) == (("S", "A", "G"), 6)
 
 
-def test_of_equals_the_last_generated_is_expanded_first() -> None:
+def test_among_equals_the_last_generated_is_expanded_first() -> None:
     layout = Layout(["....", "....", "...."])
     problem = RouteProblem(layout, (0, 0), (2, 3))
     found = astar_search(problem, manhattan(problem))
-    assert found.expanded == 5, "straight on to the goal, though every cell is evaluated alike"
+    assert found.expanded == 5, "straight to the goal, though all cells have the same evaluation"
 
 
 @over_searches
-def test_who_is_there_already_need_not_move(search: Search) -> None:
+def test_a_start_on_the_goal_needs_no_actions(search: Search) -> None:
     found = search(Travel(DETOUR, "S", "S"))
     assert found == Solution(("S",), (), 0.0, generated=1, expanded=0, largest_frontier=1)
     assert found.found
 
 
 @over_searches
-def test_where_no_road_leads_nothing_is_found(search: Search) -> None:
+def test_without_a_path_nothing_is_found(search: Search) -> None:
     found = search(Travel(DETOUR, "S", "nowhere"))
     assert not found.found
     assert (found.states, found.actions, found.cost) == ((), (), math.inf)
-    assert found.expanded >= 5, "everything that can be reached was looked at"
+    assert found.expanded >= 5, "all reachable states were expanded"
 
 
-def test_what_is_evaluated_at_infinity_is_not_expanded() -> None:
-    """All alike, they would be tried in the order of their age, and again with each better path."""
+def test_states_evaluated_at_infinity_are_not_expanded() -> None:
+    """All equal, they would be expanded by age, and again with each better path."""
     hall = RouteProblem(Layout(["......"] * 6), (0, 0), (5, 5))
     found = astar_search(hall, lambda cell: math.inf, with_events=True)
     assert not found.found
@@ -172,45 +172,45 @@ def test_what_is_evaluated_at_infinity_is_not_expanded() -> None:
     assert "C" not in expanded(way_round)
 
 
-@pytest.mark.parametrize("cost", [-1.0, math.nan, -math.inf])
-@pytest.mark.parametrize("road", [("S", "A"), ("A", "B"), ("B", "G")])
-def test_a_cost_below_nothing_is_refused(road: tuple[str, str], cost: float) -> None:
+@pytest.mark.parametrize("cost", [-1.0, math.nan])
+@pytest.mark.parametrize("road", [("S", "A"), ("B", "G")])
+def test_a_negative_cost_is_an_error(road: tuple[str, str], cost: float) -> None:
     problem = Travel(DETOUR | {road: cost}, "S", "G")
     for search in (uniform_cost_search, lambda problem: astar_search(problem, zero)):
         with pytest.raises(ValueError, match=f"'{road[1]}' in '{road[0]}' costs {cost}; at least"):
             search(problem)
 
 
-def test_a_cost_below_nothing_is_refused_where_rounding_would_hide_it() -> None:
+def test_a_negative_cost_that_rounding_hides_is_an_error() -> None:
     roads = {("S", "A"): 1e20, ("A", "G"): -1.0}
     with pytest.raises(ValueError, match=r"'G' in 'A' costs -1\.0; at least 0"):
         uniform_cost_search(Travel(roads, "S", "G"))
 
 
-def test_roads_that_cost_nothing_can_go_round_in_circles() -> None:
+def test_roads_without_cost_may_form_circles() -> None:
     roads = {("S", "A"): 0, ("A", "S"): 0, ("A", "A"): 0, ("A", "G"): 0}
     for search in SEARCHES.values():
         found = search(Travel(roads, "S", "G"))
         assert (found.states, found.cost) == (("S", "A", "G"), 0)
 
 
-@pytest.mark.parametrize("weight", [-1.0, -1e-9, math.nan, -math.inf])
-def test_a_weight_below_nothing_is_refused(weight: float) -> None:
+@pytest.mark.parametrize("weight", [-1e-9, math.nan])
+def test_a_negative_weight_is_an_error(weight: float) -> None:
     with pytest.raises(ValueError, match=rf"weight is {weight}; it must be 0\.\.1000000 or inf"):
         weighted_astar_search(romania(), straight_line, weight)
 
 
-def test_a_node_is_evaluated_by_its_path_and_its_weighted_estimate() -> None:
+def test_the_evaluation_is_the_path_cost_plus_the_weighted_estimate() -> None:
     values = {weight: weighted(straight_line, weight)("Sibiu", 140.0) for weight in (0, 0.5, 1, 2)}
     assert values == {0: 140, 0.5: 140 + 126.5, 1: 393, 2: 140 + 506}
     assert weighted(straight_line, math.inf)("Sibiu", 140.0) == 253
     assert path_cost("Sibiu", 140.0) == 140
-    assert weighted(lambda city: math.inf, 0.0)("Sibiu", 140.0) == 140, "and not 0 times infinity"
+    assert weighted(lambda city: math.inf, 0.0)("Sibiu", 140.0) == 140, "not 0 times infinity"
 
 
 def test_weight_0_is_uniform_cost_search_and_infinity_is_greedy() -> None:
     stream = random.Random(1)
-    for _ in range(200):
+    for _ in range(60):
         _, problem = random_route(stream)
         estimate = manhattan(problem)
         for weight, same in (
@@ -224,32 +224,32 @@ def test_weight_0_is_uniform_cost_search_and_infinity_is_greedy() -> None:
 def test_weighted_astar_costs_at_most_the_weight_times_the_optimum() -> None:
     stream = random.Random(2)
     dearer = 0
-    for _ in range(1000):
+    for _ in range(200):
         _, problem = random_route(stream)
         least = uniform_cost_search(problem).cost
         for weight in (0.5, 1.0, 1.5, 3.0):
             cost = weighted_astar_search(problem, manhattan(problem), weight).cost
             assert least <= cost <= max(weight, 1.0) * least
             dearer += least < cost
-    assert dearer, "the bound was never put to use"
+    assert dearer, "every path was optimal"
 
 
 def test_astar_expands_no_more_than_uniform_cost_search() -> None:
-    """All that A* expands is nearer to the start than the goal: uniform cost expands that too."""
+    """A* expands only states nearer to the start than the goal; uniform cost expands all."""
     stream = random.Random(3)
     ours = theirs = 0
-    for _ in range(1000):
+    for _ in range(300):
         _, problem = random_route(stream)
         astar = astar_search(problem, manhattan(problem)).expanded
         uniform = uniform_cost_search(problem).expanded
         assert astar <= uniform
         ours, theirs = ours + astar, theirs + uniform
-    assert ours < 0.7 * theirs, "on the whole it is far less"
+    assert ours < 0.7 * theirs, "in total it is far less"
 
 
 def test_the_path_of_every_algorithm_is_valid() -> None:
     stream = random.Random(4)
-    for _ in range(500):
+    for _ in range(150):
         rows, problem = random_route(stream)
         estimate = manhattan(problem)
         for found in (
@@ -270,12 +270,12 @@ def test_the_path_of_every_algorithm_is_valid() -> None:
 def test_every_expansion_is_an_event() -> None:
     """With a consistent heuristic no state is expanded twice, and each was reached before."""
     stream = random.Random(5)
-    for _ in range(300):
+    for _ in range(100):
         _, problem = random_route(stream)
         breadth_first = breadth_first_search(problem, with_events=True)
         uniform = uniform_cost_search(problem, with_events=True)
         astar = astar_search(problem, manhattan(problem), with_events=True)
-        assert breadth_first == uniform, "where every move costs one they are the same"
+        assert breadth_first == uniform, "they are the same if every move costs one"
         for found in (uniform, astar):
             order = [event.expanded for event in found.events]
             assert len(order) == len(set(order)) == found.expanded
@@ -288,7 +288,7 @@ def test_every_expansion_is_an_event() -> None:
             assert len(reached) == len(set(reached)) or found is astar
 
 
-def test_events_are_only_recorded_when_they_are_asked_for() -> None:
+def test_events_are_only_recorded_on_request() -> None:
     problem = romania()
     for search in (breadth_first_search, uniform_cost_search):
         bare, full = search(problem), search(problem, with_events=True)
@@ -299,11 +299,11 @@ def test_events_are_only_recorded_when_they_are_asked_for() -> None:
         )  # fmt: skip
 
 
-def test_breadth_first_search_finds_the_fewest_actions_whatever_they_cost() -> None:
-    """Random roads of random cost, some of them free: as many as networkx counts."""
+def test_breadth_first_search_finds_the_fewest_actions_regardless_of_cost() -> None:
+    """Against networkx, on random roads of random cost, some of them 0."""
     stream = random.Random(6)
     dearer = 0
-    for _ in range(300):
+    for _ in range(150):
         names = "ABCDEFGHIJ"
         pairs = [(here, there) for here in names for there in names if here != there]
         roads = {pair: stream.randrange(80) / 8 for pair in stream.sample(pairs, 20)}
@@ -319,11 +319,11 @@ def test_breadth_first_search_finds_the_fewest_actions_whatever_they_cost() -> N
         least = uniform_cost_search(Travel(roads, "A", "J")).cost
         assert least == nx.dijkstra_path_length(graph, "A", "J")
         dearer += found.cost > least
-    assert dearer, "the fewest were always the cheapest"
+    assert dearer, "the path of the fewest actions was always the cheapest"
 
 
 def test_a_heuristic_that_overestimates_once_misses_the_best_path() -> None:
-    """Two ways to G: by A for 2, by B for 3. Who takes A for 10 away never looks at it."""
+    """Two paths to G: through A for 2, through B for 3. An estimate of 10 hides A."""
     roads = {("S", "A"): 1, ("A", "G"): 1, ("S", "B"): 1, ("B", "G"): 2}
     trap = {"S": 2, "A": 10, "B": 2, "G": 0}
     found = astar_search(Travel(roads, "S", "G"), trap.__getitem__)
@@ -333,16 +333,16 @@ def test_a_heuristic_that_overestimates_once_misses_the_best_path() -> None:
 
 
 def test_an_admissible_but_inconsistent_heuristic_still_finds_the_best_path() -> None:
-    """B is reached by the bad road first and expanded twice: the better path is not lost."""
+    """B is reached by the long road first and expanded twice, so the better path is found."""
     estimates = {"S": 0, "A": 11, "B": 0, "C": 0, "G": 0}
     found = astar_search(Travel(DETOUR, "S", "G"), estimates.__getitem__, with_events=True)
     assert expanded(found) == ["S", "B", "A", "C", "B"]
     assert (found.states, found.cost) == (("S", "A", "B", "G"), 12)
 
 
-def test_the_same_search_comes_out_the_same() -> None:
+def test_a_search_repeats() -> None:
     stream = random.Random(7)
-    for _ in range(50):
+    for _ in range(20):
         rows, problem = random_route(stream)
         again = RouteProblem(Layout(rows), problem.initial, problem.goal)
         first = astar_search(problem, manhattan(problem), with_events=True)

@@ -1,4 +1,4 @@
-"""What a robot believes: what it has seen, and that the rest is free."""
+"""The belief of a robot: the cells that it has seen, and that all others are free."""
 
 from agents.search.algorithms import breadth_first_search
 from agents.search.belief import Belief, BeliefProblem
@@ -15,7 +15,7 @@ def believed(view_radius: int = 1) -> tuple[Belief, WarehouseEnv]:
     return belief, env
 
 
-def test_it_is_what_is_in_view_at_the_place_where_it_is() -> None:
+def test_the_cells_in_view_are_known() -> None:
     belief, env = believed()
     assert belief.known == {
         (row, col): WALL if env.grid[row][col] == WALL else "."
@@ -24,23 +24,23 @@ def test_it_is_what_is_in_view_at_the_place_where_it_is() -> None:
     }
 
 
-def test_what_lies_outside_the_grid_is_seen_as_a_wall() -> None:
+def test_cells_outside_the_grid_are_walls() -> None:
     belief, _ = believed(view_radius=3)
     assert belief.known[-1, 1] == WALL
     assert not belief.is_free((-1, 1))
 
 
-def test_what_has_not_been_seen_is_believed_to_be_free() -> None:
+def test_cells_that_were_not_seen_are_free() -> None:
     belief, _ = believed()
     assert belief.is_free((77, -3))
     assert not belief.is_free((2, 2))
 
 
-def test_a_bump_is_a_wall_only_where_nothing_was_seen() -> None:
+def test_a_bump_is_a_wall_only_if_the_cell_was_not_seen() -> None:
     belief, _ = believed()
     for cell in ((9, 9), (1, 1)):
         belief.bump(cell)
-        assert belief.is_free(cell)  # once is no proof
+        assert belief.is_free(cell)  # one failure is no proof
         belief.bump(cell)
     assert not belief.is_free((9, 9))
     assert belief.is_free((1, 1))
@@ -49,14 +49,14 @@ def test_a_bump_is_a_wall_only_where_nothing_was_seen() -> None:
     assert belief.is_free((9, 9))
 
 
-def test_a_way_leads_through_the_unknown_and_round_what_is_known() -> None:
+def test_a_path_leads_through_unknown_cells_and_around_known_walls() -> None:
     belief, _ = believed()
     found = breadth_first_search(BeliefProblem(belief, (2, 1), (2, 3)))
-    assert found.cost == 4  # by the floor below the wall; nothing is known against it
+    assert found.cost == 4  # below the wall, through cells that were not seen
     assert (2, 2) not in found.states
 
 
-def test_the_search_ends_where_the_goal_is_walled_in_and_the_world_has_no_known_end() -> None:
+def test_the_search_ends_if_the_goal_is_walled_in() -> None:
     belief = Belief()
     for cell in ((4, 5), (6, 5), (5, 4), (5, 6)):
         belief.known[cell] = WALL
@@ -64,7 +64,7 @@ def test_the_search_ends_where_the_goal_is_walled_in_and_the_world_has_no_known_
     assert not breadth_first_search(BeliefProblem(belief, (5, 5), (0, 0))).found
 
 
-def test_one_cell_beyond_all_that_is_known_is_enough_to_get_round_it() -> None:
+def test_a_path_may_lead_one_cell_beyond_the_known_ones() -> None:
     belief = Belief()
     for row in range(10):
         belief.known[row, 3] = WALL

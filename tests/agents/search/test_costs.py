@@ -1,4 +1,4 @@
-"""What actions cost, as a backend measures it."""
+"""Costs of actions as measured with a backend."""
 
 from collections.abc import Sequence
 
@@ -15,21 +15,20 @@ from warehouse_core.motion.grid import GridMotion, nominal_joules
 LANE = Layout(["##########", "#...P...D#", "##########"])
 
 
-def test_a_step_is_a_step_on_any_backend() -> None:
+def test_steps_cost_one_on_any_backend() -> None:
     assert action_costs() == action_costs(STEPS, "grid") == ONE_EACH == (1, 1, 1, 1)
-    assert action_costs(STEPS, "no such backend") == ONE_EACH, "none is asked"
+    assert action_costs(STEPS, "no such backend") == ONE_EACH, "it is not used"
 
 
 @pytest.mark.parametrize("measure", [SECONDS, JOULES])
-def test_with_an_item_a_move_costs_more_on_the_physics_backend(measure: str) -> None:
+def test_a_loaded_move_costs_more_on_the_physics_backend(measure: str) -> None:
     costs = action_costs(measure, "physics")
     assert min(costs) > 0
     assert costs.move_loaded > 1.05 * costs.move_empty
-    assert costs == action_costs(measure), "physics is asked unless another is named"
+    assert costs == action_costs(measure), "physics is the default"
 
 
-def test_the_robot_of_the_physics_backend_stands_as_long_as_its_data_sheet_says() -> None:
-    """A second for a pick or a drop, at an idle power of 20 W."""
+def test_a_pick_on_the_physics_backend_costs_as_the_robot_spec_says() -> None:
     from warehouse_physics.robot_spec import RobotSpec
 
     spec = RobotSpec()
@@ -37,39 +36,33 @@ def test_the_robot_of_the_physics_backend_stands_as_long_as_its_data_sheet_says(
     assert action_costs(JOULES)[2:] == pytest.approx((spec.dwell * spec.idle_power,) * 2)
 
 
-def test_the_grid_gives_its_nominal_costs() -> None:
+def test_the_grid_has_its_nominal_costs() -> None:
     assert action_costs(SECONDS, "grid") == (1, 1, 1, 1)
     moving, standing = (nominal_joules(1.0, moving=moving) for moving in (True, False))
     assert action_costs(JOULES, "grid") == (moving, moving, standing, standing)
     assert moving > standing
 
 
-@pytest.mark.parametrize("measure", ["metres", "Seconds", ""])
-def test_another_measure_is_refused_by_name(measure: str) -> None:
+@pytest.mark.parametrize("measure", ["metres", ""])
+def test_an_unknown_measure_is_an_error(measure: str) -> None:
     message = f"cost is '{measure}'; allowed: steps, seconds, joules"
     with pytest.raises(ValueError, match=message):
         action_costs(measure)
     assert COSTS == (STEPS, SECONDS, JOULES)
 
 
-def test_a_backend_that_is_not_there_is_refused_by_name() -> None:
+def test_an_unknown_backend_is_an_error() -> None:
     with pytest.raises(BackendError, match="no backend is called 'hover'"):
         action_costs(SECONDS, "hover")
 
 
-@pytest.mark.parametrize("backend", ["grid", "physics"])
-@pytest.mark.parametrize("measure", [SECONDS, JOULES])
-def test_costs_come_out_the_same_every_time(measure: str, backend: str) -> None:
-    assert action_costs(measure, backend) == action_costs(measure, backend)
-
-
-def test_a_motion_of_another_cell_size_is_asked_as_it_is() -> None:
+def test_a_motion_of_another_cell_size_is_measured() -> None:
     moving, standing = (nominal_joules(2.0, moving=moving) for moving in (True, False))
     assert action_costs(JOULES, GridMotion(2.0)) == (moving, moving, standing, standing)
 
 
 class SlowToStart(GridMotion):
-    """Takes 1 s to stand and 2 s to move, 4 s more with an item, and 100 s more at first."""
+    """Takes 1 s to stand, 2 s to move, 4 s more with an item, 100 s more for the first action."""
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         super().reset(layout, cells, seed)
@@ -81,14 +74,14 @@ class SlowToStart(GridMotion):
         return [super().advance(displacements, loaded)[0]._replace(seconds=seconds)]
 
 
-def test_what_counts_is_a_move_after_another_and_a_drop_with_the_item_in_hand() -> None:
+def test_the_second_move_and_a_loaded_drop_are_measured() -> None:
     costs = action_costs(SECONDS, SlowToStart)
     assert costs == ActionCosts(move_empty=2, move_loaded=6, pick=1, drop=5)
 
 
 @pytest.mark.parametrize("measure", [SECONDS, JOULES])
 @pytest.mark.parametrize("backend", ["grid", "physics"])
-def test_a_straight_delivery_costs_what_was_planned(measure: str, backend: str) -> None:
+def test_a_straight_delivery_has_the_planned_cost(measure: str, backend: str) -> None:
     costs = action_costs(measure, backend)
     problem = DeliveryProblem(LANE, (1, 1), costs=costs)
     plan = astar_search(problem, manhattan_delivery(problem))
@@ -101,7 +94,3 @@ def test_a_straight_delivery_costs_what_was_planned(measure: str, backend: str) 
         measured += getattr(env.last_motion, measure)
     assert terminated
     assert plan.cost == pytest.approx(measured, rel=0.02)
-
-
-def test_the_costs_are_named_in_the_order_in_which_a_delivery_has_them() -> None:
-    assert ActionCosts._fields == ("move_empty", "move_loaded", "pick", "drop")

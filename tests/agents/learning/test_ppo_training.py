@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from helpers.command_line import command
 
-from agents.evaluation.samples import Task, evaluate
-from agents.learning import training
+from agents.commands import train
+from agents.evaluation.scores import Task, evaluate
 from agents.learning.policy_network import PolicyNetwork, network_input
 from agents.learning.ppo_agent import PPOAgent
 from warehouse_core import Layout
@@ -37,7 +37,7 @@ def equal(one: PolicyNetwork, other: PolicyNetwork) -> bool:
 
 
 def ignore(*_: Any) -> None:
-    """Watch nothing."""
+    """Do nothing."""
 
 
 def trained(seed: int) -> PolicyNetwork:
@@ -72,7 +72,7 @@ def test_the_network_chooses_what_the_model_chooses(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["m.npz", "m.zip"]
 
 
-def test_a_model_that_cannot_be_written_leaves_nothing(
+def test_a_model_that_cannot_be_written_leaves_no_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     learning = learner()
@@ -87,7 +87,7 @@ def test_a_model_that_cannot_be_written_leaves_nothing(
     assert not list(tmp_path.iterdir())
 
 
-def test_a_model_can_be_trained_on(tmp_path: Path) -> None:
+def test_a_model_can_be_trained_further(tmp_path: Path) -> None:
     from sb3_contrib import MaskablePPO
 
     from agents.learning.vec_env import BatchVecEnv
@@ -121,7 +121,7 @@ def test_steps_are_rounded_up_to_whole_rounds() -> None:
         assert learning.model.num_timesteps == expected
 
 
-def test_the_watcher_is_told_of_every_round_and_of_the_end() -> None:
+def test_watch_is_called_at_every_round_and_at_the_end() -> None:
     told: list[tuple[int, float, PPOAgent]] = []
     make_agent = learner(rounds=2).learn(
         lambda steps, delivers, make: told.append((steps, delivers, make(0)))
@@ -135,14 +135,14 @@ def test_the_watcher_is_told_of_every_round_and_of_the_end() -> None:
     assert equal(networks[2], make_agent(0)._network)
 
 
-def test_a_room_is_learnt() -> None:
+def test_deliveries_in_a_room_are_learned() -> None:
     make_agent = learner(rounds=25).learn(ignore)
     scores = evaluate(make_agent, Task(ROOM, 30, 30), range(100))
-    assert scores.success == 1
-    assert scores.steps_to_deliver() < 6
+    assert scores.delivered.all()
+    assert scores.lengths.mean() < 6
 
 
-def test_the_rows_are_what_stable_baselines_expects() -> None:
+def test_the_rows_have_the_format_of_stable_baselines() -> None:
     from sb3_contrib.common.maskable.utils import get_action_masks, is_masking_supported
     from stable_baselines3.common.vec_env import VecCheckNan
 
@@ -174,7 +174,7 @@ def test_the_command_trains_an_agent_that_run_takes(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(training, "FINAL_SEEDS", training.FINAL_SEEDS[:20])
+    monkeypatch.setattr(train, "FINAL_SEEDS", train.FINAL_SEEDS[:20])
     ROOM.save("room.txt")
     result = command(
         capsys, "train", "ppo", "--layout", "room.txt", "--steps", ROUND, "-o", "m.npz"

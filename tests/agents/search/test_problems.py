@@ -1,3 +1,5 @@
+"""Routes and deliveries, against networkx and a validator of plans."""
+
 import random
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -19,20 +21,101 @@ from helpers.plan_validator import (
     random_rows,
     replay_delivery,
     replay_route,
+    route_graph,
 )
 
 from agents.search.algorithms import astar_search, breadth_first_search, uniform_cost_search
 from agents.search.costs import ActionCosts
-from agents.search.heuristics import manhattan_delivery
-from agents.search.problems import DELIVERED, DeliveryProblem
+from agents.search.heuristics import manhattan, manhattan_delivery
+from agents.search.problems import DELIVERED, DeliveryProblem, RouteProblem, move_table
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError, WarehouseEnv
 from warehouse_core.task.rules import useful_actions
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.generators import random_layout
 
-LAYOUTS = 10_000
+ROUTES, DELIVERIES = 300, 1000
 
 ONES: Prices = dict.fromkeys((EMPTY_HANDS, LOADED, PICK, DROP), 1.0)
+
+
+# The move table.
+
+
+def test_the_moves_from_a_cell_lead_to_the_open_cells_beside_it() -> None:
+    table = move_table(Layout(["..#", ".P.", "#.D"]))
+    assert not table, "nothing is computed before it is looked up"
+    assert table[1, 1] == (
+        ("N", (0, 1), 1.0), ("E", (1, 2), 1.0), ("S", (2, 1), 1.0), ("W", (1, 0), 1.0),
+    )  # fmt: skip
+    assert table[0, 0] == (("E", (0, 1), 1.0), ("S", (1, 0), 1.0)), "north and west is the edge"
+    assert table[2, 2] == (("N", (1, 2), 1.0), ("W", (2, 1), 1.0)), "south and east is the edge"
+    assert table.keys() == {(1, 1), (0, 0), (2, 2)}
+    assert table[1, 1] is table[1, 1]
+
+
+def test_layouts_with_the_same_walls_share_a_table_and_others_do_not() -> None:
+    layout = random_layout(9, 9, 0.2, seed=1)
+    cells = [layout.open_cell(index) for index in range(4)]
+    table = move_table(layout)
+    assert move_table(layout.with_stations(cells[0], cells[1])) is table
+    assert move_table(layout.with_stations(cells[3], None)) is table
+    assert move_table(Layout(["..#"]))[0, 1] == (("W", (0, 0), 1.0),)
+    assert move_table(Layout(["#.."]))[0, 1] == (("E", (0, 2), 1.0),)
+    assert move_table(Layout(["...", "..."]))[0, 2] == (("S", (1, 2), 1.0), ("W", (0, 1), 1.0))
+
+
+def test_only_a_few_tables_are_kept() -> None:
+    layout = Layout(["." * 702])
+    table = move_table(layout)
+    for width in range(1, 30):
+        move_table(Layout(["." * width]))
+    assert move_table(layout) is not table
+
+
+# Routes.
+
+
+def test_routes_have_the_length_that_networkx_finds() -> None:
+    stream = random.Random(10)
+    unreachable = 0
+    for _ in range(ROUTES):
+        rows = random_rows(stream)
+        start, goal = (stream.choice(open_places(rows)) for _ in range(2))
+        problem = RouteProblem(Layout(rows), start, goal)
+        found = astar_search(problem, manhattan(problem))
+        try:
+            cost = nx.shortest_path_length(route_graph(rows), start, goal)
+        except nx.NetworkXNoPath:
+            unreachable += 1
+            assert not found.found
+            continue
+        done = replay_route(rows, start, goal, found.actions)
+        assert done.errors == []
+        assert found.cost == uniform_cost_search(problem).cost == done.cost == cost
+    assert ROUTES / 10 < unreachable < ROUTES / 2
+
+
+def test_the_goal_is_one_cell() -> None:
+    problem = RouteProblem(DEFAULT_LAYOUT, (1, 1), (5, 6))
+    assert problem.initial == (1, 1)
+    assert [cell for cell in open_places(DEFAULT_LAYOUT.rows) if problem.is_goal(cell)] == [(5, 6)]
+
+
+@pytest.mark.parametrize(
+    ("start", "goal", "message"),
+    [
+        ((0, 0), (1, 1), r"start row 0, column 0 is wall; it must be an open cell"),
+        ((1, 1), (7, 0), r"goal row 7, column 0 is off the grid \(rows 0..6, columns 0..11\)"),
+    ],
+)
+def test_a_start_or_a_goal_that_is_not_open_is_an_error(
+    start: tuple[int, int], goal: tuple[int, int], message: str
+) -> None:
+    with pytest.raises(LayoutError, match=message):
+        RouteProblem(DEFAULT_LAYOUT, start, goal)
+
+
+# Deliveries.
 
 
 class Case(NamedTuple):
@@ -63,7 +146,7 @@ class Case(NamedTuple):
 
 
 def random_cases(seed: int, count: int) -> Iterator[Case]:
-    """Yield deliveries with none to three pickups and dropoffs, a place now and then both."""
+    """Yield deliveries with up to three pickups and dropoffs, some cells of both kinds."""
     stream = random.Random(seed)
     for _ in range(count):
         rows = random_rows(stream)
@@ -76,25 +159,24 @@ def random_cases(seed: int, count: int) -> Iterator[Case]:
         yield Case(rows, start, has_item, pickups, dropoffs, random_prices(stream))
 
 
-def test_deliveries_cost_what_networkx_says() -> None:
-    nowhere = 0
-    for case in random_cases(20, LAYOUTS):
+def test_deliveries_have_the_cost_that_networkx_finds() -> None:
+    unreachable = 0
+    for case in random_cases(20, DELIVERIES):
         found = astar_search(case.problem, manhattan_delivery(case.problem))
         try:
             cost = nx.dijkstra_path_length(case.graph(), (*case.start, case.has_item), END)
         except nx.NetworkXNoPath:
-            nowhere += 1
+            unreachable += 1
             assert not found.found
             continue
         done = case.replay(found.actions)
         assert done.errors == []
         assert found.cost == done.cost == cost
-    assert LAYOUTS / 10 < nowhere < LAYOUTS / 2
+    assert DELIVERIES / 10 < unreachable < DELIVERIES / 2
 
 
-def test_every_algorithm_delivers_by_a_valid_plan() -> None:
-    """Uniform cost as cheaply as A*, breadth-first with no more actions."""
-    for case in random_cases(21, 500):
+def test_uniform_cost_is_as_cheap_as_astar_and_breadth_first_has_the_fewest_actions() -> None:
+    for case in random_cases(21, 200):
         problem = case.problem
         best = astar_search(problem, manhattan_delivery(problem))
         uniform, fewest = uniform_cost_search(problem), breadth_first_search(problem)
@@ -111,8 +193,8 @@ def test_every_algorithm_delivers_by_a_valid_plan() -> None:
 
 def test_astar_expands_no_more_than_uniform_cost_search() -> None:
     ours = theirs = 0
-    for case in random_cases(22, 500):
-        # Where the drop costs something no state but the goal is estimated at nothing.
+    for case in random_cases(22, 200):
+        # With a drop of some cost, no state but the goal has an estimate of 0.
         problem = case._replace(prices=case.prices | {DROP: 0.5}).problem
         astar = astar_search(problem, manhattan_delivery(problem)).expanded
         uniform = uniform_cost_search(problem).expanded
@@ -121,8 +203,8 @@ def test_astar_expands_no_more_than_uniform_cost_search() -> None:
     assert ours < 0.9 * theirs
 
 
-def test_the_robot_of_the_environment_does_what_the_problem_says() -> None:
-    """Every state of a layout with two of each station, every action that does something."""
+def test_the_transition_model_is_that_of_the_environment() -> None:
+    """Every state of a layout with two stations of each kind, every action with an effect."""
     layout = Layout(["P.#D", ".P..", "#.D.", "...."])
     env = WarehouseEnv(layout, start_pos=(0, 0), max_steps=10**6, battery=10**6)
     problem = DeliveryProblem(layout, (0, 0))
@@ -141,10 +223,16 @@ def test_the_robot_of_the_environment_does_what_the_problem_says() -> None:
                 assert problem.result(state, word) == (DELIVERED if terminated else after)
 
 
-def test_what_expansion_gives_is_what_the_problem_says_piece_by_piece() -> None:
-    for case in random_cases(23, 100):
+def test_expand_agrees_with_actions_result_and_action_cost() -> None:
+    for case in random_cases(23, 40):
+        route = RouteProblem(Layout(case.rows), case.start, case.start)
         problem = case.problem
         for place in open_places(case.rows):
+            moves = route.expand(place)
+            assert [move for move, _, _ in moves] == list(route.actions(place))
+            for move, there, cost in moves:
+                assert route.result(place, move) == there
+                assert route.action_cost(place, move, there) == cost == 1
             for has_item in (False, True):
                 state = (*place, has_item)
                 assert [action for action, _, _ in problem.expand(state)] == problem.actions(state)
@@ -161,7 +249,7 @@ def test_each_action_has_its_own_cost() -> None:
     assert (found.actions, found.cost) == (("PICK", "E", "E", "DROP"), 5 + 3 + 3 + 7)
 
 
-def test_after_the_delivery_there_is_nothing_to_do() -> None:
+def test_after_the_delivery_there_are_no_actions() -> None:
     problem = DeliveryProblem(DEFAULT_LAYOUT, (1, 1))
     assert problem.expand(DELIVERED) == problem.actions(DELIVERED) == []
     assert problem.is_goal(DELIVERED)
@@ -177,13 +265,13 @@ def test_the_stations_are_those_of_the_layout_unless_others_are_given() -> None:
     back = DeliveryProblem(layout, (0, 2), pickups=[(0, 3)], dropoffs=[(0, 1)])
     assert uniform_cost_search(back).actions == ("E", "PICK", "W", "W", "DROP")
     none = DeliveryProblem(layout, (0, 2), pickups=[])
-    assert not uniform_cost_search(none).found, "none given is none, not the layout's"
+    assert not uniform_cost_search(none).found, "an empty list is not replaced by the layout's"
     assert not uniform_cost_search(DeliveryProblem(layout, (0, 2), dropoffs=[])).found
     assert uniform_cost_search(DeliveryProblem(layout, (0, 2), True, pickups=[])).cost == 3 + 1
 
 
-def test_of_several_stations_those_with_the_least_cost_in_all_are_taken() -> None:
-    """The nearest pickup is far from the dropoff; who carries dearly goes to the other one."""
+def test_the_stations_with_the_least_total_cost_are_chosen() -> None:
+    """The nearest pickup is far from the dropoff; it is chosen only if carrying is free."""
     layout = Layout(["P.....P.D"])
     for loaded, pickup in ((1.0, (0, 6)), (0.0, (0, 0)), (9.0, (0, 6))):
         costs = ActionCosts(1.0, loaded, 1.0, 1.0)
@@ -192,13 +280,30 @@ def test_of_several_stations_those_with_the_least_cost_in_all_are_taken() -> Non
 
 
 def test_the_environment_delivers_by_the_plan() -> None:
-    for seed in range(20):
+    for seed in range(10):
         layout = random_layout(10, 12, 0.25, seed)
         env = WarehouseEnv(layout)
         plan = uniform_cost_search(DeliveryProblem(layout, env.start_pos)).actions
         rewards, endings = zip(*(env.step(word)[1:3] for word in plan), strict=True)
         assert endings == (False,) * (len(plan) - 1) + (True,)
         assert sum(rewards) == pytest.approx(5 + 10 - 0.1 * len(plan))
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"start": (0, 0)}, "start row 0, column 0 is wall; it must be an open cell"),
+        ({"pickups": [(0, 1)]}, "pickup row 0, column 1 is wall"),
+        ({"dropoffs": [(9, 9)]}, "dropoff row 9, column 9 is off the grid"),
+    ],
+)
+def test_a_cell_that_is_not_open_is_an_error(change: dict[str, Any], words: str) -> None:
+    with pytest.raises(LayoutError) as caught:
+        DeliveryProblem(DEFAULT_LAYOUT, **{"start": (1, 1), **change})
+    assert str(caught.value).startswith(words)
+
+
+# The validator.
 
 
 @pytest.mark.parametrize(
@@ -216,28 +321,13 @@ def test_the_environment_delivers_by_the_plan() -> None:
         ("E PICK WAIT E DROP", "2: 'WAIT' is no move"),
     ],
 )
-def test_the_judge_sees_what_is_wrong(plan: str, error: str | None) -> None:
+def test_the_validator_finds_errors_of_deliveries(plan: str, error: str | None) -> None:
     case = Case(["...", "..#"], (0, 0), False, [(0, 1)], [(0, 2)], ONES)
     assert case.replay(tuple(plan.split())).errors == ([] if error is None else [error])
 
 
-def test_the_judge_of_routes_sees_what_is_wrong() -> None:
+def test_the_validator_finds_errors_of_routes() -> None:
     rows = ["..", ".#"]
     assert replay_route(rows, (0, 0), (0, 1), ["E"]).errors == []
     assert replay_route(rows, (0, 0), (0, 1), ["S"]).errors == ["ends on (1, 0), not on (0, 1)"]
     assert replay_route(rows, (0, 0), (0, 1), ["S", "E", "N"]).errors == ["1: 'E' hits a wall"]
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ({"start": (0, 0)}, "start row 0, column 0 is wall; it must be an open cell"),
-        ({"start": (50, 50)}, "start row 50, column 50 is off the grid"),
-        ({"pickups": [(0, 1)]}, "pickup row 0, column 1 is wall"),
-        ({"dropoffs": [(9, 9)]}, "dropoff row 9, column 9 is off the grid"),
-    ],
-)
-def test_what_is_not_open_is_refused(change: dict[str, Any], words: str) -> None:
-    with pytest.raises(LayoutError) as caught:
-        DeliveryProblem(DEFAULT_LAYOUT, **{"start": (1, 1), **change})
-    assert str(caught.value).startswith(words)
