@@ -21,7 +21,8 @@ from agents.console.options import (
 from agents.evaluation.scores import CONTENDERS, MEASURES, Run, Scores, Task, run_agent
 from agents.evaluation.wording import counted, mean, share
 from warehouse_core.files.atomic import atomic_path, check_target
-from warehouse_core.viz.export import check_suffix, save_svg
+from warehouse_core.files.suffix import check_suffix
+from warehouse_core.viz.figure import save_svg
 
 PICTURES = (".svg", ".png")
 
