@@ -25,7 +25,7 @@ from agents.experiments.sweep import sweep
 from agents.reports.report import report
 from agents.run_episode import report_episode, run
 from warehouse_core import Episode
-from warehouse_core.warehouse_viz import INTERVAL_MS
+from warehouse_core.viz.track import INTERVAL_MS
 
 app = typer.Typer(
     name="warehouse",

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import operator
+import sys
 from typing import SupportsIndex
 
 import numpy as np
@@ -28,6 +30,37 @@ def whole_number(
     if most is not None and number > most:
         raise ValueError(f"{name} is {number}; it must be at most {most}")
     return number
+
+
+def real_number(
+    name: str,
+    value: float,
+    minimum: float = 0.0,
+    maximum: float = math.inf,
+    *,
+    above: bool = False,
+) -> float:
+    """Return a finite argument as a ``float``.
+
+    Args:
+        name: of the argument.
+        value: of the argument.
+        minimum: smallest value allowed.
+        maximum: largest value allowed.
+        above: whether ``minimum`` itself is not allowed.
+
+    Raises:
+        ValueError: it is not a number, not finite or out of range.
+    """
+    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+        raise ValueError(f"{name} is {value!r}; it must be a number")
+    # NaN compares false with everything, and an int can be too large for a float.
+    is_finite = abs(value) <= sys.float_info.max
+    if not (is_finite and minimum <= value <= maximum) or (above and value == minimum):
+        lower = f"{'above' if above else 'at least'} {minimum:g}"
+        upper = "finite" if maximum == math.inf else f"at most {maximum:g}"
+        raise ValueError(f"{name} is {value!r}; it must be {lower} and {upper}")
+    return float(value)
 
 
 def as_flag(name: str, value: bool) -> bool:

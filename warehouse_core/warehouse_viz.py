@@ -1,8 +1,8 @@
 """Pictures of an episode: an animated replay, or its frames as SVG files.
 
 Matplotlib is imported when something is drawn, not when this module is; without it both functions
-say so and return. What is drawn is in ``viz/scene.py``, how it plays in ``viz/replay.py``, the file
-formats in ``viz/export.py``.
+print a message and return. ``viz/scene.py`` draws, ``viz/replay.py`` plays and ``viz/export.py``
+writes files.
 """
 
 from __future__ import annotations
@@ -11,14 +11,21 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from warehouse_core.arguments import real_number
+from warehouse_core.files.atomic import atomic_path
 from warehouse_core.records.episode import Episode
-from warehouse_core.viz.track import FRAME_SECONDS, Track, track_of_episode, track_of_frames
+from warehouse_core.viz.track import (
+    FRAME_SECONDS,
+    INTERVAL_MS,
+    Track,
+    track_of_episode,
+    track_of_frames,
+)
 
 if TYPE_CHECKING:
     from warehouse_core.viz.replay import Replay
 
-INTERVAL_MS = 150
-"""Milliseconds from one frame to the next, unless asked otherwise."""
+LEGEND_INCHES = (6.0, 0.6)
 
 Frames = Sequence[Sequence[Sequence[str]]]
 Metrics = Mapping[str, Sequence[float | None]]
@@ -37,18 +44,18 @@ def replay_animation(
     """Return the animated replay of an episode.
 
     ``replay_animation(episode).show()`` opens a window (as ``matplotlib.pyplot.show()`` does),
-    ``.save("replay.gif")`` writes ``.gif``, ``.mp4``, ``.html``, ``.png`` or ``.svg``, and as the
-    last value of a notebook cell it shows itself. In the window space pauses and resumes, left
-    and right step one frame and pause.
+    ``.save("replay.gif")`` writes ``.gif``, ``.mp4``, ``.html``, ``.png`` or ``.svg``, and a
+    notebook shows it as the last value of a cell. In the window space pauses and resumes, left and
+    right step one frame and pause.
 
     Args:
         frames: an ``Episode``, or frames as ``WarehouseEnv.render_grid`` returns them.
         metrics: lists ``rewards``, ``battery``, ``dist_pickup`` and ``dist_dropoff``, each
-            optional, with one entry a frame; an ``Episode`` brings its own.
-        interval_ms: from one frame to the next at speed 1, in milliseconds.
+            optional, with one entry a frame; an ``Episode`` has its own.
+        interval_ms: milliseconds between frames at speed 1.
         speed: factor on the playing speed.
-        window: whether ``show`` is to open a window; ``None`` means wherever there is a display.
-        beside: an episode to be replayed to the right of the first, step by step.
+        window: whether ``show`` opens a window; ``None`` means if there is a display.
+        beside: an episode to be replayed to the right of the first.
         frame_seconds: simulated time between two frames of a continuous motion, three of which
             are shown in ``interval_ms``.
 
@@ -57,44 +64,54 @@ def replay_animation(
 
     Raises:
         ValueError: bad frames, metrics, interval or speed; the message names which and where.
-        TypeError: metrics beside an ``Episode``.
+        TypeError: both an ``Episode`` and metrics.
     """
     track = _track_of(frames, metrics, frame_seconds)
     if track is None or not _matplotlib_is_installed():
         return None
-    from warehouse_core.render.window import has_display
-    from warehouse_core.viz.replay import Replay
+    from warehouse_core.viz.replay import replay_of_track
 
-    return Replay(
-        track,
-        interval_ms,
-        speed,
-        window=has_display() if window is None else window,
-        beside=None if beside is None else track_of_episode(beside, frame_seconds),
-    )
+    other = None if beside is None else track_of_episode(beside, frame_seconds)
+    return replay_of_track(track, other, interval_ms=interval_ms, speed=speed, window=window)
 
 
 def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: float = 120) -> None:
     """Write every frame as ``frame_0000.svg`` and so on, and the legend as ``legend.svg``.
 
-    The same frames give the same bytes. Does nothing without frames, and says so without
-    matplotlib.
+    The same frames give the same bytes. Without frames or without matplotlib nothing is written.
 
     Args:
         frames: an ``Episode``, or frames as ``WarehouseEnv.render_grid`` returns them.
-        output_dir: made if need be; files of these names in it are replaced.
-        dpi: dots an inch of whatever is drawn as pixels; here everything is drawn as lines.
+        output_dir: created if it does not exist; files of these names in it are replaced.
+        dpi: dots an inch of pixels in the files; none are drawn, so it changes nothing.
 
     Raises:
         ValueError: bad frames or ``dpi``.
-        OSError: the folder cannot be made or written to.
+        OSError: the folder cannot be created or written to.
     """
     track = _track_of(frames, None, FRAME_SECONDS)
     if track is None or not _matplotlib_is_installed():
         return
-    from warehouse_core.viz.export import save_frames
+    from warehouse_core.viz.export import progress_bar
+    from warehouse_core.viz.figure import make_figure, save_svg
+    from warehouse_core.viz.legend import draw_legend
+    from warehouse_core.viz.scene import Scene
 
-    save_frames(track, Path(output_dir), dpi)
+    real_number("dpi", dpi, above=True)
+    folder = Path(output_dir)
+    folder.mkdir(parents=True, exist_ok=True)
+    track.metrics, track.is_continuous = {}, False
+    scene = Scene(track, make_figure, legend=False)
+    with progress_bar(len(track), "Drawing") as report:
+        for frame in range(len(track)):
+            scene.show(frame)
+            with atomic_path(folder / f"frame_{frame:04d}.svg") as part:
+                save_svg(scene.root, part, dpi)
+            report(frame, None)
+    legend = make_figure(LEGEND_INCHES)
+    draw_legend(legend)
+    with atomic_path(folder / "legend.svg") as part:
+        save_svg(legend, part, dpi)
 
 
 def _track_of(
@@ -102,7 +119,7 @@ def _track_of(
 ) -> Track | None:
     if isinstance(frames, Episode):
         if metrics is not None:
-            raise TypeError("an Episode brings its own metrics; give none beside it")
+            raise TypeError("an Episode has its own metrics; metrics must be None")
         return track_of_episode(frames, frame_seconds)
     return track_of_frames(frames, metrics) if len(frames) else None
 

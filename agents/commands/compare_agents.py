@@ -25,7 +25,8 @@ from agents.search.agents import ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Layout
 from warehouse_core.files.atomic import atomic_path, check_target
-from warehouse_core.viz.export import check_suffix, save_svg
+from warehouse_core.files.suffix import check_suffix
+from warehouse_core.viz.figure import save_svg
 
 PICTURES = (".svg", ".png")
 

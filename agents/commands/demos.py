@@ -1,4 +1,4 @@
-"""Short demonstrations of continuous motion, for a lecture: one command and one picture each."""
+"""Short demonstrations of continuous motion: one command and one picture each."""
 
 from __future__ import annotations
 
@@ -17,25 +17,22 @@ from warehouse_core import (
     Episode,
     EpisodeRecorder,
     Layout,
-    Settings,
     WarehouseEnv,
     record_episode,
 )
 from warehouse_core.motion.backends import load_backend
-from warehouse_core.render.window import has_display
-from warehouse_core.viz.replay import Replay
-from warehouse_core.viz.track import Track, track_of_episode
-from warehouse_core.warehouse_viz import INTERVAL_MS
+from warehouse_core.viz.replay import Replay, replay_of_track
+from warehouse_core.viz.track import Frame, Pose, Track, frames_along, track_of_episode
 
 CORRIDOR = Layout(["########", "#P....D#", "########"])
 SLOW_MOTION = 0.025
-"""Simulated seconds between the frames of a demonstration in slow motion."""
+"""Simulated seconds between frames in slow motion."""
 
 HALL = Layout(["#######", "#.....#", "#.....#", "#.....#", "#######"])
 
 
 class Demo(NamedTuple):
-    """What a demonstration shows, one track or two; ``said`` is computed from what happened."""
+    """A sentence computed from the results, and the track or two tracks to show."""
 
     said: str
     track: Track
@@ -72,7 +69,7 @@ def bump() -> Demo:
 
 
 def load() -> Demo:
-    """The same way empty and loaded: the same force moves more mass."""
+    """The same route empty and loaded: the same force moves more mass."""
     empty, loaded = (
         drive(WarehouseEnv(CORRIDOR, backend="physics"), ["E"] * 5, name, loaded=name == "loaded")
         for name in ("empty", "loaded")
@@ -89,7 +86,7 @@ def load() -> Demo:
 
 
 def slip() -> Demo:
-    """The grid's plan on a floor with a slippery patch, where it fails."""
+    """The actions planned on the grid fail on a slippery floor."""
     from warehouse_physics import Disturbances, RigidBodyMotion
 
     planned = record_episode(WarehouseEnv(CORRIDOR), GreedyAgent(seed=0), randomize=False)
@@ -107,30 +104,21 @@ def slip() -> Demo:
 
 
 def head_on() -> Demo:
-    """Two robots that want each other's cells."""
+    """Two robots, each of which wants the other's cell."""
     from warehouse_physics import RigidBodyMotion
 
     cells: list[Cell] = [(2, 2), (2, 3)]
     motion = RigidBodyMotion(path_every=1)
     motion.reset(HALL, cells, 0)
     outcomes = motion.advance([(0, 1), (0, -1)], [False, False])
-    settings = Settings("physics", motion.cell_size, cells[0], 1, 1, 0)
-    left, right = (
-        track_of_episode(
-            Episode(
-                HALL, settings, None, "", [cell, outcome.cell], [False] * 2, [1, 0], [0.0, 0.0],
-                [action], [""], [outcome], truncated=True,
-            ),
-            frame_seconds=SLOW_MOTION,
-        )
-        for cell, outcome, action in zip(cells, outcomes, "EW", strict=True)
-    )  # fmt: skip
-    left.others, left.metrics = [right.poses], {}
-    left.captions = ["E and W"] * len(left)
-    left.ending = "both blocked" if all(outcome.blocked for outcome in outcomes) else ""
+    poses = tuple(Pose((col + 0.5, row + 0.5), None, False) for row, col in cells)
+    start = Frame(HALL.rows, poses, 0.0, "E and W")
+    frames = frames_along(start, outcomes, [False, False], motion.cell_size, SLOW_MOTION, "E and W")
     hit = outcomes[0].contacts[0]
     said = f"they meet after {hit.seconds:.2f} s with {hit.impulse:.1f} N·s, and both go back"
-    return Demo(said, _titled(left, f"Two robots head-on: {hit.impulse:.0f} N·s"))
+    title = f"Two robots head-on: {hit.impulse:.0f} N·s"
+    ending = "both blocked" if all(outcome.blocked for outcome in outcomes) else ""
+    return Demo(said, Track([start, *frames], {}, True, title=title, ending=ending))
 
 
 DEMOS = {
@@ -150,7 +138,7 @@ def drive(
     seed: int | None = None,
     loaded: bool = False,
 ) -> Episode:
-    """Take a list of actions from the start, or as many as the episode lasts."""
+    """Carry out actions from the start until they or the episode end."""
     env.reset(seed=seed)
     env.state.has_item = loaded
     recorder = EpisodeRecorder(env, seed=seed, agent=name)
@@ -176,8 +164,7 @@ def demo(
     typer.echo(shown.said)
 
     def make_replay(window: bool | None) -> Replay:
-        opened = has_display() if window is None else window
-        return Replay(shown.track, INTERVAL_MS, 1.0, window=opened, beside=shown.beside)
+        return replay_of_track(shown.track, shown.beside, window=window)
 
     show_or_save(make_replay, targets, show, Path(f"demo-{name}.gif"))
 

@@ -1,4 +1,4 @@
-"""Run the agent that explores, and replay the world beside what it believes of it."""
+"""Run the exploring agent, and replay the world beside its belief."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from warehouse_core import Episode, WarehouseEnv
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.records.failure_modes import fewest_steps
 
-MOST_SEEN = 100
-"""Cells in each direction; a window of so many is 40,401 cells, which are looked at every step."""
+MAX_VIEW_RADIUS = 100
+"""A window of this radius has 40,401 cells, which are read at every step."""
 
 
 def explore(
@@ -35,7 +35,9 @@ def explore(
     backend: BackendOption = "grid",
     view_radius: Annotated[
         int,
-        typer.Option("--view-radius", min=0, max=MOST_SEEN, help="Cells seen in each direction."),
+        typer.Option(
+            "--view-radius", min=0, max=MAX_VIEW_RADIUS, help="Cells seen in each direction."
+        ),
     ] = 2,
     battery: BatteryOption = 200,
     max_steps: MaxStepsOption = 200,
@@ -65,7 +67,7 @@ def explore(
 
 
 def report_exploring(episode: Episode, history: list[Insight], plans: int) -> None:
-    """Log how much was seen and planned, and how far the way was from the shortest."""
+    """Print how many cells were seen and plans made, and compare the length with the shortest."""
     layout = episode.layout
     seen = seen_counts(layout, history)[-1]
     [fewest] = fewest_steps(layout, (episode.cells[0], episode.loaded[0]))

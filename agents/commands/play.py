@@ -19,7 +19,7 @@ from agents.console.output import check_targets, save_episode
 from agents.run_episode import draw_seed, make_env, report_episode
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.errors import NoDisplayError
-from warehouse_core.render.window import has_display
+from warehouse_core.render.display import has_display
 from warehouse_core.viz.figure import make_window
 from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.track import track_of_episode
@@ -86,10 +86,10 @@ class Driver:
     def _show(self) -> None:
         """Show what is new: a step of the grid at once, a continuous motion frame by frame."""
         track = self._track = track_of_episode(self.episode)
-        track.captions[0] = HELP
+        track.frames[0].caption = HELP
         if self._recorder.ended:
-            track.captions[-1] += ", Enter starts again"
-        if not track.clock:
+            track.frames[-1].caption += ", Enter starts again"
+        if not track.is_continuous:
             self._frame = len(track) - 1
         self._glide()
         self._timer.start()

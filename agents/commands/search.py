@@ -23,11 +23,12 @@ from agents.search.algorithms import (
     weighted_astar_search,
 )
 from agents.search.heuristics import manhattan, true_distance, zero
-from agents.search.picture import MOST_PANELS, SearchReplay, search_replay
+from agents.search.picture import MAX_PANELS, search_replay
 from agents.search.problems import RouteProblem
 from agents.search.trace import SearchCourse
 from warehouse_core.errors import LayoutError
-from warehouse_core.render.window import has_display
+from warehouse_core.render.display import has_display
+from warehouse_core.viz.replay import Replay
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 
@@ -69,9 +70,9 @@ def parse_weights(text: str) -> list[float]:
         typer.BadParameter: one is no number that is allowed, or there are too many.
     """
     weights = [_parse_weight(part) for part in text.split(",")]
-    if len(weights) > MOST_PANELS:
+    if len(weights) > MAX_PANELS:
         raise typer.BadParameter(
-            f"--weights {text!r} are {len(weights)}; at most {MOST_PANELS} fit into a picture"
+            f"--weights {text!r} are {len(weights)}; at most {MAX_PANELS} fit into a picture"
         )
     return weights
 
@@ -150,7 +151,7 @@ def search(
     if not found[0].found:
         typer.echo(f"no path leads from {begin} to {end}")
 
-    def make_replay(window: bool | None) -> SearchReplay:
+    def make_replay(window: bool | None) -> Replay:
         opened = has_display() if window is None else window
         named = zip(map(_panel_name, values), found, strict=True)
         courses = [SearchCourse(name, grid, begin, each) for name, each in named]

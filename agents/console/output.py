@@ -11,7 +11,8 @@ from warehouse_core import Episode
 from warehouse_core.files.atomic import check_target
 from warehouse_core.viz.export import check_format
 from warehouse_core.viz.replay import Replay
-from warehouse_core.warehouse_viz import INTERVAL_MS, replay_animation
+from warehouse_core.viz.track import INTERVAL_MS
+from warehouse_core.warehouse_viz import replay_animation
 
 RECORD_SUFFIX = ".npz"
 

@@ -9,7 +9,8 @@ from matplotlib.ticker import MaxNLocator, PercentFormatter
 
 from agents.evaluation.interval import Interval
 from agents.evaluation.scores import MEASURES, Scores
-from warehouse_core.render.palette import BATTERY, FAINT, INK, WARNING
+from warehouse_core.render.palette import BATTERY, INK, WARNING
+from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.figure import SceneFigure, make_figure
 
 SIZE, DPI = (10.0, 5.2), 120
@@ -45,7 +46,4 @@ def _draw(axes: Axes, name: str, agents: Sequence[str], found: Sequence[Interval
     if name == MEASURES[0].title:
         axes.xaxis.set_major_formatter(PercentFormatter(1))
         axes.set_xlim(0, 1)
-    axes.tick_params(labelsize=8)
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.grid(axis="x", color=FAINT, linewidth=0.5)
-    axes.set_axisbelow(True)
+    style_chart(axes, "x")

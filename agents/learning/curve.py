@@ -13,7 +13,8 @@ from matplotlib.ticker import EngFormatter, MaxNLocator, PercentFormatter
 from agents.evaluation.scores import Scores
 from agents.learning.training import Point
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.render.palette import COLORS, FAINT, INK, PAPER, WARNING
+from warehouse_core.render.palette import COLORS, INK, PAPER, WARNING
+from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.world.tiles import PICKUP
 
@@ -116,12 +117,9 @@ def _prepare(axes: Axes, title: str, points: Sequence[Point]) -> None:
     axes.set_title(title, fontsize=9.5, loc="left", color=INK, pad=6)
     axes.set_xlabel("steps of training", fontsize=8.5, color=INK)
     axes.set_xlim(0, points[-1].steps * 1.01)
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.tick_params(labelsize=8)
     axes.xaxis.set_major_locator(MaxNLocator(nbins=6))
     axes.xaxis.set_major_formatter(EngFormatter(sep=""))
-    axes.grid(color=FAINT, linewidth=0.5)
-    axes.set_axisbelow(True)
+    style_chart(axes)
 
 
 def _steps(points: Sequence[Point]) -> list[int]:

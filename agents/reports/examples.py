@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -14,9 +13,8 @@ from agents.experiments.store import Store
 from agents.registry import agent_file, is_own_code
 from warehouse_core import BackendError, Episode, LayoutError
 from warehouse_core.records.failure_modes import MODES, Diagnosis, diagnose
-from warehouse_core.viz.replay import Replay
-from warehouse_core.viz.track import Track, track_of_episode
-from warehouse_core.warehouse_viz import INTERVAL_MS
+from warehouse_core.viz.replay import replay_of_track
+from warehouse_core.viz.track import INTERVAL_MS, track_of_episode
 
 SHORTEST = """
 WITH best AS (SELECT mode, count(*) AS episodes, min(steps) AS steps FROM episodes GROUP BY mode),
@@ -130,20 +128,14 @@ def _changed(found: Found, diagnosis: Diagnosis, steps: int) -> str:
 
 
 def _gif(episode: Episode, left_out: int) -> bytes:
-    """Return the replay of an episode without its first steps, as a GIF."""
-    track = track_of_episode(_step_by_step(episode))
-    shown = len(track) - left_out
-    interval = min(INTERVAL_MS, PLAY_MS / shown)
+    """Return the replay of an episode without its first steps, as a GIF of one frame a step."""
+    track = track_of_episode(episode, frame_seconds=None)
+    interval = min(INTERVAL_MS, PLAY_MS / (len(track) - left_out))
+    film = replay_of_track(track, interval_ms=interval, window=False, first_frame=left_out)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "replay.gif"
-        _LastFrames(track, interval, left_out).save(path)
+        film.save(path)
         return path.read_bytes()
-
-
-def _step_by_step(episode: Episode) -> Episode:
-    """Return an episode with nothing but the ends of each motion: one frame a step will do."""
-    ends = [motion._replace(path=motion.path[[0, -1]]) for motion in episode.motions]
-    return replace(episode, motions=ends)
 
 
 def _why(error: BaseException, case: Case) -> str:
@@ -151,15 +143,3 @@ def _why(error: BaseException, case: Case) -> str:
     is_ours = isinstance(error, SAYING_ENOUGH)
     words = str(error) if is_ours else reason_of(error, agent_file(case["agent"]))
     return " ".join(words.split()).rstrip(".")
-
-
-class _LastFrames(Replay):
-    """A replay that is saved without its first frames; their trail is in the others."""
-
-    def __init__(self, track: Track, interval_ms: float, left_out: int) -> None:
-        self._left_out = left_out
-        super().__init__(track, interval_ms, 1.0, window=False)
-
-    def new_saved_frame_seq(self) -> Iterator[int]:  # type: ignore[override]
-        """Return the frames that are saved, each once."""
-        return iter(range(self._left_out, len(self.track)))

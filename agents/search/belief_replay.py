@@ -1,7 +1,4 @@
-"""A replay of the world beside what an exploring agent believes of it, move by move.
-
-``F`` is the number of drawn frames, ``T`` of steps.
-"""
+"""A replay of the world beside the belief of an exploring agent. ``T`` is the number of steps."""
 
 from __future__ import annotations
 
@@ -12,19 +9,10 @@ from dataclasses import dataclass, replace
 from agents.search.agents import ExploringAgent
 from warehouse_core import Episode, Layout, WarehouseEnv, record_episode
 from warehouse_core.render.atlas import UNSEEN
-from warehouse_core.render.window import has_display
 from warehouse_core.task.state import Observation
-from warehouse_core.viz.replay import Replay
+from warehouse_core.viz.replay import Replay, replay_of_track
 from warehouse_core.viz.robot_view import ROBOT_RADIUS
-from warehouse_core.viz.track import (
-    FRAME_SECONDS,
-    Point,
-    Rows,
-    Track,
-    step_captions,
-    track_of_episode,
-)
-from warehouse_core.warehouse_viz import INTERVAL_MS
+from warehouse_core.viz.track import Point, Rows, Track, step_captions, track_of_episode
 from warehouse_core.world.tiles import DROPOFF, PICKUP, Cell
 
 GAP = ROBOT_RADIUS + 0.05
@@ -33,11 +21,11 @@ GAP = ROBOT_RADIUS + 0.05
 
 @dataclass(frozen=True, slots=True)
 class Insight:
-    """What had changed when an agent chose an action.
+    """What an agent had learnt since its last action when it chose an action.
 
     Attributes:
-        seen: the cells that it now knows, or knows otherwise, ``"#"`` or ``"."``.
-        route: the cells of its plan, from the one where it was.
+        seen: cells whose known state is new or has changed, ``"#"`` or ``"."``.
+        route: the cells of its plan, beginning with that of the robot.
     """
 
     seen: dict[Cell, str]
@@ -45,13 +33,13 @@ class Insight:
 
 
 class WatchedAgent:
-    """An exploring agent, and what it learns from action to action.
+    """An exploring agent, with a history of what it learns.
 
     Args:
-        agent: that chooses the actions.
+        agent: chooses the actions.
 
     Attributes:
-        history: ``[T]`` of its insights since the last reset.
+        history: ``[T]`` insights since the last reset.
     """
 
     def __init__(self, agent: ExploringAgent) -> None:
@@ -71,7 +59,7 @@ class WatchedAgent:
         self._known = {}
 
     def act(self, observation: Observation) -> str:
-        """Return the agent's action, and keep what it has learnt."""
+        """Return the agent's action, and record what it has learnt."""
         action = self._agent.act(observation)
         seen = dict(self._agent.belief.known.items() - self._known.items())
         self._known |= seen
@@ -82,16 +70,16 @@ class WatchedAgent:
 def record_beliefs(
     env: WarehouseEnv, agent: ExploringAgent, *, seed: int | None = None, randomize: bool = True
 ) -> tuple[Episode, list[Insight]]:
-    """Do what ``record_episode`` does, and return its record and what the agent learnt.
+    """Do what ``record_episode`` does, and return its record and the agent's insights.
 
     Args:
         env: any environment, with any backend.
-        agent: that is watched.
+        agent: to be watched.
         seed: given to ``env.reset``.
         randomize: given to ``env.reset``.
 
     Returns:
-        The record, the same as without a watcher, and ``[T]`` insights.
+        The record, the same as of ``record_episode``, and ``[T]`` insights.
     """
     watched = WatchedAgent(agent)
     episode = record_episode(env, watched, seed=seed, randomize=randomize)
@@ -99,10 +87,10 @@ def record_beliefs(
 
 
 def believed_tiles(layout: Layout, history: Sequence[Insight]) -> list[Rows]:
-    """Return ``[T]`` the layout as it was believed to be when each action was chosen.
+    """Return ``[T]`` the layout as the agent believed it to be when it chose each action.
 
-    What has not been seen is ``UNSEEN``, but for the two stations that the robot senses from
-    afar. Where nothing new was seen, the rows are the same object again.
+    Cells not seen are ``UNSEEN``, except the two stations that observations name. If nothing new
+    was seen, the rows are the same object as before.
     """
     grid = [[UNSEEN] * layout.width for _ in range(layout.height)]
     sensed = dict.fromkeys(layout.pickups[:1], PICKUP)
@@ -112,7 +100,7 @@ def believed_tiles(layout: Layout, history: Sequence[Insight]) -> list[Rows]:
     rows: Rows = tuple(map("".join, grid))
     found = []
     for insight in history:
-        # A robot at the rim sees walls beyond it.
+        # A robot at the edge sees walls outside the layout.
         fresh = {cell: insight.seen[cell] for cell in insight.seen if _is_inside(layout, cell)}
         for (row, col), tile in fresh.items():
             grid[row][col] = sensed.get((row, col), tile)
@@ -122,76 +110,60 @@ def believed_tiles(layout: Layout, history: Sequence[Insight]) -> list[Rows]:
     return found
 
 
-def belief_tracks(
-    episode: Episode, history: Sequence[Insight], frame_seconds: float = FRAME_SECONDS
-) -> tuple[Track, Track]:
-    """Return the tracks of the world and of what the agent believes, frame by frame the same.
+def belief_tracks(episode: Episode, history: Sequence[Insight]) -> tuple[Track, Track]:
+    """Return the tracks of the world and of the agent's belief, with the same frames in time.
 
-    The charts, and the words about each move, are with the belief: it is what a move is made on.
+    The charts and captions are those of the belief, because the agent acts on it.
 
     Args:
         episode: of an agent that was watched.
         history: ``[T]`` of its insights.
-        frame_seconds: simulated time between two frames of a continuous motion.
 
     Raises:
         ValueError: ``history`` is not that of ``episode``.
     """
     if not history or len(history) != episode.steps:
         raise ValueError(f"history has {len(history)} insights for {episode.steps} steps")
-    belief = track_of_episode(episode, frame_seconds)
-    world = replace(belief, metrics={}, captions=[""] * len(belief), clock=[], speed=[], energy=[])
+    belief = track_of_episode(episode)
+    world = replace(
+        belief,
+        frames=[replace(frame, caption="") for frame in belief.frames],
+        metrics={},
+        is_continuous=False,
+    )
     tiles, counts = believed_tiles(episode.layout, history), seen_counts(episode.layout, history)
-    # The last frame shows where the last action has led to, and no further one.
-    choices = [min(belief.step_at(frame), len(history) - 1) for frame in range(len(belief))]
-    belief.tiles = [tiles[choice] for choice in choices]
-    belief.routes = [
-        _way_ahead(pose.at, history[choice].route) if pose else ()
-        for pose, choice in zip(belief.poses, choices, strict=True)
-    ]
-    words = step_captions(episode)
-    # The last frame keeps what became of it all.
-    belief.captions[:-1] = [
-        f"now {words[choice]}, {counts[choice]} cells seen" for choice in choices[:-1]
-    ]
+    words, last = step_captions(episode), belief.frames[-1]
+    for index, frame in enumerate(belief.frames):
+        # The last frame shows the result of the last action, and no further one.
+        choice = min(belief.step_at(index), len(history) - 1)
+        frame.tiles = tiles[choice]
+        [pose] = frame.robots
+        if pose is not None:
+            frame.route = _way_ahead(pose.at, history[choice].route)
+        if frame is not last:  # which keeps the diagnosis
+            frame.caption = f"now {words[choice]}, {counts[choice]} cells seen"
     belief.title, belief.ending = "What it believes", ""
     return world, belief
 
 
 def belief_replay(
-    episode: Episode,
-    history: Sequence[Insight],
-    interval_ms: float = INTERVAL_MS,
-    speed: float = 1.0,
-    *,
-    window: bool | None = None,
-    frame_seconds: float = FRAME_SECONDS,
+    episode: Episode, history: Sequence[Insight], *, window: bool | None = None
 ) -> Replay:
-    """Return the replay of the world beside what the agent believes of it.
+    """Return the replay of the world beside the agent's belief.
 
     Args:
         episode: of an agent that was watched.
         history: ``[T]`` of its insights.
-        interval_ms: from one frame to the next at speed 1, in milliseconds.
-        speed: factor on the playing speed.
-        window: whether ``show`` is to open a window; ``None`` means wherever there is a display.
-        frame_seconds: simulated time between two frames of a continuous motion.
+        window: whether ``show`` opens a window; ``None`` means if there is a display.
 
     Raises:
-        ValueError: ``history`` is not that of ``episode``, or a bad interval or speed.
+        ValueError: ``history`` is not that of ``episode``.
     """
-    world, belief = belief_tracks(episode, history, frame_seconds)
-    return Replay(
-        world,
-        interval_ms,
-        speed,
-        window=has_display() if window is None else window,
-        beside=belief,
-    )
+    return replay_of_track(*belief_tracks(episode, history), window=window)
 
 
 def seen_counts(layout: Layout, history: Sequence[Insight]) -> list[int]:
-    """Return ``[T]`` how many cells of a layout had been seen when each action was chosen."""
+    """Return ``[T]`` the number of cells of the layout seen when each action was chosen."""
     seen: set[Cell] = set()
     counts = []
     for insight in history:
@@ -205,12 +177,12 @@ def _is_inside(layout: Layout, cell: Cell) -> bool:
 
 
 def _way_ahead(at: Point, route: Sequence[Cell]) -> tuple[Point, ...]:
-    """Return the middles of the cells ahead, after the rim of the robot."""
+    """Return the middles of the cells ahead, after a point at the edge of the robot."""
     ahead = [(col + 0.5, row + 0.5) for row, col in route[1:]]
     if ahead and math.dist(at, ahead[0]) < GAP:
         del ahead[0]
     if not ahead:
         return ()
     share = GAP / math.dist(at, ahead[0])
-    rim = (at[0] + share * (ahead[0][0] - at[0]), at[1] + share * (ahead[0][1] - at[1]))
-    return rim, *ahead
+    edge = (at[0] + share * (ahead[0][0] - at[0]), at[1] + share * (ahead[0][1] - at[1]))
+    return edge, *ahead

@@ -1,4 +1,4 @@
-"""An animated search, or several side by side on the same floor, from the same start to a goal."""
+"""An animated search, or several side by side from the same start to the same goal."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from warehouse_core.viz.replay import Replay
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import WALL, Cell
 
-MOST_FRAMES = 120
+MAX_FRAMES = 120
 """Of an animation, the first and the last included."""
 
-MOST_PANELS = 6
+MAX_PANELS = 6
 
-FRAME_MS = 100
+FRAME_MS = 100.0
 
-# In pixels, so that a cell is a whole number of them and its edges are sharp.
-LARGEST = (1400, 860)
+# In pixels, because cells of a whole number of pixels have sharp edges.
+MAX_SIZE = (1400, 860)
 MARGIN, HEAD, FOOT = 24, 56, 40
 PANEL_LEFT, PANEL_HEAD, PANEL_FOOT = 20, 54, 12
-LEAST_WIDTH = 600  # for the title and the legend
-LEAST_PANEL, LARGEST_CELL, GOOD_CELL = 240, 40, 16
+MIN_WIDTH = 600  # for the title and the legend
+MIN_PANEL, MAX_CELL, GOOD_CELL = 240, 40, 16
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class _Plan:
     @property
     def size(self) -> tuple[float, float]:
         return (
-            max(LEAST_WIDTH, MARGIN + self.columns * (PANEL_LEFT + self.panel[0] + MARGIN)),
+            max(MIN_WIDTH, MARGIN + self.columns * (PANEL_LEFT + self.panel[0] + MARGIN)),
             HEAD + self.rows * (PANEL_HEAD + self.panel[1] + PANEL_FOOT) + FOOT,
         )
 
@@ -55,14 +55,14 @@ class SearchScene:
 
     Args:
         layout: that is searched.
-        start: where all begin.
-        goal: where they want to go.
-        courses: of the searches, at least one and at most ``MOST_PANELS``.
+        start: of all searches.
+        goal: of all searches.
+        courses: of the searches, 1 to ``MAX_PANELS``.
         title: shown above them.
         window: draw into a window.
 
     Raises:
-        ValueError: none, or too many.
+        ValueError: no search, or more than ``MAX_PANELS``.
     """
 
     def __init__(
@@ -75,10 +75,10 @@ class SearchScene:
         *,
         window: bool = False,
     ) -> None:
-        if not 1 <= len(courses) <= MOST_PANELS:
-            raise ValueError(f"{len(courses)} searches; there must be 1..{MOST_PANELS}")
+        if not 1 <= len(courses) <= MAX_PANELS:
+            raise ValueError(f"{len(courses)} searches; there must be 1..{MAX_PANELS}")
         self._longest = max(len(course) for course in courses)
-        self._each = max(1, math.ceil(self._longest / (MOST_FRAMES - 1)))
+        self._each = max(1, math.ceil(self._longest / (MAX_FRAMES - 1)))
         self._plan = _plan(layout, len(courses))
         width, height = self._plan.size
         self.root = (make_window if window else make_figure)((width / DPI, height / DPI))
@@ -126,20 +126,6 @@ class SearchScene:
         self.root.add_mover(self._counter)
 
 
-class SearchReplay(Replay):
-    """The animation of a scene of searches, with the keys and the formats of a replay.
-
-    Args:
-        scene: to be played.
-        title: of the page that it can be saved as.
-        window: whether the scene is drawn into a window, which ``show`` opens.
-    """
-
-    def __init__(self, scene: SearchScene, title: str, *, window: bool) -> None:
-        # A replay's own beginning makes the scene of an episode.
-        self._play(scene, title, float(FRAME_MS), window)
-
-
 def search_replay(
     layout: Layout,
     start: Cell,
@@ -148,18 +134,18 @@ def search_replay(
     title: str,
     *,
     window: bool = False,
-) -> SearchReplay:
+) -> Replay:
     """Return the animation of searches side by side.
 
     Raises:
-        ValueError: no search, or more than ``MOST_PANELS``.
+        ValueError: no search, or more than ``MAX_PANELS``.
     """
     scene = SearchScene(layout, start, goal, courses, title, window=window)
-    return SearchReplay(scene, title, window=window)
+    return Replay(scene, title, FRAME_MS)
 
 
 def draw_legend(figure: SceneFigure) -> None:
-    """Draw the one legend along the bottom."""
+    """Draw the legend along the bottom."""
     square: dict[str, Any] = {"marker": "s", "markersize": 9, "linestyle": "none", "mec": INK}
     signs = {
         "wall": Line2D([], [], color=COLORS[WALL], **square),
@@ -177,20 +163,20 @@ def draw_legend(figure: SceneFigure) -> None:
 
 
 def _plan(layout: Layout, panels: int) -> _Plan:
-    """Lay panels out in one row if cells are large enough there, or so that they are largest."""
+    """Return a plan of one row if its cells are large enough, or that of the largest cells."""
     plans = [_plan_of(layout, panels, columns) for columns in range(panels, 0, -1)]
     if plans[0].cell >= GOOD_CELL:
         return plans[0]
-    # Of those with the largest cells the one that leaves the fewest places empty.
+    # Of those with the largest cells the one with the fewest empty places.
     return max(plans, key=lambda plan: (plan.cell, -plan.columns * plan.rows))
 
 
 def _plan_of(layout: Layout, panels: int, columns: int) -> _Plan:
     rows = math.ceil(panels / columns)
-    wide = (LARGEST[0] - MARGIN) / columns - MARGIN - PANEL_LEFT
-    high = (LARGEST[1] - HEAD - FOOT) / rows - PANEL_HEAD - PANEL_FOOT
-    cell = min(wide / layout.width, high / layout.height, LARGEST_CELL)
+    wide = (MAX_SIZE[0] - MARGIN) / columns - MARGIN - PANEL_LEFT
+    high = (MAX_SIZE[1] - HEAD - FOOT) / rows - PANEL_HEAD - PANEL_FOOT
+    cell = min(wide / layout.width, high / layout.height, MAX_CELL)
     cell = math.floor(cell) if cell >= 1 else cell
-    if columns > 1 and wide < LEAST_PANEL:
-        cell = 0.0  # the words above a panel would run into those of the next
-    return _Plan(columns, rows, cell, (max(cell * layout.width, LEAST_PANEL), cell * layout.height))
+    if columns > 1 and wide < MIN_PANEL:
+        cell = 0.0  # the words above a panel would overlap those of the next
+    return _Plan(columns, rows, cell, (max(cell * layout.width, MIN_PANEL), cell * layout.height))

@@ -1,4 +1,4 @@
-"""The course of a search over the cells of a layout: what it has marked after each expansion."""
+"""The course of a search over the cells of a layout: its marks after each expansion."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 
 WAITS, UNTOUCHED = -1, 0
-"""Marks of a cell on the frontier and of one that has not been reached yet."""
+"""Marks of a cell on the frontier and of a cell not reached yet."""
 
 Marks = NDArray[np.int32]
-"""``[H, W]``: one of the above, or ``n`` where the n-th expansion, counted from 1, took place."""
+"""``[H, W]``: one of the above, or the number of the expansion of the cell, from 1."""
 
 
 class SearchCourse:
-    """A search that can be looked at after any number of its expansions.
+    """The marks of a search after any number of its expansions.
 
     Args:
         name: of the algorithm, to be shown.
         layout: that was searched.
-        start: the cell that it began with.
-        solution: what it found, with its events.
+        start: of the search.
+        solution: of the search, with its events.
 
     Raises:
         ValueError: the solution has no events.
@@ -54,23 +54,23 @@ class SearchCourse:
         return self.solution.expanded
 
     def is_over(self, count: int) -> bool:
-        """Say whether the search has ended by ``count`` expansions."""
+        """Return whether the search has ended after ``count`` expansions."""
         return count >= len(self)
 
     def marks_after(self, count: int) -> Marks:
-        """Return what is marked after ``count`` expansions, or after all where there are fewer."""
+        """Return the marks after ``count`` expansions, or after all if there are fewer."""
         end = self._ends[min(count, len(self))]
         marks = np.full(self._shape, UNTOUCHED, dtype=np.int32)
         # A cell that is reached or expanded again has several marks, and NumPy keeps the last.
         marks.flat[self._cells[:end]] = self._marks[:end]
         if self.is_over(count) and self.solution.found:
-            # The goal was taken from the frontier, and is where the expanding ends.
+            # The goal was the last cell taken from the frontier.
             goal = self.solution.states[-1]
             marks[goal] = max(len(self), 1)
         return marks
 
     def expanded_by(self, count: int) -> Cell | None:
-        """Return the cell of the ``count``-th expansion, none before the first or at the end."""
+        """Return the cell of expansion ``count``; ``None`` before the first and at the end."""
         if count == 0 or self.is_over(count):
             return None
         row, column = divmod(int(self._cells[self._ends[count - 1]]), self._shape[1])

@@ -1,12 +1,13 @@
-"""One episode, recorded: enough to draw it, to measure it and to run it again bit for bit.
+"""The record of an episode: enough to draw it, to measure it and to run it again bit for bit.
 
-``T`` is the number of steps and ``F = T + 1`` the number of frames; frame 0 is what ``reset`` left.
-How a record is kept in a file is in ``episode_arrays.py`` and ``files/npz.py``.
+``T`` is the number of steps and ``F = T + 1`` of frames; frame 0 is the state after ``reset``. The
+file format is in ``episode_arrays.py`` and ``files/npz.py``.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol, SupportsIndex
@@ -20,7 +21,7 @@ from warehouse_core.task.settings import Settings
 from warehouse_core.task.state import Observation
 from warehouse_core.warehouse_env import WarehouseEnv
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED, Cell
+from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED, Cell, manhattan_distance
 
 DELIVERED = "delivered"
 BATTERY_DEPLETED = "battery depleted"
@@ -32,10 +33,10 @@ Frame = list[list[str]]
 
 
 class Agent(Protocol):
-    """What ``record_episode`` asks of an agent.
+    """What ``record_episode`` needs of an agent.
 
-    An agent may also have an attribute ``reason``, a string that says why it chose its last
-    action; the record keeps it.
+    An agent may also have an attribute ``reason``, a string that explains its last action; the
+    record keeps it.
     """
 
     def reset(self) -> None:
@@ -50,19 +51,19 @@ class Episode:
     """The record of one episode. Two records are equal when every value in them is.
 
     Attributes:
-        layout: walls and stations as they were during the episode.
+        layout: walls and stations during the episode.
         settings: of the environment.
         seed: given to ``reset``, or ``None``.
         agent: a name for the agent.
         cells: ``[F]`` where the robot was.
         loaded: ``[F]`` whether it held an item.
         battery: ``[F]`` units left.
-        rewards: ``[F]`` reward of the step that led to the frame; the first is 0.
+        rewards: ``[F]`` reward of the step before the frame; the first is 0.
         actions: ``[T]`` as the agent gave them.
-        reasons: ``[T]`` why it chose them, or "".
-        motions: ``[T]`` what the backend did.
+        reasons: ``[T]`` the agent's reasons, or "".
+        motions: ``[T]`` outcomes of the motion backend.
         terminated: the item was delivered.
-        truncated: the battery or the steps were used up.
+        truncated: the battery or the steps ran out.
     """
 
     layout: Layout
@@ -101,7 +102,7 @@ class Episode:
 
     @property
     def outcome(self) -> str:
-        """How it ended; a delivery with the last battery unit is a delivery."""
+        """The outcome; a delivery with the last battery unit is a delivery."""
         if self.terminated:
             return DELIVERED
         if self.battery[-1] <= 0:
@@ -110,7 +111,7 @@ class Episode:
 
     @property
     def frames(self) -> list[Frame]:
-        """``[F]`` frames as ``WarehouseEnv.render_grid`` gave them, fresh lists."""
+        """``[F]`` frames as ``WarehouseEnv.render_grid`` returned them, as new lists."""
         frames = []
         for (row, col), loaded in zip(self.cells, self.loaded, strict=True):
             frame = [list(line) for line in self.layout.rows]
@@ -120,21 +121,25 @@ class Episode:
 
     @property
     def metrics(self) -> dict[str, list[float]]:
-        """The chapter's four lists, one entry a frame; a distance to no station is NaN."""
-        pickup = self.layout.pickups[0] if self.layout.pickups else None
-        dropoff = self.layout.dropoffs[0] if self.layout.dropoffs else None
+        """The chapter's four lists, one entry a frame; distances are NaN without a station."""
         return {
             "rewards": list(self.rewards),
             "battery": [float(units) for units in self.battery],
-            "dist_pickup": [_distance(cell, pickup) for cell in self.cells],
-            "dist_dropoff": [_distance(cell, dropoff) for cell in self.cells],
+            "dist_pickup": self._distances(self.layout.pickups),
+            "dist_dropoff": self._distances(self.layout.dropoffs),
         }
 
+    def _distances(self, stations: Sequence[Cell]) -> list[float]:
+        """Return ``[F]`` distances to the first of the stations."""
+        if not stations:
+            return [math.nan] * len(self.cells)
+        return [float(manhattan_distance(cell, stations[0])) for cell in self.cells]
+
     def save(self, path: str | Path) -> None:
-        """Write the record to one ``.npz`` file, whole or not at all.
+        """Write the record to a ``.npz`` file, whole or not at all.
 
         Raises:
-            RecordError: it is larger than ``safe_npz.MAX_BYTES``.
+            RecordError: it is larger than ``npz.MAX_BYTES``.
             OSError: the file cannot be written.
         """
         fields = {name: getattr(self, name) for name in self.__slots__}
@@ -142,10 +147,10 @@ class Episode:
 
     @staticmethod
     def load(path: str | Path) -> Episode:
-        """Read a record from an ``.npz`` file that ``save`` wrote.
+        """Read a record from a ``.npz`` file that ``save`` wrote.
 
         Raises:
-            RecordError: the file is damaged or was never a record; it names what is wrong.
+            RecordError: the file is damaged or no record; the message names what is wrong.
             OSError: the file cannot be read.
         """
         arrays = read_arrays(path, EPISODE_SCHEMA)
@@ -156,9 +161,9 @@ class Episode:
 
 
 class EpisodeRecorder:
-    """Steps an environment and keeps what happens; for whoever drives it by hand.
+    """Steps an environment and records it; for environments that are driven by hand.
 
-    It starts from the state that the environment is in, which should be fresh from ``reset``.
+    It starts from the current state of the environment, which should be that after ``reset``.
     """
 
     def __init__(self, env: WarehouseEnv, *, seed: int | None = None, agent: str = "") -> None:
@@ -200,11 +205,11 @@ def record_episode(
     Args:
         env: any environment, with any backend.
         agent: see ``Agent``.
-        seed: given to ``env.reset``; it does not seed the agent.
+        seed: given to ``env.reset``, not to the agent.
         randomize: given to ``env.reset``.
 
     Returns:
-        The record, which ended by delivery or because the steps or the battery were used up.
+        The record, which ends with the delivery or when the steps or the battery run out.
     """
     observation = env.reset(randomize=randomize, seed=seed)
     agent.reset()
@@ -218,11 +223,11 @@ def record_episode(
 def replay_episode(episode: Episode, backend: Backend | None = None) -> Episode:
     """Run the actions of a record again in a fresh environment.
 
-    The result equals the record bit for bit where the backend is the same.
+    With the same backend the result equals the record bit for bit.
 
     Args:
         episode: the record.
-        backend: carry out the moves with another backend than the recorded one.
+        backend: used instead of the recorded one.
     """
     settings = episode.settings
     env = WarehouseEnv(
@@ -233,16 +238,9 @@ def replay_episode(episode: Episode, backend: Backend | None = None) -> Episode:
         settings.view_radius,
         backend=settings.backend if backend is None else backend,
     )
-    env.reset(seed=episode.seed)
-    env.state.robot_pos = episode.cells[0]
+    env.reset_to(episode.layout, episode.cells[0], episode.seed)
     recorder = EpisodeRecorder(env, seed=episode.seed, agent=episode.agent)
     for action, reason in zip(episode.actions, episode.reasons, strict=True):
         recorder.step(action, reason)
     env.close()
     return recorder.episode
-
-
-def _distance(cell: Cell, station: Cell | None) -> float:
-    if station is None:
-        return math.nan
-    return float(abs(cell[0] - station[0]) + abs(cell[1] - station[1]))

@@ -1,7 +1,7 @@
-"""The fields of an episode as arrays, and back: what one ``.npz`` file holds.
+"""The fields of an episode as arrays, and back: the content of a ``.npz`` file.
 
-``T`` is the number of steps and ``F = T + 1`` of frames. Words are kept as codes; the words
-themselves and all that is no column stand in ``header``, which is JSON text.
+``T`` is the number of steps and ``F = T + 1`` of frames. Words are stored as codes; the words
+themselves and all other values are in ``header``, which is JSON text.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def unpack_fields(arrays: Arrays) -> Fields:
     """Undo ``pack_fields``, checking that the fields fit together.
 
     Raises:
-        ValueError: they do not; ``RecordError`` and ``LayoutError`` are among them.
+        ValueError: they do not; it may be a ``RecordError`` or a ``LayoutError``.
     """
     header = _read_header(arrays)
     steps = len(arrays["actions"])
@@ -94,7 +94,7 @@ def unpack_fields(arrays: Arrays) -> Fields:
 
 
 def _read_layout(tiles: NDArray[np.uint8]) -> Layout:
-    # Checked first, because rows without columns take no room in a file and any number in memory.
+    # Checked first: rows without columns take no room in a file, but could be very many.
     if not 0 < tiles.size <= MAX_CELLS:
         raise RecordError(f"layout: {tiles.shape} tiles; there must be 1..{MAX_CELLS}")
     return Layout([row.tobytes().decode("ascii") for row in tiles])

@@ -1,26 +1,27 @@
-"""What became of an episode, in one of the words that a watcher of its replay would use.
+"""The failure mode of an episode: the pattern that a viewer of its replay would name.
 
-``diagnose`` gives every episode the first of these modes that holds; one always does.
+``diagnose`` returns the first of these modes that applies; one always does.
 
-| mode             | holds when                                                     | ``steps``    |
+| mode             | applies when                                                   | ``steps``    |
 | ---------------- | -------------------------------------------------------------- | ------------ |
 | delivered        | the item was delivered                                         | of all       |
-| unreachable      | no way leads on to a pickup and then to a dropoff, or with the | of all       |
-|                  | item in hand to a dropoff                                      |              |
-| stalled          | steps missed their cell, as many as ``CAUSE_SHARE`` of those   | that missed  |
-|                  | lost: with nothing in its way it stayed, or slid to another    |              |
-| oscillation      | for as many steps up to the end it stood on one cell, swung    | at the end   |
-|                  | between ``FEW_CELLS`` or fewer, or went round one loop of any  |              |
+| unreachable      | no path leads to a pickup and then to a dropoff, or, with the  | of all       |
+|                  | item picked up, to a dropoff                                   |              |
+| stalled          | ``CAUSE_SHARE`` of the lost steps missed their cell: with      | that missed  |
+|                  | nothing in its way the robot stayed, or slid to another cell   |              |
+| oscillation      | for as many steps up to the end it stayed on one cell, swung   | at the end   |
+|                  | between up to ``MAX_SWING_CELLS``, or repeated one loop of any |              |
 |                  | size ``ROUNDS`` times                                          |              |
-| wandering        | of its moves from cell to cell ``LOST_SHARE`` were lost        | lost moves   |
+| wandering        | ``LOST_SHARE`` of its moves from cell to cell were lost        | lost moves   |
 | battery depleted | none of these, and the battery ran out                         | needed still |
 | out of time      | none of these, and the steps ran out                           | needed still |
-| unfinished       | none of these, and whoever drove the robot stopped             | needed still |
+| unfinished       | none of these, and the driver of the robot stopped             | needed still |
 
-*Needed* are the fewest steps to the delivery, round the walls, ``PICK`` and ``DROP`` included.
-*Lost* are as many as did not bring it nearer: all of the episode less what was needed at its start
-and no longer at its end. Fewer than ``PROOF`` steps of a kind, or lost, prove nothing. Waiting and
-running into walls change no pattern, since a visit to a cell may be of any length.
+*Needed* is the minimum number of steps to the delivery, ``PICK`` and ``DROP`` included. *Lost*
+steps did not bring the robot nearer: their number is that of all steps minus those needed at the
+start and no longer needed at the end. Fewer than ``MIN_STEPS`` steps of a kind, or lost, are no
+evidence. Waiting and running into walls change no pattern, because a visit to a cell may be of any
+length.
 """
 
 from __future__ import annotations
@@ -48,43 +49,43 @@ MODES = (
     DELIVERED, UNREACHABLE, STALLED, OSCILLATION, WANDERING,
     BATTERY_DEPLETED, OUT_OF_TIME, UNFINISHED,
 )  # fmt: skip
-"""Every mode, in the order in which they are tried."""
+"""Every mode, in the order in which they are checked."""
 
 CAUSE_SHARE = 0.4
-"""Of the lost steps; less than half, because a robot may be stuck twice before the end."""
+"""Of the lost steps; less than half, because a robot may be stuck more than once."""
 
 LOST_SHARE = 0.5
-"""Of all moves; so many are lost on a way twice as long as the shortest."""
+"""Of all moves; a path twice as long as the shortest loses this share."""
 
-FEW_CELLS = 4
-"""A robot that is stuck swings between the cell where it is stuck and up to three neighbours."""
+MAX_SWING_CELLS = 4
+"""The cell where the robot is stuck and up to three neighbours."""
 
-PROOF = 2 * FEW_CELLS
-"""Steps; in fewer it cannot be seen to come back to so many cells."""
+MIN_STEPS = 2 * MAX_SWING_CELLS
+"""Steps; fewer cannot show that it comes back to ``MAX_SWING_CELLS`` cells."""
 
 ROUNDS = 3
-"""Times round the same cells in the same order, before it is a loop."""
+"""Repetitions of the same cells in the same order that make a loop."""
 
-LAST_WORDS = {
+ENDINGS = {
     BATTERY_DEPLETED: "the battery ran out",
     OUT_OF_TIME: "the time ran out",
     UNFINISHED: "it was stopped",
 }
 
 State = tuple[Cell, bool]
-"""Where the robot is, and whether it holds an item."""
+"""The cell of the robot, and whether it holds an item."""
 
 
 class Diagnosis(NamedTuple):
-    """What became of an episode, with the evidence.
+    """The failure mode of an episode, with the evidence.
 
     Attributes:
         mode: one of ``MODES``.
-        cells: those it swung between or went round, in the order in which it came to them; the
-            stations that are cut off, none where there are none; the cell from which most steps
-            missed theirs; for all other modes the cell where it was last.
-        steps: how many the evidence is about; the table at the top of this file says which.
-        needed: the fewest steps from the start to the delivery, ``None`` where no way leads there.
+        cells: for ``oscillation`` those of the pattern, in the order of the visits; for
+            ``unreachable`` the stations without a path, if there are any; for ``stalled`` the
+            cell from which most steps missed theirs; for other modes the last cell.
+        steps: of the evidence; the table at the top of this file says which.
+        needed: the minimum number of steps from the start to the delivery, ``None`` without a path.
         sentence: the evidence in words.
     """
 
@@ -96,7 +97,7 @@ class Diagnosis(NamedTuple):
 
 
 def diagnose(episode: Episode) -> Diagnosis:
-    """Name what became of an episode, whatever its agent knew or meant."""
+    """Return the failure mode of an episode; it depends on the record only, not on the agent."""
     start, end = (episode.cells[0], episode.loaded[0]), (episode.cells[-1], episode.loaded[-1])
     needed, left = fewest_steps(episode.layout, start, end)
     shortest = "" if needed is None else f"; the shortest way takes {needed}"
@@ -109,16 +110,16 @@ def diagnose(episode: Episode) -> Diagnosis:
     lost = _why_lost(episode, needed, 0 if needed is None else max(needed - left, 0))
     if lost is not None:
         return lost
-    sentence = f"{LAST_WORDS[episode.outcome]} {_count(left)} short of the delivery{shortest}"
+    sentence = f"{ENDINGS[episode.outcome]} {_count(left)} short of the delivery{shortest}"
     return Diagnosis(episode.outcome, end[:1], left, needed, sentence)
 
 
 def _why_lost(episode: Episode, needed: int | None, nearer: int) -> Diagnosis | None:
-    """Say what the steps were lost to that did not bring the robot nearer."""
+    """Return the diagnosis of the lost steps, ``None`` if there is no pattern in them."""
     cells, lost = episode.cells, episode.steps - nearer
-    if lost < PROOF:
+    if lost < MIN_STEPS:
         return None
-    least = max(PROOF, CAUSE_SHARE * lost)
+    least = max(MIN_STEPS, CAUSE_SHARE * lost)
     missed = _missed(episode)
     misses = len(missed)
     if misses >= least:
@@ -134,7 +135,7 @@ def _why_lost(episode: Episode, needed: int | None, nearer: int) -> Diagnosis | 
         sentence = f"{_describe(swing)} for the last {_count(steps)}{also}"
         return Diagnosis(OSCILLATION, swing, steps, needed, sentence)
     moves = sum(map(ne, cells, cells[1:]))
-    if moves - nearer >= max(PROOF, LOST_SHARE * moves):
+    if moves - nearer >= max(MIN_STEPS, LOST_SHARE * moves):
         came = f"came {_count(nearer)} nearer to the delivery" if nearer else "came no nearer"
         sentence = f"{came} in {moves} moves over {len(set(cells))} cells{also}"
         return Diagnosis(WANDERING, (cells[-1],), moves - nearer, needed, sentence)
@@ -142,15 +143,15 @@ def _why_lost(episode: Episode, needed: int | None, nearer: int) -> Diagnosis | 
 
 
 def fewest_steps(layout: Layout, *states: State) -> tuple[int | None, ...]:
-    """Return the fewest steps from each state to the delivery, ``None`` where no way leads there.
+    """Return the minimum number of steps from each state to the delivery, ``None`` without a path.
 
-    The search goes backwards from the dropoffs, breadth first, with the item in hand; from a
-    pickup it goes on with empty hands as well.
+    The search is breadth first and backwards from the dropoffs, with the item; at a pickup it
+    continues without the item too.
     """
     stride = layout.width + 1
     edge = WALL * stride
     floor = edge + "".join([row + WALL for row in layout.rows]) + edge
-    unloaded = len(floor)  # how far the number of a state without an item is from one with it
+    unloaded = len(floor)  # added to the number of a state with the item gives that without
     fresh = bytearray((floor * 2).replace(WALL, "\0"), "ascii")
 
     def number(cell: Cell) -> int:
@@ -177,7 +178,7 @@ def fewest_steps(layout: Layout, *states: State) -> tuple[int | None, ...]:
 
 
 def _cut_off(layout: Layout, end: State) -> tuple[tuple[Cell, ...], str]:
-    """Return the stations that no way leads to, and a sentence about them."""
+    """Return the stations that no path leads to, and a sentence about them."""
     here, loaded = end
     if loaded or not layout.reachable_from(here).isdisjoint(layout.pickups):
         name, stations = "dropoff", layout.dropoffs
@@ -189,7 +190,7 @@ def _cut_off(layout: Layout, end: State) -> tuple[tuple[Cell, ...], str]:
 
 
 def _missed(episode: Episode) -> list[Cell]:
-    """Return from where each step started that missed its cell with nothing in the way."""
+    """Return the start of each step that missed its cell with nothing in the way."""
     deltas = {action: DISPLACEMENTS[action_index(action)] for action in set(episode.actions)}
     asked = [deltas[action] for action in episode.actions]
     return [
@@ -200,17 +201,17 @@ def _missed(episode: Episode) -> list[Cell]:
 
 
 def _find_swing(leg: Sequence[Cell], least: float) -> tuple[tuple[Cell, ...], int]:
-    """Return the cells that the robot kept to at the end, and for how many steps.
+    """Return the fewest cells that the robot stayed among at the end, and for how many steps.
 
     Args:
-        leg: where it was, step by step, all the while with the item or all without.
-        least: steps; of what lasted as long it is the one with the fewest cells. None if none did.
+        leg: its cells step by step, all with the item or all without.
+        least: minimum number of steps; without such cells the result is empty.
     """
     arrivals = [step for step, cell in enumerate(leg) if step == 0 or cell != leg[step - 1]]
     way = [leg[step] for step in arrivals]
-    # Once it had left a cell for good, it kept to the cells that it left later than that one.
+    # After the last visit to a cell, it stayed among the cells whose last visits are later.
     farewells = sorted({cell: visit for visit, cell in enumerate(way)}.values(), reverse=True)
-    for begin in [visit + 1 for visit in [*farewells[1:], -1][:FEW_CELLS]]:
+    for begin in [visit + 1 for visit in [*farewells[1:], -1][:MAX_SWING_CELLS]]:
         steps = len(leg) - 1 - arrivals[begin]
         if steps >= least and (begin == len(way) - 1 or way[begin] in way[begin + 1 :]):
             return tuple(dict.fromkeys(way[begin:])), steps
@@ -220,10 +221,10 @@ def _find_swing(leg: Sequence[Cell], least: float) -> tuple[tuple[Cell, ...], in
 
 
 def _loop_begin(way: Sequence[Cell]) -> int:
-    """Return the visit from which on a way is ``ROUNDS`` times one loop or more, or else the last.
+    """Return the visit after which a way is at least ``ROUNDS`` times one loop, or the last visit.
 
-    The failure function of Knuth, Morris and Pratt, of the way backwards: the first ``k`` visits
-    begin with the same ``border[k]`` that they end with, so they recur every ``k - border[k]``.
+    This is the failure function of Knuth, Morris and Pratt, of the way backwards: the first ``k``
+    visits begin and end with the same ``border[k]`` visits, so their period is ``k - border[k]``.
     """
     back, border, longest = way[::-1], [0, 0], 1
     for k, cell in enumerate(back[1:], start=2):
@@ -240,7 +241,7 @@ def _loop_begin(way: Sequence[Cell]) -> int:
 def _describe(swing: Sequence[Cell]) -> str:
     if len(swing) == 1:
         return f"stood on {swing[0]}"
-    if len(swing) <= FEW_CELLS:
+    if len(swing) <= MAX_SWING_CELLS:
         return f"swung between {_listed(swing, 'and')}"
     return f"went round and round over {len(swing)} cells, {swing[0]} among them,"
 

@@ -1,6 +1,6 @@
-"""Outcomes of ``T`` motions as a few arrays, and back, value by value.
+"""Outcomes of ``T`` motions as arrays, and back.
 
-``K`` rows of path and ``C`` contacts are those of all motions one after the other.
+Paths and contacts of all motions are concatenated.
 """
 
 from __future__ import annotations
@@ -69,10 +69,10 @@ def pack_motions(motions: Sequence[Outcome]) -> tuple[Arrays, list[str]]:
 
 
 def unpack_motions(arrays: Arrays, counterparts: list[str], steps: int) -> list[Outcome]:
-    """Undo ``pack_motions``; every value has been checked to make sense by itself.
+    """Undo ``pack_motions``, checking that the arrays fit together.
 
     Raises:
-        RecordError: the arrays do not fit together, or hold what no motion can be.
+        RecordError: they do not, or a value is impossible.
     """
     _check(arrays, steps)
     names = decode_words(counterparts, arrays["contact_counterparts"], "contact_counterparts")

@@ -1,9 +1,9 @@
-"""The tiles of which pictures are laid out, each drawn once at a size, by NumPy alone.
+"""The tiles of pictures, each drawn once for each size, with NumPy only.
 
-They look as the cells of a replay do. A tile is first drawn with ``n = T * SAMPLES`` points a side,
-each of one colour, which are then mixed; ``T`` is the side of the tile in pixels. A shape says
-which of the points are in it, ``[n, n]`` or narrower, from their places ``x`` ``[1, n]`` and ``y``
-``[n, 1]``, which are in pixels.
+They look like the cells of a replay. A tile is first drawn with ``n = T * SAMPLES`` points a side,
+each of one colour, which are then averaged; ``T`` is the side of the tile in pixels. A shape is a
+mask of points, ``[n, n]`` or broadcast to it, computed from their places ``x`` ``[1, n]`` and ``y``
+``[n, 1]`` in pixels.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from warehouse_core.render.palette import COLORS, FAINT, INK, PAPER, UNKNOWN, Co
 from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, WALL
 
 Pixels = NDArray[np.uint8]
-"""Red, green and blue, 0..255, in the last of the axes."""
+"""Red, green and blue, 0..255, in the last axis."""
 
 Places = NDArray[np.float64]
 Shape = NDArray[np.bool_]
@@ -37,10 +37,10 @@ CELLS = (
     (DROPOFF, ROBOT_EMPTY),
     (DROPOFF, ROBOT_LOADED),
 )
-"""What can be painted: a tile and the robot on it. Its place here is its code.
+"""Everything that can be painted: a tile and the robot on it. The index is its code.
 
-The first six are the characters of a window in the order of ``sight.CELL_CODES``, so that a
-window's codes can be painted as they are.
+The first six are the characters of a window in the order of ``tiles.CELL_CODES``, so the codes of a
+window can be painted without a change.
 """
 
 CODES = {cell: code for code, cell in enumerate(CELLS)}
@@ -53,7 +53,7 @@ ROBOT_CODES = np.array(
     ],
     np.uint8,
 )
-"""The code with a robot, by whether it is loaded and the code without; 255 is no code: a wall."""
+"""The code with a robot, by whether it is loaded and the code without; 255 for walls."""
 ROBOT_CODES.setflags(write=False)
 
 INSET, CORNER = 0.06, 0.1
@@ -66,16 +66,16 @@ CORNER_LETTER, ROBOT_LETTER = 0.175, 0.306
 """Heights of capital letters, in cells."""
 
 MIN_RADIUS, MIN_CORNER_LETTER, MIN_ROBOT_LETTER = 3.0, 5, 6
-"""In pixels: what is smaller could not be made out."""
+"""In pixels; smaller shapes could not be recognised."""
 
 MIN_OUTLINED, MIN_LETTERED, MIN_BOTH_LETTERED = 10, 16, 20
-"""The smallest tiles, in pixels, with room for an outline, for a letter, and for two of them."""
+"""Minimum sides of tiles, in pixels, with an outline, with a letter, and with two letters."""
 
 WIDTHS = {PICKUP: 0.82, DROPOFF: 0.92, ROBOT_EMPTY: 0.86, ROBOT_LOADED: 0.58}
 """Widths of the letters, as shares of the height of a capital."""
 
 SAMPLES = 8
-"""Points along each side of a pixel that say how much of it a shape covers."""
+"""Points along each side of a pixel, to measure how much of it a shape covers."""
 
 
 @cache
@@ -94,7 +94,7 @@ def _draw_cell(tile: str, robot: str, side: int) -> Pixels:
     if tile == UNSEEN:
         _fill(points, (x + y) % (side / 2) < side / 8, blend(UNKNOWN, COLORS[EMPTY], 0.3))
     elif tile != WALL:
-        # A line is a pixel wide, however small the tile is; it is paler there instead.
+        # Lines are one pixel wide; they are paler on small tiles instead of narrower.
         _fill(points, (x < 1) | (y < 1), blend(COLORS[EMPTY], FAINT, min(1.0, side / 24)))
     if tile in (PICKUP, DROPOFF):
         lettered = side >= (MIN_BOTH_LETTERED if robot else MIN_LETTERED)
@@ -119,7 +119,7 @@ def _draw_station(
 
 
 def _draw_robot(points: Pixels, x: Places, y: Places, side: int, robot: str) -> None:
-    """Draw a robot in the middle, which is where ``x`` and ``y`` are 0."""
+    """Draw a robot whose middle is at 0, 0."""
     radius = max(ROBOT_RADIUS * side, min(MIN_RADIUS, side / 2))
     outline = OUTLINE * side if side >= MIN_OUTLINED else 0.0
     distance = np.hypot(x, y)
@@ -134,7 +134,7 @@ def _draw_robot(points: Pixels, x: Places, y: Places, side: int, robot: str) -> 
 
 
 def _centred(length: float, side: int) -> int:
-    """Return about ``length``, but odd or even as ``side`` is, so that the middle is a middle."""
+    """Return about ``length``, but odd or even like ``side``, so that it can be centred."""
     length = round(length)
     return length + (side - length) % 2
 
@@ -142,7 +142,7 @@ def _centred(length: float, side: int) -> int:
 def _letter(letter: str, x: Places, y: Places, width: int, height: int) -> Shape:
     """Return a letter in a box whose top left corner is at 0, 0.
 
-    Its strokes are whole pixels wide, or small letters would be blurred.
+    Its strokes are whole pixels wide, because small letters would be blurred otherwise.
     """
     is_capital = letter != ROBOT_LOADED
     thick = max(1, round((0.26 if is_capital else 0.32) * height))

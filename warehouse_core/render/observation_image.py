@@ -1,7 +1,7 @@
-"""An observation as a picture that shows what it says, and no more.
+"""An observation as a picture of its content.
 
-Cells within view are drawn as they are; of the others only the first pickup and dropoff are known,
-and the rest is hatched. Two bars beneath are the battery that is left and the steps taken.
+Cells in view are drawn; of the others only the first pickup and dropoff are known, and the rest is
+hatched. Two bars below show the battery level and the steps taken.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from warehouse_core.task.encoding import Arrays
 from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP
 
 TILE_PIXELS = 8
-"""Side of a tile; the default layout becomes 64 x 96 pixels."""
+"""Side of a tile; the picture of the default layout has 64 x 96 pixels."""
 
 
 class ObservationImage:
@@ -38,11 +38,11 @@ class ObservationImage:
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """Height, width and channels of a picture: a tile's height more than the layout has."""
+        """Height, width and channels of a picture, with one tile of height for the bars."""
         return (self._height + 1) * TILE_PIXELS, self._width * TILE_PIXELS, 3
 
     def paint(self, arrays: Arrays) -> Pixels:
-        """Return the pictures of observations with any leading shape ``...``, fresh.
+        """Return new pictures of observations with any leading shape ``...``.
 
         Returns:
             ``[..., (H + 1) * T, W * T, 3]`` uint8.
@@ -53,7 +53,7 @@ class ObservationImage:
         return np.concatenate([self._painter.paint(self._known(arrays)), battery, steps], axis=-3)
 
     def _known(self, arrays: Arrays) -> NDArray[np.uint8]:
-        """Return what is known of each cell, ``[..., H, W]`` codes of the painter."""
+        """Return the known codes of cells, ``[..., H, W]``."""
         batch = arrays["robot_pos"].shape[:-1]
         robots = arrays["robot_pos"].reshape(-1, 2)
         windows = arrays["local_grid"].reshape(len(robots), -1)
@@ -78,6 +78,6 @@ class ObservationImage:
 
 
 def _put(cells: NDArray[np.uint8], code: int, stations: NDArray[np.int32], margin: int) -> None:
-    """Write a code where there is a station, in cells that have a margin around them."""
+    """Write a code at each station, in cells with a margin around them."""
     there = np.flatnonzero(stations[:, 0] >= 0)
     cells[there, stations[there, 0] + margin, stations[there, 1] + margin] = code

@@ -1,9 +1,8 @@
-"""A warehouse as pixels, laid out of square tiles by NumPy alone.
+"""A warehouse as pixels, made of square tiles with NumPy only.
 
-It looks as the cells of a replay do, and is quick enough to film every step of a training: each
-tile is drawn once, and a picture is copied together from them. ``T`` is the side of a tile in
-pixels, ``H, W`` are the height and width of a layout in cells, ``...`` is any leading shape, such
-as a batch.
+It looks like the cells of a replay, and is fast enough for a film of every step of a training: each
+tile is drawn once and copied into pictures. ``T`` is the side of a tile in pixels, ``H, W`` are the
+height and width of a layout in cells, ``...`` is any leading shape, such as a batch.
 """
 
 from __future__ import annotations
@@ -18,19 +17,18 @@ from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import tile_codes
 from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED, Cell
 
-MOST_TILE_PIXELS = 256
-"""Of any tile."""
+MAX_TILE_PIXELS = 256
 
-MAX_TILE_PIXELS, MAX_PICTURE_PIXELS = 40, 1000
-"""The largest tile by default, and what the larger side of a picture is kept to."""
+DEFAULT_TILE_PIXELS, DEFAULT_PICTURE_PIXELS = 40, 1000
+"""Maximum side of a tile and of a picture in ``tile_pixels_for``."""
 
 
 def tile_pixels_for(height: int, width: int) -> int:
-    """Return a good side of a tile, in pixels, for a map of ``height`` x ``width`` cells.
+    """Return a suitable side of a tile, in pixels, for a map of ``height`` x ``width`` cells.
 
-    It is even, because most encoders of video take pictures with even sides only.
+    It is even, because most video encoders need even sides.
     """
-    pixels = min(MAX_TILE_PIXELS, MAX_PICTURE_PIXELS // max(height, width))
+    pixels = min(DEFAULT_TILE_PIXELS, DEFAULT_PICTURE_PIXELS // max(height, width))
     return max(2, pixels - pixels % 2)
 
 
@@ -38,8 +36,7 @@ class TilePainter:
     """Paints warehouses with tiles of one size.
 
     Args:
-        tile_pixels: ``T``, 2 to ``MOST_TILE_PIXELS``. There are letters from 16 on, colours
-            alone below.
+        tile_pixels: ``T``, 2 to ``MAX_TILE_PIXELS``; tiles have letters from 16 on.
 
     Raises:
         ValueError: ``tile_pixels`` is out of range.
@@ -47,19 +44,19 @@ class TilePainter:
     """
 
     def __init__(self, tile_pixels: int) -> None:
-        self.tile_pixels = whole_number("tile_pixels", tile_pixels, 2, MOST_TILE_PIXELS)
+        self.tile_pixels = whole_number("tile_pixels", tile_pixels, 2, MAX_TILE_PIXELS)
         self._atlas = atlas(self.tile_pixels)
         self._layout: Layout | None = None
         self._background: Pixels = np.empty((0, 0, 3), np.uint8)
 
     def paint(self, codes: ArrayLike) -> Pixels:
-        """Return fresh pictures of cells given by code: ``[..., H, W]`` to ``[..., H*T, W*T, 3]``.
+        """Return new pictures of cells given by code: ``[..., H, W]`` to ``[..., H*T, W*T, 3]``.
 
         Raises:
             IndexError: no cell has such a code.
         """
         side = self.tile_pixels
-        # A row of a tile's pixels is one item, which is copied straight to where it belongs.
+        # One row of a tile's pixels is one item, which is copied to its place.
         rows = self._atlas.reshape(-1, 3 * side).view(np.dtype((np.void, 3 * side)))[:, 0]
         first = np.multiply(codes, side, dtype=np.intp)
         *batch, height, width = first.shape
@@ -67,10 +64,10 @@ class TilePainter:
         return painted.view(np.uint8).reshape(*batch, height * side, width * side, 3)
 
     def picture(self, layout: Layout, robot_cell: Cell, loaded: bool) -> Pixels:
-        """Return a fresh picture of a layout with its robot, ``[H*T, W*T, 3]``.
+        """Return a new picture of a layout with its robot, ``[H*T, W*T, 3]``.
 
-        The last layout is remembered as it looks without a robot: as long as it is the same
-        object, there is only that to copy and one tile to put in.
+        The picture of the last layout without a robot is kept: for the same object it is copied
+        and one tile replaced.
 
         Raises:
             KeyError: the robot is on a wall.
@@ -88,11 +85,11 @@ class TilePainter:
 def bar(share: ArrayLike, width: int, height: int, color: Color = BATTERY) -> Pixels:
     """Return bars filled from the left: shares ``[...]`` to ``[..., height, width, 3]``.
 
-    The last pixel of the filling is mixed, so that a small change of the share can be seen too.
-    One pixel of the ground stays free all around, unless the bar is less than 4 pixels high.
+    The last pixel of the filling is blended, to show small changes of the share. There is a margin
+    of one pixel, unless the bar is less than 4 pixels high.
 
     Args:
-        share: 0..1; what is beyond is cut off.
+        share: clipped to 0..1.
         width: in pixels.
         height: in pixels.
         color: of the filling.

@@ -1,4 +1,4 @@
-"""The colours of a replay and its legend. Whatever a colour says, a letter or a line says too.
+"""The colours of a replay and its legend. No information is in a colour alone.
 
 Source of the six tile and robot colours: the chapter's exercise.
 """
@@ -31,10 +31,10 @@ PALE_WARNING: Color = (1.0, 0.85, 0.85)
 HIT: Color = (1.0, 0.85, 0.1)
 
 UNKNOWN: Color = (0.62, 0.62, 0.66)
-"""Of a cell that a robot does not see. The palette of files has one as near as makes no odds."""
+"""Of a cell that a robot does not see; the palette of files has a close enough match."""
 
 UNKNOWN_STRIPE: Color = (0.72, 0.72, 0.75)
-"""Of the stripes across such a cell."""
+"""Of the stripes in such a cell."""
 
 LineStyle = Literal["-"] | tuple[float, tuple[float, ...]]
 
@@ -59,12 +59,12 @@ _OWN_COLORS = (
 )  # fmt: skip
 _GROUNDS = (PAPER, INK, COLORS[EMPTY])
 _NEAR = 0.03
-"""Pillow takes colours that are this near for the same one."""
+"""Pillow treats colours this close as the same."""
 
 
 @cache
 def indexed_palette() -> list[int]:
-    """Return bytes of R, G, B for the colours of a replay and the smooth edges between them."""
+    """Return bytes of R, G, B: the colours of a replay, and blends of them for smooth edges."""
     colors = list(dict.fromkeys(_OWN_COLORS))
     edges = [
         blend(color, ground, share)

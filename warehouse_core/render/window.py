@@ -1,4 +1,4 @@
-"""A window that shows pictures as they come, from a loop that goes on by itself.
+"""A window that a program shows pictures in, one after the other, from its own loop.
 
 Matplotlib is imported when a window is made, not when this module is.
 """
@@ -12,30 +12,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.errors import NoDisplayError
+from warehouse_core.render.display import has_display
 
 DPI = 100
-"""Of the figure. Sizes are pixels here, so that it is as good as any."""
+"""Of the figure; any value would do, because sizes are given in pixels."""
 
-NAP_SECONDS = 0.01
-"""The longest that a key, a click or a changed size waits while the next picture is not due."""
+MAX_WAIT_SECONDS = 0.01
+"""How long events of the window may wait while the next picture is not due."""
 
 
 class PictureWindow:
-    """A window for pictures. Once it is closed, by whomever, it stays closed.
+    """A window for pictures. Once closed, by the program or by hand, it stays closed.
 
-    It is none of pyplot's figures: ``plt.plot`` does not draw into it, ``plt.show`` does not wait
-    for it, and ``plt.close("all")`` leaves it alone.
+    Pyplot does not know it: ``plt.plot`` does not draw into it, ``plt.show`` does not wait for it,
+    and ``plt.close("all")`` does not close it.
 
     Args:
         title: of the window, which opens with the first picture.
 
+    Attributes:
+        is_closed: whether it has been closed.
+
     Raises:
-        NoDisplayError: no window can be opened here.
+        NoDisplayError: no window can be opened.
     """
 
     def __init__(self, title: str) -> None:
-        from warehouse_core.render.window import has_display
-
         if not has_display():
             raise NoDisplayError(
                 'render_mode="human" needs a window, and none can be opened here: there is no '
@@ -45,24 +47,19 @@ class PictureWindow:
         self._canvas: Any = None
         self._image: Any = None
         self._fitted: tuple[float, ...] = ()
-        self._is_closed = False
+        self.is_closed = False
         self._shown_at = 0.0
-
-    @property
-    def is_closed(self) -> bool:
-        """Whether the window has been closed, by the program or by whoever looked at it."""
-        return self._is_closed
 
     def show(self, picture: NDArray[np.uint8], fps: float) -> None:
         """Show a picture ``[height, width, 3]`` in a window of its size.
 
-        It returns ``1 / fps`` seconds after it last did, or later: whatever the program does
-        between two pictures is part of that time. Once the window is closed it does nothing.
+        Return ``1 / fps`` seconds after the last return, or later; the time that the program
+        takes between two pictures counts. Do nothing once the window is closed.
         """
-        if self._canvas is None and not self._is_closed:
+        if self._canvas is None and not self.is_closed:
             self._open(picture)
         self._wait_until(0.0)
-        if self._is_closed:
+        if self.is_closed:
             return
         fitted = (*picture.shape, self._canvas.device_pixel_ratio)
         if fitted != self._fitted:
@@ -74,7 +71,7 @@ class PictureWindow:
 
     def close(self) -> None:
         """Close the window, if it is open."""
-        was_closed, self._is_closed = self._is_closed, True
+        was_closed, self.is_closed = self.is_closed, True
         if self._canvas is not None and not was_closed:
             self._canvas.manager.destroy()
 
@@ -105,40 +102,23 @@ class PictureWindow:
     def _fit(self, height: int, width: int, channels: int, ratio: float) -> None:
         """Make the window as large as the picture.
 
-        Matplotlib enlarges windows by ``ratio``, 1.04 on one screen and 2 on another. Pictures
-        are enlarged by whole numbers alone, which keeps every pixel sharp.
+        Matplotlib enlarges windows by ``ratio``, which depends on the screen. Pictures are only
+        enlarged by whole numbers, to keep every pixel sharp.
         """
         scale = max(1, round(ratio)) / ratio / DPI
         self._image.set_extent((0, width, height, 0))
-        # A hundredth more, for a fraction less would be cut off to a pixel less.
+        # A hundredth of a pixel more, because sizes are rounded down.
         self._canvas.figure.set_size_inches((width + 0.01) * scale, (height + 0.01) * scale)
         self._fitted = (height, width, channels, ratio)
 
     def _wait_until(self, due: float) -> None:
-        """Handle what the window is told, keys, clicks and sizes, and go on when it is ``due``."""
-        while not self._is_closed:
+        """Handle the events of the window until the time ``due``."""
+        while not self.is_closed:
             self._canvas.flush_events()
             left = due - time.monotonic()
             if left <= 0:
                 break
-            time.sleep(min(left, NAP_SECONDS))
+            time.sleep(min(left, MAX_WAIT_SECONDS))
 
     def _on_close(self, event: object) -> None:
-        self._is_closed = True
-
-
-def has_display() -> bool:
-    """Say whether matplotlib can open a window here; a notebook's inline pictures do not count.
-
-    It asks matplotlib, which looks for a display and for a toolkit that is installed.
-    """
-    import matplotlib.pyplot as plt
-    from matplotlib.backends.registry import backend_registry
-
-    registry: Any = backend_registry
-    try:
-        _, toolkit = registry.resolve_backend(plt.get_backend())
-        plt.switch_backend(plt.get_backend())
-    except ImportError:
-        return False
-    return toolkit is not None
+        self.is_closed = True

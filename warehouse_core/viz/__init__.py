@@ -1,1 +1,5 @@
-"""Figures and animations, by matplotlib."""
+"""Figures and animations, by matplotlib. The track of a replay is here; the rest is heavy."""
+
+from warehouse_core.viz.track import Frame, Pose, Track, track_of_episode, track_of_frames
+
+__all__ = ["Frame", "Pose", "Track", "track_of_episode", "track_of_frames"]

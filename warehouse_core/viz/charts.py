@@ -1,4 +1,4 @@
-"""What is plotted beside the warehouse: reward, distances and the battery."""
+"""The charts beside the warehouse: reward, distances, motion and battery."""
 
 from __future__ import annotations
 
@@ -22,12 +22,13 @@ from warehouse_core.render.palette import (
     WARNING,
     LineStyle,
 )
+from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.track import Track
 from warehouse_core.world.tiles import DROPOFF, PICKUP, TILES
 
 LOW_BATTERY = 0.2
-"""Share of a full battery below which the bar warns."""
+"""Share of a full battery below which the bar shows a warning."""
 
 
 class RewardChart:
@@ -47,7 +48,7 @@ class RewardChart:
         self._fit(track)
 
     def show(self, track: Track, frame: int) -> None:
-        """Draw everything up to the last step that is complete in ``frame``."""
+        """Draw everything up to the last complete step of ``frame``."""
         last = track.step_at(frame)
         rewards, totals = _rewards(track, last + 1)
         _fit(self._axes, [*rewards, *totals])
@@ -61,7 +62,7 @@ class RewardChart:
 
 
 class DistanceChart:
-    """Manhattan distances to pickup and dropoff; each line is led by its letter."""
+    """Manhattan distances to pickup and dropoff; each line ends with its letter."""
 
     NAMES: ClassVar[dict[str, str]] = {PICKUP: "dist_pickup", DROPOFF: "dist_dropoff"}
     STYLES: ClassVar[dict[str, LineStyle]] = {PICKUP: "-", DROPOFF: (0, (4, 1.5))}
@@ -85,7 +86,7 @@ class DistanceChart:
             _fit(axes, track.metrics[self.NAMES[tile]])
 
     def show(self, track: Track, frame: int) -> None:
-        """Draw everything up to the last step that is complete in ``frame``."""
+        """Draw everything up to the last complete step of ``frame``."""
         last = track.step_at(frame)
         for tile in self._tiles:
             distances = track.metrics[self.NAMES[tile]][: last + 1]
@@ -103,7 +104,7 @@ class DistanceChart:
 
 
 class MotionChart:
-    """Speed as a line, and on a scale of its own the energy used so far."""
+    """Speed as a line, and the energy used so far as an area with its own scale."""
 
     def __init__(self, figure: SceneFigure, axes: Axes, track: Track, length: int) -> None:
         _prepare(axes, "speed (m/s, line) and energy used (J, area)", length)
@@ -125,18 +126,18 @@ class MotionChart:
     def show(self, track: Track, frame: int) -> None:
         """Draw everything up to ``frame``."""
         self._fit(track)
-        progress = track.progress[: frame + 1]
-        self._line.set_data(progress, track.speed[: frame + 1])
-        edge = zip(progress, track.energy, strict=False)
-        self._area.set_xy([(0.0, 0.0), *edge, (progress[-1], 0.0)])
+        frames = track.frames[: frame + 1]
+        self._line.set_data([f.progress for f in frames], [f.speed for f in frames])
+        edge = [(f.progress, f.energy) for f in frames]
+        self._area.set_xy([(0.0, 0.0), *edge, (frames[-1].progress, 0.0)])
 
     def _fit(self, track: Track) -> None:
-        _fit(self._axes, [max(track.speed)])
-        _fit(self._energy_axes, [track.energy[-1]])
+        _fit(self._axes, [max(frame.speed for frame in track.frames)])
+        _fit(self._energy_axes, [track.frames[-1].energy])
 
 
 class BatteryBar:
-    """What is left of the battery; below ``LOW_BATTERY`` it turns red and says so."""
+    """The battery level; below ``LOW_BATTERY`` it turns red, with a warning in words."""
 
     def __init__(self, figure: SceneFigure, axes: Axes) -> None:
         axes.set(xlim=(0, 1), ylim=(0, 1), xticks=[], yticks=[], facecolor="white")
@@ -166,21 +167,18 @@ class BatteryBar:
 def _prepare(axes: Axes, title: str, count: int) -> None:
     axes.set_title(title, fontsize=9, loc="left", color=INK, pad=4)
     axes.set_xlim(-0.5, max(count - 0.5, 1))
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.tick_params(labelsize=8)
     axes.xaxis.set_major_locator(MaxNLocator(nbins=8, integer=True))
-    axes.grid(color=FAINT, linewidth=0.5)
-    axes.set_axisbelow(True)
+    style_chart(axes)
 
 
 def _rewards(track: Track, count: int) -> tuple[list[float], list[float]]:
-    """Return the first ``count`` rewards, NaN as nothing, and their running sums."""
+    """Return the first ``count`` rewards, with NaN as 0, and their running sums."""
     rewards = [0.0 if math.isnan(r) else r for r in track.metrics["rewards"][:count]]
     return rewards, list(accumulate(rewards))
 
 
 def _fit(axes: Axes, values: Sequence[float]) -> None:
-    """Widen the range of ``axes``, never narrow it, so that it shows ``values``."""
+    """Widen the range of ``axes`` to show ``values``; it is never narrowed."""
     low, high = axes.get_ylim()
     known = [value for value in values if not math.isnan(value)]
     least, most = min([low, *known]), max([high, *known])

@@ -1,15 +1,17 @@
 """A figure that redraws only what moves.
 
-Most of a replay stands still: walls, axes, legend. They are drawn once into a background, and each
-frame is the background with the moving artists on top, in a window as in an exported file.
+Walls, axes and legend never change. They are drawn once into a background, and each frame is the
+background with the moving artists on top, in a window as in an exported file.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import IO, Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.backend_bases import DrawEvent
@@ -21,9 +23,14 @@ from warehouse_core.render.palette import indexed_palette
 
 PIXEL_FORMATS = {"png", "rgba", "raw"}
 
+DPI = 100
+
+PAIR_DPI = 70
+"""For two pictures side by side, which would be wider than a screen."""
+
 
 class SceneFigure(Figure):
-    """A ``Figure`` with moving artists, which are drawn last and do not make it stale."""
+    """A ``Figure`` with movers: artists that are drawn last and do not make it stale."""
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
@@ -40,7 +47,7 @@ class SceneFigure(Figure):
         self._movers.append(artist)
 
     def draw(self, renderer: Any) -> None:
-        """Draw the movers over the remembered background, which is drawn anew if need be."""
+        """Draw the movers over the background, which is drawn again only if it has changed."""
         if not self._is_wanted:
             return
         if not _is_pixels(renderer):
@@ -48,7 +55,7 @@ class SceneFigure(Figure):
             return
         size = (renderer.width, renderer.height, renderer.dpi)
         if self.stale or size != self._background_size:
-            # A listener told before the movers are drawn may change them: a replay does.
+            # Listeners are told later: one of them, a replay, would change the movers.
             with self.canvas.callbacks.blocked(signal="draw_event"):
                 self._draw_still(renderer, with_movers=False)
             self._background = renderer.copy_from_bbox(self.bbox)
@@ -60,7 +67,7 @@ class SceneFigure(Figure):
         self.canvas.callbacks.process("draw_event", DrawEvent("draw_event", self.canvas, renderer))
 
     def savefig(self, fname: Any, *, transparent: bool | None = None, **options: Any) -> None:
-        """Save as ``Figure.savefig`` does; pixels of the figure's own size go the short way."""
+        """Save as ``Figure.savefig`` does, but faster for pixels at the figure's own resolution."""
         own_size = options.get("dpi", "figure") in ("figure", self.dpi)
         if hasattr(fname, "write") and options.get("format") in PIXEL_FORMATS and own_size:
             self._write_pixels(fname, options["format"])
@@ -69,9 +76,9 @@ class SceneFigure(Figure):
 
     @contextmanager
     def drawn_on_demand(self) -> Iterator[None]:
-        """Draw only when somebody asks for ``pixels``.
+        """Draw only when ``pixels`` is called.
 
-        An animation that is being saved draws each frame once for itself, where nobody sees it.
+        Otherwise matplotlib would draw each frame of an animation once more while saving it.
         """
         self._is_wanted = False
         try:
@@ -120,12 +127,6 @@ def _is_pixels(renderer: object) -> bool:
     return isinstance(renderer, RendererAgg)
 
 
-DPI = 100
-
-PAIR_DPI = 70
-"""Of two pictures side by side, which would be wider than a screen."""
-
-
 def make_figure(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:
     """Return a figure of ``size`` inches that needs no display."""
     figure = SceneFigure(figsize=size, dpi=dpi)
@@ -136,7 +137,7 @@ def make_figure(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:
 def make_window(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:
     """Return a figure in a window that ``matplotlib.pyplot.show`` will open.
 
-    Matplotlib's own keys are taken off it: its arrows and ``p`` would clash with ours.
+    Matplotlib's own keys are disabled, because they would clash with those of replays.
     """
     import matplotlib.pyplot as plt
 
@@ -148,3 +149,9 @@ def make_window(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:
         if manager.key_press_handler_id is not None:
             figure.canvas.mpl_disconnect(manager.key_press_handler_id)
     return figure
+
+
+def save_svg(figure: Figure, target: Path | IO[bytes], dpi: float | None = None) -> None:
+    """Write a figure as SVG; figures that show the same give the same bytes."""
+    with mpl.rc_context({"svg.hashsalt": "warehouse-lab", "svg.fonttype": "path"}):
+        figure.savefig(target, format="svg", dpi=dpi or figure.dpi, metadata={"Date": None})

@@ -1,4 +1,4 @@
-"""The warehouse itself: tiles, the robots over them, and what they hit."""
+"""The warehouse: tiles, robots, planned ways and hits."""
 
 from __future__ import annotations
 
@@ -6,35 +6,36 @@ from collections.abc import Iterator, Sequence
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.collections import PatchCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
 from warehouse_core.render.atlas import UNSEEN
-from warehouse_core.render.palette import COLORS, FAINT, HIT, INK, UNKNOWN, UNKNOWN_STRIPE
+from warehouse_core.render.palette import COLORS, HIT, INK, UNKNOWN, UNKNOWN_STRIPE
+from warehouse_core.viz.axes import draw_grid
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.robot_view import RobotView, letter
 from warehouse_core.viz.track import Hit, Point, Rows
-from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP, WALL, runs_of
+from warehouse_core.world.tiles import DROPOFF, PICKUP, WALL, runs_of
 
 ROUTE_STYLE: tuple[float, tuple[float, ...]] = (0, (1.0, 1.6))
-"""Dots: a trail is a line or dashes."""
+"""Dots, because a trail is a line or dashes."""
 
 
 class GridView:
     """Draws the grid of a track into its axes, in units of cells, row 0 on top.
 
     Args:
-        figure: that the movers are added to.
+        figure: to add the movers to.
         axes: to draw into.
-        cell_points: side of a cell in points, 1/72 inch, which the letters are scaled by.
-        rows: the tiles to begin with.
-        robots: how many there are to draw.
+        cell_points: side of a cell in points, 1/72 inch.
+        rows: the tiles of the first frame.
+        robots: their number.
     """
 
     def __init__(
-        self, figure: SceneFigure, axes: Axes, cell_points: float, rows: Rows, robots: int = 1
+        self, figure: SceneFigure, axes: Axes, cell_points: float, rows: Rows, robots: int
     ) -> None:
         self._axes = axes
         self._figure = figure
@@ -42,7 +43,11 @@ class GridView:
         self._route: Line2D | None = None
         self._tiles: list[Artist] = []
         self._rows: Rows = ()
-        self._prepare_axes(len(rows), len(rows[0]))
+        largest = max(len(rows), len(rows[0]))
+        every = 1 if largest <= 20 else 5 if largest <= 60 else 10
+        draw_grid(axes, (len(rows), len(rows[0])), every, line_width=0.6)
+        axes.set_aspect("equal")
+        axes.xaxis.tick_top()
         self.robots = [RobotView(figure, axes, cell_points) for _ in range(robots)]
         self._hits = axes.plot(
             [], [], "*", color=HIT, markeredgecolor=INK, markersize=max(9.0, 0.5 * cell_points)
@@ -56,7 +61,7 @@ class GridView:
         self.show_tiles(rows)
 
     def show_tiles(self, rows: Rows) -> None:
-        """Draw these tiles, unless they are the ones that stand there already."""
+        """Draw these tiles, unless they are drawn already."""
         if rows is self._rows:
             return
         for artist in self._tiles:
@@ -71,7 +76,7 @@ class GridView:
         ]
 
     def show_hits(self, hits: Sequence[Hit]) -> None:
-        """Flash where the robot hit something."""
+        """Mark the places of hits, and label the last of them."""
         self._hits.set_data([hit.at[0] for hit in hits], [hit.at[1] for hit in hits])
         label = hits[-1].label if hits else ""
         self._hit_label.set_visible(bool(label))
@@ -79,29 +84,16 @@ class GridView:
             self._hit_label.set(text=label, position=(hits[-1].at[0], hits[-1].at[1] - 0.25))
 
     def show_route(self, points: Sequence[Point]) -> None:
-        """Draw the way that the robot means to go, as dots."""
+        """Draw a planned way as dots."""
         if self._route is None:
+            if not points:
+                return
             width = max(1.8, self._cell_points / 14)
             self._route = self._axes.add_line(
                 Line2D([], [], color=INK, linestyle=ROUTE_STYLE, linewidth=width, zorder=1.9)
             )
             self._figure.add_mover(self._route)
         self._route.set_data([x for x, _ in points], [y for _, y in points])
-
-    def _prepare_axes(self, height: int, width: int) -> None:
-        axes = self._axes
-        axes.set(xlim=(0, width), ylim=(height, 0), aspect="equal", facecolor=COLORS[EMPTY])
-        axes.spines[:].set_visible(False)
-        lines = [((x, 0), (x, height)) for x in range(width + 1)]
-        lines += [((0, y), (width, y)) for y in range(height + 1)]
-        axes.add_collection(LineCollection(lines, colors=[FAINT], linewidths=0.6, zorder=0.5))
-        every = 1 if max(height, width) <= 20 else 5 if max(height, width) <= 60 else 10
-        axes.set_xticks([c + 0.5 for c in range(0, width, every)], map(str, range(0, width, every)))
-        axes.set_yticks(
-            [r + 0.5 for r in range(0, height, every)], map(str, range(0, height, every))
-        )
-        axes.tick_params(length=0, labelsize=7, labelcolor="0.45", pad=1)
-        axes.xaxis.tick_top()
 
     def _rectangles(self, rows: Rows, tile: str, inset: float) -> PatchCollection:
         # Walls are drawn run by run, stations cell by cell.
@@ -115,7 +107,7 @@ class GridView:
             for left, right in spans(line)
         ]
         color = COLORS[tile]
-        # A hair of an edge and no smoothing let the walls of neighbouring rows meet with no seam.
+        # A thin edge without antialiasing leaves no seam between the walls of two rows.
         seam = 0.4 if tile == WALL else 0.0
         patches = PatchCollection(
             rectangles,
@@ -129,7 +121,7 @@ class GridView:
         return patches
 
     def _unseen(self, rows: Rows) -> Iterator[PatchCollection]:
-        """Yield stripes over what nobody has seen, if there is any."""
+        """Yield stripes over the cells that have not been seen, if there are any."""
         rectangles = [
             Rectangle((left, row), right - left, 1)
             for row, line in enumerate(rows)

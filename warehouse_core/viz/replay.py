@@ -12,18 +12,21 @@ import matplotlib as mpl
 from matplotlib.animation import FuncAnimation
 from matplotlib.backend_bases import Event, KeyEvent
 
+from warehouse_core.arguments import real_number
 from warehouse_core.errors import NoDisplayError
+from warehouse_core.render.display import has_display
 from warehouse_core.viz.export import export, progress_bar, self_contained
 from warehouse_core.viz.figure import PAIR_DPI, SceneFigure, make_figure, make_window
-from warehouse_core.viz.scene import PairScene, Scene
-from warehouse_core.viz.track import Track
+from warehouse_core.viz.pair_scene import PairScene
+from warehouse_core.viz.scene import Scene
+from warehouse_core.viz.track import INTERVAL_MS, Track
 
 CONTINUOUS_FRAMES = 3
-"""Frames of a continuous motion that are shown in the time of one step of a grid."""
+"""Frames of continuous motions that are shown in the time of one step of a grid."""
 
 
 class Playable(Protocol):
-    """What can be played: a figure that shows any of its frames."""
+    """A figure with frames, any of which it can show."""
 
     root: SceneFigure
 
@@ -31,56 +34,31 @@ class Playable(Protocol):
         """Return the number of frames."""
 
     def show(self, frame: int) -> None:
-        """Change everything that moves to what it is in a frame."""
+        """Move everything that moves to its place in a frame."""
 
 
 class Replay(FuncAnimation):
-    """A matplotlib animation of a track, with keys.
+    """A matplotlib animation of a scene, with keys.
 
     Space pauses and resumes (and starts again from the end), left and right step one frame and
     pause, ``q`` closes the window.
 
     Args:
-        track: with at least one frame.
-        interval_ms: from one frame to the next at speed 1, in milliseconds.
-        speed: factor on the playing speed.
-        window: draw into a window, which ``show`` opens.
-        beside: another track, to be drawn to the right of the first, step by step.
-
-    Raises:
-        ValueError: ``interval_ms`` or ``speed`` is not a positive finite number.
+        scene: to be played.
+        title: of a page that it is saved as.
+        frame_ms: milliseconds between frames.
+        first_frame: the frames before it are neither shown nor saved.
     """
 
     def __init__(
-        self,
-        track: Track,
-        interval_ms: float,
-        speed: float,
-        *,
-        window: bool,
-        beside: Track | None = None,
+        self, scene: Playable, title: str, frame_ms: float, *, first_frame: int = 0
     ) -> None:
-        for name, value in (("interval_ms", interval_ms), ("speed", speed)):
-            if not (math.isfinite(value) and value > 0):
-                raise ValueError(f"{name} is {value!r}; it must be positive and finite")
-        self.track = track
-        is_continuous = bool(track.clock or (beside and beside.clock))
-        make = make_window if window else make_figure
-        scene = (
-            PairScene(track, beside, partial(make, dpi=PAIR_DPI)) if beside else Scene(track, make)
-        )
-        frame_ms = interval_ms / speed / (CONTINUOUS_FRAMES if is_continuous else 1)
-        self._play(scene, track.title, frame_ms, window)
-
-    def _play(self, scene: Playable, title: str, frame_ms: float, window: bool) -> None:
-        """Begin to play a scene, whatever it shows."""
         self.title = title
-        self.frame = 0
+        self.frame = self._first = first_frame
         self.playing = True
         self.frame_ms = frame_ms
-        # Matplotlib asks for an integer and takes any number; slow replays need a fraction.
+        # Matplotlib asks for an integer but takes any number; slow replays need a fraction.
         self.fps: Any = 1000 / frame_ms
-        self.window = window
         self._scene = scene
         self.figure = scene.root
         super().__init__(
@@ -91,17 +69,22 @@ class Replay(FuncAnimation):
             cache_frame_data=False,
         )
         self.figure.canvas.mpl_connect("key_press_event", self._on_key)
-        # The figure keeps its replay alive, so that nobody has to hold on to what is returned.
+        # The figure keeps its replay alive, so callers need not keep a reference.
         self.figure.replay = self
 
+    @property
+    def window(self) -> bool:
+        """Whether the replay has a window, which ``show`` opens."""
+        return self.figure.canvas.manager is not None
+
     def __del__(self) -> None:
-        """Say nothing: a replay that was made and never drawn is no mistake."""
+        """Do nothing: matplotlib would warn about a replay that was never drawn."""
 
     def show(self) -> None:
         """Open the window and wait until it is closed.
 
         Raises:
-            NoDisplayError: the replay was made without a window.
+            NoDisplayError: the replay has no window.
         """
         if not self.window:
             raise NoDisplayError("no window can be opened here: there is no display")
@@ -110,16 +93,16 @@ class Replay(FuncAnimation):
         plt.show()
 
     def go_to(self, frame: int) -> None:
-        """Show ``frame``, or the nearest that there is, and stay there."""
+        """Show ``frame``, or the nearest that exists, and pause."""
         self.playing = False
-        self.frame = min(max(frame, 0), len(self._scene) - 1)
+        self.frame = min(max(frame, self._first), len(self._scene) - 1)
         self.refresh()
 
     def toggle(self) -> None:
-        """Pause or resume; at the end begin again."""
+        """Pause or resume; at the end start again."""
         self.playing = not self.playing
         if self.playing and self.frame == len(self._scene) - 1:
-            self.frame = 0
+            self.frame = self._first
             self.refresh()
 
     def refresh(self) -> None:
@@ -128,13 +111,13 @@ class Replay(FuncAnimation):
         self.figure.canvas.draw_idle()
 
     def show_end(self) -> None:
-        """Draw the last frame, for a picture, without going there."""
+        """Draw the last frame; the current frame stays the same."""
         self._scene.show(len(self._scene) - 1)
 
     def save(  # type: ignore[override]
         self, filename: str | Path, writer: Any = None, **options: Any
     ) -> None:
-        """Save to ``.gif``, ``.mp4``, ``.html``, or as a picture of the end ``.png`` or ``.svg``.
+        """Save to ``.gif``, ``.mp4`` or ``.html``, or the last frame to ``.png`` or ``.svg``.
 
         With a ``writer`` it is matplotlib's own ``Animation.save``.
 
@@ -153,7 +136,7 @@ class Replay(FuncAnimation):
     def to_jshtml(
         self, fps: int | None = None, embed_frames: bool = True, default_mode: str | None = None
     ) -> str:
-        """Return the replay as HTML with controls; nothing is loaded from elsewhere."""
+        """Return the replay as HTML with controls; the page loads nothing from the network."""
         with mpl.rc_context({"animation.embed_limit": math.inf}):
             page = super().to_jshtml(
                 self.fps if fps is None else fps, embed_frames, default_mode or "once"
@@ -164,11 +147,11 @@ class Replay(FuncAnimation):
         return self.to_jshtml()
 
     def new_saved_frame_seq(self) -> Iterator[int]:  # type: ignore[override]
-        """Return every frame once, wherever the playing has got to."""
-        return iter(range(len(self._scene)))
+        """Return every frame once, whatever the current frame is."""
+        return iter(range(self._first, len(self._scene)))
 
     def _frames_to_play(self) -> Generator[int, None, None]:
-        """Yield what to show at each tick of the clock, for ever: a pause is a frame that stays."""
+        """Yield the frame to show at each tick, forever; a pause repeats a frame."""
         while True:
             yield self.frame
             last = len(self._scene) - 1
@@ -192,3 +175,35 @@ class Replay(FuncAnimation):
             import matplotlib.pyplot as plt
 
             plt.close(self.figure)
+
+
+def replay_of_track(
+    track: Track,
+    beside: Track | None = None,
+    *,
+    interval_ms: float = INTERVAL_MS,
+    speed: float = 1.0,
+    window: bool | None = None,
+    first_frame: int = 0,
+) -> Replay:
+    """Return the replay of a track, or of two side by side.
+
+    Args:
+        track: with at least one frame.
+        beside: drawn to the right of the first.
+        interval_ms: milliseconds between frames at speed 1.
+        speed: factor on the playing speed.
+        window: draw into a window, which ``show`` opens; ``None`` means if there is a display.
+        first_frame: the frames before it are neither shown nor saved.
+
+    Raises:
+        ValueError: ``interval_ms`` or ``speed`` is not a positive finite number.
+    """
+    real_number("interval_ms", interval_ms, above=True)
+    real_number("speed", speed, above=True)
+    window = has_display() if window is None else window
+    make = make_window if window else make_figure
+    scene = PairScene(track, beside, partial(make, dpi=PAIR_DPI)) if beside else Scene(track, make)
+    is_continuous = track.is_continuous or (beside is not None and beside.is_continuous)
+    frame_ms = interval_ms / speed / (CONTINUOUS_FRAMES if is_continuous else 1)
+    return Replay(scene, track.title, frame_ms, first_frame=first_frame)

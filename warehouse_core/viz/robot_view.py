@@ -1,4 +1,4 @@
-"""One robot in a picture: a disc with its letter, its heading, and the trail behind it."""
+"""One robot in a picture: a disc with its letter, its heading, and its trail."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ from warehouse_core.viz.track import Pose
 from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED
 
 ROBOT_RADIUS = 0.31
-"""In cells; leaves the letter in the corner of a tile readable."""
+"""In cells; the letter in the corner of a tile stays readable."""
 
 MIN_ROBOT_POINTS = 5.0
-"""Radius of the robot on a large grid, where a third of a cell could not be seen."""
+"""Minimum radius of a robot, for large grids with small cells."""
 
 MIN_LETTER_POINTS = 6.0
 
 ABOVE_TILES = 3
-"""Order of drawing, which an SVG goes by: pixels are drawn mover after mover."""
+"""Drawing order in an SVG; pixels are drawn in the order of the movers."""
 
 
 class RobotView:
     """Draws a robot into axes whose unit is a cell.
 
     Args:
-        figure: that the movers are added to.
+        figure: to add the movers to.
         axes: to draw into.
         cell_points: side of a cell in points, 1/72 inch.
     """
@@ -57,7 +57,7 @@ class RobotView:
             figure.add_mover(mover)
 
     def show(self, poses: Sequence[Pose | None]) -> None:
-        """Put the robot where the last of ``poses`` says, or nowhere, and draw its way there."""
+        """Draw the robot at the last of ``poses``, unless that is ``None``, and its trail there."""
         for loaded, line in self._trails.items():
             line.set_data(*_trail_of(poses, loaded))
         pose = poses[-1]
@@ -82,7 +82,7 @@ class RobotView:
 def letter(
     axes: Axes, cell_points: float, x: float, y: float, text: str, share: float, **options: Any
 ) -> Text:
-    """Add a letter as high as ``share`` of a cell, or as can still be read."""
+    """Add a letter whose height is a share of a cell, but at least ``MIN_LETTER_POINTS``."""
     size = max(MIN_LETTER_POINTS, share * cell_points)
     return axes.text(x, y, text, fontsize=size, fontweight="bold", **options)
 
@@ -99,7 +99,7 @@ def _trail_line(axes: Axes, cell_points: float, loaded: bool) -> Line2D:
 
 
 def _trail_of(poses: Sequence[Pose | None], loaded: bool) -> tuple[list[float], list[float]]:
-    """Return the points of the way made ``loaded`` or not, with NaN where it breaks off."""
+    """Return the points of the trail made ``loaded`` or not, with NaN at its gaps."""
     xs: list[float] = []
     ys: list[float] = []
     for before, after in pairwise(poses):

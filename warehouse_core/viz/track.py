@@ -1,18 +1,18 @@
 """What a replay draws, read from bare frames or from an ``Episode``.
 
 Positions are in cells here: ``x`` counts columns and ``y`` rows from the top left corner, so the
-middle of cell ``(row, col)`` is at ``x = col + 0.5``, ``y = row + 0.5``. ``F`` is the number of
-drawn frames.
+middle of cell ``(row, col)`` is at ``x = col + 0.5``, ``y = row + 0.5``.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from warehouse_core.arguments import real_number
 from warehouse_core.motion.base import Contact, Outcome
 from warehouse_core.records.episode import UNFINISHED, Episode
 from warehouse_core.records.failure_modes import diagnose
@@ -24,6 +24,9 @@ FRAME_SECONDS = 0.2
 FLASH_SECONDS = 0.6
 """Simulated seconds for which a hit is shown."""
 
+INTERVAL_MS = 150
+"""Milliseconds between frames of a replay."""
+
 METRICS = ("rewards", "battery", "dist_pickup", "dist_dropoff")
 
 Rows = tuple[str, ...]
@@ -32,7 +35,7 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Hit:
-    """Something that the robot ran into: where, in cells, and what to write beside it."""
+    """A collision: where, in cells, and the label drawn beside it."""
 
     at: Point
     label: str
@@ -40,7 +43,7 @@ class Hit:
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Where the robot is, in cells, which way it faces (radians, or ``None``), and its hands."""
+    """Where a robot is, in cells, its heading (radians, or ``None``), and whether it is loaded."""
 
     at: Point
     heading: float | None
@@ -48,141 +51,184 @@ class Pose:
 
 
 @dataclass(slots=True)
-class Track:
-    """Everything a replay shows. ``F`` is the number of drawn frames, ``S`` of steps plus one.
+class Frame:
+    """One drawn frame. In a continuous track it is a moment inside a motion.
 
     Attributes:
-        tiles: ``[F]`` rows of tiles without the robot, ``UNSEEN`` where nobody has looked yet.
-        poses: ``[F]`` of the robot, ``None`` where a frame has none.
-        progress: ``[F]`` steps taken, with a fraction inside a continuous motion.
+        tiles: rows of tiles without the robots, ``UNSEEN`` where a cell has not been seen.
+        robots: the pose of each robot, ``None`` for one that is not shown.
+        progress: steps taken, with a fraction inside a continuous motion.
+        caption: the action and its reason; in the last frame of an episode its diagnosis.
+        hits: the collisions to show.
+        clock: simulated seconds.
+        speed: of the first robot, in m/s.
+        energy: used so far by the first robot, in joules.
+        route: the planned way of the robot; empty where no plan is shown.
+    """
+
+    tiles: Rows
+    robots: tuple[Pose | None, ...]
+    progress: float
+    caption: str = ""
+    hits: tuple[Hit, ...] = ()
+    clock: float = 0.0
+    speed: float = 0.0
+    energy: float = 0.0
+    route: tuple[Point, ...] = ()
+
+
+@dataclass(slots=True)
+class Track:
+    """Everything a replay shows. ``S`` is the number of steps plus one.
+
+    Attributes:
+        frames: at least one; all have the same number of robots.
         metrics: for some of ``METRICS`` a list ``[S]``; NaN is not drawn.
-        captions: ``[F]`` what was done and why; last of all what became of it, if it has ended.
-        hits: ``[F]`` what the robot ran into.
-        others: for each further robot its poses ``[F]``.
-        clock: ``[F]`` simulated seconds; empty where motions are not continuous, as are the next.
-        speed: ``[F]`` in m/s.
-        energy: ``[F]`` used so far, in joules.
-        routes: ``[F]`` the way that the robot means to go; empty where no plan is shown.
+        is_continuous: whether frames have a clock, a speed and an energy.
         full_battery: units of a full battery.
         title: shown above the grid.
         ending: how it ended, shown with the last frame.
     """
 
-    tiles: list[Rows]
-    poses: list[Pose | None]
-    progress: list[float]
+    frames: list[Frame]
     metrics: dict[str, list[float]]
-    captions: list[str]
-    hits: list[tuple[Hit, ...]]
-    others: list[list[Pose | None]] = field(default_factory=list)
-    clock: list[float] = field(default_factory=list)
-    speed: list[float] = field(default_factory=list)
-    energy: list[float] = field(default_factory=list)
-    routes: list[tuple[Point, ...]] = field(default_factory=list)
+    is_continuous: bool = False
     full_battery: float = 1.0
     title: str = ""
     ending: str = ""
 
     def __len__(self) -> int:
-        return len(self.poses)
+        return len(self.frames)
 
     def step_at(self, frame: int) -> int:
-        """Return how many steps were complete in ``frame``."""
-        return math.floor(self.progress[frame])
+        """Return how many steps are complete in ``frame``."""
+        return math.floor(self.frames[frame].progress)
 
     @property
     def steps(self) -> int:
         """The number of steps that the track shows."""
-        return math.ceil(self.progress[-1])
+        return math.ceil(self.frames[-1].progress)
+
+    @property
+    def has_routes(self) -> bool:
+        """Whether any frame shows a planned way."""
+        return any(frame.route for frame in self.frames)
 
 
-def track_of_episode(episode: Episode, frame_seconds: float = FRAME_SECONDS) -> Track:
+def track_of_episode(episode: Episode, frame_seconds: float | None = FRAME_SECONDS) -> Track:
     """Return the track of a record.
 
-    Where its motions are continuous there is a frame for every ``frame_seconds`` of simulated
-    time, elsewhere one for every step.
+    Args:
+        episode: the record.
+        frame_seconds: simulated time between two frames of continuous motions; ``None`` gives
+            one frame a step, as for motions that are not continuous.
 
     Raises:
         ValueError: ``frame_seconds`` is not a positive finite number.
     """
-    if not (math.isfinite(frame_seconds) and frame_seconds > 0):
-        raise ValueError(f"frame_seconds is {frame_seconds!r}; it must be positive and finite")
+    if frame_seconds is not None:
+        real_number("frame_seconds", frame_seconds, above=True)
     captions = step_captions(episode)
-    first: Pose | None = Pose(_middle(episode.cells[0]), None, episode.loaded[0])
-    track = Track([], [first], [0.0], episode.metrics, [""], [()])
-    if any(len(motion.path) > 2 for motion in episode.motions):
-        _follow_motions(track, episode, captions, frame_seconds)
+    start = Pose(_middle(episode.cells[0]), None, episode.loaded[0])
+    frames = [Frame(episode.layout.rows, (start,), 0.0)]
+    size = episode.settings.cell_size
+    is_continuous = any(len(motion.path) > 2 for motion in episode.motions)
+    if is_continuous and frame_seconds is not None:
+        for motion, loaded, caption in zip(
+            episode.motions, episode.loaded[1:], captions, strict=True
+        ):
+            frames += frames_along(frames[-1], [motion], [loaded], size, frame_seconds, caption)
     else:
-        _follow_steps(track, episode, captions)
-    track.tiles = [episode.layout.rows] * len(track)
-    track.full_battery = episode.settings.battery
+        is_continuous = False
+        for step, motion in enumerate(episode.motions, start=1):
+            heading = float(motion.path[-1, 3])
+            pose = Pose(_middle(episode.cells[step]), heading, episode.loaded[step])
+            hits = tuple(_hit(contact, size, "") for contact in motion.contacts)
+            frames.append(
+                Frame(episode.layout.rows, (pose,), float(step), captions[step - 1], hits)
+            )
     seed = "" if episode.seed is None else f", seed {episode.seed}"
-    track.title = _printable(
-        f"{episode.agent or 'Warehouse'} on the {episode.settings.backend} backend{seed}"
+    title = f"{episode.agent or 'Warehouse'} on the {episode.settings.backend} backend{seed}"
+    track = Track(
+        frames, episode.metrics, is_continuous, episode.settings.battery, _printable(title)
     )
     if episode.outcome != UNFINISHED:
         diagnosis = diagnose(episode)
-        track.ending, track.captions[-1] = diagnosis.mode, diagnosis.sentence
+        track.ending, frames[-1].caption = diagnosis.mode, diagnosis.sentence
     return track
 
 
 def step_captions(episode: Episode) -> list[str]:
-    """Return for each step what was done and why."""
+    """Return for each step the action and its reason."""
     return [
         _printable(f"{action} ({reason})" if reason else str(action))
         for action, reason in zip(episode.actions, episode.reasons, strict=True)
     ]
 
 
-def _follow_steps(track: Track, episode: Episode, captions: list[str]) -> None:
-    """Add a frame for every step."""
-    size = episode.settings.cell_size
-    for step, motion in enumerate(episode.motions, start=1):
-        heading = float(motion.path[-1, 3])
-        track.poses.append(Pose(_middle(episode.cells[step]), heading, episode.loaded[step]))
-        track.progress.append(float(step))
-        track.captions.append(captions[step - 1])
-        track.hits.append(tuple(_hit(contact, size, "") for contact in motion.contacts))
+def frames_along(
+    start: Frame,
+    motions: Sequence[Outcome],
+    loaded: Sequence[bool],
+    cell_size: float,
+    frame_seconds: float,
+    caption: str,
+) -> Iterator[Frame]:
+    """Yield the frames along the paths of one action of each robot, the last where they end.
+
+    Args:
+        start: the frame before.
+        motions: for each robot of ``start`` what its backend did.
+        loaded: for each robot whether it holds an item after the action.
+        cell_size: in metres.
+        frame_seconds: simulated time between two frames.
+        caption: of each frame.
+    """
+    seconds, joules = motions[0].seconds, motions[0].joules
+    count = max(1, round(seconds / frame_seconds))
+    times = [seconds * frame / count for frame in range(count + 1)]
+    paths = [_sample(motion, times) for motion in motions]
+    (xs, ys, _), *_ = paths
+    for k in range(1, count + 1):
+        is_last = k == count
+        poses = [
+            Pose(
+                (x[k] / cell_size, y[k] / cell_size),
+                angle[k],
+                after if is_last else before is not None and before.loaded,
+            )
+            for (x, y, angle), before, after in zip(paths, start.robots, loaded, strict=True)
+        ]
+        hits = [hit for motion in motions for hit in _hits_about(motion, times[k], cell_size)]
+        moved = math.dist((xs[k - 1], ys[k - 1]), (xs[k], ys[k]))
+        yield Frame(
+            start.tiles,
+            tuple(poses),
+            start.progress + k / count,
+            caption,
+            tuple(dict.fromkeys(hits)),  # both robots of a collision report it
+            start.clock + (seconds if is_last else times[k]),
+            moved / (times[k] - times[k - 1]),
+            start.energy + joules * k / count,
+        )
 
 
-def _follow_motions(
-    track: Track, episode: Episode, captions: list[str], frame_seconds: float
-) -> None:
-    """Add frames along the path of every motion, the last of each where it ends."""
-    size = episode.settings.cell_size
-    clock = energy = 0.0
-    track.clock, track.speed, track.energy = [0.0], [0.0], [0.0]
-    for step, motion in enumerate(episode.motions, start=1):
-        path, loaded = motion.path, episode.loaded[step - 1]
-        frames = max(1, round(motion.seconds / frame_seconds))
-        times = [motion.seconds * frame / frames for frame in range(frames + 1)]
-        xs, ys, angles = (np.interp(times, path[:, 0], path[:, k]).tolist() for k in (1, 2, 3))
-        for k in range(1, frames + 1):
-            moved = math.dist((xs[k - 1], ys[k - 1]), (xs[k], ys[k]))
-            is_last = k == frames
-            at = (xs[k] / size, ys[k] / size)
-            track.poses.append(Pose(at, angles[k], episode.loaded[step] if is_last else loaded))
-            track.progress.append(step - 1 + k / frames)
-            track.captions.append(captions[step - 1])
-            track.hits.append(_hits_about(motion, times[k], size))
-            track.clock.append(clock + times[k])
-            track.speed.append(moved / (times[k] - times[k - 1]))
-            track.energy.append(energy + motion.joules * k / frames)
-        clock, energy = clock + motion.seconds, energy + motion.joules
+def _sample(motion: Outcome, times: Sequence[float]) -> list[list[float]]:
+    """Return x, y and the heading on the path of a motion at some times."""
+    path = motion.path
+    return [np.interp(times, path[:, 0], path[:, column]).tolist() for column in (1, 2, 3)]
 
 
-def _hits_about(motion: Outcome, seconds: float, size: float) -> tuple[Hit, ...]:
-    """Return the hits that still flash at a time, with their impulses."""
-    return tuple(
-        _hit(contact, size, f"{contact.impulse:.0f} N·s")
-        for contact in motion.contacts
-        if contact.seconds <= seconds <= contact.seconds + FLASH_SECONDS
-    )
+def _hits_about(motion: Outcome, seconds: float, cell_size: float) -> Iterator[Hit]:
+    """Yield the hits that are still shown at a time, labelled with their impulses."""
+    for contact in motion.contacts:
+        if contact.seconds <= seconds <= contact.seconds + FLASH_SECONDS:
+            yield _hit(contact, cell_size, f"{contact.impulse:.0f} N·s")
 
 
-def _hit(contact: Contact, size: float, label: str) -> Hit:
+def _hit(contact: Contact, cell_size: float, label: str) -> Hit:
     x, y = contact.point
-    return Hit((x / size, y / size), label)
+    return Hit((x / cell_size, y / cell_size), label)
 
 
 def _middle(cell: Cell) -> Point:
@@ -193,37 +239,31 @@ def track_of_frames(
     frames: Sequence[Sequence[Sequence[str]]],
     metrics: Mapping[str, Sequence[float | None]] | None = None,
 ) -> Track:
-    """Return the track of bare frames as ``WarehouseEnv.render_grid`` gives them.
+    """Return the track of bare frames as ``WarehouseEnv.render_grid`` returns them.
 
-    A frame does not say what is under the robot; it is what the nearest frame shows there that
-    has the robot elsewhere.
+    A frame does not show the tile under the robot; it is taken from the nearest frame that has
+    the robot elsewhere.
 
     Raises:
-        ValueError: frames of different sizes, an unknown character, an unknown metric, one with
-            another number of entries than there are frames, or an entry that cannot be plotted.
+        ValueError: frames of different sizes, an unknown character, an unknown metric, one whose
+            number of entries is not that of the frames, or an entry that cannot be plotted.
     """
     grids = [["".join(row) for row in frame] for frame in frames]
     _check_sizes(grids)
     robots = [_find_robot(index, grid) for index, grid in enumerate(grids)]
-    known: dict[Rows, Rows] = {}
-    tiles = []
+    known: dict[Rows, Rows] = {}  # equal rows become one object, which is drawn once
+    drawn = []
     for index, grid in enumerate(grids):
         rows = _without_robot(index, grid, grids, robots)
-        tiles.append(known.setdefault(rows, rows))
+        pose = _pose_in(grid, robots[index])
+        drawn.append(Frame(known.setdefault(rows, rows), (pose,), float(index)))
     checked = _check_metrics(metrics or {}, len(grids))
-    return Track(
-        tiles=tiles,
-        poses=[_pose_in(grid, cell) for grid, cell in zip(grids, robots, strict=True)],
-        metrics=checked,
-        progress=[float(frame) for frame in range(len(grids))],
-        captions=[""] * len(grids),
-        hits=[()] * len(grids),
-        full_battery=max([1.0, *checked.get("battery", [])]),
-    )
+    full_battery = max([1.0, *checked.get("battery", [])])
+    return Track(drawn, checked, full_battery=full_battery)
 
 
 def _printable(text: str) -> str:
-    """Return ``text`` with a space for each character that nobody sees and SVG may not hold."""
+    """Return ``text`` with a space for each unprintable character, which SVG may not hold."""
     return "".join(character if character.isprintable() else " " for character in text)
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.collections import PatchCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
@@ -26,8 +26,9 @@ from agents.experiments.case import TILES
 from agents.experiments.store import Store
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.records.failure_modes import MODES
-from warehouse_core.render.palette import COLORS, FAINT, INK, PAPER
-from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP, WALL, runs_of
+from warehouse_core.render.palette import COLORS, INK, PAPER
+from warehouse_core.viz.axes import draw_grid
+from warehouse_core.world.tiles import DROPOFF, PICKUP, WALL, runs_of
 
 Counts = NDArray[np.int64]
 """``[H, W]`` episodes that ended, or were stuck, in each cell."""
@@ -156,7 +157,10 @@ def _draw_panel(
     axes: Axes, rows: Sequence[str], counts: Counts, cell_points: float
 ) -> PatchCollection:
     """Draw floor, heat, walls and stations, and return the heat."""
-    _prepare(axes, len(rows), len(rows[0]))
+    size = len(rows), len(rows[0])
+    every = 1 if max(size) <= 14 else 5 if max(size) <= 60 else 10
+    thin = 0.5 if max(size) <= 30 else 0.25
+    draw_grid(axes, size, every, thin, label_size=6.5, pad=1.5)
     places = np.argwhere(counts)
     heat = PatchCollection([Rectangle((col, row), 1, 1) for row, col in places], cmap=HEAT)
     heat.set_array(counts[counts > 0])
@@ -179,20 +183,6 @@ def _draw_panel(
             below_letter = rows[row][col] in (PICKUP, DROPOFF)
             _write_count(axes, row, col, counts, cell_points, 0.66 if below_letter else 0.54)
     return heat
-
-
-def _prepare(axes: Axes, height: int, width: int) -> None:
-    axes.set(xlim=(0, width), ylim=(height, 0), facecolor=COLORS[EMPTY])
-    axes.spines[:].set_visible(False)
-    lines = [((x, 0), (x, height)) for x in range(width + 1)]
-    lines += [((0, y), (width, y)) for y in range(height + 1)]
-    thin = 0.5 if max(height, width) <= 30 else 0.25
-    axes.add_collection(LineCollection(lines, colors=[FAINT], linewidths=thin, zorder=0.5))
-    every = 1 if max(height, width) <= 14 else 5 if max(height, width) <= 60 else 10
-    columns, lines_shown = range(0, width, every), range(0, height, every)
-    axes.set_xticks([col + 0.5 for col in columns], map(str, columns))
-    axes.set_yticks([row + 0.5 for row in lines_shown], map(str, lines_shown))
-    axes.tick_params(length=0, labelsize=6.5, labelcolor="0.45", pad=1.5)
 
 
 def _cells(rows: Sequence[str], tile: str) -> Iterator[tuple[int, int]]:

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from agents.experiments.parameters import Value, shown
 from agents.reports.analysis.design import Factor
 from warehouse_core.render.palette import INK
+from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.figure import SceneFigure, make_figure
 
 WIDTH, PANEL_HEIGHT, HEAD, FOOT, DPI = 9.0, 3.3, 0.85, 0.35, 100
@@ -48,9 +49,7 @@ def make_panels(title: str, count: int, keys: int) -> tuple[SceneFigure, list[Ax
     for each in axes[count:]:
         each.remove()
     for each in axes[:count]:
-        each.spines[["top", "right"]].set_visible(False)
-        each.tick_params(labelsize=8)
-        each.set_axisbelow(True)
+        style_chart(each, lines=None)
     return figure, axes[:count]
 
 

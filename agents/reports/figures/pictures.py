@@ -18,7 +18,7 @@ from agents.reports.figures.heat_map import heat_map, stuck_cells
 from agents.reports.figures.measure import measure_chart
 from agents.reports.figures.modes import modes_chart
 from agents.reports.figures.roles import roles_of
-from warehouse_core.viz.export import save_svg
+from warehouse_core.viz.figure import save_svg
 from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP
 
 MOST_MAPS = 4

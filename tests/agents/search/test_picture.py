@@ -1,4 +1,4 @@
-"""An animated search shows what the search did, no more and no less, in every panel and frame."""
+"""Animated searches: the marks, counts and colours of every panel and frame."""
 
 from pathlib import Path
 
@@ -12,11 +12,12 @@ from PIL import Image
 from agents.search.algorithms import Solution, weighted_astar_search
 from agents.search.heuristics import manhattan
 from agents.search.panel import FRONTIER, PATH, SHADES
-from agents.search.picture import MOST_FRAMES, MOST_PANELS, SearchReplay, search_replay
+from agents.search.picture import MAX_FRAMES, MAX_PANELS, search_replay
 from agents.search.problems import RouteProblem
 from agents.search.trace import UNTOUCHED, WAITS, SearchCourse
 from warehouse_core import Layout
 from warehouse_core.render.palette import COLORS
+from warehouse_core.viz.replay import Replay
 from warehouse_core.world.generators import random_layout
 from warehouse_core.world.tiles import EMPTY, WALL, Cell
 
@@ -39,25 +40,26 @@ def course(
 
 def replay(
     *weights: float, layout: Layout = HALL, start: Cell = START, goal: Cell = GOAL, title: str = ""
-) -> SearchReplay:
+) -> Replay:
     courses = [course(weight, layout, start, goal) for weight in weights]
     return search_replay(layout, start, goal, courses, title)
 
 
-def press(shown: SearchReplay, key: str) -> None:
+def press(shown: Replay, key: str) -> None:
     event = KeyEvent("key_press_event", shown.figure.canvas, key)
     shown.figure.canvas.callbacks.process("key_press_event", event)
 
 
-def counts(shown: SearchReplay) -> list[str]:
-    """Return what stands above each panel about its counts."""
+def counts(shown: Replay) -> list[str]:
+    """Return the counts above each panel."""
     return [text for text in texts(shown) if text.startswith("expanded ")]
 
 
-def corner_of(shown: SearchReplay, cell: Cell) -> np.ndarray:
-    """Return the colour of a cell of the first panel, beside whatever lies on its middle."""
+def corner_of(shown: Replay, cell: Cell, image: np.ndarray | None = None) -> np.ndarray:
+    """Return the colour of a cell of the first panel in its corner, where nothing covers it."""
     row, col = cell
-    return patch(shown, pixels(shown), col + 0.12, row + 0.12, col + 0.14, row + 0.14)[0, 0]
+    image = pixels(shown) if image is None else image
+    return patch(shown, image, col + 0.12, row + 0.12, col + 0.14, row + 0.14)[0, 0]
 
 
 def test_marks_are_those_of_a_search_done_again_step_by_step() -> None:
@@ -87,7 +89,7 @@ def test_before_the_first_expansion_only_the_start_waits() -> None:
 
 
 def test_a_cell_that_is_reached_again_waits_again() -> None:
-    # Whatever search gave it: expanded, then reached by a better path, then expanded again.
+    # Expanded, then reached by a better path, then expanded again.
     events = [((1, 1), ((1, 2),)), ((1, 2), ((1, 3),)), ((1, 3), ((1, 2),)), ((1, 2), ())]
     shown = SearchCourse("", HALL, (1, 1), Solution((), (), INF, 4, 4, 2, tuple(events)))  # type: ignore[arg-type]
     assert [shown.marks_after(count)[1, 2] for count in range(5)] == [0, WAITS, 2, WAITS, 4]
@@ -119,9 +121,9 @@ def test_every_panel_counts_its_own_search_and_waits_for_the_longest() -> None:
 def test_the_colours_are_those_of_wall_floor_frontier_and_expanded() -> None:
     shown = replay(0)
     shown.go_to(2)
-    marks = course(0).marks_after(2)
+    marks, image = course(0).marks_after(2), pixels(shown)
     for cell in np.ndindex(*marks.shape):
-        color = corner_of(shown, cell)
+        color = corner_of(shown, cell, image)
         if HALL.rows[cell[0]][cell[1]] == WALL:
             assert is_color(color, COLORS[WALL])
         elif marks[cell] == WAITS:
@@ -175,10 +177,10 @@ def test_a_start_that_is_the_goal_is_one_frame_with_its_cost() -> None:
 def test_a_long_search_has_no_more_frames_than_are_allowed() -> None:
     layout = random_layout(40, 60, 0.1, seed=1)
     longest = course(0, layout, layout.pickups[0], layout.dropoffs[0])
-    assert len(longest) > 2 * MOST_FRAMES
+    assert len(longest) > 2 * MAX_FRAMES
     shown = replay(0, 1, layout=layout, start=layout.pickups[0], goal=layout.dropoffs[0])
     frames = [*shown.new_saved_frame_seq()]
-    assert MOST_FRAMES / 2 < len(frames) <= MOST_FRAMES
+    assert MAX_FRAMES / 2 < len(frames) <= MAX_FRAMES
     shown.go_to(frames[-1])
     assert counts(shown)[0].startswith(f"expanded {len(longest)} ")
     shown.go_to(frames[-1] - 1)
@@ -198,14 +200,14 @@ def test_the_keys_step_to_and_fro_and_show_the_same_again() -> None:
     assert shown.playing
 
 
-@pytest.mark.parametrize("panels", range(1, MOST_PANELS + 1))
-@pytest.mark.parametrize("size", [(4, 4), (5, 60), (60, 5), (30, 60)])
+@pytest.mark.parametrize("panels", [1, 2, 3, 5, MAX_PANELS])
+@pytest.mark.parametrize("size", [(4, 4), (5, 60), (60, 5)])
 def test_panels_neither_overlap_nor_leave_the_figure(panels: int, size: tuple[int, int]) -> None:
     layout = random_layout(*size, 0.1, seed=1)
     ends = layout.pickups[0], layout.dropoffs[0]
     title = "Search from (110, 41) to (146, 316), heuristic: manhattan"
     shown = replay(*range(panels), layout=layout, start=ends[0], goal=ends[1], title=title)
-    shown.go_to(MOST_FRAMES)
+    shown.go_to(MAX_FRAMES)
     shown.figure.canvas.draw()
     boxes = [
         Bbox.union([axes.get_tightbbox(), *(text.get_window_extent() for text in axes.texts)])
@@ -222,19 +224,18 @@ def test_panels_neither_overlap_nor_leave_the_figure(panels: int, size: tuple[in
 
 
 def test_no_search_and_too_many_are_refused() -> None:
-    for count in (0, MOST_PANELS + 1):
+    for count in (0, MAX_PANELS + 1):
         with pytest.raises(ValueError, match=rf"{count} searches; there must be 1\.\.6"):
             search_replay(HALL, START, GOAL, [course(1)] * count, "")
 
 
 def test_a_name_is_shown_as_it_is_written() -> None:
-    for name in (*HOSTILE_NAMES[:5], "$\\frac{$"):
-        named = SearchCourse(name, HALL, START, solve(HALL, START, GOAL, 1))
-        shown = search_replay(HALL, START, GOAL, [named], name)
+    for name in (*HOSTILE_NAMES[:2], "$\\frac{$"):
+        named = SearchCourse(name, HALL, START, solve(HALL, START, START, 1))
+        shown = search_replay(HALL, START, START, [named], name)
         shown.figure.canvas.draw()
         assert texts(shown).count(name) == 2
-        page = shown.to_jshtml()
-        assert "alert(1)" not in page
+        assert "alert(1)" not in shown.to_jshtml()
 
 
 def test_a_gif_has_every_frame_in_the_colours_of_the_screen(tmp_path: Path) -> None:
@@ -250,16 +251,6 @@ def test_a_gif_has_every_frame_in_the_colours_of_the_screen(tmp_path: Path) -> N
         place = (col + 0.12, row + 0.12, col + 0.14, row + 0.14)
         difference = patch(shown, saved, *place) - patch(shown, pixels(shown), *place)
         assert np.abs(difference).max() <= 8  # a palette's nearest colour
-
-
-@pytest.mark.parametrize("suffix", [".svg", ".png", ".html"])
-def test_the_other_formats_are_written(tmp_path: Path, suffix: str) -> None:
-    target = tmp_path / f"a{suffix}"
-    replay(0, 1, title="One & two").save(target)
-    data = target.read_bytes()
-    assert len(data) > 5000
-    if suffix == ".html":
-        assert b"<title>One &amp; two</title>" in data
 
 
 def test_a_picture_of_the_end_repeats_byte_for_byte(tmp_path: Path) -> None:

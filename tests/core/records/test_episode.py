@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents.warehouse_agent_greedy import GreedyAgent
@@ -158,7 +158,7 @@ def test_frames_are_fresh_lists() -> None:
     assert episode.frames[0][0][0] == "R"
 
 
-def test_metrics_are_the_chapters_four_lists() -> None:
+def test_metrics_are_the_four_lists_of_the_chapter() -> None:
     metrics = on_line(*DELIVERY).metrics
     assert metrics.keys() == {"rewards", "battery", "dist_pickup", "dist_dropoff"}
     assert metrics["rewards"] == pytest.approx([0, 4.9, -0.1, -0.1, -0.1, -1.1, 9.9])
@@ -199,6 +199,7 @@ def test_records_that_differ_in_one_value_are_not_equal(episode: Episode) -> Non
     assert twin != episode
 
 
+@settings(max_examples=15)
 @given(
     st.lists(st.sampled_from(ACTIONS) | st.integers() | st.text(max_size=3), max_size=12),
     st.none() | st.integers(),
@@ -264,8 +265,8 @@ def test_a_loaded_record_replays_as_well(episode: Episode, saved: Path) -> None:
     assert replay_episode(Episode.load(saved)) == episode
 
 
-@pytest.mark.parametrize("seed", range(30))
-def test_greedy_episodes_replay_from_wherever_they_began(seed: int) -> None:
+@pytest.mark.parametrize("seed", range(5))
+def test_episodes_replay_from_a_random_start(seed: int) -> None:
     env = WarehouseEnv(battery=60, view_radius=1)
     episode = record_episode(env, GreedyAgent(seed=seed), seed=seed)
     assert replay_episode(episode) == episode

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents.warehouse_agent_greedy import GreedyAgent
@@ -12,10 +12,10 @@ from warehouse_core import Cell, Episode, EpisodeRecorder, Layout, WarehouseEnv,
 from warehouse_core.motion.grid import GridMotion
 from warehouse_core.records.failure_modes import (
     CAUSE_SHARE,
-    FEW_CELLS,
     LOST_SHARE,
+    MAX_SWING_CELLS,
+    MIN_STEPS,
     MODES,
-    PROOF,
     ROUNDS,
     Diagnosis,
     diagnose,
@@ -87,7 +87,7 @@ def test_there_are_no_other_modes() -> None:
 
 
 def test_the_thresholds_are_those_that_were_found_by_watching_replays() -> None:
-    assert (PROOF, FEW_CELLS, ROUNDS, CAUSE_SHARE, LOST_SHARE) == (8, 4, 3, 0.4, 0.5)
+    assert (MIN_STEPS, MAX_SWING_CELLS, ROUNDS, CAUSE_SHARE, LOST_SHARE) == (8, 4, 3, 0.4, 0.5)
 
 
 # Delivered.
@@ -163,7 +163,7 @@ def test_a_robot_put_where_a_way_leads_on_has_not_come_nearer() -> None:
     recorder.step("WAIT")
     sentence = "it was stopped 3 steps short of the delivery"
     assert diagnose(recorder.episode) == ("unfinished", ((0, 0),), 3, None, sentence)
-    for _ in range(PROOF):
+    for _ in range(MIN_STEPS):
         recorder.step("WAIT")
     assert diagnose(recorder.episode).mode == "oscillation"
 
@@ -190,7 +190,9 @@ def test_a_wait_that_ends_elsewhere_missed_its_cell() -> None:
     assert (found.mode, found.steps) == ("stalled", 10)
 
 
-@pytest.mark.parametrize(("misses", "mode"), [(PROOF - 1, "unfinished"), (PROOF, "stalled")])
+@pytest.mark.parametrize(
+    ("misses", "mode"), [(MIN_STEPS - 1, "unfinished"), (MIN_STEPS, "stalled")]
+)
 def test_few_misses_prove_nothing(misses: int, mode: str) -> None:
     assert named(LONG, (0, 40), "W" * 20, backend=Missing(range(misses))).mode == mode
 
@@ -277,10 +279,12 @@ def test_a_swing_without_the_item_is_none_with_it() -> None:
     assert (found.mode, found.steps) == ("oscillation", 12)
 
 
-@pytest.mark.parametrize(("swings", "mode"), [(PROOF - 1, "unfinished"), (PROOF, "oscillation")])
+@pytest.mark.parametrize(
+    ("swings", "mode"), [(MIN_STEPS - 1, "unfinished"), (MIN_STEPS, "oscillation")]
+)
 def test_a_short_swing_proves_nothing(swings: int, mode: str) -> None:
     # The way back from where the swing may end is one step that is not lost.
-    assert named(LONG, (0, 40), "W" * 20 + ("NS" * PROOF)[:swings]).mode == mode
+    assert named(LONG, (0, 40), "W" * 20 + ("NS" * MIN_STEPS)[:swings]).mode == mode
 
 
 @pytest.mark.parametrize(("bumps", "mode"), [(15, "wandering"), (16, "oscillation")])
@@ -298,7 +302,7 @@ def test_a_pattern_that_ended_early_is_not_the_cause() -> None:
 
 
 @pytest.mark.parametrize(
-    ("cells", "mode"), [(FEW_CELLS, "oscillation"), (FEW_CELLS + 1, "wandering")]
+    ("cells", "mode"), [(MAX_SWING_CELLS, "oscillation"), (MAX_SWING_CELLS + 1, "wandering")]
 )
 def test_a_few_cells_in_any_order_are_a_pattern(cells: int, mode: str) -> None:
     ways = ["E" * (cells - 2) + "WE" * k + "E" + "W" * (cells - 1) for k in range(1, 5)]
@@ -329,7 +333,7 @@ def test_a_figure_of_eight_is_a_loop() -> None:
     assert (found.mode, len(found.cells), found.steps) == ("oscillation", 13, 64)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("seed", range(4))
 def test_in_a_pocket_the_greedy_agent_oscillates_unless_it_escapes(seed: int) -> None:
     def sent(escape_steps: int) -> Diagnosis:
         env = WarehouseEnv(POCKET, (2, 0), battery=60)
@@ -365,7 +369,9 @@ def test_wandering_begins_where_half_of_the_moves_are_lost(straight: int, mode: 
         assert found.sentence == "came 26 steps nearer to the delivery in 52 moves over 27 cells"
 
 
-@pytest.mark.parametrize(("moves", "mode"), [(PROOF - 1, "unfinished"), (PROOF, "wandering")])
+@pytest.mark.parametrize(
+    ("moves", "mode"), [(MIN_STEPS - 1, "unfinished"), (MIN_STEPS, "wandering")]
+)
 def test_a_few_moves_prove_nothing(moves: int, mode: str) -> None:
     assert named(HALL, (1, 0), "EESSWWNN"[:moves]).mode == mode
 
@@ -452,6 +458,7 @@ LAYOUTS = st.integers(1, 5).flatmap(
 ).filter(lambda rows: any(set(row) != {"#"} for row in rows)).map(Layout)  # fmt: skip
 
 
+@settings(max_examples=40)
 @given(LAYOUTS, st.data())
 def test_the_fewest_steps_are_what_trying_everything_finds(layout: Layout, data: Any) -> None:
     cells = st.integers(0, len(layout.open_cells) - 1).map(layout.open_cell)
@@ -477,18 +484,19 @@ def drawn(layout: Layout, data: Any) -> tuple[Cell, str, dict[str, Any]]:
     return start, actions, settings
 
 
+@settings(max_examples=40)
 @given(LAYOUTS, st.data())
 def test_any_episode_has_one_mode_and_evidence_for_it(layout: Layout, data: Any) -> None:
-    start, actions, settings = drawn(layout, data)
-    episode = drive(layout.rows, start, actions, **settings)
+    start, actions, limits = drawn(layout, data)
+    episode = drive(layout.rows, start, actions, **limits)
     before = copy.deepcopy(episode)
     found = diagnose(episode)
     assert episode == before
     check_evidence(episode, found)
 
 
-@pytest.mark.parametrize("seed", range(40))
-@pytest.mark.parametrize("battery", [12, 60, 200])
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("battery", [12, 200])
 def test_any_agent_gets_one_mode_and_evidence_for_it(
     seed: int, battery: int, clumsy_agent: Any
 ) -> None:
@@ -513,7 +521,7 @@ def check_evidence(episode: Episode, found: Diagnosis) -> None:
     if found.mode == "oscillation":
         assert set(episode.cells[-1 - found.steps :]) == set(found.cells)
     if found.mode in ("stalled", "oscillation", "wandering"):
-        assert PROOF <= found.steps <= episode.steps
+        assert MIN_STEPS <= found.steps <= episode.steps
 
 
 MIRROR = {"cells": lambda row, col, height, width: (row, width - 1 - col), "NESW": "NWSE"}
@@ -521,11 +529,12 @@ TRANSPOSE = {"cells": lambda row, col, height, width: (col, row), "NESW": "WSEN"
 
 
 @pytest.mark.parametrize("turn", [MIRROR, TRANSPOSE], ids=["mirror", "transpose"])
+@settings(max_examples=40)
 @given(LAYOUTS, st.data())
 def test_a_warehouse_seen_from_elsewhere_has_the_same_mode(
     turn: dict[str, Any], layout: Layout, data: Any
 ) -> None:
-    start, actions, settings = drawn(layout, data)
+    start, actions, limits = drawn(layout, data)
 
     def seen(cell: Cell) -> Cell:
         turned: Cell = turn["cells"](*cell, layout.height, layout.width)
@@ -539,8 +548,8 @@ def test_a_warehouse_seen_from_elsewhere_has_the_same_mode(
     last_row, last_col = max(tiles)
     rows = ["".join(tiles[row, col] for col in range(last_col + 1)) for row in range(last_row + 1)]
     turned = actions.translate(str.maketrans("NESW", turn["NESW"]))
-    one = named(layout.rows, start, actions, **settings)
-    other = named(rows, seen(start), turned, **settings)
+    one = named(layout.rows, start, actions, **limits)
+    other = named(rows, seen(start), turned, **limits)
     assert other[0] == one[0]
     assert other[2:4] == one[2:4]
     if one.mode == "unreachable":
@@ -572,7 +581,7 @@ def test_a_loaded_record_has_the_same_mode(mode: str, tmp_path: Path) -> None:
     assert diagnose(Episode.load(tmp_path / "episode.npz")) == diagnose(EXAMPLES[mode])
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(2))
 def test_nominal_physics_changes_nothing(seed: int) -> None:
     found = [
         diagnose(

@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 from helpers.pictures import is_color
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ from warehouse_core.world.tables import tile_codes
 from warehouse_core.world.tiles import CELL_CODES
 
 YARD = Layout(["#####", "#P.D#", "#.P##", "#####"])
-SIDES = (2, 3, 4, 6, 8, 10, 12, 15, 16, 20, 24, 32, 40)
+SIDES = (2, 3, 9, 10, 15, 16, 20, 40)
 WITH_LETTERS = tuple(side for side in SIDES if side >= 16)
 
 
@@ -34,7 +34,7 @@ def drawn_by_the_replay(
     figure = SceneFigure((layout.width * side / 100, layout.height * side / 100), 100)
     FigureCanvasAgg(figure)
     axes = figure.add_axes((0, 0, 1, 1))
-    view = GridView(figure, axes, side * 0.72, layout.rows)
+    view = GridView(figure, axes, side * 0.72, layout.rows, robots=1)
     view.robots[0].show([Pose((robot[1] + 0.5, robot[0] + 0.5), None, loaded)])
     return np.asarray(figure.pixels())
 
@@ -74,6 +74,7 @@ def test_each_cell_has_one_code() -> None:
     assert [CODES[cell] for cell in CELLS] == list(range(len(CELLS)))
 
 
+@settings(max_examples=20)
 @given(
     st.integers(1, 4).flatmap(
         lambda width: st.lists(
@@ -241,9 +242,7 @@ def test_the_unseen_is_a_grey_hatch_with_no_seams() -> None:
 # The same as in the replay.
 
 
-@pytest.mark.parametrize(
-    ("robot", "loaded"), [((1, 1), False), ((1, 2), False), ((1, 3), True), ((2, 1), True)]
-)
+@pytest.mark.parametrize(("robot", "loaded"), [((1, 1), False), ((2, 1), True)])
 def test_it_looks_as_the_replay_does(robot: tuple[int, int], loaded: bool) -> None:
     painted = TilePainter(40).picture(YARD, robot, loaded)
     drawn = drawn_by_the_replay(YARD, 40, robot, loaded=loaded)
@@ -365,6 +364,7 @@ def test_large_maps_have_small_tiles(height: int, width: int, pixels: int) -> No
     assert tile_pixels_for(height, width) == pixels
 
 
+@settings(max_examples=30)
 @given(st.integers(1, 4000), st.integers(1, 4000))
 def test_tiles_are_even_and_as_large_as_fits(height: int, width: int) -> None:
     pixels, larger = tile_pixels_for(height, width), max(height, width)
@@ -399,6 +399,7 @@ def test_a_thin_bar_has_no_edge(height: int) -> None:
     assert where(bar(1.0, 10, height), BATTERY).all()
 
 
+@settings(max_examples=30)
 @given(st.floats(0, 1), st.floats(0, 1))
 def test_a_larger_share_fills_more(one: float, other: float) -> None:
     filled = [

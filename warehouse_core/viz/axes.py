@@ -1,0 +1,61 @@
+"""The look of axes: the grid of a layout, and charts."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+
+from warehouse_core.render.palette import COLORS, FAINT
+from warehouse_core.world.tiles import EMPTY
+
+
+def draw_grid(
+    axes: Axes,
+    size: tuple[int, int],
+    every: int,
+    line_width: float,
+    *,
+    zorder: float = 0.5,
+    label_size: float = 7.0,
+    pad: float = 1.0,
+) -> None:
+    """Prepare axes for a layout, in units of cells, row 0 on top.
+
+    Args:
+        axes: to draw into.
+        size: rows and columns of the layout.
+        every: number every so many rows and columns.
+        line_width: of the lines between cells, in points; 0 draws none.
+        zorder: of these lines.
+        label_size: of the numbers, in points.
+        pad: between the numbers and the grid, in points.
+    """
+    height, width = size
+    axes.set(xlim=(0, width), ylim=(height, 0), facecolor=COLORS[EMPTY])
+    axes.spines[:].set_visible(False)
+    if line_width:
+        lines = [((x, 0), (x, height)) for x in range(width + 1)]
+        lines += [((0, y), (width, y)) for y in range(height + 1)]
+        axes.add_collection(
+            LineCollection(lines, colors=[FAINT], linewidths=line_width, zorder=zorder)
+        )
+    for axis, count in ((axes.xaxis, width), (axes.yaxis, height)):
+        numbers = range(0, count, every)
+        axis.set_ticks([number + 0.5 for number in numbers], list(map(str, numbers)))
+    axes.tick_params(length=0, labelsize=label_size, labelcolor="0.45", pad=pad)
+
+
+def style_chart(axes: Axes, lines: Literal["both", "x", "y"] | None = "both") -> None:
+    """Give a chart its look: no frame, small numbers, faint lines behind everything else.
+
+    Args:
+        axes: of the chart.
+        lines: along which axes there are grid lines.
+    """
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.tick_params(labelsize=8)
+    if lines:
+        axes.grid(axis=lines, color=FAINT, linewidth=0.5)
+    axes.set_axisbelow(True)
