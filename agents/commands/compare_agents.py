@@ -8,7 +8,6 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.progress import track
 from rich.table import Table
 
 from agents.console.options import (
@@ -20,8 +19,7 @@ from agents.console.options import (
 )
 from agents.evaluation.scores import CONTENDERS, MEASURES, Run, Scores, Task, run_agent
 from agents.evaluation.wording import counted, mean, share
-from warehouse_core.files.atomic import atomic_path, check_target
-from warehouse_core.viz.export import check_suffix, save_svg
+from warehouse_core.files.atomic import atomic_path, check_suffix, check_target
 
 PICTURES = (".svg", ".png")
 
@@ -71,13 +69,14 @@ def scores_table(scores: Mapping[str, Scores], title: str) -> Table:
 
 
 def _runs(name: str, task: Task, seeds: range) -> list[Run]:
-    console = Console(stderr=True)
-    bar = track(seeds, name, console=console, transient=True, disable=not console.is_terminal)
-    return [run_agent(CONTENDERS[name], task, seed) for seed in bar]
+    from agents.console.progress import track
+
+    return [run_agent(CONTENDERS[name], task, seed) for seed in track(seeds, name)]
 
 
 def _save(scores: Mapping[str, Scores], title: str, path: Path) -> None:
     from agents.evaluation.figure import scores_figure
+    from warehouse_core.viz.export import save_svg
 
     figure = scores_figure(scores, title)
     with atomic_path(path) as part:

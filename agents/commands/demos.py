@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from agents.console.options import SaveOption, ShowOption
-from agents.console.output import check_targets, show_or_save
+from agents.console.options import SaveReplayOption, ShowOption
+from agents.console.output import show_or_save
 from agents.run_episode import run_episode
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (
@@ -23,9 +23,11 @@ from warehouse_core import (
 )
 from warehouse_core.motion.backends import load_backend
 from warehouse_core.render.window import has_display
-from warehouse_core.viz.replay import Replay
 from warehouse_core.viz.track import Track, track_of_episode
 from warehouse_core.warehouse_viz import INTERVAL_MS
+
+if TYPE_CHECKING:
+    from warehouse_core.viz.replay import Replay
 
 CORRIDOR = Layout(["########", "#P....D#", "########"])
 SLOW_MOTION = 0.025
@@ -163,12 +165,11 @@ def drive(
 
 def demo(
     name: Annotated[str, typer.Argument(help=f"One of {', '.join(DEMOS)}.")],
-    save: SaveOption = None,
+    *,
+    save: SaveReplayOption,
     show: ShowOption = None,
 ) -> None:
     """Show a short demonstration of continuous motion."""
-    targets: list[Path] = save or []
-    check_targets(targets, also=[])
     if name not in DEMOS:
         raise typer.BadParameter(f"no demo is called {name!r}; allowed: {', '.join(DEMOS)}")
     load_backend("physics")
@@ -176,10 +177,12 @@ def demo(
     typer.echo(shown.said)
 
     def make_replay(window: bool | None) -> Replay:
+        from warehouse_core.viz.replay import Replay
+
         opened = has_display() if window is None else window
         return Replay(shown.track, INTERVAL_MS, 1.0, window=opened, beside=shown.beside)
 
-    show_or_save(make_replay, targets, show, Path(f"demo-{name}.gif"))
+    show_or_save(make_replay, save, show, Path(f"demo-{name}.gif"))
 
 
 def _titled(track: Track, title: str) -> Track:

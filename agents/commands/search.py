@@ -7,14 +7,14 @@ import random
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 from rich.table import Table
 
-from agents.console.options import LayoutOption, SaveOption, ShowOption, load_layout
-from agents.console.output import check_targets, show_or_save
+from agents.console.options import LayoutOption, SaveReplayOption, ShowOption, load_layout
+from agents.console.output import show_or_save
 from agents.search.algorithms import (
     MAX_WEIGHT,
     Heuristic,
@@ -23,13 +23,15 @@ from agents.search.algorithms import (
     weighted_astar_search,
 )
 from agents.search.heuristics import manhattan, true_distance, zero
-from agents.search.picture import MOST_PANELS, SearchReplay, search_replay
 from agents.search.problems import RouteProblem
 from agents.search.trace import SearchCourse
 from warehouse_core.errors import LayoutError
 from warehouse_core.render.window import has_display
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
+
+if TYPE_CHECKING:
+    from agents.search.picture import SearchReplay
 
 MakeHeuristic = Callable[[RouteProblem, Layout], Heuristic[Cell]]
 
@@ -68,6 +70,8 @@ def parse_weights(text: str) -> list[float]:
     Raises:
         typer.BadParameter: one is no number that is allowed, or there are too many.
     """
+    from agents.search.picture import MOST_PANELS
+
     weights = [_parse_weight(part) for part in text.split(",")]
     if len(weights) > MOST_PANELS:
         raise typer.BadParameter(
@@ -131,12 +135,11 @@ def search(
         str, typer.Option(metavar="W,W,...", help="Of the heuristic, 0 to inf, up to six.")
     ] = "0,1,5,inf",
     heuristic: Annotated[str, typer.Option(help=f"One of {', '.join(HEURISTICS)}.")] = "manhattan",
-    save: SaveOption = None,
+    *,
+    save: SaveReplayOption,
     show: ShowOption = None,
 ) -> None:
     """Watch uniform-cost search turn into A* and greedy best-first search."""
-    targets: list[Path] = save or []
-    check_targets(targets, also=[])
     values = parse_weights(weights)
     asked = _given(start, "--start"), _given(goal, "--goal")
     chosen = _chosen(heuristic)
@@ -151,12 +154,14 @@ def search(
         typer.echo(f"no path leads from {begin} to {end}")
 
     def make_replay(window: bool | None) -> SearchReplay:
+        from agents.search.picture import search_replay
+
         opened = has_display() if window is None else window
         named = zip(map(_panel_name, values), found, strict=True)
         courses = [SearchCourse(name, grid, begin, each) for name, each in named]
         return search_replay(grid, begin, end, courses, title, window=opened)
 
-    show_or_save(make_replay, targets, show, Path("search.gif"))
+    show_or_save(make_replay, save, show, Path("search.gif"))
 
 
 def _given(text: str | None, option: str) -> Cell | None:

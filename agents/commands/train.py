@@ -6,34 +6,36 @@ from collections import deque
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from agents.console.options import BatteryOption, LayoutOption, MaxStepsOption, load_layout
+from agents.console.options import (
+    BatteryOption,
+    LayoutOption,
+    MaxStepsOption,
+    ModelOption,
+    TrainingSeedOption,
+    TrainingStepsOption,
+    load_layout,
+)
 from agents.errors import AgentError
 from agents.evaluation.samples import RECENT, MakeAgent, Task
 from agents.learning.q_learning import QAgent, QTable, learn
 from agents.learning.q_table import save_table
-from agents.learning.training import (
-    MODEL_SUFFIX,
-    OutputOption,
-    StepsOption,
-    Training,
-    TrainingSeedOption,
-)
 from agents.run_episode import make_env
 
 if TYPE_CHECKING:
     from agents.learning.ppo_training import PPOLearner
+    from agents.learning.training import Training
 
 
 LIBRARIES = ("torch", "stable_baselines3", "sb3_contrib")
 
 
 def train_ppo(
-    steps: StepsOption = 2_000_000,
+    steps: TrainingStepsOption = 2_000_000,
     seed: TrainingSeedOption = 1,
     layout: LayoutOption = None,
     battery: BatteryOption = 200,
     max_steps: MaxStepsOption = 200,
-    output: OutputOption = Path("ppo.npz"),
+    output: ModelOption = Path("ppo.npz"),
 ) -> None:
     """Train a network by PPO and compare it with the greedy agent.
 
@@ -42,6 +44,8 @@ def train_ppo(
     for those who want to train on. The .zip holds pickled Python: load only
     files of that kind that you trust.
     """
+    from agents.learning.training import MODEL_SUFFIX, Training
+
     task = Task(load_layout(layout), battery, max_steps)
     training = Training("PPO", task, steps, seed, output)
     learner = make_learner(task, steps, seed)
@@ -68,18 +72,20 @@ def make_learner(task: Task, steps: int, seed: int) -> PPOLearner:
 
 
 def train_q(
-    steps: StepsOption = 600_000,
+    steps: TrainingStepsOption = 600_000,
     seed: TrainingSeedOption = 1,
     layout: LayoutOption = None,
     battery: BatteryOption = 200,
     max_steps: MaxStepsOption = 200,
-    output: OutputOption = Path("q.npz"),
+    output: ModelOption = Path("q.npz"),
 ) -> None:
     """Train a table by Q-learning and compare it with the greedy agent.
 
     Writes the table (.npz), which "warehouse run --agent q:FILE" takes, and a
     picture of how it learnt (.png).
     """
+    from agents.learning.training import MODEL_SUFFIX, Training
+
     task = Task(load_layout(layout), battery, max_steps)
     training = Training("Q-learning", task, steps, seed, output)
     table = QTable()

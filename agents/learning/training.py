@@ -6,15 +6,13 @@ import math
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Annotated
 
 import numpy as np
 import typer
 from rich.console import Console
 from rich.table import Table
 
-from agents.console.options import MOST
-from agents.console.progress import Advance, training_bar
+from agents.console.progress import Advance, progress_bar
 from agents.evaluation.samples import FIRST_EXAM_SEED, MakeAgent, Scores, Task, evaluate
 from agents.learning.curve import Point, save_learning_curve
 from agents.warehouse_agent_greedy import GreedyAgent
@@ -29,18 +27,6 @@ FINAL_SEEDS = range(2 * FIRST_EXAM_SEED, 2 * FIRST_EXAM_SEED + 1000)
 """Starts of the comparison with the greedy agent; none of them decides anything before it."""
 
 MODEL_SUFFIX, CURVE_SUFFIX = ".npz", ".png"
-
-StepsOption = Annotated[
-    int, typer.Option("--steps", metavar="N", min=1, max=MOST, help="Steps of training, at least.")
-]
-TrainingSeedOption = Annotated[
-    int,
-    typer.Option("--seed", metavar="N", min=0, max=2**32 - 1, help="Repeats a training."),
-]
-OutputOption = Annotated[
-    Path,
-    typer.Option("--output", "-o", metavar="FILE", help="Where the agent goes, as .npz."),
-]
 
 Writer = Callable[[Path], None]
 
@@ -83,7 +69,7 @@ class Training:
             self._points.append(Point(steps, evaluate(make_agent, self._task, EXAM_SEEDS)))
             self._next_exam = steps + self._goal / EXAMS
         examined = self._points[-1].scores.success if self._points else math.nan
-        self._advance(steps, delivers, examined)
+        self._advance(steps, f"delivers {_share(delivers)}, exam {_share(examined)}")
 
     def run(self, learn: Callable[[], MakeAgent], writers: Mapping[str, Writer]) -> None:
         """Let an agent learn, write its files, and compare it with the greedy agent.
@@ -109,7 +95,7 @@ class Training:
                 self._write({**writers, CURVE_SUFFIX: lambda path: self._draw(path, greedy)})
 
         try:
-            with training_bar(self._name, self._goal) as self._advance:
+            with progress_bar(self._goal, self._name) as self._advance:
                 make_agent = learn()
         except KeyboardInterrupt:
             keep()
@@ -132,6 +118,10 @@ class Training:
             target = self._output.with_suffix(suffix)
             write(target)
             typer.echo(f"saved {target}")
+
+
+def _share(value: float) -> str:
+    return "-" if math.isnan(value) else f"{value:.0%}"
 
 
 def comparison_table(scores: dict[str, Scores]) -> Table:

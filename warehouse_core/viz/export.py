@@ -6,7 +6,7 @@ import html
 import re
 import sys
 import zlib
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from warehouse_core.errors import FormatError
-from warehouse_core.files.atomic import atomic_path
+from warehouse_core.files.atomic import atomic_path, check_suffix
 from warehouse_core.render.palette import indexed_palette
 from warehouse_core.viz.figure import SceneFigure
 
@@ -72,19 +72,6 @@ def check_format(path: Path, also: Sequence[str] = ()) -> str:
         FormatError: listing what is allowed.
     """
     return check_suffix(path, [*FORMATS, *also])
-
-
-def check_suffix(path: Path, allowed: Collection[str]) -> str:
-    """Return the suffix of ``path`` in lower case, refusing one that is not allowed.
-
-    Raises:
-        FormatError: listing what is allowed.
-    """
-    suffix = path.suffix.lower()
-    if suffix not in allowed:
-        given = suffix or "a file without a suffix"
-        raise FormatError(f"{path}: cannot save as {given}; allowed: {', '.join(allowed)}")
-    return suffix
 
 
 @contextmanager
