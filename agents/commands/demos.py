@@ -22,7 +22,6 @@ from warehouse_core import (
     record_episode,
 )
 from warehouse_core.motion.backends import load_backend
-from warehouse_core.render.window import has_display
 from warehouse_core.viz.track import Track, track_of_episode
 from warehouse_core.warehouse_viz import INTERVAL_MS
 
@@ -176,11 +175,10 @@ def demo(
     shown = DEMOS[name]()
     typer.echo(shown.said)
 
-    def make_replay(window: bool | None) -> Replay:
+    def make_replay(window: bool) -> Replay:
         from warehouse_core.viz.replay import Replay
 
-        opened = has_display() if window is None else window
-        return Replay(shown.track, INTERVAL_MS, 1.0, window=opened, beside=shown.beside)
+        return Replay(shown.track, INTERVAL_MS, 1.0, window=window, beside=shown.beside)
 
     show_or_save(make_replay, save, show, Path(f"demo-{name}.gif"))
 

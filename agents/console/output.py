@@ -10,13 +10,14 @@ import typer
 
 from agents.console.options import RECORD_SUFFIX
 from warehouse_core import Episode
+from warehouse_core.render.window import has_display
 from warehouse_core.warehouse_viz import INTERVAL_MS, replay_animation
 
 if TYPE_CHECKING:
     from warehouse_core.viz.replay import Replay
 
-MakeReplay = Callable[[bool | None], "Replay | None"]
-"""Makes a replay with a window, without one, or with one if there is a display (``None``)."""
+MakeReplay = Callable[[bool], "Replay | None"]
+"""Makes a replay with a window or without one."""
 
 
 def replay_or_save(
@@ -46,7 +47,7 @@ def show_or_save(
         _save(make_replay, target, episode)
     if not (show or (show is None and not targets)):
         return
-    replay = make_replay(None)
+    replay = make_replay(has_display())
     if replay is not None and replay.window:
         typer.echo("space pauses, left and right step, q closes the window")
         replay.show()

@@ -22,13 +22,12 @@ def folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
 class FakeReplay:
     """Takes the place of ``replay_animation`` and of the replay, and notes what is called."""
 
-    def __init__(self, has_display: bool) -> None:
-        self.has_display = has_display
+    def __init__(self) -> None:
         self.arguments: list[tuple[Any, ...]] = []
         self.shown = 0
 
-    def __call__(self, *arguments: Any, window: bool | None) -> "FakeReplay":
-        self.window = self.has_display if window is None else window
+    def __call__(self, *arguments: Any, window: bool) -> "FakeReplay":
+        self.window = window
         self.arguments.append((*arguments, window))
         return self
 
@@ -41,8 +40,9 @@ class FakeReplay:
 
 
 def fake(monkeypatch: pytest.MonkeyPatch, *, has_display: bool) -> FakeReplay:
-    replay = FakeReplay(has_display)
+    replay = FakeReplay()
     monkeypatch.setattr(output, "replay_animation", replay)
+    monkeypatch.setattr(output, "has_display", lambda: has_display)
     return replay
 
 
@@ -94,7 +94,7 @@ def test_a_window_opens_if_requested_or_if_nothing_is_saved(
     assert replay.shown == opened
     lines = [f"saved {file}" for file in files]
     if opened:
-        assert replay.arguments[-1] == (episode, None, 70, 3.0, None)
+        assert replay.arguments[-1] == (episode, None, 70, 3.0, True)
         lines.append("space pauses, left and right step, q closes the window")
     assert capsys.readouterr().out.splitlines() == lines
 
