@@ -35,6 +35,8 @@ def test_a_random_seed_is_kept_and_repeats_the_episode() -> None:
     episode = run_episode()
     assert episode.seed is not None
     assert run_episode(seed=episode.seed) == episode
+    assert {run_episode(battery=1).seed for _ in range(5)} != {episode.seed}
+    assert run_episode(seed=0, battery=1).seed == 0
 
 
 def test_a_random_seed_is_short_and_independent_of_the_random_module() -> None:
