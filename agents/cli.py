@@ -18,8 +18,8 @@ from agents.commands.play import play
 from agents.commands.search import search
 from agents.commands.train import train_ppo, train_q
 from agents.console import main as console
-from agents.console.options import SaveOption, ShowOption
-from agents.console.output import check_targets, replay_or_save
+from agents.console.options import IntervalOption, SaveOption, ShowOption, SpeedOption
+from agents.console.output import replay_or_save
 from agents.experiments.export import export
 from agents.experiments.sweep import sweep
 from agents.reports.report import report
@@ -55,21 +55,16 @@ app.add_typer(training, name="train")
 @app.command()
 def replay(
     file: Annotated[Path, typer.Argument(help="An episode saved as .npz.")],
-    save: SaveOption = None,
+    *,
+    save: SaveOption,
     show: ShowOption = None,
-    interval_ms: Annotated[
-        float, typer.Option("--interval-ms", min=1, max=60_000, help="From one frame to the next.")
-    ] = INTERVAL_MS,
-    speed: Annotated[
-        float, typer.Option("--speed", min=0.01, max=100, help="Playing speed.")
-    ] = 1.0,
+    interval_ms: IntervalOption = INTERVAL_MS,
+    speed: SpeedOption = 1.0,
 ) -> None:
     """Replay a saved episode."""
-    targets: list[Path] = save or []
-    check_targets(targets)
     episode = Episode.load(file)
     report_episode(episode)
-    replay_or_save(episode, targets, show, interval_ms, speed)
+    replay_or_save(episode, save, show, interval_ms, speed)
 
 
 def _print_version(wanted: bool) -> None:
@@ -87,7 +82,7 @@ def options(
         ),
     ] = False,
 ) -> None:
-    """Take the options that stand before a command."""
+    """Take the options before a command."""
 
 
 def main() -> None:

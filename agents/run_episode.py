@@ -1,4 +1,4 @@
-"""Run one whole episode from a random start, say how it went, and replay it.
+"""Run one episode from a random start, print its outcome and replay it.
 
 ``warehouse run``, ``python agents/run_episode.py`` and ``python -m agents.run_episode`` are the
 same command.
@@ -7,7 +7,6 @@ same command.
 from __future__ import annotations
 
 import random
-from pathlib import Path
 
 import typer
 
@@ -23,13 +22,13 @@ from agents.console.options import (
     ShowOption,
     load_layout,
 )
-from agents.console.output import check_targets, replay_or_save
+from agents.console.output import replay_or_save
 from agents.registry import make_agent
 from warehouse_core import DEFAULT_LAYOUT, Episode, Layout, WarehouseEnv, record_episode
 from warehouse_core.records.failure_modes import diagnose
 
-HIGHEST_SEED = 999_999
-"""Of the seeds that are drawn here; short enough to type again."""
+MAX_SEED = 999_999
+"""The largest random seed; short enough to type again."""
 
 
 def run_episode(
@@ -40,18 +39,19 @@ def run_episode(
     battery: int = 200,
     max_steps: int = 200,
 ) -> Episode:
-    """Run one whole episode from a random start and return its record.
+    """Run one episode from a random start and return its record.
 
     Args:
-        agent: name of an agent, see ``registry.py``.
+        agent: name of an agent, see ``agents/registry.py``.
         backend: name of a motion backend.
-        layout: ``None`` is the chapter's.
-        seed: of layout, start and agent; ``None`` draws one, which the record keeps.
+        layout: ``None`` for the built-in one.
+        seed: for the start, the backend and the agent; ``None`` for a random one, which the
+            record keeps.
         battery: units of a full battery, at least 1.
-        max_steps: at least 1.
+        max_steps: of the episode, at least 1.
 
     Raises:
-        ValueError: a name or number that is not allowed.
+        ValueError: an unknown name or a number out of range.
     """
     layout = layout or DEFAULT_LAYOUT
     env = make_env(layout, backend, battery, max_steps)
@@ -63,17 +63,17 @@ def run_episode(
 
 
 def make_env(layout: Layout, backend: str, battery: int, max_steps: int) -> WarehouseEnv:
-    """Return an environment whose start is the usual one or, where that is a wall, the first."""
+    """Return an environment with the usual start, or the first open cell where that is a wall."""
     return WarehouseEnv(layout, layout.usual_start(), max_steps, battery, backend=backend)
 
 
 def draw_seed() -> int:
-    """Return a seed that nobody chose."""
-    return random.SystemRandom().randint(0, HIGHEST_SEED)
+    """Return a random seed."""
+    return random.SystemRandom().randint(0, MAX_SEED)
 
 
 def report_episode(episode: Episode) -> None:
-    """Log how an episode went."""
+    """Print the outcome of an episode."""
     settings = episode.settings
     typer.echo(f"{episode.agent} on the {settings.backend} backend, seed {episode.seed}")
     diagnosis = diagnose(episode)
@@ -92,15 +92,14 @@ def run(
     seed: SeedOption = None,
     battery: BatteryOption = 200,
     max_steps: MaxStepsOption = 200,
-    save: SaveOption = None,
+    *,
+    save: SaveOption,
     show: ShowOption = None,
 ) -> None:
     """Run one episode from a random start and replay it."""
-    targets: list[Path] = save or []
-    check_targets(targets)
     episode = run_episode(agent, backend, load_layout(layout), seed, battery, max_steps)
     report_episode(episode)
-    replay_or_save(episode, targets, show)
+    replay_or_save(episode, save, show)
 
 
 if __name__ == "__main__":

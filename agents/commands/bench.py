@@ -1,7 +1,7 @@
-"""Steps a second on this machine: each form of the warehouse beside something that is known.
+"""Measure the steps per second of each form of the warehouse on this machine.
 
-That is an environment of Gymnasium's or MiniGrid's or, for the physics, a plainer form of its own.
-Both of a pair run in turn, so that a machine that changes its pace slows both alike.
+Each is measured beside a known environment of Gymnasium or MiniGrid or, for physics, beside a
+simpler form. The two of a pair take turns, so that a change of the machine's speed affects both.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from statistics import median
 from time import perf_counter
 from typing import Annotated, Any
@@ -16,26 +17,25 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 from rich.console import Console
-from rich.progress import Progress
 from rich.table import Table
 
 from warehouse_core import BackendError, WarehouseEnv
 from warehouse_core.world.actions import ACTIONS, WAIT
 
 Work = Callable[[], int]
-"""Does a piece of work and returns how many steps that were."""
+"""Takes some steps and returns how many."""
 
 ROUNDS = 5
 STEPS, FRAMES, BATCH_STEPS = 500, 50, 20
-"""Of one piece of work."""
+"""How many of them a ``Work`` takes."""
 
 MAX_STEPS = 200
-"""Of an episode, as it is where nothing else is said."""
+"""Steps of an episode, the default of the environments."""
 
 BATCH, PHYSICS_BATCH = 4096, 256
 
 WAREHOUSE = "warehouse_core.gymnasium_env:Warehouse-v0"
-MINIGRID = "MiniGrid-Empty-8x8-v0"
+LAKE, CARTS, MINIGRID = "FrozenLake-v1", "CartPole-v1", "MiniGrid-Empty-8x8-v0"
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,18 +48,15 @@ class Pair:
     make_beside: Callable[[], Work]
 
 
-class MissingError(Exception):
-    """Something that a measurement needs is not installed; the message says what installs it."""
-
-
 def chapter_env(backend: str = "grid") -> Work:
-    """Steps of the chapter's own environment."""
+    """Return the work of stepping the chapter's own environment."""
     return _stepping(WarehouseEnv(backend=backend), len(ACTIONS))
 
 
-def single(name: str, actions: int, **options: Any) -> Work:
-    """Steps of one environment of Gymnasium, without its wrappers."""
-    return _stepping(_gymnasium().make(name, **options).unwrapped, actions)
+def single(name: str, **options: Any) -> Work:
+    """Return the work of stepping an environment of Gymnasium, without its wrappers."""
+    env = _gymnasium().make(name, **options).unwrapped
+    return _stepping(env, env.action_space.n)
 
 
 def _stepping(env: Any, actions: int) -> Work:
@@ -76,9 +73,9 @@ def _stepping(env: Any, actions: int) -> Work:
     return work
 
 
-def frames(name: str, **options: Any) -> Work:
-    """Pictures of one environment of Gymnasium, a step before each."""
-    env = _gymnasium().make(name, render_mode="rgb_array", **options).unwrapped
+def frames(name: str) -> Work:
+    """Return the work of stepping and drawing an environment of Gymnasium."""
+    env = _gymnasium().make(name, render_mode="rgb_array").unwrapped
     env.reset(seed=0)
 
     def work() -> int:
@@ -92,27 +89,28 @@ def frames(name: str, **options: Any) -> Work:
 
 
 def minigrid_frames() -> Work:
-    """Pictures of a MiniGrid of 8 x 8 tiles."""
+    """Return the work of stepping and drawing a MiniGrid of 8 x 8 tiles.
+
+    Raises:
+        ImportError: MiniGrid is not installed.
+    """
     try:
         import minigrid  # noqa: F401 - registers its environments
     except ImportError:
-        raise MissingError(
-            "minigrid is not installed: pip install 'warehouse-lab[bench]'"
-        ) from None
+        raise ImportError("minigrid is not installed: pip install 'warehouse-lab[bench]'") from None
     return frames(MINIGRID)
 
 
-def carts() -> Work:
-    """Steps of the batch of CartPole, whose rows fall over all by themselves."""
+def batch(name: str, rows: int, **options: Any) -> Work:
+    """Return the work of stepping a vector environment of Gymnasium."""
     env = _gymnasium().make_vec(
-        "CartPole-v1", num_envs=BATCH, vectorization_mode="vector_entry_point"
+        name, num_envs=rows, vectorization_mode="vector_entry_point", **options
     )
     env.reset(seed=0)
-    return _stepping_all(env, actions=2)
-
-
-def _stepping_all(env: Any, actions: int) -> Work:
-    chosen = np.random.default_rng(0).integers(actions, size=(BATCH_STEPS, env.num_envs))
+    if name == WAREHOUSE:
+        _stagger(env)
+    actions = env.single_action_space.n
+    chosen = np.random.default_rng(0).integers(actions, size=(BATCH_STEPS, rows))
 
     def work() -> int:
         for row in chosen:
@@ -122,69 +120,50 @@ def _stepping_all(env: Any, actions: int) -> Work:
     return work
 
 
-def _gymnasium() -> Any:
-    import gymnasium
-
-    return gymnasium
-
-
-def _lake() -> Work:
-    return single("FrozenLake-v1", actions=4)
-
-
-def _warehouse(**options: Any) -> Callable[[], Work]:
-    return lambda: single(WAREHOUSE, actions=len(ACTIONS), **options)
-
-
-def _warehouses(rows: int, **options: Any) -> Callable[[], Work]:
-    def make() -> Work:
-        env = _gymnasium().make_vec(
-            WAREHOUSE, num_envs=rows, vectorization_mode="vector_entry_point", **options
-        )
-        _put_out_of_step(env)
-        return _stepping_all(env, len(ACTIONS))
-
-    return make
-
-
-def _put_out_of_step(env: Any) -> None:
-    """Let some rows end and some begin with every step, as they do in a long training."""
-    env.reset(seed=0)
+def _stagger(env: Any) -> None:
+    """Let some rows end and restart at every step, as in a long training."""
     rows = np.arange(env.num_envs)
     for step in range(MAX_STEPS):
         env.step(np.full(env.num_envs, WAIT))
         env.reset(options={"reset_mask": rows % MAX_STEPS == step})
 
 
-LAKE, CARTS, TILES = "FrozenLake-v1", "CartPole-v1, batch", "MiniGrid, pictures"
-PHYSICS = "physics"
+def _gymnasium() -> Any:
+    import gymnasium
+
+    return gymnasium
+
+
+_lake = partial(single, LAKE)
+_carts = partial(batch, CARTS, BATCH)
+_physics = partial(single, WAREHOUSE, backend="physics")
 
 PAIRS = (
     Pair("WarehouseEnv", chapter_env, LAKE, _lake),
-    Pair("Warehouse-v0", _warehouse(), LAKE, _lake),
-    Pair("vectors", _warehouse(observation="vector"), LAKE, _lake),
-    Pair("images", _warehouse(observation="image"), LAKE, _lake),
-    Pair("pictures", lambda: frames(WAREHOUSE), TILES, minigrid_frames),
-    Pair(f"batch of {BATCH:,}", _warehouses(BATCH), CARTS, carts),
-    Pair("batch, no view", _warehouses(BATCH, view_radius=0), CARTS, carts),
+    Pair("Warehouse-v0", partial(single, WAREHOUSE), LAKE, _lake),
+    Pair("vectors", partial(single, WAREHOUSE, observation="vector"), LAKE, _lake),
+    Pair("images", partial(single, WAREHOUSE, observation="image"), LAKE, _lake),
+    Pair("pictures", partial(frames, WAREHOUSE), "MiniGrid, pictures", minigrid_frames),
+    Pair(f"batch of {BATCH:,}", partial(batch, WAREHOUSE, BATCH), f"{CARTS}, batch", _carts),
     Pair(
-        PHYSICS,
-        _warehouse(backend="physics"),
-        "WarehouseEnv",
-        lambda: chapter_env("physics"),
+        "batch, no view",
+        partial(batch, WAREHOUSE, BATCH, view_radius=0),
+        f"{CARTS}, batch",
+        _carts,
     ),
+    Pair("physics", _physics, "WarehouseEnv", partial(chapter_env, "physics")),
     Pair(
         f"physics, batch {PHYSICS_BATCH}",
-        _warehouses(PHYSICS_BATCH, backend="physics"),
-        PHYSICS,
-        _warehouse(backend="physics"),
+        partial(batch, WAREHOUSE, PHYSICS_BATCH, backend="physics"),
+        "physics",
+        _physics,
     ),
 )
 
 
 @dataclass(frozen=True, slots=True)
 class Rates:
-    """Steps a second of a pair: the medians, and the median of the ratios of each round."""
+    """Steps per second of a pair: both medians, and the median of the ratios of the rounds."""
 
     ours: float
     beside: float
@@ -192,19 +171,16 @@ class Rates:
 
 
 def measure(pair: Pair, seconds: float) -> Rates:
-    """Run both of a pair in turn, each for about ``seconds`` in all.
+    """Run both works of a pair in turn, each for about ``seconds`` in total.
 
     Raises:
-        MissingError: something is not installed.
+        ImportError: something is not installed.
     """
-    ours, beside = pair.make(), pair.make_beside()
-    rates = []
-    for works in [(ours, beside)] * (ROUNDS + 1):
-        rates.append([_rate(work, seconds / ROUNDS) for work in works])
-    del rates[0]  # the first warms up
-    columns = zip(*rates, strict=True)
-    mine, theirs = (median(column) for column in columns)
-    return Rates(mine, theirs, median(one / other for one, other in rates))
+    works = pair.make(), pair.make_beside()
+    rates = [[_rate(work, seconds / ROUNDS) for work in works] for _ in range(ROUNDS + 1)]
+    del rates[0]  # the warm-up
+    ours, beside = (median(column) for column in zip(*rates, strict=True))
+    return Rates(ours, beside, median(one / other for one, other in rates))
 
 
 def _rate(work: Work, seconds: float) -> float:
@@ -217,28 +193,24 @@ def _rate(work: Work, seconds: float) -> float:
 def bench(
     seconds: Annotated[
         float,
-        typer.Option("--seconds", min=0.01, max=600, help="Time for each of the two of a pair."),
+        typer.Option("--seconds", min=0.01, max=600, help="Seconds to measure each environment."),
     ] = 0.5,
 ) -> None:
-    """Print this machine's steps a second for each form, beside known environments."""
+    """Print the steps per second of each form on this machine, beside known environments."""
+    from agents.console.progress import track
+
     table = Table()
     for title in ("form", "steps/s", "beside", "steps/s", "ratio"):
         table.add_column(title, justify="left" if title in ("form", "beside") else "right")
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        for pair in progress.track(PAIRS, description="measuring"):
-            table.add_row(*_row(pair, seconds))
-    Console(markup=False).print(table)  # square brackets are those of an extra
+    for pair in track(PAIRS, "measuring"):
+        table.add_row(*_row(pair, seconds))
+    Console(markup=False).print(table)  # no markup: messages have square brackets
 
 
 def _row(pair: Pair, seconds: float) -> tuple[str, ...]:
     try:
         rates = measure(pair, seconds)
-    except (MissingError, BackendError) as error:
+    except (ImportError, BackendError) as error:
         return pair.form, "", pair.beside, "", f"not measured: {error}"
-    return (
-        pair.form,
-        f"{rates.ours:,.0f}",
-        pair.beside,
-        f"{rates.beside:,.0f}",
-        f"{rates.ratio:.2f}",
-    )
+    ours, beside = f"{rates.ours:,.0f}", f"{rates.beside:,.0f}"
+    return pair.form, ours, pair.beside, beside, f"{rates.ratio:.2f}"

@@ -9,7 +9,6 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.progress import track
 from rich.table import Table
 
 from agents.console.options import (
@@ -24,9 +23,7 @@ from agents.evaluation.wording import counted, mean, share
 from agents.search.agents import ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Layout
-from warehouse_core.files.atomic import atomic_path, check_target
-from warehouse_core.files.suffix import check_suffix
-from warehouse_core.viz.figure import save_svg
+from warehouse_core.files.atomic import atomic_path, check_suffix, check_target
 
 PICTURES = (".svg", ".png")
 
@@ -90,13 +87,14 @@ def scores_table(scores: Mapping[str, Scores], title: str) -> Table:
 
 
 def _evaluate(name: str, make_agent: MakeAgent, task: Task, seeds: range) -> Scores:
-    console = Console(stderr=True)
-    bar = track(seeds, name, console=console, transient=True, disable=not console.is_terminal)
-    return evaluate(make_agent, task, bar)
+    from agents.console.progress import track
+
+    return evaluate(make_agent, task, track(seeds, name))
 
 
 def _save(scores: Mapping[str, Scores], title: str, path: Path) -> None:
     from agents.evaluation.figure import scores_figure
+    from warehouse_core.viz.figure import save_svg
 
     figure = scores_figure(scores, title)
     with atomic_path(path) as part:

@@ -1,4 +1,4 @@
-"""The same layout, seed and agent on two backends: what differs, and both replays side by side."""
+"""Compare one episode on two backends, and replay both side by side."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from agents.console.options import (
     BatteryOption,
     LayoutOption,
     MaxStepsOption,
-    SaveOption,
+    SaveReplayOption,
     SeedOption,
     ShowOption,
     load_layout,
 )
-from agents.console.output import check_targets, show_or_save
+from agents.console.output import show_or_save
 from agents.run_episode import draw_seed, run_episode
 from warehouse_core import Episode
 from warehouse_core.warehouse_viz import replay_animation
@@ -36,9 +36,9 @@ ROWS: dict[str, Callable[[Episode], str]] = {
 
 
 def first_difference(left: Episode, right: Episode) -> int | None:
-    """Return the first step, counted from 1, whose action, place, cargo or reward differs.
+    """Return the first step, counted from 1, whose action, cell, load or reward differs.
 
-    Time, energy and contacts are not compared. ``None`` means that no step differs.
+    Time, energy and contacts are not compared. ``None`` if no step differs.
     """
     steps = [
         list(zip(e.actions, e.cells[1:], e.loaded[1:], e.rewards[1:], strict=True))
@@ -51,7 +51,7 @@ def first_difference(left: Episode, right: Episode) -> int | None:
 
 
 def comparison_table(left: Episode, right: Episode) -> Table:
-    """Return the table of what two episodes came to."""
+    """Return a table of the outcomes of two episodes."""
     table = Table(title=f"{left.agent}, seed {left.seed}")
     table.add_column("")
     for episode in (left, right):
@@ -66,18 +66,17 @@ def comparison_table(left: Episode, right: Episode) -> Table:
 
 def compare(
     agent: AgentOption = "greedy",
-    left: Annotated[str, typer.Option("--left", help="One backend.")] = "grid",
-    right: Annotated[str, typer.Option("--right", help="The other backend.")] = "physics",
+    left: Annotated[str, typer.Option("--left", help="Backend on the left.")] = "grid",
+    right: Annotated[str, typer.Option("--right", help="Backend on the right.")] = "physics",
     layout: LayoutOption = None,
     seed: SeedOption = None,
     battery: BatteryOption = 200,
     max_steps: MaxStepsOption = 200,
-    save: SaveOption = None,
+    *,
+    save: SaveReplayOption,
     show: ShowOption = None,
 ) -> None:
-    """Run the same episode on two backends, and say and show what differs."""
-    targets: list[Path] = save or []
-    check_targets(targets, also=[])
+    """Run the same episode on two backends and show the differences."""
     seed = draw_seed() if seed is None else seed
     grid = load_layout(layout)
     one, other = (
@@ -86,7 +85,7 @@ def compare(
     Console().print(comparison_table(one, other))
     show_or_save(
         lambda window: replay_animation(one, beside=other, window=window),
-        targets,
+        save,
         show,
         Path(f"compare-{seed}.gif"),
     )

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from agents.console.options import SaveOption, ShowOption
-from agents.console.output import check_targets, show_or_save
+from agents.console.options import SaveReplayOption, ShowOption
+from agents.console.output import show_or_save
 from agents.run_episode import run_episode
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (
@@ -21,8 +21,10 @@ from warehouse_core import (
     record_episode,
 )
 from warehouse_core.motion.backends import load_backend
-from warehouse_core.viz.replay import Replay, replay_of_track
 from warehouse_core.viz.track import Frame, Pose, Track, frames_along, track_of_episode
+
+if TYPE_CHECKING:
+    from warehouse_core.viz.replay import Replay
 
 CORRIDOR = Layout(["########", "#P....D#", "########"])
 SLOW_MOTION = 0.025
@@ -151,22 +153,23 @@ def drive(
 
 def demo(
     name: Annotated[str, typer.Argument(help=f"One of {', '.join(DEMOS)}.")],
-    save: SaveOption = None,
+    *,
+    save: SaveReplayOption,
     show: ShowOption = None,
 ) -> None:
     """Show a short demonstration of continuous motion."""
-    targets: list[Path] = save or []
-    check_targets(targets, also=[])
     if name not in DEMOS:
         raise typer.BadParameter(f"no demo is called {name!r}; allowed: {', '.join(DEMOS)}")
     load_backend("physics")
     shown = DEMOS[name]()
     typer.echo(shown.said)
 
-    def make_replay(window: bool | None) -> Replay:
+    def make_replay(window: bool) -> Replay:
+        from warehouse_core.viz.replay import replay_of_track
+
         return replay_of_track(shown.track, shown.beside, window=window)
 
-    show_or_save(make_replay, targets, show, Path(f"demo-{name}.gif"))
+    show_or_save(make_replay, save, show, Path(f"demo-{name}.gif"))
 
 
 def _titled(track: Track, title: str) -> Track:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -17,13 +17,15 @@ from agents.console.options import (
     ShowOption,
     load_layout,
 )
-from agents.console.output import check_targets, show_or_save
+from agents.console.output import show_or_save
 from agents.run_episode import draw_seed, report_episode
 from agents.search.agents import ExploringAgent
-from agents.search.belief_replay import Insight, belief_replay, record_beliefs, seen_counts
 from warehouse_core import Episode, WarehouseEnv
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.records.failure_modes import fewest_steps
+
+if TYPE_CHECKING:
+    from agents.search.belief_replay import Insight
 
 MAX_VIEW_RADIUS = 100
 """A window of this radius has 40,401 cells, which are read at every step."""
@@ -41,12 +43,13 @@ def explore(
     ] = 2,
     battery: BatteryOption = 200,
     max_steps: MaxStepsOption = 200,
-    save: SaveOption = None,
+    *,
+    save: SaveOption,
     show: ShowOption = None,
 ) -> None:
     """Explore from a random start, and show the world beside what the agent believes of it."""
-    targets: list[Path] = save or []
-    check_targets(targets)
+    from agents.search.belief_replay import belief_replay, record_beliefs
+
     seed = draw_seed() if seed is None else seed
     walls = load_layout(layout)
     env = WarehouseEnv(walls, walls.usual_start(), max_steps, battery, view_radius, backend=backend)
@@ -59,7 +62,7 @@ def explore(
     report_exploring(episode, history, agent.plans)
     show_or_save(
         lambda window: belief_replay(episode, history, window=window),
-        targets,
+        save,
         show,
         Path(f"explore-{seed}.gif"),
         episode,
@@ -68,6 +71,8 @@ def explore(
 
 def report_exploring(episode: Episode, history: list[Insight], plans: int) -> None:
     """Print how many cells were seen and plans made, and compare the length with the shortest."""
+    from agents.search.belief_replay import seen_counts
+
     layout = episode.layout
     seen = seen_counts(layout, history)[-1]
     [fewest] = fewest_steps(layout, (episode.cells[0], episode.loaded[0]))

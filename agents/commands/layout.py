@@ -1,4 +1,4 @@
-"""``warehouse layout``: make up, import, check and print layouts."""
+"""The commands ``warehouse layout``: generate, import, check and print layouts."""
 
 from __future__ import annotations
 
@@ -13,33 +13,33 @@ from warehouse_core import Layout, LayoutError, random_layout, shelf_layout
 from warehouse_core.world.generators import benchmark_warehouse
 from warehouse_core.world.map_files import load_map, save_layout
 
-app = typer.Typer(no_args_is_help=True, help="Make up, import, check and print layouts.")
+app = typer.Typer(no_args_is_help=True, help="Generate, import, check and print layouts.")
 
 BENCHMARK = re.compile("-".join([r"(\d{1,9})"] * 5), re.ASCII)
-"""Sizes of more digits are too large whatever the others are."""
+"""Sizes with more digits are always too large."""
 
-SeedOption = Annotated[int, typer.Option("--seed", help="Repeats a layout.")]
+SeedOption = Annotated[int, typer.Option("--seed", help="Random seed.")]
 OutputOption = Annotated[
     Path | None,
     typer.Option(
         "--output",
         "-o",
         metavar="FILE",
-        help="Write it to a file; as .map it is MovingAI's, without stations.",
+        help="Write the layout to this file; a .map has MovingAI's format and no stations.",
     ),
 ]
 
 
 @app.command()
 def generate(
-    height: Annotated[int, typer.Option(help="Rows, with the border.")] = 10,
-    width: Annotated[int, typer.Option(help="Columns, with the border.")] = 16,
+    height: Annotated[int, typer.Option(help="Rows, including the border.")] = 10,
+    width: Annotated[int, typer.Option(help="Columns, including the border.")] = 16,
     density: Annotated[float, typer.Option(help="Share of walls inside the border.")] = 0.2,
     seed: SeedOption = 0,
     output: OutputOption = None,
 ) -> None:
-    """Make up walls at random; every open cell can be reached."""
-    _hand_over(random_layout(height, width, density, seed), output)
+    """Generate random walls; every open cell can be reached."""
+    _print_or_save(random_layout(height, width, density, seed), output)
 
 
 @app.command()
@@ -52,8 +52,8 @@ def shelves(
     seed: SeedOption = 0,
     output: OutputOption = None,
 ) -> None:
-    """Make up a warehouse of shelf blocks and aisles."""
-    _hand_over(shelf_layout(rows, columns, length, depth, aisle, seed), output)
+    """Generate a warehouse of shelf blocks and aisles."""
+    _print_or_save(shelf_layout(rows, columns, length, depth, aisle, seed), output)
 
 
 @app.command()
@@ -63,14 +63,15 @@ def warehouse(
     ],
     output: OutputOption = None,
 ) -> None:
-    """Make up a warehouse of the MAPF benchmarks, such as 10-20-10-2-1."""
+    """Generate a warehouse of the MAPF benchmarks, such as 10-20-10-2-1."""
     sizes = BENCHMARK.fullmatch(name)
     if not sizes:
         raise LayoutError(
-            f"{name!r} is no warehouse; allowed: five whole numbers C-R-L-W-A, such as 10-20-10-2-1"
+            f"{name!r} is not a warehouse; "
+            "allowed: five whole numbers C-R-L-W-A, such as 10-20-10-2-1"
         )
     columns, rows, length, depth, aisle = map(int, sizes.groups())
-    _hand_over(benchmark_warehouse(columns, rows, length, depth, aisle), output)
+    _print_or_save(benchmark_warehouse(columns, rows, length, depth, aisle), output)
 
 
 @app.command("import")
@@ -78,17 +79,17 @@ def import_map(
     file: Annotated[Path, typer.Argument(metavar="FILE.map", help="A map in MovingAI's format.")],
     robot_runners: Annotated[
         bool,
-        typer.Option("--robot-runners", help="E is a pickup, S a dropoff; without it S is swamp."),
+        typer.Option("--robot-runners", help="Read E as pickups and S as dropoffs, not swamp."),
     ] = False,
     output: OutputOption = None,
 ) -> None:
-    """Read a map from outside."""
-    _hand_over(load_map(file, robot_runners=robot_runners), output)
+    """Read a map in MovingAI's format."""
+    _print_or_save(load_map(file, robot_runners=robot_runners), output)
 
 
 @app.command()
 def check(file: Annotated[Path, typer.Argument(help="A layout file.")]) -> None:
-    """Say whether a layout can be read, and whether an item can be delivered in it."""
+    """Check that a layout can be read and that an item can be delivered in it."""
     layout = load_layout(file)
     for name, stations in (("pickup P", layout.pickups), ("dropoff D", layout.dropoffs)):
         if not stations:
@@ -113,11 +114,11 @@ def check(file: Annotated[Path, typer.Argument(help="A layout file.")]) -> None:
 def print_layout(
     file: Annotated[Path | None, typer.Argument(help="A layout file.")] = None,
 ) -> None:
-    """Print a layout as it is read; without a file the chapter's."""
+    """Print a layout; without a file, the built-in one."""
     typer.echo(load_layout(file))
 
 
-def _hand_over(layout: Layout, output: Path | None) -> None:
+def _print_or_save(layout: Layout, output: Path | None) -> None:
     if output is None:
         typer.echo(layout)
     else:

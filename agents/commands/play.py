@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from matplotlib.backend_bases import Event, KeyEvent
+from typing import Any
 
 from agents.console.options import (
     BackendOption,
@@ -15,13 +13,11 @@ from agents.console.options import (
     SeedOption,
     load_layout,
 )
-from agents.console.output import check_targets, save_episode
+from agents.console.output import replay_or_save
 from agents.run_episode import draw_seed, make_env, report_episode
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.render.display import has_display
-from warehouse_core.viz.figure import make_window
-from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.track import track_of_episode
 
 KEYS = {
@@ -41,14 +37,18 @@ HELP = "arrows or NESW move, P picks, D drops, space waits, Enter starts again, 
 
 
 class Driver:
-    """A window on an environment that keys drive. Each episode is drawn anew from the next seed.
+    """A window in which keys drive the robot of an environment.
 
     Args:
-        env: to be driven.
-        seed: of the first episode.
+        env: the environment.
+        seed: for the first episode; each further one adds 1.
     """
 
     def __init__(self, env: WarehouseEnv, seed: int) -> None:
+        # Here, because matplotlib takes long to import.
+        from warehouse_core.viz.figure import make_window
+        from warehouse_core.viz.scene import Scene
+
         self._env = env
         self._begin(seed)
         self._scene = Scene(track_of_episode(self.episode), make_window, length=env.max_steps + 1)
@@ -60,11 +60,11 @@ class Driver:
 
     @property
     def episode(self) -> Episode:
-        """What has been driven so far."""
+        """The record of the current episode so far."""
         return self._recorder.episode
 
     def press(self, key: str) -> None:
-        """Do what ``key`` stands for; after the end of an episode keys that drive do nothing."""
+        """Carry out a key; after the end of an episode the keys of actions do nothing."""
         key = key if key == " " else key.lower()
         if key in QUIT:
             import matplotlib.pyplot as plt
@@ -84,7 +84,7 @@ class Driver:
         self._recorder = EpisodeRecorder(self._env, seed=seed, agent="You")
 
     def _show(self) -> None:
-        """Show what is new: a step of the grid at once, a continuous motion frame by frame."""
+        """Show the latest step: at once on the grid, frame by frame if the motion is continuous."""
         track = self._track = track_of_episode(self.episode)
         track.frames[0].caption = HELP
         if self._recorder.ended:
@@ -95,7 +95,7 @@ class Driver:
         self._timer.start()
 
     def _glide(self) -> None:
-        """Show the next frame, and stop the clock at the last."""
+        """Show the next frame, and stop the timer at the last."""
         last = len(self._track) - 1
         self._frame = min(self._frame + 1, last)
         self._scene.show(self._frame, self._track)
@@ -103,8 +103,8 @@ class Driver:
         if self._frame == last:
             self._timer.stop()
 
-    def _on_key(self, event: Event) -> None:
-        if isinstance(event, KeyEvent) and event.key is not None:
+    def _on_key(self, event: Any) -> None:
+        if event.key is not None:
             self.press(event.key)
 
 
@@ -114,11 +114,10 @@ def play(
     seed: SeedOption = None,
     battery: BatteryOption = 200,
     max_steps: MaxStepsOption = 200,
-    save: SaveOption = None,
+    *,
+    save: SaveOption,
 ) -> None:
     """Drive the robot yourself: arrows or NESW, P picks, D drops, space waits."""
-    targets: list[Path] = save or []
-    check_targets(targets)
     env = make_env(load_layout(layout), backend, battery, max_steps)
     if not has_display():
         raise NoDisplayError("play needs a window, and there is no display here")
@@ -127,6 +126,5 @@ def play(
 
     plt.show()
     report_episode(driver.episode)
-    for target in targets:
-        save_episode(driver.episode, target)
+    replay_or_save(driver.episode, save, show=False)
     env.close()

@@ -1,4 +1,4 @@
-"""Search for the way from one cell to another with several weights, and show how they differ."""
+"""Search for a path with several weights of the heuristic, and compare the searches."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ import random
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.console import Console
 from rich.table import Table
 
-from agents.console.options import LayoutOption, SaveOption, ShowOption, load_layout
-from agents.console.output import check_targets, show_or_save
+from agents.console.options import LayoutOption, SaveReplayOption, ShowOption, load_layout
+from agents.console.output import show_or_save
 from agents.search.algorithms import (
     MAX_WEIGHT,
     Heuristic,
@@ -23,14 +23,14 @@ from agents.search.algorithms import (
     weighted_astar_search,
 )
 from agents.search.heuristics import manhattan, true_distance, zero
-from agents.search.picture import MAX_PANELS, search_replay
 from agents.search.problems import RouteProblem
 from agents.search.trace import SearchCourse
 from warehouse_core.errors import LayoutError
-from warehouse_core.render.display import has_display
-from warehouse_core.viz.replay import Replay
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
+
+if TYPE_CHECKING:
+    from warehouse_core.viz.replay import Replay
 
 MakeHeuristic = Callable[[RouteProblem, Layout], Heuristic[Cell]]
 
@@ -41,7 +41,7 @@ HEURISTICS: dict[str, MakeHeuristic] = {
 }
 
 NAMES = {0.0: "uniform-cost", 1.0: "A*", math.inf: "greedy best-first"}
-"""What weighted A* is called at these weights."""
+"""Names of weighted A* at special weights."""
 
 Found = Solution[Cell, str]
 
@@ -51,12 +51,14 @@ def algorithm(weight: float) -> str:
     return NAMES.get(weight, "weighted A*")
 
 
-def parse_cell(text: str, option: str) -> Cell:
-    """Read ``ROW,COL``.
+def parse_cell(text: str | None, option: str) -> Cell | None:
+    """Return the cell in a text ``ROW,COL``, or ``None`` without a text.
 
     Raises:
-        typer.BadParameter: it is something else.
+        typer.BadParameter: the text is not of that form.
     """
+    if text is None:
+        return None
     found = re.fullmatch(r"\s*(-?[0-9]{1,9})\s*,\s*(-?[0-9]{1,9})\s*", text)
     if found is None:
         raise typer.BadParameter(f"{option} is {text!r}; it must be ROW,COL as in 1,2")
@@ -64,11 +66,13 @@ def parse_cell(text: str, option: str) -> Cell:
 
 
 def parse_weights(text: str) -> list[float]:
-    """Read weights with commas between them.
+    """Return the weights in a text, separated by commas.
 
     Raises:
-        typer.BadParameter: one is no number that is allowed, or there are too many.
+        typer.BadParameter: a wrong weight, or too many.
     """
+    from agents.search.picture import MAX_PANELS
+
     weights = [_parse_weight(part) for part in text.split(",")]
     if len(weights) > MAX_PANELS:
         raise typer.BadParameter(
@@ -80,13 +84,13 @@ def parse_weights(text: str) -> list[float]:
 def choose_ends(
     layout: Layout, start: Cell | None, goal: Cell | None, seed: int | None
 ) -> tuple[Cell, Cell]:
-    """Return the start and the goal: as given, or drawn, or where the chapter has them.
+    """Return the start and the goal.
 
     Args:
-        layout: to choose in.
-        start: if given.
-        goal: if given.
-        seed: to draw from it what is not given.
+        layout: the layout.
+        start: ``None`` for a random cell, or for the usual start if there is no seed.
+        goal: ``None`` for a random cell, or for the first pickup if there is no seed.
+        seed: for the random cells.
 
     Raises:
         LayoutError: no cell is open, or there is no pickup to go to.
@@ -96,15 +100,15 @@ def choose_ends(
             raise LayoutError("the layout has no pickup to go to; give --goal ROW,COL or --seed N")
         return start or layout.usual_start(), goal or layout.pickups[0]
     usual, count = layout.usual_start(), len(layout.open_cells)
-    # Three, as one of them may be the end that is given.
+    # Three, because one of them may be the given end.
     ranks = random.Random(seed).sample(range(count), min(count, 3))
-    drawn = [layout.open_cell(rank) for rank in ranks]
-    begin = start or next((cell for cell in drawn if cell != goal), usual)
-    return begin, goal or next((cell for cell in drawn if cell != begin), usual)
+    cells = [layout.open_cell(rank) for rank in ranks]
+    begin = start or next((cell for cell in cells if cell != goal), usual)
+    return begin, goal or next((cell for cell in cells if cell != begin), usual)
 
 
 def search_table(weights: Sequence[float], solutions: Sequence[Found], title: str) -> Table:
-    """Return the table of what searches came to."""
+    """Return a table of the results of searches."""
     table = Table(title=title)
     table.add_column("weight", justify="right")
     table.add_column("algorithm")
@@ -120,56 +124,50 @@ def search_table(weights: Sequence[float], solutions: Sequence[Found], title: st
 def search(
     layout: LayoutOption = None,
     start: Annotated[
-        str | None, typer.Option(metavar="ROW,COL", help="Default: the chapter's start.")
+        str | None, typer.Option(metavar="ROW,COL", help="Start cell. Default: the usual start.")
     ] = None,
     goal: Annotated[
-        str | None, typer.Option(metavar="ROW,COL", help="Default: the first pickup.")
+        str | None, typer.Option(metavar="ROW,COL", help="Goal cell. Default: the first pickup.")
     ] = None,
     seed: Annotated[
-        int | None, typer.Option(metavar="N", help="Draw the start and the goal if not given.")
+        int | None,
+        typer.Option(metavar="N", help="Random seed, for a random start and goal if not given."),
     ] = None,
     weights: Annotated[
-        str, typer.Option(metavar="W,W,...", help="Of the heuristic, 0 to inf, up to six.")
+        str, typer.Option(metavar="W,W,...", help="Weights of the heuristic, 0 to inf, up to six.")
     ] = "0,1,5,inf",
-    heuristic: Annotated[str, typer.Option(help=f"One of {', '.join(HEURISTICS)}.")] = "manhattan",
-    save: SaveOption = None,
+    heuristic: Annotated[
+        str, typer.Option(help=f"Heuristic: {', '.join(HEURISTICS)}.")
+    ] = "manhattan",
+    *,
+    save: SaveReplayOption,
     show: ShowOption = None,
 ) -> None:
     """Watch uniform-cost search turn into A* and greedy best-first search."""
-    targets: list[Path] = save or []
-    check_targets(targets, also=[])
     values = parse_weights(weights)
-    asked = _given(start, "--start"), _given(goal, "--goal")
-    chosen = _chosen(heuristic)
+    given = parse_cell(start, "--start"), parse_cell(goal, "--goal")
+    if heuristic not in HEURISTICS:
+        raise typer.BadParameter(
+            f"no heuristic is called {heuristic!r}; allowed: {', '.join(HEURISTICS)}"
+        )
     grid = load_layout(layout)
-    begin, end = choose_ends(grid, *asked, seed)
+    begin, end = choose_ends(grid, *given, seed)
     problem = RouteProblem(grid, begin, end)
-    estimate = chosen(problem, grid)
+    estimate = HEURISTICS[heuristic](problem, grid)
     found = [weighted_astar_search(problem, estimate, w, with_events=True) for w in values]
     title = f"Search from {begin} to {end}, heuristic: {heuristic}"
     Console().print(search_table(values, found, title))
     if not found[0].found:
         typer.echo(f"no path leads from {begin} to {end}")
 
-    def make_replay(window: bool | None) -> Replay:
-        opened = has_display() if window is None else window
+    def make_replay(window: bool) -> Replay:
+        from agents.search.picture import search_replay
+
         named = zip(map(_panel_name, values), found, strict=True)
         courses = [SearchCourse(name, grid, begin, each) for name, each in named]
-        return search_replay(grid, begin, end, courses, title, window=opened)
+        return search_replay(grid, begin, end, courses, title, window=window)
 
-    show_or_save(make_replay, targets, show, Path("search.gif"))
-
-
-def _given(text: str | None, option: str) -> Cell | None:
-    return None if text is None else parse_cell(text, option)
-
-
-def _chosen(heuristic: str) -> MakeHeuristic:
-    if heuristic not in HEURISTICS:
-        raise typer.BadParameter(
-            f"no heuristic is called {heuristic!r}; allowed: {', '.join(HEURISTICS)}"
-        )
-    return HEURISTICS[heuristic]
+    show_or_save(make_replay, save, show, Path("search.gif"))
 
 
 def _parse_weight(text: str) -> float:
@@ -179,7 +177,7 @@ def _parse_weight(text: str) -> float:
     except ValueError:
         allowed = f"0..{MAX_WEIGHT} or inf"
         raise typer.BadParameter(f"--weights has {text!r}; each must be {allowed}") from None
-    return abs(weight)  # -0.0 is 0, too
+    return abs(weight)  # turns -0.0 into 0
 
 
 def _panel_name(weight: float) -> str:

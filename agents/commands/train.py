@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import numpy as np
 import typer
@@ -16,16 +17,23 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from agents.console.options import MOST, BatteryOption, LayoutOption, MaxStepsOption, load_layout
-from agents.console.progress import training_bar
+from agents.console.options import (
+    BatteryOption,
+    LayoutOption,
+    MaxStepsOption,
+    ModelOption,
+    TrainingSeedOption,
+    TrainingStepsOption,
+    load_layout,
+)
+from agents.console.progress import progress_bar
 from agents.errors import AgentError
 from agents.evaluation.scores import MakeAgent, Scores, Task, evaluate
 from agents.learning.q_learning import QAgent, QTable, learn
 from agents.learning.q_table import save_table
 from agents.learning.training import FINAL_SEEDS, RECENT_EPISODES, Examiner, Point, Watch
 from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core.errors import FormatError
-from warehouse_core.files.atomic import check_target
+from warehouse_core.files.atomic import check_suffix, check_target
 
 if TYPE_CHECKING:
     from agents.learning.ppo_training import PPOLearner
@@ -35,18 +43,6 @@ LIBRARIES = ("torch", "stable_baselines3", "sb3_contrib")
 
 MODEL_SUFFIX, CURVE_SUFFIX = ".npz", ".png"
 
-StepsOption = Annotated[
-    int, typer.Option("--steps", metavar="N", min=1, max=MOST, help="Steps of training, at least.")
-]
-TrainingSeedOption = Annotated[
-    int,
-    typer.Option("--seed", metavar="N", min=0, max=2**32 - 1, help="Repeats a training."),
-]
-OutputOption = Annotated[
-    Path,
-    typer.Option("--output", "-o", metavar="FILE", help="The file of the agent, .npz."),
-]
-
 Learn = Callable[[Watch], MakeAgent]
 """Trains an agent, calls ``Watch`` during that, and returns what makes the agent."""
 
@@ -54,12 +50,12 @@ Writer = Callable[[Path], None]
 
 
 def train_ppo(
-    steps: StepsOption = 2_000_000,
+    steps: TrainingStepsOption = 2_000_000,
     seed: TrainingSeedOption = 1,
     layout: LayoutOption = None,
     battery: BatteryOption = 200,
     max_steps: MaxStepsOption = 200,
-    output: OutputOption = Path("ppo.npz"),
+    output: ModelOption = Path("ppo.npz"),
 ) -> None:
     """Train a network by PPO and compare it with the greedy agent.
 
@@ -93,12 +89,12 @@ def make_learner(task: Task, steps: int, seed: int) -> PPOLearner:
 
 
 def train_q(
-    steps: StepsOption = 600_000,
+    steps: TrainingStepsOption = 600_000,
     seed: TrainingSeedOption = 1,
     layout: LayoutOption = None,
     battery: BatteryOption = 200,
     max_steps: MaxStepsOption = 200,
-    output: OutputOption = Path("q.npz"),
+    output: ModelOption = Path("q.npz"),
 ) -> None:
     """Train a table by Q-learning and compare it with the greedy agent.
 
@@ -143,11 +139,7 @@ class Training:
     output: Path
 
     def __post_init__(self) -> None:
-        if self.output.suffix != MODEL_SUFFIX:
-            raise FormatError(
-                f"{self.output}: cannot save as {self.output.suffix or 'a file without a suffix'}; "
-                f"allowed: {MODEL_SUFFIX}"
-            )
+        check_suffix(self.output, [MODEL_SUFFIX])
 
     def run(self, learn: Learn, writers: Mapping[str, Writer]) -> None:
         """Train an agent, write its files, and compare it with the greedy agent.
@@ -171,11 +163,12 @@ class Training:
             self._save(examiner.points, time.perf_counter() - started, greedy, writers)
 
         try:
-            with training_bar(self.name, self.steps) as show_progress:
+            with progress_bar(self.steps, self.name) as show_progress:
 
                 def watch(steps: int, delivers: float, make_agent: MakeAgent) -> None:
                     examiner.watch(steps, make_agent)
-                    show_progress(steps, delivers, examiner.success)
+                    news = f"delivers {_percent(delivers)}, exam {_percent(examiner.success)}"
+                    show_progress(steps, news)
 
                 make_agent = learn(watch)
         except KeyboardInterrupt:
@@ -203,6 +196,10 @@ class Training:
             target = self.output.with_suffix(suffix)
             write(target)
             typer.echo(f"saved {target}")
+
+
+def _percent(share: float) -> str:
+    return "-" if math.isnan(share) else f"{share:.0%}"
 
 
 def comparison_table(scores: Mapping[str, Scores]) -> Table:

@@ -1,1 +1,1 @@
-"""What the commands of the command line share."""
+"""Parts that the commands share: options, output, progress bar, errors to exit codes."""

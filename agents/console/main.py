@@ -13,15 +13,15 @@ from warehouse_core.errors import WarehouseError
 
 USER_ERROR, INTERRUPTED = 1, 130
 
-LONGEST = 2000
-"""Characters of an error; a value that is named in it may be as long as a file."""
+MAX_LENGTH = 2000
+"""Characters of an error message, which may quote a value as long as a file."""
 
 EXPECTED = (WarehouseError, OSError)
-"""Errors of what the user gave. Everything else is a fault, and its traceback is wanted."""
+"""Errors that a user may cause. Any other error is a bug and keeps its traceback."""
 
 
 def main(app: typer.Typer, arguments: Sequence[str] | None = None) -> None:
-    """Run a command line and exit: 0 done, 1 a user's error, 2 wrong usage, 130 interrupted."""
+    """Run a command line and exit: 0 done, 1 error, 2 wrong usage, 130 interrupted."""
     command = typer.main.get_command(app)
     try:
         code = command.main(arguments, standalone_mode=False)
@@ -36,22 +36,22 @@ def main(app: typer.Typer, arguments: Sequence[str] | None = None) -> None:
 
 def _fail(message: str, code: int) -> int:
     line = _in_a_line(message)
-    if line:  # there is none where the help was all that was to be said
+    if line:  # empty if only the help was printed
         typer.echo(f"warehouse: {line}", err=True)
     return code
 
 
 def _in_a_line(message: str) -> str:
-    """Return a message as one line that a terminal can show, whatever a file had put into it."""
+    """Return a message as one line of printable characters."""
     line = " ".join(message.split())
-    if len(line) > LONGEST:
-        line = f"{line[:LONGEST]}..."
+    if len(line) > MAX_LENGTH:
+        line = f"{line[:MAX_LENGTH]}..."
     return "".join(each if each.isprintable() else ascii(each)[1:-1] for each in line)
 
 
 def _describe(error: Exception) -> str:
     if isinstance(error, BrokenPipeError):
-        # Whoever reads our output has gone; keep the interpreter from complaining at its exit.
+        # The reader of standard output is gone; prevent another error when Python flushes it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     if isinstance(error, OSError) and error.strerror:
         return f"{error.filename}: {error.strerror}" if error.filename else error.strerror

@@ -1,67 +1,63 @@
-"""The progress bar of a training."""
+"""The progress bar of long commands, on standard error and only if that is a terminal."""
 
 from __future__ import annotations
 
-import math
-import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 from rich.console import Console
 from rich.progress import (
     BarColumn,
+    MofNCompleteColumn,
     Progress,
     ProgressColumn,
     Task,
-    TaskProgressColumn,
     TextColumn,
     TimeRemainingColumn,
 )
 from rich.text import Text
 
+Item = TypeVar("Item")
+
 
 class Advance(Protocol):
-    """Moves a bar."""
+    """Updates a progress bar."""
 
-    def __call__(self, steps: int, delivers: float, examined: float) -> None:
-        """Say how far the training is.
-
-        Args:
-            steps: taken so far.
-            delivers: share of the latest episodes that ended with the delivery, NaN without any.
-            examined: the same at the last examination.
-        """
+    def __call__(self, completed: int, news: str = "") -> None:
+        """Show how much is completed, and ``news`` at the end of the line."""
 
 
-class _SpeedColumn(ProgressColumn):
+class _RateColumn(ProgressColumn):
     def render(self, task: Task) -> Text:
-        return Text(
-            "" if task.speed is None else f"{task.speed:,.0f} steps/s", "progress.data.speed"
-        )
+        return Text("" if task.speed is None else f"{task.speed:,.0f}/s", "progress.data.speed")
 
 
 @contextmanager
-def training_bar(label: str, steps: int) -> Iterator[Advance]:
-    """Yield what moves a bar on standard error; there is none where that is no terminal."""
+def progress_bar(total: int, label: str = "") -> Iterator[Advance]:
+    """Show a bar while the block runs, and yield the function that updates it."""
     columns = (
         TextColumn("{task.description}"),
-        BarColumn(bar_width=None),
-        TaskProgressColumn(),
-        _SpeedColumn(),
+        BarColumn(),
+        MofNCompleteColumn(),
+        _RateColumn(),
         TimeRemainingColumn(),
-        TextColumn("left, {task.fields[news]}"),
+        TextColumn("{task.fields[news]}"),
     )
-    console, quiet = Console(stderr=True), not sys.stderr.isatty()
-    with Progress(*columns, console=console, transient=True, expand=True, disable=quiet) as bar:
-        task = bar.add_task(label, total=steps, news="")
+    console = Console(stderr=True)
+    quiet = not console.is_terminal
+    with Progress(*columns, console=console, transient=True, disable=quiet) as bar:
+        task = bar.add_task(label, total=total, news="")
 
-        def advance(steps: int, delivers: float, examined: float) -> None:
-            news = f"delivers {_share(delivers)}, exam {_share(examined)}"
-            bar.update(task, completed=steps, news=news)
+        def advance(completed: int, news: str = "") -> None:
+            bar.update(task, completed=completed, news=news)
 
         yield advance
 
 
-def _share(value: float) -> str:
-    return "-" if math.isnan(value) else f"{value:.0%}"
+def track(items: Sequence[Item], label: str) -> Iterator[Item]:
+    """Yield ``items`` and show a bar of how many are done."""
+    with progress_bar(len(items), label) as advance:
+        for number, item in enumerate(items, start=1):
+            yield item
+            advance(number)

@@ -16,8 +16,7 @@ import typer
 from agents.errors import StoreError
 from agents.experiments.case import TILES, Case
 from agents.experiments.store import Row, Store
-from warehouse_core.files.atomic import atomic_path
-from warehouse_core.files.suffix import check_suffix
+from warehouse_core.files.atomic import atomic_path, check_suffix
 
 ROWS_END = "/"
 """Between the rows of a layout, so that an episode is one line of text."""

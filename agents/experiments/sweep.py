@@ -13,17 +13,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    Task,
-    TextColumn,
-    TimeRemainingColumn,
-)
-from rich.text import Text
 
 from agents.errors import ParameterError
 from agents.evaluation.wording import counted
@@ -37,37 +26,20 @@ from agents.experiments.workers import Check, Hands, cluster, processes, remembe
 from warehouse_core.records.episode import DELIVERED
 
 
-class RateColumn(ProgressColumn):
-    """Episodes a second, lately."""
-
-    def render(self, task: Task) -> Text:
-        """Return the rate as text."""
-        return Text("" if task.speed is None else f"{task.speed:,.0f}/s")
-
-
 @contextmanager
 def sweep_bar(episodes: int) -> Iterator[Report]:
-    """Yield what is told of rows that are stored; without a terminal there is no bar."""
-    columns = (
-        BarColumn(),
-        MofNCompleteColumn(),
-        RateColumn(),
-        TimeRemainingColumn(),
-        TextColumn("{task.fields[delivered]}"),
-    )
-    console = Console(stderr=True)
+    """Show a bar while the block runs, and yield the function that takes each stored row."""
+    from agents.console.progress import progress_bar
+
     counts = {"all": 0, "delivered": 0}
-    with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
-    ) as bar:
-        task = bar.add_task("", total=episodes, delivered="")
+    with progress_bar(episodes) as advance:
 
         def report(rows: Sequence[Row]) -> None:
             counts["all"] += len(rows)
             counts["delivered"] += sum(row.mode == DELIVERED for row in rows)
             if rows:
                 share = counts["delivered"] / counts["all"]
-                bar.update(task, advance=len(rows), delivered=f"{share:.0%} delivered")
+                advance(counts["all"], f"{share:.0%} delivered")
 
         yield report
 

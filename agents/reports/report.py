@@ -10,8 +10,7 @@ import typer
 from agents.errors import StoreError
 from agents.evaluation.wording import counted
 from agents.experiments.store import Store
-from warehouse_core.files.atomic import atomic_path, check_target
-from warehouse_core.files.suffix import check_suffix
+from warehouse_core.files.atomic import atomic_path, check_suffix, check_target
 
 PAGE_SUFFIX = ".html"
 

@@ -1,4 +1,4 @@
-"""What the tests of the command line share."""
+"""Helpers for tests of the command line."""
 
 import os
 import subprocess
@@ -17,7 +17,7 @@ DISPLAY_VARIABLES = ("DISPLAY", "WAYLAND_DISPLAY", "MPLBACKEND")
 
 
 class Result(NamedTuple):
-    """What a command came to."""
+    """The result of a command."""
 
     code: int
     out: str
@@ -36,9 +36,11 @@ def command(
     return Result(ended.value.code or 0, out, err)
 
 
-def refusal(capsys: pytest.CaptureFixture[str], *words: object, code: int = 1) -> str:
+def refusal(
+    capsys: pytest.CaptureFixture[str], *words: object, code: int = 1, app: typer.Typer = cli.app
+) -> str:
     """Run a command that must fail with ``code`` and one line, and return the line."""
-    result = command(capsys, *words)
+    result = command(capsys, *words, app=app)
     assert result.code == code
     line = result.err
     assert line.startswith("warehouse: ")
@@ -48,7 +50,7 @@ def refusal(capsys: pytest.CaptureFixture[str], *words: object, code: int = 1) -
 
 
 def in_a_process(*words: object, folder: Path, **variables: str) -> Result:
-    """Run Python with ``words`` in a process of its own, where there is no display."""
+    """Run Python with ``words`` in its own process, without a display."""
     environment = {
         name: value for name, value in os.environ.items() if name not in DISPLAY_VARIABLES
     }
@@ -65,7 +67,7 @@ def in_a_process(*words: object, folder: Path, **variables: str) -> Result:
 
 
 def without_display(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let matplotlib open no window, whatever machine this is."""
+    """Prevent matplotlib from opening windows."""
     import matplotlib.pyplot as plt
 
     for name in DISPLAY_VARIABLES:

@@ -1,10 +1,10 @@
-"""A stream that says it is a terminal."""
+"""A stream that claims to be a terminal."""
 
 import io
 
 
 class Terminal(io.StringIO):
-    """Takes what would be seen on a terminal."""
+    """Collects what a terminal would show."""
 
     def isatty(self) -> bool:
         return True

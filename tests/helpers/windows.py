@@ -1,4 +1,4 @@
-"""Programs with real windows on a display of their own, and keys that are sent to them."""
+"""Programs with real windows on a virtual display, and keys sent to them."""
 
 import ctypes
 import os
@@ -17,17 +17,18 @@ import pytest
 from numpy.typing import NDArray
 from PIL import ImageGrab
 
-PATIENCE = 60
+TIMEOUT = 60
+"""Seconds to wait for a program."""
 
-STILL = 6
-"""A picture that is drawn so many times without a change is taken to stand still."""
+STILL_PICTURES = 6
+"""A picture drawn this many times without a change counts as still."""
 
-LONG = 400
-"""Steps of the episode that is watched: it must not end while a test looks on."""
+MAX_STEPS = 400
+"""Steps of the watched episode, enough not to end during a test."""
 
 
 class Picture(NamedTuple):
-    """What the watched program says of a picture that it has drawn."""
+    """What the watched program prints about a picture it has drawn."""
 
     step: int
     checksum: int
@@ -38,12 +39,12 @@ class Picture(NamedTuple):
 
 @pytest.fixture(scope="module")
 def display() -> Iterator[str]:
-    """Yield the name of an X display that nobody else uses."""
+    """Yield the name of a new X display."""
     for program in ("Xvfb", "xdotool"):
         if shutil.which(program) is None:
             pytest.fail(f"{program} is not installed, and window tests need it (xvfb, xdotool)")
     reading, writing = os.pipe()
-    # Without -noreset it begins anew, deaf for a moment, whenever its last client has gone.
+    # Without -noreset it restarts whenever its last client disconnects.
     options = ["-screen", "0", "1400x1000x24", "-nolisten", "tcp", "-noreset"]
     server = subprocess.Popen(
         ["Xvfb", "-displayfd", str(writing), *options],
@@ -87,53 +88,53 @@ class Program:
         self._process.stdout.close()
 
     def line(self) -> str | None:
-        """Return the next line that it prints, ``None`` after the last one."""
+        """Return the next line of output, ``None`` after the last one."""
         try:
-            line = self._lines.get(timeout=PATIENCE)
+            line = self._lines.get(timeout=TIMEOUT)
         except queue.Empty:
-            pytest.fail(f"nothing came for {PATIENCE} seconds after {self.printed[-5:]}")
+            pytest.fail(f"nothing came for {TIMEOUT} seconds after {self.printed[-5:]}")
         if line is not None:
             self.printed.append(line)
         return line
 
     def picture(self) -> Picture:
-        """Return the next picture that it draws."""
+        """Return the next picture that the program draws."""
         line = self.line()
         assert line is not None, f"it ended: {self.printed[-20:]}"
-        assert line.replace(" ", "").isdigit(), f"it says: {line}, {self.rest()}"
+        assert line.replace(" ", "").isdigit(), f"not a picture: {line}, {self.rest()}"
         return Picture(*map(int, line.split()))
 
     def pictures_until(self, done: Callable[[Picture], bool]) -> list[Picture]:
         """Return the pictures up to one for which ``done`` holds."""
         pictures = [self.picture()]
         while not done(pictures[-1]):
-            assert len(pictures) < 20 * LONG, "it never came"
+            assert len(pictures) < 20 * MAX_STEPS, "no such picture came"
             pictures.append(self.picture())
         return pictures
 
     def still(self) -> Picture:
-        """Wait until the picture stands still, and return it."""
+        """Wait until the picture no longer changes, and return it."""
         last, times = self.picture(), 1
-        while times < STILL:
+        while times < STILL_PICTURES:
             picture = self.picture()
             times = times + 1 if picture == last else 1
             last = picture
-        assert last.step < LONG, "it came to the end"
+        assert last.step < MAX_STEPS, "the episode ended"
         return last
 
     def rest(self) -> list[str]:
-        """Return the lines that are still to come, once it has ended by itself."""
+        """Return the remaining lines, after the program has ended."""
         return list(iter(self.line, None))  # type: ignore[arg-type]
 
     def code(self) -> int:
-        """Wait for its end and return its exit code."""
-        return self._process.wait(PATIENCE)
+        """Wait for the program to end and return its exit code."""
+        return self._process.wait(TIMEOUT)
 
     def focus(self) -> str:
-        """Wait for its window, give it the keyboard and return its number."""
+        """Wait for the window, give it the keyboard focus and return its number."""
         found = self._xdotool("search", "--sync", "--onlyvisible", "--name", "^Warehouse$").split()
         self._xdotool("windowfocus", "--sync", found[-1])
-        # Keys that mean nothing: on a busy machine the toolkit loses the first after a change.
+        # Keys without a meaning: on a busy machine the toolkit loses the first after a change.
         self._xdotool("key", "--delay", "150", *["F9"] * 4)
         return found[-1]
 
@@ -151,7 +152,7 @@ class Program:
             capture_output=True,
             text=True,
             check=False,
-            timeout=PATIENCE,
+            timeout=TIMEOUT,
         )
         assert done.returncode == 0, f"xdotool {words}: {done.stderr}; {self.printed}"
         return done.stdout
@@ -164,7 +165,7 @@ class Program:
 
 
 def stop(process: "subprocess.Popen[str] | subprocess.Popen[bytes]") -> None:
-    """End a process, if need be by force."""
+    """Terminate a process, or kill it if that does not work."""
     process.terminate()
     try:
         process.wait(10)
@@ -173,12 +174,12 @@ def stop(process: "subprocess.Popen[str] | subprocess.Popen[bytes]") -> None:
         process.wait()
 
 
-MANY = 200
-"""A program that has printed so many lines will not print the one that is waited for."""
+MAX_LINES = 200
+"""Lines to read before giving up waiting for one."""
 
 
 class ClientMessage(ctypes.Structure):
-    """``XClientMessageEvent`` of Xlib, as long as its largest event."""
+    """``XClientMessageEvent`` of Xlib, with the size of its largest event."""
 
     _fields_ = (
         ("type", ctypes.c_int),
@@ -193,28 +194,28 @@ class ClientMessage(ctypes.Structure):
 
 
 class Shower(Program):
-    """A program that shows pictures on the display, and prints a line after each."""
+    """A program that shows pictures on the display and prints a line after each."""
 
     def wait_for(self, line: str, times: int = 1) -> None:
-        """Read what it prints until it has printed ``line`` so many times."""
-        for _ in range(MANY):
-            said = self.line()
-            assert said is not None, f"it ended: {self.printed[-20:]}"
-            times -= said == line
+        """Read the output until it has contained ``line`` ``times`` times."""
+        for _ in range(MAX_LINES):
+            line_read = self.line()
+            assert line_read is not None, f"it ended: {self.printed[-20:]}"
+            times -= line_read == line
             if not times:
                 return
-        pytest.fail(f"it never said {line!r}: {self.printed[:3]} ... {self.printed[-3:]}")
+        pytest.fail(f"it never printed {line!r}: {self.printed[:3]} ... {self.printed[-3:]}")
 
     def shot(self, window: str) -> NDArray[np.uint8]:
-        """Return what is on the display where the window is."""
-        said = self._xdotool("getwindowgeometry", "--shell", window)
-        place = {name: int(value) for name, value in (line.split("=") for line in said.split())}
+        """Return the pixels of the display at the window."""
+        output = self._xdotool("getwindowgeometry", "--shell", window)
+        place = {name: int(value) for name, value in (line.split("=") for line in output.split())}
         box = (place["X"], place["Y"], place["X"] + place["WIDTH"], place["Y"] + place["HEIGHT"])
         screen = ImageGrab.grab(xdisplay=self._environment["DISPLAY"]).convert("RGB")
         return np.asarray(screen.crop(box))
 
     def shows(self, window: str, picture: NDArray[np.uint8]) -> bool:
-        """Say whether the window shows exactly this picture, now or in a while."""
+        """Return whether the window shows exactly this picture within a few seconds."""
         for _ in range(50):
             shot = self.shot(window)
             if np.array_equal(shot, picture):
@@ -223,7 +224,7 @@ class Shower(Program):
         return False
 
     def windows(self) -> list[str]:
-        """Return the windows of its title, seen or not."""
+        """Return the windows with the program's title, visible or not."""
         words = ["xdotool", "search", "--name", "^Warehouse$"]
         done = subprocess.run(
             words, env=self._environment, capture_output=True, text=True, check=False
@@ -234,7 +235,7 @@ class Shower(Program):
         self._xdotool("mousemove", "--window", window, "50", "50")
 
     def ask_to_close(self, window: str) -> None:
-        """Do what the cross of a window does: there is no window manager here to draw one."""
+        """Close a window as its close button would; there is no window manager to draw one."""
         x11 = ctypes.CDLL("libX11.so.6")
         x11.XOpenDisplay.restype = ctypes.c_void_p
         x11.XInternAtom.restype = ctypes.c_ulong

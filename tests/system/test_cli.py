@@ -1,18 +1,21 @@
-"""The command as its users meet it: what it prints, what it writes, how it ends."""
+"""The command ``warehouse``: its output, its files and its exit codes."""
 
 import json
-import re
-from importlib.metadata import version
+from importlib.metadata import entry_points, version
 from pathlib import Path
 
 import numpy as np
 import pytest
+import typer
 from helpers.command_line import Result, command, in_a_process, refusal, without_display
 from helpers.pictures import short_episode
 from PIL import Image
 
+from agents import cli
+from agents.run_episode import run_episode
 from warehouse_core import Episode
 
+HEAVY = ("matplotlib", "scipy", "gymnasium", "pymunk", "jinja2", "PIL", "torch")
 WAITER = """
 class Waiter:
     def reset(self):
@@ -40,7 +43,7 @@ def names(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-# Itself.
+# The command itself.
 
 
 def test_the_version_is_that_of_the_package(capsys: pytest.CaptureFixture[str]) -> None:
@@ -48,21 +51,38 @@ def test_the_version_is_that_of_the_package(capsys: pytest.CaptureFixture[str]) 
     assert command(capsys, "--version") == (0, expected, "")
 
 
-def test_help_names_every_command(capsys: pytest.CaptureFixture[str]) -> None:
-    result = command(capsys, "--help")
-    assert result.code == 0
-    assert all(name in result.out for name in ("run", "play", "replay", "layout"))
+def commands_of(app: typer.Typer) -> list[str]:
+    """Return the names of the commands and groups of an application."""
+    group = typer.main.get_command(app)
+    return list(group.commands)  # type: ignore[attr-defined]
 
 
-@pytest.mark.parametrize(
-    "words", [["run"], ["play"], ["replay"], ["layout", "generate"], ["layout", "check"]]
-)
-def test_every_command_explains_itself(
-    capsys: pytest.CaptureFixture[str], words: list[str]
+@pytest.mark.parametrize("name", commands_of(cli.app))
+def test_every_command_and_option_has_a_help_text(
+    capsys: pytest.CaptureFixture[str], name: str
 ) -> None:
-    result = command(capsys, *words, "--help")
+    result = command(capsys, name, "--help")
     assert result.code == 0
     assert "Usage" in result.out
+    kind = typer.main.get_command(cli.app).commands[name]  # type: ignore[attr-defined]
+    for each in getattr(kind, "commands", {name: kind}).values():
+        assert each.help
+        assert all(parameter.help for parameter in each.params), each.name
+
+
+def test_the_help_loads_no_heavy_library(tmp_path: Path) -> None:
+    program = f"""
+import sys
+from agents.cli import main
+sys.argv = ["warehouse", "--help"]
+try:
+    main()
+finally:
+    sys.stderr.write(" ".join(name for name in {HEAVY} if name in sys.modules))
+"""
+    result = in_a_process("-c", program, folder=tmp_path)
+    assert (result.code, result.err) == (0, "")
+    assert "compare-agents" in result.out
 
 
 def test_no_command_is_wrong_usage_and_gets_the_help(capsys: pytest.CaptureFixture[str]) -> None:
@@ -75,24 +95,15 @@ def test_no_command_is_wrong_usage_and_gets_the_help(capsys: pytest.CaptureFixtu
     ("words", "names"),
     [
         (["frobnicate"], "frobnicate"),
-        (["run", "--fast"], "--fast"),
         (["run", "--battery", "0"], "--battery"),
-        (["run", "--battery", "-5"], "--battery"),
-        (["run", "--battery", "x"], "--battery"),
         (["run", "--battery", str(10**21)], "--battery"),
-        (["run", "--battery"], "--battery"),
         (["run", "--max-steps", "0"], "--max-steps"),
         (["run", "--seed", "1.5"], "--seed"),
-        (["run", "extra"], "extra"),
-        (["play", "--battery", "0"], "--battery"),
         (["replay"], "file"),
         (["replay", "e.npz", "--speed", "0"], "--speed"),
         (["replay", "e.npz", "--speed", "nan"], "--speed"),
-        (["replay", "e.npz", "--speed", "inf"], "--speed"),
         (["replay", "e.npz", "--interval-ms", "-1"], "--interval-ms"),
         (["replay", "e.npz", "--interval-ms", "inf"], "--interval-ms"),
-        (["replay", "e.npz", "--interval-ms", "nan"], "--interval-ms"),
-        (["replay", "e.npz", "--interval-ms", "fast"], "--interval-ms"),
     ],
 )
 def test_wrong_usage_is_one_line_that_names_what_is_wrong(
@@ -104,19 +115,10 @@ def test_wrong_usage_is_one_line_that_names_what_is_wrong(
 # warehouse run
 
 
-def test_run_prints_the_same_for_the_same_seed_and_other_things_for_others(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    printed = [command(capsys, "run", "--seed", seed, "--no-show").out for seed in (1, 1, 2, 3)]
-    assert printed[0] == printed[1]
-    reports = [text.split("\n", 1)[1] for text in printed[1:]]
-    assert len(set(reports)) == 3
-
-
 def test_run_saves_several_files(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     files = ["a.gif", "b.html", "c.svg", "d.png", "e.npz", "f.mp4"]
     words = [word for file in files for word in ("--save", file)]
-    result = command(capsys, "run", "--seed", 1, "--battery", 4, *words)
+    result = command(capsys, "run", "--seed", 1, "--battery", 1, *words)
     assert result.code == 0
     assert result.out.splitlines()[-6:] == [f"saved {file}" for file in files]
     assert names(tmp_path) == files
@@ -131,7 +133,7 @@ def test_run_replaces_an_older_file(capsys: pytest.CaptureFixture[str], tmp_path
 
 
 def test_run_without_a_display_says_where_the_replay_went(tmp_path: Path) -> None:
-    words = ["-c", "from agents.cli import main; main()", "run", "--seed", "12", "--battery", "5"]
+    words = ["-m", "agents", "run", "--seed", "12", "--battery", "5"]
     result = in_a_process(*words, folder=tmp_path)
     assert (result.code, result.err) == (0, "")
     assert result.out.splitlines()[-2:] == [
@@ -142,14 +144,10 @@ def test_run_without_a_display_says_where_the_replay_went(tmp_path: Path) -> Non
         assert film.n_frames == 6  # type: ignore[attr-defined]
 
 
-def test_no_display_is_found_whatever_is_asked_of_matplotlib(
-    tmp_path: Path,
-) -> None:
-    words = ["-c", "from agents.cli import main; main()", "play"]
-    says = "warehouse: play needs a window, and there is no display here\n"
-    for backend in ("tkagg", "agg"):
-        result = in_a_process(*words, folder=tmp_path, MPLBACKEND=backend)
-        assert result == Result(1, "", says)
+def test_a_missing_display_is_found_whatever_backend_matplotlib_has(tmp_path: Path) -> None:
+    result = in_a_process("-m", "agents", "play", folder=tmp_path, MPLBACKEND="tkagg")
+    message = "warehouse: play needs a window, and there is no display here\n"
+    assert result == Result(1, "", message)
 
 
 def test_run_takes_an_agent_from_a_file(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -173,27 +171,22 @@ def test_run_takes_an_agent_from_a_file(capsys: pytest.CaptureFixture[str], tmp_
         (["--layout", "missing.txt"], "missing.txt: No such file or directory"),
         (["--layout", "bad.txt"], "bad.txt: row 1, column 2: 'x' is not a tile; allowed: # (wall)"),
         (["--layout", "tiny.txt"], "randomize needs two open cells"),
-        (["--save", "film.xyz"], "film.xyz: cannot save as .xyz; allowed: .gif, .mp4, .html"),
-        (["--save", "film"], "film: cannot save as a file without a suffix"),
-        (["--save", "missing/film.gif"], "the folder missing does not exist"),
-        (["--save", "folder.gif"], "folder.gif is a folder, not a file"),
         (["--save", "good.npz", "--save", "film.xyz"], "film.xyz: cannot save"),
     ],
 )
-def test_run_refuses_in_one_line_and_writes_nothing(
+def test_an_error_of_run_is_one_line_and_writes_nothing(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, words: list[str], message: str
 ) -> None:
     (tmp_path / "wrong.py").write_text("x = 1\nclass Agent(:\n")
     (tmp_path / "waiter.py").write_text(WAITER)
     (tmp_path / "bad.txt").write_text("P..D\n..x.\n")
     (tmp_path / "tiny.txt").write_text("###\n#.#\n###\n")
-    (tmp_path / "folder.gif").mkdir()
     before = names(tmp_path)
     assert message in refusal(capsys, "run", *words)
     assert [name for name in names(tmp_path) if name != "__pycache__"] == before
 
 
-def test_a_disk_that_is_full_is_one_line(
+def test_a_full_disk_is_one_line(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     def full(*_: object, **__: object) -> None:
@@ -202,7 +195,7 @@ def test_a_disk_that_is_full_is_one_line(
     monkeypatch.setattr(np, "savez_compressed", full)
     monkeypatch.setattr(Image.Image, "save", full)
     words = ["run", "--seed", 1, "--battery", 2, "--save"]
-    for file in ("e.npz", "e.gif", "e.png"):
+    for file in ("e.npz", "e.gif"):
         assert refusal(capsys, *words, file) == "No space left on device"
     assert names(tmp_path) == []
 
@@ -244,24 +237,12 @@ def test_replay_reports_and_saves(
         assert film.info["duration"] == 120
 
 
-def test_replay_without_a_display_writes_a_gif(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, record: Path
-) -> None:
-    assert command(capsys, "replay", record).out.endswith("saved replay-4.gif\n")
-    assert names(tmp_path) == ["episode.npz", "replay-4.gif"]
-
-
-def test_replay_reports_alone_if_no_window_is_wanted(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, record: Path
-) -> None:
-    assert command(capsys, "replay", record, "--no-show").code == 0
-    assert names(tmp_path) == ["episode.npz"]
-
-
 @pytest.mark.parametrize(("interval_ms", "speed"), [(1, 100), (60_000, 0.01)])
-def test_replay_is_saved_at_any_speed_that_is_allowed(
-    capsys: pytest.CaptureFixture[str], record: Path, interval_ms: float, speed: float
+def test_replay_is_saved_at_the_limits_of_the_speed(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, interval_ms: float, speed: float
 ) -> None:
+    record = tmp_path / "short.npz"
+    run_episode(seed=1, max_steps=1).save(record)
     words = ["--interval-ms", interval_ms, "--speed", speed]
     targets = ["--save", "a.gif", "--save", "a.html", "--save", "a.mp4"]
     assert command(capsys, "replay", record, *words, *targets).code == 0
@@ -272,22 +253,12 @@ def test_a_missing_record_is_named(capsys: pytest.CaptureFixture[str], tmp_path:
     assert str(tmp_path) in refusal(capsys, "replay", tmp_path)
 
 
-def damage_nothing_but_the_end(record: Path) -> None:
+def damage_the_end(record: Path) -> None:
     record.write_bytes(record.read_bytes()[:-40])
 
 
-def damage_a_byte(record: Path) -> None:
-    data = bytearray(record.read_bytes())
-    data[len(data) // 3] ^= 0xFF
-    record.write_bytes(data)
-
-
 def damage_all(record: Path) -> None:
-    record.write_bytes(b"what is this?")
-
-
-def damage_by_emptying(record: Path) -> None:
-    record.write_bytes(b"")
+    record.write_bytes(b"not an archive")
 
 
 def damage_the_header(record: Path) -> None:
@@ -298,21 +269,7 @@ def damage_the_header(record: Path) -> None:
     np.savez_compressed(record, **arrays)
 
 
-def damage_by_another_file(record: Path) -> None:
-    np.savez(record, numbers=np.arange(3))
-
-
-@pytest.mark.parametrize(
-    "damage",
-    [
-        damage_nothing_but_the_end,
-        damage_a_byte,
-        damage_all,
-        damage_by_emptying,
-        damage_the_header,
-        damage_by_another_file,
-    ],
-)
+@pytest.mark.parametrize("damage", [damage_the_end, damage_all, damage_the_header])
 def test_a_damaged_record_is_one_line_that_names_the_file(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, record: Path, damage: object
 ) -> None:
@@ -329,7 +286,7 @@ def test_replay_checks_its_targets_before_it_reads(capsys: pytest.CaptureFixture
 # Interrupts and faults.
 
 
-def test_an_interrupt_ends_with_130_and_leaves_no_part(
+def test_an_interrupt_ends_with_130_and_leaves_no_partial_file(
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
     tmp_path: Path,
@@ -345,12 +302,6 @@ def test_an_interrupt_ends_with_130_and_leaves_no_part(
     assert names(tmp_path) == ["episode.npz"]
 
 
-def test_the_installed_command_is_this_one(tmp_path: Path) -> None:
-    from importlib.metadata import entry_points
-
+def test_the_installed_command_is_this_one() -> None:
     (entry,) = entry_points(group="console_scripts", name="warehouse")
-    assert entry.value == "agents.cli:main"
-    program = "import sys; sys.argv[0] = 'warehouse'; from agents.cli import main; main()"
-    result = in_a_process("-c", program, "run", "--agent", "clever", folder=tmp_path)
-    assert result.code == 1
-    assert re.fullmatch(r"warehouse: no agent is called 'clever'.*\n", result.err)
+    assert entry.load() is cli.main

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.windows import PATIENCE, Program, Shower, display  # noqa: F401 - a fixture
+from helpers.windows import TIMEOUT, Program, Shower, display  # noqa: F401 - a fixture
 from numpy.typing import NDArray
 
 from warehouse_core import DEFAULT_LAYOUT
@@ -210,5 +210,5 @@ def test_once_closed_it_does_not_even_try_to_open(monkeypatch: pytest.MonkeyPatc
 def test_matplotlib_is_imported_by_a_window_alone() -> None:
     program = "import sys, warehouse_core.render.window; print('matplotlib' in sys.modules)"
     words = [sys.executable, "-c", program]
-    done = subprocess.run(words, capture_output=True, text=True, check=True, timeout=PATIENCE)
+    done = subprocess.run(words, capture_output=True, text=True, check=True, timeout=TIMEOUT)
     assert done.stdout.strip() == "False"

@@ -9,7 +9,6 @@ import pytest
 from agents import cli
 from agents.console.main import main
 from agents.experiments.presets import PRESETS
-from warehouse_core import Layout
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

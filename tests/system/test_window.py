@@ -1,7 +1,7 @@
 """Real windows on a display of their own, and real keys. Run with ``pytest -m window``.
 
 Nothing here goes by the clock: a test waits for what the program prints, and gives up after
-``PATIENCE`` seconds in which it has not come.
+``TIMEOUT`` seconds in which it has not come.
 """
 
 from collections.abc import Callable, Iterator
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from helpers.pictures import ROOM
-from helpers.windows import LONG, Picture, Program
+from helpers.windows import MAX_STEPS, Picture, Program
 
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 
@@ -52,9 +52,9 @@ def start(display: str, tmp_path: Path) -> Iterator[Callable[..., Program]]:
 
 @pytest.fixture
 def long_episode(tmp_path: Path) -> Path:
-    env = WarehouseEnv(ROOM, max_steps=LONG, battery=LONG)
+    env = WarehouseEnv(ROOM, max_steps=MAX_STEPS, battery=MAX_STEPS)
     recorder = EpisodeRecorder(env, seed=5, agent="Tester")
-    for step in range(LONG):
+    for step in range(MAX_STEPS):
         recorder.step("ESWN"[step % 4])
     path = tmp_path / "long.npz"
     recorder.episode.save(path)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+
+from warehouse_core.errors import FormatError
 
 
 def check_target(target: Path) -> None:
@@ -17,6 +19,19 @@ def check_target(target: Path) -> None:
         raise IsADirectoryError(f"{target} is a folder, not a file")
     if not target.parent.is_dir():
         raise FileNotFoundError(f"the folder {target.parent} does not exist")
+
+
+def check_suffix(path: Path, allowed: Collection[str]) -> str:
+    """Return the suffix of ``path`` in lower case.
+
+    Raises:
+        FormatError: it is not in ``allowed``.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in allowed:
+        given = suffix or "a file without a suffix"
+        raise FormatError(f"{path}: cannot save as {given}; allowed: {', '.join(allowed)}")
+    return suffix
 
 
 @contextmanager

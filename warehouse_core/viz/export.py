@@ -14,8 +14,7 @@ import matplotlib as mpl
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter
 
 from warehouse_core.errors import FormatError
-from warehouse_core.files.atomic import atomic_path
-from warehouse_core.files.suffix import check_suffix
+from warehouse_core.files.atomic import atomic_path, check_suffix
 from warehouse_core.viz.figure import SceneFigure, save_svg
 from warehouse_core.viz.gif_writer import GifWriter
 

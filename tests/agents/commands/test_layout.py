@@ -16,8 +16,8 @@ def room(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def outside(tmp_path: Path) -> Path:
-    path = tmp_path / "outside.map"
+def map_file(tmp_path: Path) -> Path:
+    path = tmp_path / "map_file.map"
     path.write_text("type octile\nheight 2\nwidth 4\nmap\n@.S.\nT...\n")
     return path
 
@@ -27,38 +27,33 @@ def layout_in(text: str) -> Layout:
 
 
 def test_generate_prints_a_layout(capsys: pytest.CaptureFixture[str]) -> None:
-    result = command(
-        capsys, "layout", "generate", "--height", 8, "--width", 9, "--density", 0.3, "--seed", 5
-    )
-    assert result.code == 0
+    words = ["--height", 8, "--width", 9, "--density", 0.3, "--seed", 5]
+    result = command(capsys, "layout", "generate", *words)
+    assert (result.code, result.err) == (0, "")
     assert layout_in(result.out) == random_layout(8, 9, 0.3, 5)
-    assert result.err == ""
-
-
-def test_generate_repeats_with_its_seed_and_differs_without(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    printed = [command(capsys, "layout", "generate", "--seed", seed).out for seed in (1, 1, 2)]
-    assert printed[0] == printed[1] != printed[2]
 
 
 def test_shelves_prints_a_layout(capsys: pytest.CaptureFixture[str]) -> None:
-    options = {"--rows": 3, "--columns": 2, "--length": 5, "--depth": 2, "--aisle": 2, "--seed": 7}
-    words = [word for option in options.items() for word in option]
+    words = [
+        "--rows",
+        "3",
+        "--columns",
+        "2",
+        "--length",
+        "5",
+        "--depth",
+        "2",
+        "--aisle",
+        "2",
+        "--seed",
+        "7",
+    ]
     result = command(capsys, "layout", "shelves", *words)
-    assert result.code == 0
+    assert (result.code, result.err) == (0, "")
     assert layout_in(result.out) == shelf_layout(3, 2, 5, 2, 2, 7)
 
 
-def test_shelves_repeat_with_their_seed_and_differ_without(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    printed = [command(capsys, "layout", "shelves", "--seed", seed).out for seed in (1, 1, 2)]
-    assert printed[0] == printed[1] != printed[2]
-
-
-@pytest.mark.parametrize("kind", ["generate", "shelves"])
-@pytest.mark.parametrize("option", ["--output", "-o"])
+@pytest.mark.parametrize(("kind", "option"), [("generate", "--output"), ("shelves", "-o")])
 def test_a_layout_goes_to_a_file_and_passes_the_check(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, kind: str, option: str
 ) -> None:
@@ -71,27 +66,19 @@ def test_a_layout_goes_to_a_file_and_passes_the_check(
     assert "0 of them cut off" in result.out
 
 
-@pytest.mark.parametrize("kind", ["generate", "shelves"])
 def test_a_file_that_cannot_be_written_is_named(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, kind: str
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     missing = tmp_path / "missing"
-    message = refusal(capsys, "layout", kind, "-o", missing / "hall.txt")
+    message = refusal(capsys, "layout", "generate", "-o", missing / "hall.txt")
     assert message == f"the folder {missing} does not exist"
-    assert refusal(capsys, "layout", kind, "-o", tmp_path) == f"{tmp_path} is a folder, not a file"
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         (["generate", "--height", -3], "the size is -3 x 16"),
-        (["generate", "--width", 2], "the size is 10 x 2"),
-        (["generate", "--width", 10**12], "at most MAX_CELLS"),
-        (["generate", "--density", 0.9], "density is 0.9"),
-        (["generate", "--density", "nan"], "density is nan"),
         (["shelves", "--rows", 0], "shelf_rows is 0"),
-        (["shelves", "--aisle", -1], "aisle is -1"),
         (["warehouse", "10-20-10-0-1"], "depth is 0; it must be at least 1"),
         (["warehouse", "999999999-1-1-1-1"], "more than MAX_CELLS"),
     ],
@@ -102,12 +89,11 @@ def test_a_size_that_is_not_allowed_is_named(
     assert message in refusal(capsys, "layout", *words)
 
 
-def test_what_is_no_number_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
-    for words in (["generate", "--height", "tall"], ["shelves", "--rows", "1.5"]):
-        assert words[1] in refusal(capsys, "layout", *words, code=2)
+def test_a_size_that_is_not_a_number_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
+    assert "--height" in refusal(capsys, "layout", "generate", "--height", "tall", code=2)
 
 
-def test_check_says_what_is_in_a_layout(capsys: pytest.CaptureFixture[str], room: Path) -> None:
+def test_check_describes_a_layout(capsys: pytest.CaptureFixture[str], room: Path) -> None:
     assert command(capsys, "layout", "check", room) == (
         0,
         f"{room}: 4 x 5, 6 open cells (0 of them cut off), pickups: 1, dropoffs: 1; "
@@ -127,15 +113,13 @@ def test_check_counts_cells_that_are_cut_off(
     ("text", "message"),
     [
         ("#..#\n#.x#\n", "row 1, column 2: 'x' is not a tile"),
-        ("####\n#P.\n", "row 1 has 3 columns where row 0 has 4"),
-        ("", "the layout is empty"),
         ("..D\n", "there is no pickup P"),
         ("..P\n", "there is no dropoff D"),
         ("P#D\n", "row 0, column 2 is dropoff, which cannot be reached"),
         ("P.D#P\n", "row 0, column 4 is pickup, which cannot be reached"),
     ],
 )
-def test_check_says_where_a_layout_is_wrong(
+def test_check_names_what_is_wrong_with_a_layout(
     capsys: pytest.CaptureFixture[str], room: Path, text: str, message: str
 ) -> None:
     room.write_text(text)
@@ -150,52 +134,27 @@ def test_a_file_that_cannot_be_read_is_named(
 ) -> None:
     missing = tmp_path / "missing.txt"
     assert refusal(capsys, "layout", name, missing) == f"{missing}: No such file or directory"
-    assert str(tmp_path) in refusal(capsys, "layout", name, tmp_path)
-    (tmp_path / "bytes.txt").write_bytes(b"\xff\xfe\x00")
-    assert "not UTF-8 text" in refusal(capsys, "layout", name, tmp_path / "bytes.txt")
 
 
-def test_print_shows_a_layout_as_it_is_read(capsys: pytest.CaptureFixture[str], room: Path) -> None:
-    assert command(capsys, "layout", "print", room) == (0, room.read_text(), "")
-
-
-def test_print_shows_the_chapters_layout_without_a_file(
-    capsys: pytest.CaptureFixture[str],
+def test_print_shows_a_layout_or_the_built_in_one(
+    capsys: pytest.CaptureFixture[str], room: Path
 ) -> None:
+    assert command(capsys, "layout", "print", room) == (0, room.read_text(), "")
     assert command(capsys, "layout", "print").out == f"{DEFAULT_LAYOUT}\n"
 
 
-def test_the_group_explains_itself(capsys: pytest.CaptureFixture[str]) -> None:
-    result = command(capsys, "layout", "--help")
-    assert result.code == 0
-    names = ("generate", "shelves", "warehouse", "import", "check", "print")
-    assert all(name in result.out for name in names)
-    assert refusal(capsys, "layout", "frobnicate", code=2)
-
-
-def test_warehouse_makes_the_benchmark_of_that_name(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
+def test_warehouse_prints_the_benchmark_of_that_name(
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     result = command(capsys, "layout", "warehouse", "3-4-5-2-1")
     assert result.code == 0
     assert layout_in(result.out) == benchmark_warehouse(3, 4, 5, 2, 1)
-    hall = tmp_path / "hall.txt"
-    assert command(capsys, "layout", "warehouse", "3-4-5-2-1", "-o", hall).code == 0
-    assert Layout.load(hall) == benchmark_warehouse(3, 4, 5, 2, 1)
 
 
 @pytest.mark.parametrize(
-    "name",
-    [
-        "10-20-10-2",
-        "10-20-10-2-1-1",
-        "10x20x10x2x1",
-        "1-1-1-1-",
-        "1-1-1-1-x",
-        f"1-1-1-1-{'9' * 5000}",
-    ],
+    "name", ["10-20-10-2", "10-20-10-2-1-1", "1-1-1-1-x", f"1-1-1-1-{'9' * 5000}"]
 )
-def test_a_name_of_no_warehouse_is_refused_with_what_is_allowed(
+def test_a_wrong_name_of_a_warehouse_is_an_error(
     capsys: pytest.CaptureFixture[str], name: str
 ) -> None:
     message = refusal(capsys, "layout", "warehouse", name)
@@ -204,57 +163,45 @@ def test_a_name_of_no_warehouse_is_refused_with_what_is_allowed(
         assert message.endswith("five whole numbers C-R-L-W-A, such as 10-20-10-2-1")
 
 
-def test_import_reads_a_map_from_outside(
-    capsys: pytest.CaptureFixture[str], outside: Path, tmp_path: Path
+def test_import_reads_a_map(
+    capsys: pytest.CaptureFixture[str], map_file: Path, tmp_path: Path
 ) -> None:
-    assert command(capsys, "layout", "import", outside) == (0, "#...\n#...\n", "")
+    assert command(capsys, "layout", "import", map_file) == (0, "#...\n#...\n", "")
     hall = tmp_path / "hall.txt"
-    words = ["layout", "import", outside, "-o", hall]
+    words = ["layout", "import", map_file, "-o", hall]
     assert command(capsys, *words) == (0, f"saved {hall}\n", "")
     assert Layout.load(hall).rows == ("#...", "#...")
 
 
-def test_import_reads_the_dialect_only_when_told(
-    capsys: pytest.CaptureFixture[str], outside: Path
+def test_import_reads_stations_only_with_robot_runners(
+    capsys: pytest.CaptureFixture[str], map_file: Path
 ) -> None:
-    outside.write_text(outside.read_text().replace("T...", "T.E."))
-    message = refusal(capsys, "layout", "import", outside)
-    assert message.startswith(f"{outside}: line 6, column 3: 'E' is no terrain")
-    words = ["layout", "import", outside, "--robot-runners"]
+    map_file.write_text(map_file.read_text().replace("T...", "T.E."))
+    message = refusal(capsys, "layout", "import", map_file)
+    assert message.startswith(f"{map_file}: line 6, column 3: 'E' is no terrain")
+    words = ["layout", "import", map_file, "--robot-runners"]
     assert command(capsys, *words) == (0, "#.D.\n#.P.\n", "")
 
 
-@pytest.mark.parametrize("name", ["import", "check", "print"])
-def test_a_map_from_outside_is_refused_where_it_is_wrong(
-    capsys: pytest.CaptureFixture[str], outside: Path, name: str
-) -> None:
-    outside.write_text(outside.read_text().replace("T...", "T.x."))
-    message = refusal(capsys, "layout", name, outside)
-    assert message.startswith(f"{outside}: line 6, column 3: 'x' is no terrain")
-
-
 def test_import_takes_a_map_under_any_name(
-    capsys: pytest.CaptureFixture[str], outside: Path
+    capsys: pytest.CaptureFixture[str], map_file: Path
 ) -> None:
-    renamed = outside.rename(outside.with_suffix(".octile"))
+    renamed = map_file.rename(map_file.with_suffix(".octile"))
     assert command(capsys, "layout", "import", renamed).out == "#...\n#...\n"
 
 
-def test_a_layout_saved_as_a_map_is_moving_ais(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_a_layout_can_be_saved_as_a_map(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     hall = tmp_path / "hall.map"
     assert command(capsys, "layout", "shelves", "-o", hall).out == f"saved {hall}\n"
     assert load_map(hall) == shelf_layout().with_stations(None, None)
 
 
-def test_a_map_from_outside_is_a_layout_for_every_command(
-    capsys: pytest.CaptureFixture[str], outside: Path, tmp_path: Path
+def test_a_map_is_a_layout_for_other_commands(
+    capsys: pytest.CaptureFixture[str], map_file: Path, tmp_path: Path
 ) -> None:
-    assert command(capsys, "layout", "print", outside).out == "#...\n#...\n"
-    assert refusal(capsys, "layout", "check", outside) == f"{outside}: there is no pickup P"
+    assert refusal(capsys, "layout", "check", map_file) == f"{map_file}: there is no pickup P"
     record = tmp_path / "episode.npz"
-    words = ["run", "--layout", outside, "--seed", 1, "--save", record, "--no-show"]
+    words = ["run", "--layout", map_file, "--seed", 1, "--save", record, "--no-show"]
     assert command(capsys, *words).code == 0
     walls = Episode.load(record).layout.with_stations(None, None)
     assert walls.rows == ("#...", "#...")

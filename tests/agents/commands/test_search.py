@@ -1,4 +1,4 @@
-"""``warehouse search`` as its users meet it."""
+"""The command ``warehouse search``."""
 
 import math
 import re
@@ -52,7 +52,7 @@ def test_the_usual_way_is_from_the_chapters_start_to_its_pickup(
     assert "Search from (1, 1) to (1, 3), heuristic: manhattan" in search(capsys)
 
 
-def test_a_heuristic_that_knows_nothing_makes_astar_uniform_cost_search(
+def test_the_zero_heuristic_makes_astar_uniform_cost_search(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     ends = ("--start", "5,1", "--goal", "1,10", "--weights", "0,1")
@@ -60,7 +60,7 @@ def test_a_heuristic_that_knows_nothing_makes_astar_uniform_cost_search(
     assert blind[2:] == astar[2:]
 
 
-def test_a_heuristic_that_knows_the_walls_expands_only_the_path(
+def test_the_true_distance_expands_only_the_path(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     ends = ("--start", "5,1", "--goal", "1,10", "--weights", "1,inf")
@@ -68,13 +68,13 @@ def test_a_heuristic_that_knows_the_walls_expands_only_the_path(
         assert row[2:4] == ["15", "15"]
 
 
-def test_a_seed_draws_the_ends_and_repeats_them(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_seed_gives_random_ends_and_repeats_them(capsys: pytest.CaptureFixture[str]) -> None:
     printed = [search(capsys, "--seed", seed) for seed in (1, 1, 2)]
     assert printed[0] == printed[1] != printed[2]
 
 
-def test_what_is_drawn_is_open_and_never_the_same_cell_twice() -> None:
-    for seed in range(50):
+def test_random_ends_are_open_and_different() -> None:
+    for seed in range(20):
         for start, goal in ((None, None), ((1, 1), None), (None, (1, 1))):
             ends = choose_ends(DEFAULT_LAYOUT, start, goal, seed)
             assert ends[0] != ends[1]
@@ -97,40 +97,35 @@ def test_a_layout_without_a_pickup_asks_for_a_goal() -> None:
         choose_ends(Layout(["..."]), None, None, None)
 
 
-def test_a_goal_that_cannot_be_reached_is_said_and_drawn(
+def test_a_goal_that_cannot_be_reached_is_reported_and_drawn(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     Path("split.txt").write_text(SPLIT)
-    # The true distance knows from the start that no way leads on.
-    for name, expanded in (("manhattan", 4), ("true", 1), ("zero", 4)):
+    # The true distance shows at the start that there is no path.
+    for name, expanded in (("manhattan", 4), ("true", 1)):
         words = ("--layout", "split.txt", "--heuristic", name, "--weights", "1,inf")
-        out = search(capsys, *words, "--save", f"{name}.png")
+        out = search(capsys, *words, "--save", "path.png")
         assert [row[2:4] for row in rows(out)] == [["none", str(expanded)]] * 2
         assert "no path leads from (1, 1) to (2, 5)\n" in out
-        assert Path(f"{name}.png").stat().st_size > 5000
-
-
-def test_files_are_written_and_named(capsys: pytest.CaptureFixture[str]) -> None:
-    out = search(capsys, "--seed", 2, "--save", "a.gif", "--save", "a.svg")
-    assert out.endswith("saved a.gif\nsaved a.svg\n")
-    with Image.open("a.gif") as image:
-        assert image.n_frames > 3
+        assert Path("path.png").stat().st_size > 5000
 
 
 def test_without_a_display_the_animation_goes_to_a_file(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    result = command(capsys, "search")
+    Path("small.txt").write_text("P....\n")
+    result = command(capsys, "search", "--layout", "small.txt", "--seed", 1, "--weights", "1,2")
     assert result.code == 0
     assert result.out.endswith("saved search.gif\n")
-    assert Path("search.gif").exists()
+    with Image.open("search.gif") as image:
+        assert image.n_frames > 1
 
 
-def test_less_than_nothing_of_zero_is_zero(capsys: pytest.CaptureFixture[str]) -> None:
+def test_minus_zero_is_zero(capsys: pytest.CaptureFixture[str]) -> None:
     assert rows(search(capsys, "--weights", "-0"))[0][:2] == ["0", "uniform-cost"]
 
 
-def test_a_weight_is_called_what_the_book_calls_it() -> None:
+def test_a_weight_has_the_name_of_its_algorithm() -> None:
     assert [algorithm(weight) for weight in (0, 0.5, 1, 2, math.inf)] == [
         "uniform-cost",
         "weighted A*",
@@ -144,31 +139,27 @@ def test_a_weight_is_called_what_the_book_calls_it() -> None:
     ("words", "expected"),
     [
         (("--weights", "1,-2"), r"--weights has '-2'; each must be 0\.\.1000000 or inf"),
-        (("--weights", "1,nan"), r"--weights has 'nan'; each must be 0\.\.1000000 or inf"),
-        (("--weights", "1e308"), r"--weights has '1e308'; each must be 0\.\.1000000 or inf"),
-        (("--weights", "1,,2"), r"--weights has ''; each must be 0\.\.1000000 or inf"),
         (("--weights", "much"), r"--weights has 'much'; each must be 0\.\.1000000 or inf"),
         (("--weights", "1,2,3,4,5,6,7"), "--weights '1,2,3,4,5,6,7' are 7; at most 6"),
         (("--heuristic", "luck"), "no heuristic is called 'luck'; allowed: manhattan, true, zero"),
         (("--start", "1"), "--start is '1'; it must be ROW,COL as in 1,2"),
         (("--goal", "1,2,3"), "--goal is '1,2,3'; it must be ROW,COL as in 1,2"),
-        (("--goal", "a,b"), "--goal is 'a,b'; it must be ROW,COL as in 1,2"),
     ],
 )
-def test_a_wrong_value_is_one_line_that_says_what_is_allowed(
+def test_a_wrong_value_is_one_line_that_names_what_is_allowed(
     capsys: pytest.CaptureFixture[str], words: tuple[str, ...], expected: str
 ) -> None:
     assert re.search(expected, refusal(capsys, "search", *words, code=2))
 
 
-def test_an_end_that_is_no_open_cell_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_end_that_is_not_an_open_cell_is_named(capsys: pytest.CaptureFixture[str]) -> None:
     line = refusal(capsys, "search", "--start", "0,0")
     assert line == "start row 0, column 0 is wall; it must be an open cell"
     line = refusal(capsys, "search", "--goal", "-1,99")
     assert line.startswith("goal row -1, column 99 is off the grid (rows 0..6, columns 0..11)")
 
 
-def test_a_format_that_there_is_not_is_refused_before_the_search(
+def test_an_unknown_format_is_an_error_before_the_search(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     line = refusal(capsys, "search", "--save", "a.npz", "--start", "0,0")

@@ -1,7 +1,4 @@
-"""The bar that shows how far a training has come."""
-
 import io
-import math
 import re
 import sys
 import time
@@ -9,39 +6,40 @@ import time
 import pytest
 from helpers.terminal import Terminal
 
-from agents.console.progress import training_bar
+from agents.console.progress import progress_bar, track
 
 
-def shown(
-    monkeypatch: pytest.MonkeyPatch, screen: io.StringIO, *news: tuple[int, float, float]
-) -> str:
+def shown(monkeypatch: pytest.MonkeyPatch, screen: io.StringIO, *steps: int) -> str:
     """Return what a bar writes."""
     monkeypatch.setattr(sys, "stderr", screen)
-    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("COLUMNS", "100")
     monkeypatch.setenv("TERM", "xterm")
-    with training_bar("Q-learning", 200) as advance:
-        for each in news:
-            time.sleep(0.02)  # without it the speed would be too large for the line
-            advance(*each)
+    with progress_bar(200, "Q-learning") as advance:
+        for completed in steps:
+            time.sleep(0.02)  # a shorter time gives a rate too large for the line
+            advance(completed, f"{completed} seen")
     return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", screen.getvalue())
 
 
-def test_a_terminal_gets_a_bar_with_speed_time_left_and_success(
+def test_a_terminal_gets_a_bar_with_count_rate_time_left_and_news(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    text = shown(monkeypatch, Terminal(), (40, 0.5, 0.25), (100, 0.957, 0.875))
-    line = re.split(r"[\r\n]+", text.strip())[-1]
-    assert line.startswith("Q-learning")
-    assert line.rstrip().endswith("left, delivers 96%, exam 88%")
-    assert " 50% " in line
-    assert re.search(r"[\d,]+ steps/s \d:\d\d:\d\d left", line)
+    line = re.split(r"[\r\n]+", shown(monkeypatch, Terminal(), 40, 100).strip())[-1]
+    assert re.search(r"Q-learning [━╸╺ ]+ 100/200 [\d,]+/s \d:\d\d:\d\d 100 seen", line)
 
 
-def test_what_is_not_known_yet_is_not_shown_as_a_number(monkeypatch: pytest.MonkeyPatch) -> None:
-    text = shown(monkeypatch, Terminal(), (0, math.nan, math.nan))
-    assert "delivers -, exam -" in text
-    assert "nan" not in text
+def test_an_unknown_rate_is_not_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = shown(monkeypatch, Terminal())
+    assert "0/200" in text
+    assert "/s" not in text
 
 
-def test_what_is_no_terminal_gets_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert shown(monkeypatch, io.StringIO(), (100, 0.5, 0.5)) == ""
+def test_without_a_terminal_there_is_no_bar(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert shown(monkeypatch, io.StringIO(), 100) == ""
+
+
+def test_track_yields_every_item_and_counts_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    screen = Terminal()
+    monkeypatch.setattr(sys, "stderr", screen)
+    assert list(track("abc", "letters")) == ["a", "b", "c"]
+    assert "3/3" in screen.getvalue()
