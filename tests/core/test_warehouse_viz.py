@@ -285,7 +285,7 @@ def test_dpi_changes_no_size(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("dpi", [0, -1, math.nan, math.inf])
 def test_dpi_must_be_positive_and_finite(tmp_path: Path, dpi: float) -> None:
-    with pytest.raises(ValueError, match=r"dpi is .*; it must be positive and finite"):
+    with pytest.raises(ValueError, match=r"dpi is .*; it must be above 0 and finite"):
         svg_folder(tmp_path / "frames", dpi=dpi)
     assert list(tmp_path.iterdir()) == []
 

@@ -21,7 +21,7 @@ from warehouse_core.errors import LayoutError
 from warehouse_core.gymnasium_env.spaces import (
     RENDER_FPS,
     Extent,
-    _check_options,
+    check_options,
     check_render_mode,
     make_form,
 )
@@ -52,7 +52,7 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         start_pos: where the robot starts without ``randomize``; ``None`` is the usual start.
         max_steps: steps until the episode is truncated, 1 to ``MOST_STEPS``.
         battery: battery units of a full charge, 1 to ``MOST_STEPS``; every step costs one.
-        view_radius: cells seen in each direction, 0 to ``MOST_VIEW_RADIUS``.
+        view_radius: cells seen in each direction, 0 to ``MAX_VIEW_RADIUS``.
         randomize: draw pickup, dropoff and start of each episode.
         render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``.
         tile_pixels: side of a cell in a picture, at least 2; ``None`` fits it to the layout.
@@ -125,7 +125,7 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
             gymnasium.error.Error: a seed that is not a whole number from 0 on.
         """
         layout, start, randomize = self._options(
-            _check_options(options, {"layout", "randomize", "start_pos"})
+            check_options(options, {"layout", "randomize", "start_pos"})
         )
         super().reset(seed=seed)
         uniforms = self.np_random.random(DRAWS)

@@ -18,7 +18,7 @@ FORMS = ("dict", "vector", "image")
 
 RENDER_FPS = 8
 
-MOST_VIEW_RADIUS = 500
+MAX_VIEW_RADIUS = 500
 """A window of a million cells; no space need be larger."""
 
 LEAST = 2
@@ -54,12 +54,12 @@ def make_form(name: str, extent: Extent) -> Form:
 
     Raises:
         ValueError: no form is called so, a battery or steps above ``MOST_STEPS``, or a view radius
-            above ``MOST_VIEW_RADIUS``.
+            above ``MAX_VIEW_RADIUS``.
     """
     height, width, view_radius, battery, max_steps = extent
     whole_number("battery", battery, 1, MOST_STEPS)
     whole_number("max_steps", max_steps, 1, MOST_STEPS)
-    whole_number("view_radius", view_radius, 0, MOST_VIEW_RADIUS)
+    whole_number("view_radius", view_radius, 0, MAX_VIEW_RADIUS)
     if name == "dict":
         return Form(_dict_space(extent), _as_it_is)
     if name == "vector":
@@ -97,7 +97,7 @@ def _dict_space(extent: Extent) -> spaces.Dict:
     )
 
 
-def _check_options(options: object, allowed: set[str]) -> dict[str, Any]:
+def check_options(options: object, allowed: set[str]) -> dict[str, Any]:
     """Return options that are known by name.
 
     Raises:

@@ -16,7 +16,7 @@ from warehouse_core.errors import EndedError
 from warehouse_core.gymnasium_env.spaces import (
     RENDER_FPS,
     Extent,
-    _check_options,
+    check_options,
     check_render_mode,
     make_form,
 )
@@ -109,7 +109,7 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             TypeError: a value of another type.
             ResetNeeded: a mask before the first reset.
         """
-        mask = _check_options(options, {"reset_mask"}).get("reset_mask")
+        mask = check_options(options, {"reset_mask"}).get("reset_mask")
         try:
             arrays, info = self._batch.reset(seed, mask)
         except EndedError as error:

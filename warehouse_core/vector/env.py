@@ -19,9 +19,9 @@ from warehouse_core.motion.backends import Backend, make_batch_motion
 from warehouse_core.motion.vector import BatchOutcome, Flags, Integers, Rows
 from warehouse_core.task.encoding import MOST_STEPS, Arrays
 from warehouse_core.task.state import WarehouseState
-from warehouse_core.vector.floor import BatchFloor
+from warehouse_core.vector.floor import VectorFloor
 from warehouse_core.vector.rules import judge_all, masks
-from warehouse_core.vector.starts import BatchStart
+from warehouse_core.vector.starts import VectorStarts
 from warehouse_core.world.actions import ACTIONS, WAIT
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
 from warehouse_core.world.tables import LayoutSet
@@ -73,18 +73,18 @@ class BatchEnv:
         autoreset_mode: str = NEXT_STEP,
         backend: Backend = "grid",
     ) -> None:
-        self.num_envs = whole_number("num_envs", num_envs, least=1)
+        self.num_envs = whole_number("num_envs", num_envs, minimum=1)
         self.max_steps = whole_number("max_steps", max_steps, 1, MOST_STEPS)
         self.max_battery = whole_number("battery", battery, 1, MOST_STEPS)
-        self.view_radius = whole_number("view_radius", view_radius, least=0)
+        self.view_radius = whole_number("view_radius", view_radius, minimum=0)
         if autoreset_mode not in AUTORESET_MODES:
             raise ValueError(
                 f"autoreset_mode is {autoreset_mode!r}; allowed: {', '.join(AUTORESET_MODES)}"
             )
         self.autoreset_mode, self.randomize = autoreset_mode, as_flag("randomize", randomize)
         self.layouts = LayoutSet(_one_each(layout, self.num_envs))
-        self._start = BatchStart(self.layouts, start_pos, randomize=randomize)
-        self._floor = BatchFloor(self.layouts, self.view_radius, moving_stations=randomize)
+        self._start = VectorStarts(self.layouts, start_pos, randomize=randomize)
+        self._floor = VectorFloor(self.layouts, self.view_radius, moving_stations=randomize)
         self._motion = make_batch_motion(backend, self.layouts.rows)
         self._cells = np.zeros(self.num_envs, np.intp)
         self._has_item = np.zeros(self.num_envs, np.bool_)
@@ -307,14 +307,14 @@ def _checked_seeds(seed: Seeds, rows: int) -> Sequence[int | None]:
     if seed is None:
         return [None] * rows
     if isinstance(seed, (int, np.integer)):
-        first = whole_number("seed", seed, least=0)
+        first = whole_number("seed", seed, minimum=0)
         return range(first, first + rows)
     if not isinstance(seed, (Sequence, np.ndarray)) or np.ndim(np.asarray(seed, object)) != 1:
         raise TypeError(f"seed is {seed!r}; it must be an integer or one for each row")
     if len(seed) != rows:
         raise ValueError(f"{len(seed)} seeds for {rows} rows; give one, or one for each row")
     return [
-        None if each is None else whole_number(f"the seed of row {row}", each, least=0)
+        None if each is None else whole_number(f"the seed of row {row}", each, minimum=0)
         for row, each in enumerate(seed)
     ]
 

@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 from warehouse_core.motion.vector import Flags, Integers, Rows
 from warehouse_core.task.encoding import NOWHERE
 from warehouse_core.vector.rules import sides_number, station_numbers
-from warehouse_core.vector.sight import BatchSight
+from warehouse_core.vector.sight import VectorSight
 from warehouse_core.world.tables import LayoutSet, places_table, sides_table, tiles_table
 
 NO_CELL = -1
 """Stands for a pickup or dropoff that a layout does not have."""
 
 
-class BatchFloor:
+class VectorFloor:
     """The layouts of a batch as tables, and the stations of each row.
 
     ``rows`` are ``[N]`` rows of the batch, ``cells`` ``[N]`` the cells of their robots by their
@@ -33,7 +33,7 @@ class BatchFloor:
             layouts = layouts.without_stations()
         kinds, rows = layouts.kinds, len(layouts.kind)
         self._base, self._moving = layouts.base, moving_stations
-        self._sight = BatchSight(layouts, radius)
+        self._sight = VectorSight(layouts, radius)
         self._places = places_table(kinds)
         self._sides = sides_number(sides_table(kinds))
         self._stations = station_numbers(tiles_table(kinds))

@@ -14,7 +14,7 @@ from warehouse_core.world.tables import LayoutSet, windows_table
 from warehouse_core.world.tiles import CELL_CODES, DROPOFF, PICKUP, ROBOT_EMPTY, ROBOT_LOADED
 
 
-class BatchSight:
+class VectorSight:
     """The windows of a set of layouts, ``[B, K * K]`` codes.
 
     Args:

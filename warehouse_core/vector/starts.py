@@ -25,7 +25,7 @@ class Starts(NamedTuple):
     robots: Integers
 
 
-class BatchStart:
+class VectorStarts:
     """Draws the starts of ``B`` rows, each as ``draw_ranks`` does from a stream of its own.
 
     Args:

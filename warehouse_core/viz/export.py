@@ -18,6 +18,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
+from warehouse_core.arguments import real_number
 from warehouse_core.errors import FormatError
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.render.palette import indexed_palette
@@ -25,7 +26,6 @@ from warehouse_core.viz.figure import SceneFigure
 
 if TYPE_CHECKING:
     from warehouse_core.viz.replay import Replay
-import math
 
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.scene import Scene, draw_legend
@@ -240,8 +240,7 @@ def save_frames(track: Track, folder: Path, dpi: float) -> None:
         ValueError: ``dpi`` is not a positive finite number.
         OSError: the folder cannot be made or written to.
     """
-    if not (math.isfinite(dpi) and dpi > 0):
-        raise ValueError(f"dpi is {dpi!r}; it must be positive and finite")
+    real_number("dpi", dpi, above=True)
     folder.mkdir(parents=True, exist_ok=True)
     track.metrics, track.clock = {}, []
     scene = Scene(track, make_figure, legend=False)

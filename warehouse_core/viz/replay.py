@@ -12,6 +12,7 @@ import matplotlib as mpl
 from matplotlib.animation import FuncAnimation
 from matplotlib.backend_bases import Event, KeyEvent
 
+from warehouse_core.arguments import real_number
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.viz.export import export, progress_bar, self_contained
 from warehouse_core.viz.figure import PAIR_DPI, SceneFigure, make_figure, make_window
@@ -61,8 +62,7 @@ class Replay(FuncAnimation):
         beside: Track | None = None,
     ) -> None:
         for name, value in (("interval_ms", interval_ms), ("speed", speed)):
-            if not (math.isfinite(value) and value > 0):
-                raise ValueError(f"{name} is {value!r}; it must be positive and finite")
+            real_number(name, value, above=True)
         self.track = track
         is_continuous = bool(track.clock or (beside and beside.clock))
         make = make_window if window else make_figure

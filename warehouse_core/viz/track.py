@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from warehouse_core.arguments import real_number
 from warehouse_core.motion.base import Contact, Outcome
 from warehouse_core.records.episode import UNFINISHED, Episode
 from warehouse_core.records.failure_modes import diagnose
@@ -105,8 +106,7 @@ def track_of_episode(episode: Episode, frame_seconds: float = FRAME_SECONDS) -> 
     Raises:
         ValueError: ``frame_seconds`` is not a positive finite number.
     """
-    if not (math.isfinite(frame_seconds) and frame_seconds > 0):
-        raise ValueError(f"frame_seconds is {frame_seconds!r}; it must be positive and finite")
+    real_number("frame_seconds", frame_seconds, above=True)
     captions = step_captions(episode)
     first: Pose | None = Pose(_middle(episode.cells[0]), None, episode.loaded[0])
     track = Track([], [first], [0.0], episode.metrics, [""], [()])

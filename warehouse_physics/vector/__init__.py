@@ -1,1 +1,1 @@
-"""Many warehouses in one pymunk space."""
+"""Many warehouses, one robot in each, in one pymunk space."""

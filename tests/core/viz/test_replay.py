@@ -163,7 +163,7 @@ def test_going_beyond_an_end_goes_to_it(replay: Replay, frame: int, expected: in
 @pytest.mark.parametrize("name", ["interval_ms", "speed"])
 @pytest.mark.parametrize("value", [0, -1, float("nan"), float("inf"), -float("inf")])
 def test_intervals_and_speeds_must_be_positive_and_finite(name: str, value: float) -> None:
-    with pytest.raises(ValueError, match=rf"{name} is {value!r}; it must be positive and finite"):
+    with pytest.raises(ValueError, match=rf"{name} is {value!r}; it must be above 0 and finite"):
         replay_of(short_episode(), **{name: value})
 
 
