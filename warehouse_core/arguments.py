@@ -1,4 +1,4 @@
-"""Arguments as they are checked everywhere: each error names the argument and its value."""
+"""Checks of arguments; each error names the argument, its value and what is allowed."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from warehouse_core.world.tiles import Cell
 
 
 def whole_number(
-    name: str, value: SupportsIndex, least: int | None = None, most: int | None = None
+    name: str, value: SupportsIndex, minimum: int | None = None, maximum: int | None = None
 ) -> int:
     """Return an argument as an ``int``.
 
     Raises:
         TypeError: it is not an integer.
-        ValueError: it is less than ``least`` or more than ``most``.
+        ValueError: it is less than ``minimum`` or more than ``maximum``.
     """
     try:
         number = operator.index(value)
     except TypeError:
         raise TypeError(f"{name} is {value!r}; it must be an integer") from None
-    if least is not None and number < least:
-        raise ValueError(f"{name} is {number}; it must be at least {least}")
-    if most is not None and number > most:
-        raise ValueError(f"{name} is {number}; it must be at most {most}")
+    if minimum is not None and number < minimum:
+        raise ValueError(f"{name} is {number}; it must be at least {minimum}")
+    if maximum is not None and number > maximum:
+        raise ValueError(f"{name} is {number}; it must be at most {maximum}")
     return number
 
 
@@ -67,7 +67,7 @@ def as_flag(name: str, value: bool) -> bool:
     """Return an argument that must be true or false.
 
     Raises:
-        TypeError: it is something else, which Python might take for true.
+        TypeError: it is neither.
     """
     if not isinstance(value, (bool, np.bool_)):
         raise TypeError(f"{name} is {value!r}; it must be True or False")
@@ -78,7 +78,7 @@ def as_cell(name: str, value: Cell) -> Cell:
     """Return an argument as a cell of two ``int``.
 
     Raises:
-        TypeError: it is something else.
+        TypeError: it is not one.
     """
     try:
         row, col = value

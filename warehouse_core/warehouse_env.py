@@ -81,9 +81,9 @@ class WarehouseEnv:
         *,
         backend: Backend = "grid",
     ) -> None:
-        self.max_steps = whole_number("max_steps", max_steps, 1)
-        self.max_battery = whole_number("battery", battery, 1)
-        self._view_radius = whole_number("view_radius", view_radius, 0)
+        self.max_steps = whole_number("max_steps", max_steps, minimum=1)
+        self.max_battery = whole_number("battery", battery, minimum=1)
+        self._view_radius = whole_number("view_radius", view_radius, minimum=0)
         if grid is None:
             grid = DEFAULT_LAYOUT
         self._use(grid if isinstance(grid, Layout) else Layout(grid))

@@ -1,6 +1,6 @@
-"""The physics backend: every grid move as a rigid-body motion, behind the same ``step``."""
+"""The physics backend: rigid-body robots behind the same ``step``."""
 
-# The version is checked first, so that a wrong one is not met by what it lacks.
+# Check the version first: with a wrong one the other imports may fail for another reason.
 from warehouse_physics import pymunk_version as _checked  # noqa: F401
 from warehouse_physics.disturbances import Disturbances
 from warehouse_physics.motion import RigidBodyMotion

@@ -1,4 +1,4 @@
-"""What keeps a real robot from doing what it was told: off by default, and seeded."""
+"""Disturbances of the nominal physics: off by default, and seeded."""
 
 from __future__ import annotations
 
@@ -8,23 +8,24 @@ from collections.abc import Iterable
 from dataclasses import dataclass, fields
 
 from warehouse_core import Cell
+from warehouse_core.arguments import real_number
 from warehouse_physics.robot_spec import GRAVITY
 
 
 @dataclass(frozen=True, slots=True)
 class Disturbances:
-    """How far the world departs from what the drive takes it for. The default is not at all.
+    """How far the physics departs from the nominal; by default not at all.
 
-    The drive plans as if all were nominal and corrects itself from where it really is, until its
-    patience ends; the robot then stays where it has come to, which may be short of its goal.
+    The drive plans for the nominal physics and corrects itself from its actual position, until its
+    patience ends. The robot then stays where it is, which may be short of its goal.
 
     Attributes:
-        actuation_noise: standard deviation of the commanded speed, as a share of it.
-        slippery: cells whose floor transmits no more force than ``grip`` allows.
-        grip: friction coefficient of wheels on slippery floor; wet ice has about 0.05.
-        motor_strength: share of its force that the motor really has, 0 to 1.
+        actuation_noise: standard deviation of the speed, as a share of the commanded one.
+        slippery: cells whose floor limits the force of the motor by ``grip``.
+        grip: friction coefficient of wheels on slippery floor; about 0.05 on wet ice.
+        motor_strength: actual share of the motor force, 0 to 1.
         drag_spread: the drag of each cell is drawn within this share of the nominal, below 1.
-        patience: times a free move takes after which no new attempt is made, at least 1.
+        patience: durations of a free move after which no new attempt is made, at least 1.
 
     Raises:
         ValueError: naming the field, its value and what is allowed.
@@ -45,22 +46,17 @@ class Disturbances:
             "drag_spread": (0.0, 0.99),
             "patience": (1.0, 100.0),
         }
-        for name, (least, most) in allowed.items():
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, (int, float)):
-                raise ValueError(f"{name} is {value!r}; it must be a number")
-            if not least <= value <= most:
-                raise ValueError(f"{name} is {value!r}; it must be {least}..{most}")
+        for name, (minimum, maximum) in allowed.items():
+            real_number(name, getattr(self, name), minimum, maximum)
         object.__setattr__(self, "slippery", _checked_cells(self.slippery))
 
     @property
     def any(self) -> bool:
-        """Whether anything departs from the nominal at all."""
-        free = {"grip", "patience"}
+        """Whether anything departs from the nominal."""
         return any(
             getattr(self, each.name) != each.default
             for each in fields(self)
-            if each.name not in free
+            if each.name not in ("grip", "patience")
         )
 
 
@@ -71,12 +67,12 @@ def _checked_cells(cells: Iterable[Cell]) -> frozenset[Cell]:
         raise ValueError(f"slippery is {cells!r}; it must be cells (row, column)") from None
 
 
-class Floor:
-    """The floor of one episode and the chance in it.
+class FloorConditions:
+    """Drag, grip and random numbers of one episode.
 
     Args:
-        disturbances: of this world.
-        seed: of what is drawn.
+        disturbances: of the episode.
+        seed: for the random numbers.
     """
 
     def __init__(self, disturbances: Disturbances, seed: int) -> None:
@@ -86,19 +82,19 @@ class Floor:
         self.patience = disturbances.patience
 
     def drag_factor(self, cell: Cell) -> float:
-        """Return the drag of a cell as a share of the nominal, the same whenever it is asked."""
+        """Return the drag of a cell as a share of the nominal; it depends on seed and cell only."""
         spread = self._disturbances.drag_spread
         return random.Random(f"{self._seed} {cell}").uniform(1 - spread, 1 + spread)
 
     def force_limit(self, cell: Cell, motor_force: float, mass: float) -> float:
-        """Return the most force in N that a motor gets onto the floor of ``cell``."""
+        """Return the largest force in N that the motor can exert on the floor of ``cell``."""
         force = self._disturbances.motor_strength * motor_force
         if cell in self._disturbances.slippery:
             force = min(force, self._disturbances.grip * mass * GRAVITY)
         return force
 
     def speed_factor(self) -> float:
-        """Draw the speed that a command leads to, as a share of what was commanded."""
+        """Draw the actual speed of a profile as a share of the commanded one."""
         noise = self._noise.gauss(0.0, self._disturbances.actuation_noise)
-        # No drive runs backwards by mistake, and twice the top speed is still safe to simulate.
+        # No drive runs backwards, and twice the top speed is still safe to simulate.
         return 1.0 + min(max(noise, -1.0), 1.0)

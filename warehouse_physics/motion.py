@@ -1,4 +1,4 @@
-"""The physics backend: every grid move as the motion of a rigid body."""
+"""The physics backend: rigid-body robots that carry out grid moves."""
 
 from __future__ import annotations
 
@@ -8,17 +8,18 @@ from collections.abc import Sequence
 import numpy as np
 
 from warehouse_core import Cell, Layout, Outcome
+from warehouse_core.arguments import whole_number
 from warehouse_core.motion.base import check_moves, check_starts
 from warehouse_physics.arena import Arena
-from warehouse_physics.disturbances import Disturbances, Floor
-from warehouse_physics.robot import MOST_SUBSTEPS, NEVER, Robot
+from warehouse_physics.disturbances import Disturbances, FloorConditions
+from warehouse_physics.robot import MAX_SUBSTEPS, NEVER, Robot
 from warehouse_physics.robot_spec import RobotSpec
 from warehouse_physics.vector.motion import RigidBodyBatch
 
 Row = tuple[float, float, float, float]
 
 PATH_EVERY = 10
-"""Substeps from one row of the path to the next."""
+"""Substeps between rows of a path."""
 
 STAY = (0, 0)
 
@@ -28,17 +29,17 @@ class RigidBodyMotion:
 
     Nothing is looked up in the grid: ``cell`` is the cell under the body, and a robot is blocked
     because Chipmunk reports that it touched something. It then drives back to the middle of its
-    cell. Robots that move at the same time keep the pace of the slowest, as a loaded robot is.
+    cell. All robots accelerate like the slowest of them, such as a loaded one.
 
     Args:
-        spec: what the robots are made of.
-        disturbances: how far the world departs from the nominal.
-        record_path: keep the way of each robot; without it a path is its start and its end.
-        path_every: substeps from one row of the path to the next, at least 1; ``None`` is
-            ``PATH_EVERY``.
+        spec: of the robots.
+        disturbances: how far the physics departs from the nominal.
+        record_path: record the path of each robot, not only its start and end.
+        path_every: substeps between rows of a path, at least 1.
 
     Raises:
         ValueError: ``path_every`` is below 1.
+        TypeError: ``path_every`` is not an integer.
     """
 
     def __init__(
@@ -47,12 +48,10 @@ class RigidBodyMotion:
         disturbances: Disturbances | None = None,
         *,
         record_path: bool = True,
-        path_every: int | None = None,
+        path_every: int = PATH_EVERY,
     ) -> None:
-        if path_every is not None and path_every < 1:
-            raise ValueError(f"path_every is {path_every}; it must be at least 1")
-        every = PATH_EVERY if path_every is None else path_every
-        self._path_every = every if record_path else MOST_SUBSTEPS
+        every = whole_number("path_every", path_every, minimum=1)
+        self._path_every = every if record_path else MAX_SUBSTEPS
         self.spec = spec or RobotSpec()
         self.disturbances = disturbances or Disturbances()
         self.cell_size = self.spec.cell_size
@@ -62,12 +61,14 @@ class RigidBodyMotion:
         self._arena: Arena | None = None
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
-        """Build the world anew with robots at rest; see ``Motion.reset``."""
+        """Build a new arena with robots at rest; see ``Motion.reset``."""
         check_starts(layout, cells)
         floor = None
         if self.disturbances.any:
-            # Without a seed chance comes from Python's global stream, as in the chapter.
-            floor = Floor(self.disturbances, random.getrandbits(32) if seed is None else seed)
+            # Without a seed use Python's global random numbers, as the chapter does.
+            floor = FloorConditions(
+                self.disturbances, random.getrandbits(32) if seed is None else seed
+            )
         self._arena = Arena(layout, cells, self.spec, floor)
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -78,7 +79,7 @@ class RigidBodyMotion:
         check_moves(len(robots), displacements, loaded)
         pace = self._pace_of(displacements, loaded)
         for robot, displacement, load in zip(robots, displacements, loaded, strict=True):
-            robot.set_out(displacement, load, pace)
+            robot.begin(displacement, load, pace)
         paths = [[self._row(0.0, robot)] for robot in robots]
         substeps = self._drive(self._arena, paths)
         seconds = substeps * self.spec.time_step if substeps else self.spec.dwell
@@ -88,7 +89,7 @@ class RigidBodyMotion:
         """Return a motion for one robot in each of these layouts; see ``Batchable``.
 
         Raises:
-            ValueError: no layouts, or this motion has disturbances, which a batch does not know.
+            ValueError: no layouts, or this motion has disturbances, which a batch cannot have.
         """
         if self.disturbances.any:
             raise ValueError(
@@ -97,11 +98,11 @@ class RigidBodyMotion:
         return RigidBodyBatch(self.spec, layouts)
 
     def close(self) -> None:
-        """Let the world go; see ``Motion.close``."""
+        """Release the arena; see ``Motion.close``."""
         self._arena = None
 
     def _pace_of(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> float:
-        """Return the acceleration in m/s² that every robot on the move can keep."""
+        """Return the acceleration in m/s² that every moving robot can reach."""
         pace = self.spec.acceleration
         for displacement, load in zip(displacements, loaded, strict=True):
             if load and displacement != STAY:
@@ -109,10 +110,10 @@ class RigidBodyMotion:
         return min(pace, self._empty_pace)
 
     def _drive(self, arena: Arena, paths: list[list[Row]]) -> int:
-        """Run until all robots rest, and return after how many substeps they do."""
+        """Run until all robots are at rest, and return the number of substeps."""
         now = 0
         robots = arena.robots
-        while now < MOST_SUBSTEPS and (until := min([robot.until for robot in robots])) < NEVER:
+        while now < MAX_SUBSTEPS and (until := min([robot.until for robot in robots])) < NEVER:
             now = arena.run(now, min(until, now + self._path_every))
             if self._record_path:
                 seconds = now * self.spec.time_step
@@ -130,8 +131,9 @@ class RigidBodyMotion:
             path.append(self._row(seconds, robot))
         rows = np.array(path)
         rows.flags.writeable = False
-        joules = robot.work / self.spec.drivetrain_efficiency + self.spec.idle_power * seconds
-        return Outcome(robot.cell, robot.gave_up, seconds, joules, rows, tuple(robot.contacts))
+        action = robot.action
+        joules = action.work / self.spec.drivetrain_efficiency + self.spec.idle_power * seconds
+        return Outcome(robot.cell, action.gave_up, seconds, joules, rows, tuple(action.contacts))
 
     @staticmethod
     def _row(seconds: float, robot: Robot) -> Row:

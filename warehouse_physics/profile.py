@@ -1,12 +1,12 @@
-"""One drive from rest to rest, as two commands: go, then brake.
+"""Velocity profiles from rest to rest, as two commands: go, then brake.
 
-Chipmunk moves positions before it changes velocities. A robot at rest whose commanded speed is
-``v`` for ``n`` substeps of ``dt`` and then 0, and whose motor changes its speed by at most
-``a * dt`` a substep either way, speeds up and slows down along the same steps; what it misses
-while it speeds up it makes up while it slows down. It ends at rest exactly ``n * dt * v`` further,
-whatever ``a`` is, if only ``v <= n * a * dt``. So ``n`` is chosen first and ``v`` follows.
+Chipmunk moves positions before it changes velocities. Let a robot at rest be commanded the speed
+``v`` for ``n`` substeps of ``dt`` and then 0, and let its motor change its speed by at most
+``a * dt`` in a substep. It then speeds up and slows down by the same steps, and the distance lost
+while it speeds up is gained while it slows down. It ends at rest exactly ``n * dt * v`` farther,
+whatever ``a`` is, as long as ``v <= n * a * dt``. So ``n`` is chosen first, and ``v`` follows.
 
-The second half of the file is the first half for ``N`` robots at once.
+The second half of this module does the same for ``N`` robots at once.
 """
 
 from __future__ import annotations
@@ -21,35 +21,37 @@ Floats = NDArray[np.float64]
 Substeps = NDArray[np.int64]
 
 _SLACK = 1e-9
-"""Of a substep; keeps a quotient that is whole but for rounding from being rounded up."""
+"""Of a substep; a quotient that is whole but for rounding is not rounded up."""
 
 
-class Leg(NamedTuple):
-    """Commanded velocity in m/s, and for how many substeps to go and then to brake."""
+class Profile(NamedTuple):
+    """Commanded velocity in m/s, and the numbers of substeps to go and then to brake."""
 
     velocity: tuple[float, float]
     go: int
     brake: int
 
-    def scaled(self, factor: float) -> Leg:
-        """Return the same leg with its speed off by a factor."""
+    def scaled(self, factor: float) -> Profile:
+        """Return the profile with its speed multiplied by a factor."""
         return self._replace(velocity=(factor * self.velocity[0], factor * self.velocity[1]))
 
 
-def plan_leg(
+def plan_profile(
     start: tuple[float, float],
     target: tuple[float, float],
     top_speed: float,
     acceleration: float,
     time_step: float,
-) -> Leg:
-    """Return the fastest leg from rest at ``start`` to rest at ``target``, positions in metres."""
+) -> Profile:
+    """Return the fastest profile from rest at ``start`` to rest at ``target``, in metres."""
     dx, dy = target[0] - start[0], target[1] - start[1]
     length = math.hypot(dx, dy)
     seconds = max(length / top_speed, math.sqrt(length / acceleration))
     go = max(1, math.ceil(seconds / time_step - _SLACK))
     seconds = go * time_step
-    return Leg((dx / seconds, dy / seconds), go, braking(length / seconds, acceleration, time_step))
+    return Profile(
+        (dx / seconds, dy / seconds), go, braking(length / seconds, acceleration, time_step)
+    )
 
 
 def braking(speed: float, acceleration: float, time_step: float) -> int:
@@ -57,22 +59,24 @@ def braking(speed: float, acceleration: float, time_step: float) -> int:
     return max(1, math.ceil(speed / (acceleration * time_step) - _SLACK))
 
 
-class Legs(NamedTuple):
-    """Commanded velocities ``[N, 2]`` in m/s, and for how many substeps ``[N]`` to go and brake."""
+class Profiles(NamedTuple):
+    """Commanded velocities ``[N, 2]`` in m/s, and the substeps ``[N]`` to go and to brake."""
 
     velocities: Floats
     go: Substeps
     brake: Substeps
 
 
-def plan_legs(ways: Floats, top_speed: float, accelerations: Floats, time_step: float) -> Legs:
-    """Return the fastest legs from rest to rest over ``ways``, ``[N, 2]`` in metres."""
+def plan_profiles(
+    ways: Floats, top_speed: float, accelerations: Floats, time_step: float
+) -> Profiles:
+    """Return the fastest profiles from rest to rest over ``ways``, ``[N, 2]`` in metres."""
     lengths = lengths_of(ways)
     seconds = np.maximum(lengths / top_speed, np.sqrt(lengths / accelerations))
     go = _whole(seconds / time_step)
     seconds = go * time_step
     brake = brakings(lengths / seconds, accelerations, time_step)
-    return Legs(ways / seconds[:, None], go, brake)
+    return Profiles(ways / seconds[:, None], go, brake)
 
 
 def brakings(speeds: Floats, accelerations: Floats, time_step: float) -> Substeps:

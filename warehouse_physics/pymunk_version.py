@@ -1,23 +1,23 @@
-"""Refuse a pymunk that this backend was not written for, before anything of it is used."""
+"""Check the version of pymunk before anything of it is used."""
 
 from __future__ import annotations
 
 import pymunk
 
-LEAST, BELOW = (7, 1), (8, 0)
+MIN_VERSION, BELOW_VERSION = (7, 1), (8, 0)
 
 
 def check_version(version: str) -> None:
-    """Check a version of pymunk.
+    """Raise if this backend does not support a version of pymunk.
 
     Raises:
-        ImportError: it is none of those that this backend was written for.
+        ImportError: naming the version, and those that are supported.
     """
     try:
         major, minor = map(int, version.split(".")[:2])
     except ValueError:
         major, minor = 0, 0
-    if not LEAST <= (major, minor) < BELOW:
+    if not MIN_VERSION <= (major, minor) < BELOW_VERSION:
         raise ImportError(f"pymunk {version} is installed; 7.1 or later, but below 8, is needed")
 
 

@@ -1,43 +1,44 @@
-"""What a robot is made of: every number of the physics, checked before pymunk sees it."""
+"""The numbers of a robot, checked before pymunk sees them."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields, replace
 
+from warehouse_core.arguments import real_number
+
 GRAVITY = 9.81
 """Metres per second squared."""
 
 ACCURATE_STEP, FAST_STEP = 1 / 60, 1 / 30
-"""Substeps in seconds; the fast one lets a robot sink deeper into a wall that it hits."""
+"""Substeps in seconds; with the fast one a robot sinks deeper into a wall that it hits."""
 
-LARGEST = 1e9
-"""What no value exceeds, in its unit; products of such values are still finite."""
+MAX_VALUE = 1e9
+"""Limit of every value in its unit; products of such values are still finite."""
 
 ARRIVED = 1e-3
-"""Share of a cell within which a robot is where it wants to be."""
+"""Share of a cell within which a robot has arrived at its target."""
 
-MOST_LEG_SUBSTEPS = 2_000
+MAX_MOVE_SUBSTEPS = 2_000
 """Substeps that a free move may take, 33 s at 1/60 s."""
 
 
 @dataclass(frozen=True, slots=True)
 class RobotSpec:
-    """A small warehouse robot. All units are SI.
+    """A small warehouse robot, in SI units.
 
     Attributes:
-        radius: of its round body, metres. Two robots that take the same corner one after the
-            other come within 0.707 of a cell, so more than 0.35 of a cell makes them touch.
-        mass: without a load, kg. Small commercial robots have 50 to 70 kg (MiR100: about 70).
+        radius: of the round body, metres. Two robots that turn the same corner one after the
+            other come within 0.707 of a cell, so with more than 0.35 of a cell they touch.
+        mass: without a load, kg; about 70 for a MiR100.
         payload_mass: of an item, kg.
-        top_speed: m/s. Beside people robots drive 1 to 1.5 m/s (MiR100: 1.5).
-        acceleration: that the drive asks for, m/s², braking too.
-        motor_force: that the motor has, N. A load that makes it too little lowers the
-            acceleration.
-        floor_drag: rolling force over weight; a hard tyre on concrete has 0.01 to 0.02.
+        top_speed: m/s; near people 1 to 1.5 m/s (MiR100: 1.5).
+        acceleration: nominal, also for braking, m/s².
+        motor_force: N. Where it is too small for a load, the acceleration is lower.
+        floor_drag: rolling force over weight; 0.01 to 0.02 for a hard tyre on concrete.
         drivetrain_efficiency: work at the wheel over energy from the battery, above 0, up to 1.
         idle_power: of computer and sensors, W.
-        dwell: how long waiting, picking and dropping take, seconds.
+        dwell: duration of waiting, picking and dropping, seconds.
         cell_size: side of a cell, metres.
         time_step: of a physics substep, seconds.
 
@@ -61,30 +62,20 @@ class RobotSpec:
     def __post_init__(self) -> None:
         may_be_zero = {"payload_mass", "floor_drag", "idle_power"}
         for each in fields(self):
-            value = getattr(self, each.name)
-            if isinstance(value, bool) or not isinstance(value, (int, float)):
-                raise ValueError(f"{each.name} is {value!r}; it must be a number")
-            # Written so that NaN, which compares false with anything, is refused too.
-            if not 0 <= value <= LARGEST or (value == 0 and each.name not in may_be_zero):
-                least = "at least 0" if each.name in may_be_zero else "above 0"
-                raise ValueError(
-                    f"{each.name} is {value!r}; it must be {least} and at most {LARGEST:g}"
-                )
+            maximum = 1.0 if each.name == "drivetrain_efficiency" else MAX_VALUE
+            above = each.name not in may_be_zero
+            real_number(each.name, getattr(self, each.name), 0.0, maximum, above=above)
         self._check_together()
 
     def _check_together(self) -> None:
-        if self.drivetrain_efficiency > 1:
-            raise ValueError(
-                f"drivetrain_efficiency is {self.drivetrain_efficiency!r}; it must be at most 1"
-            )
-        # Where it stands off the middle by as much as passes for arrived it must touch no wall.
-        largest = (0.5 - ARRIVED) * self.cell_size
-        if self.radius > largest:
+        # A robot that has arrived, as far off the middle as ``ARRIVED`` allows, touches no wall.
+        widest = (0.5 - ARRIVED) * self.cell_size
+        if self.radius > widest:
             raise ValueError(
                 f"radius is {self.radius!r}; with cell_size {self.cell_size!r} it must be at most "
-                f"{largest!r}"
+                f"{widest!r}"
             )
-        # A body that moves further than its radius in a substep could pass through a wall.
+        # A body that moves farther than its radius in a substep could pass through a wall.
         fastest = self.radius / 2 / self.time_step
         if self.top_speed > fastest:
             raise ValueError(
@@ -97,14 +88,14 @@ class RobotSpec:
                 f"{self.drag_force(loaded=True)!r}"
             )
         substeps = self._slowest_move() / self.time_step
-        if substeps > MOST_LEG_SUBSTEPS:
+        if substeps > MAX_MOVE_SUBSTEPS:
             raise ValueError(
                 f"time_step is {self.time_step!r}; the loaded robot would take {substeps:.4g} of "
-                f"them for one cell and it must be at most {MOST_LEG_SUBSTEPS}"
+                f"them for one cell and it must be at most {MAX_MOVE_SUBSTEPS}"
             )
 
     def _slowest_move(self) -> float:
-        """Return the seconds that a free move takes with a load."""
+        """Return the duration of a free move with a load in seconds."""
         pace = self.attainable_acceleration(loaded=True)
         speed = min(self.top_speed, math.sqrt(pace * self.cell_size))
         return self.cell_size / speed + speed / pace
@@ -119,14 +110,14 @@ class RobotSpec:
         return self.mass + (self.payload_mass if loaded else 0.0)
 
     def drag_force(self, loaded: bool) -> float:
-        """Return the force in N that the floor takes from a moving robot."""
+        """Return the drag of the floor on a moving robot in N."""
         return self.floor_drag * self.total_mass(loaded) * GRAVITY
 
     def attainable_acceleration(self, loaded: bool) -> float:
-        """Return what the drive asks for or, where that is less, what the motor can give.
+        """Return the nominal acceleration or, if that is less, what the motor can reach, in m/s².
 
-        No drive needs to reach top speed in less than a substep; one that could would push a
-        robot into a wall harder than the rounds of the solver can make up for.
+        Top speed is never reached in less than a substep; otherwise the motor could push a robot
+        into a wall harder than the rounds of the solver can correct.
         """
         spare = self.motor_force - self.drag_force(loaded)
         at_once = self.top_speed / self.time_step

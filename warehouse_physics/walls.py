@@ -1,7 +1,7 @@
 """The walls of a layout as few rectangles, in a fixed order.
 
-A box for every cell would have seams that stop a sliding body, and the order of insertion changes
-results, so wall cells are merged greedily: along rows first, then downward.
+One box for each cell would have seams that stop a sliding body, and the order of insertion changes
+results. So wall cells are merged greedily, along rows first and then downward.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ Box = tuple[int, int, int, int]
 
 
 def wall_boxes(layout: Layout) -> list[Box]:
-    """Return boxes that cover the walls exactly, and four around the grid, which ends there."""
+    """Return boxes that cover the walls exactly, after four around the edge of the grid."""
     height, width = layout.height, layout.width
     around = [
         (-1, -1, width + 1, 0),

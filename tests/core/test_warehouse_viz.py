@@ -235,7 +235,7 @@ def test_files_of_other_names_are_left_alone_and_of_these_names_replaced(tmp_pat
 
 @pytest.mark.parametrize("dpi", [0, math.nan])
 def test_dpi_must_be_positive_and_finite(tmp_path: Path, dpi: float) -> None:
-    with pytest.raises(ValueError, match=r"dpi is .*; it must be "):
+    with pytest.raises(ValueError, match=r"dpi is .*; it must be above 0 and finite"):
         svg_folder(tmp_path / "frames", dpi=dpi)
     assert list(tmp_path.iterdir()) == []
 

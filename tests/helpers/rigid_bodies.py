@@ -1,4 +1,4 @@
-"""Rigid bodies driven at random, alone, in fleets and in batches, and held against the grid."""
+"""Random drives of rigid bodies, alone, in fleets and in batches, compared with the grid."""
 
 import random
 from collections.abc import Sequence
@@ -11,20 +11,20 @@ from warehouse_core.motion.traffic import find_stops
 from warehouse_core.motion.vector import BatchOutcome
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_physics import RigidBodyMotion, RobotSpec
+from warehouse_physics.motion import PATH_EVERY
 from warehouse_physics.vector.motion import RigidBodyBatch
 
 LEDGE = Layout(["."])
 """One cell, so that every move ends at a wall."""
 
-
 STAY, NORTH, EAST, SOUTH, WEST = STEPS = ((0, 0), (-1, 0), (0, 1), (1, 0), (0, -1))
-
-
 MOVES = (NORTH, EAST, SOUTH, WEST)
 
 
-def motion_in(layout: Layout, cell: Cell, spec: RobotSpec | None = None) -> RigidBodyMotion:
-    motion = RigidBodyMotion(spec)
+def motion_in(
+    layout: Layout, cell: Cell, spec: RobotSpec | None = None, path_every: int = PATH_EVERY
+) -> RigidBodyMotion:
+    motion = RigidBodyMotion(spec, path_every=path_every)
     motion.reset(layout, [cell], 0)
     return motion
 
@@ -44,7 +44,7 @@ def drive_at_walls(time_step: float, moves: int) -> None:
     spec = RobotSpec(
         radius=radius, top_speed=top_speed, acceleration=1e6, motor_force=1e9, time_step=time_step
     )
-    motion, stream = motion_in(LEDGE, (0, 0), spec), random.Random(0)
+    motion, stream = motion_in(LEDGE, (0, 0), spec, path_every=1), random.Random(0)
     for _ in range(moves):
         outcome = move(motion, stream.choice(MOVES), stream.random() < 0.5)
         assert (outcome.cell, outcome.blocked) == ((0, 0), True)
@@ -154,7 +154,6 @@ def fleet_keeps_the_table(spec: RobotSpec, robots: int, seed: int, actions: int)
 
 
 LAYOUTS = 20
-
 
 ACTIONS = (*WarehouseEnv.ACTIONS, *"NESW" * 3, 0, 1, 2, 3, 99, "fly")
 

@@ -21,14 +21,11 @@ from warehouse_core import Cell, Layout, Outcome
 from warehouse_core.motion.base import WALL_CONTACT, robot_contact
 from warehouse_core.motion.traffic import find_stops
 from warehouse_physics import RigidBodyMotion, RobotSpec
-from warehouse_physics import motion as rigid_body_motion
 
-ACTIONS = 1_500
-"""Random actions of whole fleets; the benchmarks make more."""
-
+ACTIONS = 40
+"""Random actions of each fleet; the benchmarks make more."""
 
 HALL = Layout(["......"] * 6)
-
 
 over_specs = pytest.mark.parametrize("spec", [RobotSpec(), RobotSpec.fast()], ids=["1/60", "1/30"])
 
@@ -68,29 +65,21 @@ CASES = [
 ]
 
 
-@over_specs
-@pytest.mark.parametrize("loaded", [False, True], ids=["empty", "loaded"])
 @pytest.mark.parametrize(("cells", "moves"), CASES)
-def test_bodies_end_as_the_table_says(cells, moves, loaded, spec) -> None:
+def test_bodies_end_as_the_table_says(cells, moves) -> None:
     targets = targets_of(cells, moves)
     stops = find_stops(HALL, cells, targets)
-    for robot, outcome in enumerate(together(cells, moves, spec, loaded)):
-        stop = stops[robot]
-        assert outcome.cell == (targets[robot] if stop is None else cells[robot])
-        assert outcome.blocked == (stop is not None)
-
-
-def test_the_cases_have_every_row_of_the_table() -> None:
-    names = {case.id for case in CASES}
-    rows = ("waiting", "wall", "same target", "head-on", "occupied", "following", "cycle")
-    assert names.issuperset(rows)
+    for spec, loaded in ((RobotSpec(), False), (RobotSpec.fast(), True)):
+        for robot, outcome in enumerate(together(cells, moves, spec, loaded)):
+            stop = stops[robot]
+            assert outcome.cell == (targets[robot] if stop is None else cells[robot])
+            assert outcome.blocked == (stop is not None)
 
 
 @over_specs
-@pytest.mark.parametrize("robots", range(2, 11))
+@pytest.mark.parametrize("robots", [2, 5, 10])
 def test_random_moves_end_as_the_table_says(robots: int, spec: RobotSpec) -> None:
-    for seed in (0, 1):
-        fleet_keeps_the_table(spec, robots, seed, ACTIONS // (9 * 2 * 2))
+    fleet_keeps_the_table(spec, robots, robots % 2, ACTIONS)
 
 
 @over_specs
@@ -169,12 +158,11 @@ def test_who_hits_whom_is_told_on_both_sides() -> None:
 
 
 @over_specs
-def test_bodies_never_overlap_by_more_than_they_move_in_a_substep(spec, monkeypatch) -> None:
-    monkeypatch.setattr(rigid_body_motion, "PATH_EVERY", 1)
+def test_bodies_never_overlap_by_more_than_they_move_in_a_substep(spec) -> None:
     stream, deepest, fastest = random.Random(1), 0.0, 2 * spec.top_speed
-    motion = RigidBodyMotion(spec)
+    motion = RigidBodyMotion(spec, path_every=1)
     motion.reset(Layout(["...."] * 3), [(row, col) for row in range(3) for col in (0, 2)], 0)
-    for _ in range(60):
+    for _ in range(25):
         outcomes = motion.advance(stream.choices(STEPS, k=6), [False] * 6)
         for one, other in combinations(outcomes, 2):
             apart = np.hypot(*(one.path[:, 1:3] - other.path[:, 1:3]).T)

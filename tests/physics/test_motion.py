@@ -27,37 +27,32 @@ from warehouse_physics import RigidBodyMotion, RobotSpec
 from warehouse_physics import motion as rigid_body_motion
 from warehouse_physics.robot import WALL
 
-TUNNEL_MOVES = 2_000
+TUNNEL_MOVES = 200
 """Wall-directed moves at the highest speed; the benchmarks make more."""
 
-
 HALL = Layout(["......."] * 7)
-
-
 TWO_ROOMS = Layout(["...#..."])
-
 
 SPECS = {
     "default": RobotSpec(),
     "fast": RobotSpec.fast(),
-    "brisk": RobotSpec(acceleration=2.0, motor_force=200.0),
-    "small cells": RobotSpec(cell_size=0.5, radius=0.17),
-    "small": RobotSpec(radius=0.2, mass=10.0),
+    "small cells": RobotSpec(cell_size=0.5, radius=0.17, acceleration=2.0, motor_force=200.0),
 }
 
-
 over_specs = pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS.keys())
-
-
 over_loads = pytest.mark.parametrize("loaded", [False, True], ids=["empty", "loaded"])
 
 
-def free_move(spec: RobotSpec, displacement: Cell = EAST, loaded: bool = False) -> Outcome:
-    return move(motion_in(HALL, (3, 3), spec), displacement, loaded)
+def free_move(
+    spec: RobotSpec, displacement: Cell = EAST, loaded: bool = False, path_every: int = 10
+) -> Outcome:
+    return move(motion_in(HALL, (3, 3), spec, path_every), displacement, loaded)
 
 
-def bump(spec: RobotSpec, displacement: Cell = EAST, loaded: bool = False) -> Outcome:
-    return move(motion_in(LEDGE, (0, 0), spec), displacement, loaded)
+def bump(
+    spec: RobotSpec, displacement: Cell = EAST, loaded: bool = False, path_every: int = 10
+) -> Outcome:
+    return move(motion_in(LEDGE, (0, 0), spec, path_every), displacement, loaded)
 
 
 def velocities(outcome: Outcome) -> np.ndarray:
@@ -74,12 +69,6 @@ def impact_speed(spec: RobotSpec, loaded: bool) -> float:
 def remove_walls(motion: RigidBodyMotion) -> None:
     space = motion._arena.space
     space.remove(*[shape for shape in space.shapes if shape.collision_type == WALL])
-
-
-@pytest.fixture
-def every_substep(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let a path have a row for each substep."""
-    monkeypatch.setattr(rigid_body_motion, "PATH_EVERY", 1)
 
 
 # Nothing is looked up in the grid.
@@ -101,8 +90,8 @@ def test_without_the_shapes_around_the_grid_the_robot_drives_off() -> None:
     assert move(motion, NORTH).cell == (-2, 0)
 
 
-@pytest.mark.parametrize("shift", [(1.0, 0.0), (0.0, -2.0), (-1.0, 1.0)])
-def test_the_outcome_follows_a_body_that_was_put_elsewhere(shift: tuple[float, float]) -> None:
+def test_the_outcome_follows_a_body_that_was_put_elsewhere() -> None:
+    shift = (-1.0, 2.0)
     motion = motion_in(HALL, (3, 3))
     robot = motion._arena.robots[0]
     x, y = robot.body.position
@@ -165,23 +154,21 @@ def test_a_free_move_takes_the_time_of_its_profile(spec, loaded) -> None:
 
 @over_specs
 @over_loads
-@pytest.mark.usefixtures("every_substep")
 def test_top_speed_and_acceleration_are_kept(spec, loaded) -> None:
-    reached = velocities(free_move(spec, loaded=loaded))
+    reached = velocities(free_move(spec, loaded=loaded, path_every=1))
     changes = np.diff(reached, axis=0) / spec.time_step
     pace = spec.attainable_acceleration(loaded)
     assert np.hypot(*reached.T).max() <= spec.top_speed * (1 + 1e-6)
     assert np.hypot(*changes.T).max() <= pace * (1 + 1e-6)
-    # And they are made use of: a robot that crawls would keep them too.
+    # A robot that crawls would keep them too.
     assert np.hypot(*changes.T).max() >= 0.9 * pace
 
 
-@over_specs
-@pytest.mark.parametrize("every", [1, 6, 50])
-def test_a_path_has_no_jump(spec, every, monkeypatch) -> None:
-    monkeypatch.setattr(rigid_body_motion, "PATH_EVERY", every)
-    motion, stream = motion_in(Layout(["..#.", "....", ".#.."]), (1, 1), spec), random.Random(1)
-    for _ in range(60):
+@pytest.mark.parametrize("every", [1, 50])
+def test_a_path_has_no_jump(every: int) -> None:
+    spec, stream = RobotSpec(), random.Random(1)
+    motion = motion_in(Layout(["..#.", "....", ".#.."]), (1, 1), spec, every)
+    for _ in range(40):
         outcome = move(motion, stream.choice(MOVES), stream.random() < 0.5)
         assert np.hypot(*velocities(outcome).T).max() <= spec.top_speed * (1 + 1e-6)
         assert np.diff(outcome.path[:, 0]).max() <= (every + 1e-6) * spec.time_step
@@ -216,39 +203,28 @@ def test_waiting_takes_the_dwell_and_costs_idle_power() -> None:
 
 @over_specs
 @over_loads
-@pytest.mark.parametrize("displacement", MOVES, ids="NESW")
-def test_the_impulse_of_a_bump_is_mass_times_speed(spec, loaded, displacement) -> None:
-    outcome = bump(spec, displacement, loaded)
-    assert outcome.blocked
-    assert [contact.counterpart for contact in outcome.contacts] == ["wall"]
-    momentum = spec.total_mass(loaded) * impact_speed(spec, loaded)
-    assert outcome.contacts[0].impulse == pytest.approx(momentum, rel=0.1)
+def test_the_impulse_of_a_bump_is_mass_times_speed(spec, loaded) -> None:
+    """The speed of the profile at the wall, and the one along the path."""
+    for displacement in MOVES:
+        outcome = bump(spec, displacement, loaded, path_every=1)
+        assert outcome.blocked
+        assert [contact.counterpart for contact in outcome.contacts] == ["wall"]
+        for speed in (impact_speed(spec, loaded), np.hypot(*velocities(outcome).T).max()):
+            momentum = spec.total_mass(loaded) * speed
+            assert outcome.contacts[0].impulse == pytest.approx(momentum, rel=0.1)
 
 
 @over_specs
 @over_loads
-@pytest.mark.usefixtures("every_substep")
-def test_the_impulse_of_a_bump_agrees_with_the_speed_along_its_path(spec, loaded) -> None:
-    outcome = bump(spec, EAST, loaded)
-    speed = velocities(outcome)[:, 0].max()
-    momentum = spec.total_mass(loaded) * speed
-    assert outcome.contacts[0].impulse == pytest.approx(momentum, rel=0.1)
-
-
-@over_specs
-@over_loads
-@pytest.mark.parametrize("displacement", MOVES, ids="NESW")
-@pytest.mark.usefixtures("every_substep")
-def test_a_robot_sinks_into_a_wall_no_deeper_than_a_substep_takes_it(
-    spec, loaded, displacement
-) -> None:
-    outcome = bump(spec, displacement, loaded)
-    middle = spec.cell_size / 2
-    depth = np.abs(outcome.path[:, 1:3] - middle).max() + spec.radius - middle
-    speed = np.hypot(*velocities(outcome).T).max()
-    assert depth <= speed * spec.time_step
-    if spec == RobotSpec():
-        assert depth <= 0.01
+def test_a_robot_sinks_into_a_wall_by_at_most_its_way_in_a_substep(spec, loaded) -> None:
+    for displacement in MOVES:
+        outcome = bump(spec, displacement, loaded, path_every=1)
+        middle = spec.cell_size / 2
+        depth = np.abs(outcome.path[:, 1:3] - middle).max() + spec.radius - middle
+        speed = np.hypot(*velocities(outcome).T).max()
+        assert depth <= speed * spec.time_step
+        if spec == RobotSpec():
+            assert depth <= 0.01
 
 
 def test_a_hit_is_where_and_when_the_body_met_the_wall() -> None:
@@ -272,7 +248,7 @@ def test_a_faster_impact_hits_harder() -> None:
 @over_loads
 def test_after_a_bump_the_robot_is_back_in_the_middle_of_its_cell(spec, loaded) -> None:
     motion = motion_in(LEDGE, (0, 0), spec)
-    for displacement in MOVES * 5:
+    for displacement in MOVES * 2:
         outcome = move(motion, displacement, loaded)
         assert (outcome.cell, outcome.blocked) == ((0, 0), True)
         middle = centre_of((0, 0), spec.cell_size)
@@ -287,9 +263,8 @@ def test_a_robot_slides_along_a_wall_without_touching_a_seam() -> None:
 
 
 @pytest.mark.parametrize("time_step", [1 / 60, 1 / 30])
-@pytest.mark.usefixtures("every_substep")
 def test_nothing_gets_through_a_wall_at_the_highest_speed_of_all(time_step: float) -> None:
-    drive_at_walls(time_step, TUNNEL_MOVES // 2)
+    drive_at_walls(time_step, TUNNEL_MOVES)
 
 
 # Energy.
@@ -367,7 +342,7 @@ def test_a_load_makes_a_move_longer_and_dearer() -> None:
     empty, loaded = (free_move(RobotSpec(), loaded=load) for load in (False, True))
     assert loaded.seconds > empty.seconds
     assert loaded.joules > empty.joules
-    # Put down again it is as light as before.
+    # Without the load the robot is as light as before.
     motion = motion_in(HALL, (3, 3))
     there, back = move(motion, EAST, loaded=True), move(motion, WEST)
     assert there.seconds > back.seconds == empty.seconds
@@ -387,7 +362,7 @@ rough = Disturbances(0.1, cells[::3], motor_strength=0.9, drag_spread=0.5)
 for robots, disturbances in ((1, None), (4, None), (1, rough), (3, rough)):
     motion = RigidBodyMotion(disturbances=disturbances)
     motion.reset(layout, cells[:robots], 5)
-    for _ in range(60):
+    for _ in range(20):
         loaded = [stream.random() < 0.5 for _ in range(robots)]
         for outcome in motion.advance(stream.choices(steps, k=robots), loaded):
             digest.update(repr(outcome[:4] + outcome[5:]).encode() + outcome.path.tobytes())
@@ -404,7 +379,7 @@ def test_outcomes_are_the_same_to_the_last_bit_in_every_process() -> None:
             check=True,
             text=True,
         ).stdout
-        for hash_seed in ("0", "1", "4242")
+        for hash_seed in ("0", "4242")
     }
     assert len(digests) == 1
     assert len(digests.pop()) == 65

@@ -1,4 +1,4 @@
-"""Checks that any motion backend can be put through: ``run_conformance(MyMotion)``."""
+"""The conformance suite for motion backends: ``run_conformance(MyMotion)``."""
 
 from warehouse_core.conformance.suite import Report, run_conformance
 

@@ -1,7 +1,7 @@
-"""The rules of the seam in ``motion/base.py``, each as a function that raises where it is broken.
+"""Checks of the rules in ``motion/base.py``; each raises if its rule is broken.
 
-A check is handed a factory that returns a fresh motion at each call, and its docstring is its rule.
-``CHECKS`` holds all of them; ``suite.py`` runs them, and those of ``vector_checks.py``.
+A check is called with a factory that returns a fresh motion at each call. Its docstring is its
+rule. ``suite.py`` runs all of ``CHECKS``, and those of ``vector_checks.py``.
 """
 
 from __future__ import annotations
@@ -42,14 +42,13 @@ from warehouse_core.world.tiles import Cell
 Check = Callable[[MakeMotion], None]
 
 CENTRE_TOLERANCE = 0.1
-"""In cells. A driven robot brakes to within millimetres of the middle; a tenth of a cell is far
-more than that, and far less than would let it reach into the next cell."""
+"""In cells. A driven robot stops within millimetres of the middle."""
 JOIN_TOLERANCE = 1e-6
-"""In cells. Two rows that report the same instant differ by rounding and nothing else."""
+"""In cells. Two rows at the same instant differ only by rounding."""
 TIME_TOLERANCE = 1e-9
-"""In seconds. Adding up time steps and multiplying by their number may round differently."""
+"""In seconds. A sum of time steps and a product with their number round differently."""
 HEADING_TOLERANCE = 0.1
-"""In radians, 6 degrees. A robot held by a finite torque need not face east to the last bit."""
+"""In radians, 6 degrees. A robot held by a finite torque may face slightly off."""
 
 CLOSET = Layout(["###", "#.#", "###"])
 LEDGE = Layout(["."])
@@ -75,7 +74,7 @@ def check_reset_puts_robots_at_rest(make_motion: MakeMotion) -> None:
 
 
 def check_a_free_move_ends_in_the_next_cell(make_motion: MakeMotion) -> None:
-    """A move into a free cell, to any of the four sides, ends there and is not blocked."""
+    """A move into a free cell, in any of the four directions, ends there and is not blocked."""
     for move in MOVES:
         _expect_stops(make_motion, HALL, [(3, 3)], [move], [None])
 
@@ -93,7 +92,7 @@ def check_the_edge_stops(make_motion: MakeMotion) -> None:
 
 
 def check_waiting_stays(make_motion: MakeMotion) -> None:
-    """A robot that waits stays and is not blocked, in the open and between walls."""
+    """A robot that waits stays and is not blocked, in an open hall and between walls."""
     _expect_stops(make_motion, HALL, [(3, 3)], [STAY], [None])
     _expect_stops(make_motion, CLOSET, [(1, 1)], [STAY], [None])
 
@@ -109,18 +108,18 @@ def check_a_move_costs_more_than_waiting(make_motion: MakeMotion) -> None:
 
 
 def check_a_new_layout_replaces_the_old(make_motion: MakeMotion) -> None:
-    """After a reset with another layout its walls count, and the old ones no longer do."""
+    """After a reset with another layout its walls stop robots, and the old ones do not."""
     with closing(make_motion()) as motion:
         for layout, stop in ((HALL, None), (PILLARS, WALL_CONTACT), (HALL, None)):
             motion.reset(layout, [(2, 2)], 0)
             expect_ends(advance(motion, [(2, 2)], [EAST], [False]), [stop])
 
 
-# What an outcome says.
+# Outcomes.
 
 
 def check_values_are_plain(make_motion: MakeMotion) -> None:
-    """`cell` is two int in a tuple, `blocked` a bool; `seconds`, `joules` are finite, above 0."""
+    """`cell` is a tuple of two int, `blocked` a bool; `seconds`, `joules` are finite, above 0."""
     for outcome in outcomes_of(survey(make_motion)):
         cell, blocked, *amounts = outcome[:4]
         plain = type(cell) is tuple and [type(part) for part in cell] == [int, int]
@@ -145,7 +144,7 @@ def check_paths_are_well_formed(make_motion: MakeMotion) -> None:
 
 
 def check_paths_join_up(make_motion: MakeMotion) -> None:
-    """A path starts where the robot's path before it ended."""
+    """A path starts where the previous path of the robot ended."""
     previous: Sequence[Outcome] = ()
     for step in survey(make_motion):
         for before, after in zip(previous if step.number else (), step.outcomes, strict=False):
@@ -163,7 +162,7 @@ def check_paths_end_in_the_middle_of_a_cell(make_motion: MakeMotion) -> None:
 
 
 def check_paths_keep_out_of_walls(make_motion: MakeMotion) -> None:
-    """A path leads over open cells only."""
+    """A path crosses open cells only."""
     for step in survey(make_motion):
         for outcome in step.outcomes:
             for x, y in outcome.path[:, 1:3] / step.cell_size:
@@ -172,7 +171,7 @@ def check_paths_keep_out_of_walls(make_motion: MakeMotion) -> None:
 
 
 def check_contacts_are_well_formed(make_motion: MakeMotion) -> None:
-    """Who is blocked had a contact; each has a possible time, impulse, place and counterpart."""
+    """A blocked robot had a contact; each has a valid time, impulse, point and counterpart."""
     for step in survey(make_motion):
         for robot, outcome in enumerate(step.outcomes):
             expect(bool(outcome.contacts) or not outcome.blocked, "blocked without a contact")
@@ -188,7 +187,7 @@ def check_contacts_are_well_formed(make_motion: MakeMotion) -> None:
 
 
 def check_outcomes_are_kept_as_they_were(make_motion: MakeMotion) -> None:
-    """An outcome is a record: neither later moves nor a reset change it."""
+    """An outcome does not change later, by moves or by a reset."""
     with closing(make_motion()) as motion:
         kept = [(o, o._replace(path=o.path.copy())) for o in outcomes_of(walk(motion, 2, 5))]
         outcomes_of(walk(motion, 2, 5, seed=1))
@@ -196,18 +195,18 @@ def check_outcomes_are_kept_as_they_were(make_motion: MakeMotion) -> None:
         expect(outcome == copy, "an outcome has changed since it was returned")
 
 
-# Many moves, many robots.
+# Many moves and robots.
 
 
 def check_a_lone_robot_agrees_with_the_walls(make_motion: MakeMotion) -> None:
-    """A robot on its own, empty or loaded, gets to the next cell unless that is a wall."""
+    """A lone robot, empty or loaded, reaches the next cell unless that is a wall."""
     with closing(make_motion()) as motion:
         for step in walk(motion, robots=1, moves=400):
             expect_ends(step, [None if MAZE.is_open(step.wanted[0]) else WALL_CONTACT])
 
 
 def check_robots_agree_with_the_traffic_rule(make_motion: MakeMotion) -> None:
-    """Two to five robots end and are blocked as the table in `motion/traffic.py` says."""
+    """Two to five robots end and are blocked by the table in `motion/traffic.py`."""
     for step in crowds(make_motion):
         expect_ends(step, find_stops(MAZE, step.starts, step.wanted))
 
@@ -220,17 +219,17 @@ def check_robots_never_share_a_cell(make_motion: MakeMotion) -> None:
 
 
 def check_traffic_waiting(make_motion: MakeMotion) -> None:
-    """Of two neighbours that wait neither is stopped."""
+    """Of two neighbours that wait, neither is stopped."""
     _expect_stops(make_motion, HALL, [(3, 3), (3, 4)], [STAY, STAY], [None, None])
 
 
 def check_traffic_wall(make_motion: MakeMotion) -> None:
-    """A wall stops the one robot that drives at it and not the other."""
+    """A wall stops only the robot that drives at it."""
     _expect_stops(make_motion, HALL, [(0, 3), (3, 3)], [NORTH, NORTH], [WALL_CONTACT, None])
 
 
 def check_traffic_same_target(make_motion: MakeMotion) -> None:
-    """Of two robots that want the same cell neither gets it."""
+    """Of two robots that want the same cell, neither reaches it."""
     _expect_stops(make_motion, HALL, [(3, 2), (3, 4)], [EAST, WEST], [1, 0])
 
 
@@ -250,13 +249,13 @@ def check_traffic_following(make_motion: MakeMotion) -> None:
 
 
 def check_traffic_cycle(make_motion: MakeMotion) -> None:
-    """Robots in a ring that all move on get there."""
+    """Robots that all move on in a ring reach their cells."""
     ring = [(3, 3), (3, 4), (4, 4), (4, 3)]
     _expect_stops(make_motion, HALL, ring, [EAST, SOUTH, WEST, NORTH], [None] * 4)
 
 
 def check_equal_runs_are_equal(make_motion: MakeMotion) -> None:
-    """The same seed and actions give the same outcomes bit for bit, in a fresh motion too."""
+    """The same seed and actions give the same outcomes, bit for bit, also in a fresh motion."""
     with closing(make_motion()) as one, closing(make_motion()) as other:
         first = outcomes_of(walk(one, 3, 40, seed=7))
         expect(outcomes_of(walk(other, 3, 40, seed=7)) == first, "a fresh motion differs")
@@ -267,7 +266,7 @@ def check_equal_runs_are_equal(make_motion: MakeMotion) -> None:
 
 
 def check_bad_moves_change_nothing(make_motion: MakeMotion) -> None:
-    """Wrong displacements, or a wrong number of them or of loads, raise ValueError, no more."""
+    """Invalid displacements, or a wrong number of them or of loads, only raise ValueError."""
     for robots in (1, 2):
         *some, last = moves = [EAST] * robots
         *few, _ = loads = [False] * robots
@@ -281,7 +280,7 @@ def check_bad_moves_change_nothing(make_motion: MakeMotion) -> None:
 
 
 def check_bad_starts_change_nothing(make_motion: MakeMotion) -> None:
-    """A start on a wall, off the grid or given twice raises LayoutError, no more."""
+    """A start on a wall, off the grid or given twice only raises LayoutError."""
     bad = [[(1, 1), (0, 0)], [(-1, 1)], [(1, 3)], [(1, 1), (1, 1)]]
     with closing(make_motion()) as calm, closing(make_motion()) as noisy:
         for one, other in zip(walk(calm, 2, 20), walk(noisy, 2, 20), strict=True):
@@ -291,7 +290,7 @@ def check_bad_starts_change_nothing(make_motion: MakeMotion) -> None:
 
 
 def check_advance_needs_a_reset(make_motion: MakeMotion) -> None:
-    """To advance before a reset or after a close raises RuntimeError; closing twice is fine."""
+    """Advancing before a reset or after a close raises RuntimeError; closing twice is allowed."""
     motion = make_motion()
     expect_error(RuntimeError, motion.advance, [EAST], [False])
     motion.reset(HALL, [(3, 3)], 0)
@@ -303,7 +302,7 @@ def check_advance_needs_a_reset(make_motion: MakeMotion) -> None:
 CHECKS: tuple[Check, ...] = tuple(
     check for name, check in list(globals().items()) if name.startswith("check_")
 )
-"""The checks of this file, in its order."""
+"""The checks of this module, in order."""
 
 
 def _expect_stops(
@@ -313,7 +312,7 @@ def _expect_stops(
     displacements: list[Cell],
     stops: list[Stop],
 ) -> None:
-    """Expect one step to end as ``stops`` says, and each robot to have felt what stopped it."""
+    """Expect one step to end by ``stops``, and each robot to have touched what stopped it."""
     step = trial(make_motion, layout, cells, displacements)
     expect_ends(step, stops)
     for outcome, stop in zip(step.outcomes, stops, strict=True):

@@ -1,14 +1,13 @@
-"""The conformance suite: say whether a motion backend keeps the rules of the seam.
+"""The conformance suite: checks that a motion backend follows the rules of ``motion/base.py``.
 
-No test runner is needed. A third party tests its own backend with three lines::
+It needs no test runner. Three lines test a backend::
 
-    from warehouse_core.conformance.suite import run_conformance
+    from warehouse_core.conformance import run_conformance
 
     report = run_conformance(MyMotion)
     report.raise_for_failures()
 
-The rules themselves, each a plain function, are in ``checks.py`` and, for batches,
-``vector_checks.py``.
+The checks are plain functions in ``checks.py`` and, for batches, ``vector_checks.py``.
 """
 
 from __future__ import annotations
@@ -19,11 +18,9 @@ from dataclasses import dataclass
 from warehouse_core.conformance.checks import CHECKS as SINGLE_CHECKS
 from warehouse_core.conformance.checks import Check
 from warehouse_core.conformance.trials import ConformanceError, MakeMotion
-from warehouse_core.conformance.vector_checks import BATCH_CHECKS
+from warehouse_core.conformance.vector_checks import VECTOR_CHECKS
 
-__all__ = ["CHECKS", "ConformanceError", "Report", "Result", "run_conformance"]
-
-CHECKS: tuple[Check, ...] = SINGLE_CHECKS + BATCH_CHECKS
+CHECKS: tuple[Check, ...] = SINGLE_CHECKS + VECTOR_CHECKS
 """Every check, in the order in which they run."""
 
 PASSED, FAILED = "passed", "failed"
@@ -32,13 +29,13 @@ EXPECTED_FAILURE, UNEXPECTED_PASS = "expected failure", "unexpected pass"
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What one check came to.
+    """The result of one check.
 
     Attributes:
         name: of the check, as in ``expected_failures``.
-        rule: which it checks, a sentence.
+        rule: the rule that it checks, a sentence.
         status: ``"passed"``, ``"failed"``, ``"expected failure"`` or ``"unexpected pass"``.
-        detail: how it failed, or why it was expected to; "" where it passed.
+        detail: how it failed, or why it was expected to; "" if it passed.
     """
 
     name: str
@@ -52,20 +49,20 @@ class Result:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """The results of all checks, in the order of ``CHECKS``; as text, one a line."""
+    """The results of all checks in the order of ``CHECKS``; ``str`` gives one line for each."""
 
     results: tuple[Result, ...]
 
     @property
     def failures(self) -> tuple[Result, ...]:
-        """The checks that failed, and those that passed although they were declared to fail."""
+        """The checks that failed, or passed although they were expected to fail."""
         return tuple(r for r in self.results if r.status in (FAILED, UNEXPECTED_PASS))
 
     def raise_for_failures(self) -> None:
         """Raise if there are failures.
 
         Raises:
-            ConformanceError: listing every one.
+            ConformanceError: listing all of them.
         """
         if self.failures:
             raise ConformanceError("\n".join(map(str, self.failures)))
@@ -77,15 +74,15 @@ class Report:
 def run_conformance(
     make_motion: MakeMotion, expected_failures: Mapping[str, str] | None = None
 ) -> Report:
-    """Run every check; whatever a motion raises in a check is a failure of that check.
+    """Run all checks; any exception of a motion in a check is a failure of that check.
 
     Args:
-        make_motion: returns a fresh motion at each call; the class itself will do.
-        expected_failures: the reason for each check, by name, that the motion is known to fail.
-            Should one pass after all, that is a failure.
+        make_motion: returns a fresh motion at each call; a class will do.
+        expected_failures: names of checks that the motion is known to fail, and the reasons. An
+            unexpected pass is a failure.
 
     Raises:
-        ValueError: ``expected_failures`` names no check, or gives no reason.
+        ValueError: ``expected_failures`` has an unknown name or an empty reason.
     """
     expected = dict(expected_failures or {})
     unknown = expected.keys() - {check.__name__ for check in CHECKS}

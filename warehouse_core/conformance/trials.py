@@ -1,4 +1,4 @@
-"""What the conformance checks share: drive a motion, and raise where it is not as expected."""
+"""Functions of the conformance checks: drive a motion, and raise if a result is unexpected."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ STAY: Cell = (0, 0)
 NORTH, EAST, SOUTH, WEST = MOVES = tuple(MOVE_DELTAS.values())
 
 MAZE = random_layout(height=7, width=8, density=0.25, seed=3)
-"""Where random walks take place: small, so that robots often meet walls and each other."""
+"""For random walks: small, so that robots often meet walls and each other."""
 
 
 class ConformanceError(AssertionError):
@@ -36,9 +36,9 @@ class Step(NamedTuple):
     Attributes:
         number: of the step in its walk, from 0.
         cell_size: side of a cell in metres.
-        starts: the cells that the robots were in.
-        wanted: the cells that they were told to go to.
-        outcomes: what came of it.
+        starts: cells of the robots before the step.
+        wanted: cells that they were told to drive to.
+        outcomes: of the robots.
     """
 
     number: int
@@ -55,7 +55,7 @@ def advance(
     loaded: list[bool],
     number: int = 0,
 ) -> Step:
-    """Let robots that are in ``cells`` take one step."""
+    """Advance robots in ``cells`` by one step."""
     outcomes = motion.advance(displacements, loaded)
     expect(len(outcomes) == len(cells), f"{len(outcomes)} outcomes for {len(cells)} robots")
     expect(all(isinstance(outcome, Outcome) for outcome in outcomes), "it returned no Outcome")
@@ -71,14 +71,14 @@ def trial(
     displacements: list[Cell],
     loaded: bool = False,
 ) -> Step:
-    """Let the robots of a fresh motion take one step from rest."""
+    """Advance the robots of a fresh motion by one step."""
     with closing(make_motion()) as motion:
         motion.reset(layout, cells, 0)
         return advance(motion, cells, displacements, [loaded] * len(cells))
 
 
 def walk(motion: Motion, robots: int, moves: int, seed: int = 0) -> Iterator[Step]:
-    """Put robots anywhere in the maze and move them at random, some of the time loaded."""
+    """Place robots at random in the maze and move them at random, half of them loaded."""
     stream = random.Random(seed)
     ranks = stream.sample(range(len(MAZE.open_cells)), robots)
     cells = [MAZE.open_cell(rank) for rank in ranks]
@@ -92,7 +92,7 @@ def walk(motion: Motion, robots: int, moves: int, seed: int = 0) -> Iterator[Ste
 
 
 def survey(make_motion: MakeMotion) -> Iterator[Step]:
-    """Walk with one robot and with four: enough for every kind of outcome to turn up."""
+    """Walk with one robot and with four, which gives every kind of outcome."""
     for robots in (1, 4):
         with closing(make_motion()) as motion:
             yield from walk(motion, robots, moves=150)
@@ -111,18 +111,18 @@ def outcomes_of(steps: Iterable[Step]) -> list[Outcome]:
 
 
 def off_centre(row: NDArray[np.float64], cell: Cell, cell_size: float) -> float:
-    """Return how far a row of a path is from the middle of ``cell``, in cells."""
+    """Return the distance of a row of a path from the middle of ``cell``, in cells."""
     return math.dist(row[1:3], centre_of(cell, cell_size)) / cell_size
 
 
 def expect(condition: bool, otherwise: str) -> None:
-    """Raise a ``ConformanceError`` that says ``otherwise`` where the condition does not hold."""
+    """Raise a ``ConformanceError`` with the text ``otherwise`` if the condition is false."""
     if not condition:
         raise ConformanceError(otherwise)
 
 
 def expect_ends(step: Step, stops: Sequence[Stop]) -> None:
-    """Expect each robot to be where it wanted, or to have stayed where something stops it."""
+    """Expect each robot in its wanted cell, or blocked in its start if something stops it."""
     for robot, (outcome, stop) in enumerate(zip(step.outcomes, stops, strict=True)):
         end = step.wanted[robot] if stop is None else step.starts[robot]
         expect(
@@ -133,7 +133,7 @@ def expect_ends(step: Step, stops: Sequence[Stop]) -> None:
 
 
 def expect_error(kind: type[Exception], call: Callable[..., object], *arguments: object) -> None:
-    """Expect a call to raise an error of a kind; any other goes on to the caller."""
+    """Expect a call to raise an error of a kind; other errors propagate."""
     try:
         call(*arguments)
     except kind:

@@ -1,6 +1,6 @@
-"""The rules of the seam for a batch, checked against the motion that it multiplies.
+"""Checks of a batch against single motions.
 
-A motion that has no method ``batch``, or whose ``batch`` raises ValueError, breaks none of them.
+A motion without a method ``batch``, or whose ``batch`` raises ValueError, passes them.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from warehouse_core.world.layout import Layout
 
 MOVES = 60
 TOLERANCE = 1e-6
-"""Of seconds and joules, relative; sums of the same terms may be added up in another order."""
+"""Of seconds and joules, relative; terms may be summed in another order."""
 
 LAYOUTS = [MAZE, Layout(["#.#.", "....", "..#."]), MAZE, Layout(["."]), Layout(["......"]), MAZE]
 
 
 def check_a_batch_moves_as_single_motions_do(make_motion: MakeMotion) -> None:
-    """Each row of a batch ends, is blocked, takes and costs what a motion of its own would."""
+    """Each row of a batch has the cell, `blocked`, `seconds` and `joules` of a single motion."""
     with ExitStack() as open_motions:
         batch = _batch_of(make_motion, open_motions)
         if batch is not None:
@@ -33,7 +33,7 @@ def check_a_batch_moves_as_single_motions_do(make_motion: MakeMotion) -> None:
 
 
 def check_a_closed_batch_does_not_move(make_motion: MakeMotion) -> None:
-    """To advance a batch after a close raises RuntimeError; closing twice is fine."""
+    """Advancing a batch after a close raises RuntimeError; closing twice is allowed."""
     with ExitStack() as open_motions:
         batch = _batch_of(make_motion, open_motions)
         if batch is not None:
@@ -45,11 +45,11 @@ def check_a_closed_batch_does_not_move(make_motion: MakeMotion) -> None:
             batch.close()
 
 
-BATCH_CHECKS = (check_a_batch_moves_as_single_motions_do, check_a_closed_batch_does_not_move)
+VECTOR_CHECKS = (check_a_batch_moves_as_single_motions_do, check_a_closed_batch_does_not_move)
 
 
 def _batch_of(make_motion: MakeMotion, open_motions: ExitStack) -> BatchMotion | None:
-    """Return a batch in ``LAYOUTS``, or nothing where the motion cannot be multiplied."""
+    """Return a batch in ``LAYOUTS``, or ``None`` if the motion has none."""
     motion = open_motions.enter_context(closing(make_motion()))
     if not isinstance(motion, Batchable):
         return None
@@ -60,7 +60,7 @@ def _batch_of(make_motion: MakeMotion, open_motions: ExitStack) -> BatchMotion |
 
 
 def _walk_side_by_side(batch: BatchMotion, singles: list[Motion], stream: random.Random) -> None:
-    """Make the same random moves on both, and put some of the robots elsewhere now and then."""
+    """Make the same random moves on both, and place some robots elsewhere at times."""
     fresh = list(range(len(LAYOUTS)))
     for _ in range(MOVES):
         for row in fresh:

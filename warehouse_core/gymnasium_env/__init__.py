@@ -1,7 +1,7 @@
 """The warehouse as Gymnasium environments: importing this package registers ``Warehouse-v0``.
 
-``gymnasium.make("warehouse_core.gymnasium_env:Warehouse-v0", backend="physics")`` does so. No rule
-is here: ``WarehouseEnv`` and ``BatchEnv`` do the work, and these files add spaces and infos.
+``gymnasium.make("warehouse_core.gymnasium_env:Warehouse-v0", backend="physics")`` does so. The
+rules are not here: this package adds spaces and infos to ``WarehouseEnv`` and ``BatchEnv``.
 """
 
 import gymnasium

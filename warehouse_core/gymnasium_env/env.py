@@ -1,9 +1,4 @@
-"""The warehouse as Gymnasium knows environments: ``Warehouse-v0``, one at a time or a batch.
-
-``gymnasium.make("warehouse_core.gymnasium_env:Warehouse-v0", backend="physics")`` imports this
-module, which registers the name. Nothing else in this package imports Gymnasium, and no rule is
-here: ``WarehouseEnv`` and ``BatchEnv`` do the work, and this file makes spaces and info of it.
-"""
+"""One warehouse as a ``gymnasium.Env``."""
 
 from __future__ import annotations
 
@@ -21,11 +16,11 @@ from warehouse_core.errors import LayoutError
 from warehouse_core.gymnasium_env.spaces import (
     RENDER_FPS,
     Extent,
-    _check_options,
+    check_options,
     check_render_mode,
     make_form,
 )
-from warehouse_core.gymnasium_env.view import ActionMasks, Encoder
+from warehouse_core.gymnasium_env.view import View
 from warehouse_core.motion.backends import Backend
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
 from warehouse_core.render.window import PictureWindow
@@ -39,30 +34,43 @@ UNSTARTED = "there has been no reset() yet"
 
 
 class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
-    """One warehouse. Actions are 0 to 6: N, E, S, W, WAIT, PICK, DROP.
+    """``Warehouse-v0``: ``WarehouseEnv`` with the interface of Gymnasium.
 
-    ``info`` has ``action_mask``, ``[7]`` int8 with 1 for each action that does something now, and
-    after a step ``motion``, the ``Outcome`` of its motion.
+    Description:
+        A robot takes an item from a pickup to a dropoff, past walls, before its battery is empty.
+
+    Actions:
+        ``Discrete(7)``: N, E, S, W, WAIT, PICK, DROP. ``info["action_mask"]``, ``[7]`` int8, has a
+        1 for each action that does something now.
+
+    Observations:
+        A window of the grid around the robot, its position and load, the budgets and the stations,
+        in one of the forms of ``make_form``. After a step ``info["motion"]`` is its ``Outcome``.
+
+    Rewards:
+        The table in ``task/rules.py``.
+
+    Ends:
+        Terminated by the delivery; truncated when the steps or the battery are used up.
 
     Args:
         layout: a ``Layout``, its rows or its text; ``None`` is the chapter's.
-        backend: name, class or instance of the motion that carries out the moves; of an instance
-            the environment takes a copy for itself.
-        observation: the form of the observations, see ``make_form``.
-        start_pos: where the robot starts without ``randomize``; ``None`` is the usual start.
-        max_steps: steps until the episode is truncated, 1 to ``MAX_STEPS``.
-        battery: battery units of a full charge, 1 to ``MAX_STEPS``; every step costs one.
-        view_radius: cells seen in each direction, 0 to ``MOST_VIEW_RADIUS``.
+        backend: name, class or instance of a motion; an instance is copied.
+        observation: name of a form, see ``make_form``.
+        start_pos: start of the robot without ``randomize``; ``None`` is the usual one.
+        max_steps: limit of an episode, 1 to ``MAX_STEPS``.
+        battery: units of a full charge, 1 to ``MAX_STEPS``; every step costs one.
+        view_radius: cells seen in each direction, 0 to ``MAX_VIEW_RADIUS``.
         randomize: draw pickup, dropoff and start of each episode.
         render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``.
         tile_pixels: side of a cell in a picture, at least 2; ``None`` fits it to the layout.
 
     Raises:
-        ValueError: a value that is not allowed; ``LayoutError`` and ``BackendError`` are such.
+        ValueError: a value that is not allowed; also as ``LayoutError`` or ``BackendError``.
         TypeError: an argument of another type.
     """
 
-    metadata: dict[str, Any] = {  # noqa: RUF012 - so declared by Gymnasium
+    metadata: dict[str, Any] = {  # noqa: RUF012 - as declared by Gymnasium
         "render_modes": ["human", "rgb_array", "ansi"],
         "render_fps": RENDER_FPS,
     }
@@ -84,12 +92,12 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         self._layout = as_layout(layout)
         self._start = None if start_pos is None else as_cell("start_pos", start_pos)
         start = self._start or self._layout.usual_start()
-        # Environments that shared one motion would move each other's robots.
+        # Environments that share a motion would move each other's robots.
         own = backend if isinstance(backend, (str, type)) else deepcopy(backend)
         self._warehouse = WarehouseEnv(
             self._layout, start, max_steps, battery, view_radius, backend=own
         )
-        self._encoder, self._masks = Encoder(self._warehouse), ActionMasks(self._warehouse)
+        self._view = View(self._warehouse)
         self._randomize = as_flag("randomize", randomize)
         if randomize:
             check_room(self._layout)
@@ -105,7 +113,7 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
 
     @property
     def warehouse(self) -> WarehouseEnv:
-        """The chapter's environment within."""
+        """The wrapped environment of the chapter."""
         return self._warehouse
 
     def reset(
@@ -114,32 +122,32 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         """Start an episode.
 
         Args:
-            seed: of ``np_random``, from which pickup, dropoff, start and whatever chance the
-                motion knows are drawn; ``None`` goes on with it.
+            seed: for ``np_random``, from which pickup, dropoff, start and the seed of the motion
+                are drawn; ``None`` continues its stream.
             options: ``randomize`` (bool), ``layout`` (of the same size) and ``start_pos`` for
-                this episode alone, in place of what the environment was made with.
+                this episode only.
 
         Raises:
             ValueError: an unknown option or a bad value; nothing has changed.
             TypeError: a value of another type; nothing has changed.
-            gymnasium.error.Error: a seed that is not a whole number from 0 on.
+            gymnasium.error.Error: a seed that is negative or not an integer.
         """
         layout, start, randomize = self._options(
-            _check_options(options, {"layout", "randomize", "start_pos"})
+            check_options(options, {"layout", "randomize", "start_pos"})
         )
         super().reset(seed=seed)
         uniforms = self.np_random.random(DRAWS)
         if randomize:
             layout, drawn = draw_stations(layout, uniforms)
             start = start or drawn
-        assert start is not None, "what is not drawn has been told"
+        assert start is not None, "a start is drawn or given"
         self._warehouse.reset_to(layout, start, motion_seed(uniforms))
-        self._encoder.forget()
-        self._masks.forget()
+        self._view.forget()
         self._over = ""
         if self.render_mode == "human":
             self._show()
-        return self._form(self._encoder.encode()), {"action_mask": self.action_masks()}
+        arrays, mask = self._view.look()
+        return self._form(arrays), {"action_mask": mask}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Carry out one action, an integer 0 to 6.
@@ -158,10 +166,11 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
             self._over = "the episode has ended; a reset() must come first"
         motion = warehouse.last_motion
         assert motion is not None, "every step has a motion"
-        info = {"motion": motion.copy(), "action_mask": self.action_masks()}
         if self.render_mode == "human":
             self._show()
-        return self._form(self._encoder.encode()), reward, terminated, truncated, info
+        arrays, mask = self._view.look()
+        info = {"motion": motion.copy(), "action_mask": mask}
+        return self._form(arrays), reward, terminated, truncated, info
 
     def action_masks(self) -> NDArray[np.int8]:
         """Return ``[7]`` int8: 1 for each action that does something now.
@@ -171,10 +180,10 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         """
         if self._over == UNSTARTED:
             raise ResetNeeded(f"action_masks(): {self._over}")
-        return self._masks.mask()
+        return self._view.look()[1]
 
     def render(self) -> Any:
-        """Return a picture ``[H, W, 3]`` uint8 or the text; a window is shown by itself."""
+        """Return a picture ``[H, W, 3]`` uint8 or the text; a window needs no call."""
         if self.render_mode == "rgb_array":
             return self._picture()
         if self.render_mode == "ansi":
@@ -184,7 +193,7 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         return None
 
     def close(self) -> None:
-        """Close the window and let the motion backend go."""
+        """Close the window and the motion backend."""
         if self._window is not None:
             self._window.close()
             self._window = None
@@ -192,7 +201,7 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         self._over = "the environment has been closed"
 
     def _options(self, options: dict[str, Any]) -> tuple[Layout, Cell | None, bool]:
-        """Return the layout, the start unless it is to be drawn, and whether to draw."""
+        """Return the layout, the start (``None`` to draw it) and whether to draw."""
         other = options.get("layout")
         layout = self._layout if other is None else as_layout(other)
         if (layout.height, layout.width) != (self._layout.height, self._layout.width):

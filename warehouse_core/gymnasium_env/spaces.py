@@ -1,4 +1,4 @@
-"""Observation spaces, and the options that both environments check alike."""
+"""Observation spaces, and checks of options for both environments."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ FORMS = ("dict", "vector", "image")
 
 RENDER_FPS = 8
 
-MOST_VIEW_RADIUS = 500
-"""A window of a million cells; no space need be larger."""
+MAX_VIEW_RADIUS = 500
+"""A window of a million cells."""
 
-LEAST = 2
-"""Rows and columns that spaces have room for: Gymnasium warns of bounds that leave no choice."""
+MIN_SIDE = 2
+"""Rows and columns that spaces allow for: Gymnasium warns if low and high bounds are equal."""
 
 
 class Form(NamedTuple):
-    """One way to give observations: their space, and what makes them of arrays."""
+    """A form of observations: their space, and the function that makes them from arrays."""
 
     space: spaces.Space[Any]
     of: Callable[[Arrays], Any]
 
 
 class Extent(NamedTuple):
-    """What bounds every value of an observation."""
+    """The limits of the values in an observation."""
 
     height: int
     width: int
@@ -43,7 +43,7 @@ class Extent(NamedTuple):
 
 
 def make_form(name: str, extent: Extent) -> Form:
-    """Return a form of observation by its name.
+    """Return the form of observations with a name.
 
     ============  =================================================================================
     ``"dict"``    a flat ``Dict`` with the keys of the chapter's observation, as ``Arrays`` in
@@ -53,17 +53,17 @@ def make_form(name: str, extent: Extent) -> Form:
     ============  =================================================================================
 
     Raises:
-        ValueError: no form is called so, a battery or steps above ``MAX_STEPS``, or a view radius
-            above ``MOST_VIEW_RADIUS``.
+        ValueError: an unknown name, a battery or steps above ``MAX_STEPS``, or a view radius
+            above ``MAX_VIEW_RADIUS``.
     """
     height, width, view_radius, battery, max_steps = extent
     whole_number("battery", battery, 1, MAX_STEPS)
     whole_number("max_steps", max_steps, 1, MAX_STEPS)
-    whole_number("view_radius", view_radius, 0, MOST_VIEW_RADIUS)
+    whole_number("view_radius", view_radius, 0, MAX_VIEW_RADIUS)
     if name == "dict":
-        return Form(_dict_space(extent), _as_it_is)
+        return Form(_dict_space(extent), _unchanged)
     if name == "vector":
-        rows, columns = max(height, LEAST), max(width, LEAST)
+        rows, columns = max(height, MIN_SIDE), max(width, MIN_SIDE)
         low, high = vector_limits(rows, columns, view_radius, battery, max_steps)
         return Form(spaces.Box(low, high, dtype=np.float32), vector)
     if name == "image":
@@ -72,12 +72,12 @@ def make_form(name: str, extent: Extent) -> Form:
     raise ValueError(f"observation is {name!r}; allowed: {', '.join(FORMS)}")
 
 
-def _as_it_is(arrays: Arrays) -> Arrays:
+def _unchanged(arrays: Arrays) -> Arrays:
     return arrays  # a lambda could not be pickled
 
 
 def _dict_space(extent: Extent) -> spaces.Dict:
-    last_cell = np.maximum([extent.height, extent.width], LEAST) - 1
+    last_cell = np.maximum([extent.height, extent.width], MIN_SIDE) - 1
     window = (2 * extent.view_radius + 1) ** 2
 
     def whole(low: int, high: ArrayLike, size: int) -> spaces.Box[Any]:
@@ -97,12 +97,12 @@ def _dict_space(extent: Extent) -> spaces.Dict:
     )
 
 
-def _check_options(options: object, allowed: set[str]) -> dict[str, Any]:
-    """Return options that are known by name.
+def check_options(options: object, allowed: set[str]) -> dict[str, Any]:
+    """Return ``options`` as a dict of allowed keys.
 
     Raises:
-        TypeError: they are no dict.
-        ValueError: one is unknown.
+        TypeError: not a dict.
+        ValueError: an unknown key.
     """
     if options is None:
         return {}
@@ -117,7 +117,7 @@ def _check_options(options: object, allowed: set[str]) -> dict[str, Any]:
 
 
 def check_render_mode(mode: str | None, allowed: list[str]) -> None:
-    """Refuse an unknown render mode.
+    """Raise if a render mode is unknown.
 
     Raises:
         ValueError: listing those allowed.

@@ -1,4 +1,4 @@
-"""Many warehouses as one ``gymnasium.vector.VectorEnv``."""
+"""Many warehouses as a ``gymnasium.vector.VectorEnv``."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from warehouse_core.errors import EndedError
 from warehouse_core.gymnasium_env.spaces import (
     RENDER_FPS,
     Extent,
-    _check_options,
+    check_options,
     check_render_mode,
     make_form,
 )
@@ -28,25 +28,39 @@ from warehouse_core.world.layout import GivenLayout, Layout, as_layout
 from warehouse_core.world.tiles import Cell
 
 AutoresetMode: Any = getattr(gymnasium.vector, "AutoresetMode", str)
-"""Gymnasium's own enumeration; version 1.0 had none, and its name has to do."""
+"""Gymnasium's enumeration; version 1.0 has none, and strings are used."""
 
 
 class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
-    """A batch of warehouses, stepped together by NumPy; see ``BatchEnv``.
+    """``Warehouse-v0`` as a batch: ``BatchEnv`` with the vector interface of Gymnasium.
 
-    Rows are what ``WarehouseGymnasiumEnv`` gives for the seeds ``seed, seed + 1, ...``, but for
-    ``info["motion"]``, which has ``blocked``, ``seconds`` and ``joules`` of all rows, and no paths
-    or contacts. On the physics backend a batch cannot be pickled or copied.
+    Description:
+        ``B`` warehouses stepped together by NumPy. Row ``b`` is the ``WarehouseGymnasiumEnv`` with
+        the seed ``seed + b``.
+
+    Actions:
+        ``MultiDiscrete``, ``[B]``, with the actions of ``WarehouseGymnasiumEnv``.
+
+    Observations:
+        Those of ``WarehouseGymnasiumEnv``, batched. ``info["motion"]`` has ``blocked``,
+        ``seconds`` and ``joules`` of all rows, and neither paths nor contacts.
+
+    Rewards:
+        The table in ``task/rules.py``, ``[B]`` float64.
+
+    Ends:
+        As for ``WarehouseGymnasiumEnv``; rows that have ended restart by ``autoreset_mode``.
 
     Args:
         num_envs: ``B``, at least 1.
-        layout: one for all rows, or a list of ``B`` of ``Layout`` for each its own.
+        layout: one for all rows, or a list of ``B`` layouts.
         autoreset_mode: an ``AutoresetMode`` or its value, ``"NextStep"``, ``"SameStep"`` or
             ``"Disabled"``.
-        backend: as for ``WarehouseGymnasiumEnv``, and so are all further arguments.
+        backend: as for ``WarehouseGymnasiumEnv``, like all other arguments. On the physics
+            backend a batch can be neither pickled nor copied.
 
     Raises:
-        ValueError: a value that is not allowed; ``LayoutError`` and ``BackendError`` are such.
+        ValueError: a value that is not allowed; also as ``LayoutError`` or ``BackendError``.
         TypeError: an argument of another type.
     """
 
@@ -109,7 +123,7 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             TypeError: a value of another type.
             ResetNeeded: a mask before the first reset.
         """
-        mask = _check_options(options, {"reset_mask"}).get("reset_mask")
+        mask = check_options(options, {"reset_mask"}).get("reset_mask")
         try:
             arrays, info = self._batch.reset(seed, mask)
         except EndedError as error:
@@ -162,15 +176,15 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return None
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Let the motion backend go."""
-        # Some versions of Gymnasium close what could not even be made.
+        """Close the motion backend."""
+        # Some versions of Gymnasium close an environment whose construction failed.
         if hasattr(self, "_batch"):
             self._batch.close()
 
     def _final(self, arrays: dict[str, NDArray[Any]], ended: NDArray[np.bool_]) -> NDArray[Any]:
-        """Return ``[B]`` last observations of rows that have ended, as Gymnasium gives them."""
+        """Return ``[B]`` final observations, ``None`` for rows that have not ended."""
         final, rows = np.full(self.num_envs, None, object), np.flatnonzero(ended)
-        # Most rows go on, and it would take far longer than the step to make these of all of them.
+        # Only of the rows that have ended, since making all would take longer than the step.
         some: Any = {key: values[rows] for key, values in arrays.items()}
         observations = iterate(self.observation_space, self._form(some))
         for row, observation in zip(rows, observations, strict=True):

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from warehouse_core.arguments import real_number
 from warehouse_core.motion.base import (
     WALL_CONTACT,
     Contact,
@@ -51,9 +52,7 @@ class GridMotion:
     """
 
     def __init__(self, cell_size: float = 1.0) -> None:
-        if not (math.isfinite(cell_size) and cell_size > 0):
-            raise ValueError(f"cell_size is {cell_size!r}; it must be positive and finite")
-        self.cell_size = float(cell_size)
+        self.cell_size = real_number("cell_size", cell_size, above=True)
         self._moving_joules = nominal_joules(self.cell_size, moving=True)
         self._waiting_joules = nominal_joules(self.cell_size, moving=False)
         self._layout = Layout([EMPTY])

@@ -1,9 +1,4 @@
-"""Many warehouses at once: ``B`` environments stepped together by NumPy.
-
-Row ``b`` is what a ``WarehouseEnv`` in its layout would be, fed the same actions; the rules are
-those of ``task/rules.py`` and the moves those of the same backends. What differs is the form:
-arrays for all rows instead of one dict, and rows that start again by themselves.
-"""
+"""Many warehouses at once: ``B`` environments stepped together by NumPy."""
 
 from __future__ import annotations
 
@@ -19,9 +14,9 @@ from warehouse_core.motion.backends import Backend, make_batch_motion
 from warehouse_core.motion.vector import BatchOutcome, Flags, Integers, Rows
 from warehouse_core.task.encoding import MAX_STEPS, Arrays
 from warehouse_core.task.state import WarehouseState
-from warehouse_core.vector.floor import BatchFloor
+from warehouse_core.vector.floor import VectorFloor
 from warehouse_core.vector.rules import judge_all, masks
-from warehouse_core.vector.starts import BatchStart
+from warehouse_core.vector.starts import VectorStarts
 from warehouse_core.world.actions import ACTIONS, WAIT
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
 from warehouse_core.world.tables import LayoutSet
@@ -41,22 +36,39 @@ BatchStep = tuple[Arrays, NDArray[np.float64], Flags, Flags, dict[str, Any]]
 class BatchEnv:
     """``B`` warehouses with one robot each.
 
+    Description:
+        Row ``b`` equals a ``WarehouseEnv`` in its layout with the same actions: the rules are
+        those of ``task/rules.py``, and the moves those of the same backends.
+
+    Actions:
+        ``[B]`` integers, 0 to 6: N, E, S, W, WAIT, PICK, DROP.
+
+    Observations:
+        The ``Arrays`` of ``task/encoding.py`` with a leading ``B``.
+
+    Rewards:
+        The table in ``task/rules.py``, ``[B]`` float64.
+
+    Ends:
+        Terminated by the delivery; truncated when the steps or the battery are used up. Rows that
+        have ended restart by ``autoreset_mode``.
+
     Args:
         num_envs: ``B``, at least 1.
-        layout: one for all rows, or a list of one for each; ``None`` is the chapter's.
-        start_pos: where robots start that are not drawn, one for all rows or one for each;
-            ``None`` is the usual start of each layout.
-        max_steps: steps until an episode is truncated, 1 to ``MAX_STEPS``.
-        battery: battery units of a full charge, 1 to ``MAX_STEPS``; every step costs one.
-        view_radius: cells seen in each direction; with 0 a robot sees nothing but itself.
+        layout: one for all rows, or a list of ``B``; ``None`` is the chapter's.
+        start_pos: start of robots that is not drawn, one for all rows or ``B`` of them; ``None``
+            is the usual start of each layout.
+        max_steps: limit of an episode, 1 to ``MAX_STEPS``.
+        battery: units of a full charge, 1 to ``MAX_STEPS``; every step costs one.
+        view_radius: cells seen in each direction; with 0 a robot sees only itself.
         randomize: draw pickup, dropoff and start of each episode.
-        autoreset_mode: when a row that has ended starts again: with the step after, which takes no
-            action (``"NextStep"``), within the same step (``"SameStep"``), or not before
-            ``reset`` with a mask (``"Disabled"``).
-        backend: name, class or instance of a motion that can be multiplied.
+        autoreset_mode: when a row that has ended restarts: in the next step, which takes no action
+            (``"NextStep"``), in the same step (``"SameStep"``), or only in a ``reset`` with a mask
+            (``"Disabled"``).
+        backend: name, class or instance of a motion with a method ``batch``.
 
     Raises:
-        ValueError: a value that is not allowed; ``LayoutError`` and ``BackendError`` are such.
+        ValueError: a value that is not allowed; also as ``LayoutError`` or ``BackendError``.
         TypeError: an argument of another type.
     """
 
@@ -73,30 +85,30 @@ class BatchEnv:
         autoreset_mode: str = NEXT_STEP,
         backend: Backend = "grid",
     ) -> None:
-        self.num_envs = whole_number("num_envs", num_envs, least=1)
+        self.num_envs = whole_number("num_envs", num_envs, minimum=1)
         self.max_steps = whole_number("max_steps", max_steps, 1, MAX_STEPS)
         self.max_battery = whole_number("battery", battery, 1, MAX_STEPS)
-        self.view_radius = whole_number("view_radius", view_radius, least=0)
+        self.view_radius = whole_number("view_radius", view_radius, minimum=0)
         if autoreset_mode not in AUTORESET_MODES:
             raise ValueError(
                 f"autoreset_mode is {autoreset_mode!r}; allowed: {', '.join(AUTORESET_MODES)}"
             )
         self.autoreset_mode, self.randomize = autoreset_mode, as_flag("randomize", randomize)
         self.layouts = LayoutSet(_one_each(layout, self.num_envs))
-        self._start = BatchStart(self.layouts, start_pos, randomize=randomize)
-        self._floor = BatchFloor(self.layouts, self.view_radius, moving_stations=randomize)
+        self._start = VectorStarts(self.layouts, start_pos, randomize=randomize)
+        self._floor = VectorFloor(self.layouts, self.view_radius, moving_stations=randomize)
         self._motion = make_batch_motion(backend, self.layouts.rows)
         self._cells = np.zeros(self.num_envs, np.intp)
         self._has_item = np.zeros(self.num_envs, np.bool_)
         self._steps = np.zeros(self.num_envs, np.int32)
         self._ended = np.zeros(self.num_envs, np.bool_)
         self._started = False
-        # Steps rise as the battery falls, so the lower of the two budgets ends an episode.
+        # A step costs one unit of battery, so the lower of the two limits ends an episode.
         self._last_step = min(self.max_steps, self.max_battery)
 
     @property
     def size(self) -> tuple[int, int]:
-        """The most rows and the most columns that any of the layouts has."""
+        """The largest numbers of rows and of columns of any layout."""
         kinds = self.layouts.kinds
         return max(kind.height for kind in kinds), max(kind.width for kind in kinds)
 
@@ -105,8 +117,8 @@ class BatchEnv:
 
         Args:
             seed: row ``b`` draws its starts from ``default_rng(seed + b)``, or from the ``b``-th
-                of ``B`` seeds; where there is none its stream goes on.
-            mask: ``[B]`` bool, the rows to reset; the others stay as they are.
+                of ``B`` seeds; without one it continues its stream.
+            mask: ``[B]`` bool, the rows to reset; the others do not change.
 
         Returns:
             The observation of all rows, and info with the ``action_mask`` of those reset.
@@ -135,18 +147,18 @@ class BatchEnv:
         Returns:
             Observation, ``[B]`` float64 rewards, ``[B]`` bool terminated and truncated, and info:
             ``action_mask`` ``[B, 7]`` int8; ``motion`` with ``blocked``, ``seconds`` and
-            ``joules``; and, in the same-step mode where rows have ended, ``final_obs`` and
-            ``final_info`` of those. Beside each key ``k`` stands ``_k``, ``[B]`` bool: which rows
-            it is about. Nothing in them is used again.
+            ``joules``; and, in the same-step mode if rows have ended, their ``final_obs`` and
+            ``final_info``. Each key ``k`` has a key ``_k``, ``[B]`` bool: the rows that it applies
+            to. All arrays are fresh.
 
         Raises:
             ValueError: a wrong shape, or an action out of range; nothing has changed.
             TypeError: actions that are not integers.
-            EndedError: before a reset, or where rows have ended in the disabled mode.
+            EndedError: before a reset, or if rows have ended in the disabled mode.
         """
         chosen = self._checked_actions(actions)
         fresh = self._restart_ended()
-        chosen[fresh] = WAIT  # their step is the start of an episode
+        chosen[fresh] = WAIT  # their step only starts an episode
         outcome = self._motion.advance(chosen, self._has_item)
         self._cells = outcome.cells
         on = self._floor.stations(ALL, self._cells)
@@ -173,7 +185,7 @@ class BatchEnv:
         return self._masks()
 
     def row(self, row: int) -> tuple[Layout, WarehouseState]:
-        """Return how one warehouse stands: its layout, and the state that it alone would have.
+        """Return the layout and the state of one row.
 
         Raises:
             EndedError: before a reset.
@@ -189,7 +201,7 @@ class BatchEnv:
         return layout, WarehouseState(robot, has_item, self.max_battery - steps, steps)
 
     def close(self) -> None:
-        """Let the motion backend go."""
+        """Close the motion backend."""
         self._motion.close()
 
     def _masks(self) -> NDArray[np.int8]:
@@ -206,7 +218,7 @@ class BatchEnv:
         self._steps[rows] = 0
 
     def _restart_ended(self) -> Integers:
-        """Start the rows that have ended again and return which they are, in the next-step mode."""
+        """Restart the rows that have ended, in the next-step mode, and return their numbers."""
         rows = np.flatnonzero(self._ended)
         if rows.size:
             if self.autoreset_mode == DISABLED:
@@ -218,7 +230,7 @@ class BatchEnv:
         return rows
 
     def _end_episodes(self, info: dict[str, Any]) -> dict[str, Any]:
-        """Start the rows that have ended again, and return info with how they ended."""
+        """Restart the rows that have ended, and return info with their final observations."""
         rows, ended = np.flatnonzero(self._ended), self._ended.copy()
         final_info = {
             "motion": {key: values.copy() for key, values in info["motion"].items()}
@@ -255,7 +267,7 @@ class BatchEnv:
         }
 
     def _checked_actions(self, actions: ArrayLike) -> NDArray[np.intp]:
-        """Return actions that are allowed, as a copy."""
+        """Return a checked copy of the actions."""
         given = np.asarray(actions)
         if not self._started:
             raise EndedError("step() needs a reset() before it")
@@ -266,7 +278,7 @@ class BatchEnv:
                 f"the actions have the shape {given.shape}; it must be ({self.num_envs},)"
             )
         chosen = given.astype(np.intp)
-        # A negative number is a very large one without its sign.
+        # As unsigned numbers, negative ones are very large.
         if chosen.view(np.uintp).max() >= len(ACTIONS):
             row = int(np.argmax(chosen.view(np.uintp) >= len(ACTIONS)))
             raise ValueError(
@@ -275,7 +287,7 @@ class BatchEnv:
         return chosen
 
     def _checked_mask(self, mask: Flags | None) -> Flags:
-        """Return which rows to reset, as a copy."""
+        """Return a checked copy of the mask of rows to reset."""
         if mask is None:
             return np.ones(self.num_envs, np.bool_)
         if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
@@ -307,20 +319,20 @@ def _checked_seeds(seed: Seeds, rows: int) -> Sequence[int | None]:
     if seed is None:
         return [None] * rows
     if isinstance(seed, (int, np.integer)):
-        first = whole_number("seed", seed, least=0)
+        first = whole_number("seed", seed, minimum=0)
         return range(first, first + rows)
     if not isinstance(seed, (Sequence, np.ndarray)) or np.ndim(np.asarray(seed, object)) != 1:
         raise TypeError(f"seed is {seed!r}; it must be an integer or one for each row")
     if len(seed) != rows:
         raise ValueError(f"{len(seed)} seeds for {rows} rows; give one, or one for each row")
     return [
-        None if each is None else whole_number(f"the seed of row {row}", each, least=0)
+        None if each is None else whole_number(f"the seed of row {row}", each, minimum=0)
         for row, each in enumerate(seed)
     ]
 
 
 def _motion_info(outcome: BatchOutcome, without: Integers) -> dict[str, Any]:
-    """Return what the motion did, and for which rows: not for those that only started."""
+    """Return info of the motion, with flags for all rows ``without`` those that only started."""
     moved = np.ones(len(outcome.cells), np.bool_)
     moved[without] = False
     motion = {name: getattr(outcome, name) for name in ("blocked", "seconds", "joules")}
@@ -328,7 +340,7 @@ def _motion_info(outcome: BatchOutcome, without: Integers) -> dict[str, Any]:
 
 
 def _spread(values: NDArray[Any], rows: Integers, count: int) -> NDArray[Any]:
-    """Return ``count`` rows, zero but for those given."""
+    """Return ``count`` rows that are zero except for those given."""
     spread = np.zeros((count, *values.shape[1:]), values.dtype)
     spread[rows] = values
     return spread

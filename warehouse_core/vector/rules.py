@@ -1,4 +1,4 @@
-"""The rules for a batch: every verdict of ``task/rules.py``, asked once and then looked up."""
+"""The rules for a batch: all verdicts of ``task/rules.py`` in tables."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.tiles import CELL_CODES, DROPOFF, EMPTY, PICKUP
 
 STATION_KINDS = (EMPTY, PICKUP, DROPOFF)
-"""What a robot can stand on, by the number that stands for it in a batch."""
+"""What a robot can stand on; a batch uses the index."""
 
 _BOTH = (False, True)
 _VERDICTS = [
@@ -25,7 +25,7 @@ _HAS_ITEM = np.array([verdict.has_item for verdict in _VERDICTS])
 _DELIVERED = np.array([verdict.delivered for verdict in _VERDICTS])
 
 _MASK_BYTES = 8
-"""Of a mask and its padding: eight bytes are looked up at once, seven take far longer."""
+"""Size of a mask with padding: looking up eight bytes at once is much faster than seven."""
 
 _MASKS = np.array(
     [
@@ -43,7 +43,7 @@ def judge_all(
 
     Args:
         actions: ``[B]``, 0 to 6.
-        stations: ``[B]``, what they stand on after their motion, indices into ``STATION_KINDS``.
+        stations: ``[B]`` indices into ``STATION_KINDS``, what they stand on after their motion.
         has_item: ``[B]``, whether they held an item before the step.
         blocked: ``[B]``, whether something stopped the motion.
 
@@ -63,11 +63,14 @@ def station_numbers(tiles: NDArray[np.uint8]) -> NDArray[np.intp]:
 
 
 def sides_number(sides: Flags) -> NDArray[np.uint8]:
-    """Return ``[...]`` numbers, 0 to 15, of ``[..., 4]`` sides that are open, for ``masks``."""
+    """Return ``[...]`` numbers from 0 to 15 for ``[..., 4]`` flags of open sides."""
     return (np.packbits(sides, axis=-1)[..., 0] >> 4).astype(np.uint8)
 
 
 def masks(sides: Integers, stations: Integers, has_item: Flags) -> NDArray[np.int8]:
-    """Return ``[B, 7]`` int8 masks of the actions that do something; see ``useful_actions``."""
+    """Return ``[B, 7]`` int8 masks of the actions that do something; see ``useful_actions``.
+
+    ``sides`` are numbers of ``sides_number``.
+    """
     index = (sides * len(STATION_KINDS) + stations) * 2 + has_item
     return _MASKS.take(index).view(np.int8).reshape(-1, _MASK_BYTES)[:, : len(ACTIONS)]

@@ -1,7 +1,7 @@
-"""What ``B`` robots see: a window of the walls from a table, and the stations on top.
+"""What ``B`` robots see: windows of the walls from a table, with the stations added.
 
-A station is at a place of the window that follows from how far it is from the robot. Counted row by
-row on a grid that is wide enough, that distance is one number, and the place is looked up by it.
+The place of a station in the window depends on its offset from the robot. On a grid that is wide
+enough, this offset is a single number, row by row, and the place is looked up in a table.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from warehouse_core.world.tables import LayoutSet, windows_table
 from warehouse_core.world.tiles import CELL_CODES, DROPOFF, PICKUP, ROBOT_EMPTY, ROBOT_LOADED
 
 
-class BatchSight:
-    """The windows of a set of layouts, ``[B, K * K]`` codes.
+class VectorSight:
+    """The windows of a set of layouts.
 
     Args:
         layouts: of the batch.
@@ -27,7 +27,7 @@ class BatchSight:
         self._table = windows_table(layouts.kinds, radius)
         self._cells = self._table.shape[1]
         self._centre = self._cells // 2
-        # Wide enough that a station beyond one edge is not taken for one beyond the other.
+        # Wide enough that a station beyond one edge does not appear at the other.
         self._stride = max(layout.width for layout in layouts.kinds) + radius
         self._reach = radius * self._stride + radius + 1
         self._place_of = self._places()
@@ -35,14 +35,13 @@ class BatchSight:
     def windows(
         self, cells: Integers, has_item: Flags, robots: Integers, *stations: Integers
     ) -> NDArray[np.uint8]:
-        """Return what is seen, fresh.
+        """Return fresh windows, ``[N, K * K]`` codes.
 
         Args:
-            cells: ``[N]``, the robots' cells by their number in the tables.
+            cells: ``[N]`` cells of the robots, numbered as in the tables.
             has_item: ``[N]``, whether they are loaded.
             robots: ``[N, 2]``, row and column of the robots.
-            *stations: ``[N, 2]`` of the pickups and of the dropoffs that are not in the tables;
-                there must be one for each robot.
+            *stations: ``[N, 2]`` each, the pickups and the dropoffs if not in the tables.
         """
         windows = self._table.take(cells, axis=0)
         if self._radius:
@@ -56,9 +55,9 @@ class BatchSight:
     def _mark(
         self, windows: NDArray[np.uint8], code: int, stations: Integers, robots: Integers
     ) -> None:
-        """Write a code where the stations are; those out of sight go where the robot will."""
+        """Write a code where the stations are; those out of sight go to the middle."""
         way = stations - robots
-        # Long ways on a wide grid come to more than 32 bits hold.
+        # Distances on a large grid can exceed 32 bits.
         distance = np.multiply(way[:, 0], self._stride, dtype=np.intp)
         distance += way[:, 1] + self._reach
         place = self._place_of.take(distance, mode="clip")
@@ -66,7 +65,7 @@ class BatchSight:
         windows.reshape(-1)[place] = code
 
     def _places(self) -> NDArray[np.intp]:
-        """Return the place in the window for each distance, the middle for those out of sight."""
+        """Return the place in the window for each distance, the middle if out of sight."""
         places = np.full(2 * self._reach + 1, self._centre)
         side = np.arange(-self._radius, self._radius + 1)
         distances = side[:, None] * self._stride + side + self._reach

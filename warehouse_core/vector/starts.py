@@ -1,8 +1,8 @@
-"""Where the episodes of a batch begin: a random stream for each row, and what is drawn from it."""
+"""The starts of episodes in a batch, drawn from a random stream for each row."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -12,27 +12,26 @@ from warehouse_core.arguments import as_cell
 from warehouse_core.motion.vector import Integers
 from warehouse_core.task.starts import DRAWS, NO_RANK, check_room, draw_ranks
 from warehouse_core.vector.floor import NO_CELL
-from warehouse_core.world.layout import check_open
+from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.tables import LayoutSet
 from warehouse_core.world.tiles import Cell
 
 
 class Starts(NamedTuple):
-    """Cells by their number in their layout, ``[N]`` each."""
+    """Cells, ``[N]`` each, numbered within their layouts."""
 
     pickups: Integers
     dropoffs: Integers
     robots: Integers
 
 
-class BatchStart:
-    """Draws the starts of ``B`` rows, each as ``draw_ranks`` does from a stream of its own.
+class VectorStarts:
+    """Draws the starts of ``B`` rows by ``draw_ranks``, each from its own stream.
 
     Args:
         layouts: of the rows.
-        start_pos: where robots start that are not drawn, one for all rows or one for each;
-            ``None`` is the usual start of each layout.
-        randomize: draw the starts, rather than take them from the layouts.
+        start_pos: see ``BatchEnv``.
+        randomize: draw the starts instead of using those of the layouts.
 
     Raises:
         LayoutError: a start that is not open, or no room for pickup and dropoff.
@@ -54,10 +53,10 @@ class BatchStart:
                 check_room(layout)
 
     def seed(self, rows: Integers, seeds: Sequence[int | None]) -> None:
-        """Begin the streams of some rows anew, those with a seed; a first time all of them."""
+        """Restart the streams of rows with a seed; the first call starts all of them."""
         if not self._randomize:
             return
-        if not self._streams:  # the first time is for all rows
+        if not self._streams:
             self._streams = [np.random.default_rng(seed) for seed in seeds]
             return
         for row, seed in zip(rows.tolist(), seeds, strict=True):
@@ -65,7 +64,7 @@ class BatchStart:
                 self._streams[row] = np.random.default_rng(seed)
 
     def draw(self, rows: Integers) -> Starts:
-        """Return where the next episodes of some rows begin."""
+        """Return the starts of the next episodes of some rows."""
         fixed = Starts(*(cells[rows] for cells in self._fixed))
         if not self._randomize:
             return fixed
@@ -76,28 +75,23 @@ class BatchStart:
 
 
 def _fixed_starts(layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None) -> Starts:
-    """Return the starts as the layouts have them."""
+    """Return the stations of the layouts and the starts that are not drawn."""
 
-    def first(cells: Sequence[Cell], width: int) -> int:
-        return cells[0][0] * width + cells[0][1] if cells else NO_CELL
+    def cells(first: Callable[[Layout], Cell | None]) -> NDArray[np.intp]:
+        return layouts.of_rows([_number(first(kind), kind.width) for kind in layouts.kinds])
 
-    kinds = layouts.kinds
     return Starts(
-        layouts.of_rows([first(layout.pickups, layout.width) for layout in kinds]),
-        layouts.of_rows([first(layout.dropoffs, layout.width) for layout in kinds]),
-        _robot_starts(layouts, start_pos),
+        cells(lambda layout: layout.pickups[0] if layout.pickups else None),
+        cells(lambda layout: layout.dropoffs[0] if layout.dropoffs else None),
+        cells(Layout.usual_start) if start_pos is None else _given_starts(layouts, start_pos),
     )
 
 
-def _robot_starts(layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None) -> NDArray[np.intp]:
-    if start_pos is None:
-        usual = [layout.usual_start() for layout in layouts.kinds]
-        return layouts.of_rows(
-            [
-                row * layout.width + col
-                for (row, col), layout in zip(usual, layouts.kinds, strict=True)
-            ]
-        )
+def _number(cell: Cell | None, width: int) -> int:
+    return NO_CELL if cell is None else cell[0] * width + cell[1]
+
+
+def _given_starts(layouts: LayoutSet, start_pos: Cell | Sequence[Cell]) -> NDArray[np.intp]:
     rows = len(layouts.kind)
     try:
         given = np.asarray(start_pos)

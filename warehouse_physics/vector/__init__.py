@@ -1,1 +1,5 @@
-"""Many warehouses in one pymunk space."""
+"""Many warehouses, one robot in each, in one pymunk space."""
+
+from warehouse_physics.vector.motion import RigidBodyBatch
+
+__all__ = ["RigidBodyBatch"]

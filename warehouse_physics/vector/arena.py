@@ -1,9 +1,8 @@
-"""Warehouses side by side in one space, a lone robot in each, stepped to the next event.
+"""Many warehouses side by side in one pymunk space, with one robot in each.
 
-A robot is driven as in ``robot.py`` but by one joint where that has three, which leaves the motion
-of a lone robot as it is. The joint pushes with what the motor and the drag of the floor come to
-together, and nothing turns the robot: a disc without friction goes the same way whatever its
-heading, and a batch reports none.
+A robot is driven by one joint instead of the three in ``robot.py``, with the same motion for a
+lone robot. The joint exerts the sum of motor force and floor drag. Nothing turns the robot: the
+motion of a disc without friction does not depend on its heading, and a batch reports none.
 """
 
 from __future__ import annotations
@@ -24,29 +23,33 @@ from warehouse_physics.vector.body_arrays import BodyArrays
 from warehouse_physics.walls import Box, wall_boxes
 
 ITERATIONS = 3
-"""Rounds of the solver in a substep. With 2 a robot off its line may stand a substep later after a
-hit than with the three joints and 5 rounds of ``robot.py``; with 3 or more it does not."""
+"""Solver rounds in a substep. With 2, a robot off its line may stop a substep later after a hit
+than with the three joints and 5 rounds of ``robot.py``; with 3 or more it does not."""
 
 APART = 3
 """Cells between two layouts: the walls around each, and one more."""
 
 
 class Hit(NamedTuple):
-    """A robot that has begun to touch a wall."""
+    """A robot that has begun to touch a wall.
+
+    Attributes:
+        row: of the robot.
+        push: direction of the push on the robot, of length 1.
+        velocity: of the robot right before the hit, m/s.
+    """
 
     row: int
     push: Position
-    """Direction of the push on the robot, of length 1."""
     velocity: Position
-    """Of the robot right before the hit, m/s."""
 
 
-class Yard:
-    """``B`` warehouses in one space. Positions are relative to the corner of each.
+class VectorArena:
+    """``B`` warehouses in one space; positions are relative to the corner of each.
 
     Args:
-        spec: what the robots are made of.
-        layouts: whose walls to build, ``B`` of them.
+        spec: of the robots.
+        layouts: with the walls to build, ``B`` of them.
     """
 
     def __init__(self, spec: RobotSpec, layouts: Sequence[Layout]) -> None:
@@ -56,8 +59,8 @@ class Yard:
         self._step = spec.time_step
         self._corners = _corners(layouts, spec.cell_size)
         self._build_walls(layouts, spec.cell_size)
-        # The control bodies stand in a space of their own that is never stepped: a joint feels
-        # their velocity, and where they are means nothing.
+        # The control bodies are in a space of their own that is never stepped: joints use their
+        # velocities, and their positions do not matter.
         self._panel = pymunk.Space()
         self.robots: list[pymunk.Body] = []
         self._joints: list[pymunk.PivotJoint] = []
@@ -69,9 +72,9 @@ class Yard:
         self.space.on_collision(ROBOT, WALL, begin=self._note_hit)
 
     def place(self, row: int, position: Position) -> None:
-        """Put a robot at rest somewhere, for a new episode.
+        """Put a robot at rest at a position, for a new episode.
 
-        What its drive is commanded need not change: every action writes that anew.
+        The command of its drive need not change, since every action writes it.
         """
         body, (left, top) = self.robots[row], self._corners[row].tolist()
         body.position = left + position[0], top + position[1]
@@ -82,11 +85,11 @@ class Yard:
         self.robots[row].mass = mass
 
     def push(self, row: int, force: float) -> None:
-        """Let the drive of a robot push with up to ``force`` N."""
+        """Limit the force of the drive of a robot to ``force`` N."""
         self._joints[row].max_force = force
 
     def command(self, velocities: Floats) -> None:
-        """Set the velocities ``[B, 2]`` in m/s that the drives push towards."""
+        """Set the velocities ``[B, 2]`` in m/s for the drives to reach."""
         self._controls.write_velocities(velocities)
 
     def look(self) -> tuple[Floats, Floats]:
@@ -95,7 +98,7 @@ class Yard:
         return positions - self._corners, velocities
 
     def run(self, now: int, until: int) -> tuple[int, list[Hit]]:
-        """Step from substep ``now`` to ``until`` or to the first hits; return which, and them."""
+        """Step from substep ``now`` to ``until`` or the first hits; return when, and the hits."""
         step, dt, hits = self.space.step, self._step, self._hits
         for substep in range(now + 1, until + 1):
             step(dt)
@@ -107,20 +110,20 @@ class Yard:
     def _build_walls(self, layouts: Sequence[Layout], size: float) -> None:
         known: dict[int, list[Box]] = {}
         for layout, corner in zip(layouts, self._corners.tolist(), strict=True):
-            # Layouts with the same walls share this array; see Layout.with_stations.
+            # Layouts with the same walls share this array; see ``Layout.with_stations``.
             key = id(layout.open_cells)
             if key not in known:
                 known[key] = wall_boxes(layout)
             add_walls(self.space, known[key], size, corner)
 
     def _add_robot(self, spec: RobotSpec) -> pymunk.Shape:
-        # Nothing turns a body whose moment is not finite.
+        # A body with an infinite moment never turns.
         body = pymunk.Body(spec.mass, math.inf)
         shape = pymunk.Circle(body, spec.radius)
         shape.collision_type = ROBOT
         control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
         drive = pymunk.PivotJoint(body, control, (0, 0), (0, 0))
-        # All of an error of position is left as it is: a motor, not a spring.
+        # Errors of position are not corrected: the joint is a motor, not a spring.
         drive.error_bias = 1.0
         self._panel.add(control)
         self.space.add(body, shape, drive)
@@ -129,15 +132,15 @@ class Yard:
         return shape
 
     def _note_hit(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
-        """Remember a hit as it begins, before the solver changes any velocity."""
+        """Record a hit as it begins, before the solver changes any velocity."""
         row = self._row[arbiter.shapes[0]]
         self._hits.append(Hit(row, -arbiter.normal, self.robots[row].velocity))
 
 
 def _corners(layouts: Sequence[Layout], cell_size: float) -> Floats:
-    """Return where in the space the corner of each layout is, ``[B, 2]`` in metres.
+    """Return the position in the space of the corner of each layout, ``[B, 2]`` in metres.
 
-    In rows and columns rather than in one line, which keeps the numbers small and so exact.
+    Layouts are in rows and columns, not in one line, to keep the numbers small and so exact.
     """
     columns = math.isqrt(len(layouts) - 1) + 1
     width = max(layout.width for layout in layouts) + APART

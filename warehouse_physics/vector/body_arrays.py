@@ -1,7 +1,6 @@
-"""Position and velocity of all bodies of a space at once.
+"""Positions and velocities of all bodies of a space as arrays.
 
-``pymunk.batch`` reads or writes them in one call, but calls itself experimental; nothing else in
-the package uses it.
+This is the only module that uses ``pymunk.batch``, which is experimental.
 """
 
 from __future__ import annotations
@@ -14,10 +13,10 @@ from warehouse_physics.profile import Floats
 
 
 class BodyArrays:
-    """The ``N`` bodies that move in a space, in the order in which they were added.
+    """The ``N`` moving bodies of a space, in the order in which they were added.
 
     Args:
-        space: with all of its bodies; none may be added or removed from now on.
+        space: with all of its bodies; none may be added or removed later.
     """
 
     def __init__(self, space: pymunk.Space) -> None:
@@ -32,7 +31,7 @@ class BodyArrays:
         """Return positions ``[N, 2]`` in metres and velocities ``[N, 2]`` in m/s."""
         self._seen.clear()
         get_space_bodies(self._space, BodyFields.POSITION | BodyFields.VELOCITY, self._seen)
-        # A copy, for the next read fills the same memory.
+        # Copied because the next read fills the same memory.
         rows = np.frombuffer(self._seen.float_buf()).reshape(-1, 4)[: self._count].copy()
         return rows[:, :2], rows[:, 2:]
 

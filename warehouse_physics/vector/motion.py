@@ -1,4 +1,4 @@
-"""The physics backend for a batch: one rigid body in each of ``B`` warehouses."""
+"""The physics backend for a batch: one rigid-body robot in each of ``B`` warehouses."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from warehouse_core.motion.base import centre_of
 from warehouse_core.motion.vector import BatchOutcome, Flags, Integers
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_physics.robot_spec import RobotSpec
-from warehouse_physics.vector.arena import Yard
-from warehouse_physics.vector.robots import Drives
+from warehouse_physics.vector.arena import VectorArena
+from warehouse_physics.vector.robots import VectorRobots
 
 _WAYS = np.array([(right, down) for down, right in DISPLACEMENTS], np.float64)
 
@@ -21,11 +21,11 @@ _WAYS = np.array([(right, down) for down, right in DISPLACEMENTS], np.float64)
 class RigidBodyBatch:
     """Moves one robot in each of ``B`` layouts as a disc with mass; see ``BatchMotion``.
 
-    All stand in one space, far enough apart never to touch. An action takes as many substeps as its
-    slowest robot needs; ``seconds`` and ``joules`` are those of each robot for itself.
+    All robots are in one space, too far apart to touch. An action takes as many substeps as its
+    slowest robot needs; ``seconds`` and ``joules`` are those of each robot alone.
 
     Args:
-        spec: what the robots are made of.
+        spec: of the robots.
         layouts: of the rows, ``B`` of them, at least 1.
 
     Raises:
@@ -39,57 +39,57 @@ class RigidBodyBatch:
         self._layouts = tuple(layouts)
         self._widths = np.array([layout.width for layout in layouts])
         self._is_placed = np.zeros(len(layouts), np.bool_)
-        self._drives: Drives | None = Drives(spec, Yard(spec, self._layouts))
+        self._robots: VectorRobots | None = VectorRobots(spec, VectorArena(spec, self._layouts))
 
     def place(self, rows: Integers, cells: Integers) -> None:
         """Put some of the robots at rest in a cell; see ``BatchMotion.place``.
 
         Raises:
             LayoutError: a cell is a wall or off the grid; nothing has changed.
-            ValueError: not one cell for each row, or a row that there is not or that is given
+            ValueError: not one cell for each row, or a row that does not exist or is given
                 twice; nothing has changed.
             RuntimeError: after ``close``.
         """
-        yard = self._in_use("place").yard
+        arena = self._in_use("place").arena
         rows = self._checked_rows(rows)
         cells = _checked_vector("cells", cells, len(rows))
         starts = [self._start(*each) for each in zip(rows.tolist(), cells.tolist(), strict=True)]
         for row, start in zip(rows.tolist(), starts, strict=True):
-            yard.place(row, start)
+            arena.place(row, start)
         self._is_placed[rows] = True
 
     def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
         """Carry out one action for each robot; see ``BatchMotion.advance``.
 
         Raises:
-            ValueError: not one action and one load for each row, or an action that there is not;
-                nothing has changed.
+            ValueError: not one action and one load for each row, or an action that does not
+                exist; nothing has changed.
             RuntimeError: before every row has been placed, or after ``close``.
         """
-        drives = self._in_use("advance")
+        robots = self._in_use("advance")
         if not self._is_placed.all():
             missing = int(np.argmin(self._is_placed))
             raise RuntimeError(f"advance() needs a place() of every row; row {missing} had none")
         actions = self._checked_actions(actions)
         loaded = _checked_vector("loaded", loaded, len(self._layouts), kinds="b")
-        drives.drive(_WAYS[actions], loaded)
-        moved = drives.substeps > 0
-        seconds = np.where(moved, drives.substeps * self.spec.time_step, self.spec.dwell)
-        joules = drives.work / self.spec.drivetrain_efficiency + self.spec.idle_power * seconds
-        cols, rows = drives.cells().T
-        return BatchOutcome(rows * self._widths + cols, drives.gave_up.copy(), seconds, joules)
+        robots.drive(_WAYS[actions], loaded)
+        moved = robots.substeps > 0
+        seconds = np.where(moved, robots.substeps * self.spec.time_step, self.spec.dwell)
+        joules = robots.work / self.spec.drivetrain_efficiency + self.spec.idle_power * seconds
+        cols, rows = robots.cells().T
+        return BatchOutcome(rows * self._widths + cols, robots.gave_up.copy(), seconds, joules)
 
     def close(self) -> None:
-        """Let the world go; see ``BatchMotion.close``."""
-        self._drives = None
+        """Release the arena; see ``BatchMotion.close``."""
+        self._robots = None
 
-    def _in_use(self, call: str) -> Drives:
-        if self._drives is None:
+    def _in_use(self, call: str) -> VectorRobots:
+        if self._robots is None:
             raise RuntimeError(f"{call}() after close()")
-        return self._drives
+        return self._robots
 
     def _start(self, row: int, cell: int) -> tuple[float, float]:
-        """Return the position in metres of the middle of a cell, given as a number."""
+        """Return the position of the middle of a cell in metres."""
         layout = self._layouts[row]
         place = divmod(cell, layout.width)
         if not layout.is_open(place):
@@ -119,10 +119,10 @@ class RigidBodyBatch:
 
 
 def _checked_vector(name: str, values: Any, length: int | None = None, kinds: str = "iu") -> Any:
-    """Return ``values`` as an array of whole numbers, or of flags.
+    """Return ``values`` as an array ``[length]`` of one of the dtype ``kinds``.
 
     Raises:
-        ValueError: they are something else, or not one for each row.
+        ValueError: another shape or another kind.
     """
     array = np.asarray(values)
     if array.ndim != 1 or length not in (None, len(array)):

@@ -1,8 +1,7 @@
-"""The drives of the robots of a yard as arrays: what ``robot.py`` does for one, for ``B`` at once.
+"""``B`` robots as arrays: the drive of ``robot.py`` for lone robots on an even floor.
 
-The robots are alone and the floor is even, which leaves this of it: go, brake, rest; and after a
-hit that is in the way, brake and go back. Nothing pushes a lone robot aside, so that its way back
-is straight.
+A drive goes, brakes and rests; after a hit that is in the way it brakes and goes back. Nothing
+pushes a lone robot aside, so its way back is straight.
 """
 
 from __future__ import annotations
@@ -13,37 +12,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.motion.vector import Flags, Integers, Rows
-from warehouse_physics.profile import Floats, Substeps, brakings, lengths_of, plan_legs
-from warehouse_physics.robot import AGAINST, AT_REST, MOST_SUBSTEPS, NEVER
+from warehouse_physics.profile import Floats, Substeps, brakings, lengths_of, plan_profiles
+from warehouse_physics.robot import AGAINST, AT_REST, MAX_SUBSTEPS, NEVER
 from warehouse_physics.robot_spec import ARRIVED, RobotSpec
-from warehouse_physics.vector.arena import Hit, Yard
+from warehouse_physics.vector.arena import Hit, VectorArena
 
 REST, GO, BRAKE = range(3)
 """What a drive is doing."""
 
 
-class Drives:
+class VectorRobots:
     """Drives ``B`` robots by one action at a time.
 
     Args:
-        spec: what the robots are made of.
-        yard: that they stand in.
+        spec: of the robots.
+        arena: with the robots.
 
     Attributes:
-        yard: as given.
+        arena: as given.
         gave_up: ``[B]``, whether a wall was in the way.
-        work: ``[B]``, what each motor has done since the action began, in joules.
-        substeps: ``[B]``, after how many substeps each robot rested.
+        work: ``[B]`` joules that each motor has done in the action.
+        substeps: ``[B]`` substeps until each robot was at rest.
     """
 
-    def __init__(self, spec: RobotSpec, yard: Yard) -> None:
-        self._spec, self.yard = spec, yard
-        robots = len(yard.robots)
+    def __init__(self, spec: RobotSpec, arena: VectorArena) -> None:
+        self._spec, self.arena = spec, arena
+        robots = len(arena.robots)
         loads = (False, True)
         self._masses = np.array([spec.total_mass(load) for load in loads])
         self._drags = np.array([spec.drag_force(load) for load in loads])
         self._paces = np.array([spec.attainable_acceleration(load) for load in loads])
-        # The floor helps to brake; where its drag is more than is asked for, it brakes alone.
+        # The floor helps to brake; it brakes alone where its drag exceeds the force needed.
         self._going_forces = self._masses * self._paces
         self._braking_forces = np.maximum(self._going_forces, self._drags)
         self._loaded = np.zeros(robots, np.intp)
@@ -76,9 +75,9 @@ class Drives:
         now = 0
         self._rest(slice(None), now)
         self._go(np.flatnonzero(ways.any(axis=1)), now)
-        while now < MOST_SUBSTEPS and (until := int(self._until.min())) < NEVER:
-            self.yard.command(self._commands)
-            now, hits = self.yard.run(now, until)
+        while now < MAX_SUBSTEPS and (until := int(self._until.min())) < NEVER:
+            self.arena.command(self._commands)
+            now, hits = self.arena.run(now, until)
             self._look()
             if hits:
                 self._meet(hits, now)
@@ -86,10 +85,10 @@ class Drives:
         self.substeps[self._until < NEVER] = now
 
     def _look(self) -> None:
-        self._positions, self._velocities = self.yard.look()
+        self._positions, self._velocities = self.arena.look()
 
     def _next_phase(self, now: int) -> None:
-        """Do what comes next at substep ``now``: brake, or drive on where one is not there yet."""
+        """Start the phases that are due at substep ``now``."""
         due = np.flatnonzero(self._until <= now)
         is_going = self._phase[due] == GO
         gone, braked = due[is_going], due[~is_going]
@@ -108,9 +107,9 @@ class Drives:
             self._go(braked[~arrived], now)
 
     def _meet(self, hits: Sequence[Hit], now: int) -> None:
-        """Give up where a hit at substep ``now`` is in the way: brake, and drive back.
+        """Brake and drive back where a hit at substep ``now`` is in the way.
 
-        A robot that rests has ended its action and is in nobody's way, however long others take.
+        A robot at rest has ended its action, even while others still drive.
         """
         rows = np.array([hit.row for hit in hits])
         pushes = np.array([hit.push for hit in hits])
@@ -131,11 +130,11 @@ class Drives:
         self._start[rows] = start = self._positions[rows]
         pace = self._paces[self._loaded[rows]]
         ways = self._target[rows] - start
-        legs = plan_legs(ways, spec.top_speed, pace, spec.time_step)
-        self._commands[rows] = legs.velocities
+        profiles = plan_profiles(ways, spec.top_speed, pace, spec.time_step)
+        self._commands[rows] = profiles.velocities
         self._push(rows, self._going_forces)
-        self._phase[rows], self._braking[rows] = GO, legs.brake
-        self._until[rows] = now + legs.go
+        self._phase[rows], self._braking[rows] = GO, profiles.brake
+        self._until[rows] = now + profiles.go
 
     def _brake_from(self, rows: Integers, now: int, speeds: Floats) -> None:
         pace = self._paces[self._loaded[rows]]
@@ -149,20 +148,20 @@ class Drives:
 
     def _load(self, loaded: Flags) -> None:
         for row in np.flatnonzero(loaded != self._loaded).tolist():
-            self.yard.load(row, self._masses[int(loaded[row])])
+            self.arena.load(row, self._masses[int(loaded[row])])
         self._loaded = loaded.astype(np.intp)
 
     def _push(self, rows: Integers, forces: Floats) -> None:
-        """Let the drives push with up to what ``forces`` has for their load, in N."""
+        """Limit the drives to ``forces``, in N for each load."""
         wanted = forces[self._loaded[rows]]
         changed = wanted != self._force[rows]
         if changed.any():
             self._force[rows] = wanted
             for row, force in zip(rows[changed].tolist(), wanted[changed].tolist(), strict=True):
-                self.yard.push(row, force)
+                self.arena.push(row, force)
 
     def _count_work(self, rows: Integers, velocities: Floats) -> None:
-        """Add what the motors have done in this leg: speed gained, and drag overcome."""
+        """Add the work of the motors in this profile: kinetic energy gained, plus drag."""
         loaded = self._loaded[rows]
         energy = 0.5 * self._masses[loaded] * (velocities**2).sum(axis=1)
         way = lengths_of(self._positions[rows] - self._start[rows])

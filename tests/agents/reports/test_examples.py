@@ -105,7 +105,7 @@ def test_of_a_long_episode_the_end_is_shown_and_said(
 ) -> None:
     [found] = [each for each in found_in(store, battery=30, escape=False) if each.steps == 30]
     whole = replay(found, run_own_code=True)
-    monkeypatch.setattr(examples, "MOST_STEPS", 10)
+    monkeypatch.setattr(examples, "MAX_STEPS", 10)
     part = replay(found, run_own_code=True)
     assert len(frames_of(part.gif)) == 11
     said = "; the replay shows the last 10 of 30 steps"

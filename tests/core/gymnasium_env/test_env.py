@@ -7,14 +7,11 @@ is not asked for.
 
 import copy
 import hashlib
-import inspect
 import os
 import pickle
 import subprocess
 import sys
 from collections.abc import Callable
-from contextlib import closing
-from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -25,14 +22,13 @@ from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 from gymnasium.utils.passive_env_checker import env_render_passive_checker
-from gymnasium.vector import AsyncVectorEnv, SyncVectorEnv
 from gymnasium.wrappers import (
     FlattenObservation,
     RecordEpisodeStatistics,
     RecordVideo,
     TimeLimit,
 )
-from gymnasium.wrappers.vector import RecordEpisodeStatistics as RecordBatchStatistics
+from helpers.gymnasium_envs import CORRIDOR, NAME, ROOM, make, make_vec, plain, same, walk
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError, WarehouseEnv, random_layout
 from warehouse_core.errors import NoDisplayError
@@ -43,129 +39,38 @@ from warehouse_core.gymnasium_env.vector import WarehouseVectorEnv
 from warehouse_core.motion.grid import GridMotion
 from warehouse_core.render.observation_image import ObservationImage
 from warehouse_core.task.encoding import encode, vector
-from warehouse_core.task.rules import useful_actions
-
-NAME = f"warehouse_core.gymnasium_env:{ID}"
-"""As a program names it that imports nothing but Gymnasium."""
 
 NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
 
-ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
-CORRIDOR = Layout(["P....D"])
 TWO_CELLS = Layout(["#.#", "#.#"])
 
-HAS_MODES = hasattr(gymnasium.vector, "AutoresetMode")
-MODES = ["NextStep", "SameStep", "Disabled"] if HAS_MODES else ["NextStep"]
-
 over_forms = pytest.mark.parametrize("form", FORMS)
-over_modes = pytest.mark.parametrize("mode", MODES)
 over_backends = pytest.mark.parametrize("backend", ["grid", "physics"])
-allow_fork = pytest.mark.filterwarnings("ignore:This process .* is multi-threaded")
-"""Python 3.12 warns of every fork in a process in which NumPy has started its threads."""
 
 
-def make(**settings: Any) -> Any:
-    return gymnasium.make(NAME, **settings)
-
-
-def plain(**settings: Any) -> WarehouseGymnasiumEnv:
-    return make(**settings).unwrapped
-
-
-def make_vec(count: int, mode: str, **settings: Any) -> Any:
-    return gymnasium.make_vec(NAME, count, "vector_entry_point", autoreset_mode=mode, **settings)
-
-
-def make_sync(count: int, mode: str, **settings: Any) -> SyncVectorEnv:
-    modes = {"autoreset_mode": mode} if HAS_MODES else {}
-    return SyncVectorEnv([partial(make, **settings)] * count, **modes)
-
-
-def same(value: Any, other: Any) -> bool:
-    """Say whether two observations, or parts of info, are equal, dtypes of arrays included."""
-    if isinstance(value, dict):
-        return value.keys() == other.keys() and all(same(value[key], other[key]) for key in value)
-    if isinstance(value, tuple) and not hasattr(value, "_fields"):
-        return len(value) == len(other) and all(map(same, value, other))
-    if isinstance(value, np.ndarray):
-        return value.dtype == other.dtype and np.array_equal(value, other)
-    return type(value) is type(other) and bool(value == other)
-
-
-def walk(env: Any, seed: int, steps: int = 40) -> list[Any]:
-    """Return everything that a random walk gives, which begins anew whenever it ends."""
-    stream = np.random.default_rng(seed)
-    told: list[Any] = [env.reset(seed=seed)]
-    for action in stream.integers(7, size=steps).tolist():
-        told.append(env.step(action))
-        if told[-1][2] or told[-1][3]:
-            told.append(env.reset())
-    return told
-
-
-# Gymnasium's checks.
-
-
-@over_backends
-@over_forms
-@pytest.mark.parametrize("render_mode", [None, "rgb_array", "ansi"])
+@pytest.mark.parametrize(
+    ("backend", "form", "render_mode"),
+    [("grid", "dict", None), ("grid", "vector", "ansi"), ("physics", "image", "rgb_array")],
+)
 def test_gymnasium_finds_nothing_to_complain_of(
     backend: str, form: str, render_mode: str | None
 ) -> None:
     env = plain(backend=backend, observation=form, render_mode=render_mode)
-    # It would try all render modes, and one of them needs a display: test_window_gymnasium.py.
+    # It would try all render modes, and "human" needs a display.
     check_env(env, skip_render_check=True)
     if render_mode is not None:
         env_render_passive_checker(env)
     env.close()
 
 
-@over_forms
-@pytest.mark.parametrize(
-    "layout", [CORRIDOR, Layout(["P", ".", "D"]), TWO_CELLS, Layout(["..", ".."])], ids=str
-)
+@pytest.mark.parametrize("form", ["dict", "vector"])
+@pytest.mark.parametrize("layout", [CORRIDOR, Layout(["P", ".", "D"]), TWO_CELLS], ids=str)
 def test_gymnasium_finds_nothing_in_odd_layouts_either(form: str, layout: Layout) -> None:
     for radius, randomize in ((0, False), (1, True)):
         check_env(
             plain(layout=layout, observation=form, view_radius=radius, randomize=randomize),
             skip_render_check=True,
         )
-
-
-@over_forms
-@pytest.mark.parametrize("layout", [CORRIDOR, ROOM, random_layout(9, 6, 0.2, seed=4)], ids=str)
-def test_every_observation_is_in_its_space_up_to_its_limits(form: str, layout: Layout) -> None:
-    limits = {"max_steps": 9, "battery": 12, "view_radius": 1}
-    env = make(layout=layout, observation=form, **limits)
-    for observation, *_ in walk(env, seed=1, steps=200):
-        assert observation in env.observation_space
-    space = env.observation_space
-    if form == "vector":
-        seen = np.stack([observation for observation, *_ in walk(env, seed=1, steps=2000)])
-        corners = space.low < space.high
-        assert (seen.min(axis=0) == space.low)[-3:].tolist() == [True, False, True]
-        assert (seen.max(axis=0) == space.high)[-3:].tolist() == [True] * 3
-        assert corners.all()
-
-
-def test_the_spaces_are_what_is_promised() -> None:
-    spaces = {form: make(observation=form, view_radius=1).observation_space for form in FORMS}
-    flat = spaces["dict"]
-    assert {key: space.shape for key, space in flat.items()} == {
-        "local_grid": (9,),
-        "robot_pos": (2,),
-        "has_item": (),
-        "battery": (1,),
-        "steps": (1,),
-        "pickup_pos": (2,),
-        "dropoff_pos": (2,),
-    }
-    assert (flat["robot_pos"].low.tolist(), flat["robot_pos"].high.tolist()) == ([0, 0], [6, 11])
-    assert flat["pickup_pos"].low.tolist() == [-1, -1]
-    assert flat["steps"].high.tolist() == flat["battery"].high.tolist() == [200]
-    assert spaces["vector"].shape == (3 * 9 + 11,)
-    assert spaces["image"].shape == (64, 96, 3)
-    assert make().action_space == gymnasium.spaces.Discrete(7)
 
 
 def test_the_name_is_found_by_a_program_that_imports_gymnasium_alone() -> None:
@@ -193,9 +98,6 @@ def test_a_layout_is_given_as_itself_as_rows_or_as_text() -> None:
         env = plain(layout=layout, randomize=False)
         assert env.warehouse.layout.rows[:2] == ROOM.rows[:2]
     assert plain(randomize=False).warehouse.layout is DEFAULT_LAYOUT
-
-
-# One environment.
 
 
 @over_forms
@@ -286,42 +188,6 @@ def test_the_chance_of_a_motion_comes_from_the_seed_too(randomize: bool) -> None
     assert all(type(seed) is int for seed in (first, second, other))
 
 
-def test_the_mask_says_which_actions_do_something_now() -> None:
-    shop = Layout(["P.", "#D"])
-    env = plain(layout=shop, start_pos=(0, 0), randomize=False)
-    _, info = env.reset()
-    assert info["action_mask"].dtype == np.int8
-    told = [info["action_mask"].tolist()]
-    for action in (PICK, EAST, SOUTH):
-        *_, info = env.step(action)
-        told.append(info["action_mask"].tolist())
-    assert told == [
-        [0, 1, 0, 0, 1, 1, 0],
-        [0, 1, 0, 0, 1, 0, 0],
-        [0, 0, 1, 1, 1, 0, 0],
-        [1, 0, 0, 0, 1, 0, 1],
-    ]
-
-
-@over_backends
-def test_the_mask_is_fresh_and_the_same_from_all_who_give_it(backend: str) -> None:
-    env = plain(layout=random_layout(6, 6, 0.3, seed=1), backend=backend, max_steps=15)
-    stream = np.random.default_rng(0)
-    for episode in range(4):
-        _, info = env.reset(seed=episode)
-        over = False
-        while not over:
-            layout, state = env.warehouse.layout, env.warehouse.state
-            row, col = state.robot_pos
-            tile, sides = layout.rows[row][col], layout.open_sides((row, col))
-            expected = list(useful_actions(sides, tile, state.has_item))
-            for mask in (info["action_mask"], env.action_masks(), env.action_masks()):
-                assert mask.tolist() == expected
-                mask[:] = 3
-            *_, terminated, truncated, info = env.step(int(stream.integers(7)))
-            over = terminated or truncated
-
-
 def spoil(data: Any) -> None:
     """Overwrite every array in what an environment has returned."""
     if isinstance(data, np.ndarray):
@@ -332,9 +198,8 @@ def spoil(data: Any) -> None:
 
 
 @over_forms
-@over_backends
-def test_nothing_that_was_returned_changes_later(form: str, backend: str) -> None:
-    env = plain(layout=ROOM, observation=form, backend=backend, max_steps=9)
+def test_nothing_that_was_returned_changes_later(form: str) -> None:
+    env = plain(layout=ROOM, observation=form, max_steps=9)
     kept: list[Any] = [env.reset(seed=3)]
     records = [pickle.dumps(kept[0])]
     for action in np.random.default_rng(5).integers(7, size=30).tolist():
@@ -344,9 +209,8 @@ def test_nothing_that_was_returned_changes_later(form: str, backend: str) -> Non
 
 
 @over_forms
-@over_backends
-def test_nothing_that_was_returned_is_used_later(form: str, backend: str) -> None:
-    env, twin = (plain(layout=ROOM, observation=form, backend=backend) for _ in range(2))
+def test_nothing_that_was_returned_is_used_later(form: str) -> None:
+    env, twin = (plain(layout=ROOM, observation=form) for _ in range(2))
     for seed in range(3):
         told, expected = env.reset(seed=seed), twin.reset(seed=seed)
         for action in (EAST, PICK, SOUTH, WEST, NORTH, EAST, EAST, WEST):
@@ -387,12 +251,8 @@ def test_an_episode_is_cut_off_by_steps_and_by_battery(limit: str) -> None:
     [
         (7, ValueError, r"action 7 is out of range; allowed: 0\.\.6"),
         (-1, ValueError, "action -1 is out of range"),
-        (np.int64(99), ValueError, "action 99"),
         (1.0, TypeError, r"action 1\.0 is float; allowed: an integer 0\.\.6"),
-        (float("nan"), TypeError, "action nan"),
         ("N", TypeError, "action 'N' is str"),
-        (None, TypeError, "action None"),
-        (np.array([1]), TypeError, r"action array\(\[1\]\)"),
         ([1], TypeError, r"action \[1\]"),
     ],
     ids=repr,
@@ -406,14 +266,11 @@ def test_an_action_that_is_none_changes_nothing(action: Any, error: type, messag
     assert pickle.dumps(env) == before
 
 
-@pytest.mark.parametrize("kind", [int, np.int8, np.uint64, np.array])
+@pytest.mark.parametrize("kind", [int, np.uint64, np.array])
 def test_an_action_is_an_integer_of_any_kind(kind: Callable[[int], Any]) -> None:
     env = plain(layout=ROOM, randomize=False)
     env.reset()
     assert env.step(kind(EAST))[0]["robot_pos"].tolist() == [1, 2]
-
-
-# Options.
 
 
 def test_options_are_for_one_episode_alone() -> None:
@@ -438,20 +295,6 @@ def test_options_are_for_one_episode_alone() -> None:
     assert same(told["pickup_pos"], env.reset(seed=1)[0]["pickup_pos"])
 
 
-def test_a_layout_for_one_episode_has_walls_of_its_own() -> None:
-    """What was worked out of the layout before must be forgotten, masks and windows too."""
-    walled = Layout(["#####", "#P#D#", "#...#", "#####"])
-    env = plain(layout=ROOM, randomize=False)
-    env.reset()
-    env.step(EAST)
-    told, info = env.reset(options={"layout": walled})
-    assert info["action_mask"].tolist() == [0, 0, 1, 0, 1, 1, 0]
-    assert told["local_grid"].reshape(5, 5)[2].tolist() == [1, 1, 4, 1, 3]
-    assert env.step(EAST)[0]["robot_pos"].tolist() == [1, 1]
-    _, info = env.reset()
-    assert info["action_mask"].tolist() == [0, 1, 1, 0, 1, 1, 0]
-
-
 def test_the_usual_start_is_that_of_the_layout_of_the_episode() -> None:
     shut = Layout(["#####", "###D#", "#..P#", "#####"])
     told, _ = plain(layout=ROOM, randomize=False).reset(options={"layout": shut})
@@ -467,18 +310,14 @@ def test_the_usual_start_is_that_of_the_layout_of_the_episode() -> None:
 @pytest.mark.parametrize(
     ("options", "error", "message"),
     [
-        ({3: 1, "a": 2}, ValueError, "unknown options: 'a', 3; allowed: layout"),
         (["layout"], TypeError, r"options is \['layout'\]; it must be a dict"),
         ({"randomize": "no"}, TypeError, "randomize is 'no'; it must be True or False"),
         ({"sed": 1, "a": 2}, ValueError, "unknown options: 'a', 'sed'; allowed: layout, ra"),
         ({"layout": CORRIDOR}, LayoutError, "has 1 x 6 cells; this environment was made for 4 x 5"),
         ({"layout": ["##", "#"]}, LayoutError, "row 1 has 1 columns"),
-        ({"layout": 5}, TypeError, "int"),
         ({"layout": ["#####"] * 3 + ["###.#"]}, LayoutError, "two open cells"),
         ({"start_pos": (0, 0)}, LayoutError, "start_pos row 0, column 0 is wall"),
-        ({"start_pos": (9, 9)}, LayoutError, "row 9, column 9 is off the grid"),
         ({"start_pos": 3}, TypeError, "start_pos is 3; it must be two integers"),
-        ({"start_pos": (1.5, 1)}, TypeError, r"start_pos is \(1.5, 1\)"),
         ({"start_pos": (1, 1), "layout": ["###.#"] * 4}, LayoutError, "row 1, column 1 is wall"),
     ],
     ids=repr,
@@ -503,16 +342,12 @@ def test_options_that_cannot_be_used_change_nothing(
             ValueError,
             "observation is 'text'; allowed: dict, vector, image",
         ),
-        ({"observation": None}, ValueError, "observation is None"),
         ({"backend": "boat"}, ValueError, "no backend is called 'boat'"),
-        ({"layout": ["#"]}, LayoutError, "no open cell"),
         ({"layout": ["#."]}, LayoutError, "two open cells"),
         ({"layout": [".x."]}, LayoutError, "row 0, column 1: 'x' is not a tile"),
-        ({"layout": 3}, TypeError, "int"),
         ({"start_pos": (0, 0)}, LayoutError, "row 0, column 0 is wall"),
         ({"start_pos": (1.5, 1)}, TypeError, "start_pos .*must be two integers"),
         ({"max_steps": 0}, ValueError, "max_steps is 0"),
-        ({"battery": 1.5}, TypeError, "battery is 1.5"),
         ({"view_radius": -1}, ValueError, "view_radius is -1"),
         ({"tile_pixels": 0}, ValueError, "tile_pixels is 0; it must be at least 2"),
         (
@@ -529,9 +364,6 @@ def test_an_environment_that_could_not_work_is_not_made(
 ) -> None:
     with pytest.raises(error, match=message):
         kind(**settings)
-
-
-# Pictures.
 
 
 def test_a_picture_shows_the_layout_and_where_the_robot_is() -> None:
@@ -561,7 +393,7 @@ def test_a_tile_is_as_large_as_it_is_told_or_as_fits() -> None:
 
 def test_text_is_that_of_the_chapters_environment() -> None:
     env = plain(render_mode="ansi")
-    for seed in range(3):
+    for seed in range(2):
         env.reset(seed=seed)
         assert env.render() == env.warehouse.render()
         assert env.render().count("R") == 1
@@ -624,9 +456,6 @@ def test_a_window_where_there_is_no_display_is_an_error(monkeypatch: pytest.Monk
     env.close()
 
 
-# Copies.
-
-
 @over_forms
 def test_a_copy_and_a_pickle_go_on_as_the_original_does(form: str) -> None:
     env = plain(layout=ROOM, observation=form, render_mode="rgb_array", max_steps=6)
@@ -644,9 +473,6 @@ def test_a_copy_on_the_physics_backend_goes_on_too() -> None:
     env.step(EAST)
     twin = copy.deepcopy(env)
     assert same(env.step(SOUTH)[0], twin.step(SOUTH)[0])
-
-
-# Wrappers.
 
 
 def test_a_video_is_recorded(tmp_path: Path) -> None:
@@ -690,239 +516,6 @@ def test_wrappers_wrap() -> None:
     assert [short.step(WAIT)[3] for _ in range(3)] == [False, False, True]
 
 
-@over_modes
-def test_statistics_of_a_batch_are_recorded(mode: str) -> None:
-    env = RecordBatchStatistics(make_vec(3, mode, max_steps=4))
-    env.reset(seed=0)
-    rewards = []
-    for _ in range(4):
-        _, reward, _, truncated, info = env.step(np.full(3, NORTH))
-        rewards.append(reward)
-    assert truncated.all()
-    assert info["episode"]["r"] == pytest.approx(np.sum(rewards, axis=0))
-    assert info["episode"]["l"].tolist() == [4, 4, 4]
-
-
-# Batches.
-
-
-def assert_infos_alike(found: dict[str, Any], expected: dict[str, Any]) -> None:
-    """Compare what is said of the rows that it is about; motions are told in another form."""
-    for key in sorted({*found, *expected} - {"motion", "_motion"}):
-        if key.startswith("_"):
-            assert found[key].dtype == expected[key].dtype == bool
-            assert found[key].tolist() == expected[key].tolist(), key
-            continue
-        rows = np.flatnonzero(expected[f"_{key}"])
-        if key == "final_info":
-            assert_infos_alike(found[key], expected[key])
-        elif key == "final_obs":
-            assert found[key].dtype == expected[key].dtype == object
-            for one, other in zip(found[key], expected[key], strict=True):
-                assert (one is None) == (other is None)
-                assert one is None or equal_in_value(one, other)
-        else:
-            assert found[key].dtype == expected[key].dtype
-            assert found[key].shape == expected[key].shape
-            assert np.array_equal(found[key][rows], expected[key][rows]), key
-    if "_motion" not in found:
-        assert "_motion" not in expected
-        return
-    count = len(found["_motion"])
-    rows = np.flatnonzero(found["_motion"])
-    nothing = np.zeros(count, bool)
-    assert rows.tolist() == np.flatnonzero(expected.get("_motion", nothing)).tolist()
-    for row in rows:
-        for key, values in found["motion"].items():
-            if not key.startswith("_"):
-                assert values[row] == getattr(expected["motion"][row], key)
-
-
-def equal_in_value(value: Any, other: Any) -> bool:
-    """Compare observations; a number taken out of an array is NumPy's, one of Python is not."""
-    if isinstance(value, dict):
-        return value.keys() == other.keys() and all(
-            equal_in_value(value[key], other[key]) for key in value
-        )
-    return np.array_equal(value, other) and getattr(value, "shape", ()) == np.shape(other)
-
-
-@over_modes
-@over_forms
-@pytest.mark.parametrize("randomize", [False, True], ids=["as given", "drawn"])
-def test_a_batch_is_gymnasiums_own_bit_for_bit(mode: str, form: str, randomize: bool) -> None:
-    count = 5
-    settings = {"layout": ROOM, "observation": form, "randomize": randomize, "max_steps": 14}
-    batch, sync = (kind(count, mode, **settings) for kind in (make_vec, make_sync))
-    for name in ("observation_space", "single_observation_space", "action_space"):
-        assert getattr(batch, name) == getattr(sync, name)
-    assert batch.single_action_space == sync.single_action_space
-    if HAS_MODES:
-        assert batch.metadata["autoreset_mode"] is sync.metadata["autoreset_mode"]
-
-    def reset(**given: Any) -> None:
-        # Gymnasium takes the mask out of its options, so each is given its own.
-        told = [each.reset(**copy.deepcopy(given)) for each in (batch, sync)]
-        assert same(told[0][0], told[1][0])
-        assert told[0][0] in batch.observation_space
-        assert_infos_alike(told[0][1], told[1][1])
-
-    reset(seed=21)
-    stream, ends = np.random.default_rng(1), 0
-    ended = np.zeros(count, bool)
-    for number in range(160):
-        if mode == "Disabled" and ended.any():
-            reset(options={"reset_mask": ended})
-        elif number % 40 == 39:
-            # From here on the rows are out of step.
-            given = {"options": {"reset_mask": np.arange(count) < 2}} if HAS_MODES else {}
-            reset(seed=[3, None, 4, None, 5], **given)
-        # So many of PICK and DROP that some are in the right place.
-        actions = stream.choice([0, 1, 2, 3, 4, 5, 5, 6, 6], size=count)
-        told = [each.step(actions) for each in (batch, sync)]
-        for one, other in zip(*(each[:4] for each in told), strict=True):
-            assert same(one, other)
-        assert told[0][0] in batch.observation_space
-        assert_infos_alike(told[0][4], told[1][4])
-        ended = told[0][2] | told[0][3]
-        ends += int(told[0][2].sum())
-    assert ends
-    batch.close()
-    sync.close()
-
-
-@over_modes
-def test_a_batch_of_physics_does_what_each_robot_would_do_by_itself(mode: str) -> None:
-    settings = {"layout": ROOM, "backend": "physics", "max_steps": 9}
-    batch, sync = (kind(3, mode, **settings) for kind in (make_vec, make_sync))
-    with closing(batch), closing(sync):
-        assert same(*(each.reset(seed=2)[0] for each in (batch, sync)))
-        for actions in np.random.default_rng(4).integers(7, size=(24, 3)):
-            told = [each.step(actions) for each in (batch, sync)]
-            assert same(*(each[:4] for each in told))
-            rows = np.flatnonzero(told[0][4]["_motion"])
-            for row in rows:
-                motion = told[1][4]["motion"][row]
-                assert told[0][4]["motion"]["blocked"][row] == motion.blocked
-                assert told[0][4]["motion"]["seconds"][row] == pytest.approx(motion.seconds)
-            ended = told[0][2] | told[0][3]
-            if mode == "Disabled" and ended.any():
-                starts = [each.reset(options={"reset_mask": ended})[0] for each in (batch, sync)]
-                assert same(*starts)
-
-
-@allow_fork
-@pytest.mark.parametrize("context", ["fork", "spawn"])
-def test_processes_of_their_own_give_the_same(context: str) -> None:
-    settings = {"layout": list(ROOM.rows), "max_steps": 5}
-    apart = AsyncVectorEnv([partial(make, **settings)] * 2, context=context)
-    batch = WarehouseVectorEnv(2, **settings)
-    with closing(apart):
-        assert same(apart.reset(seed=4)[0], batch.reset(seed=4)[0])
-        for actions in np.random.default_rng(1).integers(7, size=(12, 2)):
-            *told, info = apart.step(actions)
-            *expected, expected_info = batch.step(actions)
-            assert same(tuple(told), tuple(expected))
-            assert_infos_alike(expected_info, info)
-
-
-@allow_fork
-def test_all_three_ways_to_make_a_batch_give_the_same() -> None:
-    told = []
-    for way in ("sync", "async", "vector_entry_point", None):
-        made = gymnasium.make_vec(NAME, 3, vectorization_mode=way, layout=ROOM, max_steps=6)
-        with closing(made) as env:
-            record = [env.reset(seed=2)[0]]
-            for actions in np.random.default_rng(1).integers(7, size=(10, 3)):
-                record.append(env.step(actions)[:4])
-            is_ours = type(env.unwrapped) is WarehouseVectorEnv
-        assert is_ours == (way in ("vector_entry_point", None))
-        told.append(tuple(record))
-    assert all(same(other, told[0]) for other in told[1:])
-
-
-@over_forms
-def test_layouts_of_different_sizes_share_one_space(form: str) -> None:
-    layouts = [CORRIDOR, ROOM, random_layout(7, 4, 0.2, seed=0), ROOM]
-    batch = WarehouseVectorEnv(4, layouts, observation=form, render_mode="rgb_array", max_steps=9)
-    extent = WarehouseVectorEnv(1, ["." * 6] * 7, observation=form, max_steps=9)
-    assert batch.single_observation_space == extent.single_observation_space
-    observation, _ = batch.reset(seed=0)
-    for actions in np.random.default_rng(0).integers(7, size=(30, 4)):
-        assert observation in batch.observation_space
-        observation, *_ = batch.step(actions)
-    sizes = [picture.shape for picture in batch.render()]
-    pixels = sizes[0][0]
-    assert sizes == [(each.height * pixels, each.width * pixels, 3) for each in layouts]
-
-
-def test_a_picture_of_each_row_is_that_of_the_row_alone() -> None:
-    batch = WarehouseVectorEnv(3, ROOM, render_mode="rgb_array")
-    with pytest.raises(ResetNeeded, match=r"needs a reset\(\) before it"):
-        batch.render()
-    batch.reset(seed=5)
-    pictures = batch.render()
-    assert type(pictures) is tuple
-    for row, picture in enumerate(pictures):
-        env = plain(layout=ROOM, render_mode="rgb_array")
-        env.reset(seed=5 + row)
-        assert same(picture, env.render())
-
-
-def test_a_batch_is_copied_and_pickled() -> None:
-    for form in FORMS:
-        batch = WarehouseVectorEnv(3, ROOM, observation=form)
-        batch.reset(seed=1)
-        others = copy.deepcopy(batch), pickle.loads(pickle.dumps(batch))
-        expected = batch.step([EAST, WEST, SOUTH]), batch.reset()
-        for other in others:
-            assert same((other.step([EAST, WEST, SOUTH]), other.reset()), expected)
-
-
-def test_the_mask_of_a_batch_is_that_of_its_info() -> None:
-    batch = WarehouseVectorEnv(6)
-    _, info = batch.reset(seed=0)
-    assert same(info["action_mask"], batch.action_masks())
-    *_, info = batch.step(np.arange(6))
-    assert same(info["action_mask"], batch.action_masks())
-
-
-def test_what_a_batch_cannot_do_is_said_as_gymnasium_says_it() -> None:
-    batch = WarehouseVectorEnv(2, max_steps=1, autoreset_mode="Disabled")
-    with pytest.raises(ResetNeeded, match=r"step\(\) needs a reset\(\) before it"):
-        batch.step([0, 0])
-    with pytest.raises(ResetNeeded, match=r"the first reset\(\) must be of all rows"):
-        batch.reset(options={"reset_mask": np.ones(2, bool)})
-    batch.reset(seed=0)
-    batch.step([WAIT, WAIT])
-    before = pickle.dumps(batch)
-    with pytest.raises(ResetNeeded, match="2 rows have ended, row 0 first"):
-        batch.step([0, 0])
-    with pytest.raises(ValueError, match="unknown options: 'layout'; allowed: reset_mask"):
-        batch.reset(seed=1, options={"layout": ROOM})
-    with pytest.raises(TypeError, match="the mask is"):
-        batch.reset(seed=1, options={"reset_mask": [True, False]})
-    with pytest.raises(ValueError, match="num_envs is 0"):
-        WarehouseVectorEnv(0)
-    with pytest.raises(ValueError, match="autoreset_mode is 'Never'"):
-        WarehouseVectorEnv(2, autoreset_mode="Never")
-    with pytest.raises(ValueError, match="allowed: None, rgb_array"):
-        WarehouseVectorEnv(2, render_mode="human")
-    with pytest.raises(TypeError, match="the layout of row 1 is list"):
-        WarehouseVectorEnv(2, [ROOM, list(ROOM.rows)])
-    assert pickle.dumps(batch) == before
-
-
-def test_both_kinds_take_the_same_arguments_in_the_same_order() -> None:
-    single, batch = (
-        list(inspect.signature(kind).parameters)
-        for kind in (WarehouseGymnasiumEnv, WarehouseVectorEnv)
-    )
-    assert [name for name in batch if name not in ("num_envs", "autoreset_mode")] == single
-
-
-# From one process to the next, and from one version of Python to the next.
-
 HASH = "862b4139031d8b56bf9f55e530a148093004e76f59ff9a43b280ae0144e24101"
 
 
@@ -958,17 +551,9 @@ def test_episodes_are_the_same_in_every_process_and_version() -> None:
         text=True,
         check=True,
         cwd=Path(__file__).parent,
-        env=os.environ | {"PYTHONHASHSEED": "123"},
+        env=os.environ | {"PYTHONHASHSEED": "123", "PYTHONPATH": os.pathsep.join(sys.path)},
     )
     assert done.stdout.strip() == trajectory_hash() == HASH
-
-
-@pytest.mark.parametrize("budget", ["battery", "max_steps"])
-def test_budgets_that_arrays_have_no_room_for_are_refused(budget: str) -> None:
-    for made in (make, partial(make_vec, 2, "NextStep")):
-        with pytest.raises(ValueError, match=f"{budget} is {2**31}; it must be at most"):
-            made(**{budget: 2**31})
-        made(**{budget: 2**31 - 1}).close()
 
 
 def test_a_layout_of_none_is_the_one_that_the_environment_has() -> None:
@@ -983,18 +568,6 @@ def test_environments_do_not_share_a_motion_that_both_were_given() -> None:
     at = one.reset(seed=1)[0]["robot_pos"]
     other.reset(seed=2)
     assert one.step(WAIT)[0]["robot_pos"].tolist() == at.tolist()
-
-
-@pytest.mark.parametrize("radius", [np.int8(6), np.uint8(8)])
-def test_a_small_integer_of_numpy_makes_no_other_space(radius: np.integer) -> None:
-    for made in (make, partial(make_vec, 2, "NextStep")):
-        with closing(made(view_radius=radius)) as env:
-            assert env.observation_space.contains(env.reset(seed=0)[0])
-
-
-def test_a_window_that_no_space_should_hold_is_refused() -> None:
-    with pytest.raises(ValueError, match="view_radius is 501; it must be at most 500"):
-        make(view_radius=501)
 
 
 def test_masks_are_of_an_episode() -> None:

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, WarehouseEnv
-from warehouse_core.gymnasium_env.view import Encoder
 from warehouse_core.task.encoding import NOWHERE, encode, vector, vector_limits
 from warehouse_core.task.state import Observation
 
@@ -53,39 +52,6 @@ def test_the_arrays_share_nothing() -> None:
         arrays[key][:] = 10 + value
     assert [set(array.tolist()) for array in arrays.values()] == [{10 + n} for n in range(6)]
     assert given == observation()
-
-
-# What remembers.
-
-
-def assert_same(arrays: Any, expected: Any) -> None:
-    assert list(arrays) == list(expected)
-    for key, value in expected.items():
-        assert type(arrays[key]) is type(value)
-        assert np.asarray(arrays[key]).dtype == np.asarray(value).dtype
-        assert np.array_equal(arrays[key], value), key
-
-
-def test_an_encoder_says_what_encode_says_wherever_the_robot_has_been() -> None:
-    env = WarehouseEnv(ROOM)
-    encoder = Encoder(env)
-    for action in (WEST, PICK, EAST, WEST, EAST, EAST, WEST, WEST, PICK, EAST):
-        arrays = encoder.encode()
-        assert_same(arrays, encode(env.observe()))
-        for key in arrays.keys() - {"has_item"}:
-            arrays[key][:] = 9
-        env.step(action)
-    assert env.state.has_item
-
-
-def test_an_encoder_must_be_told_of_a_new_layout() -> None:
-    env = WarehouseEnv(ROOM)
-    encoder = Encoder(env)
-    encoder.encode()
-    env.reset_to(ROOM.with_stations((2, 2), None), (1, 1))
-    encoder.forget()
-    assert_same(encoder.encode(), encode(env.observe()))
-    assert encoder.encode()["dropoff_pos"].tolist() == [-1, -1]
 
 
 # As one vector.

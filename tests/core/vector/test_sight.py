@@ -5,7 +5,7 @@ import pytest
 
 from warehouse_core import Cell, Layout, random_layout
 from warehouse_core.task.sight import Sight
-from warehouse_core.vector.sight import BatchSight
+from warehouse_core.vector.sight import VectorSight
 from warehouse_core.world.tables import LayoutSet
 from warehouse_core.world.tiles import CELL_CODES
 
@@ -23,7 +23,7 @@ def codes(window: list[str]) -> list[int]:
 def test_stations_are_seen_where_they_are_and_nowhere_else(radius: int) -> None:
     """Every place of pickup, dropoff and robot, in layouts narrower and wider than the window."""
     layouts = LayoutSet(BARE)
-    sight = BatchSight(layouts, radius)
+    sight = VectorSight(layouts, radius)
     for layout, base in zip(BARE, layouts.base.tolist(), strict=True):
         cells = [layout.open_cell(index) for index in range(len(layout.open_cells))]
         stream = np.random.default_rng(radius)
@@ -46,7 +46,7 @@ def test_stations_are_seen_where_they_are_and_nowhere_else(radius: int) -> None:
 
 def test_stations_of_the_layout_need_no_telling() -> None:
     shop = Layout(["P.D", "DP."])
-    found = BatchSight(LayoutSet([shop]), 1).windows(
+    found = VectorSight(LayoutSet([shop]), 1).windows(
         np.array([1, 5]), np.array([False, True]), np.array([[0, 1], [1, 2]])
     )
     assert found.tolist() == [
@@ -60,7 +60,7 @@ def test_a_station_very_far_away_is_out_of_sight() -> None:
     length = 2**16
     layouts = LayoutSet([Layout(["."] * length), Layout(["." * length])])
     ends: list[tuple[Cell, Cell]] = [((0, 0), (length - 1, 0)), ((length - 1, 0), (0, 0))]
-    sight = BatchSight(layouts, 1)
+    sight = VectorSight(layouts, 1)
     for (row, col), station in ends:
         found = sight.windows(
             np.array([row]), np.array([False]), np.array([[row, col]], np.int32),
@@ -70,7 +70,7 @@ def test_a_station_very_far_away_is_out_of_sight() -> None:
 
 
 def test_what_is_seen_is_fresh() -> None:
-    sight = BatchSight(LayoutSet([OPEN]), 1)
+    sight = VectorSight(LayoutSet([OPEN]), 1)
     given = np.array([5]), np.array([False]), np.array([[1, 1]])
     sight.windows(*given)[:] = 9
     assert sight.windows(*given).tolist() == [codes(["...", ".R.", "..."])]

@@ -1,0 +1,267 @@
+"""The vector environment equals Gymnasium's own vector of single environments."""
+
+import copy
+import inspect
+import pickle
+from contextlib import closing
+from functools import partial
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.error import ResetNeeded
+from gymnasium.vector import AsyncVectorEnv
+from gymnasium.wrappers.vector import RecordEpisodeStatistics as RecordBatchStatistics
+from helpers.gymnasium_envs import (
+    CORRIDOR,
+    HAS_MODES,
+    MODES,
+    NAME,
+    ROOM,
+    make,
+    make_sync,
+    make_vec,
+    plain,
+    same,
+)
+
+from warehouse_core import random_layout
+from warehouse_core.gymnasium_env import WarehouseGymnasiumEnv
+from warehouse_core.gymnasium_env.spaces import FORMS
+from warehouse_core.gymnasium_env.vector import WarehouseVectorEnv
+
+NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
+
+over_forms = pytest.mark.parametrize("form", FORMS)
+over_modes = pytest.mark.parametrize("mode", MODES)
+allow_fork = pytest.mark.filterwarnings("ignore:This process .* is multi-threaded")
+"""Python 3.12 warns of every fork in a process in which NumPy has started its threads."""
+
+
+@over_modes
+def test_statistics_of_a_batch_are_recorded(mode: str) -> None:
+    env = RecordBatchStatistics(make_vec(3, mode, max_steps=4))
+    env.reset(seed=0)
+    rewards = []
+    for _ in range(4):
+        _, reward, _, truncated, info = env.step(np.full(3, NORTH))
+        rewards.append(reward)
+    assert truncated.all()
+    assert info["episode"]["r"] == pytest.approx(np.sum(rewards, axis=0))
+    assert info["episode"]["l"].tolist() == [4, 4, 4]
+
+
+def assert_infos_alike(found: dict[str, Any], expected: dict[str, Any]) -> None:
+    """Compare what is said of the rows that it is about; motions are told in another form."""
+    for key in sorted({*found, *expected} - {"motion", "_motion"}):
+        if key.startswith("_"):
+            assert found[key].dtype == expected[key].dtype == bool
+            assert found[key].tolist() == expected[key].tolist(), key
+            continue
+        rows = np.flatnonzero(expected[f"_{key}"])
+        if key == "final_info":
+            assert_infos_alike(found[key], expected[key])
+        elif key == "final_obs":
+            assert found[key].dtype == expected[key].dtype == object
+            for one, other in zip(found[key], expected[key], strict=True):
+                assert (one is None) == (other is None)
+                assert one is None or equal_in_value(one, other)
+        else:
+            assert found[key].dtype == expected[key].dtype
+            assert found[key].shape == expected[key].shape
+            assert np.array_equal(found[key][rows], expected[key][rows]), key
+    if "_motion" not in found:
+        assert "_motion" not in expected
+        return
+    count = len(found["_motion"])
+    rows = np.flatnonzero(found["_motion"])
+    nothing = np.zeros(count, bool)
+    assert rows.tolist() == np.flatnonzero(expected.get("_motion", nothing)).tolist()
+    for row in rows:
+        for key, values in found["motion"].items():
+            if not key.startswith("_"):
+                assert values[row] == getattr(expected["motion"][row], key)
+
+
+def equal_in_value(value: Any, other: Any) -> bool:
+    """Compare observations; a number taken out of an array is NumPy's, one of Python is not."""
+    if isinstance(value, dict):
+        return value.keys() == other.keys() and all(
+            equal_in_value(value[key], other[key]) for key in value
+        )
+    return np.array_equal(value, other) and getattr(value, "shape", ()) == np.shape(other)
+
+
+@pytest.mark.parametrize(
+    ("mode", "form", "randomize"),
+    [(mode, "dict", True) for mode in MODES]
+    + [(MODES[0], "dict", False), (MODES[0], "vector", True), (MODES[-2], "image", True)],
+)
+def test_a_batch_is_gymnasiums_own_bit_for_bit(mode: str, form: str, randomize: bool) -> None:
+    count = 5
+    settings = {"layout": ROOM, "observation": form, "randomize": randomize, "max_steps": 14}
+    batch, sync = (kind(count, mode, **settings) for kind in (make_vec, make_sync))
+    for name in ("observation_space", "single_observation_space", "action_space"):
+        assert getattr(batch, name) == getattr(sync, name)
+    assert batch.single_action_space == sync.single_action_space
+    if HAS_MODES:
+        assert batch.metadata["autoreset_mode"] is sync.metadata["autoreset_mode"]
+
+    def reset(**given: Any) -> None:
+        # Gymnasium takes the mask out of its options, so each is given its own.
+        told = [each.reset(**copy.deepcopy(given)) for each in (batch, sync)]
+        assert same(told[0][0], told[1][0])
+        assert told[0][0] in batch.observation_space
+        assert_infos_alike(told[0][1], told[1][1])
+
+    reset(seed=21)
+    stream, ends = np.random.default_rng(1), 0
+    ended = np.zeros(count, bool)
+    for number in range(120):
+        if mode == "Disabled" and ended.any():
+            reset(options={"reset_mask": ended})
+        elif number % 30 == 29:
+            # From here on the rows are out of step.
+            given = {"options": {"reset_mask": np.arange(count) < 2}} if HAS_MODES else {}
+            reset(seed=[3, None, 4, None, 5], **given)
+        # So many of PICK and DROP that some are in the right place.
+        actions = stream.choice([0, 1, 2, 3, 4, 5, 5, 6, 6], size=count)
+        told = [each.step(actions) for each in (batch, sync)]
+        for one, other in zip(*(each[:4] for each in told), strict=True):
+            assert same(one, other)
+        assert told[0][0] in batch.observation_space
+        assert_infos_alike(told[0][4], told[1][4])
+        ended = told[0][2] | told[0][3]
+        ends += int(told[0][2].sum())
+    assert ends
+    batch.close()
+    sync.close()
+
+
+@over_modes
+def test_a_batch_of_physics_does_what_each_robot_would_do_by_itself(mode: str) -> None:
+    settings = {"layout": ROOM, "backend": "physics", "max_steps": 9}
+    batch, sync = (kind(3, mode, **settings) for kind in (make_vec, make_sync))
+    with closing(batch), closing(sync):
+        assert same(*(each.reset(seed=2)[0] for each in (batch, sync)))
+        for actions in np.random.default_rng(4).integers(7, size=(24, 3)):
+            told = [each.step(actions) for each in (batch, sync)]
+            assert same(*(each[:4] for each in told))
+            rows = np.flatnonzero(told[0][4]["_motion"])
+            for row in rows:
+                motion = told[1][4]["motion"][row]
+                assert told[0][4]["motion"]["blocked"][row] == motion.blocked
+                assert told[0][4]["motion"]["seconds"][row] == pytest.approx(motion.seconds)
+            ended = told[0][2] | told[0][3]
+            if mode == "Disabled" and ended.any():
+                starts = [each.reset(options={"reset_mask": ended})[0] for each in (batch, sync)]
+                assert same(*starts)
+
+
+def test_a_process_of_its_own_gives_the_same() -> None:
+    settings = {"layout": list(ROOM.rows), "max_steps": 5}
+    apart = AsyncVectorEnv([partial(make, **settings)], context="spawn")
+    batch = WarehouseVectorEnv(1, **settings)
+    with closing(apart):
+        assert same(apart.reset(seed=4)[0], batch.reset(seed=4)[0])
+        for actions in np.random.default_rng(1).integers(7, size=(12, 1)):
+            *told, info = apart.step(actions)
+            *expected, expected_info = batch.step(actions)
+            assert same(tuple(told), tuple(expected))
+            assert_infos_alike(expected_info, info)
+
+
+@allow_fork
+def test_all_three_ways_to_make_a_batch_give_the_same() -> None:
+    told = []
+    for way in ("sync", "async", "vector_entry_point", None):
+        made = gymnasium.make_vec(NAME, 3, vectorization_mode=way, layout=ROOM, max_steps=6)
+        with closing(made) as env:
+            record = [env.reset(seed=2)[0]]
+            for actions in np.random.default_rng(1).integers(7, size=(10, 3)):
+                record.append(env.step(actions)[:4])
+            is_ours = type(env.unwrapped) is WarehouseVectorEnv
+        assert is_ours == (way in ("vector_entry_point", None))
+        told.append(tuple(record))
+    assert all(same(other, told[0]) for other in told[1:])
+
+
+@over_forms
+def test_layouts_of_different_sizes_share_one_space(form: str) -> None:
+    layouts = [CORRIDOR, ROOM, random_layout(7, 4, 0.2, seed=0), ROOM]
+    batch = WarehouseVectorEnv(4, layouts, observation=form, render_mode="rgb_array", max_steps=9)
+    extent = WarehouseVectorEnv(1, ["." * 6] * 7, observation=form, max_steps=9)
+    assert batch.single_observation_space == extent.single_observation_space
+    observation, _ = batch.reset(seed=0)
+    for actions in np.random.default_rng(0).integers(7, size=(20, 4)):
+        assert observation in batch.observation_space
+        observation, *_ = batch.step(actions)
+    sizes = [picture.shape for picture in batch.render()]
+    pixels = sizes[0][0]
+    assert sizes == [(each.height * pixels, each.width * pixels, 3) for each in layouts]
+
+
+def test_a_picture_of_each_row_is_that_of_the_row_alone() -> None:
+    batch = WarehouseVectorEnv(3, ROOM, render_mode="rgb_array")
+    with pytest.raises(ResetNeeded, match=r"needs a reset\(\) before it"):
+        batch.render()
+    batch.reset(seed=5)
+    pictures = batch.render()
+    assert type(pictures) is tuple
+    for row, picture in enumerate(pictures):
+        env = plain(layout=ROOM, render_mode="rgb_array")
+        env.reset(seed=5 + row)
+        assert same(picture, env.render())
+
+
+def test_a_batch_is_copied_and_pickled() -> None:
+    for form in FORMS:
+        batch = WarehouseVectorEnv(3, ROOM, observation=form)
+        batch.reset(seed=1)
+        others = copy.deepcopy(batch), pickle.loads(pickle.dumps(batch))
+        expected = batch.step([EAST, WEST, SOUTH]), batch.reset()
+        for other in others:
+            assert same((other.step([EAST, WEST, SOUTH]), other.reset()), expected)
+
+
+def test_the_mask_of_a_batch_is_that_of_its_info() -> None:
+    batch = WarehouseVectorEnv(6)
+    _, info = batch.reset(seed=0)
+    assert same(info["action_mask"], batch.action_masks())
+    *_, info = batch.step(np.arange(6))
+    assert same(info["action_mask"], batch.action_masks())
+
+
+def test_what_a_batch_cannot_do_is_said_as_gymnasium_says_it() -> None:
+    batch = WarehouseVectorEnv(2, max_steps=1, autoreset_mode="Disabled")
+    with pytest.raises(ResetNeeded, match=r"step\(\) needs a reset\(\) before it"):
+        batch.step([0, 0])
+    with pytest.raises(ResetNeeded, match=r"the first reset\(\) must be of all rows"):
+        batch.reset(options={"reset_mask": np.ones(2, bool)})
+    batch.reset(seed=0)
+    batch.step([WAIT, WAIT])
+    before = pickle.dumps(batch)
+    with pytest.raises(ResetNeeded, match="2 rows have ended, row 0 first"):
+        batch.step([0, 0])
+    with pytest.raises(ValueError, match="unknown options: 'layout'; allowed: reset_mask"):
+        batch.reset(seed=1, options={"layout": ROOM})
+    with pytest.raises(TypeError, match="the mask is"):
+        batch.reset(seed=1, options={"reset_mask": [True, False]})
+    with pytest.raises(ValueError, match="num_envs is 0"):
+        WarehouseVectorEnv(0)
+    with pytest.raises(ValueError, match="autoreset_mode is 'Never'"):
+        WarehouseVectorEnv(2, autoreset_mode="Never")
+    with pytest.raises(ValueError, match="allowed: None, rgb_array"):
+        WarehouseVectorEnv(2, render_mode="human")
+    with pytest.raises(TypeError, match="the layout of row 1 is list"):
+        WarehouseVectorEnv(2, [ROOM, list(ROOM.rows)])
+    assert pickle.dumps(batch) == before
+
+
+def test_both_kinds_take_the_same_arguments_in_the_same_order() -> None:
+    single, batch = (
+        list(inspect.signature(kind).parameters)
+        for kind in (WarehouseGymnasiumEnv, WarehouseVectorEnv)
+    )
+    assert [name for name in batch if name not in ("num_envs", "autoreset_mode")] == single

@@ -1,0 +1,94 @@
+"""What is cached is what the environment would say."""
+
+from typing import Any
+
+import numpy as np
+from helpers.gymnasium_envs import ROOM, plain
+
+from warehouse_core import Layout, WarehouseEnv, random_layout
+from warehouse_core.gymnasium_env.view import View
+from warehouse_core.task.encoding import encode
+from warehouse_core.task.rules import useful_actions
+
+NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
+
+
+def assert_same(arrays: Any, expected: Any) -> None:
+    assert list(arrays) == list(expected)
+    for key, value in expected.items():
+        assert type(arrays[key]) is type(value)
+        assert np.asarray(arrays[key]).dtype == np.asarray(value).dtype
+        assert np.array_equal(arrays[key], value), key
+
+
+def test_observations_are_encoded_afresh_wherever_the_robot_has_been() -> None:
+    env = WarehouseEnv(ROOM)
+    view = View(env)
+    for action in (WEST, PICK, EAST, WEST, EAST, EAST, WEST, WEST, PICK, EAST):
+        arrays, mask = view.look()
+        assert_same(arrays, encode(env.observe()))
+        for key in arrays.keys() - {"has_item"}:
+            arrays[key][:] = 9
+        mask[:] = 9
+        env.step(action)
+    assert env.state.has_item
+
+
+def test_a_new_layout_needs_a_call_of_forget() -> None:
+    env = WarehouseEnv(ROOM)
+    view = View(env)
+    view.look()
+    env.reset_to(ROOM.with_stations((2, 2), None), (1, 1))
+    view.forget()
+    arrays, _ = view.look()
+    assert_same(arrays, encode(env.observe()))
+    assert arrays["dropoff_pos"].tolist() == [-1, -1]
+
+
+def test_the_mask_says_which_actions_do_something_now() -> None:
+    shop = Layout(["P.", "#D"])
+    env = plain(layout=shop, start_pos=(0, 0), randomize=False)
+    _, info = env.reset()
+    assert info["action_mask"].dtype == np.int8
+    told = [info["action_mask"].tolist()]
+    for action in (PICK, EAST, SOUTH):
+        *_, info = env.step(action)
+        told.append(info["action_mask"].tolist())
+    assert told == [
+        [0, 1, 0, 0, 1, 1, 0],
+        [0, 1, 0, 0, 1, 0, 0],
+        [0, 0, 1, 1, 1, 0, 0],
+        [1, 0, 0, 0, 1, 0, 1],
+    ]
+
+
+def test_the_mask_is_fresh_and_the_same_from_all_who_give_it() -> None:
+    env = plain(layout=random_layout(6, 6, 0.3, seed=1), max_steps=15)
+    stream = np.random.default_rng(0)
+    for episode in range(2):
+        _, info = env.reset(seed=episode)
+        over = False
+        while not over:
+            layout, state = env.warehouse.layout, env.warehouse.state
+            row, col = state.robot_pos
+            tile, sides = layout.rows[row][col], layout.open_sides((row, col))
+            expected = list(useful_actions(sides, tile, state.has_item))
+            for mask in (info["action_mask"], env.action_masks(), env.action_masks()):
+                assert mask.tolist() == expected
+                mask[:] = 3
+            *_, terminated, truncated, info = env.step(int(stream.integers(7)))
+            over = terminated or truncated
+
+
+def test_a_layout_for_one_episode_has_walls_of_its_own() -> None:
+    """What was worked out of the layout before must be forgotten, masks and windows too."""
+    walled = Layout(["#####", "#P#D#", "#...#", "#####"])
+    env = plain(layout=ROOM, randomize=False)
+    env.reset()
+    env.step(EAST)
+    told, info = env.reset(options={"layout": walled})
+    assert info["action_mask"].tolist() == [0, 0, 1, 0, 1, 1, 0]
+    assert told["local_grid"].reshape(5, 5)[2].tolist() == [1, 1, 4, 1, 3]
+    assert env.step(EAST)[0]["robot_pos"].tolist() == [1, 1]
+    _, info = env.reset()
+    assert info["action_mask"].tolist() == [0, 1, 1, 0, 1, 1, 0]
