@@ -82,23 +82,21 @@ def run_missing(plan: Plan, store: Store, executor: Executor, workers: int, repo
     """
     pace = Pace()
     tasks, running = missing_tasks(plan, store, pace), dict[Future[Done], Task]()
-    try:
-        while _hand_over(tasks, running, executor, workers) or running:
-            done, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
-            report([])
-            # What went well comes first: the others end the run.
-            failures = []
-            for future in sorted(done, key=_has_failed):
-                task, (seconds, rows, failure) = running.pop(future), future.result()
-                store.add(task.case_id, rows)
-                pace.learn(len(rows), seconds)
-                report(rows)
-                failures += [] if failure is None else [failure]
-            if failures:
-                raise EpisodeError(failures[0])
-    finally:
-        for future in running:
-            future.cancel()
+    # After an error the executor ends what is still running. Futures are not cancelled here: a
+    # process pool that breaks sets an exception on each of them, which a cancelled one rejects.
+    while _hand_over(tasks, running, executor, workers) or running:
+        done, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
+        report([])
+        # What went well comes first: the others end the run.
+        failures = []
+        for future in sorted(done, key=_has_failed):
+            task, (seconds, rows, failure) = running.pop(future), future.result()
+            store.add(task.case_id, rows)
+            pace.learn(len(rows), seconds)
+            report(rows)
+            failures += [] if failure is None else [failure]
+        if failures:
+            raise EpisodeError(failures[0])
 
 
 def missing_tasks(plan: Plan, store: Store, pace: Pace) -> Iterator[Task]:

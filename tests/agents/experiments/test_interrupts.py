@@ -1,6 +1,5 @@
 """Ctrl-C is remembered, reaches no worker, and is the program's own again afterwards."""
 
-import os
 import signal
 import subprocess
 import sys
@@ -23,16 +22,17 @@ def as_before() -> Iterator[None]:
         signal.signal(number, handler)
 
 
-def interrupt(process: int) -> None:
-    os.kill(process, signal.SIGINT)
+def interrupt() -> None:
+    """Send SIGINT to this thread; any thread of the process may get one sent by ``os.kill``."""
+    signal.raise_signal(signal.SIGINT)
 
 
 def test_an_interrupt_waits_until_it_is_asked_for() -> None:
     done = []
     with remembered_interrupts() as check:
         check()
-        interrupt(os.getpid())
-        interrupt(os.getpid())
+        interrupt()
+        interrupt()
         done.append("the step")
         with pytest.raises(KeyboardInterrupt):
             check()
@@ -45,20 +45,20 @@ def test_without_one_nothing_is_raised_and_the_handler_is_as_it_was() -> None:
         check()
     assert signal.getsignal(signal.SIGINT) is before
     with pytest.raises(KeyboardInterrupt):
-        interrupt(os.getpid())
+        interrupt()
 
 
 def test_the_end_that_a_manager_asks_for_is_remembered_too() -> None:
     with remembered_interrupts() as check:
-        os.kill(os.getpid(), signal.SIGTERM)
+        signal.raise_signal(signal.SIGTERM)
         with pytest.raises(KeyboardInterrupt):
             check()
 
 
 def test_who_has_asked_once_cannot_disturb_the_leaving() -> None:
     with remembered_interrupts():
-        interrupt(os.getpid())
-    os.kill(os.getpid(), signal.SIGTERM)
+        interrupt()
+    signal.raise_signal(signal.SIGTERM)
 
 
 def test_a_child_that_is_started_so_is_not_interrupted() -> None:
@@ -67,7 +67,7 @@ def test_a_child_that_is_started_so_is_not_interrupted() -> None:
     try:
         assert child.stdout is not None
         child.stdout.readline()
-        interrupt(child.pid)
+        child.send_signal(signal.SIGINT)
         time.sleep(0.2)
         assert child.poll() is None
     finally:
@@ -79,7 +79,7 @@ def test_what_comes_while_children_start_comes_afterwards() -> None:
     done = []
     with remembered_interrupts() as check:
         with uninterrupted_children():
-            interrupt(os.getpid())
+            interrupt()
             check()
             done.append("all are started")
         with pytest.raises(KeyboardInterrupt):

@@ -191,6 +191,22 @@ def test_what_cannot_be_stored_ends_the_run(
         run(tmp_path / "r.sqlite", executor, make_plan({}, 10**6, 0))
 
 
+def test_processes_end_quietly_while_tasks_are_waiting(tmp_path: Path) -> None:
+    stored = set[int]()
+
+    def report(rows: Sequence[Row]) -> None:
+        stored.update(row.seed for row in rows)
+        if 6 in stored and not rows:
+            raise KeyboardInterrupt
+
+    # An error in a thread of the pool would be a warning, and that fails the test.
+    sleeper = plan_of(tmp_path, act="__import__('time').sleep(60)").cases[1]
+    plan = Plan((sleeper,), 20, 0)
+    with Store(tmp_path / "r.sqlite") as store, pytest.raises(KeyboardInterrupt):  # noqa: SIM117
+        with processes(1) as (executor, _):
+            run_missing(plan, store, executor, 20, report)
+
+
 def test_the_pace_makes_tasks_of_about_half_a_second_and_grows_with_care() -> None:
     pace = Pace()
     assert pace.episodes == 1
