@@ -19,9 +19,10 @@ from agents.console.options import (
     load_layout,
 )
 from agents.evaluation.scores import CONTENDERS, MEASURES, Run, Scores, Task, run_agent
-from agents.evaluation.wording import counted, mean, share
+from agents.evaluation.wording import mean, share
 from warehouse_core.files.atomic import atomic_path, check_target
 from warehouse_core.viz.export import check_suffix, save_svg
+from warehouse_core.wording import counted
 
 PICTURES = (".svg", ".png")
 

@@ -16,6 +16,7 @@ import numpy as np
 from warehouse_core.motion.base import Contact, Outcome
 from warehouse_core.records.episode import UNFINISHED, Episode
 from warehouse_core.records.failure_modes import diagnose
+from warehouse_core.wording import printable
 from warehouse_core.world.tiles import ALLOWED_TILES, EMPTY, ROBOT_EMPTY, ROBOT_LOADED, TILES, Cell
 
 FRAME_SECONDS = 0.2
@@ -117,7 +118,7 @@ def track_of_episode(episode: Episode, frame_seconds: float = FRAME_SECONDS) -> 
     track.tiles = [episode.layout.rows] * len(track)
     track.full_battery = episode.settings.battery
     seed = "" if episode.seed is None else f", seed {episode.seed}"
-    track.title = _printable(
+    track.title = printable(
         f"{episode.agent or 'Warehouse'} on the {episode.settings.backend} backend{seed}"
     )
     if episode.outcome != UNFINISHED:
@@ -129,7 +130,7 @@ def track_of_episode(episode: Episode, frame_seconds: float = FRAME_SECONDS) -> 
 def step_captions(episode: Episode) -> list[str]:
     """Return for each step what was done and why."""
     return [
-        _printable(f"{action} ({reason})" if reason else str(action))
+        printable(f"{action} ({reason})" if reason else str(action))
         for action, reason in zip(episode.actions, episode.reasons, strict=True)
     ]
 
@@ -220,11 +221,6 @@ def track_of_frames(
         hits=[()] * len(grids),
         full_battery=max([1.0, *checked.get("battery", [])]),
     )
-
-
-def _printable(text: str) -> str:
-    """Return ``text`` with a space for each character that nobody sees and SVG may not hold."""
-    return "".join(character if character.isprintable() else " " for character in text)
 
 
 def _check_sizes(grids: list[list[str]]) -> None:

@@ -88,7 +88,7 @@ def test_parquet_holds_what_the_store_holds_with_its_types(
     monkeypatch: pytest.MonkeyPatch,
     lines: int,
 ) -> None:
-    monkeypatch.setattr(table_export, "LINES", lines)
+    monkeypatch.setattr(table_export, "LINES_AT_ONCE", lines)
     target = tmp_path / "t.parquet"
     assert command(capsys, "export", results, target).code == 0
     found = parquet.read_table(target)
@@ -170,7 +170,7 @@ def test_an_export_that_fails_leaves_what_was_there(
     monkeypatch: pytest.MonkeyPatch,
     suffix: str,
 ) -> None:
-    monkeypatch.setattr(table_export, "LINES", 1)
+    monkeypatch.setattr(table_export, "LINES_AT_ONCE", 1)
     target = tmp_path / f"t{suffix}"
     target.write_text("as it was")
     database = sqlite3.connect(results)

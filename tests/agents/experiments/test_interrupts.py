@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from agents.experiments.workers import REMEMBERED, remembered_interrupts, uninterrupted_children
+from agents.experiments.workers import DEFERRED, blocked_interrupts, deferred_interrupts
 
 SLEEPER = [sys.executable, "-c", "import time; print('up', flush=True); time.sleep(60)"]
 
@@ -16,7 +16,7 @@ SLEEPER = [sys.executable, "-c", "import time; print('up', flush=True); time.sle
 @pytest.fixture(autouse=True)
 def as_before() -> Iterator[None]:
     """Give the signals back to whoever had them."""
-    handlers = {number: signal.getsignal(number) for number in REMEMBERED}
+    handlers = {number: signal.getsignal(number) for number in DEFERRED}
     yield
     for number, handler in handlers.items():
         signal.signal(number, handler)
@@ -29,7 +29,7 @@ def interrupt() -> None:
 
 def test_an_interrupt_waits_until_it_is_asked_for() -> None:
     done = []
-    with remembered_interrupts() as check:
+    with deferred_interrupts() as check:
         check()
         interrupt()
         interrupt()
@@ -41,7 +41,7 @@ def test_an_interrupt_waits_until_it_is_asked_for() -> None:
 
 def test_without_one_nothing_is_raised_and_the_handler_is_as_it_was() -> None:
     before = signal.getsignal(signal.SIGINT)
-    with remembered_interrupts() as check:
+    with deferred_interrupts() as check:
         check()
     assert signal.getsignal(signal.SIGINT) is before
     with pytest.raises(KeyboardInterrupt):
@@ -49,20 +49,20 @@ def test_without_one_nothing_is_raised_and_the_handler_is_as_it_was() -> None:
 
 
 def test_the_end_that_a_manager_asks_for_is_remembered_too() -> None:
-    with remembered_interrupts() as check:
+    with deferred_interrupts() as check:
         signal.raise_signal(signal.SIGTERM)
         with pytest.raises(KeyboardInterrupt):
             check()
 
 
 def test_who_has_asked_once_cannot_disturb_the_leaving() -> None:
-    with remembered_interrupts():
+    with deferred_interrupts():
         interrupt()
     signal.raise_signal(signal.SIGTERM)
 
 
 def test_a_child_that_is_started_so_is_not_interrupted() -> None:
-    with uninterrupted_children():
+    with blocked_interrupts():
         child = subprocess.Popen(SLEEPER, stdout=subprocess.PIPE)
     try:
         assert child.stdout is not None
@@ -77,8 +77,8 @@ def test_a_child_that_is_started_so_is_not_interrupted() -> None:
 
 def test_what_comes_while_children_start_comes_afterwards() -> None:
     done = []
-    with remembered_interrupts() as check:
-        with uninterrupted_children():
+    with deferred_interrupts() as check:
+        with blocked_interrupts():
             interrupt()
             check()
             done.append("all are started")

@@ -7,9 +7,9 @@ import pytest
 
 from agents.errors import ParameterError
 from agents.experiments.parameters import (
+    MAX_VALUE,
     MAX_VIEW_RADIUS,
-    MOST,
-    SETTINGS,
+    PARAMETERS,
     checked,
     field_defaults,
     find,
@@ -20,12 +20,12 @@ from warehouse_physics import Disturbances, RobotSpec
 TAKEN = {
     "agent": ["greedy", "mine.py:Mine"],
     "escape": [True, False],
-    "memory": [0, 1, MOST],
+    "memory": [0, 1, MAX_VALUE],
     "layout": ["default", "random", "hall.txt"],
     "size": ["4x4", "7x12", "9999x9999"],
     "density": [0, 0.2, MAX_DENSITY],
-    "battery": [1, MOST],
-    "max_steps": [1, MOST],
+    "battery": [1, MAX_VALUE],
+    "max_steps": [1, MAX_VALUE],
     "view_radius": [0, MAX_VIEW_RADIUS],
     "backend": ["grid", "physics"],
     "robot.mass": [70, 1.5, -1],
@@ -33,12 +33,12 @@ TAKEN = {
 REFUSED = {
     "agent": ["", " ", 3, None],
     "escape": [1, 0, "true", None],
-    "memory": [-1, MOST + 1, 1.0, True, "1"],
+    "memory": [-1, MAX_VALUE + 1, 1.0, True, "1"],
     "layout": ["", 3],
     "size": ["3x4", "4x3", "7X12", "07x12", "7x12 ", "10000x4", 7, "7x12\n"],
     "density": [-0.01, MAX_DENSITY + 0.01, math.nan, "0.2", True],
-    "battery": [0, MOST + 1, 1.5],
-    "max_steps": [0, MOST + 1, False],
+    "battery": [0, MAX_VALUE + 1, 1.5],
+    "max_steps": [0, MAX_VALUE + 1, False],
     "view_radius": [-1, MAX_VIEW_RADIUS + 1],
     "backend": ["hover", "", 3],
     "robot.mass": [math.nan, math.inf, -math.inf, 10**400, "70", True],
@@ -54,7 +54,7 @@ def pairs(values: dict[str, list[Any]]) -> list[Any]:
 
 
 def test_every_setting_is_tried_here() -> None:
-    assert TAKEN.keys() == REFUSED.keys() == SETTINGS.keys() | {"robot.mass"}
+    assert TAKEN.keys() == REFUSED.keys() == PARAMETERS.keys() | {"robot.mass"}
 
 
 @pytest.mark.parametrize(("name", "value"), pairs(TAKEN))
@@ -69,9 +69,9 @@ def test_a_value_that_cannot_be_is_refused_by_its_name(name: str, value: Any) ->
     assert str(caught.value).startswith(f"{name} is {value!r}; allowed: ")
 
 
-@pytest.mark.parametrize("name", list(SETTINGS))
+@pytest.mark.parametrize("name", list(PARAMETERS))
 def test_a_default_is_a_value_that_is_taken(name: str) -> None:
-    assert checked(name, SETTINGS[name].default) == SETTINGS[name].default
+    assert checked(name, PARAMETERS[name].default) == PARAMETERS[name].default
 
 
 def test_a_number_is_kept_as_a_fraction_so_that_one_and_one_point_nothing_are_the_same() -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from helpers.command_line import command, refusal
 
-from agents.experiments.parameters import SETTINGS
+from agents.experiments.parameters import PARAMETERS
 from agents.experiments.plan import MAX_CASES, MAX_EPISODES, make_plan
 from agents.experiments.presets import PRESETS
 from agents.experiments.store import Store
@@ -16,7 +16,7 @@ over_presets = pytest.mark.parametrize("name", PRESETS)
 @over_presets
 def test_a_preset_is_a_plan_within_the_limits(name: str) -> None:
     preset = PRESETS[name]
-    assert preset.choices.keys() <= SETTINGS.keys()
+    assert preset.choices.keys() <= PARAMETERS.keys()
     plan = make_plan(preset.choices, preset.episodes, 0)
     assert 1 < len(plan.cases) <= MAX_CASES
     assert plan.total <= MAX_EPISODES
@@ -29,7 +29,7 @@ def test_a_preset_varies_something_that_is_a_question(name: str) -> None:
     values = {name: {case[name] for case in plan.cases if name in case} for name in preset.choices}
     varied = [name for name in values if len(values[name]) > 1]
     assert varied
-    assert all(SETTINGS[each].question.endswith("?") for each in varied)
+    assert all(PARAMETERS[each].question.endswith("?") for each in varied)
 
 
 @over_presets

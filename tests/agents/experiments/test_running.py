@@ -12,9 +12,9 @@ from helpers.sweeps import AGENT, Here, nothing, table
 from agents.errors import EpisodeError, StoreError
 from agents.experiments.episodes import run_episodes
 from agents.experiments.plan import Plan, make_plan
-from agents.experiments.running import MOST_EPISODES, TASK_SECONDS, Pace, run_missing
+from agents.experiments.running import MAX_TASK_EPISODES, TASK_SECONDS, Pace, run_missing
 from agents.experiments.store import Row, Store
-from agents.experiments.workers import processes
+from agents.experiments.workers import process_pool
 
 PLAN = make_plan({"escape": [True, False], "battery": [20, 60], "layout": "random"}, 12, 5)
 
@@ -56,7 +56,7 @@ def test_the_table_is_what_the_episodes_come_to(expected: list[Any]) -> None:
 
 @pytest.mark.parametrize("count", [1, 2])
 def test_processes_give_the_same_rows(tmp_path: Path, expected: list[Any], count: int) -> None:
-    with processes(count) as (executor, workers):
+    with process_pool(count) as (executor, workers):
         assert workers == count
         assert run(tmp_path / "r.sqlite", executor, workers=workers) == expected
 
@@ -135,7 +135,7 @@ def test_an_agent_that_fails_is_told_of_with_its_case_and_seed_and_the_rest_stay
     tmp_path: Path, begin: str, act: str, reason: str
 ) -> None:
     path, plan = tmp_path / "r.sqlite", plan_of(tmp_path, begin, act)
-    with processes(1) as (executor, workers), pytest.raises(EpisodeError) as caught:
+    with process_pool(1) as (executor, workers), pytest.raises(EpisodeError) as caught:
         run(path, executor, plan, workers)
     about = re.escape(f"seed 7 with agent={tmp_path}/agent.py:Own, max_steps=5: ")
     assert re.fullmatch(about + reason, str(caught.value))
@@ -203,7 +203,7 @@ def test_processes_end_quietly_while_tasks_are_waiting(tmp_path: Path) -> None:
     sleeper = plan_of(tmp_path, act="__import__('time').sleep(60)").cases[1]
     plan = Plan((sleeper,), 20, 0)
     with Store(tmp_path / "r.sqlite") as store, pytest.raises(KeyboardInterrupt):  # noqa: SIM117
-        with processes(1) as (executor, _):
+        with process_pool(1) as (executor, _):
             run_missing(plan, store, executor, 20, report)
 
 
@@ -222,4 +222,4 @@ def test_the_pace_makes_tasks_of_about_half_a_second_and_grows_with_care() -> No
     assert pace.episodes == 1
     for _ in range(30):
         pace.learn(pace.episodes, 0)
-    assert pace.episodes == MOST_EPISODES
+    assert pace.episodes == MAX_TASK_EPISODES

@@ -143,7 +143,7 @@ def test_a_newer_version_is_left_alone(path: Path) -> None:
     connection.close()
     with pytest.raises(StoreError) as caught:
         Store(path)
-    line = f"{path}: its version is {VERSION + 1}; {VERSION} can be read"
+    line = f"{path}: its version is {VERSION + 1}; only {VERSION} can be read"
     assert str(caught.value) == line
 
 
@@ -308,7 +308,7 @@ def test_tables_that_appear_while_it_looks_are_not_taken_for_a_strangers(
                     Store(path).close()
             return super().execute(statement, *values)
 
-    monkeypatch.setattr("agents.experiments.store.PATIENCE", 0.1)
+    monkeypatch.setattr("agents.experiments.store.TIMEOUT", 0.1)
     monkeypatch.setattr(sqlite3, "connect", partial(sqlite3.connect, factory=Watched))
     with Store(path) as store:
         assert store.cases() == {}
@@ -393,7 +393,7 @@ def test_a_case_that_no_sweep_has_written_is_refused(path: Path, settings: str) 
     connection.close()
     with Store(path, read_only=True) as store, pytest.raises(StoreError) as caught:
         store.cases()
-    assert str(caught.value).startswith(f"{path}: it has a case that is none, ")
+    assert str(caught.value).startswith(f"{path}: it has an invalid case, ")
 
 
 def test_what_is_not_yet_in_the_file_itself_is_not_left_out(

@@ -90,7 +90,7 @@ def test_a_sweep_counts_what_is_there_and_adds_what_is_missing(
     assert command(capsys, *words(path, 3)) == (
         0,
         f"4 combinations, 3 episodes each, 0 done\n"
-        f"12 episodes done; see what they come to with: warehouse report {path}\n",
+        f"12 episodes done; see the results with: warehouse report {path}\n",
         "",
     )
     before = path.read_bytes()
@@ -153,9 +153,8 @@ def test_an_interrupt_is_one_line_and_leaves_a_file_that_can_go_on(
     code, out, err = sweep.end()
     assert (code, err) == (130, "warehouse: interrupted\n")
     check_is_usable(path)
-    assert (
-        f"\n{len(table(path)):,} of 400,000 episodes in {path}; the same command goes on\n" in out
-    )
+    left = f"{len(table(path)):,} of 400,000 episodes in {path}"
+    assert f"\n{left}; run the same command again to resume\n" in out
 
 
 def test_who_interrupts_again_and_again_changes_nothing(path: Path) -> None:
@@ -254,7 +253,7 @@ def test_there_are_no_more_workers_than_episodes(
         asked.append(count)
         yield Here(), count
 
-    monkeypatch.setattr(sweep_command, "processes", counted)
+    monkeypatch.setattr(sweep_command, "process_pool", counted)
     for episodes, workers in ((1, 64), (4, 2)):
         words = ["-n", episodes, "--workers", workers, "-o", path]
         assert command(capsys, "sweep", *words).code == 0

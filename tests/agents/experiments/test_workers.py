@@ -13,13 +13,13 @@ from helpers.command_line import ROOT
 
 from agents.errors import WorkerError
 from agents.experiments import workers
-from agents.experiments.workers import KILLED, processes
+from agents.experiments.workers import KILLED, process_pool
 
 ORPHAN_MAKER = """
 import os, time
-from agents.experiments.workers import processes
+from agents.experiments.workers import process_pool
 if __name__ == "__main__":
-    with processes(2) as (executor, count):
+    with process_pool(2) as (executor, count):
         print(*{executor.submit(os.getpid).result() for _ in range(50)}, flush=True)
         time.sleep(60)
 """
@@ -45,7 +45,7 @@ def is_running(number: int) -> bool:
 
 
 def test_work_is_done_by_other_processes_that_end_with_the_block() -> None:
-    with processes(2) as (executor, count):
+    with process_pool(2) as (executor, count):
         assert count == 2
         found = pids(executor)
         assert 1 <= len(found) <= 2
@@ -55,7 +55,7 @@ def test_work_is_done_by_other_processes_that_end_with_the_block() -> None:
 
 
 def test_an_error_ends_them_at_once() -> None:
-    with pytest.raises(ArithmeticError), processes(1) as (executor, _):  # noqa: PT012
+    with pytest.raises(ArithmeticError), process_pool(1) as (executor, _):  # noqa: PT012
         found = pids(executor)
         executor.submit(time.sleep, 60)
         raise ArithmeticError
@@ -64,7 +64,7 @@ def test_an_error_ends_them_at_once() -> None:
 
 @pytest.mark.parametrize("is_busy", [False, True])
 def test_a_process_that_is_killed_is_one_line(is_busy: bool) -> None:
-    with pytest.raises(WorkerError) as caught, processes(2) as (executor, _):  # noqa: PT012
+    with pytest.raises(WorkerError) as caught, process_pool(2) as (executor, _):  # noqa: PT012
         [*found] = pids(executor)
         sleeps = [executor.submit(time.sleep, 60) for _ in range(2 if is_busy else 0)]
         os.kill(found[0], signal.SIGKILL)
@@ -77,7 +77,7 @@ def test_a_process_that_is_killed_is_one_line(is_busy: bool) -> None:
 
 
 def test_they_ignore_interrupts() -> None:
-    with processes(1) as (executor, _):
+    with process_pool(1) as (executor, _):
         [found] = pids(executor)
         os.kill(found, signal.SIGINT)
         assert pids(executor) == {found}
@@ -97,6 +97,6 @@ def test_they_end_with_the_process_that_started_them_however_it_ends() -> None:
 def test_there_are_no_more_than_can_be_waited_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(workers, "MOST", 1)
-    with processes(2) as (_, count):
+    monkeypatch.setattr(workers, "MAX_PROCESSES", 1)
+    with process_pool(2) as (_, count):
         assert count == 1

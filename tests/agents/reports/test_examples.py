@@ -12,7 +12,7 @@ from agents.experiments.case import FINGERPRINT, make_case
 from agents.experiments.episodes import run_episodes
 from agents.experiments.store import Row, Store
 from agents.reports import examples
-from agents.reports.examples import PLAY_MS, Found, find_examples, replay
+from agents.reports.examples import MAX_PLAY_MS, Found, find_examples, replay
 from warehouse_core.records.failure_modes import MODES
 
 WAITING = """class Waiting:
@@ -105,7 +105,7 @@ def test_of_a_long_episode_the_end_is_shown_and_said(
 ) -> None:
     [found] = [each for each in found_in(store, battery=30, escape=False) if each.steps == 30]
     whole = replay(found, run_own_code=True)
-    monkeypatch.setattr(examples, "MOST_STEPS", 10)
+    monkeypatch.setattr(examples, "MAX_STEPS", 10)
     part = replay(found, run_own_code=True)
     assert len(frames_of(part.gif)) == 11
     said = "; the replay shows the last 10 of 30 steps"
@@ -123,7 +123,7 @@ def test_a_long_replay_plays_faster(tmp_path: Path, store: Store) -> None:
     [found] = found_in(store, episodes=1, agent=f"{agent}:Waiting", max_steps=150)
     durations = frames_of(replay(found, run_own_code=True).gif)
     assert len(durations) == 151
-    assert sum(durations[:-1]) <= PLAY_MS * 1.1
+    assert sum(durations[:-1]) <= MAX_PLAY_MS * 1.1
 
 
 def test_what_comes_out_differently_now_has_no_picture(store: Store) -> None:

@@ -84,7 +84,7 @@ def test_what_cannot_be_reported_is_refused(
     )
     html = results.rename(tmp_path / "r.html")
     assert refusal(capsys, "report", html) == (
-        f"{html}: these are the results; the page needs another name"
+        f"{html}: this is the file of results; the page needs another name"
     )
     Store(html, read_only=True).close()
 
@@ -105,7 +105,7 @@ def test_the_table_has_a_line_for_each_case(results: Path) -> None:
 def test_a_long_table_says_what_it_leaves_out(
     results: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(contents, "MOST_CASES", 1)
+    monkeypatch.setattr(contents, "MAX_CASES", 1)
     with Store(results, read_only=True) as store:
         table = make_page(store, ()).table
     assert len(table.rows) == 1
