@@ -19,11 +19,12 @@ from agents.console.options import (
     load_layout,
 )
 from agents.evaluation.scores import MEASURES, MakeAgent, Scores, Task, evaluate
-from agents.evaluation.wording import counted, mean, share
+from agents.evaluation.wording import mean, share
 from agents.search.agents import ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Layout
 from warehouse_core.files.atomic import atomic_path, check_suffix, check_target
+from warehouse_core.wording import counted
 
 PICTURES = (".svg", ".png")
 

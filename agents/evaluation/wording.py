@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from agents.evaluation.interval import Interval
 
@@ -44,17 +43,6 @@ def points(change: float) -> str:
 def chance(probability: float) -> str:
     """Return a p-value, ``p = 0.050`` or ``p < 0.001``."""
     return "p < 0.001" if probability < 0.001 else f"p = {probability:.3f}"
-
-
-def counted(number: int, noun: str) -> str:
-    """Return a number with its noun, ``1 failure`` or ``1,239 failures``."""
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"
-
-
-def listed(parts: Sequence[str]) -> str:
-    """Return a list in words, ``a, b and c``."""
-    *others, last = parts
-    return f"{', '.join(others)} and {last}" if others else last
 
 
 def sentence(words: str) -> str:

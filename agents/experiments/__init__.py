@@ -1,1 +1,1 @@
-"""Experiments: many episodes under many settings, stored as they finish, and reported."""
+"""Experiments: many episodes under many settings, stored as they finish."""

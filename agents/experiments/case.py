@@ -1,7 +1,7 @@
-"""A case: one value for every setting that counts, as a dict that can be written as JSON.
+"""A case: a value for every parameter that applies, as a dict that can be written as JSON.
 
-It carries the tiles of its layout and a fingerprint of its agent's file: a changed file is another
-case, and no worker needs the layout's file.
+It contains the tiles of its layout and a digest of its agent's file: a changed file is another
+case, and workers do not need the layout's file.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from typing import Any
 from agents.errors import AgentError, reason_of
 from agents.experiments.parameters import (
     DEFAULT,
+    PARAMETERS,
     PHYSICAL,
     RANDOM,
-    SETTINGS,
     Value,
     find,
     is_greedy,
@@ -32,23 +32,23 @@ from warehouse_core.world.map_files import load_layout
 Case = Mapping[str, Any]
 
 TILES, FINGERPRINT = "tiles", "fingerprint"
-"""Besides its settings a case has the rows of its layout, and the digest of its agent's file."""
+"""Keys beside the parameters: the rows of the layout, and the digest of the agent's file."""
 
 
-def make_case(settings: Mapping[str, Value]) -> dict[str, Any]:
-    """Return the case of some settings that have been checked; the others have their defaults.
+def make_case(values: Mapping[str, Value]) -> dict[str, Any]:
+    """Return the case of some checked values; the other parameters have their defaults.
 
     Raises:
         ValueError: a layout, an agent or a robot that cannot be used.
         OSError: a file that cannot be read.
     """
     case: dict[str, Any] = {}
-    for name, setting in SETTINGS.items():
-        if setting.counts(case):
-            case[name] = settings.get(name, setting.default)
-    for name in sorted(settings.keys() - SETTINGS.keys()):
-        if find(name).counts(case):
-            case[name] = settings[name]
+    for name, parameter in PARAMETERS.items():
+        if parameter.applies(case):
+            case[name] = values.get(name, parameter.default)
+    for name in sorted(values.keys() - PARAMETERS.keys()):
+        if find(name).applies(case):
+            case[name] = values[name]
     if case["layout"] != RANDOM:
         is_default = case["layout"] == DEFAULT
         layout = DEFAULT_LAYOUT if is_default else load_layout(case["layout"])
@@ -68,17 +68,17 @@ def key_of(case: Case) -> str:
 
 
 def flags_of(case: Case) -> list[str]:
-    """Return what is not the default in a case, as it is written on the command line."""
+    """Return what is not the default in a case, as command-line flags."""
     return [
         f"{name}={shown(value)}"
         for name, value in case.items()
         if name not in (TILES, FINGERPRINT)
-        and (name not in SETTINGS or value != SETTINGS[name].default)
+        and (name not in PARAMETERS or value != PARAMETERS[name].default)
     ]
 
 
 def agent_fingerprint(case: Case) -> str | None:
-    """Return the digest of the file of a case's agent as it is now, if it has one.
+    """Return the digest of the present file of a case's agent; ``None`` if it has no file.
 
     Raises:
         OSError: it cannot be read.
@@ -88,7 +88,7 @@ def agent_fingerprint(case: Case) -> str | None:
 
 
 def make_env(case: Case, seed: int) -> WarehouseEnv:
-    """Return a fresh environment for one episode of a case."""
+    """Return a new environment for one episode of a case."""
     if TILES in case:
         layout = _layout("\n".join(case[TILES]))
     else:
@@ -114,7 +114,7 @@ def make_agent_for(case: Case, seed: int, layout: Layout) -> Agent:
 
 
 def _try_agent(case: Case, layout: Layout) -> None:
-    """Make an agent, and see to it that whatever its file raises becomes one line."""
+    """Make an agent once; whatever its file raises becomes an ``AgentError``."""
     try:
         make_agent_for(case, 0, layout)
     except (AgentError, OSError):
@@ -140,7 +140,7 @@ def _backend(case: Case) -> Backend:
 
 
 def _numbers(case: Case, group: str) -> dict[str, Any]:
-    """Return the settings of a group, ``robot.mass`` as ``mass``."""
+    """Return the values of a group, ``robot.mass`` as ``mass``."""
     return {
         name.removeprefix(f"{group}."): value
         for name, value in case.items()

@@ -1,6 +1,6 @@
-"""A plan as a TOML file, checked key by key before anything runs.
+"""The values to run, as a TOML file and as flags, checked before anything runs.
 
-::
+A plan file has these keys, all of them optional::
 
     episodes = 200
     seed = 0
@@ -27,60 +27,17 @@ from typing import Any, NamedTuple
 from agents.errors import ParameterError
 from agents.experiments.parameters import PHYSICAL, find
 
+MAX_BYTES = 1_000_000
+"""Of a plan file."""
+
 WORDS: dict[str, bool] = {"on": True, "off": False, "true": True, "false": False}
 
 
-def parse_flags(flags: Sequence[str]) -> dict[str, Any]:
-    """Return the choices that flags stand for.
-
-    Args:
-        flags: ``NAME=VALUE``, ``NAME=VALUE,VALUE,...`` or ``NAME=FROM:TO:STEP``.
-
-    Raises:
-        ParameterError: naming the flag and what is allowed.
-    """
-    choices: dict[str, Any] = {}
-    for flag in flags:
-        name, equals, words = flag.partition("=")
-        name = name.strip()
-        if not equals:
-            raise ParameterError(f"{flag!r} has no value; write NAME=VALUE")
-        find(name)
-        if name in choices:
-            raise ParameterError(f"{name} is given twice; write {name}=VALUE,VALUE")
-        choices[name] = _choice(words)
-    return choices
-
-
-def _choice(words: str) -> Any:
-    limits = [_value(word) for word in words.split(":")]
-    if len(limits) == 3 and all(type(limit) in (int, float) for limit in limits):
-        return dict(zip(("from", "to", "step"), limits, strict=True))
-    return [_value(word) for word in words.split(",")]
-
-
-def _value(word: str) -> Any:
-    """Return a word as the flag or number that it stands for, or as it is."""
-    word = word.strip()
-    if word.lower() in WORDS:
-        return WORDS[word.lower()]
-    for kind in (int, float):
-        try:
-            return kind(word)
-        except ValueError:
-            continue
-    return word
-
-
-MAX_BYTES = 1_000_000
-"""A longer file is no plan that anybody wrote."""
-
-
 class PlanFile(NamedTuple):
-    """What a file says.
+    """The content of a plan file.
 
     Attributes:
-        choices: for each setting a value, a list of values or a range.
+        choices: for each parameter a value, a list of values or a range.
         episodes: of each combination, or ``None``.
         seed: the first, or ``None``.
     """
@@ -91,10 +48,10 @@ class PlanFile(NamedTuple):
 
 
 def read_plan_file(path: Path) -> PlanFile:
-    """Read a plan.
+    """Read a plan file.
 
     Raises:
-        ParameterError: naming the file, the key, and what is allowed.
+        ParameterError: the content is not allowed; the message names the file, the key and what is.
         OSError: the file cannot be read.
     """
     with path.open("rb") as file:
@@ -126,10 +83,52 @@ def _parse(content: Mapping[str, Any]) -> PlanFile:
     return PlanFile(choices, _whole(content, "episodes", 1), _whole(content, "seed", 0))
 
 
-def _whole(content: Mapping[str, Any], key: str, least: int) -> int | None:
+def _whole(content: Mapping[str, Any], key: str, minimum: int) -> int | None:
     value = content.get(key)
     if value is None:
         return None
-    if isinstance(value, bool) or not isinstance(value, int) or value < least:
-        raise ParameterError(f"{key} is {value!r}; it must be a whole number, at least {least}")
+    if isinstance(value, bool) or not isinstance(value, int) or value < minimum:
+        raise ParameterError(f"{key} is {value!r}; it must be a whole number, at least {minimum}")
     return value
+
+
+def parse_flags(flags: Sequence[str]) -> dict[str, Any]:
+    """Return the choices that flags give.
+
+    Args:
+        flags: ``NAME=VALUE``, ``NAME=VALUE,VALUE,...`` or ``NAME=FROM:TO:STEP``.
+
+    Raises:
+        ParameterError: naming the flag and what is allowed.
+    """
+    choices: dict[str, Any] = {}
+    for flag in flags:
+        name, equals, words = flag.partition("=")
+        name = name.strip()
+        if not equals:
+            raise ParameterError(f"{flag!r} has no value; write NAME=VALUE")
+        find(name)
+        if name in choices:
+            raise ParameterError(f"{name} is given twice; write {name}=VALUE,VALUE")
+        choices[name] = _choice(words)
+    return choices
+
+
+def _choice(words: str) -> Any:
+    limits = [_value(word) for word in words.split(":")]
+    if len(limits) == 3 and all(type(limit) in (int, float) for limit in limits):
+        return dict(zip(("from", "to", "step"), limits, strict=True))
+    return [_value(word) for word in words.split(",")]
+
+
+def _value(word: str) -> Any:
+    """Return a word as a flag or a number if it is one, else as text."""
+    word = word.strip()
+    if word.lower() in WORDS:
+        return WORDS[word.lower()]
+    for kind in (int, float):
+        try:
+            return kind(word)
+        except ValueError:
+            continue
+    return word

@@ -1,4 +1,4 @@
-"""Run episodes of a case and say in a row each what became of them; a worker does nothing else."""
+"""Run the episodes of a case and return a row for each."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ from warehouse_core.records.failure_modes import diagnose
 
 
 def run_episodes(case: Case, seeds: Sequence[int]) -> Iterator[Row]:
-    """Run one episode for each seed, each in a fresh environment with a fresh agent.
+    """Run one episode for each seed, each in a new environment with a new agent.
 
-    The rows depend on nothing but the case and the seeds.
+    The rows depend only on the case and the seeds.
 
     Raises:
-        EpisodeError: an agent or its file that failed, after the rows of the seeds before.
+        EpisodeError: an agent or its file failed; the rows of the seeds before come first.
     """
     check_fingerprint(case)
     for seed in seeds:
         try:
             row = row_of(run_one(case, seed))
-        # An agent of somebody's own may raise anything, an exit of the program too.
+        # User agents may raise anything, even SystemExit.
         except BaseException as error:
             reason = reason_of(error, agent_file(case["agent"]))
-            settings = ", ".join(flags_of(case)) or "the defaults"
-            raise EpisodeError(f"seed {seed} with {settings}: {reason}") from error
+            flags = ", ".join(flags_of(case)) or "the defaults"
+            raise EpisodeError(f"seed {seed} with {flags}: {reason}") from error
         yield row
 
 
@@ -49,7 +49,7 @@ def run_one(case: Case, seed: int) -> Episode:
 
 
 def row_of(episode: Episode) -> Row:
-    """Return what is stored of an episode."""
+    """Return the row that is stored for an episode."""
     assert episode.seed is not None, "every episode here has a seed"
     diagnosis = diagnose(episode)
     row, col = diagnosis.cells[0] if diagnosis.cells else episode.cells[-1]
@@ -68,7 +68,7 @@ def row_of(episode: Episode) -> Row:
 
 
 def check_fingerprint(case: Case) -> None:
-    """Refuse to run a changed agent under the name of the one that there was.
+    """Raise if the file of a case's agent is not the one that the case was made with.
 
     Raises:
         EpisodeError: its file has changed, or cannot be read.

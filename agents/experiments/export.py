@@ -1,6 +1,6 @@
-"""The results of an experiment as one table for other programs: CSV, or Parquet with pyarrow.
+"""The command ``warehouse export``: results as one CSV or Parquet table for other programs.
 
-A line is an episode: its settings, each in a column of its own, and what became of it.
+A line is an episode: its settings, a column for each, and its outcome.
 """
 
 from __future__ import annotations
@@ -24,22 +24,22 @@ ROWS_END = "/"
 CSV, PARQUET = ".csv", ".parquet"
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""With these a cell begins that a spreadsheet would carry out; results may be a stranger's."""
+"""A spreadsheet would run cells that begin with these; results may come from strangers."""
 
-LINES = 50_000
-"""Of one part of a Parquet file, so that a large table takes little memory."""
+LINES_AT_ONCE = 50_000
+"""Of a Parquet file, so that a large table takes little memory."""
 
 FRACTIONS, WORDS = {"reward", "seconds", "joules"}, {"mode"}
-"""The columns of a row that are no whole numbers."""
+"""The columns of a row that are not whole numbers."""
 
 Line = tuple[Any, ...]
 
 
 def export(
-    results: Annotated[Path, typer.Argument(help="What warehouse sweep has written.")],
-    table: Annotated[Path, typer.Argument(help="A file .csv or .parquet to write.")],
+    results: Annotated[Path, typer.Argument(help="A file written by warehouse sweep.")],
+    table: Annotated[Path, typer.Argument(help="The .csv or .parquet file to write.")],
 ) -> None:
-    """Write the results of a sweep as a table, a line an episode."""
+    """Write the results of a sweep as a table, one line per episode."""
     writers = {CSV: _write_csv, PARQUET: _write_parquet}
     suffix = check_suffix(table, writers)
     with Store(results, read_only=True) as store, atomic_path(table) as part:
@@ -49,20 +49,19 @@ def export(
 
 
 def columns_of(store: Store) -> dict[str, str]:
-    """Return the columns of the table: the settings of all cases, then those of a row.
+    """Return the columns of the table and their types: the settings of all cases, then the row.
 
-    Returns:
-        For each its type: ``"str"``, ``"bool"``, ``"int"`` or ``"float"``.
+    Types are ``"str"``, ``"bool"``, ``"int"`` or ``"float"``.
 
     Raises:
-        StoreError: a setting that is of several types; no sweep writes one.
+        StoreError: a setting has several types; no sweep writes one.
     """
     types: dict[str, str] = {}
     for case in store.cases().values():
         for name in case:
             kind = type(_plain(case, name)).__name__
             if types.setdefault(name, kind) != kind:
-                raise StoreError(f"{store.path}: {name} is of several types, {kind} among them")
+                raise StoreError(f"{store.path}: {name} has several types, one is {kind}")
     for name in Row._fields:
         types[name] = "float" if name in FRACTIONS else "str" if name in WORDS else "int"
     return types
@@ -78,7 +77,7 @@ def lines_of(store: Store, columns: dict[str, str]) -> Iterator[Line]:
 
 
 def _plain(case: Case, name: str) -> Any:
-    """Return a setting as one value; ``None`` where it means nothing for the case."""
+    """Return a setting as one value; ``None`` if it does not apply to the case."""
     value = case.get(name)
     return ROWS_END.join(value) if name == TILES and value is not None else value
 
@@ -91,7 +90,7 @@ def _write_csv(path: Path, columns: dict[str, str], lines: Iterator[Line]) -> No
 
 
 def _safe(value: Any) -> Any:
-    """Return a value that no spreadsheet takes for a formula; no name that makes sense changes."""
+    """Return a value that no spreadsheet takes for a formula."""
     is_formula = isinstance(value, str) and value.startswith(FORMULA)
     return f"'{value}" if is_formula else value
 
@@ -105,10 +104,10 @@ def _write_parquet(path: Path, columns: dict[str, str], lines: Iterator[Line]) -
     kinds = {"str": pa.string(), "bool": pa.bool_(), "int": pa.int64(), "float": pa.float64()}
     schema = pa.schema([(name, kinds[kind]) for name, kind in columns.items()])
     with parquet.ParquetWriter(path, schema) as writer:
-        while some := list(islice(lines, LINES)):
+        while some := list(islice(lines, LINES_AT_ONCE)):
             values = [list(column) for column in zip(*some, strict=True)]
             try:
                 arrays = [pa.array(*column) for column in zip(values, schema.types, strict=True)]
-            except pa.ArrowException as error:  # SQLite keeps anything in any column
-                raise StoreError(f"a column is not of one type: {error}") from error
+            except pa.ArrowException as error:  # SQLite allows any type in any column
+                raise StoreError(f"a column has several types: {error}") from error
             writer.write_table(pa.Table.from_arrays(arrays, schema=schema))

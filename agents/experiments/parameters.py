@@ -1,8 +1,8 @@
-"""What can be varied in an experiment, and which values each setting takes.
+"""What can be varied in an experiment, and which values each parameter takes.
 
-``SETTINGS`` is the one list of them: files and flags are checked against it, and reports name what
-differs by it. A setting that means nothing for a case, such as the escape of an agent that has
-none, is left out of the case, so that the same experiment is not run twice under two names.
+Files and flags are checked against ``PARAMETERS``, and reports name the differences by it. A
+parameter that has no effect on a case, such as the escape of an agent that has none, is left out of
+the case, so that the same experiment is not run twice under two names.
 """
 
 from __future__ import annotations
@@ -21,80 +21,79 @@ from warehouse_core.world.generators import MAX_DENSITY
 Value = str | int | float | bool
 
 DEFAULT, RANDOM = "default", "random"
-"""Layouts by name: the chapter's, and one made up for each seed. Any other is a file."""
+"""Layouts by name: the chapter's, and a random one for each seed. Any other is a file."""
 
-MOST = 1_000_000_000
+MAX_VALUE = 1_000_000_000
 
 MAX_VIEW_RADIUS = 1000
-"""A view of so many cells takes memory, whether there is anything to see or not."""
+"""In cells: a view takes memory even where there is nothing to see."""
 
 
 def always(case: Mapping[str, Value]) -> bool:
-    """Say that a setting counts in every case."""
+    """Return true: the parameter has an effect in every case."""
     return True
 
 
 def is_greedy(case: Mapping[str, Value]) -> bool:
-    """Say whether the agent is the one with a memory and an escape."""
+    """Return whether the agent is the one with a memory and an escape."""
     return case["agent"] == "greedy"
 
 
 def escapes(case: Mapping[str, Value]) -> bool:
-    """Say whether the agent has an escape, the only use there is of its memory."""
+    """Return whether the agent escapes from loops; its memory has no other use."""
     return is_greedy(case) and case["escape"] is True
 
 
 def is_random(case: Mapping[str, Value]) -> bool:
-    """Say whether layouts are made up."""
+    """Return whether layouts are random."""
     return case["layout"] == RANDOM
 
 
 def is_physical(case: Mapping[str, Value]) -> bool:
-    """Say whether moves are motions of a rigid body."""
+    """Return whether moves are motions of a rigid body."""
     return case["backend"] == "physics"
 
 
 @dataclass(frozen=True, slots=True)
-class Setting:
-    """One thing that can be varied.
+class Parameter:
+    """A quantity that can be varied.
 
     Attributes:
-        default: the value where none is given; ``None`` leaves it to whatever takes it.
-        check: returns a value as it is kept, or raises ``ValueError`` with what is allowed.
-        counts: says for the settings before this one whether it means anything.
-        needs: the same in words.
-        help: what it is.
-        question: what is asked where it is varied; the chapter asks some of them.
+        default: the value if none is given.
+        check: returns a value as it is stored, or raises ``ValueError`` with what is allowed.
+        applies: returns whether it has an effect, given the values of the parameters before it.
+        needs: the same condition in words.
+        question: the question that varying it answers; the chapter asks some of them.
     """
 
     default: Value | None
     check: Callable[[Any], Value]
-    help: str
-    counts: Callable[[Mapping[str, Value]], bool] = always
+    applies: Callable[[Mapping[str, Value]], bool] = always
     needs: str = ""
     question: str = ""
 
 
-def whole(least: int, most: int = MOST) -> Callable[[Any], int]:
-    """Return a check for whole numbers from ``least`` to ``most``."""
+def whole(minimum: int, maximum: int = MAX_VALUE) -> Callable[[Any], int]:
+    """Return a check for whole numbers from ``minimum`` to ``maximum``."""
 
     def check(value: Any) -> int:
-        if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-            raise ValueError(f"a whole number {least}..{most}")
-        return value
+        is_whole = isinstance(value, int) and not isinstance(value, bool)
+        if not is_whole or not minimum <= value <= maximum:
+            raise ValueError(f"a whole number {minimum}..{maximum}")
+        return int(value)
 
     return check
 
 
-def number(least: float = -math.inf, most: float = math.inf) -> Callable[[Any], float]:
+def number(minimum: float = -math.inf, maximum: float = math.inf) -> Callable[[Any], float]:
     """Return a check for finite numbers."""
 
     def check(value: Any) -> float:
         is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if not is_number or not abs(value) <= sys.float_info.max or not least <= value <= most:
-            limits = "" if least == -math.inf else f" {least:g}..{most:g}"
+        if not is_number or not abs(value) <= sys.float_info.max or not minimum <= value <= maximum:
+            limits = "" if minimum == -math.inf else f" {minimum:g}..{maximum:g}"
             raise ValueError(f"a number{limits}")
-        return float(value) + 0.0  # there is no minus nought
+        return float(value) + 0.0  # -0.0 becomes 0.0
 
     return check
 
@@ -107,7 +106,7 @@ def flag(value: Any) -> bool:
 
 
 def text(value: Any) -> str:
-    """Check that a value is text, and not empty."""
+    """Check that a value is text and not blank."""
     if not isinstance(value, str) or not value.strip():
         raise ValueError("a name")
     return value
@@ -130,84 +129,62 @@ def size(value: Any) -> str:
     return found[0]
 
 
-SETTINGS: dict[str, Setting] = {
-    "agent": Setting(
-        "greedy", text, "the agent, as for warehouse run",
-        question="Which agent does best?",
-    ),
-    "escape": Setting(
-        True, flag, "whether the greedy agent escapes from loops", is_greedy,
-        "with agent=greedy",
+PARAMETERS = {
+    "agent": Parameter("greedy", text, question="Which agent does best?"),
+    "escape": Parameter(
+        True, flag, is_greedy, "with agent=greedy",
         "Does escaping loops cut delivery time, or does it make the robot wander?",
     ),
-    "memory": Setting(
-        10, whole(0), "positions that the greedy agent remembers", escapes,
-        "with agent=greedy and escape=on",
+    "memory": Parameter(
+        10, whole(0), escapes, "with agent=greedy and escape=on",
         "How much should an agent remember to notice a loop?",
     ),
-    "layout": Setting(
-        DEFAULT, text, f'"{DEFAULT}", "{RANDOM}" or a file',
-        question="Which layout is hardest?",
+    "layout": Parameter(DEFAULT, text, question="Which layout is hardest?"),
+    "size": Parameter(
+        "7x12", size, is_random, "with layout=random", "What does a larger grid do?"
     ),
-    "size": Setting(
-        "7x12", size, "height x width of random layouts", is_random,
-        "with layout=random",
-        "What does a larger grid do?",
-    ),
-    "density": Setting(
-        0.2, number(0, MAX_DENSITY), "walls of random layouts", is_random,
-        "with layout=random",
+    "density": Parameter(
+        0.2, number(0, MAX_DENSITY), is_random, "with layout=random",
         "What do more obstacles do?",
     ),
-    "battery": Setting(
-        200, whole(1), "units of a full battery",
-        question="How does battery capacity affect success?",
+    "battery": Parameter(
+        200, whole(1), question="How does battery capacity affect success?"
     ),
-    "max_steps": Setting(
-        200, whole(1), "steps of an episode",
-        question="How long should an episode be?",
+    "max_steps": Parameter(200, whole(1), question="How long should an episode be?"),
+    "view_radius": Parameter(
+        2, whole(0, MAX_VIEW_RADIUS), question="What does it help to see further?"
     ),
-    "view_radius": Setting(
-        2, whole(0, MAX_VIEW_RADIUS), "cells seen in each direction",
-        question="What does it help to see further?",
-    ),
-    "backend": Setting(
-        "grid", backend, "what carries out the moves",
-        question="What does the real robot do with the same policy?",
+    "backend": Parameter(
+        "grid", backend, question="What does the real robot do with the same policy?"
     ),
 }  # fmt: skip
 
-ROBOT, DISTURBANCES = "robot", "disturbances"
-PHYSICAL = {
-    ROBOT: "RobotSpec",
-    DISTURBANCES: "Disturbances",
-}
-"""Groups of settings of the physics backend, and the class whose numbers they are."""
+PHYSICAL = {"robot": "RobotSpec", "disturbances": "Disturbances"}
+"""Groups of parameters of the physics backend, and the class that has them as fields."""
 
 
-def find(name: str) -> Setting:
-    """Return a setting by its name, ``battery`` or ``robot.mass``.
+def find(name: str) -> Parameter:
+    """Return a parameter by its name, such as ``battery`` or ``robot.mass``.
 
     Raises:
-        ParameterError: listing what there is.
+        ParameterError: there is none; the message lists those that there are.
     """
-    if name in SETTINGS:
-        return SETTINGS[name]
+    if name in PARAMETERS:
+        return PARAMETERS[name]
     group, _, field = name.partition(".")
     if group in PHYSICAL:
         allowed = field_defaults(group)
         if field in allowed:
-            about = f"of {PHYSICAL[group]}"
-            return Setting(allowed[field], number(), about, is_physical, "with backend=physics")
+            return Parameter(allowed[field], number(), is_physical, "with backend=physics")
         raise ParameterError(f"{group} has no {field!r}; allowed: {', '.join(allowed)}")
     groups = [f"{group}.NAME" for group in PHYSICAL]
     raise ParameterError(
-        f"no setting is called {name!r}; allowed: {', '.join([*SETTINGS, *groups])}"
+        f"no setting is called {name!r}; allowed: {', '.join([*PARAMETERS, *groups])}"
     )
 
 
 def field_defaults(group: str) -> dict[str, float]:
-    """Return the numbers of ``RobotSpec`` or of ``Disturbances`` by name, each with its default.
+    """Return the numeric fields of ``RobotSpec`` or ``Disturbances`` with their defaults.
 
     Raises:
         BackendError: the physics backend is not installed.
@@ -220,20 +197,20 @@ def field_defaults(group: str) -> dict[str, float]:
 
 
 def checked(name: str, value: Any) -> Value:
-    """Return a value of a setting as it is kept.
+    """Return a value of a parameter as it is stored.
 
     Raises:
-        ParameterError: naming the setting, the value and what is allowed.
+        ParameterError: the value is not allowed; the message says what is.
     """
-    setting = find(name)
+    parameter = find(name)
     try:
-        return setting.check(value)
+        return parameter.check(value)
     except ValueError as error:
         raise ParameterError(f"{name} is {value!r}; allowed: {error}") from None
 
 
 def shown(value: Value | None) -> str:
-    """Return a value as it is written for a reader."""
+    """Return a value as text for a reader."""
     if value is None:
         return "none"
     if isinstance(value, bool):

@@ -10,27 +10,24 @@ from typing import Any
 
 from agents.errors import ParameterError
 from agents.experiments.case import Case, key_of, make_case
-from agents.experiments.parameters import MOST, Value, checked, find
+from agents.experiments.parameters import MAX_VALUE, Value, checked, find
 
 MAX_CASES = 10_000
 MAX_EPISODES = 100_000_000
 
 DIGITS = 12
-"""Of the numbers of a range."""
+"""Significant digits of the numbers of a range."""
 
 MAX_SEED = 2**62
-"""A file of results keeps seeds as 64-bit numbers."""
-
-Choices = Mapping[str, Sequence[Value]]
-"""The values of each setting that is given; a setting that is not has its default."""
+"""A file of results stores seeds as 64-bit numbers."""
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What to run.
+    """The episodes to run.
 
     Attributes:
-        cases: no two alike.
+        cases: all different.
         episodes: of each case; their seeds are ``seed``, ``seed + 1``, ...
         seed: the first.
     """
@@ -46,7 +43,7 @@ class Plan:
 
     @property
     def total(self) -> int:
-        """The number of episodes in all."""
+        """The number of episodes of all cases together."""
         return len(self.cases) * self.episodes
 
 
@@ -54,13 +51,12 @@ def make_plan(choices: Mapping[str, Any], episodes: int, seed: int) -> Plan:
     """Return the plan of every combination of choices.
 
     Args:
-        choices: for each setting a value, a list of values, or ``{from, to, step}``.
+        choices: for each parameter a value, a list of values, or ``{from, to, step}``.
         episodes: of each combination.
-        seed: of the first episode of each.
+        seed: of the first episode of each combination.
 
     Raises:
-        ParameterError: naming what it is, and what is allowed; also of a layout or a robot that
-            cannot be used.
+        ParameterError: a value, layout or robot that cannot be used, or too many of them.
         AgentError: an agent that cannot be used.
         OSError: a file that cannot be read.
     """
@@ -75,23 +71,18 @@ def make_plan(choices: Mapping[str, Any], episodes: int, seed: int) -> Plan:
         ]
     except ValueError as error:
         raise ParameterError(str(error)) from error
-    _check_use(values, combinations)
+    for name in values:
+        if not any(name in case for case in combinations):
+            raise ParameterError(f"{name} has no effect here; it applies only {find(name).needs}")
     cases = {key_of(case): case for case in combinations}
     return Plan(tuple(cases.values()), episodes, seed)
 
 
-def _check_use(values: Mapping[str, Sequence[Value]], cases: Sequence[Case]) -> None:
-    """Refuse a setting that means nothing in any of the cases."""
-    for name in values:
-        if not any(name in case for case in cases):
-            raise ParameterError(f"{name} means nothing here; it counts only {find(name).needs}")
-
-
 def spread(name: str, choice: Any) -> list[Value]:
-    """Return the values that a choice stands for, each checked.
+    """Return the values of a choice, each checked.
 
     Raises:
-        ParameterError: naming the setting, the value and what is allowed.
+        ParameterError: naming the parameter, the value and what is allowed.
     """
     if isinstance(choice, Mapping):
         return [checked(name, value) for value in _range(name, choice)]
@@ -110,8 +101,8 @@ def _range(name: str, limits: Mapping[str, Any]) -> list[int | float]:
     for key, value in limits.items():
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise ParameterError(f"{name}.{key} is {value!r}; it must be a number")
-        if not abs(value) <= MOST:
-            raise ParameterError(f"{name}.{key} is not within {-MOST}..{MOST}")
+        if not abs(value) <= MAX_VALUE:
+            raise ParameterError(f"{name}.{key} is not within {-MAX_VALUE}..{MAX_VALUE}")
     if not (step > 0 and first <= last):
         raise ParameterError(f"{name} goes from {first} to {last} by {step}; it must go up")
     steps = (last - first) / step + 1e-9
@@ -119,7 +110,7 @@ def _range(name: str, limits: Mapping[str, Any]) -> list[int | float]:
         raise ParameterError(
             f"{name} has {steps + 1:.0f} values; MAX_CASES = {MAX_CASES} are allowed"
         )
-    # As they would be typed: 0.1 + 0.2 is 0.3, or the same value would be two.
+    # Rounded as they would be typed: 0.1 + 0.2 is 0.3, so that no value is there twice.
     numbers = (first + step * number for number in range(math.floor(steps) + 1))
     return [each if isinstance(each, int) else float(f"{each:.{DIGITS}g}") for each in numbers]
 
@@ -127,9 +118,9 @@ def _range(name: str, limits: Mapping[str, Any]) -> list[int | float]:
 def _check_number(values: Mapping[str, Sequence[Value]], episodes: int) -> None:
     count = math.prod(map(len, values.values()))
     if count > MAX_CASES:
-        most = max(values, key=lambda name: len(values[name]))
+        longest = max(values, key=lambda name: len(values[name]))
         raise ParameterError(
-            f"{count} combinations, {len(values[most])} of them by {most}; "
+            f"{count} combinations, {len(values[longest])} of them by {longest}; "
             f"MAX_CASES = {MAX_CASES} are allowed"
         )
     if count * episodes > MAX_EPISODES:

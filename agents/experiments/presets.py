@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 
 class Preset(NamedTuple):
-    """The settings that answer a question of the chapter, see ``Setting.question``.
+    """A plan that answers a question of the chapter, see ``Parameter.question``.
 
     Attributes:
-        choices: the values of each setting.
+        choices: the values of each parameter.
         episodes: of each combination.
     """
 

@@ -1,8 +1,8 @@
-"""Run what is missing of a plan, and store it as it comes.
+"""Run the episodes of a plan that are missing, and store them as they finish.
 
-Episodes go to workers in tasks of about half a second: long enough that handing them over costs
-nothing to speak of, short enough that little is lost and the bar moves. What a task gives depends
-on nothing but its case and seeds, so the rows are the same however many workers there are.
+Workers get episodes in tasks of about half a second: long enough that the cost of sending them
+is negligible, short enough that little is lost after an error and the progress bar moves. The rows
+of a task depend only on its case and seeds, so they are the same with any number of workers.
 """
 
 from __future__ import annotations
@@ -20,20 +20,19 @@ from agents.experiments.plan import Plan
 from agents.experiments.store import Row, Store
 
 TASK_SECONDS = 0.5
-MOST_EPISODES = 10_000
-"""Of one task, however short they are."""
+MAX_TASK_EPISODES = 10_000
 
 SEEDS_AT_ONCE = 100_000
-"""That are looked up in the store."""
+"""Seeds that are looked up in the store at once."""
 
-WAITING = 2
-"""Tasks for each worker that are handed over, so that none has to wait for its next."""
+TASKS_PER_WORKER = 2
+"""Tasks that are submitted for each worker, so that none has to wait for its next."""
 
 TICK = 0.1
-"""Seconds, after which ``report`` hears from us even if no task is done."""
+"""Seconds after which ``report`` is called even if no task is done."""
 
 Report = Callable[[Sequence[Row]], None]
-"""Is told of rows once they are stored, and of none in between; what it raises ends the run."""
+"""Called with rows after they are stored, and with none in between; what it raises ends the run."""
 
 
 class Task(NamedTuple):
@@ -45,13 +44,13 @@ class Task(NamedTuple):
 
 
 class Done(NamedTuple):
-    """What a task has come to.
+    """The outcome of a task.
 
     Attributes:
         seconds: that it took.
         rows: of its episodes, up to the one that failed.
-        failure: what is to be said of that one. It is text, because an exception of somebody's
-            agent need not survive the way from a worker.
+        failure: the message of the error of that one. It is text, because an exception of a user
+            agent may not be picklable.
     """
 
     seconds: float
@@ -68,8 +67,8 @@ class Pace:
     def learn(self, episodes: int, seconds: float) -> None:
         """Take account of a task that is done."""
         wanted = episodes * TASK_SECONDS / max(seconds, 1e-6)
-        # No more than four times as many at once: one short episode proves little.
-        self.episodes = max(1, min(round(wanted), 4 * episodes, MOST_EPISODES))
+        # At most four times as many: one short episode proves little.
+        self.episodes = max(1, min(round(wanted), 4 * episodes, MAX_TASK_EPISODES))
 
 
 def run_missing(plan: Plan, store: Store, executor: Executor, workers: int, report: Report) -> None:
@@ -77,32 +76,30 @@ def run_missing(plan: Plan, store: Store, executor: Executor, workers: int, repo
 
     Raises:
         StoreError: rows cannot be written; those written before stay.
-        EpisodeError: an episode failed; what had been finished is in the store.
+        EpisodeError: an episode failed; those that had finished are in the store.
         Exception: whatever ``report`` raises, between two writes.
     """
     pace = Pace()
     tasks, running = missing_tasks(plan, store, pace), dict[Future[Done], Task]()
-    try:
-        while _hand_over(tasks, running, executor, workers) or running:
-            done, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
-            report([])
-            # What went well comes first: the others end the run.
-            failures = []
-            for future in sorted(done, key=_has_failed):
-                task, (seconds, rows, failure) = running.pop(future), future.result()
-                store.add(task.case_id, rows)
-                pace.learn(len(rows), seconds)
-                report(rows)
-                failures += [] if failure is None else [failure]
-            if failures:
-                raise EpisodeError(failures[0])
-    finally:
-        for future in running:
-            future.cancel()
+    # After an error the executor ends what is still running. Futures are not cancelled here: a
+    # process pool that breaks sets an exception on each of them, which a cancelled one rejects.
+    while _submit(tasks, running, executor, workers) or running:
+        done, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
+        report([])
+        # Failed tasks come last, because they end the run.
+        failures = []
+        for future in sorted(done, key=_has_failed):
+            task, (seconds, rows, failure) = running.pop(future), future.result()
+            store.add(task.case_id, rows)
+            pace.learn(len(rows), seconds)
+            report(rows)
+            failures += [] if failure is None else [failure]
+        if failures:
+            raise EpisodeError(failures[0])
 
 
 def missing_tasks(plan: Plan, store: Store, pace: Pace) -> Iterator[Task]:
-    """Yield what is missing, case by case, in tasks of the size that suits the pace just then."""
+    """Yield what is missing, case by case, in tasks of the present size of ``pace``."""
     for case in plan.cases:
         case_id = store.case_id(case)
         seeds = _missing_seeds(store, case_id, plan.seeds)
@@ -111,7 +108,7 @@ def missing_tasks(plan: Plan, store: Store, pace: Pace) -> Iterator[Task]:
 
 
 def _missing_seeds(store: Store, case_id: int, seeds: range) -> Iterator[int]:
-    """Yield the seeds that are not there, some at a time, so that very many take no memory."""
+    """Yield the seeds that are not in the store, looked up in parts to save memory."""
     for start in range(0, len(seeds), SEEDS_AT_ONCE):
         some = seeds[start : start + SEEDS_AT_ONCE]
         done = store.seeds_done(case_id, some)
@@ -119,7 +116,7 @@ def _missing_seeds(store: Store, case_id: int, seeds: range) -> Iterator[int]:
 
 
 def run_task(case: Case, seeds: Sequence[int]) -> Done:
-    """Run a task; a worker does nothing else."""
+    """Run a task, in a worker."""
     start, rows, failure = perf_counter(), list[Row](), None
     try:
         for row in run_episodes(case, seeds):
@@ -133,17 +130,11 @@ def _has_failed(future: Future[Done]) -> bool:
     return future.exception() is not None or future.result().failure is not None
 
 
-def _hand_over(
-    tasks: Iterator[Task],
-    running: dict[Future[Done], Task],
-    executor: Executor,
-    workers: int,
+def _submit(
+    tasks: Iterator[Task], running: dict[Future[Done], Task], executor: Executor, workers: int
 ) -> bool:
-    """Hand tasks over until enough are waiting; return whether there was one."""
+    """Submit tasks until enough are waiting, and return whether there was one."""
     before = len(running)
-    while len(running) < WAITING * workers:
-        task = next(tasks, None)
-        if task is None:
-            break
+    for task in islice(tasks, max(TASKS_PER_WORKER * workers - before, 0)):
         running[executor.submit(run_task, task.case, task.seeds)] = task
     return len(running) > before

@@ -1,8 +1,8 @@
-"""The results of an experiment: one SQLite file, a row an episode, written as episodes finish.
+"""The results of an experiment: one SQLite file with a row for each episode.
 
-What is written stays, whatever happens to the program or the machine: every batch of rows is one
-transaction, and it is on the disk before the next begins. A row has its case and its seed for a
-key, so that no episode is in it twice.
+Rows are written as episodes finish, and stay whatever happens to the program or the machine: every
+batch of rows is one transaction, and it is on the disk before the next begins. The key of a row is
+its case and its seed, so that no episode is stored twice.
 """
 
 from __future__ import annotations
@@ -14,22 +14,21 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic, sleep
-from types import TracebackType
 from typing import Any, NamedTuple
 
 from agents.errors import StoreError
 from agents.experiments.case import TILES, Case, key_of
 
 VERSION = 1
-"""Of the tables; kept in the file as its ``user_version``."""
+"""Of the tables; stored in the file as its ``user_version``."""
 
 APPLICATION = 0x57617265
-"""Says whose file it is, as its ``application_id``."""
+"""The ``application_id`` of these files."""
 
-PATIENCE = 30.0
+TIMEOUT = 30.0
 """Seconds to wait for another program that writes to the same file."""
 
-TABLES = """
+TABLES = f"""
 CREATE TABLE cases (id INTEGER PRIMARY KEY, settings TEXT NOT NULL UNIQUE);
 CREATE TABLE episodes (
     case_id INTEGER NOT NULL REFERENCES cases,
@@ -45,6 +44,8 @@ CREATE TABLE episodes (
     col INTEGER NOT NULL,
     PRIMARY KEY (case_id, seed)
 ) WITHOUT ROWID;
+PRAGMA application_id = {APPLICATION};
+PRAGMA user_version = {VERSION};
 """
 
 
@@ -53,14 +54,14 @@ class Row(NamedTuple):
 
     Attributes:
         seed: of layout, start and agent.
-        mode: what became of it, see ``warehouse_core/records/failure_modes.py``.
+        mode: its outcome, see ``warehouse_core/records/failure_modes.py``.
         steps: its length.
-        needed: the fewest steps there are to the delivery; ``None`` where no way leads there.
-        reward: the sum of all.
+        needed: the fewest steps to the delivery; ``None`` if there is no way.
+        reward: the total.
         battery_left: units, at the end.
         seconds: of simulated time.
         joules: of energy.
-        row: of the cell where it ended or was stuck.
+        row: of the cell where the robot ended or was stuck.
         col: of that cell.
     """
 
@@ -76,41 +77,12 @@ class Row(NamedTuple):
     col: int
 
 
-def _identity(path: Path) -> tuple[int, int] | None:
-    """Return what tells a file from one that has replaced it."""
-    try:
-        found = path.stat()
-    except FileNotFoundError:
-        return None
-    return found.st_dev, found.st_ino
-
-
-def _is_case(case: dict[str, object]) -> bool:
-    """Say whether a case has what everybody relies on."""
-    rows = case.get(TILES, ["#"])
-    names = ("agent", "layout", "backend")
-    return (
-        all(map(_is_setting, case, case.values()))
-        and all(isinstance(case.get(name), str) for name in names)
-        and isinstance(rows, list)
-        and len(set(map(len, rows))) == 1
-    )
-
-
-def _is_setting(name: str, value: object) -> bool:
-    if name == TILES:
-        return isinstance(value, list) and all(isinstance(row, str) for row in value)
-    if name in Row._fields or not isinstance(value, (str, int, float)):
-        return False
-    return not isinstance(value, int) or abs(value) < 2**63
-
-
 class Store:
-    """A file of results, made if there is none. It is a context manager.
+    """A file of results, created if there is none. It is a context manager.
 
     Args:
         path: of the file.
-        read_only: make no file and write to none; one that may not be written can be read.
+        read_only: create no file and write to none; one without write permission can be read.
 
     Raises:
         StoreError: it cannot be opened, or is something else.
@@ -122,11 +94,11 @@ class Store:
             raise StoreError(f"{path}: there is no such file")
         if self.path.exists() and not self.path.is_file():  # SQLite would try, and leave a journal
             raise StoreError(f"{path}: it is a folder or a device, not a file")
-        with self._told():
+        with self._errors_reported():
             closed = self._is_closed()
             address = f"{self.path.absolute().as_uri()}?immutable=1" if closed else self.path
             self._connection = sqlite3.connect(
-                address, timeout=PATIENCE, isolation_level=None, uri=closed
+                address, timeout=TIMEOUT, isolation_level=None, uri=closed
             )
             try:
                 self._prepare(read_only)
@@ -138,12 +110,7 @@ class Store:
     def __enter__(self) -> Store:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         self.close()
 
     def close(self) -> None:
@@ -151,27 +118,21 @@ class Store:
         self._connection.close()
 
     def case_id(self, case: Case) -> int:
-        """Return the number of a case, which it gets here if it is new."""
-        with self._told():
-            self._connection.execute(
-                "INSERT OR IGNORE INTO cases (settings) VALUES (?)", (key_of(case),)
-            )
-            found = self._connection.execute(
-                "SELECT id FROM cases WHERE settings = ?", (key_of(case),)
-            )
-            number: int = found.fetchone()[0]
+        """Return the number of a case, which is added if it is new."""
+        self.add_cases([case])
+        number: int = next(self.query("SELECT id FROM cases WHERE settings = ?", key_of(case)))[0]
         return number
 
     def add_cases(self, cases: Iterable[Case]) -> None:
-        """Give a number to each case that is new: all at once, so that many take no time."""
-        with self._told(), self._transaction():
+        """Add the cases that are new, in one transaction."""
+        with self._transaction():
             self._connection.executemany(
                 "INSERT OR IGNORE INTO cases (settings) VALUES (?)",
                 [(key_of(case),) for case in cases],
             )
 
     def count(self, case: Case, seeds: range) -> int:
-        """Return how many episodes of a case with these seeds are there."""
+        """Return how many episodes of a case with these seeds are stored."""
         statement = (
             "SELECT count(*) FROM episodes JOIN cases ON id = case_id "
             "WHERE settings = ? AND seed >= ? AND seed < ?"
@@ -180,40 +141,34 @@ class Store:
         return found
 
     def seeds_done(self, case_id: int, seeds: range) -> set[int]:
-        """Return those of some seeds whose episodes are there."""
+        """Return those of some seeds whose episodes are stored."""
         statement = "SELECT seed FROM episodes WHERE case_id = ? AND seed >= ? AND seed < ?"
         return {seed for (seed,) in self.query(statement, case_id, seeds.start, seeds.stop)}
 
     def add(self, case_id: int, rows: Sequence[Row]) -> None:
-        """Write the episodes of a case, all or none; those that are there already stay as they are.
+        """Write the episodes of a case, all or none; those that are stored already stay unchanged.
 
         Raises:
-            StoreError: the disk is full, or the file cannot be written, or it has gone.
+            StoreError: the disk is full, or the file cannot be written or is no longer there.
         """
-        # SQLite would write on to a file that has no name any more.
+        # SQLite would continue to write to a file that has been removed.
         if _identity(self.path) != self._identity:
             raise StoreError(f"{self.path}: it has been removed or replaced meanwhile")
         places = ", ".join("?" * (1 + len(Row._fields)))
-        with self._told(), self._transaction():
+        with self._transaction():
             self._connection.executemany(
                 f"INSERT OR IGNORE INTO episodes VALUES ({places})",
                 [(case_id, *row) for row in rows],
             )
 
     def cases(self) -> dict[int, Case]:
-        """Return every case by its number."""
+        """Return every case by its number.
+
+        Raises:
+            StoreError: a case that no sweep has written.
+        """
         found = list(self.query("SELECT id, settings FROM cases ORDER BY id"))
         return {number: self._case(settings) for number, settings in found}
-
-    def _case(self, text: str) -> Case:
-        """Return a case that ``key_of`` has written, and refuse what somebody else has."""
-        try:
-            case = json.loads(text)
-            if isinstance(case, dict) and _is_case(case):
-                return case
-        except (ValueError, TypeError, RecursionError):
-            pass
-        raise StoreError(f"{self.path}: it has a case that is none, {text!r}")
 
     def rows(self, case_id: int) -> Iterator[Row]:
         """Yield the episodes of a case in the order of their seeds."""
@@ -223,17 +178,27 @@ class Store:
 
     def query(self, statement: str, *values: Any) -> Iterator[tuple[Any, ...]]:
         """Yield the rows that a statement finds."""
-        with self._told():
-            # Not the cursor itself: left half read, it would complain of a closed file.
+        with self._errors_reported():
+            # Not the cursor itself: left half read, it would fail when the file is closed.
             yield from map(tuple, self._connection.execute(statement, values))
 
-    def _is_closed(self) -> bool:
-        """Return whether the file may only be read, from a folder where nothing can be made.
+    def _case(self, text: str) -> Case:
+        """Return a case that ``key_of`` has written, and raise for any other text."""
+        try:
+            case = json.loads(text)
+            if isinstance(case, dict) and _is_case(case):
+                return case
+        except (ValueError, TypeError, RecursionError):
+            pass
+        raise StoreError(f"{self.path}: it has an invalid case, {text!r}")
 
-        Even to read it, SQLite makes files beside it, unless it is told that nobody writes.
+    def _is_closed(self) -> bool:
+        """Return whether the file can only be read, and its folder does not allow new files.
+
+        Even for reading SQLite creates files beside it, unless it is told that nobody writes.
 
         Raises:
-            StoreError: somebody does, or has been stopped in the middle.
+            StoreError: somebody writes, or was stopped while writing.
         """
         if not self.path.is_file() or all(
             os.access(each, os.W_OK) for each in (self.path, self.path.parent)
@@ -242,14 +207,14 @@ class Store:
         log = Path(f"{self.path}-wal")
         if log.is_file() and log.stat().st_size:
             raise StoreError(
-                f"{self.path}: it may only be read here, and its newest rows are still in "
-                f"{log.name}; read it where it may be written, or once the sweep has ended"
+                f"{self.path}: it is read-only here, and its newest rows are still in {log.name}; "
+                "read it where it can be written, or after the sweep has ended"
             )
         return True
 
     def _prepare(self, read_only: bool) -> None:
         connection = self._connection
-        # In one transaction: another sweep may be making the tables just now.
+        # In one transaction: another sweep may be creating the tables at this moment.
         with self._transaction("DEFERRED"):
             is_new = self._is_empty()
         if read_only:
@@ -262,12 +227,13 @@ class Store:
         if is_new:
             with self._transaction():
                 if self._is_empty():
-                    self._make_tables()
+                    for statement in TABLES.split(";"):
+                        connection.execute(statement)
         self._write_ahead()
         connection.execute("PRAGMA synchronous = FULL")
 
     def _is_empty(self) -> bool:
-        """Return whether there are no tables, and refuse those of other programs."""
+        """Return whether there are no tables, and raise if there are those of another program."""
         owner, version, tables = (
             self._connection.execute(question).fetchone()[0]
             for question in (
@@ -279,23 +245,17 @@ class Store:
         if tables and owner != APPLICATION:
             raise StoreError(f"{self.path}: it is a database, but not of results")
         if tables and version != VERSION:
-            raise StoreError(f"{self.path}: its version is {version}; {VERSION} can be read")
+            raise StoreError(f"{self.path}: its version is {version}; only {VERSION} can be read")
         return not tables
 
-    def _make_tables(self) -> None:
-        for statement in TABLES.split(";"):
-            self._connection.execute(statement)
-        self._connection.execute(f"PRAGMA application_id = {APPLICATION}")
-        self._connection.execute(f"PRAGMA user_version = {VERSION}")
-
     def _write_ahead(self) -> None:
-        """Keep a write-ahead log, so that others may read meanwhile."""
-        end = monotonic() + PATIENCE
+        """Use a write-ahead log, so that others can read meanwhile."""
+        end = monotonic() + TIMEOUT
         while True:
             try:
                 self._connection.execute("PRAGMA journal_mode = WAL")
             except sqlite3.OperationalError as error:
-                # For this one SQLite does not wait by itself until others are done.
+                # For this statement SQLite itself does not wait for others.
                 if error.sqlite_errorcode != sqlite3.SQLITE_BUSY or monotonic() > end:
                     raise
                 sleep(0.01)
@@ -304,20 +264,50 @@ class Store:
 
     @contextmanager
     def _transaction(self, kind: str = "IMMEDIATE") -> Iterator[None]:
-        self._connection.execute(f"BEGIN {kind}")
-        try:
-            yield
-        except BaseException:
-            # A full disk has ended the transaction already.
-            if self._connection.in_transaction:
-                self._connection.execute("ROLLBACK")
-            raise
-        self._connection.execute("COMMIT")
+        with self._errors_reported():
+            self._connection.execute(f"BEGIN {kind}")
+            try:
+                yield
+            except BaseException:
+                # A full disk has ended the transaction already.
+                if self._connection.in_transaction:
+                    self._connection.execute("ROLLBACK")
+                raise
+            self._connection.execute("COMMIT")
 
     @contextmanager
-    def _told(self) -> Iterator[None]:
-        """Turn what SQLite raises into one line with the name of the file."""
+    def _errors_reported(self) -> Iterator[None]:
+        """Turn errors of SQLite into a ``StoreError`` with the name of the file."""
         try:
             yield
         except sqlite3.Error as error:
             raise StoreError(f"{self.path}: {error}") from error
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    """Return what distinguishes a file from one that has replaced it."""
+    try:
+        found = path.stat()
+    except FileNotFoundError:
+        return None
+    return found.st_dev, found.st_ino
+
+
+def _is_case(case: dict[str, object]) -> bool:
+    """Return whether a case has everything that other modules rely on."""
+    rows = case.get(TILES, ["#"])
+    names = ("agent", "layout", "backend")
+    return (
+        all(map(_is_parameter, case, case.values()))
+        and all(isinstance(case.get(name), str) for name in names)
+        and isinstance(rows, list)
+        and len(set(map(len, rows))) == 1
+    )
+
+
+def _is_parameter(name: str, value: object) -> bool:
+    if name == TILES:
+        return isinstance(value, list) and all(isinstance(row, str) for row in value)
+    if name in Row._fields or not isinstance(value, (str, int, float)):
+        return False
+    return not isinstance(value, int) or abs(value) < 2**63

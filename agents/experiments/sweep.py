@@ -1,7 +1,6 @@
-"""Run every combination of some settings, and keep a row for each episode.
+"""The command ``warehouse sweep``: run every combination of settings, and store each episode.
 
-The same command again runs what is missing; a command with more episodes or further values adds
-to what is there.
+The same command run again does what is missing; one with more episodes or values adds those.
 """
 
 from __future__ import annotations
@@ -15,15 +14,15 @@ from typing import Annotated
 import typer
 
 from agents.errors import ParameterError
-from agents.evaluation.wording import counted
 from agents.experiments.choices import PlanFile, parse_flags, read_plan_file
-from agents.experiments.parameters import SETTINGS
+from agents.experiments.parameters import PARAMETERS
 from agents.experiments.plan import Plan, make_plan
 from agents.experiments.presets import PRESETS
 from agents.experiments.running import Report, run_missing
 from agents.experiments.store import Row, Store
-from agents.experiments.workers import Check, Hands, cluster, processes, remembered_interrupts
+from agents.experiments.workers import Check, Pool, cluster, deferred_interrupts, process_pool
 from warehouse_core.records.episode import DELIVERED
+from warehouse_core.wording import counted
 
 
 @contextmanager
@@ -45,20 +44,21 @@ def sweep_bar(episodes: int) -> Iterator[Report]:
 
 
 EPISODES = 100
-"""Of each combination where nothing else is said."""
+"""Of each combination, by default."""
 
 
 def sweep(
     file: Annotated[
-        Path | None, typer.Argument(metavar="[PLAN]", help="A plan as .toml.", show_default=False)
+        Path | None,
+        typer.Argument(metavar="[PLAN]", help="A plan file, .toml.", show_default=False),
     ] = None,
     settings: Annotated[
         list[str] | None,
         typer.Option(
             "--set",
             metavar="NAME=VALUES",
-            help="Values, as in battery=20,60 or battery=20:200:20; may be given more than once. "
-            f"Names: {', '.join(SETTINGS)}, robot.NUMBER, disturbances.NUMBER.",
+            help="Values, such as battery=20,60 or battery=20:200:20; may be repeated. "
+            f"Names: {', '.join(PARAMETERS)}, robot.NUMBER, disturbances.NUMBER.",
         ),
     ] = None,
     preset: Annotated[
@@ -68,7 +68,11 @@ def sweep(
     episodes: Annotated[
         int | None,
         typer.Option(
-            "--episodes", "-n", min=1, help="Of each combination.", show_default=str(EPISODES)
+            "--episodes",
+            "-n",
+            min=1,
+            help="Episodes of each combination.",
+            show_default=str(EPISODES),
         ),
     ] = None,
     seed: Annotated[
@@ -76,50 +80,58 @@ def sweep(
         typer.Option(
             "--seed",
             metavar="N",
-            help="Of the first episode of each combination.",
+            help="Seed of the first episode of each combination.",
             show_default="0",
         ),
     ] = None,
     output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="FILE", help="Where the results go.")
+        Path, typer.Option("--output", "-o", metavar="FILE", help="The file of results.")
     ] = Path("results.sqlite"),
     workers: Annotated[
         int | None,
         typer.Option(
-            "--workers", min=1, max=1024, help="Processes.", show_default="one for each core"
+            "--workers", min=1, max=1024, help="Number of processes.", show_default="one per core"
         ),
     ] = None,
     address: Annotated[
         str | None,
-        typer.Option("--cluster", metavar="tcp://HOST:PORT", help="A Dask scheduler."),
+        typer.Option(
+            "--cluster",
+            metavar="tcp://HOST:PORT",
+            help="Run on the Dask cluster of this scheduler.",
+        ),
     ] = None,
 ) -> None:
-    """Run episodes under every combination of settings; the same again resumes."""
+    """Run every combination of settings; run the same command again to resume."""
     given = _given(file, preset)
     choices = given.choices | parse_flags(settings or [])
     plan = make_plan(choices, episodes or given.episodes or EPISODES, _first(seed, given.seed))
-    with remembered_interrupts() as check, Store(output) as store:
+    with deferred_interrupts() as check, Store(output) as store:
         store.add_cases(plan.cases)
         done = _done(plan, store)
         cases, each = counted(len(plan.cases), "combination"), counted(plan.episodes, "episode")
         typer.echo(f"{cases}, {each} each, {done:,} done")
         missing = plan.total - done
-        hands = _hands(min(workers or os.cpu_count() or 1, missing), address)
+        count = min(workers or os.cpu_count() or 1, missing)
         try:
             if missing:
-                _run(plan, store, missing, hands, check)
+                pool = process_pool(count) if address is None else cluster(address)
+                _run(plan, store, missing, pool, check)
         except KeyboardInterrupt:
             done = _done(plan, store)
-            typer.echo(f"{done:,} of {plan.total:,} episodes in {output}; the same command goes on")
-            raise typer.Abort from None  # typer would end without a word
+            typer.echo(
+                f"{done:,} of {plan.total:,} episodes in {output}; run the same command again to "
+                "resume"
+            )
+            raise typer.Abort from None  # typer would end without a message
     episodes_done = f"{counted(plan.total, 'episode')} done"
-    typer.echo(f"{episodes_done}; see what they come to with: warehouse report {output}")
+    typer.echo(f"{episodes_done}; see the results with: warehouse report {output}")
 
 
 def _given(file: Path | None, preset: str | None) -> PlanFile:
-    """Return the plan that flags are added to."""
+    """Return the plan file, or the preset as one; flags are added to it."""
     if file is not None and preset is not None:
-        raise ParameterError(f"both {file} and --preset {preset} are given; one plan will do")
+        raise ParameterError(f"both {file} and --preset {preset} are given; give one of them")
     if file is not None:
         return read_plan_file(file)
     if preset is None:
@@ -130,16 +142,12 @@ def _given(file: Path | None, preset: str | None) -> PlanFile:
 
 
 def _done(plan: Plan, store: Store) -> int:
-    """Return how many episodes of a plan are there."""
+    """Return how many episodes of a plan are stored."""
     return sum(store.count(case, plan.seeds) for case in plan.cases)
 
 
-def _hands(workers: int, address: str | None) -> Hands:
-    return processes(workers) if address is None else cluster(address)
-
-
-def _run(plan: Plan, store: Store, missing: int, hands: Hands, check: Check) -> None:
-    with hands as (executor, count), sweep_bar(missing) as show:
+def _run(plan: Plan, store: Store, missing: int, pool: Pool, check: Check) -> None:
+    with pool as (executor, count), sweep_bar(missing) as show:
 
         def report(rows: Sequence[Row]) -> None:
             show(rows)

@@ -1,4 +1,4 @@
-"""Who runs the episodes: this machine's processes or a Dask cluster, behind one executor."""
+"""Executors for episodes: processes of this machine or a Dask cluster, and their interrupts."""
 
 from __future__ import annotations
 
@@ -16,15 +16,26 @@ from types import FrameType
 
 from agents.errors import ClusterError, WorkerError
 
-REMEMBERED = (signal.SIGINT, signal.SIGTERM)
+DEFERRED = (signal.SIGINT, signal.SIGTERM)
+
+MAX_PROCESSES = 61 if sys.platform == "win32" else 1024
+"""Of a pool; Windows can wait for no more at once."""
+
+KILLED = (
+    "a worker process was killed, perhaps because memory ran out; use fewer --workers, and run the "
+    "same command again to resume"
+)
 
 Check = Callable[[], None]
-"""Raises ``KeyboardInterrupt`` if the end has been asked for."""
+"""Raises ``KeyboardInterrupt`` if a deferred signal has come."""
+
+Pool = AbstractContextManager[tuple[Executor, int]]
+"""Gives an executor, and how many calls it runs at once."""
 
 
 @contextmanager
-def remembered_interrupts() -> Iterator[Check]:
-    """Yield what raises ``KeyboardInterrupt`` if one of them came since this began."""
+def deferred_interrupts() -> Iterator[Check]:
+    """Defer SIGINT and SIGTERM to the calls of the function that is yielded."""
     came = False
 
     def remember(number: int, frame: FrameType | None) -> None:
@@ -35,28 +46,28 @@ def remembered_interrupts() -> Iterator[Check]:
         if came:
             raise KeyboardInterrupt
 
-    before = {number: signal.signal(number, remember) for number in REMEMBERED}
+    before = {number: signal.signal(number, remember) for number in DEFERRED}
     try:
         yield check
     finally:
-        # Who has asked for the end once is heard; more of it would only disturb the leaving.
+        # After the first one the program is ending; further ones must not disturb that.
         for number, handler in before.items():
             signal.signal(number, signal.SIG_IGN if came else handler)
 
 
 @contextmanager
-def uninterrupted_children() -> Iterator[None]:
-    """Start processes that Ctrl-C does not reach; this one gets it afterwards.
+def blocked_interrupts() -> Iterator[None]:
+    """Block SIGINT in this thread, so that processes started meanwhile inherit that.
 
-    Ctrl-C goes to every process of a terminal, from its first moment on. A blocked signal is
-    inherited as such, and one that comes to this process meanwhile is only late.
+    Ctrl-C goes to every process of a terminal, also to those that cannot ignore it yet. One that
+    comes to this thread meanwhile is delivered at the end.
     """
-    if not hasattr(signal, "pthread_sigmask"):  # Windows: what a worker ignores it ignores later
+    if not hasattr(signal, "pthread_sigmask"):  # Windows: workers ignore it once they have started
         yield
         return
     from multiprocessing import resource_tracker
 
-    # Its start would unblock the interrupts again.
+    # Started later, it would unblock the signal.
     resource_tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
@@ -65,32 +76,24 @@ def uninterrupted_children() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-Hands = AbstractContextManager[tuple[Executor, int]]
-"""Gives what runs calls, and how many it runs at once."""
-
-
-MOST = 61 if sys.platform == "win32" else 1024
-"""Processes of a pool; Windows can wait for no more at once."""
-
-
 @contextmanager
-def processes(count: int) -> Iterator[tuple[Executor, int]]:
-    """Yield a pool of ``count`` processes of this machine, and how many they are.
+def process_pool(count: int) -> Iterator[tuple[Executor, int]]:
+    """Yield a pool of ``count`` processes of this machine, and their number.
 
-    Whatever ends the block early ends them at once: what they are at is run again next time.
+    If the block raises, they are killed at once.
 
     Raises:
-        WorkerError: one of them was killed.
+        WorkerError: one of them was killed by something else.
     """
-    count = min(count, MOST)
-    # Spawned, as on every system: a fork of a process that has threads may hang.
+    count = min(count, MAX_PROCESSES)
+    # Spawned on every system: a fork of a process that has threads may hang.
     context = multiprocessing.get_context("spawn")
     others = set(multiprocessing.active_children())
-    with ProcessPoolExecutor(count, mp_context=context, initializer=_begin) as pool:
+    with ProcessPoolExecutor(count, mp_context=context, initializer=_start_worker) as pool:
         try:
-            with uninterrupted_children():
-                for _ in range(count):  # each is started for the work it is given
-                    pool.submit(_begin_nothing)
+            with blocked_interrupts():
+                for _ in range(count):  # each call starts a process
+                    pool.submit(_do_nothing)
             yield pool, count
         except BaseException as error:
             for process in set(multiprocessing.active_children()) - others:
@@ -100,10 +103,21 @@ def processes(count: int) -> Iterator[tuple[Executor, int]]:
             raise
 
 
-KILLED = (
-    "a worker process was ended in the middle, perhaps because the memory was used up, which fewer "
-    "--workers would spare; the same command goes on"
-)
+def _start_worker() -> None:
+    """Ignore interrupts, and end with the parent process in whatever way it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    assert parent is not None, "a worker is started by another process"
+    parent.join()
+    os._exit(1)
+
+
+def _do_nothing() -> None:
+    """Do nothing."""
 
 
 @contextmanager
@@ -111,14 +125,14 @@ def cluster(address: str) -> Iterator[tuple[Executor, int]]:
     """Yield the Dask cluster whose scheduler is at ``tcp://HOST:PORT``, and its threads.
 
     Raises:
-        ClusterError: Dask is not installed, no scheduler answers, or it ends in the middle.
+        ClusterError: Dask is not installed, no scheduler answers, or the cluster fails.
     """
     try:
         from distributed import Client, KilledWorker
         from distributed.comm import CommClosedError
     except ImportError:
         raise ClusterError("a cluster needs Dask: pip install 'warehouse-lab[cluster]'") from None
-    with _without_logs():
+    with _logging_disabled():
         try:
             client = Client(address, timeout="10s")
         except (OSError, ValueError) as error:
@@ -132,33 +146,17 @@ def cluster(address: str) -> Iterator[tuple[Executor, int]]:
             except (CancelledError, KilledWorker, CommClosedError) as error:
                 why = str(error) or type(error).__name__
                 raise ClusterError(
-                    f"the Dask cluster at {address} has gone: {why}; the same command goes on"
+                    f"the Dask cluster at {address} has failed: {why}; run the same command again "
+                    "to resume"
                 ) from error
 
 
 @contextmanager
-def _without_logs() -> Iterator[None]:
-    """Keep Dask from logging, with tracebacks, what is said in one line."""
+def _logging_disabled() -> Iterator[None]:
+    """Keep Dask from logging tracebacks of errors that are reported in one line."""
     before = logging.root.manager.disable
     logging.disable()
     try:
         yield
     finally:
         logging.disable(before)
-
-
-def _begin() -> None:
-    """Ignore interrupts, and end with the process that started this one, however it ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    assert parent is not None, "a worker has been started by another process"
-    parent.join()
-    os._exit(1)
-
-
-def _begin_nothing() -> None:
-    """Do nothing."""

@@ -1,1 +1,1 @@
-"""What the results of an experiment say: tests, pictures, examples, one page."""
+"""Reports on the results of experiments: answers, figures, examples, one page."""

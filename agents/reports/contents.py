@@ -1,4 +1,4 @@
-"""What a report holds: answers, figures, examples, settings, and a table of all cases."""
+"""The contents of a report: answers, figures, examples, settings, and a table of all cases."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from importlib.metadata import version
 
 from agents.evaluation.interval import CONFIDENCE
-from agents.evaluation.wording import counted, mean, share
+from agents.evaluation.wording import mean, share
 from agents.experiments.parameters import shown
 from agents.experiments.store import Store
 from agents.reports.analysis.answers import answers
@@ -17,9 +17,10 @@ from agents.reports.examples import Example
 from agents.reports.figures.pictures import pictures
 from agents.reports.page import Page, Table
 from warehouse_core.records.failure_modes import MODES
+from warehouse_core.wording import counted
 
-MOST_CASES = 200
-"""In the table; the others are in the file."""
+MAX_CASES = 200
+"""In the table; the others are only in the file."""
 
 METHODS = (
     f"Brackets and whiskers are {CONFIDENCE:.0%} intervals, Wilson's of shares and percentile "
@@ -55,7 +56,7 @@ def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
 
 
 def _summary(experiment: Experiment) -> str:
-    """Return how many episodes there are, of which seeds, and what is still missing."""
+    """Return the number of episodes, their seeds, and what is still missing."""
     everything = experiment.results(*experiment.cases)
     first, last = everything.seeds
     counts = [experiment.results(case_id).episodes for case_id in experiment.cases]
@@ -72,7 +73,7 @@ def _summary(experiment: Experiment) -> str:
 
 
 def _settings(design: Design) -> Iterator[tuple[str, str]]:
-    """Yield what differs with its values, and then what does not."""
+    """Yield the parameters that differ with their values, and then the others."""
     for factor in design.factors:
         yield factor.name, ", ".join(map(shown, factor.values))
     for name, value in design.fixed.items():
@@ -80,8 +81,8 @@ def _settings(design: Design) -> Iterator[tuple[str, str]]:
 
 
 def _table(experiment: Experiment, design: Design) -> Table:
-    """Return a line for each case: what differs, how many, and what they came to."""
-    chosen = list(design.labels)[:MOST_CASES]
+    """Return a line for each case: what differs, the number of episodes, and their results."""
+    chosen = list(design.labels)[:MAX_CASES]
     results = {case_id: experiment.results(case_id) for case_id in chosen}
     modes = [mode for mode in MODES if any(mode in each.modes for each in results.values())]
     is_measured = any(each.is_measured for each in results.values())

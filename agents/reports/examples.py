@@ -1,4 +1,4 @@
-"""One example of each failure mode in the results, and of a delivery, run again to be watched."""
+"""One example of each failure mode in the results, and of a delivery, run again as a replay."""
 
 from __future__ import annotations
 
@@ -32,30 +32,29 @@ SELECT mode, case_id, steps, episodes, (
     ORDER BY seed LIMIT 1
 ) FROM first
 """
-"""Both inner searches go along the table as it is kept, and end with the first row they find."""
+"""Both inner queries follow the order of the table and end with the first row they find."""
 
-MOST_STEPS = 200
-"""That are shown; of a longer episode the last ones."""
+MAX_STEPS = 200
+"""Of a replay; of a longer episode the last steps are shown."""
 
-PLAY_MS = 12_000
-"""A replay takes no longer, however many steps it has."""
+MAX_PLAY_MS = 12_000
+"""Of a replay."""
 
-
-SAYING_ENOUGH = (AgentError, BackendError, EpisodeError, LayoutError, OSError)
-"""Errors of this project, or with the name of a file."""
+CLEAR_ERRORS = (AgentError, BackendError, EpisodeError, LayoutError, OSError)
+"""Errors whose message is enough; of others the class and the place are shown too."""
 
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """An episode in the results that stands for its failure mode.
+    """An episode in the results that represents its failure mode.
 
     Attributes:
-        mode: what became of it.
+        mode: its outcome.
         case_id: of its case in the results.
-        case: its settings.
+        case: that case.
         seed: of the episode.
         steps: its length.
-        episodes: how many of that mode there are in all.
+        episodes: the number of all episodes of that mode.
     """
 
     mode: str
@@ -68,11 +67,11 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """An episode to be watched.
+    """The replay of an episode.
 
     Attributes:
-        found: which one.
-        sentence: the evidence for its failure mode, or why there is no picture.
+        found: the episode.
+        sentence: the evidence for its failure mode, or why there is no replay.
         gif: the replay; empty if there is none.
     """
 
@@ -84,7 +83,7 @@ class Example:
 def find_examples(store: Store) -> list[Found]:
     """Return for each mode that occurs its shortest episode, in the order of ``MODES``.
 
-    Of equally short ones it is that of the first case, then that of the smallest seed.
+    Ties go to the first case, then to the smallest seed.
     """
     cases = store.cases()
     found = {
@@ -97,16 +96,15 @@ def find_examples(store: Store) -> list[Found]:
 def replay(found: Found, *, run_own_code: bool) -> Example:
     """Run an episode again and return its replay, or the reason why there is none.
 
-    What agents and libraries do may have changed since the results were written. An agent is
-    anybody's code, so that whatever it raises becomes a sentence.
+    Agents and libraries may have changed since the results were written. User agents may raise
+    anything, which becomes the reason.
 
     Args:
-        found: which episode.
-        run_own_code: run agents that are a class of somebody's own. The results name them, and
-            may come from a stranger.
+        found: the episode.
+        run_own_code: run user agents too. The results name them, and may come from a stranger.
     """
     if is_own_code(found.case["agent"]) and not run_own_code:
-        return Example(found, "Its agent is no part of this program; --replays runs it.", b"")
+        return Example(found, "Its agent is not part of this program; --replays runs it.", b"")
     try:
         check_fingerprint(found.case)
         episode = run_one(found.case, found.seed)
@@ -115,14 +113,14 @@ def replay(found: Found, *, run_own_code: bool) -> Example:
     diagnosis = diagnose(episode)
     if (diagnosis.mode, episode.steps) != (found.mode, found.steps):
         return Example(found, _changed(found, diagnosis, episode.steps), b"")
-    left_out = max(episode.steps - MOST_STEPS, 0)
-    only = f"; the replay shows the last {MOST_STEPS} of {episode.steps} steps" if left_out else ""
+    left_out = max(episode.steps - MAX_STEPS, 0)
+    only = f"; the replay shows the last {MAX_STEPS} of {episode.steps} steps" if left_out else ""
     return Example(found, f"{diagnosis.sentence}{only}", _gif(episode, left_out))
 
 
 def _changed(found: Found, diagnosis: Diagnosis, steps: int) -> str:
     return (
-        f"It comes out differently now: {diagnosis.mode} after {steps} steps, not {found.mode} "
+        f"Its outcome is different now: {diagnosis.mode} after {steps} steps, not {found.mode} "
         f"after {found.steps}. The agent or a library has changed since the results were written."
     )
 
@@ -130,7 +128,7 @@ def _changed(found: Found, diagnosis: Diagnosis, steps: int) -> str:
 def _gif(episode: Episode, left_out: int) -> bytes:
     """Return the replay of an episode without its first steps, as a GIF of one frame a step."""
     track = track_of_episode(episode, frame_seconds=None)
-    interval = min(INTERVAL_MS, PLAY_MS / (len(track) - left_out))
+    interval = min(INTERVAL_MS, MAX_PLAY_MS / (len(track) - left_out))
     film = replay_of_track(track, interval_ms=interval, window=False, first_frame=left_out)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "replay.gif"
@@ -139,7 +137,7 @@ def _gif(episode: Episode, left_out: int) -> bytes:
 
 
 def _why(error: BaseException, case: Case) -> str:
-    """Return what an error says on one line, with its name and place if it is not of ours."""
-    is_ours = isinstance(error, SAYING_ENOUGH)
-    words = str(error) if is_ours else reason_of(error, agent_file(case["agent"]))
+    """Return the message of an error on one line."""
+    is_clear = isinstance(error, CLEAR_ERRORS)
+    words = str(error) if is_clear else reason_of(error, agent_file(case["agent"]))
     return " ".join(words.split()).rstrip(".")

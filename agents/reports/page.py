@@ -1,6 +1,6 @@
-"""The report as one page of HTML: nothing in it is run, and nothing is loaded from elsewhere.
+"""The report as one page of HTML, without scripts and without anything loaded from elsewhere.
 
-What users have named, such as agents and layouts, stands in it as text whatever it is.
+Names given by users, such as those of agents and layouts, are always escaped text.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from base64 import b64encode
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
@@ -20,18 +19,19 @@ from agents.reports.analysis.answers import Answer
 from agents.reports.examples import Example
 from agents.reports.figures.pictures import Picture
 from warehouse_core.files.atomic import atomic_path
+from warehouse_core.wording import printable
 
 TEMPLATE = "page.html"
 
 NUMBER = re.compile(r"[-+\u2212]?\d[\d,. ]*( ?%| ?[a-zA-Z/]{1,3})?( ?(\[.*\]|\(.*\)|\u00b1.*))?")
-"""What stands to the right in its column: a number, perhaps with a unit or an interval."""
+"""Cells that are aligned to the right: a number, perhaps with a unit or an interval."""
 
 BLANK = {"", "-", shown(None)}
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Columns by name, rows with as many cells, and a note below, perhaps empty."""
+    """The names of columns, rows with as many cells, and a note below, perhaps empty."""
 
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
@@ -40,15 +40,15 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """Everything that the page says.
+    """The contents of the page.
 
     Attributes:
         title: of the page.
-        summary: how many episodes there are, and of which seeds.
-        methods: what brackets and whiskers are.
-        answers: the questions and what the results say to them.
+        summary: the number of episodes and their seeds.
+        methods: the meaning of brackets and whiskers.
+        answers: the questions and their answers.
         pictures: the figures.
-        settings: the name of each and its value or values.
+        settings: the name of each parameter and its value or values.
         table: of all cases.
         examples: of the failure modes.
         made_with: programs and their versions.
@@ -66,7 +66,7 @@ class Page:
 
 
 def write_page(path: Path, page: Page) -> None:
-    """Write the page; the file appears whole or not at all.
+    """Write the page; the file is complete or not there.
 
     Raises:
         OSError: the file cannot be written.
@@ -75,7 +75,7 @@ def write_page(path: Path, page: Page) -> None:
         loader=FileSystemLoader(Path(__file__).parent),
         autoescape=True,
         undefined=StrictUndefined,
-        finalize=_visible,
+        finalize=lambda value: printable(value) if isinstance(value, str) else value,
         trim_blocks=True,
         lstrip_blocks=True,
     )
@@ -86,13 +86,6 @@ def write_page(path: Path, page: Page) -> None:
     )
     with atomic_path(path) as part:
         part.write_text(text, encoding="utf-8")
-
-
-def _visible(value: Any) -> Any:
-    """Return text with a space for each character that nobody sees and a page may not hold."""
-    if not isinstance(value, str) or value.isprintable():
-        return value
-    return "".join(character if character.isprintable() else " " for character in value)
 
 
 def _data_uri(data: bytes, kind: str) -> str:

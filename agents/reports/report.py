@@ -1,4 +1,4 @@
-"""Say what the results of a sweep come to: on the terminal, as a page, and as figures."""
+"""The command ``warehouse report``: answers on the terminal, a page, and figures."""
 
 from __future__ import annotations
 
@@ -8,37 +8,37 @@ from typing import Annotated
 import typer
 
 from agents.errors import StoreError
-from agents.evaluation.wording import counted
 from agents.experiments.store import Store
 from warehouse_core.files.atomic import atomic_path, check_suffix, check_target
+from warehouse_core.wording import counted
 
 PAGE_SUFFIX = ".html"
 
 
 def report(
-    results: Annotated[Path, typer.Argument(help="What warehouse sweep has written.")],
+    results: Annotated[Path, typer.Argument(help="A file written by warehouse sweep.")],
     output: Annotated[
         Path | None,
         typer.Option(
-            "--output", "-o", metavar="FILE", help="The page.", show_default="RESULTS.html"
+            "--output", "-o", metavar="FILE", help="The page to write.", show_default="RESULTS.html"
         ),
     ] = None,
     figures: Annotated[
         Path | None,
-        typer.Option("--figures", metavar="FOLDER", help="Write each figure as .svg, too."),
+        typer.Option("--figures", metavar="FOLDER", help="Also write each figure as .svg."),
     ] = None,
     replays: Annotated[
         bool | None,
         typer.Option(
             "--replays/--no-replays",
-            help="Run one episode of each failure mode again, to be watched; with --replays also "
-            "those of agents that are no part of this program.",
+            help="Include a replay of each failure mode, run again; with --replays also those of "
+            "agents that are not part of this program.",
             show_default=False,
         ),
     ] = None,
 ) -> None:
-    """Write what a sweep has found as one page of HTML, and its answers here."""
-    # Here, because SciPy and matplotlib take longer to import than most commands to run.
+    """Write the results of a sweep as an HTML page, and print its answers."""
+    # Here, because importing SciPy and matplotlib takes longer than most commands.
     from agents.reports.contents import make_page
     from agents.reports.examples import find_examples, replay
     from agents.reports.page import write_page
@@ -47,7 +47,7 @@ def report(
     check_suffix(target, [PAGE_SUFFIX])
     check_target(target)
     if target.resolve() == results.resolve():
-        raise StoreError(f"{target}: these are the results; the page needs another name")
+        raise StoreError(f"{target}: this is the file of results; the page needs another name")
     with Store(results, read_only=True) as store:
         wanted = [] if replays is False else find_examples(store)
         page = make_page(

@@ -15,7 +15,7 @@ from agents.experiments.case import make_agent_for, make_case, make_env
 from agents.experiments.plan import Plan
 from agents.experiments.running import run_missing
 from agents.experiments.store import Store
-from agents.experiments.workers import processes
+from agents.experiments.workers import process_pool
 from warehouse_core import record_episode
 from warehouse_core.records.failure_modes import diagnose
 
@@ -31,7 +31,7 @@ import sys
 from agents.experiments.plan import make_plan
 from agents.experiments.running import run_missing
 from agents.experiments.store import Store
-from agents.experiments.workers import processes
+from agents.experiments.workers import process_pool
 
 def peak_in_kb():
     with open("/proc/self/status") as file:
@@ -46,7 +46,7 @@ def report(rows):
 done, peaks = 0, []
 if __name__ == "__main__":
     plan = make_plan({"battery": 20}, 100_000, 0)
-    with Store(sys.argv[1]) as store, processes(2) as (executor, workers):
+    with Store(sys.argv[1]) as store, process_pool(2) as (executor, workers):
         run_missing(plan, store, executor, workers, report)
     print(*peaks)
 """
@@ -57,7 +57,7 @@ class Sweeper:
 
     def __init__(self, workers: int, folder: Path, stack: ExitStack) -> None:
         begin = perf_counter()
-        self._executor, self._workers = stack.enter_context(processes(workers))
+        self._executor, self._workers = stack.enter_context(process_pool(workers))
         self._paths = (folder / f"{workers}-{number}.sqlite" for number in count())
         self.run(workers)
         self.seconds_to_start = perf_counter() - begin

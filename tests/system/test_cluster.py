@@ -104,7 +104,7 @@ def test_a_scheduler_that_dies_is_one_line_and_the_file_can_go_on(
     scheduler.kill()
     err = sweep.communicate(timeout=120)[1]
     assert sweep.returncode == 1
-    assert err.splitlines()[-1].startswith(f"warehouse: the Dask cluster at {address} has gone: ")
+    assert err.splitlines()[-1].startswith(f"warehouse: the Dask cluster at {address} has failed: ")
     assert "Traceback" not in err
     check_is_usable(path)
     assert table(path)

@@ -38,6 +38,7 @@ from warehouse_core.records.episode import (
     UNFINISHED,
     Episode,
 )
+from warehouse_core.wording import counted, listed
 from warehouse_core.world.actions import DISPLACEMENTS, action_index
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import WALL, Cell
@@ -186,7 +187,7 @@ def _cut_off(layout: Layout, end: State) -> tuple[tuple[Cell, ...], str]:
         name, stations = "pickup", layout.pickups
     if not stations:
         return (), f"there is no {name}"
-    return stations, f"no way leads from {here} to the {name} at {_listed(stations, 'or')}"
+    return stations, f"no way leads from {here} to the {name} at {listed(stations, 'or')}"
 
 
 def _missed(episode: Episode) -> list[Cell]:
@@ -242,14 +243,9 @@ def _describe(swing: Sequence[Cell]) -> str:
     if len(swing) == 1:
         return f"stood on {swing[0]}"
     if len(swing) <= MAX_SWING_CELLS:
-        return f"swung between {_listed(swing, 'and')}"
+        return f"swung between {listed(swing)}"
     return f"went round and round over {len(swing)} cells, {swing[0]} among them,"
 
 
-def _listed(cells: Sequence[Cell], word: str) -> str:
-    *others, last = map(str, cells)
-    return f"{', '.join(others)} {word} {last}" if others else last
-
-
 def _count(steps: int) -> str:
-    return f"{steps} step{'' if steps == 1 else 's'}"
+    return counted(steps, "step")

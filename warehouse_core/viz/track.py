@@ -16,6 +16,7 @@ from warehouse_core.arguments import real_number
 from warehouse_core.motion.base import Contact, Outcome
 from warehouse_core.records.episode import UNFINISHED, Episode
 from warehouse_core.records.failure_modes import diagnose
+from warehouse_core.wording import printable
 from warehouse_core.world.tiles import ALLOWED_TILES, EMPTY, ROBOT_EMPTY, ROBOT_LOADED, TILES, Cell
 
 FRAME_SECONDS = 0.2
@@ -150,7 +151,7 @@ def track_of_episode(episode: Episode, frame_seconds: float | None = FRAME_SECON
     seed = "" if episode.seed is None else f", seed {episode.seed}"
     title = f"{episode.agent or 'Warehouse'} on the {episode.settings.backend} backend{seed}"
     track = Track(
-        frames, episode.metrics, is_continuous, episode.settings.battery, _printable(title)
+        frames, episode.metrics, is_continuous, episode.settings.battery, printable(title)
     )
     if episode.outcome != UNFINISHED:
         diagnosis = diagnose(episode)
@@ -161,7 +162,7 @@ def track_of_episode(episode: Episode, frame_seconds: float | None = FRAME_SECON
 def step_captions(episode: Episode) -> list[str]:
     """Return for each step the action and its reason."""
     return [
-        _printable(f"{action} ({reason})" if reason else str(action))
+        printable(f"{action} ({reason})" if reason else str(action))
         for action, reason in zip(episode.actions, episode.reasons, strict=True)
     ]
 
@@ -260,11 +261,6 @@ def track_of_frames(
     checked = _check_metrics(metrics or {}, len(grids))
     full_battery = max([1.0, *checked.get("battery", [])])
     return Track(drawn, checked, full_battery=full_battery)
-
-
-def _printable(text: str) -> str:
-    """Return ``text`` with a space for each unprintable character, which SVG may not hold."""
-    return "".join(character if character.isprintable() else " " for character in text)
 
 
 def _check_sizes(grids: list[list[str]]) -> None:

@@ -1,1 +1,1 @@
-"""What the episodes of an experiment say, in numbers and in sentences."""
+"""Analysis of results: what differs, how cases compare, and sentences about it."""

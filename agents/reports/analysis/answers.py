@@ -1,7 +1,7 @@
-"""The answers of a report: for each setting that differs its question, answered from the data.
+"""The answers of a report: for each parameter that differs its question, answered from the data.
 
-A question is answered by the row of cases along its setting that is nearest to the defaults; what
-is otherwise in the other rows has a sentence of its own.
+A question is answered by the series of its parameter that is nearest to the defaults; the other
+series are summarised in one sentence.
 """
 
 from __future__ import annotations
@@ -10,19 +10,20 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from agents.evaluation.wording import counted, points, sentence, share
-from agents.experiments.parameters import SETTINGS, Value, shown
+from agents.evaluation.wording import points, sentence, share
+from agents.experiments.parameters import PARAMETERS, Value, shown
 from agents.reports.analysis import statements
 from agents.reports.analysis.comparison import compare
 from agents.reports.analysis.design import Design, Factor, Series, described
 from agents.reports.analysis.results import Experiment
 from agents.reports.analysis.statements import Point
+from warehouse_core.wording import counted
 
 OTHER_TASKS = {"layout", "size", "density"}
-"""Where these differ, the same seed is another task, and seeds are not compared."""
+"""If one of these differs, equal seeds are different tasks, and are not compared."""
 
-FEW = 4
-"""Values of which each has its sentence; of more only the two that are compared."""
+MAX_DESCRIBED = 4
+"""Values that have sentences of their own; of more only the two that are compared."""
 
 
 class Answer(NamedTuple):
@@ -33,12 +34,12 @@ class Answer(NamedTuple):
 
 
 def answers(experiment: Experiment, design: Design) -> tuple[Answer, ...]:
-    """Return an answer for each factor; where nothing differs, one to what became of it all."""
+    """Return an answer for each factor, or one about all episodes if nothing differs."""
     found = []
     for factor in design.factors:
-        rows = design.series(factor)
-        if rows:
-            words = map(sentence, _sentences(experiment, factor, rows))
+        series = design.series(factor)
+        if series:
+            words = map(sentence, _sentences(experiment, factor, series))
             found.append(Answer(question_of(factor), tuple(words)))
     if not found:
         point = Point("", 0, experiment.results(*design.labels))
@@ -47,9 +48,9 @@ def answers(experiment: Experiment, design: Design) -> tuple[Answer, ...]:
 
 
 def question_of(factor: Factor) -> str:
-    """Return what is asked where a factor differs."""
-    setting = SETTINGS.get(factor.name)
-    return setting.question if setting else f"What does {factor.name} change?"
+    """Return the question that is asked if a factor differs."""
+    parameter = PARAMETERS.get(factor.name)
+    return parameter.question if parameter else f"What does {factor.name} change?"
 
 
 def _alone(point: Point) -> Iterator[str]:
@@ -60,19 +61,19 @@ def _alone(point: Point) -> Iterator[str]:
     yield from statements.failures([point])
 
 
-def _sentences(experiment: Experiment, factor: Factor, rows: Sequence[Series]) -> Iterator[str]:
-    row, *others = rows
-    line = _line(experiment, factor, row)
-    where = f"with {described(row.others)}, " if described(row.others) else ""
+def _sentences(experiment: Experiment, factor: Factor, series: Sequence[Series]) -> Iterator[str]:
+    main, *others = series
+    line = _line(experiment, factor, main)
+    where = f"with {described(main.others)}, " if described(main.others) else ""
     if _is_trend(factor):
         pair, pairs = (line[0], line[-1]), 1
         told: Sequence[Point] = pair
         yield where + statements.trend(line)
     else:
-        line = _ranked(line)
-        # The best against the next: that the worst is worse says little of the best.
+        line.sort(key=lambda point: -point.results.share)
+        # The best is compared with the next; that it beats the worst would say little.
         pair, pairs = (line[0], line[1]), math.comb(len(line), 2)
-        told = line if len(line) <= FEW else pair
+        told = line if len(line) <= MAX_DESCRIBED else pair
         yield where + statements.ranking(line)
     if factor.name not in OTHER_TASKS:
         found = compare(experiment.store, pair[0].case_id, pair[1].case_id, pairs)
@@ -92,31 +93,27 @@ def _is_trend(factor: Factor) -> bool:
     return factor.is_ordered and len(factor.values) > 2
 
 
-def _line(experiment: Experiment, factor: Factor, row: Series) -> list[Point]:
+def _line(experiment: Experiment, factor: Factor, series: Series) -> list[Point]:
     return [
         Point(f"{factor.name} {shown(value)}", case_id, experiment.results(case_id))
-        for value, case_id in row.cases.items()
+        for value, case_id in series.cases.items()
     ]
 
 
-def _ranked(line: Sequence[Point]) -> list[Point]:
-    return sorted(line, key=lambda point: -point.results.share)
-
-
-def _changes(experiment: Experiment, rows: Sequence[Series]) -> str:
-    """Say between what the change of success lies in the other rows of cases."""
+def _changes(experiment: Experiment, series: Sequence[Series]) -> str:
+    """Give the range of the change of success in the other series."""
     changes = []
-    for row in rows:
-        values = [*row.cases]
+    for each in series:
+        values = [*each.cases]
         ends = values[0], values[-1]
-        first, last = (experiment.results(row.cases[end]).share for end in ends)
-        changes.append((last - first, _from_to(ends), described(row.others)))
+        first, last = (experiment.results(each.cases[end]).share for end in ends)
+        changes.append((last - first, _from_to(ends), described(each.others)))
     least, most = min(changes), max(changes)
-    if len(rows) == 1:
+    if len(series) == 1:
         change, ends_named, others = least
         return f"with {others}, success changes by {points(change)} {ends_named}"
     return (
-        f"in the other {len(rows)} combinations success changes by between {points(least[0])} "
+        f"in the other {len(series)} combinations success changes by between {points(least[0])} "
         f"({least[2]}, {least[1]}) and {points(most[0])} ({most[2]}, {most[1]})"
     )
 
@@ -126,16 +123,16 @@ def _from_to(ends: tuple[Value, Value]) -> str:
 
 
 def _best_elsewhere(
-    experiment: Experiment, factor: Factor, best: Point, rows: Sequence[Series]
+    experiment: Experiment, factor: Factor, best: Point, series: Sequence[Series]
 ) -> str:
-    """Say in how many of the other rows of cases the same value is best, and by how much."""
+    """Give the range of the lead of the best value in the other series."""
     leads = []
-    for row in rows:
-        line = _line(experiment, factor, row)
+    for each in series:
+        line = _line(experiment, factor, each)
         others = [point.results.share for point in line if point.name != best.name]
         own = [point.results.share for point in line if point.name == best.name]
         if own and others:
-            leads.append((own[0] - max(others), described(row.others)))
+            leads.append((own[0] - max(others), described(each.others)))
     if not leads:
         return f"no other combination has {best.name}"
     least, most = min(leads), max(leads)

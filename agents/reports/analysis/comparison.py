@@ -11,16 +11,16 @@ from agents.experiments.store import Store
 from warehouse_core.records.episode import DELIVERED
 
 COLUMNS = ("steps", "seconds", "joules")
-"""What a delivery takes, which is compared where both cases deliver."""
+"""Costs of a delivery, compared where both cases deliver."""
 
 
-class Taken(NamedTuple):
-    """What deliveries take, over the seeds that both cases deliver.
+class Costs(NamedTuple):
+    """Mean costs of deliveries, over the seeds that both cases deliver.
 
     Attributes:
         first: the mean of the first case.
         second: the mean of the second.
-        difference: of the second less the first, seed by seed.
+        difference: of the second minus the first, seed by seed.
     """
 
     first: float
@@ -32,13 +32,13 @@ class Comparison(NamedTuple):
     """Two cases over the seeds that both have.
 
     Attributes:
-        changes: how many seeds came to each pair of modes, of the first case and of the second.
+        changes: the number of seeds with each pair of modes, of the first case and of the second.
         only_first: how many were delivered by the first case and not by the second.
         only_second: how many were delivered by the second and not by the first.
-        chance: the probability of so uneven a split if neither were better; McNemar's exact test,
-            times the pairs that could have been chosen (Bonferroni).
+        chance: the probability of a split at least as uneven if neither were better; McNemar's
+            exact test, times the number of pairs to choose from (Bonferroni).
         both: how many both delivered.
-        taken: what these took, by the name of the column; empty where there is none.
+        costs: of these, by column; empty if there are none.
     """
 
     changes: dict[tuple[str, str], int]
@@ -46,7 +46,7 @@ class Comparison(NamedTuple):
     only_second: int
     chance: float
     both: int
-    taken: dict[str, Taken]
+    costs: dict[str, Costs]
 
     @property
     def seeds(self) -> int:
@@ -61,7 +61,7 @@ def compare(store: Store, first: int, second: int, pairs_to_choose: int = 1) -> 
         store: the results.
         first: the number of a case.
         second: that of the other.
-        pairs_to_choose: from how many pairs this one was chosen for what was seen of it.
+        pairs_to_choose: the number of pairs from which this one was chosen by its results.
 
     Source: McNemar (1947), Note on the sampling error of the difference between correlated
     proportions or percentages.
@@ -93,9 +93,9 @@ def compare(store: Store, first: int, second: int, pairs_to_choose: int = 1) -> 
         min(pairs_to_choose * float(binomtest(only_first, split).pvalue), 1.0) if split else 1.0,
         both,
         {
-            column: taken
+            column: costs
             for number, column in enumerate(COLUMNS)
-            if (taken := _taken(*rows[:, 2 * number : 2 * number + 2].T))
+            if (costs := _costs(*rows[:, 2 * number : 2 * number + 2].T))
         },
     )
 
@@ -104,8 +104,8 @@ def _delivered(changes: dict[tuple[str, str], int], side: int) -> int:
     return sum(count for pair, count in changes.items() if pair[side] == DELIVERED)
 
 
-def _taken(first: np.ndarray, second: np.ndarray) -> Taken | None:
+def _costs(first: np.ndarray, second: np.ndarray) -> Costs | None:
     difference = mean_interval(second - first)
     if difference is None:
         return None
-    return Taken(float(first.mean()), float(second.mean()), difference)
+    return Costs(float(first.mean()), float(second.mean()), difference)

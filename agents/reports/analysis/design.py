@@ -1,8 +1,8 @@
 """What differs between the cases of an experiment, and which cases can be compared.
 
-A *factor* is a setting that has several values. A *row of cases* (``Series``) differs in one factor
-and in nothing else; a setting that means nothing for a case, such as the memory of an agent that
-has none, differs from no value.
+A *factor* is a parameter that has several values. The cases of a *series* differ in one factor and
+in nothing else; a parameter that does not apply to a case, such as the memory of an agent that has
+none, is not a difference.
 """
 
 from __future__ import annotations
@@ -11,37 +11,33 @@ import hashlib
 import operator
 import re
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from functools import cache
 from itertools import compress
 from typing import NamedTuple
 
 from agents.experiments.case import FINGERPRINT, TILES, Case
-from agents.experiments.parameters import SETTINGS, Value, find, shown
+from agents.experiments.parameters import PARAMETERS, Value, find, shown
 
 Labels = dict[str, Value | None]
-"""The settings of a case as they are shown; ``None`` where one means nothing."""
+"""The values of a case as they are shown; ``None`` where a parameter does not apply."""
 
 FOLDERS = re.compile(r"(\b[A-Za-z]:)?[^:]*[/\\]")
-"""Of a file, which may stand after a word and a colon."""
+"""Of a file, whose path may follow a word and a colon."""
 
 Combination = tuple[Value | None, ...]
 """Values of some factors, in their order."""
 
-Mask = tuple[bool, ...]
-"""Which of these factors mean something."""
-
-MARK = 6
-"""Letters of a fingerprint that tell two files of one name apart."""
+MARK_LENGTH = 6
+"""Letters of a digest that distinguish two files of one name."""
 
 
 @dataclass(frozen=True, slots=True)
 class Factor:
-    """A setting that differs.
+    """A parameter that differs.
 
     Attributes:
-        name: of the setting.
+        name: of the parameter.
         values: all but ``None``, in the order in which they are shown.
     """
 
@@ -50,12 +46,12 @@ class Factor:
 
     @property
     def is_numeric(self) -> bool:
-        """Whether the values are points on a line."""
+        """Whether all values are numbers."""
         return all(type(value) in (int, float) for value in self.values)
 
     @property
     def is_ordered(self) -> bool:
-        """Whether the values grow."""
+        """Whether the values have an order."""
         return self.is_numeric or self.name == "size"
 
 
@@ -63,7 +59,7 @@ class Series(NamedTuple):
     """Cases that differ in one factor alone.
 
     Attributes:
-        others: what the other factors are in all of them.
+        others: the values of the other factors.
         cases: the number of the case for each value of the factor, in its order.
     """
 
@@ -77,8 +73,8 @@ class Design:
 
     Attributes:
         labels: of each case by its number.
-        factors: what differs, in the order of ``SETTINGS``.
-        fixed: the settings that are the same in all cases.
+        factors: what differs, in the order of ``PARAMETERS``.
+        fixed: the parameters that are the same in all cases.
     """
 
     labels: dict[int, Labels]
@@ -86,35 +82,34 @@ class Design:
     fixed: Labels
 
     def series(self, factor: Factor) -> list[Series]:
-        """Return every row of cases along a factor, the one nearest to the defaults first."""
+        """Return every series of a factor, the one nearest to the defaults first."""
         others = [each.name for each in self.factors if each != factor]
         exact: dict[Combination, list[int]] = {}
         for case_id in self.labels:
-            exact.setdefault(self._at(case_id, others), []).append(case_id)
-        agreeing = _agreeing(exact)
+            exact.setdefault(tuple(self.labels[case_id][name] for name in others), []).append(
+                case_id
+            )
         found: dict[Combination, dict[Value, int]] = {}
-        for combination in _widest(exact):
+        for combination, comparable in _comparable(exact).items():
             cases = {
                 value: case_id
-                for each in agreeing(combination)
+                for each in comparable
                 for case_id in exact[each]
                 if (value := self.labels[case_id][factor.name]) is not None
             }
             if len(cases) > 1:
                 found[combination] = {v: cases[v] for v in factor.values if v in cases}
-        rows = [
+        series = [
             Series(dict(zip(others, each, strict=True)), cases) for each, cases in found.items()
         ]
-        return sorted(rows, key=lambda row: -_defaults_in(row.others))
-
-    def _at(self, case_id: int, names: list[str]) -> Combination:
-        return tuple(self.labels[case_id][name] for name in names)
+        return sorted(series, key=lambda each: -_defaults_in(each.others))
 
 
 def make_design(cases: Mapping[int, Case]) -> Design:
     """Return the design of some cases, by their numbers."""
     labels = _labels(cases)
-    names = [*SETTINGS, *sorted({name for each in labels.values() for name in each} - {*SETTINGS})]
+    known = {name for each in labels.values() for name in each}
+    names = [*PARAMETERS, *sorted(known - PARAMETERS.keys())]
     factors, fixed = [], Labels()
     for name in names:
         values = dict.fromkeys(each.get(name) for each in labels.values())
@@ -129,48 +124,41 @@ def make_design(cases: Mapping[int, Case]) -> Design:
 
 
 def described(labels: Mapping[str, Value | None]) -> str:
-    """Return settings as a list in words, ``battery 20, escape on``."""
+    """Return values as a list in words, ``battery 20, escape on``."""
     given = [f"{name} {shown(value)}" for name, value in labels.items() if value is not None]
     return ", ".join(given)
 
 
 def _labels(cases: Mapping[int, Case]) -> dict[int, Labels]:
-    """Return the settings of each case, with files of one name and other contents told apart."""
+    """Return the values of each case; files of one name and different contents have a mark."""
     contents = {"layout": TILES, "agent": FINGERPRINT}
-    versions = {
-        setting: Counter(name for name, _ in {
-            (case[setting], str(case.get(content))) for case in cases.values()
-        })
-        for setting, content in contents.items()
-    }  # fmt: skip
-    short = {
-        setting: _without_folders({case[setting] for case in cases.values()})
-        for setting in contents
+    found = {
+        case_id: {k: v for k, v in case.items() if k not in (TILES, FINGERPRINT)}
+        for case_id, case in cases.items()
     }
-    found = {}
-    for case_id, case in cases.items():
-        labels: Labels = {k: v for k, v in case.items() if k not in (TILES, FINGERPRINT)}
-        for setting, content in contents.items():
-            labels[setting] = short[setting][case[setting]]
-            if versions[setting][case[setting]] > 1:
-                labels[setting] = f"{labels[setting]} ({_mark(case[content])})"
-        found[case_id] = labels
+    for name, content in contents.items():
+        short = _without_folders({case[name] for case in cases.values()})
+        files = {(case[name], str(case.get(content))) for case in cases.values()}
+        versions = Counter(file for file, _ in files)
+        for case_id, case in cases.items():
+            mark = f" ({_mark(case[content])})" if versions[case[name]] > 1 else ""
+            found[case_id][name] = f"{short[case[name]]}{mark}"
     return found
 
 
 def _without_folders(names: Collection[str]) -> dict[str, str]:
-    """Return names of files without their folders, where that makes no two of them alike."""
+    """Return names of files without their folders, unless that makes two of them equal."""
     short = {name: FOLDERS.sub("", name) or name for name in names}
     counts = Counter(short.values())
     return {name: each if counts[each] == 1 else name for name, each in short.items()}
 
 
 def _mark(content: object) -> str:
-    return hashlib.sha256(repr(content).encode()).hexdigest()[:MARK]
+    return hashlib.sha256(repr(content).encode()).hexdigest()[:MARK_LENGTH]
 
 
 def _rank(value: Value) -> tuple[object, ...]:
-    """Return what values are sorted by: on before off, sizes by their cells, names as they are."""
+    """Return the sort key of a value: on before off, sizes by area, names in the given order."""
     if isinstance(value, bool):
         return (0, not value)
     if isinstance(value, str):
@@ -180,62 +168,31 @@ def _rank(value: Value) -> tuple[object, ...]:
     return (1, value)
 
 
-def _mask(combination: Combination) -> Mask:
-    """Say of each factor whether it means something."""
-    return tuple(value is not None for value in combination)
-
-
-def _only(combination: Combination, mask: Mask) -> Combination:
-    """Return the values where a mask says so."""
-    return tuple(compress(combination, mask))
-
-
-def _by_mask(combinations: Iterable[Combination]) -> dict[Mask, list[Combination]]:
-    found: dict[Mask, list[Combination]] = {}
-    for each in combinations:
-        found.setdefault(_mask(each), []).append(each)
-    return found
-
-
-def _agreeing(
+def _comparable(
     combinations: Collection[Combination],
-) -> Callable[[Combination], list[Combination]]:
-    """Return what finds the combinations that differ in nothing that means something for both."""
-    groups = _by_mask(combinations)
+) -> dict[Combination, list[Combination]]:
+    """Return for each combination those that equal it wherever both have a value, itself last.
 
-    @cache
-    def index(mask: Mask, own: Mask) -> dict[Combination, list[Combination]]:
-        both = tuple(map(operator.and_, mask, own))
-        found: dict[Combination, list[Combination]] = {}
-        for each in groups[mask]:
-            found.setdefault(_only(each, both), []).append(each)
-        return found
-
-    def find_agreeing(combination: Combination) -> list[Combination]:
-        own = _mask(combination)
-        agreeing = [
-            each
-            for mask in groups
-            for each in index(mask, own).get(
-                _only(combination, tuple(map(operator.and_, mask, own))), []
-            )
-        ]
-        # The case itself comes last, so that nothing that is less sure takes its place.
-        return [each for each in agreeing if each != combination] + [combination]
-
-    return find_agreeing
-
-
-def _widest(combinations: Collection[Combination]) -> list[Combination]:
-    """Return the combinations that are not another one with something left out."""
-    groups = _by_mask(combinations)
-    covered: set[Combination] = set()
-    for mask, own in groups.items():
-        for wider, others in groups.items():
-            if wider != mask and all(map(operator.le, mask, wider)):
-                known = {_only(each, mask) for each in others}
-                covered.update(each for each in own if _only(each, mask) in known)
-    return [each for each in combinations if each not in covered]
+    Combinations that equal another one with some values left out are not among the keys.
+    """
+    groups: dict[tuple[bool, ...], list[Combination]] = {}
+    for each in combinations:
+        groups.setdefault(tuple(value is not None for value in each), []).append(each)
+    found: dict[Combination, list[Combination]] = {each: [] for each in combinations}
+    for own, members in groups.items():
+        for mask, others in groups.items():
+            both = tuple(map(operator.and_, own, mask))
+            index: dict[Combination, list[Combination]] = {}
+            for other in others:
+                index.setdefault(tuple(compress(other, both)), []).append(other)
+            for each in members:
+                equal = index.get(tuple(compress(each, both)), [])
+                if equal and own == both != mask:
+                    found.pop(each, None)
+                elif each in found:
+                    found[each] += [other for other in equal if other != each]
+    # The combination itself is last, so that no case with fewer values takes its place.
+    return {each: [*others, each] for each, others in found.items()}
 
 
 def _defaults_in(labels: Labels) -> int:

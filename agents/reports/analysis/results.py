@@ -1,7 +1,4 @@
-"""What the episodes of some cases come to: counts, shares and means, with their intervals.
-
-Cases that are pooled are taken as one; whoever compares them does so seed by seed.
-"""
+"""Counts, shares and means of the episodes of some cases, with their intervals."""
 
 from __future__ import annotations
 
@@ -23,7 +20,7 @@ CaseIds = tuple[int, ...]
 
 
 class Tally(NamedTuple):
-    """How many episodes of a case came to each mode, and the first and the last of their seeds."""
+    """The number of episodes of a case with each mode, and their first and last seeds."""
 
     modes: Counter[str]
     first_seed: int
@@ -31,15 +28,13 @@ class Tally(NamedTuple):
 
 
 class Experiment:
-    """The cases of a file of results that have episodes, and what each comes to.
-
-    What has been worked out once is kept.
+    """The cases of a file of results that have episodes, and their results, computed once.
 
     Args:
         store: the file.
 
     Attributes:
-        cases: by their numbers.
+        cases: those with episodes, by their numbers.
         unbegun: how many cases have no episode yet.
 
     Raises:
@@ -67,7 +62,7 @@ class Experiment:
         self._results: dict[CaseIds, Results] = {}
 
     def results(self, *case_ids: int) -> Results:
-        """Return what the episodes of some cases come to."""
+        """Return the results of some cases, pooled."""
         tallies = [self._tallies[case_id] for case_id in case_ids]
         modes = sum((tally.modes for tally in tallies), Counter[str]())
         return self._results.setdefault(
@@ -87,14 +82,14 @@ class Experiment:
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """The episodes of some cases, read when they are asked for.
+    """The episodes of some cases, read when they are needed.
 
     Attributes:
         store: where they are.
         case_ids: of the cases.
-        modes: how many episodes came to each mode that occurs, in the order of ``MODES``.
+        modes: the number of episodes with each mode that occurs, in the order of ``MODES``.
         seeds: the first and the last.
-        is_measured: whether all moves were motions; the grid's seconds and joules are nominal.
+        is_measured: whether seconds and joules are measured; those of the grid are nominal.
     """
 
     store: Store
@@ -105,7 +100,7 @@ class Results:
 
     @cached_property
     def episodes(self) -> int:
-        """How many there are."""
+        """The number of episodes."""
         return sum(self.modes.values())
 
     @property
@@ -125,7 +120,7 @@ class Results:
 
     @cached_property
     def needed(self) -> float | None:
-        """The mean steps of the shortest ways of what was delivered."""
+        """The mean steps of the shortest ways of the deliveries."""
         values = self._values("needed")
         return float(values.mean()) if len(values) else None
 
@@ -157,7 +152,7 @@ class Results:
 
 
 def _check_rows(store: Store) -> None:
-    """Refuse rows that no sweep has written, once, so that everything else may rely on them."""
+    """Raise if there are rows that no sweep has written; all other code relies on this."""
     kinds = {
         "integer": ("seed", "steps", "battery_left", "row", "col"),
         "real": ("reward", "seconds", "joules"),

@@ -1,6 +1,6 @@
-"""What a report says of some cases: each function turns numbers into sentences.
+"""Sentences about the results of some cases.
 
-Sentences begin in lower case and have no full stop; ``wording.sentence`` gives them both.
+They begin in lower case and have no full stop; ``wording.sentence`` adds both.
 """
 
 from __future__ import annotations
@@ -9,18 +9,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from agents.evaluation.interval import Interval
-from agents.evaluation.wording import chance, counted, listed, mean, percent, share
-from agents.reports.analysis.comparison import Comparison, Taken
+from agents.evaluation.wording import chance, mean, percent, share
+from agents.reports.analysis.comparison import Comparison, Costs
 from agents.reports.analysis.results import Results
 from warehouse_core.records.episode import DELIVERED
+from warehouse_core.wording import counted, listed
 
-LIKELY = 0.05
-"""A difference that chance makes as often as this is not called one."""
+SIGNIFICANCE = 0.05
+"""A difference is reported as one if chance explains it with a smaller probability."""
 
-LITTLE = 0.01
-"""Of success: so much more or less changes nothing to speak of."""
+MIN_CHANGE = 0.01
+"""Smaller changes of success are not reported as such."""
 
-MOST_NAMED = 6
+MAX_NAMED = 6
 """Values in a list; of more only the best and the worst."""
 
 UNITS = {"steps": "steps", "seconds": "s", "joules": "J"}
@@ -30,7 +31,7 @@ class Point(NamedTuple):
     """A value of the factor in question.
 
     Attributes:
-        name: the factor and its value, ``battery 20``; empty where nothing differs.
+        name: the factor and its value, ``battery 20``; empty if nothing differs.
         case_id: of its case.
         results: of that case.
     """
@@ -41,17 +42,17 @@ class Point(NamedTuple):
 
 
 def trend(line: Sequence[Point]) -> str:
-    """Say how success goes from the first value to the last."""
+    """Describe how success changes from the first value to the last."""
     first, last = line[0], line[-1]
     best, worst = (pick(line, key=lambda point: point.results.share) for pick in (max, min))
-    if best.results.share - worst.results.share < LITTLE:
+    if best.results.share - worst.results.share < MIN_CHANGE:
         return (
             f"success is all but the same, {share(first.results.success)} at {first.name} and "
             f"{share(last.results.success)} at {last.name}"
         )
     change = last.results.share - first.results.share
     verb, joint = "rises from" if change > 0 else "falls from", "to"
-    if abs(change) < LITTLE:
+    if abs(change) < MIN_CHANGE:
         verb, joint = "is nearly the same at both ends,", "and"
     words = (
         f"success {verb} {share(first.results.success)} at {first.name} {joint} "
@@ -66,15 +67,15 @@ def trend(line: Sequence[Point]) -> str:
 
 
 def ranking(ranked: Sequence[Point]) -> str:
-    """Say the success with each value, the best first."""
-    named = ranked if len(ranked) <= MOST_NAMED else [*ranked[: MOST_NAMED - 1], ranked[-1]]
+    """List the success with each value, the best first."""
+    named = ranked if len(ranked) <= MAX_NAMED else [*ranked[: MAX_NAMED - 1], ranked[-1]]
     shares = [f"{share(point.results.success)} with {point.name}" for point in named]
     left = f"; {len(ranked) - len(named)} others lie between" if len(named) < len(ranked) else ""
     return f"success is {listed(shares)}{left}"
 
 
 def seed_by_seed(one: Point, other: Point, found: Comparison) -> Iterator[str]:
-    """Say how two cases differ on the seeds that both have."""
+    """Describe how two cases differ on the seeds that both have."""
     if not found.seeds:
         yield f"{one.name} and {other.name} share no seed, so they are not compared seed by seed"
         return
@@ -82,20 +83,20 @@ def seed_by_seed(one: Point, other: Point, found: Comparison) -> Iterator[str]:
     if not found.only_first + found.only_second:
         yield f"{seeds}, {one.name} and {other.name} deliver the same ones"
     else:
-        verdict = "more than" if found.chance < LIKELY else "no more than"
+        verdict = "more than" if found.chance < SIGNIFICANCE else "no more than"
         yield (
             f"{seeds}, {one.name} alone delivers {_or_none(found.only_first)} and {other.name} "
             f"alone {_or_none(found.only_second)}, {verdict} chance explains "
             f"({chance(found.chance)})"
         )
-    yield from _fate(one, other, found)
-    for column, taken in found.taken.items():
+    yield from _conversion(one, other, found)
+    for column, costs in found.costs.items():
         if column == "steps" or (one.results.is_measured and other.results.is_measured):
-            yield _taken(one, other, found.both, UNITS[column], taken)
+            yield _costs(one, other, found.both, UNITS[column], costs)
 
 
 def lengths(line: Sequence[Point]) -> Iterator[str]:
-    """Say what all deliveries take; those of one value may be the easy ones alone."""
+    """Give the mean steps of all deliveries; those of one value may be only the easy ones."""
     parts = [
         f"{mean(point.results.steps, 'steps', _shortest(point.results))}{_with(point)}"
         for point in line
@@ -106,7 +107,7 @@ def lengths(line: Sequence[Point]) -> Iterator[str]:
 
 
 def time_and_energy(line: Sequence[Point]) -> Iterator[str]:
-    """Say what deliveries cost, where the backend measures it."""
+    """Give the time and energy of deliveries where the backend measures them."""
     for point in line:
         results = point.results
         if results.is_measured and results.seconds and results.joules:
@@ -117,7 +118,7 @@ def time_and_energy(line: Sequence[Point]) -> Iterator[str]:
 
 
 def failures(line: Sequence[Point]) -> Iterator[str]:
-    """Say what the failures come from."""
+    """Give the shares of the failure modes."""
     for point in line:
         modes = {mode: n for mode, n in point.results.modes.items() if mode != DELIVERED}
         total = sum(modes.values())
@@ -131,8 +132,8 @@ def failures(line: Sequence[Point]) -> Iterator[str]:
             yield f"failures{_with(point)} are {listed(parts)} ({counted(total, 'episode')})"
 
 
-def _fate(one: Point, other: Point, found: Comparison) -> Iterator[str]:
-    """Say what became, with the better value, of what fails most often with the worse one."""
+def _conversion(one: Point, other: Point, found: Comparison) -> Iterator[str]:
+    """Describe what the commonest failures of the worse value become with the better one."""
     if found.only_first == found.only_second:
         return
     turned = found.only_second > found.only_first
@@ -143,8 +144,8 @@ def _fate(one: Point, other: Point, found: Comparison) -> Iterator[str]:
     }
     failed = _totals({pair: count for pair, count in changes.items() if pair[1] != DELIVERED}, 1)
     mode = max(failed, key=lambda each: failed[each])
-    fates = _totals({pair: count for pair, count in changes.items() if pair[1] == mode}, 0)
-    parts = [f"{fate} ({count:,})" for fate, count in _most_first(fates)]
+    outcomes = _totals({pair: count for pair, count in changes.items() if pair[1] == mode}, 0)
+    parts = [f"{outcome} ({count:,})" for outcome, count in _most_first(outcomes)]
     yield (
         f"{mode} with {worse.name} ({counted(failed[mode], 'episode')}) becomes, with "
         f"{better.name}, {listed(parts)}"
@@ -158,20 +159,19 @@ def _totals(changes: Mapping[tuple[str, str], int], side: int) -> dict[str, int]
     return found
 
 
-def _taken(one: Point, other: Point, both: int, unit: str, taken: Taken) -> str:
-    digits = 0 if max(taken.first, taken.second) >= 1000 else 1
+def _costs(one: Point, other: Point, both: int, unit: str, costs: Costs) -> str:
+    digits = 0 if max(costs.first, costs.second) >= 1000 else 1
     means = (
-        f"where both deliver ({counted(both, 'seed')}), it takes {taken.first:,.{digits}f} {unit} "
-        f"with {one.name} and {taken.second:,.{digits}f} with {other.name}"
+        f"where both deliver ({counted(both, 'seed')}), it takes {costs.first:,.{digits}f} {unit} "
+        f"with {one.name} and {costs.second:,.{digits}f} with {other.name}"
     )
-    estimate, low, high = taken.difference
-    if estimate == 0 or not taken.difference.is_known:
+    estimate, low, high = costs.difference
+    if estimate == 0 or not costs.difference.is_known:
         return means
     if low <= 0 <= high:
         return f"{means}, a difference that chance explains"
-    nearer, further = sorted((abs(low), abs(high)))
-    less = Interval(abs(estimate), nearer, further)
-    return f"{means}: {other.name} takes {mean(less, 'more' if estimate > 0 else 'less')}"
+    size = Interval(abs(estimate), *sorted((abs(low), abs(high))))
+    return f"{means}: {other.name} takes {mean(size, 'more' if estimate > 0 else 'less')}"
 
 
 def _shortest(results: Results) -> str:

@@ -1,1 +1,1 @@
-"""The figures of a report."""
+"""Figures of results: charts of measures and failure modes, and heat maps."""

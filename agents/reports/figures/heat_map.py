@@ -1,4 +1,4 @@
-"""Where robots get stuck: for each failure mode a heat map over the layout.
+"""Heat maps of the cells where robots get stuck, one for each failure mode.
 
 ``H`` is the height of the layout and ``W`` its width, in cells.
 """
@@ -31,27 +31,27 @@ from warehouse_core.viz.axes import draw_grid
 from warehouse_core.world.tiles import DROPOFF, PICKUP, WALL, runs_of
 
 Counts = NDArray[np.int64]
-"""``[H, W]`` episodes that ended, or were stuck, in each cell."""
+"""``[H, W]`` numbers of episodes that ended or were stuck in each cell."""
 
 WIDTH = 9.6
 """Of a figure, in inches."""
 
-COLUMNS = {1: 1, 2: 2, 3: 3, 4: 2}
-"""Of panels, for so many of them; ``MOST_COLUMNS`` for more."""
-MOST_COLUMNS = 3
+COLUMNS = {1: 1, 2: 2, 4: 2}
+"""Columns of panels by the number of panels; ``MAX_COLUMNS`` for others."""
+MAX_COLUMNS = 3
 
 MAX_GRID_HEIGHT, MAX_CELL = 4.6, 0.5
 LEFT, RIGHT, TOP, BOTTOM = 0.3, 0.62, 0.42, 0.28
 """Around the grid of each panel, in inches, for its numbers, its colour bar and its title."""
 MIN_PANEL = 2.9
-"""Width of the longest title with the largest numbers."""
+"""Enough for the longest title with the largest numbers."""
 BAR, BAR_GAP = 0.11, 0.09
 
 POINTS = 72
-"""An inch."""
+"""Per inch."""
 
-READABLE_CELL = 19.0
-"""Points; cells that are as large have their number written in them."""
+MIN_READABLE_CELL = 19.0
+"""Points; the numbers of smaller cells are not written."""
 
 MIN_LETTER = 6.0
 
@@ -85,17 +85,17 @@ class _Plan:
 
 
 def stuck_cells(store: Store, case_ids: Sequence[int]) -> dict[str, Counts]:
-    """Count for each failure mode that there is where its episodes ended or were stuck.
+    """Count for each failure mode the cells where its episodes ended or were stuck.
 
     Args:
         store: of the results.
-        case_ids: cases with one and the same layout.
+        case_ids: cases with the same layout.
 
     Returns:
-        The failure modes in the order of ``MODES``, with ``[H, W]`` counts each.
+        ``[H, W]`` counts by failure mode, in the order of ``MODES``.
 
     Raises:
-        ValueError: the layout is not the same in all cases, or made up for each seed.
+        ValueError: the layout is not the same in all cases, or random for each seed.
         StoreError: an episode was stuck where there is no cell.
     """
     cases = store.cases()
@@ -113,12 +113,12 @@ def stuck_cells(store: Store, case_ids: Sequence[int]) -> dict[str, Counts]:
 
 
 def heat_map(rows: Sequence[str], stuck: Mapping[str, Counts], episodes: int) -> Figure:
-    """Return the heat maps of a layout, a panel a mode.
+    """Return the heat maps of a layout, one panel per mode.
 
     Args:
         rows: of tiles.
         stuck: for each mode ``[H, W]`` counts, as ``stuck_cells`` gives them.
-        episodes: how many there are in all, delivered ones too.
+        episodes: the number of all episodes, deliveries included.
 
     Raises:
         ValueError: there is no mode to draw.
@@ -145,8 +145,8 @@ def heat_map(rows: Sequence[str], stuck: Mapping[str, Counts], episodes: int) ->
 
 def _plan(rows: Sequence[str], panels: int) -> _Plan:
     height, width = len(rows), len(rows[0])
-    columns = COLUMNS.get(panels, MOST_COLUMNS)
-    if width > 30:  # so many cells need room
+    columns = COLUMNS.get(panels, MAX_COLUMNS)
+    if width > 30:  # wide layouts need room
         columns = min(columns, 2)
     room = WIDTH / columns - LEFT - RIGHT
     cell = min(room / width, MAX_GRID_HEIGHT / height, MAX_CELL)
@@ -172,13 +172,13 @@ def _draw_panel(
         for row, line in enumerate(rows)
         for left, right in runs_of(WALL, line)
     ]
-    # A hair of an edge and no smoothing let the walls of neighbouring rows meet with no seam.
+    # A thin edge and no smoothing leave no seam between the walls of neighbouring rows.
     wall: dict[str, Any] = {"facecolor": COLORS[WALL], "edgecolor": COLORS[WALL]}
     axes.add_collection(PatchCollection(walls, linewidth=0.4, antialiased=False, **wall))
     for tile in (PICKUP, DROPOFF):
         for row, col in _cells(rows, tile):
             _draw_station(axes, row, col, tile, cell_points)
-    if cell_points >= READABLE_CELL:
+    if cell_points >= MIN_READABLE_CELL:
         for row, col in places:
             below_letter = rows[row][col] in (PICKUP, DROPOFF)
             _write_count(axes, row, col, counts, cell_points, 0.66 if below_letter else 0.54)
@@ -200,7 +200,7 @@ def _draw_station(axes: Axes, row: int, col: int, tile: str, cell_points: float)
     frame = Rectangle((col + inset, row + inset), side, side, fill=False, zorder=2)
     frame.set(edgecolor=COLORS[tile], linewidth=edge, joinstyle="miter")
     axes.add_patch(frame)
-    is_large = cell_points >= READABLE_CELL
+    is_large = cell_points >= MIN_READABLE_CELL
     size = max(MIN_LETTER, 0.3 * cell_points)
     place = (col + 0.15, row + 0.13) if is_large else (col + 0.5, row + 0.5)
     text = axes.text(*place, tile, fontsize=size, fontweight="bold", color=INK, zorder=3)

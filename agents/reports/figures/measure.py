@@ -1,21 +1,20 @@
-"""The charts of a report: a measure over what differs, and what became of the episodes.
+"""The charts of a measure over what differs.
 
-Of the factors of an experiment the one with most values goes along the axis, the next have a colour
-and a panel each; over any others the episodes are pooled.
+The factor with most values is along the axis, the next two are colours and panels; over any others
+the episodes are pooled.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgb
 from matplotlib.ticker import PercentFormatter
 
 from agents.evaluation.interval import Interval
-from agents.experiments.parameters import Value
+from agents.experiments.parameters import Value, shown
 from agents.reports.analysis.design import Design, Factor
 from agents.reports.analysis.results import Experiment, Results
 from agents.reports.figures.panels import (
@@ -29,39 +28,16 @@ from agents.reports.figures.panels import (
     prepare_axis,
 )
 from agents.reports.figures.roles import Roles, Where, lines_of, roles_of
-from warehouse_core.records.episode import BATTERY_DEPLETED, DELIVERED, OUT_OF_TIME, UNFINISHED
-from warehouse_core.records.failure_modes import OSCILLATION, STALLED, UNREACHABLE, WANDERING
 from warehouse_core.render.palette import FAINT
 from warehouse_core.viz.figure import SceneFigure
 
-MODE_COLORS = {
-    DELIVERED: "#2a9d5c",
-    UNREACHABLE: "#6b6b70",
-    STALLED: "#8c4fa3",
-    OSCILLATION: "#d1495b",
-    WANDERING: "#edae49",
-    BATTERY_DEPLETED: "#2e6fa7",
-    OUT_OF_TIME: "#8ab6d6",
-    UNFINISHED: "#c9c9ce",
-}
-
-LUMINANCE = (0.299, 0.587, 0.114)
-"""Weights of R, G and B. Source: ITU-R BT.601."""
-
-
-def ink_on(color: str) -> str:
-    """Return black or white, whichever can be read on a colour."""
-    light = sum(weight * part for weight, part in zip(LUMINANCE, to_rgb(color), strict=True))
-    return "black" if light > 0.55 else "white"
-
-
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#888888")
-"""Of the lines. Source: Okabe and Ito (2008), Color universal design, without its yellow."""
+"""Of the lines. Source: Okabe and Ito (2008), Color universal design, without the yellow."""
 
 MARKERS = "os^Dv*PX"
 
 DODGE = 0.012
-"""Of the width of a panel, between lines, so that no interval hides another."""
+"""Distance between lines as a share of the width, so that no interval hides another."""
 
 Measure = Callable[[Results], Interval | None]
 
@@ -76,10 +52,10 @@ def measure_chart(
         design: of the cases that are drawn.
         title: of the picture.
         unit: of the measure; ``"%"`` for shares.
-        measure: returns ``None`` where there is nothing to measure.
+        measure: returns ``None`` if there is nothing to measure.
 
     Returns:
-        ``None`` where nothing differs or there is nothing to measure.
+        ``None`` if nothing differs or there is nothing to measure.
     """
     roles = roles_of(design)
     if roles.axis is None:
@@ -95,7 +71,7 @@ def measure_chart(
 
 
 def _measured(measure: Measure, results: Results) -> Interval | None:
-    """Return a measure; of pooled cases, whose seeds are the same ones, without its interval."""
+    """Return a measure, without its interval if cases are pooled: they share their seeds."""
     found = measure(results)
     return found if found is None or len(results.case_ids) == 1 else Interval(found.estimate)
 
@@ -111,11 +87,15 @@ def _draw_measure(
     colors = list(dict.fromkeys(color for _, color in lines))
     figure, axes = make_panels(title, len(panels), len(colors))
     places = places_of(axis)
+    placed = sum(any(value is not None for value in line) for line in lines.values())
+    width = max(places.values()) if placed > 1 else 0
+    keys: dict[Value | None, Any] = {}
     for (panel, color), line in lines.items():
         number = colors.index(color)
-        among = sum(any(value is not None for value in each) for each in lines.values())
-        shift = (number - (len(colors) - 1) / 2) * DODGE * max(places.values()) * (among > 1)
-        _draw_line(axes[panels.index(panel)], axis, places, line, shift, number)
+        shift = (number - (len(colors) - 1) / 2) * DODGE * width
+        key = _draw_line(axes[panels.index(panel)], axis, places, line, shift, number)
+        if key:
+            keys.setdefault(color, key)
     for panel, each in zip(panels, axes, strict=True):
         prepare_axis(each, axis, places, min(len(panels), PANELS_A_ROW))
         name_panel(each, roles.panel, panel)
@@ -128,8 +108,10 @@ def _draw_measure(
     if unit != "%":
         axes[0].set_ylabel(unit, **SMALL)
     if roles.color:
-        handles, labels = _keys(axes)
-        draw_legend(figure, handles, labels, roles.color.name, colors)
+        name = roles.color.name
+        draw_legend(
+            figure, [(f"{name} {shown(each)}", keys[each]) for each in colors if each in keys]
+        )
     return figure
 
 
@@ -140,7 +122,9 @@ def _draw_line(
     line: Mapping[Value | None, Interval | None],
     shift: float,
     number: int,
-) -> None:
+) -> Any:
+    """Draw the results of one colour and return what a legend shows of them."""
+    key: Any = None
     look: Text = {"color": COLORS[number], "linewidth": 1.6}
     points = [(places[value] + shift, point) for value, point in line.items()
               if value is not None and point]  # fmt: skip
@@ -150,22 +134,12 @@ def _draw_line(
             [point.estimate - point.low for _, point in points],
             [point.high - point.estimate for _, point in points],
         ]
-        axes.errorbar(
+        key = axes.errorbar(
             [place for place, _ in points], middles, reach, fmt=MARKERS[number], capsize=3,
-            markersize=5, linestyle="-" if axis.is_ordered else "none", label=str(number), **look,
+            markersize=5, linestyle="-" if axis.is_ordered else "none", **look,
         )  # fmt: skip
     everywhere = line.get(None)
     if everywhere:
-        axes.axhline(everywhere.estimate, linestyle=(0, (5, 2)), label=str(number), **look)
+        key = axes.axhline(everywhere.estimate, linestyle=(0, (5, 2)), **look)
         axes.axhspan(everywhere.low, everywhere.high, color=COLORS[number], alpha=0.15, lw=0)
-
-
-def _keys(axes: Iterable[Axes]) -> tuple[list[Any], list[str]]:
-    """Return what a legend shows of the lines, each once."""
-    found: dict[str, Any] = {}
-    for each in axes:
-        handles, labels = each.get_legend_handles_labels()
-        for handle, label in zip(handles, labels, strict=True):
-            found.setdefault(label, handle)
-    labels = sorted(found, key=int)
-    return [found[label] for label in labels], labels
+    return key

@@ -7,15 +7,15 @@ from collections.abc import Mapping
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
 from matplotlib.patches import Patch
 from matplotlib.ticker import PercentFormatter
 
 from agents.experiments.parameters import Value, shown
 from agents.reports.analysis.design import Design
 from agents.reports.analysis.results import Experiment, Results
-from agents.reports.figures.measure import MODE_COLORS, ink_on
 from agents.reports.figures.panels import (
-    MOST_TICKS,
+    MAX_TICKS,
     PANELS_A_ROW,
     SMALL,
     draw_legend,
@@ -23,14 +23,30 @@ from agents.reports.figures.panels import (
     make_panels,
 )
 from agents.reports.figures.roles import Roles, Where, lines_of, roles_of
+from warehouse_core.records.episode import BATTERY_DEPLETED, DELIVERED, OUT_OF_TIME, UNFINISHED
+from warehouse_core.records.failure_modes import OSCILLATION, STALLED, UNREACHABLE, WANDERING
 from warehouse_core.viz.figure import SceneFigure
 
-LEGIBLE = 0.08
-"""Share of a bar from which a number fits into it."""
+MODE_COLORS = {
+    DELIVERED: "#2a9d5c",
+    UNREACHABLE: "#6b6b70",
+    STALLED: "#8c4fa3",
+    OSCILLATION: "#d1495b",
+    WANDERING: "#edae49",
+    BATTERY_DEPLETED: "#2e6fa7",
+    OUT_OF_TIME: "#8ab6d6",
+    UNFINISHED: "#c9c9ce",
+}
+
+LUMINANCE = (0.299, 0.587, 0.114)
+"""Weights of R, G and B. Source: ITU-R BT.601."""
+
+MIN_LEGIBLE = 0.08
+"""Minimum share of a bar for a number to fit into it."""
 
 
 def modes_chart(experiment: Experiment, design: Design, title: str) -> SceneFigure:
-    """Draw the shares of what became of the episodes, as stacked bars."""
+    """Draw the shares of the outcomes as stacked bars."""
     roles = roles_of(design)
     lines = lines_of(experiment, design, roles)
     with mpl.rc_context({"text.parse_math": False}):
@@ -40,15 +56,14 @@ def modes_chart(experiment: Experiment, design: Design, title: str) -> SceneFigu
 def _draw_modes(
     roles: Roles, lines: Mapping[Where, Mapping[Value | None, Results]], title: str
 ) -> SceneFigure:
-    occurring = {mode for line in lines.values() for results in line.values()
-                 for mode in results.modes}  # fmt: skip
+    occurring = {mode for line in lines.values() for each in line.values() for mode in each.modes}
     figure, axes = make_panels(title, len(lines), len(occurring))
     for (panel, color), line, each in zip(lines, lines.values(), axes, strict=True):
         for place, results in enumerate(line.values()):
             _draw_bar(each, place, results, len(line) * min(len(lines), PANELS_A_ROW))
         names = [shown(value) if value is not None else _everywhere(roles) for value in line]
         names = fitting(names, min(len(lines), PANELS_A_ROW))
-        step = math.ceil(len(names) / MOST_TICKS)
+        step = math.ceil(len(names) / MAX_TICKS)
         each.set_xticks(range(0, len(names), step), names[::step])
         each.set_xlabel(roles.axis.name if roles.axis and [*line] != [None] else "", **SMALL)
         each.yaxis.set_major_formatter(PercentFormatter(1))
@@ -60,9 +75,8 @@ def _draw_modes(
             if factor
         ]
         each.set_title(", ".join(parts), loc="left", **SMALL)
-    handles = [Patch(color=color) for mode, color in MODE_COLORS.items() if mode in occurring]
-    labels = [mode for mode in MODE_COLORS if mode in occurring]
-    draw_legend(figure, handles, labels)
+    colors = {mode: color for mode, color in MODE_COLORS.items() if mode in occurring}
+    draw_legend(figure, [(mode, Patch(color=color)) for mode, color in colors.items()])
     return figure
 
 
@@ -71,12 +85,18 @@ def _draw_bar(axes: Axes, place: int, results: Results, bars: int) -> None:
     for mode, count in results.modes.items():
         share = count / results.episodes
         axes.bar(place, share, 0.8, bottom, color=MODE_COLORS[mode])
-        if share >= LEGIBLE and bars <= 2 * MOST_TICKS:
+        if share >= MIN_LEGIBLE and bars <= 2 * MAX_TICKS:
             axes.text(
                 place, bottom + share / 2, f"{share:.0%}", ha="center", va="center", fontsize=7.5,
                 color=ink_on(MODE_COLORS[mode]),
             )  # fmt: skip
         bottom += share
+
+
+def ink_on(color: str) -> str:
+    """Return black or white, whichever is legible on a colour."""
+    light = sum(weight * part for weight, part in zip(LUMINANCE, to_rgb(color), strict=True))
+    return "black" if light > 0.55 else "white"
 
 
 def _everywhere(roles: Roles) -> str:

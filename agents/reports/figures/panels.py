@@ -16,15 +16,15 @@ from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.figure import SceneFigure, make_figure
 
 WIDTH, PANEL_HEIGHT, HEAD, FOOT, DPI = 9.0, 3.3, 0.85, 0.35, 100
-"""In inches, and dots to an inch."""
+"""In inches, and dots per inch."""
 
 LEGEND_COLUMNS, LEGEND_ROW = 4, 0.2
 
-MOST_TICKS = 12
+MAX_TICKS = 12
 
 PANELS_A_ROW = 3
 
-MOST_LETTERS = 110
+MAX_LETTERS = 110
 """Along the axes of all panels of a row."""
 
 Text = dict[str, Any]
@@ -33,7 +33,7 @@ SMALL: Text = {"fontsize": 8.5, "color": INK}
 
 
 def make_panels(title: str, count: int, keys: int) -> tuple[SceneFigure, list[Axes]]:
-    """Return a figure of so many panels, with its title and room for the keys of a legend."""
+    """Return a figure with ``count`` panels, a title and room for the keys of a legend."""
     columns = min(count, PANELS_A_ROW)
     rows = math.ceil(count / columns)
     head = HEAD + LEGEND_ROW * (math.ceil(keys / LEGEND_COLUMNS) - 1)
@@ -54,7 +54,7 @@ def make_panels(title: str, count: int, keys: int) -> tuple[SceneFigure, list[Ax
 
 
 def places_of(axis: Factor) -> dict[Value, float]:
-    """Return where along the axis each value is, from 0."""
+    """Return the place of each value along the axis, from 0."""
     if not axis.is_numeric:
         return {value: float(number) for number, value in enumerate(axis.values)}
     first = float(axis.values[0])
@@ -62,9 +62,9 @@ def places_of(axis: Factor) -> dict[Value, float]:
 
 
 def prepare_axis(axes: Axes, axis: Factor, places: Mapping[Value, float], columns: int) -> None:
-    """Set the ticks, their names and the limits of the axis along a factor."""
+    """Set the ticks, their names and the limits of the axis of a factor."""
     values = list(places)
-    step = math.ceil(len(values) / MOST_TICKS)
+    step = math.ceil(len(values) / MAX_TICKS)
     names = fitting(list(map(shown, values)), columns)
     axes.set_xticks([places[each] for each in values[::step]], names[::step])
     axes.set_xlabel(axis.name, **SMALL)
@@ -74,8 +74,8 @@ def prepare_axis(axes: Axes, axis: Factor, places: Mapping[Value, float], column
 
 
 def fitting(names: Sequence[str], columns: int) -> list[str]:
-    """Return names with their middles left out, as far as they would run into each other."""
-    room = max(MOST_LETTERS // (columns * min(len(names), MOST_TICKS)), 5)
+    """Return names with their middles left out where they would overlap."""
+    room = max(MAX_LETTERS // (columns * min(len(names), MAX_TICKS)), 5)
     half = (room - 1) // 2
     return [
         name
@@ -91,17 +91,11 @@ def name_panel(axes: Axes, factor: Factor | None, value: Value | None) -> None:
         axes.set_title(f"{factor.name} {shown(value)}", loc="left", **SMALL)
 
 
-def draw_legend(
-    figure: Figure,
-    handles: Sequence[Any],
-    labels: Sequence[str],
-    name: str = "",
-    values: Sequence[Value | None] = (),
-) -> None:
-    """Draw the legend below the title; labels that are numbers stand for values."""
-    words = [f"{name} {shown(values[int(label)])}" for label in labels] if values else labels
+def draw_legend(figure: Figure, keys: Sequence[tuple[str, Any]]) -> None:
+    """Draw the legend below the title, from labels and what was drawn for each."""
+    labels, handles = zip(*keys, strict=True)
     height = figure.get_figheight()
     figure.legend(
-        handles, words, loc="upper left", bbox_to_anchor=(0.004, 1 - 0.33 / height),
+        handles, labels, loc="upper left", bbox_to_anchor=(0.004, 1 - 0.33 / height),
         ncols=LEGEND_COLUMNS, fontsize=8.5, frameon=False, columnspacing=1.4, handletextpad=0.5,
     )  # fmt: skip

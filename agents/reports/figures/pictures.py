@@ -1,4 +1,4 @@
-"""The figures of a report, each with the caption that says what it shows."""
+"""The figures of a report, each with its caption."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from io import BytesIO
 from matplotlib.figure import Figure
 
 from agents.evaluation.interval import CONFIDENCE, Interval
-from agents.evaluation.wording import counted, listed
 from agents.experiments.case import TILES
 from agents.experiments.parameters import shown
 from agents.reports.analysis.design import Design, make_design
@@ -19,13 +18,14 @@ from agents.reports.figures.measure import measure_chart
 from agents.reports.figures.modes import modes_chart
 from agents.reports.figures.roles import roles_of
 from warehouse_core.viz.figure import save_svg
+from warehouse_core.wording import counted, listed
 from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP
 
-MOST_MAPS = 4
+MAX_MAPS = 4
 """Heat maps, of the layouts with most episodes."""
 
 SHARE = "%"
-"""The unit of what is a share."""
+"""The unit of shares."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class Picture:
 
 
 def pictures(experiment: Experiment) -> Iterator[Picture]:
-    """Yield the figures that there is something to see in."""
+    """Yield the figures that are not empty."""
     design = make_design(experiment.cases)
     measured = make_design(
         {n: case for n, case in experiment.cases.items() if case["backend"] != "grid"}
@@ -82,7 +82,7 @@ def _measured(
 
 
 def _left_out(design: Design) -> str:
-    """Return what a chart does not show of a design."""
+    """Return the end of a caption: what a chart does not show of a design."""
     roles = roles_of(design)
     words = ""
     if roles.axis and len(roles.axis.values) < roles.values:
@@ -94,7 +94,7 @@ def _left_out(design: Design) -> str:
 
 
 def _maps(experiment: Experiment) -> Iterator[Picture]:
-    """Yield a heat map for each layout, that with most episodes first."""
+    """Yield a heat map for each layout, the one with most episodes first."""
     layouts: dict[tuple[str, ...], list[int]] = {}
     for case_id, case in experiment.cases.items():
         if TILES in case:
@@ -103,8 +103,8 @@ def _maps(experiment: Experiment) -> Iterator[Picture]:
         ((experiment.results(*ids).episodes, rows, ids) for rows, ids in layouts.items()),
         key=lambda each: -each[0],
     )
-    for number, (episodes, rows, ids) in enumerate(counted_layouts[:MOST_MAPS], start=1):
-        # Each episode draws its stations anew; those of the file are nobody's.
+    for number, (episodes, rows, ids) in enumerate(counted_layouts[:MAX_MAPS], start=1):
+        # Stations are random in each episode; those of the file are not used.
         walls = [row.replace(PICKUP, EMPTY).replace(DROPOFF, EMPTY) for row in rows]
         stuck = stuck_cells(experiment.store, ids)
         if not stuck:
@@ -113,7 +113,7 @@ def _maps(experiment: Experiment) -> Iterator[Picture]:
         caption = (
             f"Where robots got stuck on layout {name}: of {counted(episodes, 'episode')} those of "
             "each failure mode, by the cell where they were stuck or ended. Pickup and dropoff are "
-            "drawn anew for each episode."
+            "random in each episode."
         )
         yield Picture(f"stuck-{number}", caption, _svg(heat_map(walls, stuck, episodes)))
 

@@ -1,4 +1,4 @@
-"""Which factor of a design is drawn where: along the axis, as colour, as panel."""
+"""Which factor of a design is drawn along the axis, as colour and as panel."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from agents.reports.analysis.results import Experiment, Results
 
 MAX_COLORS, MAX_PANELS = 8, 6
 
-MOST_POINTS = 400
-"""In a chart; each takes a bootstrap, and more could not be told apart."""
+MAX_POINTS = 400
+"""In a chart; each takes a bootstrap, and more could not be distinguished."""
 
 
 class Roles(NamedTuple):
-    """Which factor goes where.
+    """The factors of a chart.
 
     Attributes:
-        axis: along the axis, with the values that are drawn; ``None`` where nothing differs.
-        color: ``None`` where there is one line.
-        panel: ``None`` where there is one panel.
+        axis: along the axis, with the values that are drawn; ``None`` if nothing differs.
+        color: ``None`` if there is one line in a panel.
+        panel: ``None`` if there is one panel.
         pooled: those that are not shown.
-        values: how many the factor along the axis has, drawn or not.
+        values: the number of all values of the factor along the axis.
     """
 
     axis: Factor | None
@@ -35,7 +35,7 @@ class Roles(NamedTuple):
 
 
 def roles_of(design: Design) -> Roles:
-    """Say which factor of a design goes where."""
+    """Return which factor of a design is drawn where."""
     left = sorted(design.factors, key=lambda each: (each.is_ordered, len(each.values)))
     axis = left.pop() if left else None
     left.sort(key=lambda each: len(each.values))
@@ -44,15 +44,15 @@ def roles_of(design: Design) -> Roles:
     if axis is None:
         return Roles(None, None, None, ())
     lines = math.prod(len(each.values) for each in (color, panel) if each)
-    drawn = Factor(axis.name, tuple(_spread(axis.values, max(MOST_POINTS // lines, 2))))
+    drawn = Factor(axis.name, tuple(_spread(axis.values, max(MAX_POINTS // lines, 2))))
     return Roles(drawn, color, panel, tuple(left), len(axis.values))
 
 
-def _spread(values: Sequence[Value], most: int) -> list[Value]:
-    """Return so many of some values at most, the first and the last among them."""
-    if len(values) <= most:
+def _spread(values: Sequence[Value], maximum: int) -> list[Value]:
+    """Return at most ``maximum`` of some values, with the first and the last."""
+    if len(values) <= maximum:
         return list(values)
-    return [values[number * (len(values) - 1) // (most - 1)] for number in range(most)]
+    return [values[number * (len(values) - 1) // (maximum - 1)] for number in range(maximum)]
 
 
 Where = tuple[Value | None, Value | None]
@@ -62,7 +62,7 @@ Where = tuple[Value | None, Value | None]
 def lines_of(
     experiment: Experiment, design: Design, roles: Roles
 ) -> dict[Where, dict[Value | None, Results]]:
-    """Return the results of each point; one at ``None`` is the same all along the axis."""
+    """Return the results of each point; the one at ``None`` is the same along the whole axis."""
     found: dict[Where, dict[Value | None, list[int]]] = {}
     for case_id, labels in design.labels.items():
         panel, color, along = (
@@ -75,12 +75,12 @@ def lines_of(
             for value in [*(roles.axis.values if roles.axis else ()), None]
             if value in line
         }
-        for where, line in sorted(found.items(), key=lambda each: place_of(each[0], roles))
+        for where, line in sorted(found.items(), key=lambda each: _rank(each[0], roles))
     }
 
 
-def place_of(where: Where, roles: Roles) -> tuple[int, ...]:
-    """Return what lines are sorted by: panels and colours in the order of their values."""
+def _rank(where: Where, roles: Roles) -> tuple[int, ...]:
+    """Return the sort key of a line: panels and colours in the order of their values."""
     return tuple(
         factor.values.index(value) if factor and value is not None else -1
         for factor, value in zip((roles.panel, roles.color), where, strict=True)

@@ -52,19 +52,6 @@ def test_a_share_is_not_rounded_to_none_or_all(part: float, words: str) -> None:
     assert wording.percent(part) == words
 
 
-@pytest.mark.parametrize(
-    ("parts", "words"), [(["a"], "a"), (["a", "b"], "a and b"), (["a", "b", "c"], "a, b and c")]
-)
-def test_a_list_ends_with_and(parts: list[str], words: str) -> None:
-    assert wording.listed(parts) == words
-
-
-def test_only_one_has_no_plural() -> None:
-    assert wording.counted(1, "seed") == "1 seed"
-    assert wording.counted(0, "seed") == "0 seeds"
-    assert wording.counted(12345, "seed") == "12,345 seeds"
-
-
 def test_changes_have_their_sign() -> None:
     assert wording.points(0.0423) == "+4.2 points"
     assert wording.points(-0.5) == "-50.0 points"

@@ -8,7 +8,7 @@ from helpers.command_line import refusal
 
 from agents.errors import ParameterError
 from agents.experiments.case import flags_of, key_of, make_agent_for, make_case, make_env
-from agents.experiments.parameters import SETTINGS
+from agents.experiments.parameters import PARAMETERS
 from agents.experiments.plan import make_plan
 from warehouse_core import DEFAULT_LAYOUT
 
@@ -23,21 +23,21 @@ class Waiter:
 
 
 def test_a_default_that_is_written_out_makes_no_other_case() -> None:
-    given = {name: setting.default for name, setting in SETTINGS.items()}
+    given = {name: setting.default for name, setting in PARAMETERS.items()}
     assert key_of(make_case(given)) == key_of(make_case({}))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
     ("choices", "needs"),
     [
-        ({"density": [0.1, 0.2]}, "density means nothing here; it counts only with layout=random"),
-        ({"size": ["7x12", "8x8"]}, "size means nothing here; it counts only with layout=random"),
+        ({"density": [0.1, 0.2]}, "density has no effect here; it applies only with layout=random"),
+        ({"size": ["7x12", "8x8"]}, "size has no effect here; it applies only with layout=random"),
         ({"escape": False, "memory": [2, 5]},
-         "memory means nothing here; it counts only with agent=greedy and escape=on"),
+         "memory has no effect here; it applies only with agent=greedy and escape=on"),
         ({"robot.mass": [50, 70]},
-         "robot.mass means nothing here; it counts only with backend=physics"),
+         "robot.mass has no effect here; it applies only with backend=physics"),
         ({"disturbances.motor_strength": 0.5},
-         "disturbances.motor_strength means nothing here; it counts only with backend=physics"),
+         "disturbances.motor_strength has no effect here; it applies only with backend=physics"),
     ],
 )  # fmt: skip
 def test_what_means_nothing_at_all_is_refused(choices: dict[str, Any], needs: str) -> None:

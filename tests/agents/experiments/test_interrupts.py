@@ -1,6 +1,5 @@
 """Ctrl-C is remembered, reaches no worker, and is the program's own again afterwards."""
 
-import os
 import signal
 import subprocess
 import sys
@@ -9,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from agents.experiments.workers import REMEMBERED, remembered_interrupts, uninterrupted_children
+from agents.experiments.workers import DEFERRED, blocked_interrupts, deferred_interrupts
 
 SLEEPER = [sys.executable, "-c", "import time; print('up', flush=True); time.sleep(60)"]
 
@@ -17,22 +16,23 @@ SLEEPER = [sys.executable, "-c", "import time; print('up', flush=True); time.sle
 @pytest.fixture(autouse=True)
 def as_before() -> Iterator[None]:
     """Give the signals back to whoever had them."""
-    handlers = {number: signal.getsignal(number) for number in REMEMBERED}
+    handlers = {number: signal.getsignal(number) for number in DEFERRED}
     yield
     for number, handler in handlers.items():
         signal.signal(number, handler)
 
 
-def interrupt(process: int) -> None:
-    os.kill(process, signal.SIGINT)
+def interrupt() -> None:
+    """Send SIGINT to this thread; any thread of the process may get one sent by ``os.kill``."""
+    signal.raise_signal(signal.SIGINT)
 
 
 def test_an_interrupt_waits_until_it_is_asked_for() -> None:
     done = []
-    with remembered_interrupts() as check:
+    with deferred_interrupts() as check:
         check()
-        interrupt(os.getpid())
-        interrupt(os.getpid())
+        interrupt()
+        interrupt()
         done.append("the step")
         with pytest.raises(KeyboardInterrupt):
             check()
@@ -41,33 +41,33 @@ def test_an_interrupt_waits_until_it_is_asked_for() -> None:
 
 def test_without_one_nothing_is_raised_and_the_handler_is_as_it_was() -> None:
     before = signal.getsignal(signal.SIGINT)
-    with remembered_interrupts() as check:
+    with deferred_interrupts() as check:
         check()
     assert signal.getsignal(signal.SIGINT) is before
     with pytest.raises(KeyboardInterrupt):
-        interrupt(os.getpid())
+        interrupt()
 
 
 def test_the_end_that_a_manager_asks_for_is_remembered_too() -> None:
-    with remembered_interrupts() as check:
-        os.kill(os.getpid(), signal.SIGTERM)
+    with deferred_interrupts() as check:
+        signal.raise_signal(signal.SIGTERM)
         with pytest.raises(KeyboardInterrupt):
             check()
 
 
 def test_who_has_asked_once_cannot_disturb_the_leaving() -> None:
-    with remembered_interrupts():
-        interrupt(os.getpid())
-    os.kill(os.getpid(), signal.SIGTERM)
+    with deferred_interrupts():
+        interrupt()
+    signal.raise_signal(signal.SIGTERM)
 
 
 def test_a_child_that_is_started_so_is_not_interrupted() -> None:
-    with uninterrupted_children():
+    with blocked_interrupts():
         child = subprocess.Popen(SLEEPER, stdout=subprocess.PIPE)
     try:
         assert child.stdout is not None
         child.stdout.readline()
-        interrupt(child.pid)
+        child.send_signal(signal.SIGINT)
         time.sleep(0.2)
         assert child.poll() is None
     finally:
@@ -77,9 +77,9 @@ def test_a_child_that_is_started_so_is_not_interrupted() -> None:
 
 def test_what_comes_while_children_start_comes_afterwards() -> None:
     done = []
-    with remembered_interrupts() as check:
-        with uninterrupted_children():
-            interrupt(os.getpid())
+    with deferred_interrupts() as check:
+        with blocked_interrupts():
+            interrupt()
             check()
             done.append("all are started")
         with pytest.raises(KeyboardInterrupt):

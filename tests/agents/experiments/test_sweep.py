@@ -10,12 +10,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 from helpers.command_line import ROOT, command, refusal
 from helpers.sweeps import Here, check_is_usable, table, uninterrupted, words
 
+from agents.errors import StoreError
 from agents.experiments import sweep as sweep_command
 from agents.experiments.store import Store
 from agents.experiments.workers import KILLED
@@ -26,6 +27,17 @@ def path(tmp_path: Path) -> Iterator[Path]:
     yield tmp_path / "r.sqlite"
     # Nothing is left beside the file, once it has been closed.
     assert {each.name for each in tmp_path.iterdir()} <= {"r.sqlite", "expected.sqlite"}
+
+
+@pytest.fixture(autouse=True)
+def no_sweep_is_left() -> Iterator[None]:
+    """End the sweeps of a test that has failed."""
+    yield
+    while Sweep.started:
+        process = Sweep.started.pop().process
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.communicate()
 
 
 LIMITED = """
@@ -40,7 +52,10 @@ if __name__ == "__main__":
 class Sweep:
     """A sweep in a session of its own."""
 
+    started: ClassVar[list["Sweep"]] = []
+
     def __init__(self, output: Path, episodes: int) -> None:
+        self.started.append(self)
         self.output = output
         self.process = subprocess.Popen(
             [sys.executable, "-c", "from agents.cli import main; main()", *words(output, episodes)],
@@ -53,10 +68,10 @@ class Sweep:
 
     def wait_for_rows(self) -> None:
         """Wait until more rows are there than before."""
-        before, end = self._bytes(), time.monotonic() + 30
-        while self._bytes() == before and self.process.poll() is None:
+        before, end = self._rows(), time.monotonic() + 60
+        while self._rows() == before and self.process.poll() is None:
             assert time.monotonic() < end
-            time.sleep(0.01)
+            time.sleep(0.02)
 
     def end(self) -> tuple[int, str, str]:
         """Wait for its end, and for that of all that it started."""
@@ -67,9 +82,11 @@ class Sweep:
             time.sleep(0.02)
         return self.process.returncode, out, err
 
-    def _bytes(self) -> int:
-        log = Path(f"{self.output}-wal")
-        return log.stat().st_size if log.exists() else 0
+    def _rows(self) -> int:
+        with suppress(StoreError), Store(self.output, read_only=True) as store:
+            count: int = next(store.query("SELECT count(*) FROM episodes"))[0]
+            return count
+        return 0
 
 
 def in_session(session: int) -> list[str]:
@@ -90,7 +107,7 @@ def test_a_sweep_counts_what_is_there_and_adds_what_is_missing(
     assert command(capsys, *words(path, 3)) == (
         0,
         f"4 combinations, 3 episodes each, 0 done\n"
-        f"12 episodes done; see what they come to with: warehouse report {path}\n",
+        f"12 episodes done; see the results with: warehouse report {path}\n",
         "",
     )
     before = path.read_bytes()
@@ -113,7 +130,7 @@ def test_flags_and_options_go_before_the_file(
 
 
 @pytest.mark.parametrize(
-    ("kills", "episodes"), [(4, 1500), pytest.param(30, 8000, marks=pytest.mark.slow)]
+    ("kills", "episodes"), [(2, 800), pytest.param(30, 8000, marks=pytest.mark.slow)]
 )
 def test_whenever_it_is_killed_nothing_is_lost_or_doubled(
     path: Path, tmp_path: Path, kills: int, episodes: int
@@ -142,37 +159,23 @@ def test_whenever_it_is_killed_nothing_is_lost_or_doubled(
     assert table(path) == uninterrupted(tmp_path / "expected.sqlite", episodes)
 
 
-@pytest.mark.parametrize("delay", [0, 0.03, 0.3, 0.8], ids="{}s".format)
-def test_an_interrupt_is_one_line_and_leaves_a_file_that_can_go_on(
-    path: Path, delay: float
-) -> None:
-    sweep = Sweep(path, 100_000)
-    sweep.wait_for_rows()
-    time.sleep(delay)
-    os.killpg(sweep.process.pid, signal.SIGINT)  # as a terminal does
-    code, out, err = sweep.end()
-    assert (code, err) == (130, "warehouse: interrupted\n")
-    check_is_usable(path)
-    assert (
-        f"\n{len(table(path)):,} of 400,000 episodes in {path}; the same command goes on\n" in out
-    )
-
-
-def test_who_interrupts_again_and_again_changes_nothing(path: Path) -> None:
+def test_interrupts_are_one_line_and_leave_a_file_that_can_be_resumed(path: Path) -> None:
     sweep = Sweep(path, 100_000)
     sweep.wait_for_rows()
     for _ in range(20):
         with suppress(ProcessLookupError):
-            os.killpg(sweep.process.pid, signal.SIGINT)
+            os.killpg(sweep.process.pid, signal.SIGINT)  # as a terminal does
         time.sleep(0.005)
-    code, _, err = sweep.end()
+    code, out, err = sweep.end()
     assert (code, err) == (130, "warehouse: interrupted\n")
     check_is_usable(path)
+    left = f"{len(table(path)):,} of 400,000 episodes in {path}"
+    assert f"\n{left}; run the same command again to resume\n" in out
 
 
 def test_a_full_disk_is_one_line_and_what_was_finished_stays(path: Path, tmp_path: Path) -> None:
     done = subprocess.run(
-        [sys.executable, "-c", LIMITED, "70000", *words(path, 2000)],
+        [sys.executable, "-c", LIMITED, "50000", *words(path, 100)],
         cwd=ROOT,
         capture_output=True,
         text=True,
@@ -185,10 +188,8 @@ def test_a_full_disk_is_one_line_and_what_was_finished_stays(path: Path, tmp_pat
     check_is_usable(path)
     left = set(table(path))
     assert left
-    code, out, _ = Sweep(path, 2000).end()
-    assert code == 0
-    assert f" {len(left):,} done\n" in out
-    assert table(path) == uninterrupted(tmp_path / "expected.sqlite", 2000)
+    assert left < set(uninterrupted(path, 100))
+    assert table(path) == uninterrupted(tmp_path / "expected.sqlite", 100)
 
 
 KILLER = """
@@ -202,12 +203,12 @@ class Killer:
 
     def act(self, observation):
         if self.seed == 30:
-            os.kill(os.getpid(), signal.SIGKILL)  # as a system without memory does
+            os.kill(os.getpid(), signal.SIGKILL)  # as a system that runs out of memory does
         return "N"
 """
 
 
-def test_a_worker_that_is_killed_is_one_line_and_the_file_can_go_on(
+def test_a_killed_worker_is_one_line_and_the_sweep_can_be_resumed(
     capsys: pytest.CaptureFixture[str], path: Path, tmp_path: Path
 ) -> None:
     with TemporaryDirectory() as folder:
@@ -223,27 +224,6 @@ def test_a_worker_that_is_killed_is_one_line_and_the_file_can_go_on(
     assert len(table(path)) == 70
 
 
-def test_two_sweeps_at_once_into_one_file_come_to_the_same(path: Path, tmp_path: Path) -> None:
-    both = [Sweep(path, 300), Sweep(path, 300)]
-    for sweep in both:
-        code, out, err = sweep.end()
-        assert (code, err) == (0, "")
-        assert "\n1,200 episodes done" in out
-    check_is_usable(path)
-    assert table(path) == uninterrupted(tmp_path / "expected.sqlite", 300)
-
-
-def test_a_file_that_is_removed_in_the_middle_is_not_said_to_be_there(path: Path) -> None:
-    sweep = Sweep(path, 100_000)
-    sweep.wait_for_rows()
-    for each in path.parent.iterdir():
-        each.unlink()
-    code, _, err = sweep.end()
-    assert code == 1
-    assert err == f"warehouse: {path}: it has been removed or replaced meanwhile\n"
-    assert not path.exists()
-
-
 def test_there_are_no_more_workers_than_episodes(
     capsys: pytest.CaptureFixture[str], path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -254,7 +234,7 @@ def test_there_are_no_more_workers_than_episodes(
         asked.append(count)
         yield Here(), count
 
-    monkeypatch.setattr(sweep_command, "processes", counted)
+    monkeypatch.setattr(sweep_command, "process_pool", counted)
     for episodes, workers in ((1, 64), (4, 2)):
         words = ["-n", episodes, "--workers", workers, "-o", path]
         assert command(capsys, "sweep", *words).code == 0

@@ -1,4 +1,4 @@
-"""Processes that run episodes: they end with whoever started them, and one that dies is told of."""
+"""Processes that run episodes end with their parent, and one that dies is an error."""
 
 import multiprocessing
 import os
@@ -13,13 +13,13 @@ from helpers.command_line import ROOT
 
 from agents.errors import WorkerError
 from agents.experiments import workers
-from agents.experiments.workers import KILLED, processes
+from agents.experiments.workers import KILLED, process_pool
 
 ORPHAN_MAKER = """
 import os, time
-from agents.experiments.workers import processes
+from agents.experiments.workers import process_pool
 if __name__ == "__main__":
-    with processes(2) as (executor, count):
+    with process_pool(2) as (executor, count):
         print(*{executor.submit(os.getpid).result() for _ in range(50)}, flush=True)
         time.sleep(60)
 """
@@ -44,46 +44,40 @@ def is_running(number: int) -> bool:
         return False
 
 
-def test_work_is_done_by_other_processes_that_end_with_the_block() -> None:
-    with processes(2) as (executor, count):
+def test_other_processes_do_the_work_ignore_interrupts_and_end_with_the_block() -> None:
+    with process_pool(2) as (executor, count):
         assert count == 2
         found = pids(executor)
         assert 1 <= len(found) <= 2
         assert os.getpid() not in found
         assert len(multiprocessing.active_children()) == 2
+        for process in multiprocessing.active_children():
+            assert process.pid is not None
+            os.kill(process.pid, signal.SIGINT)
+        assert pids(executor) <= {each.pid for each in multiprocessing.active_children()}
+        assert len(multiprocessing.active_children()) == 2
     wait_until_gone(found)
 
 
-def test_an_error_ends_them_at_once() -> None:
-    with pytest.raises(ArithmeticError), processes(1) as (executor, _):  # noqa: PT012
+def test_an_error_kills_them_at_once() -> None:
+    with pytest.raises(ArithmeticError), process_pool(1) as (executor, _):  # noqa: PT012
         found = pids(executor)
         executor.submit(time.sleep, 60)
         raise ArithmeticError
     wait_until_gone(found)
 
 
-@pytest.mark.parametrize("is_busy", [False, True])
-def test_a_process_that_is_killed_is_one_line(is_busy: bool) -> None:
-    with pytest.raises(WorkerError) as caught, processes(2) as (executor, _):  # noqa: PT012
+def test_a_process_that_is_killed_is_one_line() -> None:
+    with pytest.raises(WorkerError) as caught, process_pool(2) as (executor, _):  # noqa: PT012
         [*found] = pids(executor)
-        sleeps = [executor.submit(time.sleep, 60) for _ in range(2 if is_busy else 0)]
+        sleep = executor.submit(time.sleep, 60)
         os.kill(found[0], signal.SIGKILL)
-        for each in sleeps:
-            each.result()
-        while True:
-            executor.submit(os.getpid).result()
+        sleep.result()
     assert str(caught.value) == KILLED
     wait_until_gone(set(found))
 
 
-def test_they_ignore_interrupts() -> None:
-    with processes(1) as (executor, _):
-        [found] = pids(executor)
-        os.kill(found, signal.SIGINT)
-        assert pids(executor) == {found}
-
-
-def test_they_end_with_the_process_that_started_them_however_it_ends() -> None:
+def test_they_end_when_their_parent_is_killed() -> None:
     with subprocess.Popen(
         [sys.executable, "-c", ORPHAN_MAKER], cwd=ROOT, stdout=subprocess.PIPE, text=True
     ) as parent:
@@ -97,6 +91,6 @@ def test_they_end_with_the_process_that_started_them_however_it_ends() -> None:
 def test_there_are_no_more_than_can_be_waited_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(workers, "MOST", 1)
-    with processes(2) as (_, count):
+    monkeypatch.setattr(workers, "MAX_PROCESSES", 1)
+    with process_pool(2) as (_, count):
         assert count == 1

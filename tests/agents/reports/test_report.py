@@ -5,7 +5,10 @@ from pathlib import Path
 import pytest
 from helpers.command_line import command, refusal
 from helpers.results_files import fill, outcomes
+from helpers.sweeps import Here, nothing
 
+from agents.experiments.plan import make_plan
+from agents.experiments.running import run_missing
 from agents.experiments.store import Store
 from agents.reports import contents
 from agents.reports.contents import make_page
@@ -45,10 +48,12 @@ def test_figures_go_to_a_folder_of_their_own(
     assert not results.with_suffix(".html").exists()
 
 
-def test_each_ending_is_replayed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_each_outcome_is_replayed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     results = tmp_path / "r.sqlite"
-    small = ["--set", "max_steps=12", "--set", "escape=on,off", "-n", 12, "--workers", 1]
-    command(capsys, "sweep", *small, "-o", results)
+    with Store(results) as store:
+        run_missing(
+            make_plan({"max_steps": 12, "battery": [2, 20]}, 3, 0), store, Here(), 1, nothing
+        )
     assert command(capsys, "report", results).code == 0
     with Store(results, read_only=True) as store:
         modes = {mode for (mode,) in store.query("SELECT DISTINCT mode FROM episodes")}
@@ -84,7 +89,7 @@ def test_what_cannot_be_reported_is_refused(
     )
     html = results.rename(tmp_path / "r.html")
     assert refusal(capsys, "report", html) == (
-        f"{html}: these are the results; the page needs another name"
+        f"{html}: this is the file of results; the page needs another name"
     )
     Store(html, read_only=True).close()
 
@@ -105,7 +110,7 @@ def test_the_table_has_a_line_for_each_case(results: Path) -> None:
 def test_a_long_table_says_what_it_leaves_out(
     results: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(contents, "MOST_CASES", 1)
+    monkeypatch.setattr(contents, "MAX_CASES", 1)
     with Store(results, read_only=True) as store:
         table = make_page(store, ()).table
     assert len(table.rows) == 1

@@ -6,7 +6,7 @@ from typing import Any
 
 from helpers.results_files import fill, outcomes, row
 
-from agents.experiments.parameters import SETTINGS
+from agents.experiments.parameters import PARAMETERS
 from agents.experiments.store import Row, Store
 from agents.reports.analysis.answers import Answer, answers
 from agents.reports.analysis.design import make_design
@@ -258,5 +258,5 @@ def test_the_most_frequent_failure_is_followed(tmp_path: Path) -> None:
 
 
 def test_every_setting_has_a_question() -> None:
-    assert all(setting.question.endswith("?") for setting in SETTINGS.values())
-    assert len({setting.question for setting in SETTINGS.values()}) == len(SETTINGS)
+    assert all(each.question.endswith("?") for each in PARAMETERS.values())
+    assert len({each.question for each in PARAMETERS.values()}) == len(PARAMETERS)

@@ -29,7 +29,7 @@ def test_two_cases_are_compared_on_the_seeds_that_both_have(path: Path) -> None:
     }
     assert found.seeds == 5
     assert (found.only_first, found.only_second, found.both) == (1, 0, 3)
-    steps, seconds, joules = found.taken.values()
+    steps, seconds, joules = found.costs.values()
     assert (steps.first, steps.second, steps.difference.estimate) == (10, 13, 3)
     assert (seconds.first, seconds.second, seconds.difference.estimate) == (10, 13, 3)
     assert (joules.first, joules.second, joules.difference.estimate) == (20, 26, 6)
@@ -53,7 +53,7 @@ def test_where_no_seed_is_shared_nothing_is_compared(path: Path) -> None:
     fill(path, [(ON, outcomes("dd")), (OFF, outcomes("dd", seed=10))])
     with Store(path, read_only=True) as store:
         found = compare(store, 1, 2)
-    assert (found.seeds, found.both, found.taken) == (0, 0, {})
+    assert (found.seeds, found.both, found.costs) == (0, 0, {})
 
 
 def test_differences_are_taken_seed_by_seed(path: Path) -> None:
@@ -62,7 +62,7 @@ def test_differences_are_taken_seed_by_seed(path: Path) -> None:
     second = [row(seed, steps=10 * seed + 11 + seed % 3) for seed in range(30)]
     fill(path, [(ON, first), (OFF, second)])
     with Store(path, read_only=True) as store:
-        difference = compare(store, 1, 2).taken["steps"].difference
+        difference = compare(store, 1, 2).costs["steps"].difference
     assert difference.estimate == 2
     assert 1.6 < difference.low < 2 < difference.high < 2.4
 

@@ -16,9 +16,9 @@ from agents.experiments.store import Store
 from agents.reports.analysis.design import make_design
 from agents.reports.analysis.results import Experiment, Results
 from agents.reports.figures import roles as roles_module
-from agents.reports.figures.measure import MODE_COLORS, ink_on, measure_chart
-from agents.reports.figures.modes import modes_chart
-from agents.reports.figures.panels import MOST_TICKS
+from agents.reports.figures.measure import measure_chart
+from agents.reports.figures.modes import MODE_COLORS, ink_on, modes_chart
+from agents.reports.figures.panels import MAX_TICKS
 from agents.reports.figures.roles import Roles, roles_of
 from warehouse_core.records.failure_modes import MODES
 from warehouse_core.viz.figure import SceneFigure
@@ -198,7 +198,7 @@ def test_pooled_cases_are_one_point(tmp_path: Path) -> None:
 def test_of_very_many_values_some_are_shown_the_first_and_the_last_among_them(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(roles_module, "MOST_POINTS", 20)
+    monkeypatch.setattr(roles_module, "MAX_POINTS", 20)
     cases = [
         ({"battery": battery, "escape": escape}, outcomes("dw"))
         for battery in range(1, 101)
@@ -215,8 +215,8 @@ def test_of_very_many_values_some_are_shown_the_first_and_the_last_among_them(
 def test_many_values_have_few_ticks(tmp_path: Path) -> None:
     cases = [({"battery": battery}, outcomes("dw")) for battery in range(1, 60)]
     with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
-        assert len(draw(store).axes[0].get_xticks()) <= MOST_TICKS
-        assert len(draw(store, modes=True).axes[0].get_xticks()) <= MOST_TICKS
+        assert len(draw(store).axes[0].get_xticks()) <= MAX_TICKS
+        assert len(draw(store, modes=True).axes[0].get_xticks()) <= MAX_TICKS
 
 
 @pytest.mark.parametrize("name", ["$x_{", "a_b^c$x$", "100%"])

@@ -10,7 +10,7 @@ from helpers.results_files import fill, outcomes, row
 from agents.experiments.store import Store
 from agents.reports.analysis.results import Experiment
 from agents.reports.figures import roles
-from agents.reports.figures.pictures import MOST_MAPS, Picture, pictures
+from agents.reports.figures.pictures import MAX_MAPS, Picture, pictures
 
 ON, OFF = {"escape": True}, {"escape": False}
 
@@ -30,7 +30,7 @@ def test_the_figures_of_two_cases_on_the_grid(tmp_path: Path) -> None:
     assert "Wilson's 95% intervals" in found["success"].caption
     assert "bootstrap 95% intervals" in found["steps"].caption
     assert "of 8 episodes" in found["stuck-1"].caption
-    assert "drawn anew for each episode" in found["stuck-1"].caption
+    assert "random in each episode" in found["stuck-1"].caption
 
 
 def test_time_and_energy_are_drawn_of_what_is_measured(tmp_path: Path) -> None:
@@ -59,14 +59,14 @@ def test_where_nothing_fails_or_layouts_are_random_there_is_no_map(tmp_path: Pat
 
 def test_each_layout_has_its_map_the_one_with_most_episodes_first(tmp_path: Path) -> None:
     cases = []
-    for number in range(MOST_MAPS + 2):
+    for number in range(MAX_MAPS + 2):
         file = tmp_path / f"hall{number}.txt"
         wall = "#" * (number + 4)
         file.write_text(f"{wall}\n#P{'.' * number}D#\n{wall}")
         cases.append(({"layout": str(file)}, outcomes("w" * (number + 1))))
     found = drawn(tmp_path, cases)
     maps = [found[name].caption for name in found if name.startswith("stuck")]
-    assert len(maps) == MOST_MAPS
+    assert len(maps) == MAX_MAPS
     assert "hall5.txt: of 6 episodes" in maps[0]
     assert "hall2.txt: of 3 episodes" in maps[-1]
 
@@ -83,7 +83,7 @@ def test_what_is_pooled_is_said(tmp_path: Path) -> None:
 
 
 def test_what_is_not_drawn_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(roles, "MOST_POINTS", 5)
+    monkeypatch.setattr(roles, "MAX_POINTS", 5)
     found = drawn(tmp_path, [({"battery": n}, outcomes("dw")) for n in range(1, 40)])
     assert "; 5 of 39 values of battery." in found["success"].caption
 

@@ -1,0 +1,28 @@
+"""Counts have the right plural, lists end with a word, and text can be shown."""
+
+import pytest
+
+from warehouse_core.wording import counted, listed, printable
+
+
+@pytest.mark.parametrize(
+    ("parts", "words"), [("a", "a"), ("ab", "a and b"), ([1, 2, 3], "1, 2 and 3")]
+)
+def test_a_list_ends_with_and(parts: list[object], words: str) -> None:
+    assert listed(parts) == words
+
+
+def test_a_list_may_end_with_another_word() -> None:
+    assert listed("ab", "or") == "a or b"
+
+
+def test_only_one_thing_is_singular() -> None:
+    assert [counted(number, "seed") for number in (0, 1, 12345)] == [
+        "0 seeds",
+        "1 seed",
+        "12,345 seeds",
+    ]
+
+
+def test_what_is_invisible_becomes_a_space() -> None:
+    assert printable("a\x00b\u200bc \u00e9\n") == "a b c \u00e9 "
