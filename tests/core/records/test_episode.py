@@ -294,3 +294,15 @@ def test_a_replay_leaves_the_record_alone(episode: Episode) -> None:
     before = copy.deepcopy(episode)
     replay_episode(episode)
     assert episode == before
+
+
+def test_a_replay_gives_the_motion_the_start_and_the_seed_of_the_record(episode: Episode) -> None:
+    resets = []
+
+    class Noting(GridMotion):
+        def reset(self, layout: Layout, cells: Any, seed: int | None) -> None:
+            resets.append((layout, list(cells), seed))
+            super().reset(layout, cells, seed)
+
+    replay_episode(episode, backend=Noting())
+    assert resets[-1] == (episode.layout, [episode.cells[0]], 3)
