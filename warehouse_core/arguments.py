@@ -33,21 +33,9 @@ def whole_number(
 
 
 def real_number(
-    name: str,
-    value: float,
-    minimum: float = 0.0,
-    maximum: float = math.inf,
-    *,
-    above: bool = False,
+    name: str, value: float, minimum: float = 0, maximum: float = math.inf, *, above: bool = False
 ) -> float:
-    """Return a finite argument as a ``float``.
-
-    Args:
-        name: of the argument.
-        value: of the argument.
-        minimum: smallest value allowed.
-        maximum: largest value allowed.
-        above: whether ``minimum`` itself is not allowed.
+    """Return a finite argument as a ``float``; with ``above`` it must exceed ``minimum``.
 
     Raises:
         ValueError: it is not a number, not finite or out of range.

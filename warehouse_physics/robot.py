@@ -76,18 +76,18 @@ class Touch(NamedTuple):
 
 @dataclass(slots=True)
 class Action:
-    """One action of a robot, and how far it has got with it.
+    """The state of one action.
 
     Attributes:
-        home: the cell in which it began.
-        goal: the cell to drive to.
-        target: position to drive to now, in metres: the middle of ``goal`` or of ``home``.
+        home: cell in which it began.
+        goal: cell to drive to.
+        target: middle of ``goal``, or of ``home`` after the robot gave up, in metres.
         deadline: substep after which no new attempt is made.
-        gave_up: something was in the way; the robot drives back.
-        waits: times that it gave way.
-        returns: profiles of its way back.
-        contacts: its hits so far.
-        work: joules that the motor has done.
+        gave_up: something was in the way.
+        waits: times that the robot gave way on its way back.
+        returns: profiles of the way back.
+        contacts: hits so far.
+        work: of the motor so far, in joules.
     """
 
     home: Cell
@@ -278,9 +278,8 @@ class Robot:
         spec, action = self._spec, self.action
         self._start, self._energy = self.position, 0.0
         self._returning = action.gave_up or action.goal == action.home
-        profile = plan_profile(
-            self._start, self._waypoint(), spec.top_speed, self._pace, spec.time_step
-        )
+        limits = spec.top_speed, self._pace, spec.time_step
+        profile = plan_profile(self._start, self._waypoint(), *limits)
         if self._uneven is not None:
             profile = profile.scaled(self._uneven.speed_factor())
         self._control.velocity = profile.velocity
@@ -345,9 +344,8 @@ class Robot:
     def _deadline(self, floor: FloorConditions) -> float:
         """Return the substep after which no new attempt is made."""
         spec = self._spec
-        profile = plan_profile(
-            (0, 0), (spec.cell_size, 0), spec.top_speed, self._pace, spec.time_step
-        )
+        limits = spec.top_speed, self._pace, spec.time_step
+        profile = plan_profile((0, 0), (spec.cell_size, 0), *limits)
         return floor.patience * (profile.go + profile.brake)
 
     def _load(self, loaded: bool, pace: float) -> None:

@@ -177,6 +177,15 @@ def test_an_uneven_drag_changes_what_a_move_costs_and_stays_where_it_is() -> Non
     assert abs(costs[0] - nominal) > 0.02 * nominal
 
 
+def test_the_drag_is_that_of_the_cell_under_the_robot() -> None:
+    rough = Disturbances(drag_spread=0.9)
+    motion, floor = motion_with(rough, 1), FloorConditions(rough, 1)
+    for move in (EAST, SOUTH, WEST):
+        cell = motion.advance([move], [False])[0].cell
+        drag = RobotSpec().drag_force(loaded=False) * floor.drag_factor(cell)
+        assert motion._arena.robots[0]._floor.max_force == pytest.approx(drag)
+
+
 def test_the_drag_of_a_cell_depends_on_seed_and_cell_and_on_nothing_else() -> None:
     rough = Disturbances(drag_spread=0.5)
     floor, again = FloorConditions(rough, 7), FloorConditions(rough, 7)

@@ -35,11 +35,10 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     """``Warehouse-v0`` as a batch: ``BatchEnv`` with the vector interface of Gymnasium.
 
     Description:
-        ``B`` warehouses stepped together by NumPy. Row ``b`` is the ``WarehouseGymnasiumEnv`` with
-        the seed ``seed + b``.
+        Row ``b`` is the ``WarehouseGymnasiumEnv`` with the seed ``seed + b``.
 
     Actions:
-        ``MultiDiscrete``, ``[B]``, with the actions of ``WarehouseGymnasiumEnv``.
+        ``MultiDiscrete``, ``[B]``, as for ``WarehouseGymnasiumEnv``.
 
     Observations:
         Those of ``WarehouseGymnasiumEnv``, batched. ``info["motion"]`` has ``blocked``,

@@ -68,9 +68,6 @@ def sides_number(sides: Flags) -> NDArray[np.uint8]:
 
 
 def masks(sides: Integers, stations: Integers, has_item: Flags) -> NDArray[np.int8]:
-    """Return ``[B, 7]`` int8 masks of the actions that do something; see ``useful_actions``.
-
-    ``sides`` are numbers of ``sides_number``.
-    """
+    """Return ``[B, 7]`` int8 masks of the actions that do something; see ``useful_actions``."""
     index = (sides * len(STATION_KINDS) + stations) * 2 + has_item
     return _MASKS.take(index).view(np.int8).reshape(-1, _MASK_BYTES)[:, : len(ACTIONS)]
