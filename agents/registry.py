@@ -19,8 +19,6 @@ from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, RecordError
 
-__all__ = ["AGENTS", "TRAINED", "agent_file", "is_own_code", "make_agent"]
-
 AGENTS: dict[str, Callable[..., Agent]] = {
     "greedy": GreedyAgent,
     "exploring": ExploringAgent,

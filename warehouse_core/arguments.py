@@ -9,8 +9,6 @@ from typing import SupportsIndex
 
 import numpy as np
 
-from warehouse_core.world.tiles import Cell
-
 
 def whole_number(
     name: str, value: SupportsIndex, minimum: int | None = None, maximum: int | None = None
@@ -62,7 +60,7 @@ def as_flag(name: str, value: bool) -> bool:
     return bool(value)
 
 
-def as_cell(name: str, value: Cell) -> Cell:
+def as_cell(name: str, value: tuple[int, int]) -> tuple[int, int]:
     """Return an argument as a cell of two ``int``.
 
     Raises:

@@ -1,6 +1,6 @@
 """Find installed motion backends by name.
 
-A backend is a class in the entry-point group ``warehouse_core.motion.backends`` of any installed
+A backend is a class in the entry-point group ``warehouse_core.backends`` of any installed
 distribution; ``grid`` and ``physics`` are registered in the same way as third-party backends.
 """
 
@@ -18,7 +18,7 @@ from warehouse_core.world.layout import Layout
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-GROUP = "warehouse_core.motion.backends"
+GROUP = "warehouse_core.backends"
 
 Backend = str | Motion | type[Motion]
 
