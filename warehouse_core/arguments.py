@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import operator
-import sys
 from typing import SupportsIndex
 
 import numpy as np
@@ -40,13 +39,16 @@ def real_number(
     """
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
         raise ValueError(f"{name} is {value!r}; it must be a number")
-    # NaN compares false with everything, and an int can be too large for a float.
-    is_finite = abs(value) <= sys.float_info.max
-    if not (is_finite and minimum <= value <= maximum) or (above and value == minimum):
+    try:
+        number = float(value)
+    except OverflowError:  # an int that no float can hold
+        number = math.inf
+    is_allowed = math.isfinite(number) and minimum <= number <= maximum
+    if not is_allowed or (above and number == minimum):
         lower = f"{'above' if above else 'at least'} {minimum:g}"
         upper = "finite" if maximum == math.inf else f"at most {maximum:g}"
         raise ValueError(f"{name} is {value!r}; it must be {lower} and {upper}")
-    return float(value)
+    return number
 
 
 def as_flag(name: str, value: bool) -> bool:

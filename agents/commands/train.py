@@ -33,7 +33,8 @@ from agents.learning.q_learning import QAgent, QTable, learn
 from agents.learning.q_table import save_table
 from agents.learning.training import FINAL_SEEDS, RECENT_EPISODES, Examiner, Point, Watch
 from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core.files.atomic import check_suffix, check_target
+from warehouse_core.errors import FormatError
+from warehouse_core.files.atomic import check_target
 
 if TYPE_CHECKING:
     from agents.learning.ppo_training import PPOLearner
@@ -139,7 +140,11 @@ class Training:
     output: Path
 
     def __post_init__(self) -> None:
-        check_suffix(self.output, [MODEL_SUFFIX])
+        if self.output.suffix != MODEL_SUFFIX:
+            raise FormatError(
+                f"{self.output}: cannot save as {self.output.suffix or 'a file without a suffix'}; "
+                f"allowed: {MODEL_SUFFIX}"
+            )
 
     def run(self, learn: Learn, writers: Mapping[str, Writer]) -> None:
         """Train an agent, write its files, and compare it with the greedy agent.

@@ -9,6 +9,7 @@ import pytest
 from agents import cli
 from agents.console.main import main
 from agents.experiments.presets import PRESETS
+from warehouse_core.viz import figure, replay
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -18,6 +19,7 @@ SECTIONS = dict(re.findall(r"^## (.*?)\n(.*?)(?=^## |\Z)", README, flags=re.DOTA
 ANSWERS = re.compile(
     r"^<!-- (\w+) -->\n\*\*(.*?)\*\*\n\n(.*?)\n\n!", flags=re.DOTALL | re.MULTILINE
 )
+MIN_DPI = 20
 TORCH = ("sh", "rl")
 INSTALL = "python3 -m venv .venv && .venv/bin/pip install -e "
 WRITTEN = {
@@ -46,6 +48,9 @@ def in_a_folder_without_a_display(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.setenv("MPLBACKEND", "agg")
+    # Small pictures are drawn faster.
+    monkeypatch.setattr(figure.make_figure, "__defaults__", (MIN_DPI,))
+    monkeypatch.setattr(replay, "PAIR_DPI", MIN_DPI)
 
 
 def write_files() -> None:
