@@ -3,12 +3,11 @@
 import ctypes
 import os
 import queue
-import shutil
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -35,30 +34,6 @@ class Picture(NamedTuple):
     height: int
     width: int
     channels: int
-
-
-@pytest.fixture(scope="module")
-def display() -> Iterator[str]:
-    """Yield the name of a new X display."""
-    for program in ("Xvfb", "xdotool"):
-        if shutil.which(program) is None:
-            pytest.fail(f"{program} is not installed, and window tests need it (xvfb, xdotool)")
-    reading, writing = os.pipe()
-    # Without -noreset it restarts whenever its last client disconnects.
-    options = ["-screen", "0", "1400x1000x24", "-nolisten", "tcp", "-noreset"]
-    server = subprocess.Popen(
-        ["Xvfb", "-displayfd", str(writing), *options],
-        pass_fds=[writing],
-        stderr=subprocess.DEVNULL,
-    )
-    try:
-        os.close(writing)
-        with open(reading, encoding="ascii") as pipe:
-            number = pipe.readline().strip()
-        assert number, "Xvfb did not start"
-        yield f":{number}"
-    finally:
-        stop(server)
 
 
 class Program:

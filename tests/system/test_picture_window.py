@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.windows import TIMEOUT, Program, Shower, display  # noqa: F401 - a fixture
+from helpers.windows import TIMEOUT, Shower
 from numpy.typing import NDArray
 
 from warehouse_core import DEFAULT_LAYOUT
@@ -43,7 +43,7 @@ def painted(pixels: int, row: int, col: int) -> NDArray[np.uint8]:
 
 
 @pytest.fixture
-def start(display: str, tmp_path: Path) -> Iterator[Callable[[str], Shower]]:  # noqa: F811
+def start(display: str, tmp_path: Path) -> Iterator[Callable[[str], Shower]]:
     """Return a function that starts a program, which begins with a window not yet open."""
     programs: list[Shower] = []
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from helpers.windows import Program, Shower, display  # noqa: F401 - a fixture
+from helpers.windows import Program, Shower
 
 pytestmark = pytest.mark.window
 
@@ -51,7 +51,7 @@ print("ended")
     [("dict", "grid"), ("vector", "grid"), ("image", "grid"), ("dict", "physics")],
 )
 def test_gymnasium_finds_nothing_to_complain_of_in_any_render_mode(
-    display: str,  # noqa: F811
+    display: str,
     tmp_path: Path,
     form: str,
     backend: str,
@@ -65,7 +65,7 @@ def test_gymnasium_finds_nothing_to_complain_of_in_any_render_mode(
         program.close()
 
 
-def test_a_walk_outlives_its_window(display: str, tmp_path: Path) -> None:  # noqa: F811
+def test_a_walk_outlives_its_window(display: str, tmp_path: Path) -> None:
     program = Shower(display, tmp_path, WALK)
     try:
         program.wait_for("None")
@@ -79,7 +79,7 @@ def test_a_walk_outlives_its_window(display: str, tmp_path: Path) -> None:  # no
 
 
 def test_closing_the_environment_closes_its_window(
-    display: str,  # noqa: F811
+    display: str,
     tmp_path: Path,
 ) -> None:
     wait = "import time; print('gone', flush=True); time.sleep(60)"
