@@ -96,7 +96,11 @@ def equal_in_value(value: Any, other: Any) -> bool:
 @pytest.mark.parametrize(
     ("mode", "form", "randomize"),
     [(mode, "dict", True) for mode in MODES]
-    + [(MODES[0], "dict", False), (MODES[0], "vector", True), (MODES[len(MODES) // 2], "image", True)],
+    + [
+        (MODES[0], "dict", False),
+        (MODES[0], "vector", True),
+        (MODES[len(MODES) // 2], "image", True),
+    ],
 )
 def test_a_batch_is_gymnasiums_own_bit_for_bit(mode: str, form: str, randomize: bool) -> None:
     count = 5
