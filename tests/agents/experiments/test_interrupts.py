@@ -15,8 +15,9 @@ SLEEPER = [sys.executable, "-c", "import time; print('up', flush=True); time.sle
 
 @pytest.fixture(autouse=True)
 def as_before() -> Iterator[None]:
-    """Give the signals back to whoever had them."""
+    """Let SIGINT raise, which background processes may ignore; restore all handlers at the end."""
     handlers = {number: signal.getsignal(number) for number in DEFERRED}
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     for number, handler in handlers.items():
         signal.signal(number, handler)
