@@ -54,17 +54,12 @@ def run_episode(
         ValueError: an unknown name or a number out of range.
     """
     layout = layout or DEFAULT_LAYOUT
-    env = make_env(layout, backend, battery, max_steps)
+    env = WarehouseEnv(layout, None, max_steps, battery, backend=backend)
     seed = draw_seed() if seed is None else seed
     try:
         return record_episode(env, make_agent(agent, seed, layout), seed=seed)
     finally:
         env.close()
-
-
-def make_env(layout: Layout, backend: str, battery: int, max_steps: int) -> WarehouseEnv:
-    """Return an environment with the usual start, or the first open cell where that is a wall."""
-    return WarehouseEnv(layout, layout.usual_start(), max_steps, battery, backend=backend)
 
 
 def draw_seed() -> int:

@@ -51,8 +51,7 @@ def explore(
     from agents.search.belief_replay import belief_replay, record_beliefs
 
     seed = draw_seed() if seed is None else seed
-    walls = load_layout(layout)
-    env = WarehouseEnv(walls, walls.usual_start(), max_steps, battery, view_radius, backend=backend)
+    env = WarehouseEnv(load_layout(layout), None, max_steps, battery, view_radius, backend=backend)
     agent = ExploringAgent()
     try:
         episode, history = record_beliefs(env, agent, seed=seed)

@@ -14,7 +14,7 @@ from agents.console.options import (
     load_layout,
 )
 from agents.console.output import replay_or_save
-from agents.run_episode import draw_seed, make_env, report_episode
+from agents.run_episode import draw_seed, report_episode
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.render.display import has_display
@@ -118,7 +118,7 @@ def play(
     save: SaveOption,
 ) -> None:
     """Drive the robot yourself: arrows or NESW, P picks, D drops, space waits."""
-    env = make_env(load_layout(layout), backend, battery, max_steps)
+    env = WarehouseEnv(load_layout(layout), None, max_steps, battery, backend=backend)
     if not has_display():
         raise NoDisplayError("play needs a window, and there is no display here")
     driver = Driver(env, draw_seed() if seed is None else seed)

@@ -31,8 +31,7 @@ class Task(NamedTuple):
 
     def make_env(self) -> WarehouseEnv:
         """Return an environment for the task."""
-        start = self.layout.usual_start()
-        return WarehouseEnv(self.layout, start, self.max_steps, self.battery, backend=self.backend)
+        return WarehouseEnv(self.layout, None, self.max_steps, self.battery, backend=self.backend)
 
 
 class Run(NamedTuple):

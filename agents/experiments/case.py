@@ -96,7 +96,7 @@ def make_env(case: Case, seed: int) -> WarehouseEnv:
         layout = random_layout(height, width, case["density"], seed)
     return WarehouseEnv(
         layout,
-        layout.usual_start(),
+        None,
         case["max_steps"],
         case["battery"],
         case["view_radius"],

@@ -7,7 +7,7 @@ from helpers.command_line import ROOT, command, in_a_process
 
 from agents import run_episode as module
 from agents.errors import AgentError
-from agents.run_episode import MAX_SEED, draw_seed, make_env, report_episode, run, run_episode
+from agents.run_episode import MAX_SEED, draw_seed, report_episode, run, run_episode
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import BackendError, Layout, WarehouseEnv, record_episode, replay_episode
 
@@ -57,8 +57,9 @@ def test_battery_and_steps_limit_the_episode() -> None:
 
 def test_the_usual_start_may_be_a_wall() -> None:
     layout = Layout(["###", "##.", "P.D"])
-    assert make_env(layout, "grid", 10, 10).start_pos == (1, 2)
-    assert make_env(ROOM, "grid", 10, 10).start_pos == (1, 1)
+    for each, start in ((layout, (1, 2)), (ROOM, (1, 1))):
+        episode = run_episode("greedy", "grid", each, 1, 10, 10)
+        assert episode.settings.start_pos == start
     assert run_episode(layout=layout, seed=1).settings.start_pos == (1, 2)
 
 
