@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated
 
@@ -32,6 +31,7 @@ app = typer.Typer(
     help="A grid warehouse for rational agents, with a motion backend you can swap.",
     no_args_is_help=True,
     add_completion=False,
+    rich_markup_mode=None,
 )
 app.command()(run)
 app.command()(play)
@@ -46,7 +46,9 @@ app.command()(report)
 app.command()(export)
 app.add_typer(layout_commands.app, name="layout")
 
-training = typer.Typer(no_args_is_help=True, help="Train an agent by reinforcement learning.")
+training = typer.Typer(
+    no_args_is_help=True, rich_markup_mode=None, help="Train an agent by reinforcement learning."
+)
 training.command("ppo")(train_ppo)
 training.command("q")(train_q)
 app.add_typer(training, name="train")
@@ -69,6 +71,8 @@ def replay(
 
 def _print_version(wanted: bool) -> None:
     if wanted:
+        from importlib.metadata import version  # takes long to import
+
         typer.echo(f"warehouse-lab {version('warehouse-lab')}")
         raise typer.Exit
 

@@ -76,6 +76,15 @@ def load_changed(arrays: Arrays, tmp_path: Path) -> Callable[..., Episode]:
 
 
 @pytest.fixture
+def small_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw small pictures, which takes less time."""
+    from warehouse_core.viz import figure, replay
+
+    monkeypatch.setattr(figure.make_figure, "__defaults__", (20,))
+    monkeypatch.setattr(replay, "PAIR_DPI", 20)
+
+
+@pytest.fixture
 def little_memory() -> Callable[[], AbstractContextManager[None]]:
     """Return a context manager that allows its block 64 MiB on top of what is in use."""
 

@@ -16,9 +16,8 @@ from typing import Annotated, Any
 
 import numpy as np
 import typer
-from rich.console import Console
-from rich.table import Table
 
+from agents.console.table import Table, print_table
 from warehouse_core import BackendError, WarehouseEnv
 from warehouse_core.world.actions import ACTIONS, WAIT
 
@@ -196,15 +195,14 @@ def bench(
         typer.Option("--seconds", min=0.01, max=600, help="Seconds to measure each environment."),
     ] = 0.5,
 ) -> None:
-    """Print the steps per second of each form on this machine, beside known environments."""
+    """Measure the steps per second on this machine.
+
+    Each form of the warehouse is measured beside a known environment.
+    """
     from agents.console.progress import track
 
-    table = Table()
-    for title in ("form", "steps/s", "beside", "steps/s", "ratio"):
-        table.add_column(title, justify="left" if title in ("form", "beside") else "right")
-    for pair in track(PAIRS, "measuring"):
-        table.add_row(*_row(pair, seconds))
-    Console(markup=False).print(table)  # no markup: messages have square brackets
+    rows = [_row(pair, seconds) for pair in track(PAIRS, "measuring")]
+    print_table(Table(("form", "steps/s", "beside", "steps/s", "ratio"), rows))
 
 
 def _row(pair: Pair, seconds: float) -> tuple[str, ...]:

@@ -8,8 +8,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.table import Table
 
 from agents.console.options import (
     BackendOption,
@@ -18,6 +16,7 @@ from agents.console.options import (
     MaxStepsOption,
     load_layout,
 )
+from agents.console.table import Table, print_table
 from agents.evaluation.scores import MEASURES, MakeAgent, Scores, Task, evaluate
 from agents.evaluation.wording import mean, share
 from agents.search.agents import ExploringAgent, SearchAgent
@@ -44,7 +43,7 @@ def compare_agents(
         Path | None, typer.Option("--save", metavar="FILE", help="Write the figure, .svg or .png.")
     ] = None,
 ) -> None:
-    """Compare the greedy agent, the exploring one and search over the same seeds."""
+    """Compare agents over the same seeds."""
     if save is not None:
         check_suffix(save, PICTURES)
         check_target(save)
@@ -55,7 +54,7 @@ def compare_agents(
     agents = contenders(task.layout)
     scores = {name: _evaluate(name, make, task, seeds) for name, make in agents.items()}
     title = f"{counted(episodes, 'episode')} each, backend {backend}, seeds from {seed}"
-    Console().print(scores_table(scores, title))
+    print_table(scores_table(scores, title))
     if save is not None:
         _save(scores, title, save)
         typer.echo(f"saved {save}")
@@ -74,17 +73,15 @@ def contenders(layout: Layout) -> dict[str, MakeAgent]:
 
 def scores_table(scores: Mapping[str, Scores], title: str) -> Table:
     """Return the table of the agents' scores, with 95% intervals."""
-    table = Table(title=title, caption="all but success and expanded: of what was delivered")
-    table.add_column("agent")
-    for measure in MEASURES:
-        table.add_column(measure.column, justify="right")
+    rows = []
     for name, each in scores.items():
         first, *others = (measure.of(each) for measure in MEASURES)
         assert first is not None, "there is always a share"
         words = [share(first), *("none" if cell is None else mean(cell, "") for cell in others)]
         # The interval below its estimate, so that the table fits a terminal.
-        table.add_row(name, *(each.replace(" (", "\n(") for each in words))
-    return table
+        rows.append((name, *(each.replace(" (", "\n(") for each in words)))
+    header = ("agent", *(measure.column for measure in MEASURES))
+    return Table(header, rows, title, "all but success and expanded: of what was delivered")
 
 
 def _evaluate(name: str, make_agent: MakeAgent, task: Task, seeds: range) -> Scores:

@@ -7,8 +7,6 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.table import Table
 
 from agents.console.options import (
     AgentOption,
@@ -21,6 +19,7 @@ from agents.console.options import (
     load_layout,
 )
 from agents.console.output import show_or_save
+from agents.console.table import Table, print_table
 from agents.run_episode import draw_seed, run_episode
 from warehouse_core import Episode
 from warehouse_core.warehouse_viz import replay_animation
@@ -52,16 +51,14 @@ def first_difference(left: Episode, right: Episode) -> int | None:
 
 def comparison_table(left: Episode, right: Episode) -> Table:
     """Return a table of the outcomes of two episodes."""
-    table = Table(title=f"{left.agent}, seed {left.seed}")
-    table.add_column("")
-    for episode in (left, right):
-        table.add_column(episode.settings.backend, justify="right")
-    for name, value in ROWS.items():
-        table.add_row(name, value(left), value(right))
     step = first_difference(left, right)
     differs = "none" if step is None else f"step {step}"
-    table.add_row("first step that differs", differs, differs)
-    return table
+    rows = [(name, value(left), value(right)) for name, value in ROWS.items()]
+    return Table(
+        ("", left.settings.backend, right.settings.backend),
+        [*rows, ("first step that differs", differs, differs)],
+        f"{left.agent}, seed {left.seed}",
+    )
 
 
 def compare(
@@ -76,13 +73,13 @@ def compare(
     save: SaveReplayOption,
     show: ShowOption = None,
 ) -> None:
-    """Run the same episode on two backends and show the differences."""
+    """Run an episode on two backends, side by side."""
     seed = draw_seed() if seed is None else seed
     grid = load_layout(layout)
     one, other = (
         run_episode(agent, backend, grid, seed, battery, max_steps) for backend in (left, right)
     )
-    Console().print(comparison_table(one, other))
+    print_table(comparison_table(one, other))
     show_or_save(
         lambda window: replay_animation(one, beside=other, window=window),
         save,

@@ -47,7 +47,10 @@ def explore(
     save: SaveOption,
     show: ShowOption = None,
 ) -> None:
-    """Explore from a random start, and show the world beside what the agent believes of it."""
+    """Explore a warehouse that is not known.
+
+    The replay shows the world beside what the agent believes of it.
+    """
     from agents.search.belief_replay import belief_replay, record_beliefs
 
     seed = draw_seed() if seed is None else seed

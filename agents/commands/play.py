@@ -117,7 +117,10 @@ def play(
     *,
     save: SaveOption,
 ) -> None:
-    """Drive the robot yourself: arrows or NESW, P picks, D drops, space waits."""
+    """Drive the robot yourself, in a window.
+
+    Arrows or NESW move, P picks, D drops, space waits.
+    """
     env = WarehouseEnv(load_layout(layout), None, max_steps, battery, backend=backend)
     if not has_display():
         raise NoDisplayError("play needs a window, and there is no display here")

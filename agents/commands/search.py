@@ -10,11 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
-from rich.table import Table
 
 from agents.console.options import LayoutOption, SaveReplayOption, ShowOption, load_layout
 from agents.console.output import show_or_save
+from agents.console.table import Table, print_table
 from agents.search.algorithms import (
     MAX_WEIGHT,
     Heuristic,
@@ -109,16 +108,17 @@ def choose_ends(
 
 def search_table(weights: Sequence[float], solutions: Sequence[Found], title: str) -> Table:
     """Return a table of the results of searches."""
-    table = Table(title=title)
-    table.add_column("weight", justify="right")
-    table.add_column("algorithm")
-    for name in ("cost", "expanded", "generated", "largest frontier"):
-        table.add_column(name, justify="right")
-    for weight, solution in zip(weights, solutions, strict=True):
-        cost = f"{solution.cost:g}" if solution.found else "none"
-        counts = (solution.expanded, solution.generated, solution.largest_frontier)
-        table.add_row(f"{weight:g}", algorithm(weight), cost, *map(str, counts))
-    return table
+    rows = [
+        (
+            algorithm(weight),
+            f"{weight:g}",
+            f"{solution.cost:g}" if solution.found else "none",
+            *map(str, (solution.expanded, solution.generated, solution.largest_frontier)),
+        )
+        for weight, solution in zip(weights, solutions, strict=True)
+    ]
+    header = ("algorithm", "weight", "cost", "expanded", "generated", "largest frontier")
+    return Table(header, rows, title)
 
 
 def search(
@@ -143,7 +143,7 @@ def search(
     save: SaveReplayOption,
     show: ShowOption = None,
 ) -> None:
-    """Watch uniform-cost search turn into A* and greedy best-first search."""
+    """Compare uniform-cost, A* and greedy search."""
     values = parse_weights(weights)
     given = parse_cell(start, "--start"), parse_cell(goal, "--goal")
     if heuristic not in HEURISTICS:
@@ -156,7 +156,7 @@ def search(
     estimate = HEURISTICS[heuristic](problem, grid)
     found = [weighted_astar_search(problem, estimate, w, with_events=True) for w in values]
     title = f"Search from {begin} to {end}, heuristic: {heuristic}"
-    Console().print(search_table(values, found, title))
+    print_table(search_table(values, found, title))
     if not found[0].found:
         typer.echo(f"no path leads from {begin} to {end}")
 

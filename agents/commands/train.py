@@ -14,8 +14,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 import typer
 from numpy.typing import NDArray
-from rich.console import Console
-from rich.table import Table
 
 from agents.console.options import (
     BatteryOption,
@@ -26,7 +24,7 @@ from agents.console.options import (
     TrainingStepsOption,
     load_layout,
 )
-from agents.console.progress import progress_bar
+from agents.console.table import Table, print_table
 from agents.errors import AgentError
 from agents.evaluation.scores import MakeAgent, Scores, Task, evaluate
 from agents.learning.q_learning import QAgent, QTable, learn
@@ -161,6 +159,8 @@ class Training:
         """
         for suffix in (*writers, CURVE_SUFFIX):
             check_target(self.output.with_suffix(suffix))
+        from agents.console.progress import progress_bar
+
         greedy = evaluate(GreedyAgent, self.task, FINAL_SEEDS)
         started, examiner = time.perf_counter(), Examiner(self.task, self.steps)
 
@@ -182,7 +182,7 @@ class Training:
             raise
         save()
         scores = evaluate(make_agent, self.task, FINAL_SEEDS)
-        Console().print(comparison_table({self.name: scores, "greedy": greedy}))
+        print_table(comparison_table({self.name: scores, "greedy": greedy}))
 
     def _save(
         self, points: Sequence[Point], seconds: float, greedy: Scores, writers: Mapping[str, Writer]
@@ -210,16 +210,17 @@ def _percent(share: float) -> str:
 def comparison_table(scores: Mapping[str, Scores]) -> Table:
     """Return the table of the scores of agents on the same starts."""
     each = list(scores.values())
-    table = Table(title=f"{len(each[0].runs):,} random starts, the same for each")
-    table.add_column("")
-    for name in scores:
-        table.add_column(name, justify="right")
     by_all = np.all([one.delivered for one in each], axis=0)
-    table.add_row("delivered", *(f"{one.delivered.mean():.1%}" for one in each))
-    table.add_row("steps to deliver", *(_mean_length(one, one.delivered) for one in each))
-    table.add_row("  where all deliver", *(_mean_length(one, by_all) for one in each))
-    return table
+    return Table(
+        ("", *scores),
+        [
+            ("delivered", *(f"{one.delivered.mean():.1%}" for one in each)),
+            ("steps to deliver", *(_mean_length(one, one.delivered) for one in each)),
+            ("  where all deliver", *(_mean_length(one, by_all) for one in each)),
+        ],
+        f"{len(each[0].runs):,} random starts, the same for each",
+    )
 
 
 def _mean_length(scores: Scores, among: NDArray[np.bool_]) -> str:
-    return f"{scores.lengths[among].mean():.2f}" if among.any() else "nan"
+    return f"{scores.lengths[among].mean():.2f}" if among.any() else "none"

@@ -15,7 +15,7 @@ from agents import cli
 from agents.run_episode import run_episode
 from warehouse_core import Episode
 
-HEAVY = ("matplotlib", "scipy", "gymnasium", "pymunk", "jinja2", "PIL", "torch")
+HEAVY = ("matplotlib", "scipy", "gymnasium", "pymunk", "jinja2", "rich", "PIL", "torch")
 WAITER = """
 class Waiter:
     def reset(self):
@@ -27,7 +27,7 @@ class Waiter:
 
 
 @pytest.fixture(autouse=True)
-def no_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def no_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, small_pictures: None) -> None:
     without_display(monkeypatch)
     monkeypatch.chdir(tmp_path)
 
@@ -132,15 +132,16 @@ def test_run_replaces_an_older_file(capsys: pytest.CaptureFixture[str], tmp_path
         assert Episode.load("e.npz").seed == seed
 
 
-def test_run_without_a_display_says_where_the_replay_went(tmp_path: Path) -> None:
-    words = ["-m", "agents", "run", "--seed", "12", "--battery", "5"]
-    result = in_a_process(*words, folder=tmp_path)
+def test_run_without_a_display_says_where_the_replay_went(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    result = command(capsys, "run", "--seed", 12, "--battery", 5)
     assert (result.code, result.err) == (0, "")
     assert result.out.splitlines()[-2:] == [
         "there is no display to open a window on, so the replay goes to a file",
         "saved replay-12.gif",
     ]
-    with Image.open(tmp_path / "replay-12.gif") as film:
+    with Image.open("replay-12.gif") as film:
         assert film.n_frames == 6  # type: ignore[attr-defined]
 
 

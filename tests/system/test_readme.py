@@ -9,7 +9,6 @@ import pytest
 from agents import cli
 from agents.console.main import main
 from agents.experiments.presets import PRESETS
-from warehouse_core.viz import figure, replay
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -19,7 +18,6 @@ SECTIONS = dict(re.findall(r"^## (.*?)\n(.*?)(?=^## |\Z)", README, flags=re.DOTA
 ANSWERS = re.compile(
     r"^<!-- (\w+) -->\n\*\*(.*?)\*\*\n\n(.*?)\n\n!", flags=re.DOTALL | re.MULTILINE
 )
-MIN_DPI = 20
 TORCH = ("sh", "rl")
 INSTALL = "python3 -m venv .venv && .venv/bin/pip install -e "
 WRITTEN = {
@@ -44,13 +42,12 @@ def run_command(line: str) -> None:
 
 
 @pytest.fixture(autouse=True)
-def in_a_folder_without_a_display(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def in_a_folder_without_a_display(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, small_pictures: None
+) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.setenv("MPLBACKEND", "agg")
-    # Small pictures are drawn faster.
-    monkeypatch.setattr(figure.make_figure, "__defaults__", (MIN_DPI,))
-    monkeypatch.setattr(replay, "PAIR_DPI", MIN_DPI)
 
 
 def write_files() -> None:

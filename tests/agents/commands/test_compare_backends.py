@@ -39,9 +39,9 @@ def test_a_shorter_episode_differs_where_it_ends(grid: Episode) -> None:
 
 def test_the_table_has_both_backends_and_every_row(grid: Episode) -> None:
     table = comparison_table(grid, grid)
-    assert [column.header for column in table.columns] == ["", "grid", "grid"]
-    assert table.row_count == len(ROWS) + 1
-    assert list(table.columns[1].cells)[:3] == ["delivered", "23", "12.70"]
+    assert table.header == ("", "grid", "grid")
+    assert len(table.rows) == len(ROWS) + 1
+    assert [cell for _, cell, _ in table.rows[:3]] == ["delivered", "23", "12.70"]
 
 
 def test_compare_prints_the_table_and_saves_both_replays(

@@ -36,10 +36,10 @@ def search(capsys: pytest.CaptureFixture[str], *words: object) -> str:
 def test_the_table_has_a_row_for_each_weight(capsys: pytest.CaptureFixture[str]) -> None:
     printed = rows(search(capsys, "--start", "5,1", "--goal", "1,10"))
     assert [row[:2] for row in printed] == [
-        ["0", "uniform-cost"],
-        ["1", "A*"],
-        ["5", "weighted A*"],
-        ["inf", "greedy best-first"],
+        ["uniform-cost", "0"],
+        ["A*", "1"],
+        ["weighted A*", "5"],
+        ["greedy best-first", "inf"],
     ]
     assert printed[0][2] == printed[1][2] == "15"
     assert int(printed[1][3]) < int(printed[0][3])
@@ -107,7 +107,7 @@ def test_a_goal_that_cannot_be_reached_is_reported_and_drawn(
         out = search(capsys, *words, "--save", "path.png")
         assert [row[2:4] for row in rows(out)] == [["none", str(expanded)]] * 2
         assert "no path leads from (1, 1) to (2, 5)\n" in out
-        assert Path("path.png").stat().st_size > 5000
+        assert Path("path.png").stat().st_size > 1000
 
 
 def test_without_a_display_the_animation_goes_to_a_file(
@@ -122,7 +122,7 @@ def test_without_a_display_the_animation_goes_to_a_file(
 
 
 def test_minus_zero_is_zero(capsys: pytest.CaptureFixture[str]) -> None:
-    assert rows(search(capsys, "--weights", "-0"))[0][:2] == ["0", "uniform-cost"]
+    assert rows(search(capsys, "--weights", "-0"))[0][:2] == ["uniform-cost", "0"]
 
 
 def test_a_weight_has_the_name_of_its_algorithm() -> None:
