@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
 import importlib.util
 import inspect
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from agents.errors import AgentError
+from agents.evaluation.baselines import RandomAgent, ReflexAgent
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_table import load_agent
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
@@ -20,6 +23,8 @@ from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, RecordError
 
 AGENTS: dict[str, Callable[..., Agent]] = {
+    "random": RandomAgent,
+    "reflex": ReflexAgent,
     "greedy": GreedyAgent,
     "exploring": ExploringAgent,
     **{name: partial(SearchAgent, algorithm=name) for name in ALGORITHMS},
@@ -28,32 +33,65 @@ AGENTS: dict[str, Callable[..., Agent]] = {
 TRAINED: dict[str, Callable[..., Agent]] = {"ppo": PPOAgent.load, "q": load_agent}
 """Functions that load an agent of ``warehouse train``, by the word before the colon."""
 
+FIXED = ("seed", "layout", "algorithm")
+"""Arguments that a name does not give: those of the episode, and the name's own."""
+
 
 def make_agent(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT) -> Agent:
     """Return an agent by name.
 
     Args:
-        name: one of ``AGENTS``; one of ``TRAINED``, a colon and a file; or ``file.py:Class`` or
-            ``package.module:Class``.
+        name: one of ``AGENTS``, or ``file.py:Class`` or ``package.module:Class``; arguments may
+            follow, as in ``greedy:memory=20,escape_steps=0``. Or one of ``TRAINED``, a colon and a
+            file.
         seed: passed to the agent if it takes a ``seed``.
         layout: passed to the agent if it takes a ``layout``.
 
     Raises:
-        AgentError: there is no such agent; the message says why.
+        AgentError: there is no such agent, or it does not take the arguments; the message says why.
     """
-    word, colon, file = name.partition(":")
+    word, colon, rest = name.partition(":")
     if colon and word in TRAINED:
-        return _load_trained(word, file, seed, layout)
-    kind = AGENTS.get(name) or _load_class(name)
+        return _load_trained(word, rest, seed, layout)
+    source, options = _split(name)
+    kind = AGENTS.get(source) or _load_class(source)
+    given = _wanted(kind, seed, layout) | _options(source, kind, options)
     try:
-        return kind(**_wanted(kind, seed, layout))
+        return kind(**given)
     except TypeError as error:
         raise AgentError(f"agent {name!r} cannot be made without arguments: {error}") from error
+    except ValueError as error:
+        raise AgentError(f"agent {name!r}: {error}") from error
+
+
+def _split(name: str) -> tuple[str, str]:
+    """Return the name of an agent without its arguments, and these."""
+    source, _, options = name.rpartition(":")
+    return (source, options) if "=" in options else (name, "")
+
+
+def _options(name: str, kind: Callable[..., Agent], text: str) -> dict[str, Any]:
+    """Return the arguments in a text such as ``memory=20,escape_steps=0``."""
+    allowed = [each for each in inspect.signature(kind).parameters if each not in FIXED]
+    found = {}
+    for part in text.split(",") if text else []:
+        key, equals, value = part.partition("=")
+        if not equals or key not in allowed:
+            raise AgentError(
+                f"agent {name!r} takes no argument {key!r}; "
+                f"allowed: {', '.join(f'{each}=VALUE' for each in allowed) or 'none'}"
+            )
+        try:
+            found[key] = ast.literal_eval(value)
+        except (ValueError, SyntaxError):
+            found[key] = value
+    return found
 
 
 def is_own_code(name: str) -> bool:
     """Return whether a name is that of a user's class, whose code ``make_agent`` would run."""
-    return name not in AGENTS and name.partition(":")[0] not in TRAINED
+    word = name.partition(":")[0]
+    return word not in AGENTS and word not in TRAINED
 
 
 def agent_file(name: str) -> Path | None:
@@ -61,7 +99,7 @@ def agent_file(name: str) -> Path | None:
     word, colon, rest = name.partition(":")
     if colon and word in TRAINED:
         return Path(rest)
-    source = name.rpartition(":")[0]
+    source = _split(name)[0].rpartition(":")[0]
     return Path(source) if source.endswith(".py") else None
 
 
@@ -110,7 +148,9 @@ def _load_module(source: str) -> ModuleType:
         try:
             return importlib.import_module(source)
         except ImportError as error:
-            raise AgentError(f"cannot import agent module {source!r}: {error}") from error
+            raise AgentError(
+                f"cannot import agent module {source!r}: {error}{_hint(Path.cwd())}"
+            ) from error
     path = Path(source)
     if not path.is_file():
         raise AgentError(f"agent file {source} does not exist")
@@ -120,10 +160,43 @@ def _load_module(source: str) -> ModuleType:
     assert spec.loader is not None, "a .py file always has a loader"
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module  # dataclasses look it up there
+    folder = path.resolve().parent
     try:
-        spec.loader.exec_module(module)
+        with _modules_of(folder):
+            spec.loader.exec_module(module)
     except SyntaxError as error:
-        raise AgentError(f"{source}, line {error.lineno}: {error.msg}") from error
+        raise AgentError(f"{error.filename or source}, line {error.lineno}: {error.msg}") from error
     except ImportError as error:
-        raise AgentError(f"cannot import agent file {source}: {error}") from error
+        raise AgentError(f"cannot import agent file {source}: {error}{_hint(folder)}") from error
     return module
+
+
+@contextmanager
+def _modules_of(folder: Path) -> Iterator[None]:
+    """Allow imports from a folder, as Python does for a script in it.
+
+    What was imported from there is forgotten afterwards: it is read each time, as the agent is, and
+    another folder may have modules of the same names. For imports in functions the folder stays the
+    last that is searched.
+    """
+    before = sys.modules.copy()
+    sys.path.insert(0, str(folder))
+    try:
+        yield
+    finally:
+        sys.path[:] = [each for each in sys.path if each != str(folder)] + [str(folder)]
+        for name in sys.modules.keys() - before.keys():
+            file = getattr(sys.modules[name], "__file__", None)
+            if file and Path(file).is_relative_to(folder) and not name.startswith("agent file "):
+                del sys.modules[name]
+
+
+def _hint(folder: Path) -> str:
+    """Return what to do if a folder has a module with the name of this package."""
+    own = [name for name in ("agents.py", "agents") if (folder / name).exists()]
+    if not own or Path(__file__).parent == folder / "agents":
+        return ""
+    return (
+        f"; 'agents' is the package of this program, so {folder / own[0]} cannot be imported: "
+        "give it another name"
+    )

@@ -48,8 +48,10 @@ AgentOption = Annotated[
     str,
     typer.Option(
         "--agent",
-        help="The agent: greedy, exploring, bfs, ucs, astar, weighted-astar, greedy-best-first, "
-        "ppo:FILE, q:FILE, or your own as file.py:Class.",
+        metavar="NAME",
+        help="The agent: random, reflex, greedy, exploring, bfs, ucs, astar, weighted-astar, "
+        "greedy-best-first, ppo:FILE, q:FILE, or your own as file.py:Class; arguments may follow "
+        "as in greedy:memory=20,escape_steps=0.",
     ),
 ]
 

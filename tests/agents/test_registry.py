@@ -1,5 +1,6 @@
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 from helpers.command_line import in_a_process
@@ -111,8 +112,9 @@ def test_an_agent_may_be_a_dataclass(agent_file: Path) -> None:
 
 def test_an_unknown_name_is_an_error_that_lists_the_allowed_ones() -> None:
     assert refusal("clever") == (
-        "no agent is called 'clever'; allowed: greedy, exploring, bfs, ucs, greedy-best-first, "
-        "astar, weighted-astar, ppo:FILE, q:FILE, or your own as file.py:Class or module:Class"
+        "no agent is called 'clever'; allowed: random, reflex, greedy, exploring, bfs, ucs, "
+        "greedy-best-first, astar, weighted-astar, ppo:FILE, q:FILE, "
+        "or your own as file.py:Class or module:Class"
     )
     assert "no agent is called ''" in refusal("")
 
@@ -187,6 +189,67 @@ def test_a_fault_in_an_agents_own_code_is_not_hidden(agent_file: Path) -> None:
     agent_file.write_text("1 / 0\n")
     with pytest.raises(ZeroDivisionError):
         make_agent(f"{agent_file}:Mine")
+
+
+# Arguments, helpers and names.
+
+
+def test_arguments_follow_the_name(agent_file: Path) -> None:
+    agent = make_agent("greedy:memory=20,escape_steps=0", 7)
+    assert isinstance(agent, GreedyAgent)
+    assert (agent.memory, agent.escape_steps, agent.seed) == (20, 0, 7)
+    assert make_agent("astar:cost=joules") != make_agent("astar")
+    agent_file.write_text(
+        WITH_SEED.replace("seed=None", "speed, names=''").replace("seed", "speed")
+    )
+    mine: Any = make_agent(f"{agent_file}:Mine:speed=2.5")
+    assert mine.speed == 2.5
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        (
+            "greedy:memroy=3",
+            "agent 'greedy' takes no argument 'memroy'; allowed: memory=VALUE, escape_steps=VALUE",
+        ),
+        ("greedy:seed=3", "agent 'greedy' takes no argument 'seed'; "),
+        ("astar:algorithm='bfs'", "agent 'astar' takes no argument 'algorithm'; "),
+        ("reflex:memory=3", "agent 'reflex' takes no argument 'memory'; allowed: none"),
+        ("greedy:memory=-1", "agent 'greedy:memory=-1': memory is -1; it must be at least 0"),
+        ("astar:cost=money", "agent 'astar:cost=money': cost is 'money'; allowed: "),
+    ],
+)
+def test_a_wrong_argument_is_named(name: str, message: str) -> None:
+    assert refusal(name).startswith(message)
+
+
+def test_an_agent_imports_the_modules_beside_its_file(tmp_path: Path) -> None:
+    for folder, word in (("one", "N"), ("two", "S")):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "helper.py").write_text(f"WORD = {word!r}\n")
+        file = tmp_path / folder / "mine.py"
+        file.write_text("from helper import WORD\n" + WITHOUT_SEED.replace('"WAIT"', "WORD"))
+    observation = WarehouseEnv().reset()
+    for folder, word in (("one", "N"), ("two", "S")):
+        assert make_agent(f"{tmp_path / folder / 'mine.py'}:Mine").act(observation) == word
+    (tmp_path / "one" / "helper.py").write_text("WORD = 'WAIT'\n")
+    assert make_agent(f"{tmp_path / 'one' / 'mine.py'}:Mine").act(observation) == "WAIT"
+
+
+def test_a_file_with_the_name_of_this_package_is_named(
+    agent_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hidden = agent_file.with_name("agents.py")
+    hidden.write_text("WORD = 'N'\n")
+    agent_file.write_text("from agents import WORD\n")
+    advice = (
+        f"'agents' is the package of this program, so {hidden} cannot be imported: "
+        "give it another name"
+    )
+    assert refusal(f"{agent_file}:Mine").endswith(advice)
+    monkeypatch.chdir(agent_file.parent)
+    assert refusal("agents.mine:Mine").endswith(advice)
 
 
 # Trained agents.

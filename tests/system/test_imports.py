@@ -50,11 +50,11 @@ MAY_IMPORT = {
     "warehouse_physics/motion": "arena disturbances robot robot_spec vector",
     "agents/console": "",
     "agents/errors": "",
-    "agents/evaluation": "",
     "agents/search": "",
     "agents/warehouse_agent_greedy": "",
+    "agents/evaluation": "warehouse_agent_greedy",
     "agents/learning": "errors evaluation warehouse_agent_greedy",
-    "agents/registry": "errors learning search warehouse_agent_greedy",
+    "agents/registry": "errors evaluation learning search warehouse_agent_greedy",
     "agents/experiments": "console errors registry warehouse_agent_greedy",
     "agents/run_episode": "console registry",
     "agents/commands": (
