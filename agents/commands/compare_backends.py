@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -84,5 +83,5 @@ def compare(
         lambda window: replay_animation(one, beside=other, window=window),
         save,
         show,
-        Path(f"compare-{seed}.gif"),
+        f"compare-{one.agent}-{left}-{right}-{seed}.gif",
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
@@ -169,7 +168,7 @@ def demo(
 
         return replay_of_track(shown.track, shown.beside, window=window)
 
-    show_or_save(make_replay, save, show, Path(f"demo-{name}.gif"))
+    show_or_save(make_replay, save, show, f"demo-{name}.gif")
 
 
 def _titled(track: Track, title: str) -> Track:

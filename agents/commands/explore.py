@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -66,7 +65,7 @@ def explore(
         lambda window: belief_replay(episode, history, window=window),
         save,
         show,
-        Path(f"explore-{seed}.gif"),
+        f"explore-{backend}-{seed}.gif",
         episode,
     )
 

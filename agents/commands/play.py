@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
+
+import typer
 
 from agents.console.options import (
     BackendOption,
@@ -13,7 +16,7 @@ from agents.console.options import (
     SeedOption,
     load_layout,
 )
-from agents.console.output import replay_or_save
+from agents.console.output import replay_or_save, unused
 from agents.run_episode import draw_seed, report_episode
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.errors import NoDisplayError
@@ -33,7 +36,7 @@ FRAME_MS = 40
 """Milliseconds between the frames of a continuous motion."""
 
 AGAIN, QUIT = ("enter", "return"), ("q", "escape")
-HELP = "arrows or NESW move, P picks, D drops, space waits, Enter starts again, Q quits"
+HELP = "arrows or NESW move, P picks, D drops, space waits, Enter starts another, Q quits"
 
 
 class Driver:
@@ -42,6 +45,9 @@ class Driver:
     Args:
         env: the environment.
         seed: for the first episode; each further one adds 1.
+
+    Attributes:
+        games: the records of all episodes, the last of which may be unfinished.
     """
 
     def __init__(self, env: WarehouseEnv, seed: int) -> None:
@@ -50,6 +56,7 @@ class Driver:
         from warehouse_core.viz.scene import Scene
 
         self._env = env
+        self.games: list[Episode] = []
         self._begin(seed)
         self._scene = Scene(track_of_episode(self.episode), make_window, length=env.max_steps + 1)
         self.figure = self._scene.root
@@ -61,7 +68,7 @@ class Driver:
     @property
     def episode(self) -> Episode:
         """The record of the current episode so far."""
-        return self._recorder.episode
+        return self.games[-1]
 
     def press(self, key: str) -> None:
         """Carry out a key; after the end of an episode the keys of actions do nothing."""
@@ -71,8 +78,8 @@ class Driver:
 
             plt.close(self.figure)
         elif key in AGAIN:
-            assert self.episode.seed is not None, "every episode here has a seed"
-            self._begin(self.episode.seed + 1)
+            report_game(self.games)
+            self._begin(self._next_seed)
             self._show()
         elif key in KEYS and not self._recorder.ended:
             self._recorder.step(KEYS[key], "key")
@@ -82,13 +89,15 @@ class Driver:
         self._frame = 0
         self._env.reset(randomize=True, seed=seed)
         self._recorder = EpisodeRecorder(self._env, seed=seed, agent="You")
+        self._next_seed = seed + 1
+        self.games.append(self._recorder.episode)
 
     def _show(self) -> None:
         """Show the latest step: at once on the grid, frame by frame if the motion is continuous."""
         track = self._track = track_of_episode(self.episode)
         track.frames[0].caption = HELP
         if self._recorder.ended:
-            track.frames[-1].caption += ", Enter starts again"
+            track.frames[-1].caption += f", Enter starts seed {self._next_seed}"
         if not track.is_continuous:
             self._frame = len(track) - 1
         self._glide()
@@ -108,6 +117,12 @@ class Driver:
             self.press(event.key)
 
 
+def report_game(games: Sequence[Episode]) -> None:
+    """Print the outcome of the last of some games, and its number."""
+    typer.echo(f"game {len(games)}")
+    report_episode(games[-1])
+
+
 def play(
     backend: BackendOption = "grid",
     layout: LayoutOption = None,
@@ -119,7 +134,8 @@ def play(
 ) -> None:
     """Drive the robot yourself, in a window.
 
-    Arrows or NESW move, P picks, D drops, space waits.
+    Arrows or NESW move, P picks, D drops, space waits, Enter starts another game. Each game is
+    saved; the names of the files of further games have a number.
     """
     env = WarehouseEnv(load_layout(layout), None, max_steps, battery, backend=backend)
     if not has_display():
@@ -127,7 +143,14 @@ def play(
     driver = Driver(env, draw_seed() if seed is None else seed)
     import matplotlib.pyplot as plt
 
-    plt.show()
-    report_episode(driver.episode)
-    replay_or_save(driver.episode, save, show=False)
-    env.close()
+    try:
+        plt.show()
+    finally:
+        if len(driver.games) > 1 and not driver.episode.steps:
+            del driver.games[-1]  # the window was closed at its start
+        else:
+            report_game(driver.games)
+        replay_or_save(driver.games[0], save, show=False)
+        for game in driver.games[1:]:
+            replay_or_save(game, list(map(unused, save)), show=False)
+        env.close()

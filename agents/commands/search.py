@@ -6,7 +6,6 @@ import math
 import random
 import re
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -167,7 +166,7 @@ def search(
         courses = [SearchCourse(name, grid, begin, each) for name, each in named]
         return search_replay(grid, begin, end, courses, title, window=window)
 
-    show_or_save(make_replay, save, show, Path("search.gif"))
+    show_or_save(make_replay, save, show, "search.gif")
 
 
 def _parse_weight(text: str) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -29,20 +30,22 @@ def replay_or_save(
     speed: float = 1.0,
 ) -> None:
     """Show or save an episode as ``show_or_save`` does; ``.npz`` is its record."""
-    fallback = Path(f"replay-{'unseeded' if episode.seed is None else episode.seed}.gif")
-    show_or_save(_replay_of(episode, interval_ms, speed), targets, show, fallback, episode)
+    seed = "unseeded" if episode.seed is None else episode.seed
+    name = re.sub(r"[^\w-]+", "_", f"replay-{episode.agent}-{episode.settings.backend}-{seed}")
+    show_or_save(_replay_of(episode, interval_ms, speed), targets, show, f"{name}.gif", episode)
 
 
 def show_or_save(
     make_replay: MakeReplay,
     targets: Sequence[Path],
     show: bool | None,
-    fallback: Path,
+    fallback: str,
     episode: Episode | None = None,
 ) -> None:
     """Write ``targets``, then open a window if ``show``, or if it is None and there are none.
 
-    If no window can be opened and nothing was written, write the replay to ``fallback``.
+    If no window can be opened and nothing was written, write the replay to ``fallback``, with a
+    number if there is such a file.
     """
     for target in targets:
         _save(make_replay, target, episode)
@@ -56,7 +59,16 @@ def show_or_save(
     consequence = "" if targets else ", so the replay goes to a file"
     typer.echo(f"there is no display to open a window on{consequence}")
     if not targets:
-        _save(make_replay, fallback, episode)
+        _save(make_replay, unused(Path(fallback)), episode)
+
+
+def unused(path: Path) -> Path:
+    """Return a path to which nothing has been written: ``path``, or that with a number."""
+    number, first = 1, path
+    while path.exists():
+        number += 1
+        path = first.with_stem(f"{first.stem}-{number}")
+    return path
 
 
 def _save(make_replay: MakeReplay, target: Path, episode: Episode | None) -> None:

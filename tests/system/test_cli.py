@@ -139,9 +139,9 @@ def test_run_without_a_display_says_where_the_replay_went(
     assert (result.code, result.err) == (0, "")
     assert result.out.splitlines()[-2:] == [
         "there is no display to open a window on, so the replay goes to a file",
-        "saved replay-12.gif",
+        "saved replay-GreedyAgent-grid-12.gif",
     ]
-    with Image.open("replay-12.gif") as film:
+    with Image.open("replay-GreedyAgent-grid-12.gif") as film:
         assert film.n_frames == 6  # type: ignore[attr-defined]
 
 

@@ -21,9 +21,9 @@ ANSWERS = re.compile(
 TORCH = ("sh", "rl")
 INSTALL = "python3 -m venv .venv && .venv/bin/pip install -e "
 WRITTEN = {
-    "What to try first": {"replay.html", "replay.gif", "episode.npz", "hall.txt", "replay-12.gif"},
-    "Write an agent": {"replay-3.gif"},
-    "Write a layout": {"replay-5.gif"},
+    "What to try first": {"replay.html", "replay.gif", "episode.npz", "hall.txt"},
+    "Write an agent": {"replay-Wanderer-grid-3.gif"},
+    "Write a layout": {"replay-GreedyAgent-grid-5.gif"},
     "Change one word: physics": {"both.gif"},
     "Gymnasium, one or thousands": set(),
     "Learn": {"table.npz", "table.png"},

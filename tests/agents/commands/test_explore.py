@@ -53,10 +53,10 @@ def test_without_a_display_the_replay_goes_to_a_file(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     said = command(capsys, "explore", "--seed", 5, "--max-steps", 2)
-    assert "saved explore-5.gif" in said.out
+    assert "saved explore-grid-5.gif" in said.out
     assert values(said.out)["outcome"] == "out of time"
     assert values(said.out)["fewest steps"].isdigit()
-    assert (tmp_path / "explore-5.gif").stat().st_size > 5_000
+    assert (tmp_path / "explore-grid-5.gif").stat().st_size > 5_000
 
 
 def test_where_no_way_leads_there_is_no_fewest(

@@ -82,7 +82,7 @@ def test_an_item_can_be_delivered(driver: Driver) -> None:
     press(driver.figure, *DELIVERY)
     assert driver.episode.outcome == "delivered"
     assert "DELIVERED" in words_in(driver.figure)
-    words = "delivered in 4 steps; the shortest way takes 4, Enter starts again"
+    words = "delivered in 4 steps; the shortest way takes 4, Enter starts seed 5"
     assert words in words_in(driver.figure)
 
 
@@ -152,6 +152,7 @@ def test_play_reports_and_saves_what_was_driven(
     assert episode.actions == ["S", "PICK", "E", "DROP"]
     assert (episode.agent, episode.seed, episode.outcome) == ("You", SEED, "delivered")
     assert result.out.splitlines() == [
+        "game 1",
         f"You on the grid backend, seed {SEED}",
         "outcome         delivered",
         "diagnosis       delivered in 4 steps; the shortest way takes 4",
@@ -163,6 +164,21 @@ def test_play_reports_and_saves_what_was_driven(
     ]
     with Image.open("e.png") as image:
         assert image.format == "PNG"
+
+
+def test_every_game_is_reported_and_saved(
+    capsys: pytest.CaptureFixture[str], keys: Callable[..., None]
+) -> None:
+    keys("n", "enter", "e", "e", "enter", "q")
+    result = command(capsys, "play", "--seed", 8, "--save", "e.npz", "--save", "e.svg")
+    games = [Episode.load(name) for name in ("e.npz", "e-2.npz")]
+    assert [(game.seed, game.actions) for game in games] == [(8, ["N"]), (9, ["E", "E"])]
+    lines = result.out.splitlines()
+    for number in (1, 2):
+        after = lines.index(f"game {number}") + 1
+        assert lines[after] == f"You on the grid backend, seed {7 + number}"
+    assert "game 3" not in lines
+    assert lines[-4:] == ["saved e.npz", "saved e.svg", "saved e-2.npz", "saved e-2.svg"]
 
 
 def test_play_takes_battery_and_steps(
@@ -185,7 +201,9 @@ def test_play_has_a_random_seed_and_may_be_closed_at_once(
     monkeypatch.setattr(module, "draw_seed", lambda: 77)
     result = command(capsys, "play", "--save", "e.npz", "--save", "e.svg")
     assert result.code == 0
-    assert result.out.startswith("You on the grid backend, seed 77\noutcome         unfinished\n")
+    assert result.out.startswith(
+        "game 1\nYou on the grid backend, seed 77\noutcome         unfinished\n"
+    )
     assert Episode.load("e.npz").steps == 0
 
 

@@ -106,13 +106,16 @@ def test_a_window_opens_if_requested_or_if_nothing_is_saved(
             [],
             None,
             4,
-            [f"{NO_DISPLAY}, so the replay goes to a file", "saved replay-4.gif"],
+            [f"{NO_DISPLAY}, so the replay goes to a file", "saved replay-Tester-grid-4.gif"],
         ),
         (
             [],
             True,
             None,
-            [f"{NO_DISPLAY}, so the replay goes to a file", "saved replay-unseeded.gif"],
+            [
+                f"{NO_DISPLAY}, so the replay goes to a file",
+                "saved replay-Tester-grid-unseeded.gif",
+            ],
         ),
         ([], False, 4, []),
         (["a.npz"], None, 4, ["saved a.npz"]),
@@ -134,3 +137,23 @@ def test_without_a_display_the_replay_goes_to_a_file(
     assert capsys.readouterr().out.splitlines() == lines
     saved = [line.removeprefix("saved ") for line in lines if line.startswith("saved")]
     assert names(folder) == saved
+
+
+def test_an_older_file_is_not_overwritten_by_a_name_that_nobody_chose(
+    monkeypatch: pytest.MonkeyPatch, folder: Path
+) -> None:
+    fake(monkeypatch, has_display=False)
+    for _ in range(3):
+        replay_or_save(short_episode(), [], None)
+    first = "replay-Tester-grid-4"
+    assert names(folder) == [f"{first}-2.gif", f"{first}-3.gif", f"{first}.gif"]
+
+
+def test_the_name_of_an_agent_cannot_lead_to_another_folder(
+    monkeypatch: pytest.MonkeyPatch, folder: Path
+) -> None:
+    fake(monkeypatch, has_display=False)
+    episode = short_episode()
+    episode.agent = "../my agent"
+    replay_or_save(episode, [], None)
+    assert names(folder) == ["replay-_my_agent-grid-4.gif"]
