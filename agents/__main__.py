@@ -1,5 +1,19 @@
-"""``python -m agents`` is the command ``warehouse``."""
+"""The program ``warehouse``, which is also ``python -m agents``."""
 
-from agents.cli import main
+from __future__ import annotations
 
-main()
+import sys
+
+
+def main() -> None:
+    """Run the command line; an interrupt while it is being imported is one line too."""
+    try:
+        from agents import cli
+    except KeyboardInterrupt:
+        print("warehouse: interrupted", file=sys.stderr)
+        sys.exit(130)
+    cli.main()
+
+
+if __name__ == "__main__":
+    main()

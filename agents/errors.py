@@ -16,6 +16,7 @@ from __future__ import annotations
 import traceback
 from pathlib import Path
 
+from warehouse_core import Episode
 from warehouse_core.errors import WarehouseError
 
 
@@ -28,7 +29,27 @@ class ParameterError(WarehouseError, ValueError):
 
 
 class EpisodeError(WarehouseError):
-    """An episode that could not be run; the message says which and why."""
+    """An episode that could not be run to its end; the message says which and why.
+
+    Attributes:
+        episode: the record so far, if there is one.
+    """
+
+    def __init__(self, message: str, episode: Episode | None = None) -> None:
+        super().__init__(message)
+        self.episode = episode
+
+
+class EpisodeInterrupted(KeyboardInterrupt):
+    """An interrupt during an episode; the message says where it was.
+
+    Attributes:
+        episode: the record so far.
+    """
+
+    def __init__(self, message: str, episode: Episode) -> None:
+        super().__init__(message)
+        self.episode = episode
 
 
 class StoreError(WarehouseError):
@@ -48,12 +69,14 @@ def reason_of(error: BaseException, file: Path | None = None) -> str:
 
     Args:
         error: an exception that was caught.
-        file: if it is in the traceback, its last line there is given as the place.
+        file: the place is its last line in the traceback; without such a line none is given.
     """
-    frames = traceback.extract_tb(error.__traceback__)
-    own = [frame for frame in frames if file is not None and _is_same(frame.filename, file)]
-    place = (own or frames)[-1:]
-    where = "".join(f" ({Path(frame.filename).name}, line {frame.lineno})" for frame in place)
+    frames = [
+        frame
+        for frame in traceback.extract_tb(error.__traceback__)
+        if file is None or _is_same(frame.filename, file)
+    ]
+    where = "".join(f" ({Path(each.filename).name}, line {each.lineno})" for each in frames[-1:])
     try:
         text = f": {error}" if str(error) else ""
     except Exception:  # the exception of a user may itself be broken

@@ -7,6 +7,7 @@ same command.
 from __future__ import annotations
 
 import random
+from pathlib import Path
 
 import typer
 
@@ -23,8 +24,10 @@ from agents.console.options import (
     load_layout,
 )
 from agents.console.output import replay_or_save
+from agents.console.watch import run_watched
+from agents.errors import EpisodeError, EpisodeInterrupted
 from agents.registry import make_agent
-from warehouse_core import DEFAULT_LAYOUT, Episode, Layout, WarehouseEnv, record_episode
+from warehouse_core import DEFAULT_LAYOUT, Episode, EpisodeRecorder, Layout, WarehouseEnv
 from warehouse_core.records.failure_modes import diagnose
 
 MAX_SEED = 999_999
@@ -52,12 +55,18 @@ def run_episode(
 
     Raises:
         ValueError: an unknown name or a number out of range.
+        EpisodeError: the agent failed.
+        EpisodeInterrupted: Ctrl-C was pressed during the episode.
     """
     layout = layout or DEFAULT_LAYOUT
     env = WarehouseEnv(layout, None, max_steps, battery, backend=backend)
     seed = draw_seed() if seed is None else seed
     try:
-        return record_episode(env, make_agent(agent, seed, layout), seed=seed)
+        acting = make_agent(agent, seed, layout)
+        observation = env.reset(randomize=True, seed=seed)
+        recorder = EpisodeRecorder(env, seed=seed, agent=type(acting).__name__)
+        run_watched(recorder, acting, agent, observation)
+        return recorder.episode
     finally:
         env.close()
 
@@ -92,9 +101,21 @@ def run(
     show: ShowOption = None,
 ) -> None:
     """Run one episode from a random start and replay it."""
-    episode = run_episode(agent, backend, load_layout(layout), seed, battery, max_steps)
-    report_episode(episode)
-    replay_or_save(episode, save, show)
+    try:
+        episode = run_episode(agent, backend, load_layout(layout), seed, battery, max_steps)
+    except EpisodeError as error:
+        _keep(error.episode, save, show)
+        raise
+    except EpisodeInterrupted as error:
+        _keep(error.episode, save, False)
+        raise typer.Abort from error
+    _keep(episode, save, show)
+
+
+def _keep(episode: Episode | None, save: list[Path], show: bool | None) -> None:
+    if episode is not None:
+        report_episode(episode)
+        replay_or_save(episode, save, show)
 
 
 if __name__ == "__main__":

@@ -22,15 +22,17 @@ EXPECTED = (WarehouseError, OSError)
 
 def main(app: typer.Typer, arguments: Sequence[str] | None = None) -> None:
     """Run a command line and exit: 0 done, 1 error, 2 wrong usage, 130 interrupted."""
-    command = typer.main.get_command(app)
     try:
+        command = typer.main.get_command(app)
         code = command.main(arguments, standalone_mode=False)
+        if code == INTERRUPTED:  # an interrupt, which Typer has caught
+            _fail("interrupted", INTERRUPTED)
     except TyperException as error:
         code = _fail(error.format_message(), error.exit_code)
     except EXPECTED as error:
         code = _fail(_describe(error), USER_ERROR)
-    except (typer.Abort, KeyboardInterrupt):
-        code = _fail("interrupted", INTERRUPTED)
+    except (typer.Abort, KeyboardInterrupt) as error:
+        code = _fail(f"interrupted {error.__cause__ or ''}", INTERRUPTED)
     sys.exit(code)
 
 

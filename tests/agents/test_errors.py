@@ -32,7 +32,7 @@ def test_the_place_is_in_the_given_file() -> None:
     assert "pathlib.py" in reason_of(found.value)
     for file in (FILE, Path("nowhere/../") / FILE):
         assert "(test_errors.py, line " in reason_of(found.value, file)
-    assert "pathlib.py" in reason_of(found.value, Path("other.py"))
+    assert reason_of(found.value, Path("other.py")).endswith("Invalid name '/'")
 
 
 def test_an_exception_without_a_message_and_a_place_is_its_name() -> None:

@@ -11,6 +11,7 @@ from helpers.command_line import Result, command, in_a_process, refusal, without
 from helpers.pictures import short_episode
 from PIL import Image
 
+import agents.__main__ as program
 from agents import cli
 from agents.run_episode import run_episode
 from warehouse_core import Episode
@@ -164,7 +165,7 @@ def test_run_takes_an_agent_from_a_file(capsys: pytest.CaptureFixture[str], tmp_
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--agent", "clever"], "no agent is called 'clever'; allowed: greedy"),
+        (["--agent", "clever"], "no agent is called 'clever'; allowed: random"),
         (["--agent", "missing.py:Agent"], "agent file missing.py does not exist"),
         (["--agent", "wrong.py:Agent"], "wrong.py, line 2: "),
         (["--agent", "waiter.py:Agent"], "waiter.py has no class 'Agent'"),
@@ -305,4 +306,18 @@ def test_an_interrupt_ends_with_130_and_leaves_no_partial_file(
 
 def test_the_installed_command_is_this_one() -> None:
     (entry,) = entry_points(group="console_scripts", name="warehouse")
-    assert entry.load() is cli.main
+    assert entry.load() is program.main
+
+
+def test_an_interrupt_during_the_imports_is_one_line(tmp_path: Path) -> None:
+    words = """
+import sys
+class Interrupting:
+    def find_spec(self, name, *_):
+        if name == "numpy":
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Interrupting())
+from agents.__main__ import main
+main()
+"""
+    assert in_a_process("-c", words, folder=tmp_path) == (130, "", "warehouse: interrupted\n")

@@ -189,6 +189,17 @@ class EpisodeRecorder:
         self._keep_frame(reward)
         return observation
 
+    def run(self, agent: Agent, observation: Observation) -> None:
+        """Let an agent act until the episode is over.
+
+        Args:
+            agent: see ``Agent``; it has been reset.
+            observation: the present one.
+        """
+        while not self.ended:
+            action = agent.act(observation)
+            observation = self.step(action, reason=str(getattr(agent, "reason", "")))
+
     def _keep_frame(self, reward: float) -> None:
         state, episode = self._env.state, self.episode
         episode.cells.append(state.robot_pos)
@@ -214,9 +225,7 @@ def record_episode(
     observation = env.reset(randomize=randomize, seed=seed)
     agent.reset()
     recorder = EpisodeRecorder(env, seed=seed, agent=type(agent).__name__)
-    while not recorder.ended:
-        action = agent.act(observation)
-        observation = recorder.step(action, reason=str(getattr(agent, "reason", "")))
+    recorder.run(agent, observation)
     return recorder.episode
 
 
