@@ -21,6 +21,11 @@ from warehouse_core.world.tiles import MOVE_DELTAS, ROBOT_EMPTY, ROBOT_LOADED, T
 LEGEND = TILES | {ROBOT_EMPTY: "robot (empty)", ROBOT_LOADED: "robot (loaded)"}
 
 
+STATIONS, START = "stations", "start"
+DRAWN = (False, True, STATIONS, START)
+"""What ``reset`` may draw at random: nothing, all, or one of the two."""
+
+
 class WarehouseEnv:
     """The warehouse of the chapter's exercise.
 
@@ -136,24 +141,32 @@ class WarehouseEnv:
             view_radius=self._view_radius,
         )
 
-    def reset(self, randomize: bool = False, seed: int | None = None) -> Observation:
+    def reset(self, randomize: bool | str = False, seed: int | None = None) -> Observation:
         """Start an episode: no item, full battery, no steps taken.
 
         Args:
-            randomize: draw pickup, dropoff and start uniformly from the open cells, in this
-                order; the new pickup and dropoff replace the old ones for later resets too.
+            randomize: ``True`` to draw pickup, dropoff and start uniformly from the open cells, in
+                this order; ``"stations"`` or ``"start"`` to draw only those. A new pickup and
+                dropoff replace the old ones for later resets too.
             seed: for ``random.Random(seed)``, from which the cells are drawn; ``None`` draws from
                 the global ``random``. Pickup and dropoff are drawn from the cells that are empty
                 before, so the same seed gives the same layout only after the same stations.
 
         Raises:
-            LayoutError: ``randomize`` with fewer than two open cells; nothing has changed.
-            TypeError: ``seed`` is not an integer.
+            LayoutError: stations are to be drawn from fewer than two open cells.
+            ValueError: ``randomize`` is another word.
+            TypeError: ``seed`` is not an integer. Nothing has changed after any of these.
         """
+        if randomize not in DRAWN:
+            raise ValueError(f"randomize is {randomize!r}; allowed: {', '.join(map(repr, DRAWN))}")
         seed = None if seed is None else whole_number("seed", seed)
         layout, start = self.layout, self._start_pos
         if randomize:
-            layout, start = self._drawn(random if seed is None else random.Random(seed))
+            stream = random if seed is None else random.Random(seed)
+            if randomize != START:
+                layout = self._draw_stations(stream)
+            if randomize != STATIONS:
+                start = self._draw_start(stream, layout)
         return self._begin(layout, start, seed)
 
     def reset_to(
@@ -274,25 +287,27 @@ class WarehouseEnv:
         self._placed = cell
         self.last_motion = None
 
-    def _drawn(self, stream: Any) -> tuple[Layout, Cell]:
-        """Return the layout with random pickup and dropoff, and a random start.
+    def _draw_stations(self, stream: Any) -> Layout:
+        """Return the layout with random pickup and dropoff, from the cells that are empty before.
 
-        The stations are drawn from the cells that were empty before, the start from those that are
-        empty with the new stations. With fewer than two empty cells the layout is left without
-        stations. All this is as in the chapter's recorded episodes.
+        With fewer than two empty cells it is left without stations, as in the chapter's recorded
+        episodes.
         """
-        layout = self.layout
-        check_room(layout)
-        count = len(layout.open_cells)
-        old, new = layout.station_ranks(), list[int]()
+        check_room(self.layout)
+        count = len(self.layout.open_cells)
+        old, new = self.layout.station_ranks(), list[int]()
         if count - len(old) >= 2:
             for _ in range(2):
                 new.append(_draw(stream, count, without=old + new))
-        pickup, dropoff = map(layout.open_cell, new) if new else (None, None)
-        start = self._start_pos
-        if count > len(new):
-            start = layout.open_cell(_draw(stream, count, without=new))
-        return layout.with_stations(pickup, dropoff), start
+        pickup, dropoff = map(self.layout.open_cell, new) if new else (None, None)
+        return self.layout.with_stations(pickup, dropoff)
+
+    def _draw_start(self, stream: Any, layout: Layout) -> Cell:
+        """Return a random empty cell of a layout, the usual start if there is none."""
+        count, stations = len(layout.open_cells), layout.station_ranks()
+        if count <= len(stations):
+            return self._start_pos
+        return layout.open_cell(_draw(stream, count, without=stations))
 
 
 def _draw(stream: Any, count: int, without: list[int]) -> int:

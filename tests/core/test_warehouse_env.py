@@ -441,3 +441,40 @@ def test_properties_cannot_be_assigned(
 ) -> None:
     with pytest.raises(AttributeError):
         change(WarehouseEnv())
+
+
+# What a reset draws.
+
+STATIONED = ["#######", "#P.P..#", "#.#.#.#", "#..D..#", "#######"]
+
+
+def test_a_reset_may_draw_the_start_alone() -> None:
+    env = WarehouseEnv(STATIONED, None)
+    layout, starts = env.layout, set()
+    for seed in range(60):
+        starts.add(env.reset("start", seed=seed)["robot_pos"])
+        assert env.layout is layout
+    empty = {(row, col) for row in range(5) for col in range(7) if STATIONED[row][col] == "."}
+    assert starts == empty
+    assert env.reset()["robot_pos"] == env.start_pos
+
+
+def test_a_reset_may_draw_the_stations_alone() -> None:
+    env = WarehouseEnv(STATIONED, (3, 5))
+    everything = WarehouseEnv(STATIONED, (3, 5))
+    for seed in range(5):
+        assert env.reset("stations", seed=seed)["robot_pos"] == (3, 5)
+        everything.reset(True, seed=seed)
+        assert env.grid == everything.grid != STATIONED
+
+
+def test_a_start_is_the_usual_one_where_all_cells_are_stations() -> None:
+    assert WarehouseEnv(["PD"], (0, 1)).reset("start", seed=1)["robot_pos"] == (0, 1)
+
+
+def test_an_unknown_word_for_what_to_draw_is_an_error() -> None:
+    env = WarehouseEnv()
+    before = env.observe()
+    with pytest.raises(ValueError, match="randomize is 'all'; allowed: False, True, 'stations'"):
+        env.reset("all")
+    assert env.observe() == before

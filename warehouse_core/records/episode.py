@@ -209,7 +209,7 @@ class EpisodeRecorder:
 
 
 def record_episode(
-    env: WarehouseEnv, agent: Agent, *, seed: int | None = None, randomize: bool = True
+    env: WarehouseEnv, agent: Agent, *, seed: int | None = None, randomize: bool | str = True
 ) -> Episode:
     """Reset the environment and the agent, and run one whole episode.
 
