@@ -7,7 +7,6 @@ same command.
 from __future__ import annotations
 
 import random
-from pathlib import Path
 
 import typer
 
@@ -16,18 +15,25 @@ from agents.console.options import (
     AgentOption,
     BackendOption,
     BatteryOption,
+    EscapeOption,
     LayoutOption,
     MaxStepsOption,
+    MemoryOption,
     SaveOption,
     SeedOption,
     ShowOption,
-    load_layout,
+    SpeedOption,
+    StartOption,
+    StationsOption,
+    ViewRadiusOption,
+    greedy_with,
+    load_place,
 )
 from agents.console.output import replay_or_save
 from agents.console.watch import run_watched
 from agents.errors import EpisodeError, EpisodeInterrupted
 from agents.registry import make_agent
-from warehouse_core import DEFAULT_LAYOUT, Episode, EpisodeRecorder, Layout, WarehouseEnv
+from warehouse_core import DEFAULT_LAYOUT, Cell, Episode, EpisodeRecorder, Layout, WarehouseEnv
 from warehouse_core.records.failure_modes import diagnose
 
 MAX_SEED = 999_999
@@ -41,8 +47,11 @@ def run_episode(
     seed: int | None = None,
     battery: int = 200,
     max_steps: int = 200,
+    view_radius: int = 2,
+    start_pos: Cell | None = None,
+    randomize: bool | str = True,
 ) -> Episode:
-    """Run one episode from a random start and return its record.
+    """Run one episode, by default from a random start, and return its record.
 
     Args:
         agent: name of an agent, see ``agents/registry.py``.
@@ -52,6 +61,9 @@ def run_episode(
             record keeps.
         battery: units of a full battery, at least 1.
         max_steps: of the episode, at least 1.
+        view_radius: cells seen in each direction.
+        start_pos: the start if none is drawn; ``None`` for the usual one.
+        randomize: what is drawn, see ``WarehouseEnv.reset``.
 
     Raises:
         ValueError: an unknown name or a number out of range.
@@ -59,11 +71,11 @@ def run_episode(
         EpisodeInterrupted: Ctrl-C was pressed during the episode.
     """
     layout = layout or DEFAULT_LAYOUT
-    env = WarehouseEnv(layout, None, max_steps, battery, backend=backend)
+    env = WarehouseEnv(layout, start_pos, max_steps, battery, view_radius, backend=backend)
     seed = draw_seed() if seed is None else seed
     try:
         acting = make_agent(agent, seed, layout)
-        observation = env.reset(randomize=True, seed=seed)
+        observation = env.reset(randomize, seed)
         recorder = EpisodeRecorder(env, seed=seed, agent=type(acting).__name__)
         run_watched(recorder, acting, agent, observation)
         return recorder.episode
@@ -76,10 +88,11 @@ def draw_seed() -> int:
     return random.SystemRandom().randint(0, MAX_SEED)
 
 
-def report_episode(episode: Episode) -> None:
-    """Print the outcome of an episode."""
+def report_episode(episode: Episode, stations: str = "") -> None:
+    """Print the outcome of an episode, and whether its stations are drawn or kept."""
     settings = episode.settings
-    typer.echo(f"{episode.agent} on the {settings.backend} backend, seed {episode.seed}")
+    source = f", stations {stations}" if stations else ""
+    typer.echo(f"{episode.agent} on the {settings.backend} backend, seed {episode.seed}{source}")
     diagnosis = diagnose(episode)
     mode = "" if diagnosis.mode == episode.outcome else f"{diagnosis.mode}: "
     typer.echo(f"outcome         {episode.outcome}")
@@ -93,32 +106,48 @@ def run(
     agent: AgentOption = "greedy",
     backend: BackendOption = "grid",
     layout: LayoutOption = None,
+    stations: StationsOption = None,
+    start: StartOption = None,
     seed: SeedOption = None,
     battery: BatteryOption = 200,
     max_steps: MaxStepsOption = 200,
+    view_radius: ViewRadiusOption = 2,
+    memory: MemoryOption = None,
+    escape: EscapeOption = None,
     *,
     save: SaveOption,
     show: ShowOption = None,
+    speed: SpeedOption = 1.0,
 ) -> None:
     """Run one episode from a random start and replay it."""
+    place = load_place(layout, stations, start)
+    name = greedy_with(agent, memory, escape)
+
+    def finish(episode: Episode, show: bool | None) -> None:
+        report_episode(episode, place.stations)
+        replay_or_save(episode, save, show, speed=speed)
+
     try:
-        episode = run_episode(agent, backend, load_layout(layout), seed, battery, max_steps)
+        episode = run_episode(
+            name,
+            backend,
+            seed=seed,
+            battery=battery,
+            max_steps=max_steps,
+            view_radius=view_radius,
+            **place._asdict(),
+        )
     except EpisodeError as error:
-        _keep(error.episode, save, show)
+        if error.episode is not None:
+            finish(error.episode, show)
         raise
     except EpisodeInterrupted as error:
-        _keep(error.episode, save, False)
+        finish(error.episode, False)
         raise typer.Abort from error
-    _keep(episode, save, show)
-
-
-def _keep(episode: Episode | None, save: list[Path], show: bool | None) -> None:
-    if episode is not None:
-        report_episode(episode)
-        replay_or_save(episode, save, show)
+    finish(episode, show)
 
 
 if __name__ == "__main__":
-    app = typer.Typer(add_completion=False)
+    app = typer.Typer(add_completion=False, rich_markup_mode=None)
     app.command()(run)
     main(app)

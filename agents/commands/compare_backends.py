@@ -15,7 +15,9 @@ from agents.console.options import (
     SaveReplayOption,
     SeedOption,
     ShowOption,
-    load_layout,
+    StartOption,
+    StationsOption,
+    load_place,
 )
 from agents.console.output import show_or_save
 from agents.console.table import Table, print_table
@@ -65,6 +67,8 @@ def compare(
     left: Annotated[str, typer.Option("--left", help="Backend on the left.")] = "grid",
     right: Annotated[str, typer.Option("--right", help="Backend on the right.")] = "physics",
     layout: LayoutOption = None,
+    stations: StationsOption = None,
+    start: StartOption = None,
     seed: SeedOption = None,
     battery: BatteryOption = 200,
     max_steps: MaxStepsOption = 200,
@@ -74,9 +78,12 @@ def compare(
 ) -> None:
     """Run an episode on two backends, side by side."""
     seed = draw_seed() if seed is None else seed
-    grid = load_layout(layout)
+    place = load_place(layout, stations, start)
     one, other = (
-        run_episode(agent, backend, grid, seed, battery, max_steps) for backend in (left, right)
+        run_episode(
+            agent, backend, seed=seed, battery=battery, max_steps=max_steps, **place._asdict()
+        )
+        for backend in (left, right)
     )
     print_table(comparison_table(one, other))
     show_or_save(

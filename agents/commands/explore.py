@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -14,7 +14,10 @@ from agents.console.options import (
     SaveOption,
     SeedOption,
     ShowOption,
-    load_layout,
+    StartOption,
+    StationsOption,
+    ViewRadiusOption,
+    load_place,
 )
 from agents.console.output import show_or_save
 from agents.run_episode import draw_seed, report_episode
@@ -26,20 +29,14 @@ from warehouse_core.records.failure_modes import fewest_steps
 if TYPE_CHECKING:
     from agents.search.belief_replay import Insight
 
-MAX_VIEW_RADIUS = 100
-"""A window of this radius has 40,401 cells, which are read at every step."""
-
 
 def explore(
     layout: LayoutOption = None,
+    stations: StationsOption = None,
+    start: StartOption = None,
     seed: SeedOption = None,
     backend: BackendOption = "grid",
-    view_radius: Annotated[
-        int,
-        typer.Option(
-            "--view-radius", min=0, max=MAX_VIEW_RADIUS, help="Cells seen in each direction."
-        ),
-    ] = 2,
+    view_radius: ViewRadiusOption = 2,
     battery: BatteryOption = 200,
     max_steps: MaxStepsOption = 200,
     *,
@@ -53,13 +50,16 @@ def explore(
     from agents.search.belief_replay import belief_replay, record_beliefs
 
     seed = draw_seed() if seed is None else seed
-    env = WarehouseEnv(load_layout(layout), None, max_steps, battery, view_radius, backend=backend)
+    place = load_place(layout, stations, start)
+    env = WarehouseEnv(
+        place.layout, place.start_pos, max_steps, battery, view_radius, backend=backend
+    )
     agent = ExploringAgent()
     try:
-        episode, history = record_beliefs(env, agent, seed=seed)
+        episode, history = record_beliefs(env, agent, seed=seed, randomize=place.randomize)
     finally:
         env.close()
-    report_episode(episode)
+    report_episode(episode, place.stations)
     report_exploring(episode, history, agent.plans)
     show_or_save(
         lambda window: belief_replay(episode, history, window=window),

@@ -12,9 +12,12 @@ from agents.console.options import (
     BatteryOption,
     LayoutOption,
     MaxStepsOption,
+    Place,
     SaveOption,
     SeedOption,
-    load_layout,
+    StartOption,
+    StationsOption,
+    load_place,
 )
 from agents.console.output import replay_or_save, unused
 from agents.run_episode import draw_seed, report_episode
@@ -45,17 +48,18 @@ class Driver:
     Args:
         env: the environment.
         seed: for the first episode; each further one adds 1.
+        place: where the episodes take place.
 
     Attributes:
         games: the records of all episodes, the last of which may be unfinished.
     """
 
-    def __init__(self, env: WarehouseEnv, seed: int) -> None:
+    def __init__(self, env: WarehouseEnv, seed: int, place: Place) -> None:
         # Here, because matplotlib takes long to import.
         from warehouse_core.viz.figure import make_window
         from warehouse_core.viz.scene import Scene
 
-        self._env = env
+        self._env, self._place = env, place
         self.games: list[Episode] = []
         self._begin(seed)
         self._scene = Scene(track_of_episode(self.episode), make_window, length=env.max_steps + 1)
@@ -78,7 +82,7 @@ class Driver:
 
             plt.close(self.figure)
         elif key in AGAIN:
-            report_game(self.games)
+            report_game(self.games, self._place)
             self._begin(self._next_seed)
             self._show()
         elif key in KEYS and not self._recorder.ended:
@@ -87,7 +91,7 @@ class Driver:
 
     def _begin(self, seed: int) -> None:
         self._frame = 0
-        self._env.reset(randomize=True, seed=seed)
+        self._env.reset(self._place.randomize, seed)
         self._recorder = EpisodeRecorder(self._env, seed=seed, agent="You")
         self._next_seed = seed + 1
         self.games.append(self._recorder.episode)
@@ -117,15 +121,17 @@ class Driver:
             self.press(event.key)
 
 
-def report_game(games: Sequence[Episode]) -> None:
+def report_game(games: Sequence[Episode], place: Place) -> None:
     """Print the outcome of the last of some games, and its number."""
     typer.echo(f"game {len(games)}")
-    report_episode(games[-1])
+    report_episode(games[-1], place.stations)
 
 
 def play(
     backend: BackendOption = "grid",
     layout: LayoutOption = None,
+    stations: StationsOption = None,
+    start: StartOption = None,
     seed: SeedOption = None,
     battery: BatteryOption = 200,
     max_steps: MaxStepsOption = 200,
@@ -137,10 +143,11 @@ def play(
     Arrows or NESW move, P picks, D drops, space waits, Enter starts another game. Each game is
     saved; the names of the files of further games have a number.
     """
-    env = WarehouseEnv(load_layout(layout), None, max_steps, battery, backend=backend)
+    place = load_place(layout, stations, start)
+    env = WarehouseEnv(place.layout, place.start_pos, max_steps, battery, backend=backend)
     if not has_display():
         raise NoDisplayError("play needs a window, and there is no display here")
-    driver = Driver(env, draw_seed() if seed is None else seed)
+    driver = Driver(env, draw_seed() if seed is None else seed, place)
     import matplotlib.pyplot as plt
 
     try:
@@ -149,7 +156,7 @@ def play(
         if len(driver.games) > 1 and not driver.episode.steps:
             del driver.games[-1]  # the window was closed at its start
         else:
-            report_game(driver.games)
+            report_game(driver.games, place)
         replay_or_save(driver.games[0], save, show=False)
         for game in driver.games[1:]:
             replay_or_save(game, list(map(unused, save)), show=False)

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import math
 import random
-import re
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from agents.console.options import LayoutOption, SaveReplayOption, ShowOption, load_layout
+from agents.console.options import (
+    LayoutOption,
+    SaveReplayOption,
+    ShowOption,
+    load_layout,
+    parse_cell,
+)
 from agents.console.output import show_or_save
 from agents.console.table import Table, print_table
 from agents.search.algorithms import (
@@ -47,20 +52,6 @@ Found = Solution[Cell, str]
 def algorithm(weight: float) -> str:
     """Return the name of weighted A* at a weight."""
     return NAMES.get(weight, "weighted A*")
-
-
-def parse_cell(text: str | None, option: str) -> Cell | None:
-    """Return the cell in a text ``ROW,COL``, or ``None`` without a text.
-
-    Raises:
-        typer.BadParameter: the text is not of that form.
-    """
-    if text is None:
-        return None
-    found = re.fullmatch(r"\s*(-?[0-9]{1,9})\s*,\s*(-?[0-9]{1,9})\s*", text)
-    if found is None:
-        raise typer.BadParameter(f"{option} is {text!r}; it must be ROW,COL as in 1,2")
-    return int(found[1]), int(found[2])
 
 
 def parse_weights(text: str) -> list[float]:

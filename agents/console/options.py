@@ -2,19 +2,52 @@
 
 from __future__ import annotations
 
+import re
+from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import typer
 
-from warehouse_core import DEFAULT_LAYOUT, Layout
+from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, LayoutError
 from warehouse_core.files.atomic import check_target
+from warehouse_core.warehouse_env import START, STATIONS
 from warehouse_core.world import map_files
+from warehouse_core.world.layout import check_open
 
 MAX_COUNT = 1_000_000_000
 """The largest battery and number of steps; records keep them as 64-bit numbers."""
 
+MAX_VIEW_RADIUS = 100
+"""A window of this radius has 40,401 cells, which are read at every step."""
+
 RECORD_SUFFIX = ".npz"
+
+
+class Stations(StrEnum):
+    """Where pickup and dropoff come from."""
+
+    DRAWN = "drawn"
+    KEPT = "kept"
+
+
+class Place(NamedTuple):
+    """Where episodes take place.
+
+    Attributes:
+        layout: the walls, and the stations if these are kept.
+        start_pos: the start, ``None`` for a random one.
+        randomize: what is drawn, see ``WarehouseEnv.reset``.
+    """
+
+    layout: Layout
+    start_pos: Cell | None
+    randomize: bool | str
+
+    @property
+    def stations(self) -> Stations:
+        """Where pickup and dropoff come from."""
+        return Stations.DRAWN if self.randomize in (True, STATIONS) else Stations.KEPT
 
 
 def _save_option(help_text: str, *also: str) -> Any:
@@ -55,6 +88,18 @@ AgentOption = Annotated[
     ),
 ]
 
+MemoryOption = Annotated[
+    int | None,
+    typer.Option(
+        "--memory", metavar="N", min=0, help="Positions that the greedy agent remembers: 10."
+    ),
+]
+
+EscapeOption = Annotated[
+    bool | None,
+    typer.Option("--escape/--no-escape", help="Whether the greedy agent escapes from loops: yes."),
+]
+
 LayoutOption = Annotated[
     Path | None,
     typer.Option(
@@ -64,20 +109,53 @@ LayoutOption = Annotated[
     ),
 ]
 
+StationsOption = Annotated[
+    Stations | None,
+    typer.Option(
+        "--stations",
+        help="Draw pickup and dropoff, or keep those of the layout. "
+        "Default: kept in a file that has any, drawn otherwise.",
+        show_default=False,
+    ),
+]
+
+StartOption = Annotated[
+    str | None,
+    typer.Option("--start", metavar="ROW,COL", help="Start cell. Default: a random one."),
+]
+
 SeedOption = Annotated[
     int | None, typer.Option("--seed", metavar="N", help="Random seed. Default: a random one.")
 ]
 
 BatteryOption = Annotated[
-    int, typer.Option("--battery", min=1, max=MAX_COUNT, help="Units of a full battery.")
+    int,
+    typer.Option("--battery", metavar="N", min=1, max=MAX_COUNT, help="Units of a full battery."),
 ]
 
 MaxStepsOption = Annotated[
-    int, typer.Option("--max-steps", min=1, max=MAX_COUNT, help="Maximum steps of an episode.")
+    int,
+    typer.Option(
+        "--max-steps", metavar="N", min=1, max=MAX_COUNT, help="Maximum steps of an episode."
+    ),
+]
+
+ViewRadiusOption = Annotated[
+    int,
+    typer.Option(
+        "--view-radius",
+        metavar="N",
+        min=0,
+        max=MAX_VIEW_RADIUS,
+        help=f"Cells seen in each direction, up to {MAX_VIEW_RADIUS}.",
+    ),
 ]
 
 BackendOption = Annotated[
-    str, typer.Option("--backend", help="Motion backend, such as grid or physics.")
+    str,
+    typer.Option(
+        "--backend", metavar="NAME", help="Motion backend: grid, physics, or one of your own."
+    ),
 ]
 
 SaveOption = Annotated[
@@ -129,3 +207,63 @@ ModelOption = Annotated[
 def load_layout(path: Path | None) -> Layout:
     """Return the layout in a file, or the built-in one if ``path`` is ``None``."""
     return DEFAULT_LAYOUT if path is None else map_files.load_layout(path)
+
+
+def load_place(path: Path | None, stations: Stations | None, start: str | None) -> Place:
+    """Return where episodes take place, from the options of a command.
+
+    Args:
+        path: of the layout; ``None`` for the built-in one.
+        stations: ``None`` for those of a file that has any, and for drawn ones otherwise.
+        start: ``ROW,COL``, or ``None`` to draw it.
+
+    Raises:
+        LayoutError: a bad layout, a start that is not open, or no station of a kind to be kept.
+        typer.BadParameter: ``start`` is no cell.
+    """
+    layout, cell = load_layout(path), parse_cell(start, "--start")
+    if cell is not None:
+        check_open(layout, cell, "--start")
+    if stations is None:
+        has_own = path is not None and layout.pickups + layout.dropoffs
+        stations = Stations.KEPT if has_own else Stations.DRAWN
+    if stations is Stations.DRAWN:
+        empty = len(layout.open_cells) - len(layout.pickups + layout.dropoffs)
+        if empty < 2:
+            raise LayoutError(
+                f"{path}: pickup and dropoff are drawn from the empty cells; allowed: two or more, "
+                f"and there are {empty}"
+            )
+        return Place(layout, cell, True if cell is None else STATIONS)
+    for name, cells in (("pickup P", layout.pickups), ("dropoff D", layout.dropoffs)):
+        if not cells:
+            raise LayoutError(f"{path}: there is no {name}; add one, or use --stations drawn")
+    return Place(layout, cell, START if cell is None else False)
+
+
+def greedy_with(agent: str, memory: int | None, escape: bool | None) -> str:
+    """Return the name of an agent with what the options say of its memory and its escape.
+
+    Raises:
+        typer.BadParameter: they are given, and the agent has neither.
+    """
+    arguments = [] if memory is None else [f"memory={memory}"]
+    arguments += ["escape_steps=0"] if escape is False else []
+    name, colon, _ = agent.partition(":")
+    if name != "greedy" and (memory is not None or escape is not None):
+        raise typer.BadParameter(f"--memory and --escape are of agent greedy, not of {agent!r}")
+    return f"{agent}{',' if colon else ':'}{','.join(arguments)}" if arguments else agent
+
+
+def parse_cell(text: str | None, option: str) -> Cell | None:
+    """Return the cell in a text ``ROW,COL``, or ``None`` without a text.
+
+    Raises:
+        typer.BadParameter: the text is not of that form.
+    """
+    if text is None:
+        return None
+    found = re.fullmatch(r"\s*(-?[0-9]{1,9})\s*,\s*(-?[0-9]{1,9})\s*", text)
+    if found is None:
+        raise typer.BadParameter(f"{option} is {text!r}; it must be ROW,COL as in 1,2")
+    return int(found[1]), int(found[2])

@@ -68,7 +68,11 @@ class WatchedAgent:
 
 
 def record_beliefs(
-    env: WarehouseEnv, agent: ExploringAgent, *, seed: int | None = None, randomize: bool = True
+    env: WarehouseEnv,
+    agent: ExploringAgent,
+    *,
+    seed: int | None = None,
+    randomize: bool | str = True,
 ) -> tuple[Episode, list[Insight]]:
     """Do what ``record_episode`` does, and return its record and the agent's insights.
 

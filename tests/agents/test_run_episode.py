@@ -120,16 +120,20 @@ def test_the_command_passes_every_option_on(
 ) -> None:
     room = tmp_path / "room.txt"
     ROOM.save(room)
-    report_episode(run_episode("exploring", "physics", ROOM, 6, 30, 12))
+    episode = run_episode(
+        "greedy:memory=3,escape_steps=0", "physics", ROOM, 6, 30, 12, 1, (2, 3), False
+    )
+    report_episode(episode, "kept")
     expected = capsys.readouterr().out
-    words = ["--agent", "exploring", "--backend", "physics", "--layout", room, "--seed", 6]
-    words += ["--battery", 30, "--max-steps", 12, "--no-show"]
+    words = ["--backend", "physics", "--layout", room, "--start", "2,3", "--seed", 6]
+    words += ["--battery", 30, "--max-steps", 12, "--view-radius", 1, "--memory", 3, "--no-escape"]
+    words += ["--no-show"]
     assert command(capsys, *words, app=app) == (0, expected, "")
 
 
 def test_a_random_seed_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
     out = command(capsys, "--no-show", app=app).out
-    found = re.search(r"seed (\d+)$", out, re.MULTILINE)
+    found = re.search(r"seed (\d+),", out)
     assert found is not None
     assert command(capsys, "--no-show", "--seed", found.group(1), app=app).out == out
 
@@ -145,7 +149,7 @@ def test_the_file_is_the_command(tmp_path: Path) -> None:
     file = ROOT / "agents" / "run_episode.py"
     result = in_a_process(file, "--seed", 5, "--battery", 6, "--no-show", folder=tmp_path)
     assert (result.code, result.err) == (0, "")
-    assert result.out.startswith("GreedyAgent on the grid backend, seed 5\n")
+    assert result.out.startswith("GreedyAgent on the grid backend, seed 5, stations drawn\n")
     failed = in_a_process(file, "--agent", "clever", folder=tmp_path)
     assert failed.code == 1
     assert re.fullmatch(r"warehouse: no agent is called 'clever'.*\n", failed.err)

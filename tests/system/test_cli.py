@@ -157,7 +157,7 @@ def test_run_takes_an_agent_from_a_file(capsys: pytest.CaptureFixture[str], tmp_
     words = ["run", "--agent", "mine.py:Waiter", "--seed", 1, "--max-steps", 3, "--save", "e.npz"]
     result = command(capsys, *words)
     assert result.out.startswith(
-        "Waiter on the grid backend, seed 1\noutcome         out of time\n"
+        "Waiter on the grid backend, seed 1, stations drawn\noutcome         out of time\n"
     )
     assert Episode.load("e.npz").actions == ["WAIT"] * 3
 
@@ -172,7 +172,7 @@ def test_run_takes_an_agent_from_a_file(capsys: pytest.CaptureFixture[str], tmp_
         (["--backend", "sleigh"], "no backend is called 'sleigh'; installed: grid"),
         (["--layout", "missing.txt"], "missing.txt: No such file or directory"),
         (["--layout", "bad.txt"], "bad.txt: row 1, column 2: 'x' is not a tile; allowed: # (wall)"),
-        (["--layout", "tiny.txt"], "randomize needs two open cells"),
+        (["--layout", "tiny.txt"], "tiny.txt: pickup and dropoff are drawn from the empty cells; "),
         (["--save", "good.npz", "--save", "film.xyz"], "film.xyz: cannot save"),
     ],
 )

@@ -1,3 +1,4 @@
+import re
 from pathlib import Path
 
 import pytest
@@ -61,3 +62,13 @@ def test_a_wrong_value_is_named(
     capsys: pytest.CaptureFixture[str], option: str, value: str
 ) -> None:
     assert value in refusal(capsys, "compare", "--seed", 1, option, value)
+
+
+def test_compare_keeps_the_stations_of_a_file(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    (tmp_path / "room.txt").write_text("P..D\n")
+    words = ("compare", "--layout", tmp_path / "room.txt", "--start", "0,1", "--seed", 1)
+    out = command(capsys, *words, "--no-show").out
+    assert out.count("delivered") == 2
+    assert re.search(r"steps +\u2502 +6 \u2502 +6 ", out)

@@ -23,7 +23,7 @@ def test_it_says_how_it_went_and_how_much_was_seen(capsys: pytest.CaptureFixture
     result = command(capsys, "explore", "--seed", 12, "--view-radius", 1, "--save", "way.npz")
     said, episode = values(result.out), Episode.load("way.npz")
     assert result.code == 0
-    assert result.out.startswith("ExploringAgent on the grid backend, seed 12\n")
+    assert result.out.startswith("ExploringAgent on the grid backend, seed 12, stations drawn\n")
     assert said["outcome"] == "delivered"
     assert said["cells seen"] == "38 of 84"
     assert said["plans made"] == "2"

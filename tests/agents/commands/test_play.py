@@ -12,6 +12,7 @@ from PIL import Image
 
 from agents.commands import play as module
 from agents.commands.play import Driver
+from agents.console.options import Place
 from warehouse_core import Episode, WarehouseEnv, replay_episode
 from warehouse_core.viz.figure import SceneFigure
 
@@ -25,7 +26,7 @@ def no_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 @pytest.fixture
 def driver() -> Driver:
     # This seed puts the robot at (1, 1), P below it at (2, 1) and D beside that at (2, 2).
-    return Driver(WarehouseEnv(ROOM, max_steps=8), seed=SEED)
+    return Driver(WarehouseEnv(ROOM, max_steps=8), SEED, Place(ROOM, None, True))
 
 
 SEED = 4
@@ -145,7 +146,9 @@ def test_play_reports_and_saves_what_was_driven(
     ROOM.save(tmp_path / "room.txt")
     keys(*DELIVERY, "q")
     result = command(
-        capsys, "play", "--layout", "room.txt", "--seed", SEED, "--save", "e.npz", "--save", "e.png"
+        capsys,
+        *("play", "--layout", "room.txt", "--stations", "drawn", "--seed", SEED),
+        *("--save", "e.npz", "--save", "e.png"),
     )
     assert result.code == 0
     episode = Episode.load("e.npz")
@@ -153,7 +156,7 @@ def test_play_reports_and_saves_what_was_driven(
     assert (episode.agent, episode.seed, episode.outcome) == ("You", SEED, "delivered")
     assert result.out.splitlines() == [
         "game 1",
-        f"You on the grid backend, seed {SEED}",
+        f"You on the grid backend, seed {SEED}, stations drawn",
         "outcome         delivered",
         "diagnosis       delivered in 4 steps; the shortest way takes 4",
         "total reward    14.60",
@@ -176,7 +179,7 @@ def test_every_game_is_reported_and_saved(
     lines = result.out.splitlines()
     for number in (1, 2):
         after = lines.index(f"game {number}") + 1
-        assert lines[after] == f"You on the grid backend, seed {7 + number}"
+        assert lines[after] == f"You on the grid backend, seed {7 + number}, stations drawn"
     assert "game 3" not in lines
     assert lines[-4:] == ["saved e.npz", "saved e.svg", "saved e-2.npz", "saved e-2.svg"]
 
@@ -202,7 +205,7 @@ def test_play_has_a_random_seed_and_may_be_closed_at_once(
     result = command(capsys, "play", "--save", "e.npz", "--save", "e.svg")
     assert result.code == 0
     assert result.out.startswith(
-        "game 1\nYou on the grid backend, seed 77\noutcome         unfinished\n"
+        "game 1\nYou on the grid backend, seed 77, stations drawn\noutcome         unfinished\n"
     )
     assert Episode.load("e.npz").steps == 0
 

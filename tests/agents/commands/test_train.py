@@ -187,7 +187,9 @@ def test_a_table_is_trained_and_run(capsys: pytest.CaptureFixture[str]) -> None:
         assert picture.width > 900
     run = ("run", "--agent", "q:q.npz", "--layout", "room.txt", "--seed", 3, "--no-show")
     out = command(capsys, *run).out
-    assert out.startswith("QAgent on the grid backend, seed 3\noutcome         delivered\n")
+    assert out.startswith(
+        "QAgent on the grid backend, seed 3, stations kept\noutcome         delivered\n"
+    )
 
 
 def test_the_seed_repeats_a_training(

@@ -4,8 +4,18 @@ import pytest
 import typer
 from helpers.command_line import command, refusal
 
-from agents.console.options import BatteryOption, SaveOption, SaveReplayOption, load_layout
-from warehouse_core import DEFAULT_LAYOUT
+from agents.console.options import (
+    BatteryOption,
+    Place,
+    SaveOption,
+    SaveReplayOption,
+    Stations,
+    greedy_with,
+    load_layout,
+    load_place,
+)
+from warehouse_core import DEFAULT_LAYOUT, LayoutError
+from warehouse_core.world.map_files import save_layout
 
 app = typer.Typer(add_completion=False)
 
@@ -70,3 +80,79 @@ def test_a_layout_is_the_built_in_one_unless_there_is_a_file(tmp_path: Path) -> 
     assert load_layout(None) is DEFAULT_LAYOUT
     (tmp_path / "room.txt").write_text("P.D\n")
     assert load_layout(tmp_path / "room.txt").rows == ("P.D",)
+
+
+DRAWN, KEPT = Stations.DRAWN, Stations.KEPT
+
+
+@pytest.mark.parametrize(
+    ("rows", "stations", "start", "randomize"),
+    [
+        (None, None, None, True),
+        (None, KEPT, None, "start"),
+        ("P.D..", None, None, "start"),
+        ("P.D..", None, "0,1", False),
+        ("P.D..", DRAWN, None, True),
+        ("P.D..", DRAWN, "0,1", "stations"),
+        ("....", None, None, True),
+    ],
+)
+def test_stations_of_a_file_are_kept_unless_it_has_none(
+    tmp_path: Path,
+    rows: str | None,
+    stations: Stations | None,
+    start: str | None,
+    randomize: object,
+) -> None:
+    path = None if rows is None else tmp_path / "room.txt"
+    if path is not None:
+        path.write_text(f"{rows}\n")
+    place = load_place(path, stations, start)
+    assert place == Place(load_layout(path), None if start is None else (0, 1), randomize)
+    assert place.stations is (stations or (KEPT if randomize in (False, "start") else DRAWN))
+
+
+@pytest.mark.parametrize(
+    ("rows", "stations", "start", "message"),
+    [
+        ("P..", None, None, "there is no dropoff D; add one, or use --stations drawn"),
+        ("..D", None, None, "there is no pickup P; add one, or use --stations drawn"),
+        ("...", KEPT, None, "there is no pickup P; "),
+        ("P.D", DRAWN, None, "allowed: two or more, and there are 1"),
+        ("P.D#", None, "0,3", "--start row 0, column 3 is wall"),
+        ("P.D", None, "1,0", "--start row 1, column 0 is off the grid"),
+    ],
+)
+def test_a_place_without_an_episode_is_an_error(
+    tmp_path: Path, rows: str, stations: Stations | None, start: str | None, message: str
+) -> None:
+    path = tmp_path / "room.txt"
+    path.write_text(f"{rows}\n")
+    with pytest.raises(LayoutError, match=message):
+        load_place(path, stations, start)
+
+
+def test_a_map_has_no_stations_and_they_are_drawn(tmp_path: Path) -> None:
+    save_layout(DEFAULT_LAYOUT, tmp_path / "room.map")
+    assert load_place(tmp_path / "room.map", None, None).stations is DRAWN
+
+
+@pytest.mark.parametrize(
+    ("agent", "memory", "escape", "name"),
+    [
+        ("astar", None, None, "astar"),
+        ("greedy", None, True, "greedy"),
+        ("greedy", 5, False, "greedy:memory=5,escape_steps=0"),
+        ("greedy:memory=3", None, False, "greedy:memory=3,escape_steps=0"),
+    ],
+)
+def test_memory_and_escape_are_arguments_of_the_greedy_agent(
+    agent: str, memory: int | None, escape: bool | None, name: str
+) -> None:
+    assert greedy_with(agent, memory, escape) == name
+
+
+@pytest.mark.parametrize(("memory", "escape"), [(5, None), (None, True), (None, False)])
+def test_other_agents_have_no_memory_and_no_escape(memory: int | None, escape: bool | None) -> None:
+    with pytest.raises(typer.BadParameter, match="are of agent greedy, not of 'astar'"):
+        greedy_with("astar", memory, escape)
