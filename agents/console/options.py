@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from warehouse_core import DEFAULT_LAYOUT, Layout
-from warehouse_core.files.atomic import check_target
+from warehouse_core.files.atomic import check_suffix, check_target
 from warehouse_core.world import map_files
 
 MAX_COUNT = 1_000_000_000
@@ -28,9 +28,9 @@ def _save_option(help_text: str, *also: str) -> Any:
     def check(targets: list[Path]) -> list[Path]:
         """Raise ``FormatError`` or ``OSError`` if a file cannot be written."""
         for target in targets:
-            from warehouse_core.viz.export import check_format
+            from warehouse_core.viz.export import FORMATS
 
-            check_format(target, also)
+            check_suffix(target, (*FORMATS, *also))
             check_target(target)
         return targets
 
