@@ -15,7 +15,7 @@ from matplotlib.backend_bases import Event, KeyEvent
 from warehouse_core.arguments import real_number
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.files.atomic import atomic_path, check_suffix
-from warehouse_core.render.display import has_display
+from warehouse_core.render.window import has_display
 from warehouse_core.viz.export import FORMATS, ffmpeg, page, progress_bar, self_contained
 from warehouse_core.viz.figure import PAIR_DPI, SceneFigure, make_figure, make_window, save_svg
 from warehouse_core.viz.gif_writer import GifWriter
