@@ -1,8 +1,7 @@
 """Pictures of an episode: an animated replay, or its frames as SVG files.
 
 Matplotlib is imported when something is drawn, not when this module is; without it both functions
-print a message and return. ``viz/scene.py`` draws, ``viz/replay.py`` plays and ``viz/export.py``
-writes files.
+print a message and return. ``viz/scene.py`` draws, ``viz/replay.py`` plays and writes files.
 """
 
 from __future__ import annotations

@@ -47,7 +47,8 @@ def explore(
 
     The replay shows the world beside what the agent believes of it.
     """
-    from agents.search.belief_replay import belief_replay, record_beliefs
+    from agents.search.belief_replay import belief_tracks, record_beliefs
+    from warehouse_core.viz.replay import replay_of_track
 
     seed = draw_seed() if seed is None else seed
     place = load_place(layout, stations, start)
@@ -62,7 +63,7 @@ def explore(
     report_episode(episode, place.stations)
     report_exploring(episode, history, agent.plans)
     show_or_save(
-        lambda window: belief_replay(episode, history, window=window),
+        lambda window: replay_of_track(*belief_tracks(episode, history), window=window),
         save,
         show,
         f"explore-{backend}-{seed}.gif",
@@ -72,10 +73,8 @@ def explore(
 
 def report_exploring(episode: Episode, history: list[Insight], plans: int) -> None:
     """Print how many cells were seen and plans made, and compare the length with the shortest."""
-    from agents.search.belief_replay import seen_counts
-
     layout = episode.layout
-    seen = seen_counts(layout, history)[-1]
+    seen = sum(len(insight.seen) for insight in history)
     [fewest] = fewest_steps(layout, (episode.cells[0], episode.loaded[0]))
     typer.echo(f"cells seen      {seen} of {layout.height * layout.width}")
     typer.echo(f"plans made      {plans}")

@@ -10,7 +10,7 @@ from typing import Annotated, Any, NamedTuple
 import typer
 
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, LayoutError
-from warehouse_core.files.atomic import check_target
+from warehouse_core.files.atomic import check_suffix, check_target
 from warehouse_core.warehouse_env import START, STATIONS
 from warehouse_core.world import map_files
 from warehouse_core.world.layout import check_open
@@ -61,9 +61,9 @@ def _save_option(help_text: str, *also: str) -> Any:
     def check(targets: list[Path]) -> list[Path]:
         """Raise ``FormatError`` or ``OSError`` if a file cannot be written."""
         for target in targets:
-            from warehouse_core.viz.export import check_format
+            from warehouse_core.viz.export import FORMATS
 
-            check_format(target, also)
+            check_suffix(target, (*FORMATS, *also))
             check_target(target)
         return targets
 

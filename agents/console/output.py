@@ -11,7 +11,7 @@ import typer
 
 from agents.console.options import RECORD_SUFFIX
 from warehouse_core import Episode
-from warehouse_core.render.display import has_display
+from warehouse_core.render.window import has_display
 from warehouse_core.viz.track import INTERVAL_MS
 from warehouse_core.warehouse_viz import replay_animation
 

@@ -6,7 +6,6 @@ plain ``.npz`` file without pickled objects.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from warehouse_core import RecordError
 from warehouse_core.files.npz import Schema, read_arrays, write_arrays
+from warehouse_core.records.episode_arrays import pack_header, unpack_header
 from warehouse_core.task.encoding import MARKED_TILES, OTHER_NUMBERS, Arrays, vector
 from warehouse_core.world.actions import ACTIONS
 
@@ -87,8 +87,8 @@ class PolicyNetwork:
 
     def save(self, path: str | Path) -> None:
         """Write the network to one ``.npz`` file, whole or not at all."""
-        header = json.dumps({"format": FORMAT, "view_radius": self.view_radius})
-        arrays: dict[str, NDArray[Any]] = {"header": np.frombuffer(header.encode(), np.uint8)}
+        header = pack_header({"format": FORMAT, "view_radius": self.view_radius})
+        arrays: dict[str, NDArray[Any]] = {"header": header}
         for number, (weights, biases) in enumerate(self.layers):
             arrays |= {f"weights_{number}": weights, f"biases_{number}": biases}
         write_arrays(path, arrays, SCHEMA)
@@ -104,24 +104,10 @@ class PolicyNetwork:
         arrays = read_arrays(path, SCHEMA)
         layers = [(arrays[f"weights_{n}"], arrays[f"biases_{n}"]) for n in range(LAYERS)]
         try:
-            return PolicyNetwork(_view_radius(arrays["header"]), layers)
+            radius = unpack_header(arrays["header"], FORMAT).get("view_radius")
+            if type(radius) is not int or radius < 0:
+                must = "must be a whole number, at least 0"
+                raise ValueError(f"view_radius is {radius!r}; it {must}")
+            return PolicyNetwork(radius, layers)
         except ValueError as error:
             raise RecordError(f"{path}: {error}") from error
-
-
-def _view_radius(data: NDArray[np.uint8]) -> int:
-    """Return the view radius in a header.
-
-    Raises:
-        ValueError: it is not a header.
-    """
-    try:
-        header = json.loads(data.tobytes().decode("utf-8"))
-    except (ValueError, RecursionError) as error:
-        raise ValueError(f"its header is no JSON text: {error}") from error
-    if not isinstance(header, dict) or header.get("format") != FORMAT:
-        raise ValueError(f"its format is not {FORMAT!r}")
-    radius = header.get("view_radius")
-    if type(radius) is not int or radius < 0:
-        raise ValueError(f"view_radius is {radius!r}; it must be a whole number, at least 0")
-    return radius

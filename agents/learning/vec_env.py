@@ -9,8 +9,8 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
-from agents.learning.policy_network import Floats
-from agents.learning.vector_steps import VectorStep, VectorSteps
+from agents.learning.policy_network import Floats, network_input
+from agents.learning.vector_steps import VectorStep, input_limits, vector_step
 from warehouse_core.vector.env import BatchEnv
 from warehouse_core.world.actions import ACTIONS
 
@@ -23,15 +23,15 @@ class BatchVecEnv(VecEnv):
     """
 
     def __init__(self, batch: BatchEnv) -> None:
-        self._batch, self._steps = batch, VectorSteps(batch)
-        limits = spaces.Box(self._steps.low, self._steps.high, dtype=np.float32)
+        self._batch = batch
+        limits = spaces.Box(*input_limits(batch), dtype=np.float32)
         super().__init__(batch.num_envs, limits, spaces.Discrete(len(ACTIONS)))
 
     def reset(self) -> Floats:
         """Start an episode in every row, with the seeds given to ``seed`` if there are any."""
-        observations = self._steps.reset(self._seeds)
+        arrays, _ = self._batch.reset(self._seeds)
         self._reset_seeds()
-        return observations
+        return network_input(arrays)
 
     def step_async(self, actions: NDArray[np.int64]) -> None:
         """Store the actions for ``step_wait``."""
@@ -39,7 +39,7 @@ class BatchVecEnv(VecEnv):
 
     def step_wait(self) -> VectorStep:
         """Carry out the stored actions."""
-        return self._steps.step(self._actions)
+        return vector_step(self._batch, self._actions)
 
     def env_method(
         self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any

@@ -117,7 +117,11 @@ class Solution(Generic[S, A]):
 
 
 def best_first_search(
-    problem: Problem[S, A], evaluate: Evaluation[S], *, with_events: bool = False
+    problem: Problem[S, A],
+    evaluate: Evaluation[S],
+    *,
+    with_events: bool = False,
+    expand: Callable[[S], Iterable[tuple[A, S, float]]] | None = None,
 ) -> Solution[S, A]:
     """Expand the node with the least evaluation until it is a goal (figure 3.7).
 
@@ -127,6 +131,7 @@ def best_first_search(
         problem: to be solved.
         evaluate: the evaluation function f.
         with_events: record each expansion.
+        expand: used instead of ``problem.expand``.
 
     Raises:
         ValueError: the cost of an action is negative or NaN.
@@ -136,7 +141,7 @@ def best_first_search(
     frontier: list[tuple[float, int, S, float]] = [(evaluate(start, 0.0), order, start, 0.0)]
     generated, expanded, largest = 1, 0, 1
     events: list[Event] = []
-    expand, is_goal = problem.expand, problem.is_goal
+    expand, is_goal = expand or problem.expand, problem.is_goal
     while frontier:
         _, _, state, cost = heappop(frontier)
         if cost > reached[state][0]:
@@ -170,7 +175,11 @@ def best_first_search(
 
 def breadth_first_search(problem: Problem[S, A], *, with_events: bool = False) -> Solution[S, A]:
     """Find a path of the fewest actions, regardless of their costs (section 3.4.1)."""
-    found = best_first_search(_OneEach(problem), path_cost, with_events=with_events)
+
+    def expand(state: S) -> Iterable[tuple[A, S, float]]:
+        return ((action, successor, 1.0) for action, successor, _ in problem.expand(state))
+
+    found = best_first_search(problem, path_cost, with_events=with_events, expand=expand)
     steps = zip(found.states, found.actions, found.states[1:], strict=False)
     cost = sum((problem.action_cost(*step) for step in steps), 0.0)
     return replace(found, cost=cost if found.found else math.inf)
@@ -257,23 +266,3 @@ def _path(reached: Reached[S, A], state: S) -> tuple[tuple[S, ...], tuple[A, ...
             return tuple(reversed(states)), tuple(reversed(actions))
         states.append(before)
         actions.append(cast(A, action))
-
-
-class _OneEach(Problem[S, A]):
-    """A problem with the cost of every action changed to one."""
-
-    def __init__(self, problem: Problem[S, A]) -> None:
-        self.initial = problem.initial
-        self._problem = problem
-
-    def is_goal(self, state: S) -> bool:
-        return self._problem.is_goal(state)
-
-    def actions(self, state: S) -> Iterable[A]:
-        return self._problem.actions(state)
-
-    def result(self, state: S, action: A) -> S:
-        return self._problem.result(state, action)
-
-    def expand(self, state: S) -> Iterable[tuple[A, S, float]]:
-        return ((action, successor, 1.0) for action, successor, _ in self._problem.expand(state))

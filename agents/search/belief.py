@@ -47,15 +47,10 @@ class Belief:
 
 
 class BeliefProblem(Problem[Cell, str]):
-    """Drive to a cell through cells that are believed to be free.
+    """Drive from ``start`` to ``goal`` through cells that are believed to be free.
 
     All cells outside the seen ones are believed to be free, so no shortest path leads further out
     than one cell; the search is limited to that.
-
-    Args:
-        belief: of the robot.
-        start: the cell of the robot.
-        goal: the last cell.
     """
 
     def __init__(self, belief: Belief, start: Cell, goal: Cell) -> None:

@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import accumulate, product
 
 from agents.search.agents import ExploringAgent
-from warehouse_core import Episode, Layout, WarehouseEnv, record_episode
+from warehouse_core import Episode, EpisodeRecorder, Layout, WarehouseEnv
 from warehouse_core.render.atlas import UNSEEN
-from warehouse_core.task.state import Observation
-from warehouse_core.viz.replay import Replay, replay_of_track
 from warehouse_core.viz.robot_view import ROBOT_RADIUS
 from warehouse_core.viz.track import Point, Rows, Track, step_captions, track_of_episode
 from warehouse_core.world.tiles import DROPOFF, PICKUP, Cell
@@ -24,47 +23,12 @@ class Insight:
     """What an agent had learnt since its last action when it chose an action.
 
     Attributes:
-        seen: cells whose known state is new or has changed, ``"#"`` or ``"."``.
+        seen: cells of the layout that it had not seen before, ``"#"`` or ``"."``.
         route: the cells of its plan, beginning with that of the robot.
     """
 
     seen: dict[Cell, str]
     route: tuple[Cell, ...]
-
-
-class WatchedAgent:
-    """An exploring agent, with a history of what it learns.
-
-    Args:
-        agent: chooses the actions.
-
-    Attributes:
-        history: ``[T]`` insights since the last reset.
-    """
-
-    def __init__(self, agent: ExploringAgent) -> None:
-        self._agent = agent
-        self.history: list[Insight] = []
-        self._known: dict[Cell, str] = {}
-
-    @property
-    def reason(self) -> str:
-        """Why it chose its last action."""
-        return self._agent.reason
-
-    def reset(self) -> None:
-        """Forget everything."""
-        self._agent.reset()
-        self.history = []
-        self._known = {}
-
-    def act(self, observation: Observation) -> str:
-        """Return the agent's action, and record what it has learnt."""
-        action = self._agent.act(observation)
-        seen = dict(self._agent.belief.known.items() - self._known.items())
-        self._known |= seen
-        self.history.append(Insight(seen, self._agent.route))
-        return action
 
 
 def record_beliefs(
@@ -74,20 +38,26 @@ def record_beliefs(
     seed: int | None = None,
     randomize: bool | str = True,
 ) -> tuple[Episode, list[Insight]]:
-    """Do what ``record_episode`` does, and return its record and the agent's insights.
+    """Do what ``record_episode`` does, and return its record and ``[T]`` the agent's insights.
 
     Args:
         env: any environment, with any backend.
         agent: to be watched.
         seed: given to ``env.reset``.
         randomize: given to ``env.reset``.
-
-    Returns:
-        The record, the same as of ``record_episode``, and ``[T]`` insights.
     """
-    watched = WatchedAgent(agent)
-    episode = record_episode(env, watched, seed=seed, randomize=randomize)
-    return replace(episode, agent=type(agent).__name__), watched.history
+    observation = env.reset(randomize=randomize, seed=seed)
+    agent.reset()
+    recorder = EpisodeRecorder(env, seed=seed, agent=type(agent).__name__)
+    unseen = set(product(range(env.layout.height), range(env.layout.width)))
+    history = []
+    while not recorder.ended:
+        action = agent.act(observation)
+        seen = {cell: tile for cell, tile in agent.belief.known.items() if cell in unseen}
+        unseen -= seen.keys()
+        history.append(Insight(seen, agent.route))
+        observation = recorder.step(action, agent.reason)
+    return recorder.episode, history
 
 
 def believed_tiles(layout: Layout, history: Sequence[Insight]) -> list[Rows]:
@@ -104,11 +74,9 @@ def believed_tiles(layout: Layout, history: Sequence[Insight]) -> list[Rows]:
     rows: Rows = tuple(map("".join, grid))
     found = []
     for insight in history:
-        # A robot at the edge sees walls outside the layout.
-        fresh = {cell: insight.seen[cell] for cell in insight.seen if _is_inside(layout, cell)}
-        for (row, col), tile in fresh.items():
+        for (row, col), tile in insight.seen.items():
             grid[row][col] = sensed.get((row, col), tile)
-        if fresh:
+        if insight.seen:
             rows = tuple(map("".join, grid))
         found.append(rows)
     return found
@@ -135,7 +103,8 @@ def belief_tracks(episode: Episode, history: Sequence[Insight]) -> tuple[Track, 
         metrics={},
         is_continuous=False,
     )
-    tiles, counts = believed_tiles(episode.layout, history), seen_counts(episode.layout, history)
+    tiles = believed_tiles(episode.layout, history)
+    counts = list(accumulate(len(insight.seen) for insight in history))
     words, last = step_captions(episode), belief.frames[-1]
     for index, frame in enumerate(belief.frames):
         # The last frame shows the result of the last action, and no further one.
@@ -148,36 +117,6 @@ def belief_tracks(episode: Episode, history: Sequence[Insight]) -> tuple[Track, 
             frame.caption = f"now {words[choice]}, {counts[choice]} cells seen"
     belief.title, belief.ending = "What it believes", ""
     return world, belief
-
-
-def belief_replay(
-    episode: Episode, history: Sequence[Insight], *, window: bool | None = None
-) -> Replay:
-    """Return the replay of the world beside the agent's belief.
-
-    Args:
-        episode: of an agent that was watched.
-        history: ``[T]`` of its insights.
-        window: whether ``show`` opens a window; ``None`` means if there is a display.
-
-    Raises:
-        ValueError: ``history`` is not that of ``episode``.
-    """
-    return replay_of_track(*belief_tracks(episode, history), window=window)
-
-
-def seen_counts(layout: Layout, history: Sequence[Insight]) -> list[int]:
-    """Return ``[T]`` the number of cells of the layout seen when each action was chosen."""
-    seen: set[Cell] = set()
-    counts = []
-    for insight in history:
-        seen.update(cell for cell in insight.seen if _is_inside(layout, cell))
-        counts.append(len(seen))
-    return counts
-
-
-def _is_inside(layout: Layout, cell: Cell) -> bool:
-    return cell[0] in range(layout.height) and cell[1] in range(layout.width)
 
 
 def _way_ahead(at: Point, route: Sequence[Cell]) -> tuple[Point, ...]:

@@ -5,10 +5,10 @@ The measurement is a short run on an open floor, of a move and of standing still
 
 from __future__ import annotations
 
+from contextlib import closing
 from typing import NamedTuple
 
 from warehouse_core.motion.backends import Backend, make_motion
-from warehouse_core.motion.base import Outcome
 from warehouse_core.world.layout import Layout
 
 STEPS, SECONDS, JOULES = "steps", "seconds", "joules"
@@ -56,19 +56,19 @@ def action_costs(measure: str = STEPS, backend: Backend = "physics") -> ActionCo
         return ONE_EACH
     if measure not in COSTS:
         raise ValueError(f"cost is {measure!r}; allowed: {', '.join(COSTS)}")
-    moves = {loaded: _measured(backend, measure, (0, 1), loaded) for loaded in (False, True)}
-    stands = {loaded: _measured(backend, measure, (0, 0), loaded) for loaded in (False, True)}
-    return ActionCosts(moves[False], moves[True], stands[False], stands[True])
+    move, stand = (0, 1), (0, 0)
+    return ActionCosts(
+        move_empty=_measured(backend, measure, move, False),
+        move_loaded=_measured(backend, measure, move, True),
+        pick=_measured(backend, measure, stand, False),
+        drop=_measured(backend, measure, stand, True),
+    )
 
 
 def _measured(backend: Backend, measure: str, displacement: tuple[int, int], loaded: bool) -> float:
     """Return the cost of one action, from rest to rest in the middle of a cell."""
-    motion = make_motion(backend)
-    try:
+    with closing(make_motion(backend)) as motion:
         motion.reset(FLOOR, [(1, 1)], 0)
-        outcome: Outcome | None = None
         for _ in range(WARM_UP + 1):
             outcome = motion.advance((displacement,), (loaded,))[0]
         return float(getattr(outcome, measure))
-    finally:
-        motion.close()

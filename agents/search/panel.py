@@ -91,27 +91,22 @@ class SearchPanel:
         """Show the search after ``count`` expansions, or at its end if it has fewer."""
         course, solution = self._course, self._course.solution
         marks = course.marks_after(count)
-        self._image.set_data(self._picture_of(marks))
+        codes = self._ground.copy()
+        codes[marks == WAITS] = _FRONTIER
+        is_expanded = marks > 0
+        parts = (marks[is_expanded] - 1) * len(SHADES) // max(len(course), 1)
+        codes[is_expanded] = _FIRST_SHADE + parts
+        self._image.set_data(_COLORS[codes])
         is_over = course.is_over(count)
         self._path.set_visible(is_over and solution.found)
         now = course.expanded_by(count)
-        self._now.set_data(
-            [] if now is None else [now[1] + 0.5], [] if now is None else [now[0] + 0.5]
-        )
+        at = [] if now is None else [now]
+        self._now.set_data([col + 0.5 for _, col in at], [row + 0.5 for row, _ in at])
         counts = f"expanded {min(count, len(course))}   frontier {int((marks == WAITS).sum())}"
         if is_over:
             counts += f"   cost {solution.cost:g}" if solution.found else "   no path"
         self._counts.set_text(counts)
         self._counts.set_fontweight("bold" if is_over else "normal")
-
-    def _picture_of(self, marks: NDArray[np.int32]) -> NDArray[np.uint8]:
-        codes = self._ground.copy()
-        codes[marks == WAITS] = _FRONTIER
-        is_expanded = marks > 0
-        parts = (marks[is_expanded] - 1) * len(SHADES) // max(len(self._course), 1)
-        codes[is_expanded] = _FIRST_SHADE + parts
-        picture: NDArray[np.uint8] = _COLORS[codes]
-        return picture
 
     def _show_image(self, picture: NDArray[np.uint8], zorder: float) -> Any:
         height, width = picture.shape[:2]

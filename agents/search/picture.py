@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 from matplotlib.lines import Line2D
@@ -13,6 +11,7 @@ from matplotlib.lines import Line2D
 from agents.search.panel import FRONTIER, PATH, SHADES, SearchPanel
 from agents.search.trace import SearchCourse
 from warehouse_core.render.palette import COLORS, INK, WARNING
+from warehouse_core.viz.axes import box_in
 from warehouse_core.viz.figure import DPI, SceneFigure, make_figure, make_window
 from warehouse_core.viz.replay import Replay
 from warehouse_core.world.layout import Layout
@@ -33,58 +32,54 @@ MIN_WIDTH = 600  # for the title and the legend
 MIN_PANEL, MAX_CELL, GOOD_CELL = 240, 40, 16
 
 
-@dataclass(frozen=True, slots=True)
 class _Plan:
-    """How panels are laid out, in pixels."""
+    """How panels are laid out in so many columns, in pixels."""
 
-    columns: int
-    rows: int
-    cell: float
-    panel: tuple[float, float]
+    def __init__(self, layout: Layout, panels: int, columns: int) -> None:
+        self.columns, rows = columns, math.ceil(panels / columns)
+        wide = (MAX_SIZE[0] - MARGIN) / columns - MARGIN - PANEL_LEFT
+        high = (MAX_SIZE[1] - HEAD - FOOT) / rows - PANEL_HEAD - PANEL_FOOT
+        cell = min(wide / layout.width, high / layout.height, MAX_CELL)
+        cell = math.floor(cell) if cell >= 1 else cell
+        if columns > 1 and wide < MIN_PANEL:
+            cell = 0.0  # the words above a panel would overlap those of the next
+        self.cell, self.places = cell, columns * rows
+        self.step_right = PANEL_LEFT + max(cell * layout.width, MIN_PANEL) + MARGIN
+        self.step_down = PANEL_HEAD + cell * layout.height + PANEL_FOOT
+        self.width = max(MIN_WIDTH, MARGIN + columns * self.step_right)
+        self.height = HEAD + rows * self.step_down + FOOT
 
-    @property
-    def size(self) -> tuple[float, float]:
-        return (
-            max(MIN_WIDTH, MARGIN + self.columns * (PANEL_LEFT + self.panel[0] + MARGIN)),
-            HEAD + self.rows * (PANEL_HEAD + self.panel[1] + PANEL_FOOT) + FOOT,
-        )
 
-
-class SearchScene:
-    """Searches side by side in one figure, expansion by expansion.
-
-    Args:
-        layout: that is searched.
-        start: of all searches.
-        goal: of all searches.
-        courses: of the searches, 1 to ``MAX_PANELS``.
-        title: shown above them.
-        window: draw into a window.
-
-    Raises:
-        ValueError: no search, or more than ``MAX_PANELS``.
-    """
+class _SearchScene:
+    """Searches side by side in one figure, expansion by expansion."""
 
     def __init__(
         self,
         layout: Layout,
-        start: Cell,
-        goal: Cell,
+        ends: tuple[Cell, Cell],
         courses: Sequence[SearchCourse],
         title: str,
-        *,
-        window: bool = False,
+        window: bool,
     ) -> None:
-        if not 1 <= len(courses) <= MAX_PANELS:
-            raise ValueError(f"{len(courses)} searches; there must be 1..{MAX_PANELS}")
         self._longest = max(len(course) for course in courses)
         self._each = max(1, math.ceil(self._longest / (MAX_FRAMES - 1)))
-        self._plan = _plan(layout, len(courses))
-        width, height = self._plan.size
-        self.root = (make_window if window else make_figure)((width / DPI, height / DPI))
-        add = partial(self._add_panel, layout, (start, goal))
-        self._panels = [add(place, course) for place, course in enumerate(courses)]
-        self._draw_title(title)
+        plan = _plan(layout, len(courses))
+        size = plan.width / DPI, plan.height / DPI
+        self.root = (make_window if window else make_figure)(size)
+        self._panels = []
+        for place, course in enumerate(courses):
+            row, column = divmod(place, plan.columns)
+            left = MARGIN + PANEL_LEFT + column * plan.step_right
+            top = HEAD + PANEL_HEAD + row * plan.step_down
+            drawn = layout.width * plan.cell, layout.height * plan.cell
+            axes = self.root.add_axes(box_in((plan.width, plan.height), left, top, *drawn))
+            points = plan.cell * 72 / DPI
+            self._panels.append(SearchPanel(self.root, axes, points, layout, ends, course))
+        common: dict[str, Any] = {"parse_math": False, "va": "center", "color": INK}
+        left, top = MARGIN / plan.width, 1 - 20 / plan.height
+        self.root.text(left, top, title, fontsize=11, fontweight="bold", **common)
+        self._counter = self.root.text(left, 1 - 42 / plan.height, "", fontsize=9, **common)
+        self.root.add_mover(self._counter)
         draw_legend(self.root)
         self.show(0)
 
@@ -98,33 +93,6 @@ class SearchScene:
             panel.show(count)
         self._counter.set_text(f"after {count} of {self._longest} expansions")
 
-    def _add_panel(
-        self, layout: Layout, ends: tuple[Cell, Cell], place: int, course: SearchCourse
-    ) -> SearchPanel:
-        plan = self._plan
-        row, column = divmod(place, plan.columns)
-        (width, height), (panel_width, panel_height) = plan.size, plan.panel
-        left = MARGIN + PANEL_LEFT + column * (PANEL_LEFT + panel_width + MARGIN)
-        top = HEAD + PANEL_HEAD + row * (PANEL_HEAD + panel_height + PANEL_FOOT)
-        drawn_width, drawn_height = layout.width * plan.cell, layout.height * plan.cell
-        axes = self.root.add_axes(
-            (
-                left / width,
-                1 - (top + drawn_height) / height,
-                drawn_width / width,
-                drawn_height / height,
-            )
-        )
-        return SearchPanel(self.root, axes, plan.cell * 72 / DPI, layout, ends, course)
-
-    def _draw_title(self, title: str) -> None:
-        width, height = self._plan.size
-        common: dict[str, Any] = {"parse_math": False, "va": "center", "color": INK}
-        left = MARGIN / width
-        self.root.text(left, 1 - 20 / height, title, fontsize=11, fontweight="bold", **common)
-        self._counter = self.root.text(left, 1 - 42 / height, "", fontsize=9, **common)
-        self.root.add_mover(self._counter)
-
 
 def search_replay(
     layout: Layout,
@@ -137,11 +105,20 @@ def search_replay(
 ) -> Replay:
     """Return the animation of searches side by side.
 
+    Args:
+        layout: that is searched.
+        start: of all searches.
+        goal: of all searches.
+        courses: of the searches, 1 to ``MAX_PANELS``.
+        title: shown above them.
+        window: draw into a window.
+
     Raises:
         ValueError: no search, or more than ``MAX_PANELS``.
     """
-    scene = SearchScene(layout, start, goal, courses, title, window=window)
-    return Replay(scene, title, FRAME_MS)
+    if not 1 <= len(courses) <= MAX_PANELS:
+        raise ValueError(f"{len(courses)} searches; there must be 1..{MAX_PANELS}")
+    return Replay(_SearchScene(layout, (start, goal), courses, title, window), title, FRAME_MS)
 
 
 def draw_legend(figure: SceneFigure) -> None:
@@ -164,19 +141,8 @@ def draw_legend(figure: SceneFigure) -> None:
 
 def _plan(layout: Layout, panels: int) -> _Plan:
     """Return a plan of one row if its cells are large enough, or that of the largest cells."""
-    plans = [_plan_of(layout, panels, columns) for columns in range(panels, 0, -1)]
+    plans = [_Plan(layout, panels, columns) for columns in range(panels, 0, -1)]
     if plans[0].cell >= GOOD_CELL:
         return plans[0]
     # Of those with the largest cells the one with the fewest empty places.
-    return max(plans, key=lambda plan: (plan.cell, -plan.columns * plan.rows))
-
-
-def _plan_of(layout: Layout, panels: int, columns: int) -> _Plan:
-    rows = math.ceil(panels / columns)
-    wide = (MAX_SIZE[0] - MARGIN) / columns - MARGIN - PANEL_LEFT
-    high = (MAX_SIZE[1] - HEAD - FOOT) / rows - PANEL_HEAD - PANEL_FOOT
-    cell = min(wide / layout.width, high / layout.height, MAX_CELL)
-    cell = math.floor(cell) if cell >= 1 else cell
-    if columns > 1 and wide < MIN_PANEL:
-        cell = 0.0  # the words above a panel would overlap those of the next
-    return _Plan(columns, rows, cell, (max(cell * layout.width, MIN_PANEL), cell * layout.height))
+    return max(plans, key=lambda plan: (plan.cell, -plan.places))

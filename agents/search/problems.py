@@ -53,12 +53,7 @@ def _table(walls: tuple[str, ...]) -> MoveTable:
 
 
 class RouteProblem(Problem[Cell, str]):
-    """Drive from one cell to another; each move costs 1.
-
-    Args:
-        layout: the walls.
-        start: the first cell.
-        goal: the last cell.
+    """Drive from ``start`` to ``goal`` around the walls of ``layout``; each move costs 1.
 
     Raises:
         LayoutError: one of the cells is not open.

@@ -179,7 +179,7 @@ def test_the_keys_of_matplotlib_are_disabled_in_the_window() -> None:
 def test_a_toolkit_that_cannot_open_a_window_is_no_display(monkeypatch: pytest.MonkeyPatch) -> None:
     import matplotlib.pyplot as plt
 
-    from warehouse_core.render.display import has_display
+    from warehouse_core.render.window import has_display
 
     def switched(backend: str) -> None:
         if backend == "qtagg":

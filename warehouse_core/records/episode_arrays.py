@@ -1,32 +1,39 @@
 """The fields of an episode as arrays, and back: the content of a ``.npz`` file.
 
 ``T`` is the number of steps and ``F = T + 1`` of frames. Words are stored as codes; the words
-themselves and all other values are in ``header``, which is JSON text.
+themselves and all other values are in ``header``, which is JSON text. Paths and contacts of all
+motions are concatenated.
 """
 
 from __future__ import annotations
 
 import json
+from collections.abc import Hashable, Sequence
 from dataclasses import asdict
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.errors import RecordError
 from warehouse_core.files.npz import Arrays, Schema
-from warehouse_core.records.motion_arrays import (
-    MOTION_SCHEMA,
-    decode_words,
-    encode_words,
-    pack_motions,
-    unpack_motions,
-)
+from warehouse_core.motion.base import Contact, Outcome
 from warehouse_core.task.settings import Settings
 from warehouse_core.world.layout import MAX_CELLS, Layout
-from warehouse_core.world.tiles import Cell
 
 FORMAT = "warehouse-lab episode 1"
+
+MOTION_SCHEMA: Schema = {
+    "motion_cells": ("<i4", 2),
+    "motion_blocked": ("|b1", 1),
+    "motion_seconds": ("<f8", 1),
+    "motion_joules": ("<f8", 1),
+    "path": ("<f8", 2),
+    "path_lengths": ("<i4", 1),
+    "contacts": ("<f8", 2),
+    "contact_counts": ("<i4", 1),
+    "contact_counterparts": ("<i4", 1),
+}
 
 EPISODE_SCHEMA: Schema = {
     "header": ("|u1", 1),
@@ -42,6 +49,8 @@ EPISODE_SCHEMA: Schema = {
 
 Fields = dict[str, Any]
 """The fields of an ``Episode`` by name."""
+
+Word = TypeVar("Word", bound=Hashable)
 
 
 def pack_fields(fields: Fields) -> Arrays:
@@ -59,7 +68,7 @@ def pack_fields(fields: Fields) -> Arrays:
     layout: Layout = fields["layout"]
     tiles = np.frombuffer("".join(layout.rows).encode("ascii"), dtype=np.uint8)
     return {
-        "header": np.frombuffer(json.dumps(header).encode("utf-8"), dtype=np.uint8),
+        "header": pack_header(header),
         "layout": tiles.reshape(layout.height, layout.width),
         "actions": actions,
         "reasons": reasons,
@@ -87,7 +96,9 @@ def unpack_fields(arrays: Arrays) -> Fields:
     }
     fields |= {name: header[name] for name in ("seed", "agent", "terminated", "truncated")}
     fields |= {name: arrays[name].tolist() for name in ("loaded", "battery", "rewards")}
-    _check_cells(fields["layout"], [fields["settings"].start_pos, *fields["cells"]])
+    for cell in (fields["settings"].start_pos, *fields["cells"]):
+        if not fields["layout"].is_open(cell):
+            raise RecordError(f"no robot can be where {fields['layout'].describe(cell)}")
     if [motion.cell for motion in fields["motions"]] != fields["cells"][1:]:
         raise RecordError("the motions end in other cells than the robot was in")
     return fields
@@ -101,12 +112,7 @@ def _read_layout(tiles: NDArray[np.uint8]) -> Layout:
 
 
 def _read_header(arrays: Arrays) -> dict[str, Any]:
-    try:
-        header = json.loads(arrays["header"].tobytes().decode("utf-8"))
-    except (ValueError, RecursionError) as error:
-        raise RecordError(f"its header is no JSON text: {error}") from error
-    if not isinstance(header, dict) or header.get("format") != FORMAT:
-        raise RecordError(f"its format is not {FORMAT!r}")
+    header = unpack_header(arrays["header"], FORMAT)
     allowed: dict[str, tuple[type, ...]] = {
         "seed": (int, type(None)),
         "agent": (str,),
@@ -134,7 +140,115 @@ def _check_columns(arrays: Arrays, steps: int) -> None:
         raise RecordError("cells are no (row, column) pairs, or a reward is not finite")
 
 
-def _check_cells(layout: Layout, cells: list[Cell]) -> None:
-    for cell in cells:
-        if not layout.is_open(cell):
-            raise RecordError(f"no robot can be where {layout.describe(cell)}")
+def encode_words(words: Sequence[Word]) -> tuple[list[Word], NDArray[np.int32]]:
+    """Return the different words and, for each of ``words``, its index among them."""
+    codes: dict[Word, int] = {}
+    indices = [codes.setdefault(word, len(codes)) for word in words]
+    return list(codes), np.array(indices, dtype=np.int32)
+
+
+def decode_words(vocabulary: Sequence[Word], codes: NDArray[Any], name: str) -> list[Word]:
+    """Undo ``encode_words``.
+
+    Raises:
+        RecordError: a code beyond the vocabulary.
+    """
+    if codes.size and not (codes.min() >= 0 and codes.max() < len(vocabulary)):
+        raise RecordError(f"{name} has a code outside 0..{len(vocabulary) - 1}")
+    return [vocabulary[code] for code in codes.tolist()]
+
+
+def pack_motions(motions: Sequence[Outcome]) -> tuple[Arrays, list[str]]:
+    """Return the arrays of ``MOTION_SCHEMA`` and the vocabulary of counterparts."""
+    contacts = [contact for motion in motions for contact in motion.contacts]
+    counterparts, codes = encode_words([contact.counterpart for contact in contacts])
+    arrays: Arrays = {
+        "motion_cells": np.array([motion.cell for motion in motions]).reshape(-1, 2),
+        "motion_blocked": np.array([motion.blocked for motion in motions], dtype=bool),
+        "motion_seconds": np.array([motion.seconds for motion in motions]),
+        "motion_joules": np.array([motion.joules for motion in motions]),
+        "path": np.concatenate([np.empty((0, 4)), *(motion.path for motion in motions)]),
+        "path_lengths": np.array([len(motion.path) for motion in motions]),
+        "contacts": np.array(
+            [(contact.seconds, contact.impulse, *contact.point) for contact in contacts]
+        ).reshape(-1, 4),
+        "contact_counts": np.array([len(motion.contacts) for motion in motions]),
+        "contact_counterparts": codes,
+    }
+    return arrays, counterparts
+
+
+def unpack_motions(arrays: Arrays, counterparts: list[str], steps: int) -> list[Outcome]:
+    """Undo ``pack_motions``, checking that the arrays fit together.
+
+    Raises:
+        RecordError: they do not, or a value is impossible.
+    """
+    _check_motions(arrays, steps)
+    names = decode_words(counterparts, arrays["contact_counterparts"], "contact_counterparts")
+    contacts = [
+        Contact(seconds, impulse, (x, y), name)
+        for (seconds, impulse, x, y), name in zip(arrays["contacts"].tolist(), names, strict=True)
+    ]
+    paths = np.split(arrays["path"], np.cumsum(arrays["path_lengths"])[:-1]) if steps else []
+    ends = np.cumsum(arrays["contact_counts"]).tolist()
+    rows = zip(
+        arrays["motion_cells"].tolist(),
+        arrays["motion_blocked"].tolist(),
+        arrays["motion_seconds"].tolist(),
+        arrays["motion_joules"].tolist(),
+        paths,
+        [0, *ends],
+        ends,
+        strict=False,
+    )
+    return [
+        Outcome((row, col), blocked, seconds, joules, path, tuple(contacts[start:end]))
+        for (row, col), blocked, seconds, joules, path, start, end in rows
+    ]
+
+
+def _check_motions(arrays: Arrays, steps: int) -> None:
+    contacts = int(arrays["contact_counts"].sum(dtype=np.int64))
+    each_step = (
+        "motion_cells", "motion_blocked", "motion_seconds", "motion_joules",
+        "path_lengths", "contact_counts",
+    )  # fmt: skip
+    columns = {"path": 4, "contacts": 4, "motion_cells": 2}
+    sizes = {
+        **{name: (len(arrays[name]), steps) for name in each_step},
+        **{f"{name} columns": (arrays[name].shape[1], count) for name, count in columns.items()},
+        "path": (len(arrays["path"]), int(arrays["path_lengths"].sum(dtype=np.int64))),
+        "contacts": (len(arrays["contacts"]), contacts),
+        "contact_counterparts": (len(arrays["contact_counterparts"]), contacts),
+    }
+    for name, (found, expected) in sizes.items():
+        if found != expected:
+            raise RecordError(f"{name}: {found}; there must be {expected}")
+    if steps and (arrays["path_lengths"].min() < 2 or arrays["contact_counts"].min() < 0):
+        raise RecordError("a path has fewer than two rows, or a count is negative")
+    for name in ("motion_seconds", "motion_joules", "path", "contacts"):
+        if not np.isfinite(arrays[name]).all():
+            raise RecordError(f"{name} holds a number that is not finite")
+    if min(arrays["motion_seconds"].min(initial=1), arrays["motion_joules"].min(initial=1)) <= 0:
+        raise RecordError("a motion took no time or no energy")
+
+
+def pack_header(header: dict[str, Any]) -> NDArray[np.uint8]:
+    """Return a header as the bytes of JSON text."""
+    return np.frombuffer(json.dumps(header).encode("utf-8"), dtype=np.uint8)
+
+
+def unpack_header(data: NDArray[np.uint8], name: str) -> dict[str, Any]:
+    """Undo ``pack_header``.
+
+    Raises:
+        RecordError: the data are no JSON text, or its ``format`` is not ``name``.
+    """
+    try:
+        header = json.loads(data.tobytes().decode("utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise RecordError(f"its header is no JSON text: {error}") from error
+    if not isinstance(header, dict) or header.get("format") != name:
+        raise RecordError(f"its format is not {name!r}")
+    return header

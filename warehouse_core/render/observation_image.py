@@ -63,21 +63,17 @@ class ObservationImage:
         cells = np.full((len(robots), *size), CODES[UNSEEN, NO_ROBOT], np.uint8)
         each = np.arange(len(robots))
         rows, cols = (robots[:, axis, None] + np.arange(side) for axis in (0, 1))
-        for tile, stations in ((PICKUP, arrays["pickup_pos"]), (DROPOFF, arrays["dropoff_pos"])):
-            _put(cells, CODES[tile, NO_ROBOT], stations.reshape(-1, 2), radius)
+        under = np.full(len(robots), CODES[EMPTY, NO_ROBOT])
+        for tile, positions in ((PICKUP, arrays["pickup_pos"]), (DROPOFF, arrays["dropoff_pos"])):
+            stations = positions.reshape(-1, 2)
+            there = np.flatnonzero(stations[:, 0] >= 0)
+            code = CODES[tile, NO_ROBOT]
+            cells[there, stations[there, 0] + radius, stations[there, 1] + radius] = code
+            under[(stations == robots).all(axis=1)] = code
         cells[each[:, None, None], rows[:, :, None], cols[:, None, :]] = windows.reshape(
             -1, side, side
         )
-        under = np.full(len(robots), CODES[EMPTY, NO_ROBOT])
-        for tile, stations in ((PICKUP, arrays["pickup_pos"]), (DROPOFF, arrays["dropoff_pos"])):
-            under[(stations.reshape(-1, 2) == robots).all(axis=1)] = CODES[tile, NO_ROBOT]
         loaded = np.asarray(arrays["has_item"]).reshape(-1)
         cells[each, robots[:, 0] + radius, robots[:, 1] + radius] = ROBOT_CODES[loaded, under]
         inner = cells[:, radius : radius + self._height, radius : radius + self._width]
         return inner.reshape(*batch, self._height, self._width)
-
-
-def _put(cells: NDArray[np.uint8], code: int, stations: NDArray[np.int32], margin: int) -> None:
-    """Write a code at each station, in cells with a margin around them."""
-    there = np.flatnonzero(stations[:, 0] >= 0)
-    cells[there, stations[there, 0] + margin, stations[there, 1] + margin] = code

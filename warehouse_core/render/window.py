@@ -1,6 +1,6 @@
 """A window that a program shows pictures in, one after the other, from its own loop.
 
-Matplotlib is imported when a window is made, not when this module is.
+Matplotlib is imported when it is needed, not when this module is.
 """
 
 from __future__ import annotations
@@ -12,13 +12,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.errors import NoDisplayError
-from warehouse_core.render.display import has_display
 
 DPI = 100
 """Of the figure; any value would do, because sizes are given in pixels."""
 
 MAX_WAIT_SECONDS = 0.01
 """How long events of the window may wait while the next picture is not due."""
+
+
+def has_display() -> bool:
+    """Return whether matplotlib can open a window: there is a display and an installed toolkit.
+
+    The inline pictures of a notebook are no windows.
+    """
+    import matplotlib.pyplot as plt
+    from matplotlib.backends.registry import backend_registry
+
+    registry: Any = backend_registry
+    try:
+        _, toolkit = registry.resolve_backend(plt.get_backend())
+        plt.switch_backend(plt.get_backend())
+    except ImportError:
+        return False
+    return toolkit is not None
 
 
 class PictureWindow:

@@ -47,6 +47,19 @@ def draw_grid(
     axes.tick_params(length=0, labelsize=label_size, labelcolor="0.45", pad=pad)
 
 
+def box_in(
+    size: tuple[float, float], left: float, top: float, width: float, height: float
+) -> tuple[float, float, float, float]:
+    """Return a box measured from the top left corner, as ``Figure.add_axes`` takes it."""
+    whole_width, whole_height = size
+    return (
+        left / whole_width,
+        1 - (top + height) / whole_height,
+        width / whole_width,
+        height / whole_height,
+    )
+
+
 def style_chart(axes: Axes, lines: Literal["both", "x", "y"] | None = "both") -> None:
     """Give a chart its look: no frame, small numbers, faint lines behind everything else.
 

@@ -45,7 +45,8 @@ class RewardChart:
         for mover in (self._bars, self._line, self._head):
             figure.add_mover(mover)
         axes.set_ylim(-1, 1)
-        self._fit(track)
+        rewards, totals = _rewards(track, track.steps + 1)
+        _fit(axes, [*rewards, *totals])
 
     def show(self, track: Track, frame: int) -> None:
         """Draw everything up to the last complete step of ``frame``."""
@@ -55,10 +56,6 @@ class RewardChart:
         self._bars.set_segments([[(step, 0.0), (step, r)] for step, r in enumerate(rewards)])
         self._line.set_data(range(last + 1), totals)
         self._head.set_data([last], [totals[-1]])
-
-    def _fit(self, track: Track) -> None:
-        rewards, totals = _rewards(track, track.steps + 1)
-        _fit(self._axes, [*rewards, *totals])
 
 
 class DistanceChart:

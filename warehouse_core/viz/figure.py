@@ -21,8 +21,6 @@ from PIL import Image
 
 from warehouse_core.render.palette import indexed_palette
 
-PIXEL_FORMATS = {"png", "rgba", "raw"}
-
 DPI = 100
 
 PAIR_DPI = 70
@@ -50,7 +48,8 @@ class SceneFigure(Figure):
         """Draw the movers over the background, which is drawn again only if it has changed."""
         if not self._is_wanted:
             return
-        if not _is_pixels(renderer):
+        is_pixels = isinstance(renderer, RendererAgg)
+        if not is_pixels:
             self._draw_still(renderer, with_movers=True)
             return
         size = (renderer.width, renderer.height, renderer.dpi)
@@ -69,8 +68,11 @@ class SceneFigure(Figure):
     def savefig(self, fname: Any, *, transparent: bool | None = None, **options: Any) -> None:
         """Save as ``Figure.savefig`` does, but faster for pixels at the figure's own resolution."""
         own_size = options.get("dpi", "figure") in ("figure", self.dpi)
-        if hasattr(fname, "write") and options.get("format") in PIXEL_FORMATS and own_size:
-            self._write_pixels(fname, options["format"])
+        kind = options.get("format") if hasattr(fname, "write") and own_size else None
+        if kind == "png":
+            self.indexed_pixels().save(fname, "png")
+        elif kind in ("rgba", "raw"):
+            fname.write(self.pixels().convert("RGBA").tobytes())
         else:
             super().savefig(fname, transparent=transparent, **options)
 
@@ -104,12 +106,6 @@ class SceneFigure(Figure):
         palette.putpalette(indexed_palette())
         return self.pixels().quantize(palette=palette, dither=Image.Dither.NONE)
 
-    def _write_pixels(self, file: IO[bytes], kind: str) -> None:
-        if kind == "png":
-            self.indexed_pixels().save(file, "png")
-        else:
-            file.write(self.pixels().convert("RGBA").tobytes())
-
     def _draw_still(self, renderer: Any, *, with_movers: bool) -> None:
         """Draw everything but the movers, or everything."""
         shown = [artist for artist in self._movers if artist.get_visible()]
@@ -121,10 +117,6 @@ class SceneFigure(Figure):
             artist.set_animated(True)
             artist.set_visible(True)
         self.stale = False
-
-
-def _is_pixels(renderer: object) -> bool:
-    return isinstance(renderer, RendererAgg)
 
 
 def make_figure(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -67,13 +68,14 @@ class GridView:
         for artist in self._tiles:
             artist.remove()
         self._rows = rows
-        self._tiles = [
-            self._rectangles(rows, WALL, inset=0.0),
-            self._rectangles(rows, PICKUP, inset=0.06),
-            self._rectangles(rows, DROPOFF, inset=0.06),
-            *self._letters(rows),
-            *self._unseen(rows),
-        ]
+        # A thin edge without antialiasing leaves no seam between the walls of two rows.
+        self._tiles = [self._draw(rows, WALL, 0.0, color=COLORS[WALL], linewidth=0.4)]
+        for tile in (PICKUP, DROPOFF):
+            self._tiles.append(self._draw(rows, tile, 0.06, color=COLORS[tile], linewidth=0.0))
+        self._tiles += self._letters(rows)
+        if any(UNSEEN in line for line in rows):
+            stripes = {"edgecolor": UNKNOWN_STRIPE, "linewidth": 0, "hatch": "///"}
+            self._tiles.append(self._draw(rows, UNSEEN, 0.0, facecolor=UNKNOWN, **stripes))
 
     def show_hits(self, hits: Sequence[Hit]) -> None:
         """Mark the places of hits, and label the last of them."""
@@ -95,45 +97,17 @@ class GridView:
             self._figure.add_mover(self._route)
         self._route.set_data([x for x, _ in points], [y for _, y in points])
 
-    def _rectangles(self, rows: Rows, tile: str, inset: float) -> PatchCollection:
-        # Walls are drawn run by run, stations cell by cell.
-        def spans(line: str) -> list[tuple[int, int]]:
-            runs = list(runs_of(tile, line))
-            return runs if tile == WALL else [(c, c + 1) for run in runs for c in range(*run)]
-
+    def _draw(self, rows: Rows, tile: str, inset: float, **style: Any) -> Artist:
+        """Draw the runs of a tile, or each of its cells with an inset."""
+        runs = [(row, *run) for row, line in enumerate(rows) for run in runs_of(tile, line)]
+        if inset:
+            runs = [(row, col, col + 1) for row, *run in runs for col in range(*run)]
         rectangles = [
             Rectangle((left + inset, row + inset), right - left - 2 * inset, 1 - 2 * inset)
-            for row, line in enumerate(rows)
-            for left, right in spans(line)
+            for row, left, right in runs
         ]
-        color = COLORS[tile]
-        # A thin edge without antialiasing leaves no seam between the walls of two rows.
-        seam = 0.4 if tile == WALL else 0.0
-        patches = PatchCollection(
-            rectangles,
-            facecolor=color,
-            edgecolor=color,
-            linewidth=seam,
-            antialiased=False,
-            zorder=1,
-        )
-        self._axes.add_collection(patches)
-        return patches
-
-    def _unseen(self, rows: Rows) -> Iterator[PatchCollection]:
-        """Yield stripes over the cells that have not been seen, if there are any."""
-        rectangles = [
-            Rectangle((left, row), right - left, 1)
-            for row, line in enumerate(rows)
-            for left, right in runs_of(UNSEEN, line)
-        ]
-        if rectangles:
-            patches = PatchCollection(
-                rectangles, facecolor=UNKNOWN, edgecolor=UNKNOWN_STRIPE, linewidth=0,
-                hatch="///", antialiased=False, zorder=1,
-            )  # fmt: skip
-            self._axes.add_collection(patches)
-            yield patches
+        patches = PatchCollection(rectangles, antialiased=False, zorder=1, **style)
+        return self._axes.add_collection(patches)
 
     def _letters(self, rows: Rows) -> Iterator[Text]:
         for row, line in enumerate(rows):

@@ -30,8 +30,8 @@ class PairScene:
         self, left: Track, right: Track, make_figure: Callable[[tuple[float, float]], SceneFigure]
     ) -> None:
         tracks = (left, right)
-        body = max(Plan.of(track, MARGIN).body_height for track in tracks)
-        sizes = [Plan.of(track, MARGIN, body).size for track in tracks]
+        body = max(Plan(track, MARGIN).body_height for track in tracks)
+        sizes = [Plan(track, MARGIN, body).size for track in tracks]
         width, height = sizes[0][0] + sizes[1][0], max(size[1] for size in sizes)
         self.root = make_figure((width, height + FOOT))
         halves: Any = self.root.subfigures(2, 1, height_ratios=[height, FOOT])

@@ -9,14 +9,16 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import matplotlib as mpl
-from matplotlib.animation import FuncAnimation
+from matplotlib.animation import FFMpegWriter, FuncAnimation
 from matplotlib.backend_bases import Event, KeyEvent
 
 from warehouse_core.arguments import real_number
 from warehouse_core.errors import NoDisplayError
-from warehouse_core.render.display import has_display
-from warehouse_core.viz.export import export, progress_bar, self_contained
-from warehouse_core.viz.figure import PAIR_DPI, SceneFigure, make_figure, make_window
+from warehouse_core.files.atomic import atomic_path, check_suffix
+from warehouse_core.render.window import has_display
+from warehouse_core.viz.export import FORMATS, ffmpeg, page, progress_bar, self_contained
+from warehouse_core.viz.figure import PAIR_DPI, SceneFigure, make_figure, make_window, save_svg
+from warehouse_core.viz.gif_writer import GifWriter
 from warehouse_core.viz.pair_scene import PairScene
 from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.track import INTERVAL_MS, Track
@@ -125,23 +127,44 @@ class Replay(FuncAnimation):
             ValueError: another suffix, or an MP4 without imageio-ffmpeg installed.
             OSError: the file cannot be written.
         """
-        if writer is None:
-            export(self, Path(filename))
-        else:
+        if writer is not None:
             with progress_bar(len(self._scene), "Drawing") as report:
                 options.setdefault("progress_callback", report)
                 super().save(str(filename), writer=writer, **options)
             self.refresh()
+            return
+        suffix = check_suffix(Path(filename), FORMATS)
+        try:
+            with atomic_path(filename) as part:
+                self._write(part, suffix)
+        finally:
+            self.refresh()
+
+    def _write(self, path: Path, suffix: str) -> None:
+        if suffix == ".gif":
+            with self.figure.drawn_on_demand():
+                self.save(path, GifWriter(self.figure, self.frame_ms))
+        elif suffix == ".mp4":
+            with mpl.rc_context({"animation.ffmpeg_path": ffmpeg()}):
+                self.save(path, FFMpegWriter(self.fps, codec="h264"))
+        elif suffix == ".html":
+            path.write_text(page(self.title, self.to_jshtml()), encoding="utf-8")
+        else:
+            self.show_end()
+            if suffix == ".svg":
+                save_svg(self.figure, path)
+            else:
+                self.figure.pixels().save(path, format="PNG")
 
     def to_jshtml(
         self, fps: int | None = None, embed_frames: bool = True, default_mode: str | None = None
     ) -> str:
         """Return the replay as HTML with controls; the page loads nothing from the network."""
         with mpl.rc_context({"animation.embed_limit": math.inf}):
-            page = super().to_jshtml(
+            player = super().to_jshtml(
                 self.fps if fps is None else fps, embed_frames, default_mode or "once"
             )
-        return self_contained(page)
+        return self_contained(player)
 
     def _repr_html_(self) -> str:
         return self.to_jshtml()

@@ -39,7 +39,13 @@ class RobotView:
     """
 
     def __init__(self, figure: SceneFigure, axes: Axes, cell_points: float) -> None:
-        self._trails = {loaded: _trail_line(axes, cell_points, loaded) for loaded in (False, True)}
+        width = max(1.0, cell_points / 11)
+        self._trails = {
+            loaded: axes.add_line(
+                Line2D([], [], color=color, linestyle=TRAIL_STYLES[loaded], linewidth=width)
+            )
+            for loaded, color in TRAIL_COLORS.items()
+        }
         self._radius = max(ROBOT_RADIUS, MIN_ROBOT_POINTS / cell_points)
         self._disc = axes.add_patch(
             Circle(
@@ -63,10 +69,8 @@ class RobotView:
         pose = poses[-1]
         for artist in (self._disc, self._nose, self._letter):
             artist.set_visible(pose is not None)
-        if pose is not None:
-            self._put(pose)
-
-    def _put(self, pose: Pose) -> None:
+        if pose is None:
+            return
         x, y = pose.at
         kind = ROBOT_LOADED if pose.loaded else ROBOT_EMPTY
         self._disc.set(center=(x, y), facecolor=COLORS[kind])
@@ -85,17 +89,6 @@ def letter(
     """Add a letter whose height is a share of a cell, but at least ``MIN_LETTER_POINTS``."""
     size = max(MIN_LETTER_POINTS, share * cell_points)
     return axes.text(x, y, text, fontsize=size, fontweight="bold", **options)
-
-
-def _trail_line(axes: Axes, cell_points: float, loaded: bool) -> Line2D:
-    line = Line2D(
-        [],
-        [],
-        color=TRAIL_COLORS[loaded],
-        linestyle=TRAIL_STYLES[loaded],
-        linewidth=max(1.0, cell_points / 11),
-    )
-    return axes.add_line(line)
 
 
 def _trail_of(poses: Sequence[Pose | None], loaded: bool) -> tuple[list[float], list[float]]:

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import SubFigure
 
 from warehouse_core.render.palette import INK
+from warehouse_core.viz.axes import box_in
 from warehouse_core.viz.charts import BatteryBar, DistanceChart, MotionChart, RewardChart
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.grid_view import GridView
@@ -21,7 +21,6 @@ from warehouse_core.viz.legend import draw_legend
 from warehouse_core.viz.track import Track
 
 Chart = RewardChart | DistanceChart | MotionChart | BatteryBar
-DISTANCES = tuple(DistanceChart.NAMES.values())
 
 MakeFigure = Callable[[tuple[float, float]], SceneFigure | SubFigure]
 """Makes a figure of a width and height in inches, or returns a part of a ``SceneFigure``."""
@@ -34,52 +33,30 @@ MARGIN = 0.3
 HEAD, FOOT, BAR = 0.85, 0.75, 0.26
 
 
-@dataclass(frozen=True, slots=True)
 class Plan:
-    """Sizes of the parts of a picture, in inches."""
+    """Sizes of the parts of a picture, in inches.
 
-    cell: float
-    grid_width: float
-    grid_height: float
-    left_width: float
-    body_height: float
-    has_charts: bool
-    has_battery: bool
-    foot: float
+    Args:
+        track: to be drawn.
+        foot: height below the grid.
+        body: minimum height of the grid's part of a track without charts.
+    """
 
-    @classmethod
-    def of(cls, track: Track, foot: float, body: float = 0.0) -> Plan:
-        """Return the plan of a track.
-
-        Args:
-            track: to be drawn.
-            foot: height below the grid.
-            body: minimum height of the grid's part of a track without charts.
-        """
+    def __init__(self, track: Track, foot: float, body: float = 0.0) -> None:
         rows = track.frames[0].tiles
         height, width = len(rows), len(rows[0])
-        cell = min(GRID_INCHES[0] / width, GRID_INCHES[1] / height, MAX_CELL_INCHES)
+        self.cell = min(GRID_INCHES[0] / width, GRID_INCHES[1] / height, MAX_CELL_INCHES)
+        self.grid_width, self.grid_height = self.cell * width, self.cell * height
         has_charts = bool(track.metrics.keys() - {"battery"}) or track.is_continuous
+        self.has_battery = "battery" in track.metrics
         least = 4.2 if track.is_continuous else 3.2 if has_charts else body
-        return cls(
-            cell=cell,
-            grid_width=cell * width,
-            grid_height=cell * height,
-            left_width=max(cell * width, 4.8),
-            body_height=max(cell * height, least),
-            has_charts=has_charts,
-            has_battery="battery" in track.metrics,
-            foot=foot,
-        )
-
-    @property
-    def size(self) -> tuple[float, float]:
-        """Width and height of the picture."""
-        charts = 0.75 + CHART_INCHES if self.has_charts else 0.0
+        self.left_width = max(self.grid_width, 4.8)
+        self.body_height = max(self.grid_height, least)
+        charts = 0.75 + CHART_INCHES if has_charts else 0.0
         battery = BAR + 0.15 if self.has_battery else 0.0
-        return (
+        self.size = (
             MARGIN + self.left_width + charts + MARGIN,
-            HEAD + self.body_height + battery + self.foot,
+            HEAD + self.body_height + battery + foot,
         )
 
 
@@ -107,14 +84,22 @@ class Scene:
     ) -> None:
         self._track = track
         self._length = length or track.steps + 1
-        plan = Plan.of(track, FOOT if legend else MARGIN, body)
+        plan = Plan(track, FOOT if legend else MARGIN, body)
         self.figure = make_figure(plan.size)
         root = self.figure.get_figure(root=True)
         assert isinstance(root, SceneFigure), "make_figure makes nothing else"
         self.root = root
         self._width, self._height = plan.size[0], max(height, plan.size[1])
-        self._grid = self._make_grid(plan)
-        self._charts = [*self._make_charts(plan), *self._make_battery(plan)]
+        grid_left = MARGIN + (plan.left_width - plan.grid_width) / 2
+        grid_top = HEAD + (plan.body_height - plan.grid_height) / 2
+        first = track.frames[0]
+        axes = self._axes(grid_left, grid_top, plan.grid_width, plan.grid_height)
+        self._grid = GridView(self.root, axes, plan.cell * 72, first.tiles, len(first.robots))
+        self._charts = self._make_charts(plan)
+        if plan.has_battery:
+            top = HEAD + plan.body_height + 0.12
+            axes = self._axes(grid_left, top, plan.grid_width, BAR)
+            self._charts.append(BatteryBar(self.root, axes))
         self._make_texts()
         if legend:
             draw_legend(self.figure, has_belief=track.has_routes)
@@ -149,20 +134,14 @@ class Scene:
         self._caption.set_text(now.caption)
         self._ending.set_text(track.ending.upper() if frame == len(track) - 1 else "")
 
-    def _make_grid(self, plan: Plan) -> GridView:
-        left = MARGIN + (plan.left_width - plan.grid_width) / 2
-        top = HEAD + (plan.body_height - plan.grid_height) / 2
-        axes = self._axes(left, top, plan.grid_width, plan.grid_height)
-        first = self._track.frames[0]
-        return GridView(self.root, axes, plan.cell * 72, first.tiles, len(first.robots))
-
     def _make_charts(self, plan: Plan) -> list[Chart]:
-        kinds: list[type[RewardChart | DistanceChart | MotionChart]] = [
-            kind
-            for kind, names in ((RewardChart, ("rewards",)), (DistanceChart, DISTANCES))
-            if any(name in self._track.metrics for name in names)
-        ]
-        kinds += [MotionChart] if self._track.is_continuous else []
+        metrics = self._track.metrics.keys()
+        is_shown: dict[type[RewardChart | DistanceChart | MotionChart], bool] = {
+            RewardChart: "rewards" in metrics,
+            DistanceChart: not metrics.isdisjoint(DistanceChart.NAMES.values()),
+            MotionChart: self._track.is_continuous,
+        }
+        kinds = [kind for kind, shown in is_shown.items() if shown]
         gap = 0.55
         height = (plan.body_height - gap * (len(kinds) - 1)) / max(len(kinds), 1)
         charts: list[Chart] = []
@@ -173,13 +152,6 @@ class Scene:
             if kind is kinds[-1]:
                 axes.set_xlabel("step", fontsize=8, labelpad=1)
         return charts
-
-    def _make_battery(self, plan: Plan) -> list[Chart]:
-        if not plan.has_battery:
-            return []
-        left = MARGIN + (plan.left_width - plan.grid_width) / 2
-        axes = self._axes(left, HEAD + plan.body_height + 0.12, plan.grid_width, BAR)
-        return [BatteryBar(self.root, axes)]
 
     def _make_texts(self) -> None:
         left, right = MARGIN / self._width, 1 - MARGIN / self._width
@@ -203,11 +175,5 @@ class Scene:
 
     def _axes(self, left: float, top: float, width: float, height: float) -> Axes:
         """Add axes at a place in inches from the top left corner."""
-        return self.figure.add_axes(
-            (
-                left / self._width,
-                1 - (top + height) / self._height,
-                width / self._width,
-                height / self._height,
-            )
-        )
+        size = self._width, self._height
+        return self.figure.add_axes(box_in(size, left, top, width, height))

@@ -188,7 +188,10 @@ def frames_along(
     seconds, joules = motions[0].seconds, motions[0].joules
     count = max(1, round(seconds / frame_seconds))
     times = [seconds * frame / count for frame in range(count + 1)]
-    paths = [_sample(motion, times) for motion in motions]
+    paths = [
+        [np.interp(times, motion.path[:, 0], motion.path[:, axis]).tolist() for axis in (1, 2, 3)]
+        for motion in motions
+    ]
     (xs, ys, _), *_ = paths
     for k in range(1, count + 1):
         is_last = k == count
@@ -200,7 +203,12 @@ def frames_along(
             )
             for (x, y, angle), before, after in zip(paths, start.robots, loaded, strict=True)
         ]
-        hits = [hit for motion in motions for hit in _hits_about(motion, times[k], cell_size)]
+        hits = [
+            _hit(contact, cell_size, f"{contact.impulse:.0f} N·s")
+            for motion in motions
+            for contact in motion.contacts
+            if contact.seconds <= times[k] <= contact.seconds + FLASH_SECONDS
+        ]
         moved = math.dist((xs[k - 1], ys[k - 1]), (xs[k], ys[k]))
         yield Frame(
             start.tiles,
@@ -212,19 +220,6 @@ def frames_along(
             moved / (times[k] - times[k - 1]),
             start.energy + joules * k / count,
         )
-
-
-def _sample(motion: Outcome, times: Sequence[float]) -> list[list[float]]:
-    """Return x, y and the heading on the path of a motion at some times."""
-    path = motion.path
-    return [np.interp(times, path[:, 0], path[:, column]).tolist() for column in (1, 2, 3)]
-
-
-def _hits_about(motion: Outcome, seconds: float, cell_size: float) -> Iterator[Hit]:
-    """Yield the hits that are still shown at a time, labelled with their impulses."""
-    for contact in motion.contacts:
-        if contact.seconds <= seconds <= contact.seconds + FLASH_SECONDS:
-            yield _hit(contact, cell_size, f"{contact.impulse:.0f} N·s")
 
 
 def _hit(contact: Contact, cell_size: float, label: str) -> Hit:
@@ -250,20 +245,26 @@ def track_of_frames(
             number of entries is not that of the frames, or an entry that cannot be plotted.
     """
     grids = [["".join(row) for row in frame] for frame in frames]
-    _check_sizes(grids)
-    robots = [_find_robot(index, grid) for index, grid in enumerate(grids)]
+    _check_grids(grids)
+    width, texts = len(grids[0][0]), ["".join(grid) for grid in grids]
+    robots = [max(text.rfind(ROBOT_EMPTY), text.rfind(ROBOT_LOADED)) for text in texts]
     known: dict[Rows, Rows] = {}  # equal rows become one object, which is drawn once
     drawn = []
-    for index, grid in enumerate(grids):
-        rows = _without_robot(index, grid, grids, robots)
-        pose = _pose_in(grid, robots[index])
+    for index, (text, robot) in enumerate(zip(texts, robots, strict=True)):
+        pose, ground = None, text
+        if robot >= 0:
+            pose = Pose(_middle(divmod(robot, width)), None, text[robot] == ROBOT_LOADED)
+            others = [*range(index + 1, len(texts)), *range(index - 1, -1, -1)]
+            under = next((texts[i][robot] for i in others if robots[i] != robot), EMPTY)
+            ground = f"{text[:robot]}{under}{text[robot + 1 :]}"
+        rows = tuple(ground[start : start + width] for start in range(0, len(ground), width))
         drawn.append(Frame(known.setdefault(rows, rows), (pose,), float(index)))
     checked = _check_metrics(metrics or {}, len(grids))
     full_battery = max([1.0, *checked.get("battery", [])])
     return Track(drawn, checked, full_battery=full_battery)
 
 
-def _check_sizes(grids: list[list[str]]) -> None:
+def _check_grids(grids: list[list[str]]) -> None:
     for index, grid in enumerate(grids):
         for row, line in enumerate(grid):
             if len(grid) != len(grids[0]) or len(line) != len(grids[0][0]) or not line:
@@ -273,39 +274,16 @@ def _check_sizes(grids: list[list[str]]) -> None:
                 )
         if not grid:
             raise ValueError(f"frame {index} has no rows")
-
-
-def _find_robot(index: int, grid: list[str]) -> Cell | None:
-    found = None
-    for row, line in enumerate(grid):
-        for col, tile in enumerate(line) if not set(line) <= TILES.keys() else ():
-            if tile in (ROBOT_EMPTY, ROBOT_LOADED):
-                found = (row, col)
-            elif tile not in TILES:
+    allowed = {*TILES, ROBOT_EMPTY, ROBOT_LOADED}
+    for index, grid in enumerate(grids):
+        for row, line in enumerate(grid):
+            unknown = set(line) - allowed
+            if unknown:
+                col = min(map(line.index, unknown))
                 raise ValueError(
-                    f"frame {index}, row {row}, column {col}: {tile!r} is unknown; "
+                    f"frame {index}, row {row}, column {col}: {line[col]!r} is unknown; "
                     f"allowed: {ALLOWED_TILES}, R and r (robot)"
                 )
-    return found
-
-
-def _without_robot(
-    index: int, grid: list[str], grids: list[list[str]], robots: list[Cell | None]
-) -> Rows:
-    cell = robots[index]
-    if cell is None:
-        return tuple(grid)
-    row, col = cell
-    others = [*range(index + 1, len(grids)), *range(index - 1, -1, -1)]
-    under = next((grids[i][row][col] for i in others if robots[i] != cell), EMPTY)
-    return (*grid[:row], f"{grid[row][:col]}{under}{grid[row][col + 1 :]}", *grid[row + 1 :])
-
-
-def _pose_in(grid: list[str], cell: Cell | None) -> Pose | None:
-    if cell is None:
-        return None
-    row, col = cell
-    return Pose((col + 0.5, row + 0.5), None, grid[row][col] == ROBOT_LOADED)
 
 
 def _check_metrics(

@@ -3,7 +3,7 @@ import pytest
 from numpy.typing import NDArray
 
 from agents.learning.policy_network import network_input
-from agents.learning.vector_steps import VectorSteps
+from agents.learning.vector_steps import input_limits, vector_step
 from warehouse_core import Layout, WarehouseEnv
 from warehouse_core.task.encoding import encode
 from warehouse_core.vector.env import BatchEnv
@@ -14,32 +14,22 @@ DELIVERY = ("PICK", "E", "E", "DROP")
 WAITING = ("WAIT",) * 4
 
 
-def room(max_steps: int) -> VectorSteps:
+def room(max_steps: int) -> BatchEnv:
     """Return two rooms in which the robots start at the pickup."""
-    batch = BatchEnv(2, ROOM, (1, 1), max_steps, randomize=False, autoreset_mode="SameStep")
-    return VectorSteps(batch)
+    return BatchEnv(2, ROOM, (1, 1), max_steps, randomize=False, autoreset_mode="SameStep")
 
 
 def indices(*words: str) -> NDArray[np.int64]:
     return np.array([ACTIONS.index(word) for word in words])
 
 
-def test_the_first_observation_is_that_of_the_batch() -> None:
-    steps = VectorSteps(BatchEnv(3, autoreset_mode="SameStep"))
-    arrays, _ = BatchEnv(3).reset(seed=5)
-    assert np.array_equal(steps.reset(5), network_input(arrays))
-    seeds: list[int | None] = [9, 8, 7]
-    arrays, _ = BatchEnv(3).reset(seed=seeds)
-    assert np.array_equal(steps.reset(seeds), network_input(arrays))
-
-
 def test_a_delivery_ends_an_episode_and_the_next_one_starts_in_the_same_step() -> None:
-    steps = room(max_steps=10)
-    first = steps.reset(1)
+    batch = room(max_steps=10)
+    first = network_input(batch.reset(1)[0])
     single = WarehouseEnv(ROOM)
     single.reset()
     for words in zip(DELIVERY, WAITING, strict=True):
-        observations, rewards, ended, infos = steps.step(indices(*words))
+        observations, rewards, ended, infos = vector_step(batch, indices(*words))
         last, reward, *_ = single.step(words[0])
         assert rewards.dtype == observations.dtype == np.float32
         assert rewards == pytest.approx([reward, -0.15])
@@ -55,10 +45,10 @@ def test_a_delivery_ends_an_episode_and_the_next_one_starts_in_the_same_step() -
 
 
 def test_a_truncated_episode_is_marked() -> None:
-    steps = room(max_steps=3)
-    steps.reset(1)
+    batch = room(max_steps=3)
+    batch.reset(1)
     for words in zip(DELIVERY[:3], WAITING, strict=False):
-        observations, _, ended, infos = steps.step(indices(*words))
+        observations, _, ended, infos = vector_step(batch, indices(*words))
     assert ended.all()
     for row, last in enumerate([(1, 3), (1, 1)]):
         final = infos[row].pop("terminal_observation")
@@ -70,20 +60,21 @@ def test_a_truncated_episode_is_marked() -> None:
 
 
 def test_a_delivery_in_the_last_step_is_not_truncated() -> None:
-    steps = room(max_steps=4)
-    steps.reset(1)
+    batch = room(max_steps=4)
+    batch.reset(1)
     for words in zip(DELIVERY, WAITING, strict=True):
-        _, _, ended, infos = steps.step(indices(*words))
+        _, _, ended, infos = vector_step(batch, indices(*words))
     assert ended.all()
     assert [info["TimeLimit.truncated"] for info in infos] == [False, True]
     assert [info["is_success"] for info in infos] == [True, False]
 
 
 def test_every_observation_is_within_the_limits() -> None:
-    steps = VectorSteps(BatchEnv(50, max_steps=30, autoreset_mode="SameStep"))
+    batch = BatchEnv(50, max_steps=30, autoreset_mode="SameStep")
+    low, high = input_limits(batch)
     stream = np.random.default_rng(1)
-    observations = [steps.reset(1)]
-    assert steps.low.shape == steps.high.shape == observations[0].shape[1:]
+    observations = [network_input(batch.reset(1)[0])]
+    assert low.shape == high.shape == observations[0].shape[1:]
     for _ in range(60):
-        observations.append(steps.step(stream.integers(0, 7, 50))[0])
-    assert all((steps.low <= each).all() and (each <= steps.high).all() for each in observations)
+        observations.append(vector_step(batch, stream.integers(0, 7, 50))[0])
+    assert all((low <= each).all() and (each <= high).all() for each in observations)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from warehouse_core import Contact, Episode, Outcome, RecordError
 from warehouse_core.files.npz import Arrays
-from warehouse_core.records.motion_arrays import (
+from warehouse_core.records.episode_arrays import (
     MOTION_SCHEMA,
     decode_words,
     encode_words,
