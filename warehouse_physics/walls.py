@@ -29,7 +29,7 @@ def _merged(layout: Layout) -> list[Box]:
     done: list[Box] = []
     growing: dict[tuple[int, int], int] = {}
     for row, line in enumerate([*layout.rows, ""]):
-        runs = list(runs_of(WALL, line))
+        runs = runs_of(WALL, line)
         for run in [run for run in growing if run not in runs]:
             done.append((run[0], growing.pop(run), run[1], row))
         for run in runs:

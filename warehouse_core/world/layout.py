@@ -61,7 +61,12 @@ class Layout:
         tiles = np.frombuffer("".join(checked).encode("ascii"), dtype=np.uint8)
         open_cells = np.flatnonzero(tiles != ord(WALL))
         open_cells.setflags(write=False)
-        self._fill(checked, _cells_of(PICKUP, checked), _cells_of(DROPOFF, checked), open_cells)
+        width = len(checked[0])
+        pickups, dropoffs = (
+            tuple(divmod(index, width) for index in np.flatnonzero(tiles == ord(tile)).tolist())
+            for tile in (PICKUP, DROPOFF)
+        )
+        self._fill(checked, pickups, dropoffs, open_cells)
 
     def _fill(
         self,
@@ -230,16 +235,6 @@ def _check_row(index: int, row: str, width: int) -> None:
             f"row {index} has {len(row)} columns where row 0 has {width}; "
             "all rows must be equally long"
         )
-
-
-def _cells_of(tile: str, rows: Sequence[str]) -> tuple[Cell, ...]:
-    return tuple(
-        (r, c)
-        for r, row in enumerate(rows)
-        if tile in row
-        for c, found in enumerate(row)
-        if found == tile
-    )
 
 
 GivenLayout = Layout | Sequence[str] | str

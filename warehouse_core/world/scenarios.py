@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from warehouse_core.errors import LayoutError
-from warehouse_core.world.distances import distances
 from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.text_lines import error_at, expect, read_line, whole_number_at
 from warehouse_core.world.tiles import Cell
@@ -37,8 +36,8 @@ class Scenario(NamedTuple):
         height: rows of that map.
         start: first cell of the path.
         goal: last cell of the path.
-        octile_length: length in cells of a shortest path that may use diagonal moves; see
-            ``four_connected_length`` for paths without them.
+        octile_length: length in cells of a shortest path that may use diagonal moves;
+            ``distances`` gives the length without them.
     """
 
     bucket: int
@@ -88,18 +87,6 @@ def check_scenarios(layout: Layout, scenarios: Sequence[Scenario]) -> None:
             )
         for name, cell in (("start", scenario.start), ("goal", scenario.goal)):
             check_open(layout, cell, f"scenario {number}: {name}")
-
-
-def four_connected_length(layout: Layout, start: Cell, goal: Cell) -> int | None:
-    """Return the moves of a shortest path of moves N, E, S and W, or ``None`` without a path.
-
-    Raises:
-        LayoutError: the start or the goal is off the grid or a wall.
-    """
-    check_open(layout, start, "start")
-    check_open(layout, goal, "goal")
-    length = float(distances(layout, [goal])[start])
-    return int(length) if math.isfinite(length) else None
 
 
 def _read_scenarios(file: BufferedReader) -> Iterator[Scenario]:
