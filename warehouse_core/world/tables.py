@@ -8,10 +8,9 @@ one ``take``.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from warehouse_core.errors import LayoutError
 from warehouse_core.world.layout import Layout
@@ -51,7 +50,7 @@ class LayoutSet:
         bare = [kind.with_stations(None, None) for kind in self.kinds]
         return LayoutSet([bare[kind] for kind in self.kind])
 
-    def of_rows(self, values: Sequence[int] | NDArray[Any]) -> NDArray[np.intp]:
+    def of_rows(self, values: ArrayLike) -> NDArray[np.intp]:
         """Return for each row the value of its layout."""
         return np.asarray(values, np.intp)[self.kind]
 
