@@ -170,7 +170,7 @@ class BatchEnv:
         motion = {name: getattr(outcome, name) for name in ("blocked", "seconds", "joules")}
         info = {"motion": motion, "_motion": moved}
         if self.autoreset_mode == SAME_STEP and self._ended.any():
-            info = self._end_episodes(info)
+            self._end_episodes(info)
         info |= {"action_mask": self._masks(), "_action_mask": np.ones_like(terminated)}
         return self._observe(ALL), rewards, terminated, truncated, info
 
@@ -227,8 +227,8 @@ class BatchEnv:
             self._begin(rows)
         return rows
 
-    def _end_episodes(self, info: dict[str, Any]) -> dict[str, Any]:
-        """Restart the rows that have ended, and return info with their final observations."""
+    def _end_episodes(self, info: dict[str, Any]) -> None:
+        """Restart the rows that have ended, and add their final observations to info."""
         rows, ended = np.flatnonzero(self._ended), self._ended.copy()
         final_info = {
             "motion": {key: values.copy() for key, values in info["motion"].items()}
@@ -240,8 +240,7 @@ class BatchEnv:
         observed: dict[str, Any] = {**self._observe(rows)}
         final = {key: _spread(values, rows, self.num_envs) for key, values in observed.items()}
         self._begin(rows)
-        return {
-            "motion": info["motion"],
+        info |= {
             "_motion": info["_motion"] & ~ended,
             "final_obs": final,
             "_final_obs": ended.copy(),
