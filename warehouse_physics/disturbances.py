@@ -68,12 +68,7 @@ def _checked_cells(cells: Iterable[Cell]) -> frozenset[Cell]:
 
 
 class FloorConditions:
-    """Drag, grip and random numbers of one episode.
-
-    Args:
-        disturbances: of the episode.
-        seed: for the random numbers.
-    """
+    """Drag, grip and random numbers of one episode with these disturbances and this seed."""
 
     def __init__(self, disturbances: Disturbances, seed: int) -> None:
         self._disturbances = disturbances
