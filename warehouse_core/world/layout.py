@@ -220,21 +220,17 @@ def _checked_rows(rows: Sequence[str]) -> tuple[str, ...]:
     if len(rows) * width > MAX_CELLS:
         raise LayoutError(f"{len(rows)} x {width} cells are more than MAX_CELLS = {MAX_CELLS}")
     for index, row in enumerate(rows):
-        _check_row(index, row, width)
-    return tuple(map(str, rows))
-
-
-def _check_row(index: int, row: str, width: int) -> None:
-    for column, tile in enumerate(row) if not set(row) <= TILES.keys() else ():
-        if tile not in TILES:
+        if not set(row) <= TILES.keys():
+            column, tile = next(each for each in enumerate(row) if each[1] not in TILES)
             raise LayoutError(
                 f"row {index}, column {column}: {tile!r} is not a tile; allowed: {ALLOWED_TILES}"
             )
-    if len(row) != width:
-        raise LayoutError(
-            f"row {index} has {len(row)} columns where row 0 has {width}; "
-            "all rows must be equally long"
-        )
+        if len(row) != width:
+            raise LayoutError(
+                f"row {index} has {len(row)} columns where row 0 has {width}; "
+                "all rows must be equally long"
+            )
+    return tuple(map(str, rows))
 
 
 GivenLayout = Layout | Sequence[str] | str

@@ -114,7 +114,11 @@ def _scenario(line: str, number: int) -> Scenario:
     width, height = (_number_in(found, name, number, 1) for name in ("width", "height"))
     start_x, goal_x = (_number_in(found, name, number, 0, width) for name in ("start_x", "goal_x"))
     start_y, goal_y = (_number_in(found, name, number, 0, height) for name in ("start_y", "goal_y"))
-    length = _length(found["optimal_length"], number)
+    field = found["optimal_length"]
+    length = float(field[0]) if _LENGTH.fullmatch(field[0]) else math.inf
+    if not math.isfinite(length):
+        message = f"optimal_length is {field[0]!r}; it must be a number, at least 0"
+        raise error_at(number, field.start() + 1, message)
     start, goal = (start_y, start_x), (goal_y, goal_x)
     return Scenario(bucket, found["map"][0], width, height, start, goal, length)
 
@@ -128,14 +132,3 @@ def _number_in(
     if number >= size:
         raise error_at(line, column, f"{name} is {number}; it must be less than the map's {size}")
     return number
-
-
-def _length(field: re.Match[str], line: int) -> float:
-    length = float(field[0]) if _LENGTH.fullmatch(field[0]) else math.inf
-    if not math.isfinite(length):
-        raise error_at(
-            line,
-            field.start() + 1,
-            f"optimal_length is {field[0]!r}; it must be a number, at least 0",
-        )
-    return length
