@@ -30,10 +30,7 @@ MARKED_TILES = (WALL, PICKUP, DROPOFF)
 OTHER_NUMBERS = 11
 """Length of a vector without the window."""
 
-_MARKS = np.zeros((len(CELL_CODES), len(MARKED_TILES)), np.float32)
-
-for _place, _tile in enumerate(MARKED_TILES):
-    _MARKS[CELL_CODES[_tile], _place] = 1.0
+_MARKS = np.array([[tile == marked for marked in MARKED_TILES] for tile in CELL_CODES], np.float32)
 
 _CELL, _STEP = 1 / CELLS_PER_UNIT, 1 / STEPS_PER_UNIT
 

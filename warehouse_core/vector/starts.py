@@ -19,10 +19,7 @@ from warehouse_core.world.tiles import Cell
 class VectorStarts:
     """Draws the starts of ``B`` rows by ``draw_ranks``, each from its own stream.
 
-    Args:
-        layouts: of the rows.
-        start_pos: see ``BatchEnv``.
-        randomize: draw the starts instead of using those of the layouts.
+    ``start_pos`` and ``randomize`` are those of ``BatchEnv``.
 
     Raises:
         LayoutError: a start that is not open, or no room for pickup and dropoff.

@@ -19,14 +19,9 @@ from warehouse_physics.vector.arena import Hit, VectorArena
 
 
 class VectorRobots:
-    """Drives ``B`` robots by one action at a time.
-
-    Args:
-        spec: of the robots.
-        arena: with the robots.
+    """Drives the ``B`` robots of an arena by one action at a time.
 
     Attributes:
-        arena: as given.
         gave_up: ``[B]``, whether a wall was in the way.
         work: ``[B]`` joules that each motor has done in the action.
         substeps: ``[B]`` substeps until each robot was at rest.
