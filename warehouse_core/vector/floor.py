@@ -81,7 +81,7 @@ class VectorFloor:
         return masks(self._sides.take(self._base + cells), self.stations(cells), has_item)
 
     def places(self, rows: Rows, cells: Integers) -> NDArray[np.int32]:
-        """Return row and column of the robots, ``[N, 2]``."""
+        """Return row and column of the cells, ``[N, 2]``."""
         return self._places.take(self._base[rows] + cells, axis=0)
 
     def windows(

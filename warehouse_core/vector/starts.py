@@ -65,7 +65,7 @@ class VectorStarts:
 
 
 def _first_stations(layouts: LayoutSet) -> NDArray[np.intp]:
-    """Return the first pickup and dropoff of each layout, ``[B, 2]`` cells or ``NO_CELL``."""
+    """Return the first pickup and dropoff of each row, ``[B, 2]`` cells or ``NO_CELL``."""
     return layouts.of_rows(
         [
             [
@@ -77,9 +77,7 @@ def _first_stations(layouts: LayoutSet) -> NDArray[np.intp]:
     )
 
 
-def _fixed_starts(
-    layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None
-) -> NDArray[np.integer]:
+def _fixed_starts(layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None) -> NDArray[np.intp]:
     """Return row and column of the starts that are not drawn, ``[B, 2]``."""
     if start_pos is None:
         return layouts.of_rows([kind.usual_start() for kind in layouts.kinds])
@@ -97,4 +95,4 @@ def _fixed_starts(
     for row, (cell, kind) in enumerate(zip(cells.tolist(), layouts.kind, strict=True)):
         name = "start_pos" if given.ndim == 1 else f"start_pos[{row}]"
         check_open(layouts.kinds[kind], as_cell(name, cell), name)
-    return cells
+    return cells.astype(np.intp)
