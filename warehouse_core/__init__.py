@@ -1,10 +1,8 @@
 """A grid warehouse for rational agents, with a motion backend that can be swapped."""
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
 from warehouse_core.errors import BackendError, LayoutError, RecordError, WarehouseError
 from warehouse_core.motion.base import Contact, Motion, Outcome
+from warehouse_core.motion.grid import GridMotion
 from warehouse_core.records.episode import (
     Agent,
     Episode,
@@ -14,15 +12,12 @@ from warehouse_core.records.episode import (
 )
 from warehouse_core.task.settings import Settings
 from warehouse_core.task.state import Observation, WarehouseState
+from warehouse_core.vector.env import BatchEnv
 from warehouse_core.warehouse_env import WarehouseEnv
+from warehouse_core.warehouse_viz import replay_animation, save_frames_to_svg
 from warehouse_core.world.generators import random_layout, shelf_layout
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
 from warehouse_core.world.tiles import Cell
-
-if TYPE_CHECKING:
-    from warehouse_core.motion.grid import GridMotion
-    from warehouse_core.vector.env import BatchEnv
-    from warehouse_core.warehouse_viz import replay_animation, save_frames_to_svg
 
 __all__ = [
     "DEFAULT_LAYOUT",
@@ -51,17 +46,3 @@ __all__ = [
     "save_frames_to_svg",
     "shelf_layout",
 ]
-
-_LAZY = {
-    "BatchEnv": "warehouse_core.vector.env",
-    "GridMotion": "warehouse_core.motion.grid",
-    "replay_animation": "warehouse_core.warehouse_viz",
-    "save_frames_to_svg": "warehouse_core.warehouse_viz",
-}
-"""Modules that a bare environment does not need; they are imported when a name is first used."""
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _LAZY:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(_LAZY[name]), name)

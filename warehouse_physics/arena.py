@@ -24,14 +24,7 @@ SLOP = 0.001
 
 
 class Arena:
-    """A space with the walls of a layout and ``R`` robots.
-
-    Args:
-        layout: with the walls to build.
-        cells: where the robots start.
-        spec: of the robots.
-        floor: conditions that disturb them, or ``None``.
-    """
+    """A space with the walls of a layout and ``R`` robots, which start in ``cells``."""
 
     def __init__(
         self,

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import operator
 import random
-from collections.abc import Iterable
 from dataclasses import dataclass, fields
+from operator import index
 
 from warehouse_core import Cell
 from warehouse_core.arguments import real_number
@@ -48,7 +47,12 @@ class Disturbances:
         }
         for name, (minimum, maximum) in allowed.items():
             real_number(name, getattr(self, name), minimum, maximum)
-        object.__setattr__(self, "slippery", _checked_cells(self.slippery))
+        try:
+            slippery = frozenset((index(row), index(col)) for row, col in self.slippery)
+        except (TypeError, ValueError):
+            message = f"slippery is {self.slippery!r}; it must be cells (row, column)"
+            raise ValueError(message) from None
+        object.__setattr__(self, "slippery", slippery)
 
     @property
     def any(self) -> bool:
@@ -60,20 +64,8 @@ class Disturbances:
         )
 
 
-def _checked_cells(cells: Iterable[Cell]) -> frozenset[Cell]:
-    try:
-        return frozenset((operator.index(row), operator.index(col)) for row, col in cells)
-    except (TypeError, ValueError):
-        raise ValueError(f"slippery is {cells!r}; it must be cells (row, column)") from None
-
-
 class FloorConditions:
-    """Drag, grip and random numbers of one episode.
-
-    Args:
-        disturbances: of the episode.
-        seed: for the random numbers.
-    """
+    """Drag, grip and random numbers of one episode with these disturbances and this seed."""
 
     def __init__(self, disturbances: Disturbances, seed: int) -> None:
         self._disturbances = disturbances

@@ -56,8 +56,7 @@ class RigidBodyMotion:
         self.disturbances = disturbances or Disturbances()
         self.cell_size = self.spec.cell_size
         self._record_path = record_path
-        self._empty_pace = self.spec.attainable_acceleration(loaded=False)
-        self._loaded_pace = self.spec.attainable_acceleration(loaded=True)
+        self._paces = [self.spec.attainable_acceleration(loaded) for loaded in (False, True)]
         self._arena: Arena | None = None
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
@@ -77,7 +76,8 @@ class RigidBodyMotion:
             raise RuntimeError("advance() needs a reset() before it")
         robots = self._arena.robots
         check_moves(len(robots), displacements, loaded)
-        pace = self._pace_of(displacements, loaded)
+        moves = zip(displacements, loaded, strict=True)
+        pace = self._paces[any(load and displacement != STAY for displacement, load in moves)]
         for robot, displacement, load in zip(robots, displacements, loaded, strict=True):
             robot.begin(displacement, load, pace)
         paths = [[self._row(0.0, robot)] for robot in robots]
@@ -100,14 +100,6 @@ class RigidBodyMotion:
     def close(self) -> None:
         """Release the arena; see ``Motion.close``."""
         self._arena = None
-
-    def _pace_of(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> float:
-        """Return the acceleration in m/s² that every moving robot can reach."""
-        pace = self.spec.acceleration
-        for displacement, load in zip(displacements, loaded, strict=True):
-            if load and displacement != STAY:
-                pace = self._loaded_pace
-        return min(pace, self._empty_pace)
 
     def _drive(self, arena: Arena, paths: list[list[Row]]) -> int:
         """Run until all robots are at rest, and return the number of substeps."""

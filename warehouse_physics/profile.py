@@ -59,24 +59,20 @@ def braking(speed: float, acceleration: float, time_step: float) -> int:
     return max(1, math.ceil(speed / (acceleration * time_step) - _SLACK))
 
 
-class Profiles(NamedTuple):
-    """Commanded velocities ``[N, 2]`` in m/s, and the substeps ``[N]`` to go and to brake."""
-
-    velocities: Floats
-    go: Substeps
-    brake: Substeps
-
-
 def plan_profiles(
     ways: Floats, top_speed: float, accelerations: Floats, time_step: float
-) -> Profiles:
-    """Return the fastest profiles from rest to rest over ``ways``, ``[N, 2]`` in metres."""
+) -> tuple[Floats, Substeps, Substeps]:
+    """Return the fastest profiles from rest to rest over ``ways``, ``[N, 2]`` in metres.
+
+    Returns:
+        The velocities ``[N, 2]`` in m/s, and the substeps ``[N]`` to go and to brake.
+    """
     lengths = lengths_of(ways)
     seconds = np.maximum(lengths / top_speed, np.sqrt(lengths / accelerations))
     go = _whole(seconds / time_step)
     seconds = go * time_step
     brake = brakings(lengths / seconds, accelerations, time_step)
-    return Profiles(ways / seconds[:, None], go, brake)
+    return ways / seconds[:, None], go, brake
 
 
 def brakings(speeds: Floats, accelerations: Floats, time_step: float) -> Substeps:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import sys
 from dataclasses import dataclass, field
-from enum import Enum
 from typing import NamedTuple
 
 import pymunk
@@ -45,6 +44,9 @@ MAX_RETURNS = 8
 FITTING = 0.9
 """Share of the free width beside a robot in its lane that it may use."""
 
+REST, GO, BRAKE = range(3)
+"""What a drive is doing."""
+
 NEVER = sys.maxsize
 """The substep at which a robot at rest has something to do."""
 
@@ -52,21 +54,11 @@ MAX_SUBSTEPS = 10_000
 """Substeps after which an action ends, wherever the robots are."""
 
 
-class Phase(Enum):
-    """What the drive is doing."""
-
-    REST = 0
-    GO = 1
-    BRAKE = 2
-
-
 class Touch(NamedTuple):
-    """A hit as one robot feels it.
+    """A hit as one robot feels it: with another robot, or with a wall if ``other`` is ``None``.
 
-    Attributes:
-        other: the robot that it met, or ``None`` for a wall.
-        push: direction of the push on this robot, of length 1.
-        velocity: of this robot right before the hit, m/s.
+    ``push`` is the direction of the push on it, of length 1, and ``velocity`` its velocity right
+    before the hit in m/s.
     """
 
     other: Robot | None
@@ -125,7 +117,7 @@ class Robot:
         floor: FloorConditions | None = None,
     ) -> None:
         self._spec, self._uneven = spec, floor
-        self.body = pymunk.Body(spec.mass, _moment(spec, loaded=False))
+        self.body = pymunk.Body(1.0, 1.0)  # the load sets its mass and moment
         self.number, self._robots = len(robots), robots
         robots[self.body] = self
         self.body.position = centre = centre_of(cell, spec.cell_size)
@@ -149,7 +141,7 @@ class Robot:
         self._on = cell
         self._load(False, spec.acceleration)
         self._brake(0, 0)
-        self.phase, self.until = Phase.REST, NEVER
+        self.phase, self.until = REST, NEVER
 
     def look(self) -> None:
         """Read where the middle of the body is, in metres."""
@@ -184,7 +176,7 @@ class Robot:
     def next_phase(self, now: int) -> None:
         """Start the phase that is due at substep ``now``."""
         self.look()
-        if self.phase is Phase.GO:
+        if self.phase == GO:
             self._count_work(self.body.velocity)
             self._brake(now, self._braking)
             return
@@ -192,7 +184,7 @@ class Robot:
         if speed > AT_REST:
             self._brake(now, self._braking_from(speed))
         elif now >= self.action.deadline or self._has_arrived():
-            self.phase, self.until = Phase.REST, NEVER
+            self.phase, self.until = REST, NEVER
         elif self.action.gave_up and self._must_wait(now):
             self._give_way(now)
         else:
@@ -202,11 +194,11 @@ class Robot:
         """Record a hit at substep ``now``, and give up if it is in the way."""
         self.action.contacts.append(contact)
         self.look()
-        if self.phase is Phase.GO:
+        if self.phase == GO:
             self._count_work(touch.velocity)
         if self._is_hindered_by(touch):
             self.give_up(now)
-        elif self.phase is not Phase.GO:
+        elif self.phase != GO:
             self._brake(now, self._braking_from(self.body.velocity.length))
         elif self._returning and touch.other is not None and touch.other.follows(self):
             self._give_way(now)
@@ -222,7 +214,7 @@ class Robot:
         self.look()
         cell = self.cell
         if self._uneven is not None and cell != self._on:
-            if self.phase is Phase.GO:
+            if self.phase == GO:
                 self._count_work(self.body.velocity)
             self._on = cell
             self._drag = self._nominal_drag * self._uneven.drag_factor(cell)
@@ -284,7 +276,7 @@ class Robot:
             profile = profile.scaled(self._uneven.speed_factor())
         self._control.velocity = profile.velocity
         self._push(self._going_force)
-        self.phase, self.until, self._braking = Phase.GO, now + profile.go, profile.brake
+        self.phase, self.until, self._braking = GO, now + profile.go, profile.brake
 
     def _waypoint(self) -> Position:
         """Return the next position to drive to.
@@ -311,7 +303,7 @@ class Robot:
     def _brake(self, now: int, substeps: int) -> None:
         self._control.velocity = (0.0, 0.0)
         self._push(self._braking_force)
-        self.phase, self.until = Phase.BRAKE, now + substeps
+        self.phase, self.until = BRAKE, now + substeps
 
     def _braking_from(self, speed: float) -> int:
         return braking(speed, self._pace, self._spec.time_step)
@@ -353,7 +345,7 @@ class Robot:
         self._loaded, self._pace = loaded, pace
         self._drag = self._nominal_drag = self._spec.drag_force(loaded)
         self.body.mass = self._mass = self._spec.total_mass(loaded)
-        self.body.moment = _moment(self._spec, loaded)
+        self.body.moment = pymunk.moment_for_circle(self._mass, 0.0, self._spec.radius)
         # The floor brakes too; the motor does the rest, so that the pace is the same both ways.
         self._going_force = self._mass * pace + self._nominal_drag
         self._braking_force = max(self._mass * pace - self._nominal_drag, 0.0)
@@ -361,8 +353,3 @@ class Robot:
             self._drag *= self._uneven.drag_factor(self._on)
         self._floor.max_force = self._drag
         self._steering.max_force = self.body.moment * MAX_TURN_ACCELERATION
-
-
-def _moment(spec: RobotSpec, loaded: bool) -> float:
-    """Return the moment of inertia of a solid disc in kg·m²."""
-    return pymunk.moment_for_circle(spec.total_mass(loaded), 0.0, spec.radius)

@@ -82,23 +82,20 @@ class RobotSpec:
                 f"top_speed is {self.top_speed!r}; with time_step {self.time_step!r} and radius "
                 f"{self.radius!r} it must be at most {fastest!r}"
             )
-        if self.attainable_acceleration(loaded=True) <= 0:
+        pace = self.attainable_acceleration(loaded=True)
+        if pace <= 0:
             raise ValueError(
                 f"motor_force is {self.motor_force!r}; to move the loaded robot it must be above "
                 f"{self.drag_force(loaded=True)!r}"
             )
-        substeps = self._slowest_move() / self.time_step
+        # The longest free move is that of a loaded robot.
+        speed = min(self.top_speed, math.sqrt(pace * self.cell_size))
+        substeps = (self.cell_size / speed + speed / pace) / self.time_step
         if substeps > MAX_MOVE_SUBSTEPS:
             raise ValueError(
                 f"time_step is {self.time_step!r}; the loaded robot would take {substeps:.4g} of "
                 f"them for one cell and it must be at most {MAX_MOVE_SUBSTEPS}"
             )
-
-    def _slowest_move(self) -> float:
-        """Return the duration of a free move with a load in seconds."""
-        pace = self.attainable_acceleration(loaded=True)
-        speed = min(self.top_speed, math.sqrt(pace * self.cell_size))
-        return self.cell_size / speed + speed / pace
 
     @classmethod
     def fast(cls) -> RobotSpec:

@@ -16,22 +16,17 @@ Box = tuple[int, int, int, int]
 def wall_boxes(layout: Layout) -> list[Box]:
     """Return boxes that cover the walls exactly, after four around the edge of the grid."""
     height, width = layout.height, layout.width
-    around = [
+    boxes = [
         (-1, -1, width + 1, 0),
         (-1, height, width + 1, height + 1),
         (-1, 0, 0, height),
         (width, 0, width + 1, height),
     ]
-    return around + _merged(layout)
-
-
-def _merged(layout: Layout) -> list[Box]:
-    done: list[Box] = []
     growing: dict[tuple[int, int], int] = {}
     for row, line in enumerate([*layout.rows, ""]):
-        runs = list(runs_of(WALL, line))
+        runs = runs_of(WALL, line)
         for run in [run for run in growing if run not in runs]:
-            done.append((run[0], growing.pop(run), run[1], row))
+            boxes.append((run[0], growing.pop(run), run[1], row))
         for run in runs:
             growing.setdefault(run, row)
-    return done
+    return boxes

@@ -31,14 +31,9 @@ class ConformanceError(AssertionError):
 
 
 class Step(NamedTuple):
-    """One action of each robot.
+    """One action of each robot, from ``starts`` to the ``wanted`` cells.
 
-    Attributes:
-        number: of the step in its walk, from 0.
-        cell_size: side of a cell in metres.
-        starts: cells of the robots before the step.
-        wanted: cells that they were told to drive to.
-        outcomes: of the robots.
+    ``number`` counts the steps of a walk from 0; ``cell_size`` is in metres.
     """
 
     number: int

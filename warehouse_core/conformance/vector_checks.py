@@ -11,7 +11,7 @@ from contextlib import ExitStack, closing
 import numpy as np
 
 from warehouse_core.conformance.trials import MAZE, MakeMotion, expect, expect_error
-from warehouse_core.motion.base import Motion, Outcome
+from warehouse_core.motion.base import Motion
 from warehouse_core.motion.vector import Batchable, BatchMotion
 from warehouse_core.world.actions import ACTIONS, DISPLACEMENTS
 from warehouse_core.world.layout import Layout
@@ -64,35 +64,26 @@ def _walk_side_by_side(batch: BatchMotion, singles: list[Motion], stream: random
     fresh = list(range(len(LAYOUTS)))
     for _ in range(MOVES):
         for row in fresh:
-            _place(batch, singles[row], row, stream)
+            cell = int(stream.choice(LAYOUTS[row].open_cells))
+            batch.place(np.array([row]), np.array([cell]))
+            singles[row].reset(LAYOUTS[row], [divmod(cell, LAYOUTS[row].width)], 0)
         actions = [stream.randrange(len(ACTIONS)) for _ in singles]
         loaded = [stream.random() < 0.5 for _ in singles]
         outcome = batch.advance(np.array(actions), np.array(loaded))
         for row, single in enumerate(singles):
             expected = single.advance([DISPLACEMENTS[actions[row]]], [loaded[row]])[0]
-            width = LAYOUTS[row].width
-            cell = divmod(int(outcome.cells[row]), width)
+            end = divmod(int(outcome.cells[row]), LAYOUTS[row].width)
             where = f"row {row} of a batch, action {ACTIONS[actions[row]]}: "
-            ends = f"it ended in {cell}, blocked {outcome.blocked[row]}"
             expect(
-                cell == expected.cell and bool(outcome.blocked[row]) == expected.blocked,
-                f"{where}{ends}; alone in {expected.cell}, blocked {expected.blocked}",
+                end == expected.cell and bool(outcome.blocked[row]) == expected.blocked,
+                f"{where}it ended in {end}, blocked {outcome.blocked[row]}; "
+                f"alone in {expected.cell}, blocked {expected.blocked}",
             )
-            _expect_amounts(where, outcome.seconds[row], outcome.joules[row], expected)
+            seconds, joules = outcome.seconds[row], outcome.joules[row]
+            got, wanted = np.array([seconds, joules]), np.array(expected[2:4])
+            expect(
+                bool((abs(got - wanted) <= TOLERANCE * wanted).all()),
+                f"{where}it took {seconds} s and {joules} J; "
+                f"alone {expected.seconds} s and {expected.joules} J",
+            )
         fresh = [row for row in range(len(LAYOUTS)) if stream.random() < 0.1]
-
-
-def _place(batch: BatchMotion, single: Motion, row: int, stream: random.Random) -> None:
-    layout = LAYOUTS[row]
-    cell = int(stream.choice(layout.open_cells))
-    batch.place(np.array([row]), np.array([cell]))
-    single.reset(layout, [divmod(cell, layout.width)], 0)
-
-
-def _expect_amounts(where: str, seconds: float, joules: float, expected: Outcome) -> None:
-    got, wanted = np.array([seconds, joules]), np.array([expected.seconds, expected.joules])
-    expect(
-        bool((abs(got - wanted) <= TOLERANCE * wanted).all()),
-        f"{where}it took {seconds} s and {joules} J; alone {expected.seconds} s and "
-        f"{expected.joules} J",
-    )

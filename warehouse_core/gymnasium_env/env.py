@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from copy import deepcopy
+from functools import cache
 from typing import Any
 
 import gymnasium
@@ -20,15 +21,19 @@ from warehouse_core.gymnasium_env.spaces import (
     check_render_mode,
     make_form,
 )
-from warehouse_core.gymnasium_env.view import View
 from warehouse_core.motion.backends import Backend
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
 from warehouse_core.render.window import PictureWindow
+from warehouse_core.task.encoding import Arrays, arrays_of, numbers_of, window_of
+from warehouse_core.task.rules import useful_actions
 from warehouse_core.task.starts import DRAWS, MIN_OPEN_CELLS, check_room, draw_stations, motion_seed
 from warehouse_core.warehouse_env import WarehouseEnv
 from warehouse_core.world.actions import ACTIONS, valid_action
 from warehouse_core.world.layout import GivenLayout, Layout, as_layout, check_open
 from warehouse_core.world.tiles import Cell
+
+_Known = tuple[NDArray[np.uint8], NDArray[np.int32], NDArray[np.int8]]
+"""The window, the numbers and the mask of a cell."""
 
 UNSTARTED = "there has been no reset() yet"
 
@@ -91,24 +96,25 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         check_render_mode(render_mode, self.metadata["render_modes"])
         self._layout = as_layout(layout)
         self._start = None if start_pos is None else as_cell("start_pos", start_pos)
-        start = self._start or self._layout.usual_start()
         # Environments that share a motion would move each other's robots.
         own = backend if isinstance(backend, (str, type)) else deepcopy(backend)
-        self._warehouse = WarehouseEnv(
-            self._layout, start, max_steps, battery, view_radius, backend=own
+        self._warehouse = env = WarehouseEnv(
+            self._layout, self._start, max_steps, battery, view_radius, backend=own
         )
-        self._view = View(self._warehouse)
         self._randomize = as_flag("randomize", randomize)
         if randomize:
             check_room(self._layout)
-        form = make_form(observation, _extent(self._warehouse))
+        extent = Extent(env.height, env.width, env.view_radius, env.max_battery, env.max_steps)
+        form = make_form(observation, extent)
         self.observation_space, self._form = form.space, form.of
         self.action_space = spaces.Discrete(len(ACTIONS))
         self.render_mode = render_mode
         if tile_pixels is None:
-            tile_pixels = tile_pixels_for(self._layout.height, self._layout.width)
+            tile_pixels = tile_pixels_for(env.height, env.width)
         self._painter = TilePainter(tile_pixels)
         self._window: PictureWindow | None = None
+        self._walls: object = None
+        self._forget()
         self._over = UNSTARTED
 
     @property
@@ -142,11 +148,11 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
             start = start or drawn
         assert start is not None, "a start is drawn or given"
         self._warehouse.reset_to(layout, start, motion_seed(uniforms))
-        self._view.forget()
+        self._forget()
         self._over = ""
         if self.render_mode == "human":
             self._show()
-        arrays, mask = self._view.look()
+        arrays, mask = self._look()
         return self._form(arrays), {"action_mask": mask}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
@@ -168,7 +174,7 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         assert motion is not None, "every step has a motion"
         if self.render_mode == "human":
             self._show()
-        arrays, mask = self._view.look()
+        arrays, mask = self._look()
         info = {"motion": motion.copy(), "action_mask": mask}
         return self._form(arrays), reward, terminated, truncated, info
 
@@ -180,7 +186,7 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         """
         if self._over == UNSTARTED:
             raise ResetNeeded(f"action_masks(): {self._over}")
-        return self._view.look()[1]
+        return self._look()[1]
 
     def render(self) -> Any:
         """Return a picture ``[H, W, 3]`` uint8 or the text; a window needs no call."""
@@ -221,6 +227,34 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         check_open(layout, start, "start_pos")
         return layout, start, randomize
 
+    def _forget(self) -> None:
+        """Clear what is cached by cell, except for what follows from the walls if they stay."""
+        self._known: dict[tuple[Cell, bool], _Known] = {}
+        walls = self._warehouse.layout.open_cells
+        if walls is not self._walls:
+            self._walls = walls
+            self._sides: dict[Cell, tuple[bool, ...]] = {}
+
+    def _look(self) -> tuple[Arrays, NDArray[np.int8]]:
+        """Return what ``encode`` gives for the observation now, and the mask, both fresh."""
+        state = self._warehouse.state
+        key = (state.robot_pos, state.has_item)
+        known = self._known.get(key)
+        if known is None:
+            known = self._known[key] = self._encoded(*key)
+        window, numbers, mask = known
+        numbers = numbers.copy()
+        numbers[6], numbers[7] = state.battery, state.steps
+        return arrays_of(window.copy(), numbers, state.has_item), mask.copy()
+
+    def _encoded(self, cell: Cell, has_item: bool) -> _Known:
+        observation, layout = self._warehouse.observe(), self._warehouse.layout
+        sides = self._sides.get(cell)
+        if sides is None:
+            self._sides[cell] = sides = layout.open_sides(cell)
+        mask = _mask(sides, layout.rows[cell[0]][cell[1]], has_item)
+        return window_of(observation), numbers_of(observation), mask
+
     def _picture(self) -> NDArray[np.uint8]:
         state = self._warehouse.state
         return self._painter.picture(self._warehouse.layout, state.robot_pos, state.has_item)
@@ -230,5 +264,6 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         self._window.show(self._picture(), self.metadata["render_fps"])
 
 
-def _extent(env: WarehouseEnv) -> Extent:
-    return Extent(env.height, env.width, env.view_radius, env.max_battery, env.max_steps)
+@cache
+def _mask(open_sides: tuple[bool, ...], tile: str, has_item: bool) -> NDArray[np.int8]:
+    return np.array(useful_actions(open_sides, tile, has_item), np.int8)

@@ -22,8 +22,10 @@ from warehouse_core.motion.base import (
     robot_contact,
 )
 from warehouse_core.motion.traffic import Stop, find_stops
-from warehouse_core.motion.vector_grid import GridBatch
+from warehouse_core.motion.vector import BatchOutcome, Flags, Integers
+from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.layout import Layout
+from warehouse_core.world.tables import LayoutSet, sides_table
 from warehouse_core.world.tiles import EMPTY, MOVE_DELTAS, Cell, moved
 
 NOMINAL_KG = 50.0
@@ -83,7 +85,12 @@ class GridMotion:
         outcomes = self._lone.get(key)
         if outcomes is None:
             check_moves(1, displacements, loaded)
-            outcomes = self._cache(key)
+            target = moved(self._cells[0], displacement)
+            stop: Stop = None if self._layout.is_open(target) else WALL_CONTACT
+            if len(self._lone) >= MAX_CACHED:
+                self._lone.clear()
+            outcomes = (self._outcome(self._cells[0], target, heading, stop),)
+            self._lone[key] = outcomes
         self._cells[0] = outcomes[0].cell
         self._headings[0] = heading
         return outcomes
@@ -94,21 +101,7 @@ class GridMotion:
 
     def batch(self, layouts: Sequence[Layout]) -> GridBatch:
         """Return a motion for one robot in each of these layouts; see ``vector.py``."""
-        return GridBatch(
-            layouts,
-            seconds=NOMINAL_SECONDS,
-            moving_joules=self._moving_joules,
-            waiting_joules=self._waiting_joules,
-        )
-
-    def _cache(self, key: tuple[Cell, Cell, Cell]) -> tuple[Outcome]:
-        cell, displacement, heading = key
-        target = moved(cell, displacement)
-        stop: Stop = None if self._layout.is_open(target) else WALL_CONTACT
-        if len(self._lone) >= MAX_CACHED:
-            self._lone.clear()
-        self._lone[key] = outcomes = (self._outcome(cell, target, heading, stop),)
-        return outcomes
+        return GridBatch(layouts, self.cell_size)
 
     def _advance_all(
         self, displacements: Sequence[Cell], loaded: Sequence[bool]
@@ -134,18 +127,61 @@ class GridMotion:
         path = np.array(((0.0, x0, y0, angle), (NOMINAL_SECONDS, x1, y1, angle)))
         path.flags.writeable = False
         joules = self._waiting_joules if target == cell else self._moving_joules
-        contacts = () if stop is None else (self._contact((x0, y0), heading, stop),)
-        return Outcome(end, stop is not None, NOMINAL_SECONDS, joules, path, contacts)
-
-    def _contact(self, start: tuple[float, float], heading: Cell, stop: int | str) -> Contact:
-        """Return the nominal hit: half-way, at the edge of the cell, with all momentum lost."""
-        (x, y), (down, right) = start, heading
-        return Contact(
+        if stop is None:
+            return Outcome(end, False, NOMINAL_SECONDS, joules, path)
+        # The nominal hit is half-way, at the edge of the cell, and all momentum is lost.
+        down, right = heading
+        hit = Contact(
             seconds=NOMINAL_SECONDS / 2,
             impulse=NOMINAL_KG * self.cell_size / NOMINAL_SECONDS,
-            point=(x + right * self.cell_size / 2, y + down * self.cell_size / 2),
+            point=(x0 + right * self.cell_size / 2, y0 + down * self.cell_size / 2),
             counterpart=stop if isinstance(stop, str) else robot_contact(stop),
         )
+        return Outcome(end, True, NOMINAL_SECONDS, joules, path, (hit,))
+
+
+class GridBatch:
+    """Moves one robot in each of ``B`` layouts; one table lookup moves all of them.
+
+    See ``BatchMotion``.
+    """
+
+    def __init__(self, layouts: Sequence[Layout], cell_size: float) -> None:
+        self._closed = False
+        rows = LayoutSet(layouts)
+        self._cells = np.zeros(len(layouts), np.int32)
+        self._base = rows.base * len(DISPLACEMENTS)
+        self._next = np.concatenate([_next_cells(layout) for layout in rows.kinds])
+        self._seconds = np.full(len(layouts), NOMINAL_SECONDS)
+        self._joules = np.full(len(DISPLACEMENTS), nominal_joules(cell_size, moving=False))
+        self._joules[:WAIT] = nominal_joules(cell_size, moving=True)
+
+    def place(self, rows: Integers, cells: Integers) -> None:
+        """Put some of the robots in their cells; see ``BatchMotion.place``."""
+        self._cells[rows] = cells
+
+    def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
+        """Move every robot by one action; see ``BatchMotion.advance``."""
+        if self._closed:
+            raise RuntimeError("advance() after close()")
+        before = self._cells
+        self._cells = self._next.take(self._base + before * len(DISPLACEMENTS) + actions)
+        blocked = (self._cells == before) & (actions < WAIT)
+        joules = self._joules.take(actions)
+        return BatchOutcome(self._cells.astype(np.intp), blocked, self._seconds.copy(), joules)
+
+    def close(self) -> None:
+        """Make ``advance`` raise from now on; see ``BatchMotion.close``."""
+        self._closed = True
+
+
+def _next_cells(layout: Layout) -> Integers:
+    """Return the cell after each action in each cell, ``[N * actions]``."""
+    sides = sides_table([layout])
+    steps = np.array([row * layout.width + col for row, col in DISPLACEMENTS])
+    cells = np.repeat(np.arange(len(sides))[:, None], len(DISPLACEMENTS), axis=1)
+    cells[:, :WAIT] += sides * steps[:WAIT]
+    return cells.ravel().astype(np.int32)  # int32 is faster to read than intp
 
 
 def nominal_joules(cell_size: float, *, moving: bool) -> float:

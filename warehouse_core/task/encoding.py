@@ -30,10 +30,7 @@ MARKED_TILES = (WALL, PICKUP, DROPOFF)
 OTHER_NUMBERS = 11
 """Length of a vector without the window."""
 
-_MARKS = np.zeros((len(CELL_CODES), len(MARKED_TILES)), np.float32)
-
-for _place, _tile in enumerate(MARKED_TILES):
-    _MARKS[CELL_CODES[_tile], _place] = 1.0
+_MARKS = np.array([[tile == marked for marked in MARKED_TILES] for tile in CELL_CODES], np.float32)
 
 _CELL, _STEP = 1 / CELLS_PER_UNIT, 1 / STEPS_PER_UNIT
 
@@ -64,22 +61,24 @@ class Arrays(TypedDict):
 
 def encode(observation: Observation) -> Arrays:
     """Return an observation as new arrays, which share nothing with it."""
-    return _arrays(_window(observation), _numbers(observation), observation["has_item"])
+    return arrays_of(window_of(observation), numbers_of(observation), observation["has_item"])
 
 
-def _window(observation: Observation) -> NDArray[np.uint8]:
+def window_of(observation: Observation) -> NDArray[np.uint8]:
+    """Return the window of an observation, ``[K * K]`` codes."""
     text = "".join(observation["local_grid"]).encode()
     return np.frombuffer(bytearray(text.translate(CODE_OF_BYTE)), np.uint8)
 
 
-def _numbers(observation: Observation) -> NDArray[np.int32]:
+def numbers_of(observation: Observation) -> NDArray[np.int32]:
     """Return all numbers of an observation as one array, twice as fast as five arrays."""
     pickup, dropoff = observation["pickup_pos"] or NOWHERE, observation["dropoff_pos"] or NOWHERE
     budgets = observation["battery"], observation["steps"]
     return np.array((*observation["robot_pos"], *pickup, *dropoff, *budgets), np.int32)
 
 
-def _arrays(window: NDArray[np.uint8], numbers: NDArray[np.int32], has_item: bool) -> Arrays:
+def arrays_of(window: NDArray[np.uint8], numbers: NDArray[np.int32], has_item: bool) -> Arrays:
+    """Return the arrays of an observation, which share memory with ``window`` and ``numbers``."""
     return {
         "local_grid": window,
         "robot_pos": numbers[0:2],

@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from warehouse_core.arguments import as_flag, whole_number
 from warehouse_core.errors import EndedError
 from warehouse_core.motion.backends import Backend, make_batch_motion
-from warehouse_core.motion.vector import BatchOutcome, Flags, Integers, Rows
+from warehouse_core.motion.vector import Flags, Integers, Rows
 from warehouse_core.task.encoding import MAX_STEPS, Arrays
 from warehouse_core.task.state import WarehouseState
 from warehouse_core.vector.floor import VectorFloor
-from warehouse_core.vector.rules import judge_all, masks
+from warehouse_core.vector.rules import judge_all
 from warehouse_core.vector.starts import VectorStarts
 from warehouse_core.world.actions import ACTIONS, WAIT
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
@@ -133,10 +133,7 @@ class BatchEnv:
         self._start.seed(rows, [seeds[row] for row in rows.tolist()])
         self._begin(rows)
         self._started = True
-        return self._observe(ALL), {
-            "action_mask": self._masks(),
-            "_action_mask": chosen,
-        }
+        return self._observe(ALL), {"action_mask": self._masks(), "_action_mask": chosen}
 
     def step(self, actions: ArrayLike) -> BatchStep:
         """Carry out one action in each row.
@@ -161,16 +158,19 @@ class BatchEnv:
         chosen[fresh] = WAIT  # their step only starts an episode
         outcome = self._motion.advance(chosen, self._has_item)
         self._cells = outcome.cells
-        on = self._floor.stations(ALL, self._cells)
+        on = self._floor.stations(self._cells)
         rewards, self._has_item, terminated = judge_all(chosen, on, self._has_item, outcome.blocked)
         self._steps += 1
         self._steps[fresh] = 0
         truncated = self._steps >= self._last_step
         rewards[fresh] = outcome.seconds[fresh] = outcome.joules[fresh] = 0.0
         self._ended = terminated | truncated
-        info = _motion_info(outcome, without=fresh)
+        moved = np.ones_like(terminated)
+        moved[fresh] = False
+        motion = {name: getattr(outcome, name) for name in ("blocked", "seconds", "joules")}
+        info = {"motion": motion, "_motion": moved}
         if self.autoreset_mode == SAME_STEP and self._ended.any():
-            info = self._end_episodes(info)
+            self._end_episodes(info)
         info |= {"action_mask": self._masks(), "_action_mask": np.ones_like(terminated)}
         return self._observe(ALL), rewards, terminated, truncated, info
 
@@ -194,8 +194,7 @@ class BatchEnv:
             raise EndedError("row() needs a reset() before it")
         layout = self.layouts.kinds[self.layouts.kind[row]]
         if self.randomize:
-            pickup, dropoff = self._floor.station_places(np.array([row]))[:, 0].tolist()
-            layout = layout.with_stations(tuple(pickup), tuple(dropoff))
+            layout = layout.with_stations(*map(tuple, self._floor.station_places[:, row].tolist()))
         robot, steps = divmod(int(self._cells[row]), layout.width), int(self._steps[row])
         has_item = bool(self._has_item[row])
         return layout, WarehouseState(robot, has_item, self.max_battery - steps, steps)
@@ -205,15 +204,14 @@ class BatchEnv:
         self._motion.close()
 
     def _masks(self) -> NDArray[np.int8]:
-        floor, cells = self._floor, self._cells
-        return masks(floor.sides(ALL, cells), floor.stations(ALL, cells), self._has_item)
+        return self._floor.masks(self._cells, self._has_item)
 
     def _begin(self, rows: Integers) -> None:
         """Start an episode in some rows."""
-        starts = self._start.draw(rows)
-        self._floor.put_stations(rows, starts.pickups, starts.dropoffs)
-        self._motion.place(rows, starts.robots)
-        self._cells[rows] = starts.robots
+        pickups, dropoffs, robots = self._start.draw(rows)
+        self._floor.put_stations(rows, pickups, dropoffs)
+        self._motion.place(rows, robots)
+        self._cells[rows] = robots
         self._has_item[rows] = self._ended[rows] = False
         self._steps[rows] = 0
 
@@ -229,8 +227,8 @@ class BatchEnv:
             self._begin(rows)
         return rows
 
-    def _end_episodes(self, info: dict[str, Any]) -> dict[str, Any]:
-        """Restart the rows that have ended, and return info with their final observations."""
+    def _end_episodes(self, info: dict[str, Any]) -> None:
+        """Restart the rows that have ended, and add their final observations to info."""
         rows, ended = np.flatnonzero(self._ended), self._ended.copy()
         final_info = {
             "motion": {key: values.copy() for key, values in info["motion"].items()}
@@ -242,8 +240,7 @@ class BatchEnv:
         observed: dict[str, Any] = {**self._observe(rows)}
         final = {key: _spread(values, rows, self.num_envs) for key, values in observed.items()}
         self._begin(rows)
-        return {
-            "motion": info["motion"],
+        info |= {
             "_motion": info["_motion"] & ~ended,
             "final_obs": final,
             "_final_obs": ended.copy(),
@@ -255,7 +252,7 @@ class BatchEnv:
         floor, cells, has_item = self._floor, self._cells[rows], self._has_item[rows]
         steps = self._steps[rows][:, None]
         robots = floor.places(rows, cells)
-        pickups, dropoffs = floor.station_places(rows)
+        pickups, dropoffs = floor.station_places[:, rows]
         return {
             "local_grid": floor.windows(rows, cells, has_item, robots),
             "robot_pos": robots,
@@ -329,14 +326,6 @@ def _checked_seeds(seed: Seeds, rows: int) -> Sequence[int | None]:
         None if each is None else whole_number(f"the seed of row {row}", each, minimum=0)
         for row, each in enumerate(seed)
     ]
-
-
-def _motion_info(outcome: BatchOutcome, without: Integers) -> dict[str, Any]:
-    """Return info of the motion, with flags for all rows ``without`` those that only started."""
-    moved = np.ones(len(outcome.cells), np.bool_)
-    moved[without] = False
-    motion = {name: getattr(outcome, name) for name in ("blocked", "seconds", "joules")}
-    return {"motion": motion, "_motion": moved}
 
 
 def _spread(values: NDArray[Any], rows: Integers, count: int) -> NDArray[Any]:

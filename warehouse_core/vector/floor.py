@@ -7,9 +7,15 @@ from numpy.typing import NDArray
 
 from warehouse_core.motion.vector import Flags, Integers, Rows
 from warehouse_core.task.encoding import NOWHERE
-from warehouse_core.vector.rules import sides_number, station_numbers
-from warehouse_core.vector.sight import VectorSight
-from warehouse_core.world.tables import LayoutSet, places_table, sides_table, tiles_table
+from warehouse_core.vector.rules import masks, sides_number, station_numbers
+from warehouse_core.world.tables import (
+    LayoutSet,
+    places_table,
+    sides_table,
+    tiles_table,
+    windows_table,
+)
+from warehouse_core.world.tiles import CELL_CODES, DROPOFF, PICKUP, ROBOT_EMPTY, ROBOT_LOADED
 
 NO_CELL = -1
 """The cell of a pickup or dropoff that a layout does not have."""
@@ -19,58 +25,86 @@ class VectorFloor:
     """The layouts of a batch as tables, and the stations of each row.
 
     ``rows`` are ``[N]`` rows of the batch and ``cells`` the ``[N]`` cells of their robots, numbered
-    within their layouts.
+    within their layouts; without ``rows`` they are those of all ``B``.
 
     Args:
         layouts: of the rows.
         radius: cells seen in each direction.
         moving_stations: use the stations of ``put_stations``, one pickup and one dropoff for each
             row, instead of those of the layouts.
+
+    Attributes:
+        station_places: ``[2, B, 2]``, row and column of the first pickups and dropoffs.
     """
 
     def __init__(self, layouts: LayoutSet, radius: int, *, moving_stations: bool) -> None:
         if moving_stations:
             layouts = layouts.without_stations()
         kinds, rows = layouts.kinds, len(layouts.kind)
-        self._base, self._moving = layouts.base, moving_stations
-        self._sight = VectorSight(layouts, radius)
+        self._base, self._moving, self._radius = layouts.base, moving_stations, radius
+        self._windows = windows_table(kinds, radius)
         self._places = places_table(kinds)
         self._sides = sides_number(sides_table(kinds))
         self._stations = station_numbers(tiles_table(kinds))
         self._station_cells = np.full((2, rows), NO_CELL, np.intp)
-        self._station_places = np.empty((2, rows, 2), np.int32)
+        self.station_places = np.empty((2, rows, 2), np.int32)
+        # The place of a station in the window depends on its offset from the robot, which is one
+        # number in rows so wide that a station beyond one edge does not appear at the other.
+        self._stride = max(layout.width for layout in kinds) + radius
+        self._reach = radius * self._stride + radius + 1
+        # The place for each offset is the middle, where the robot is, if it is out of sight.
+        cells = self._windows.shape[1]
+        self._centre = cells // 2
+        self._place_of = np.full(2 * self._reach + 1, self._centre)
+        side = np.arange(-radius, radius + 1)
+        offsets = side[:, None] * self._stride + side + self._reach
+        self._place_of[offsets.ravel()] = np.arange(cells)
 
     def put_stations(self, rows: Integers, pickups: Integers, dropoffs: Integers) -> None:
         """Set the first pickup and dropoff of some rows, as cells or ``NO_CELL``."""
         for number, cells in enumerate((pickups, dropoffs)):
             self._station_cells[number, rows] = cells
-            places = self._places.take(self._base[rows] + cells, axis=0)
+            places = self.places(rows, cells)
             places[cells == NO_CELL] = NOWHERE
-            self._station_places[number, rows] = places
+            self.station_places[number, rows] = places
 
-    def stations(self, rows: Rows, cells: Integers) -> Integers:
-        """Return what the robots stand on, ``[N]`` indices into ``rules.STATION_KINDS``."""
+    def stations(self, cells: Integers) -> Integers:
+        """Return what the robots stand on, ``[B]`` indices into ``rules.STATION_KINDS``."""
         if not self._moving:
-            return self._stations.take(self._base[rows] + cells)
-        pickups, dropoffs = self._station_cells[:, rows]
+            return self._stations.take(self._base + cells)
+        pickups, dropoffs = self._station_cells
         on: Integers = (cells == pickups) + 2 * (cells == dropoffs)
         return on
 
-    def sides(self, rows: Rows, cells: Integers) -> Integers:
-        """Return which neighbouring cells are open, ``[N]`` numbers for ``rules.masks``."""
-        return self._sides.take(self._base[rows] + cells)
+    def masks(self, cells: Integers, has_item: Flags) -> NDArray[np.int8]:
+        """Return the masks of actions that do something, ``[B, 7]``; see ``rules.masks``."""
+        return masks(self._sides.take(self._base + cells), self.stations(cells), has_item)
 
     def places(self, rows: Rows, cells: Integers) -> NDArray[np.int32]:
-        """Return row and column of the robots, ``[N, 2]``."""
+        """Return row and column of the cells, ``[N, 2]``."""
         return self._places.take(self._base[rows] + cells, axis=0)
-
-    def station_places(self, rows: Rows) -> NDArray[np.int32]:
-        """Return row and column of the first pickups and dropoffs, ``[2, N, 2]``."""
-        return self._station_places[:, rows]
 
     def windows(
         self, rows: Rows, cells: Integers, has_item: Flags, robots: Integers
     ) -> NDArray[np.uint8]:
-        """Return the windows of the robots, ``[N, K * K]`` codes."""
-        moved = self._station_places[:, rows] if self._moving else ()
-        return self._sight.windows(self._base[rows] + cells, has_item, robots, *moved)
+        """Return fresh windows of the robots, whose places are ``robots``; ``[N, K * K]`` codes."""
+        windows = self._windows.take(self._base[rows] + cells, axis=0)
+        if self._moving and self._radius:
+            for tile, stations in zip((PICKUP, DROPOFF), self.station_places, strict=True):
+                self._mark(windows, CELL_CODES[tile], stations[rows], robots)
+        windows[:, self._centre] = np.where(
+            has_item, CELL_CODES[ROBOT_LOADED], CELL_CODES[ROBOT_EMPTY]
+        )
+        return windows
+
+    def _mark(
+        self, windows: NDArray[np.uint8], code: int, stations: Integers, robots: Integers
+    ) -> None:
+        """Write a code where the stations are; those out of sight go to the middle."""
+        way = stations - robots
+        # Offsets on a large grid can exceed 32 bits.
+        offset = np.multiply(way[:, 0], self._stride, dtype=np.intp)
+        offset += way[:, 1] + self._reach
+        place = self._place_of.take(offset, mode="clip")
+        place += np.arange(0, windows.size, windows.shape[1])
+        windows.reshape(-1)[place] = code

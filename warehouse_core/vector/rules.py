@@ -56,10 +56,8 @@ def judge_all(
 
 def station_numbers(tiles: NDArray[np.uint8]) -> NDArray[np.intp]:
     """Return the index into ``STATION_KINDS`` of ``[N]`` tiles given by their codes."""
-    numbers = np.zeros(len(CELL_CODES), np.intp)
-    for number, tile in enumerate(STATION_KINDS):
-        numbers[CELL_CODES[tile]] = number
-    return numbers[tiles]
+    numbers = [STATION_KINDS.index(tile) if tile in STATION_KINDS else 0 for tile in CELL_CODES]
+    return np.array(numbers, np.intp)[tiles]
 
 
 def sides_number(sides: Flags) -> NDArray[np.uint8]:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,26 +11,15 @@ from warehouse_core.arguments import as_cell
 from warehouse_core.motion.vector import Integers
 from warehouse_core.task.starts import DRAWS, NO_RANK, check_room, draw_ranks
 from warehouse_core.vector.floor import NO_CELL
-from warehouse_core.world.layout import Layout, check_open
+from warehouse_core.world.layout import check_open
 from warehouse_core.world.tables import LayoutSet
 from warehouse_core.world.tiles import Cell
-
-
-class Starts(NamedTuple):
-    """Cells, ``[N]`` each, numbered within their layouts."""
-
-    pickups: Integers
-    dropoffs: Integers
-    robots: Integers
 
 
 class VectorStarts:
     """Draws the starts of ``B`` rows by ``draw_ranks``, each from its own stream.
 
-    Args:
-        layouts: of the rows.
-        start_pos: see ``BatchEnv``.
-        randomize: draw the starts instead of using those of the layouts.
+    ``start_pos`` and ``randomize`` are those of ``BatchEnv``.
 
     Raises:
         LayoutError: a start that is not open, or no room for pickup and dropoff.
@@ -41,57 +29,58 @@ class VectorStarts:
         self, layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None, *, randomize: bool
     ) -> None:
         self._randomize = randomize
-        self._layouts = layouts
-        self._fixed = _fixed_starts(layouts, start_pos)
-        self._counts = layouts.of_rows([len(layout.open_cells) for layout in layouts.kinds])
+        robots = _fixed_starts(layouts, start_pos)
+        self._fixed = np.stack(
+            [*_first_stations(layouts).T, robots[:, 0] * layouts.width + robots[:, 1]]
+        )
+        counts = [len(layout.open_cells) for layout in layouts.kinds]
+        self._counts = layouts.of_rows(counts)
         self._open = np.concatenate([layout.open_cells for layout in layouts.kinds])
-        first = np.cumsum([0, *(len(layout.open_cells) for layout in layouts.kinds)])[:-1]
-        self._first = layouts.of_rows(first)
-        self._streams: list[np.random.Generator] = []
+        self._first = layouts.of_rows(np.cumsum([0, *counts])[:-1])
+        self._streams: dict[int, np.random.Generator] = {}
         if randomize:
             for layout in layouts.kinds:
                 check_room(layout)
 
     def seed(self, rows: Integers, seeds: Sequence[int | None]) -> None:
-        """Restart the streams of rows with a seed; the first call starts all of them."""
-        if not self._randomize:
-            return
-        if not self._streams:
-            self._streams = [np.random.default_rng(seed) for seed in seeds]
-            return
-        for row, seed in zip(rows.tolist(), seeds, strict=True):
-            if seed is not None:
-                self._streams[row] = np.random.default_rng(seed)
+        """Start the streams of rows, or restart those with a seed."""
+        if self._randomize:
+            for row, seed in zip(rows.tolist(), seeds, strict=True):
+                if seed is not None or row not in self._streams:
+                    self._streams[row] = np.random.default_rng(seed)
 
-    def draw(self, rows: Integers) -> Starts:
-        """Return the starts of the next episodes of some rows."""
-        fixed = Starts(*(cells[rows] for cells in self._fixed))
+    def draw(self, rows: Integers) -> Integers:
+        """Return the starts of the next episodes of some rows.
+
+        Returns:
+            ``[3, N]`` the pickups, the dropoffs and the robots, as cells within their layouts.
+        """
+        fixed = self._fixed[:, rows]
         if not self._randomize:
             return fixed
         uniforms = np.array([self._streams[row].random(DRAWS) for row in rows.tolist()])
-        ranks = draw_ranks(uniforms.reshape(-1, DRAWS), self._counts[rows])
-        pickups, dropoffs, robots = self._open.take(self._first[rows] + ranks.T, mode="clip")
-        return Starts(pickups, dropoffs, np.where(ranks[:, 2] == NO_RANK, fixed.robots, robots))
+        ranks = draw_ranks(uniforms.reshape(-1, DRAWS), self._counts[rows]).T
+        drawn = self._open.take(self._first[rows] + ranks, mode="clip")
+        return np.where(ranks == NO_RANK, fixed, drawn)
 
 
-def _fixed_starts(layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None) -> Starts:
-    """Return the stations of the layouts and the starts that are not drawn."""
-
-    def cells(first: Callable[[Layout], Cell | None]) -> NDArray[np.intp]:
-        return layouts.of_rows([_number(first(kind), kind.width) for kind in layouts.kinds])
-
-    return Starts(
-        cells(lambda layout: layout.pickups[0] if layout.pickups else None),
-        cells(lambda layout: layout.dropoffs[0] if layout.dropoffs else None),
-        cells(Layout.usual_start) if start_pos is None else _given_starts(layouts, start_pos),
+def _first_stations(layouts: LayoutSet) -> NDArray[np.intp]:
+    """Return the first pickup and dropoff of each row, ``[B, 2]`` cells or ``NO_CELL``."""
+    return layouts.of_rows(
+        [
+            [
+                next((row * kind.width + col for row, col in cells), NO_CELL)
+                for cells in (kind.pickups, kind.dropoffs)
+            ]
+            for kind in layouts.kinds
+        ]
     )
 
 
-def _number(cell: Cell | None, width: int) -> int:
-    return NO_CELL if cell is None else cell[0] * width + cell[1]
-
-
-def _given_starts(layouts: LayoutSet, start_pos: Cell | Sequence[Cell]) -> NDArray[np.intp]:
+def _fixed_starts(layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None) -> NDArray[np.intp]:
+    """Return row and column of the starts that are not drawn, ``[B, 2]``."""
+    if start_pos is None:
+        return layouts.of_rows([kind.usual_start() for kind in layouts.kinds])
     rows = len(layouts.kind)
     try:
         given = np.asarray(start_pos)
@@ -106,5 +95,4 @@ def _given_starts(layouts: LayoutSet, start_pos: Cell | Sequence[Cell]) -> NDArr
     for row, (cell, kind) in enumerate(zip(cells.tolist(), layouts.kind, strict=True)):
         name = "start_pos" if given.ndim == 1 else f"start_pos[{row}]"
         check_open(layouts.kinds[kind], as_cell(name, cell), name)
-    starts: NDArray[np.intp] = cells[:, 0] * layouts.width + cells[:, 1]
-    return starts
+    return cells.astype(np.intp)

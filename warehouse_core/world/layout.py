@@ -61,7 +61,12 @@ class Layout:
         tiles = np.frombuffer("".join(checked).encode("ascii"), dtype=np.uint8)
         open_cells = np.flatnonzero(tiles != ord(WALL))
         open_cells.setflags(write=False)
-        self._fill(checked, _cells_of(PICKUP, checked), _cells_of(DROPOFF, checked), open_cells)
+        width = len(checked[0])
+        pickups, dropoffs = (
+            tuple(divmod(index, width) for index in np.flatnonzero(tiles == ord(tile)).tolist())
+            for tile in (PICKUP, DROPOFF)
+        )
+        self._fill(checked, pickups, dropoffs, open_cells)
 
     def _fill(
         self,
@@ -215,31 +220,17 @@ def _checked_rows(rows: Sequence[str]) -> tuple[str, ...]:
     if len(rows) * width > MAX_CELLS:
         raise LayoutError(f"{len(rows)} x {width} cells are more than MAX_CELLS = {MAX_CELLS}")
     for index, row in enumerate(rows):
-        _check_row(index, row, width)
-    return tuple(map(str, rows))
-
-
-def _check_row(index: int, row: str, width: int) -> None:
-    for column, tile in enumerate(row) if not set(row) <= TILES.keys() else ():
-        if tile not in TILES:
+        if not set(row) <= TILES.keys():
+            column, tile = next(each for each in enumerate(row) if each[1] not in TILES)
             raise LayoutError(
                 f"row {index}, column {column}: {tile!r} is not a tile; allowed: {ALLOWED_TILES}"
             )
-    if len(row) != width:
-        raise LayoutError(
-            f"row {index} has {len(row)} columns where row 0 has {width}; "
-            "all rows must be equally long"
-        )
-
-
-def _cells_of(tile: str, rows: Sequence[str]) -> tuple[Cell, ...]:
-    return tuple(
-        (r, c)
-        for r, row in enumerate(rows)
-        if tile in row
-        for c, found in enumerate(row)
-        if found == tile
-    )
+        if len(row) != width:
+            raise LayoutError(
+                f"row {index} has {len(row)} columns where row 0 has {width}; "
+                "all rows must be equally long"
+            )
+    return tuple(map(str, rows))
 
 
 GivenLayout = Layout | Sequence[str] | str

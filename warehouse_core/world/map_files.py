@@ -142,20 +142,14 @@ def _read_rows(
             column = row.index(strange[:1])
             shown = row[column:].decode(errors="replace")[0]
             raise error_at(number, column + 1, f"{shown!r} is no terrain; allowed: {allowed}")
-        _check_length(number, width, len(row), len(data))
+        if len(row) != width:
+            ends = "ends" if len(row) < width else "goes on"
+            message = f"the row {ends} here; its header says width {width}"
+            raise error_at(number, min(len(row), width) + 1, message)
+        if len(data) > width + MAX_BLANKS:
+            message = f"more than MAX_BLANKS = {MAX_BLANKS} blanks follow the row"
+            raise error_at(number, len(data), message)
         yield row.translate(tiles).decode("ascii")
-
-
-def _check_length(number: int, width: int, found: int, with_blanks: int) -> None:
-    if found != width:
-        ends = "ends" if found < width else "goes on"
-        raise error_at(
-            number, min(found, width) + 1, f"the row {ends} here; its header says width {width}"
-        )
-    if with_blanks > width + MAX_BLANKS:
-        raise error_at(
-            number, with_blanks, f"more than MAX_BLANKS = {MAX_BLANKS} blanks follow the row"
-        )
 
 
 def _check_end(file: BufferedReader, height: int) -> None:

@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from warehouse_core.errors import LayoutError
-from warehouse_core.world.distances import distances
 from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.text_lines import error_at, expect, read_line, whole_number_at
 from warehouse_core.world.tiles import Cell
@@ -37,8 +36,8 @@ class Scenario(NamedTuple):
         height: rows of that map.
         start: first cell of the path.
         goal: last cell of the path.
-        octile_length: length in cells of a shortest path that may use diagonal moves; see
-            ``four_connected_length`` for paths without them.
+        octile_length: length in cells of a shortest path that may use diagonal moves;
+            ``distances`` gives the length without them.
     """
 
     bucket: int
@@ -90,18 +89,6 @@ def check_scenarios(layout: Layout, scenarios: Sequence[Scenario]) -> None:
             check_open(layout, cell, f"scenario {number}: {name}")
 
 
-def four_connected_length(layout: Layout, start: Cell, goal: Cell) -> int | None:
-    """Return the moves of a shortest path of moves N, E, S and W, or ``None`` without a path.
-
-    Raises:
-        LayoutError: the start or the goal is off the grid or a wall.
-    """
-    check_open(layout, start, "start")
-    check_open(layout, goal, "goal")
-    length = float(distances(layout, [goal])[start])
-    return int(length) if math.isfinite(length) else None
-
-
 def _read_scenarios(file: BufferedReader) -> Iterator[Scenario]:
     number = 2
     while file.peek(1):
@@ -127,7 +114,11 @@ def _scenario(line: str, number: int) -> Scenario:
     width, height = (_number_in(found, name, number, 1) for name in ("width", "height"))
     start_x, goal_x = (_number_in(found, name, number, 0, width) for name in ("start_x", "goal_x"))
     start_y, goal_y = (_number_in(found, name, number, 0, height) for name in ("start_y", "goal_y"))
-    length = _length(found["optimal_length"], number)
+    field = found["optimal_length"]
+    length = float(field[0]) if _LENGTH.fullmatch(field[0]) else math.inf
+    if not math.isfinite(length):
+        message = f"optimal_length is {field[0]!r}; it must be a number, at least 0"
+        raise error_at(number, field.start() + 1, message)
     start, goal = (start_y, start_x), (goal_y, goal_x)
     return Scenario(bucket, found["map"][0], width, height, start, goal, length)
 
@@ -141,14 +132,3 @@ def _number_in(
     if number >= size:
         raise error_at(line, column, f"{name} is {number}; it must be less than the map's {size}")
     return number
-
-
-def _length(field: re.Match[str], line: int) -> float:
-    length = float(field[0]) if _LENGTH.fullmatch(field[0]) else math.inf
-    if not math.isfinite(length):
-        raise error_at(
-            line,
-            field.start() + 1,
-            f"optimal_length is {field[0]!r}; it must be a number, at least 0",
-        )
-    return length

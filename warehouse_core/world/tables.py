@@ -8,10 +8,9 @@ one ``take``.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from warehouse_core.errors import LayoutError
 from warehouse_core.world.layout import Layout
@@ -51,7 +50,7 @@ class LayoutSet:
         bare = [kind.with_stations(None, None) for kind in self.kinds]
         return LayoutSet([bare[kind] for kind in self.kind])
 
-    def of_rows(self, values: Sequence[int] | NDArray[Any]) -> NDArray[np.intp]:
+    def of_rows(self, values: ArrayLike) -> NDArray[np.intp]:
         """Return for each row the value of its layout."""
         return np.asarray(values, np.intp)[self.kind]
 
@@ -93,30 +92,19 @@ def windows_table(layouts: Sequence[Layout], radius: int) -> NDArray[np.uint8]:
             f"windows of {side} x {side} for {len(layouts)} layouts take {needed} bytes; "
             f"MAX_TABLE_BYTES = {MAX_TABLE_BYTES} are allowed"
         )
-    return np.concatenate([_windows(layout, radius) for layout in layouts])
-
-
-def _walled(layout: Layout, margin: int) -> NDArray[np.uint8]:
-    """Return the codes of the tiles with a margin of walls around them."""
-    return np.pad(tile_codes(layout), margin, constant_values=CELL_CODES[WALL])
+    return np.concatenate([_windows(layout, radius).reshape(-1, side**2) for layout in layouts])
 
 
 def _sides(layout: Layout) -> NDArray[np.bool_]:
-    is_open = _walled(layout, 1) != CELL_CODES[WALL]
-    height, width = layout.height, layout.width
-    return np.stack(
-        [
-            is_open[1 + down : 1 + down + height, 1 + right : 1 + right + width].ravel()
-            for down, right in MOVE_DELTAS.values()
-        ],
-        axis=-1,
-    )
+    windows = _windows(layout, radius=1)
+    sides = [windows[..., 1 + down, 1 + right].ravel() for down, right in MOVE_DELTAS.values()]
+    return np.stack([side != CELL_CODES[WALL] for side in sides], axis=-1)
 
 
 def _windows(layout: Layout, radius: int) -> NDArray[np.uint8]:
-    side = 2 * radius + 1
-    views = np.lib.stride_tricks.sliding_window_view(_walled(layout, radius), (side, side))
-    return views.reshape(size_of(layout), side**2)
+    """Return a view of the window around every cell, ``[H, W, K, K]``."""
+    walled = np.pad(tile_codes(layout), radius, constant_values=CELL_CODES[WALL])
+    return np.lib.stride_tricks.sliding_window_view(walled, (2 * radius + 1,) * 2)
 
 
 def tile_codes(layout: Layout) -> NDArray[np.uint8]:

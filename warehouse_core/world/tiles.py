@@ -5,7 +5,7 @@ A *cell* is ``(row, col)``, both counted from 0; row 0 is the top row.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
 
 Cell = tuple[int, int]
 
@@ -28,15 +28,9 @@ def manhattan_distance(a: Cell, b: Cell) -> int:
     return abs(a[0] - b[0]) + abs(a[1] - b[1])
 
 
-def runs_of(tile: str, row: str) -> Iterator[tuple[int, int]]:
-    """Yield ``(first, end)`` columns of each run of ``tile`` in a row, ``end`` excluded."""
-    start = row.find(tile)
-    while start >= 0:
-        end = start
-        while end < len(row) and row[end] == tile:
-            end += 1
-        yield start, end
-        start = row.find(tile, end)
+def runs_of(tile: str, row: str) -> list[tuple[int, int]]:
+    """Return ``(first, end)`` columns of each run of ``tile`` in a row, ``end`` excluded."""
+    return [run.span() for run in re.finditer(re.escape(tile) + "+", row)]
 
 
 ROBOT_EMPTY, ROBOT_LOADED = "R", "r"

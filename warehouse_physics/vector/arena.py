@@ -31,13 +31,7 @@ APART = 3
 
 
 class Hit(NamedTuple):
-    """A robot that has begun to touch a wall.
-
-    Attributes:
-        row: of the robot.
-        push: direction of the push on the robot, of length 1.
-        velocity: of the robot right before the hit, m/s.
-    """
+    """A robot that has begun to touch a wall, ``push`` and ``velocity`` as in ``Touch``."""
 
     row: int
     push: Position
@@ -47,9 +41,9 @@ class Hit(NamedTuple):
 class VectorArena:
     """``B`` warehouses in one space; positions are relative to the corner of each.
 
-    Args:
-        spec: of the robots.
-        layouts: with the walls to build, ``B`` of them.
+    Attributes:
+        robots: their bodies.
+        drives: the joint that drives each robot; its ``max_force`` limits the force in N.
     """
 
     def __init__(self, spec: RobotSpec, layouts: Sequence[Layout]) -> None:
@@ -63,7 +57,7 @@ class VectorArena:
         # velocities, and their positions do not matter.
         self._panel = pymunk.Space()
         self.robots: list[pymunk.Body] = []
-        self._joints: list[pymunk.PivotJoint] = []
+        self.drives: list[pymunk.PivotJoint] = []
         self._row: dict[pymunk.Shape, int] = {}
         for row in range(len(layouts)):
             self._row[self._add_robot(spec)] = row
@@ -79,14 +73,6 @@ class VectorArena:
         body, (left, top) = self.robots[row], self._corners[row].tolist()
         body.position = left + position[0], top + position[1]
         body.velocity = (0.0, 0.0)
-
-    def load(self, row: int, mass: float) -> None:
-        """Set the mass of a robot in kg."""
-        self.robots[row].mass = mass
-
-    def push(self, row: int, force: float) -> None:
-        """Limit the force of the drive of a robot to ``force`` N."""
-        self._joints[row].max_force = force
 
     def command(self, velocities: Floats) -> None:
         """Set the velocities ``[B, 2]`` in m/s for the drives to reach."""
@@ -128,7 +114,7 @@ class VectorArena:
         self._panel.add(control)
         self.space.add(body, shape, drive)
         self.robots.append(body)
-        self._joints.append(drive)
+        self.drives.append(drive)
         return shape
 
     def _note_hit(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:

@@ -15,8 +15,7 @@ from warehouse_physics.profile import Floats
 class BodyArrays:
     """The ``N`` moving bodies of a space, in the order in which they were added.
 
-    Args:
-        space: with all of its bodies; none may be added or removed later.
+    No body may be added or removed later.
     """
 
     def __init__(self, space: pymunk.Space) -> None:

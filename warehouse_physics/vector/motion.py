@@ -24,10 +24,6 @@ class RigidBodyBatch:
     All robots are in one space, too far apart to touch. An action takes as many substeps as its
     slowest robot needs; ``seconds`` and ``joules`` are those of each robot alone.
 
-    Args:
-        spec: of the robots.
-        layouts: of the rows, ``B`` of them, at least 1.
-
     Raises:
         ValueError: no layouts.
     """

@@ -13,23 +13,15 @@ from numpy.typing import NDArray
 
 from warehouse_core.motion.vector import Flags, Integers, Rows
 from warehouse_physics.profile import Floats, Substeps, brakings, lengths_of, plan_profiles
-from warehouse_physics.robot import AGAINST, AT_REST, MAX_SUBSTEPS, NEVER
+from warehouse_physics.robot import AGAINST, AT_REST, BRAKE, GO, MAX_SUBSTEPS, NEVER, REST
 from warehouse_physics.robot_spec import ARRIVED, RobotSpec
 from warehouse_physics.vector.arena import Hit, VectorArena
 
-REST, GO, BRAKE = range(3)
-"""What a drive is doing."""
-
 
 class VectorRobots:
-    """Drives ``B`` robots by one action at a time.
-
-    Args:
-        spec: of the robots.
-        arena: with the robots.
+    """Drives the ``B`` robots of an arena by one action at a time.
 
     Attributes:
-        arena: as given.
         gave_up: ``[B]``, whether a wall was in the way.
         work: ``[B]`` joules that each motor has done in the action.
         substeps: ``[B]`` substeps until each robot was at rest.
@@ -130,11 +122,10 @@ class VectorRobots:
         self._start[rows] = start = self._positions[rows]
         pace = self._paces[self._loaded[rows]]
         ways = self._target[rows] - start
-        profiles = plan_profiles(ways, spec.top_speed, pace, spec.time_step)
-        self._commands[rows] = profiles.velocities
+        velocities, go, brake = plan_profiles(ways, spec.top_speed, pace, spec.time_step)
+        self._commands[rows] = velocities
         self._push(rows, self._going_forces)
-        self._phase[rows], self._braking[rows] = GO, profiles.brake
-        self._until[rows] = now + profiles.go
+        self._phase[rows], self._until[rows], self._braking[rows] = GO, now + go, brake
 
     def _brake_from(self, rows: Integers, now: int, speeds: Floats) -> None:
         pace = self._paces[self._loaded[rows]]
@@ -148,7 +139,7 @@ class VectorRobots:
 
     def _load(self, loaded: Flags) -> None:
         for row in np.flatnonzero(loaded != self._loaded).tolist():
-            self.arena.load(row, self._masses[int(loaded[row])])
+            self.arena.robots[row].mass = self._masses[int(loaded[row])]
         self._loaded = loaded.astype(np.intp)
 
     def _push(self, rows: Integers, forces: Floats) -> None:
@@ -158,7 +149,7 @@ class VectorRobots:
         if changed.any():
             self._force[rows] = wanted
             for row, force in zip(rows[changed].tolist(), wanted[changed].tolist(), strict=True):
-                self.arena.push(row, force)
+                self.arena.drives[row].max_force = force
 
     def _count_work(self, rows: Integers, velocities: Floats) -> None:
         """Add the work of the motors in this profile: kinetic energy gained, plus drag."""

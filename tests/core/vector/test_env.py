@@ -271,6 +271,12 @@ def test_a_delivery_with_the_last_step_is_both_an_end_and_a_cut() -> None:
     assert arrays["steps"].tolist() == [[0]]
 
 
+@pytest.mark.parametrize("kind", [np.uint8, np.uint64, object])
+def test_starts_may_be_integers_of_any_type(kind: type) -> None:
+    batch = BatchEnv(2, ROOM, start_pos=np.array([(1, 1), (2, 1)], kind), randomize=False)
+    assert batch.reset()[0]["robot_pos"].tolist() == [[1, 1], [2, 1]]
+
+
 def test_the_step_after_an_end_takes_no_action() -> None:
     batch = BatchEnv(2, ROOM, start_pos=[(1, 1), (2, 1)], randomize=False, max_steps=2)
     batch.reset()

@@ -2,14 +2,35 @@ import math
 
 import numpy as np
 import pytest
+from helpers.map_files import grids
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError
 from warehouse_core.world.distances import distances
+from warehouse_core.world.tiles import MOVE_DELTAS, moved
 
 
 def test_distances_are_moves_around_walls() -> None:
     found = distances(Layout(["...", ".#.", ".#."]), [(2, 0)])
     assert found.tolist() == [[2, 3, 4], [1, math.inf, 5], [0, math.inf, 6]]
+
+
+@settings(max_examples=30)
+@given(grids(), st.data())
+def test_distances_are_those_of_a_slow_search(rows: list[str], data: st.DataObject) -> None:
+    layout = Layout(rows)
+    cells = [layout.open_cell(index) for index in range(len(layout.open_cells))]
+    if cells:
+        start = data.draw(st.sampled_from(cells))
+        expected, ring = {start: 0}, [start]
+        while ring:
+            moves = [moved(cell, delta) for cell in ring for delta in MOVE_DELTAS.values()]
+            ring = [cell for cell in dict.fromkeys(moves) if layout.is_open(cell)]
+            ring = [cell for cell in ring if cell not in expected]
+            expected |= dict.fromkeys(ring, max(expected.values()) + 1)
+        found = distances(layout, [start])
+        assert [found[cell] for cell in cells] == [expected.get(cell, math.inf) for cell in cells]
 
 
 def test_distances_are_to_the_nearest_of_the_cells() -> None:

@@ -1,18 +1,11 @@
 from pathlib import Path
 
 import pytest
-from helpers.map_files import grids, refusal
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from helpers.map_files import refusal
 
 from warehouse_core import Layout, LayoutError
 from warehouse_core.world import scenarios as scenarios_module
-from warehouse_core.world.scenarios import (
-    Scenario,
-    check_scenarios,
-    four_connected_length,
-    load_scenarios,
-)
+from warehouse_core.world.scenarios import Scenario, check_scenarios, load_scenarios
 
 WAYS = "version 1\n0\thall.map\t4\t3\t1\t0\t3\t2\t3.41421\n"
 
@@ -126,48 +119,6 @@ def test_scenarios_of_another_map_raise(changed: dict[str, object], message: str
     check_scenarios(layout, [scenario()])
     with pytest.raises(LayoutError) as caught:
         check_scenarios(layout, [scenario(), scenario(**changed)])
-    assert str(caught.value).startswith(message)
-
-
-def slow_lengths(layout: Layout, start: tuple[int, int]) -> dict[tuple[int, int], int]:
-    """Return the distance of every cell that can be reached, by breadth-first search."""
-    lengths, ring = {start: 0}, [start]
-    while ring:
-        ring = [
-            (row + down, col + right)
-            for row, col in ring
-            for down, right in ((1, 0), (-1, 0), (0, 1), (0, -1))
-            if layout.is_open((row + down, col + right))
-        ]
-        ring = [cell for cell in dict.fromkeys(ring) if cell not in lengths]
-        lengths |= dict.fromkeys(ring, max(lengths.values()) + 1)
-    return lengths
-
-
-@settings(max_examples=30)
-@given(grids(), st.data())
-def test_the_length_is_that_of_a_breadth_first_search(rows: list[str], data: st.DataObject) -> None:
-    layout = Layout(rows)
-    cells = [layout.open_cell(index) for index in range(len(layout.open_cells))]
-    if cells:
-        start = data.draw(st.sampled_from(cells))
-        lengths = slow_lengths(layout, start)
-        found = {cell: four_connected_length(layout, start, cell) for cell in cells}
-        assert found == {cell: lengths.get(cell) for cell in cells}
-
-
-@pytest.mark.parametrize(
-    ("start", "goal", "message"),
-    [
-        ((0, 1), (0, 0), "start row 0, column 1 is wall; it must be an open cell"),
-        ((0, 0), (0, 3), "goal row 0, column 3 is off the grid"),
-    ],
-)
-def test_a_path_from_or_to_a_cell_that_is_not_open_raises(
-    start: tuple[int, int], goal: tuple[int, int], message: str
-) -> None:
-    with pytest.raises(LayoutError) as caught:
-        four_connected_length(Layout([".#."]), start, goal)
     assert str(caught.value).startswith(message)
 
 

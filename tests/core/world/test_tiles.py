@@ -10,8 +10,8 @@ def test_the_manhattan_distance_ignores_directions() -> None:
 
 
 def test_runs_are_given_by_their_first_column_and_their_end() -> None:
-    assert list(runs_of("#", "##.#..###")) == [(0, 2), (3, 4), (6, 9)]
-    assert list(runs_of("#", "...")) == []
+    assert runs_of("#", "##.#..###") == [(0, 2), (3, 4), (6, 9)]
+    assert runs_of("#", "...") == []
 
 
 def test_the_codes_are_the_same_in_both_tables() -> None:

@@ -5,7 +5,7 @@ import pytest
 
 from warehouse_core import Cell, Layout, random_layout
 from warehouse_core.task.sight import Sight
-from warehouse_core.vector.sight import VectorSight
+from warehouse_core.vector.floor import VectorFloor
 from warehouse_core.world.tables import LayoutSet
 from warehouse_core.world.tiles import CELL_CODES
 
@@ -19,12 +19,16 @@ def codes(window: list[str]) -> list[int]:
     return [CELL_CODES[tile] for line in window for tile in line]
 
 
+def put(floor: VectorFloor, row: int, layout: Layout, *stations: Cell) -> None:
+    pickups, dropoffs = ([at[0] * layout.width + at[1]] for at in stations)
+    floor.put_stations(np.array([row]), np.array(pickups), np.array(dropoffs))
+
+
 @pytest.mark.parametrize("radius", [0, 1, 2, 8])
 def test_stations_are_seen_where_they_are_and_nowhere_else(radius: int) -> None:
     """Every place of pickup, dropoff and robot, in layouts narrower and wider than the window."""
-    layouts = LayoutSet(BARE)
-    sight = VectorSight(layouts, radius)
-    for layout, base in zip(BARE, layouts.base.tolist(), strict=True):
+    floor = VectorFloor(LayoutSet(BARE), radius, moving_stations=True)
+    for row, layout in enumerate(BARE):
         cells = [layout.open_cell(index) for index in range(len(layout.open_cells))]
         stream = np.random.default_rng(radius)
         pairs = list(permutations(cells, 2))
@@ -32,13 +36,8 @@ def test_stations_are_seen_where_they_are_and_nowhere_else(radius: int) -> None:
             expected = Sight(layout.with_stations(pickup, dropoff), radius)
             robots, count = np.array(cells, np.int32), len(cells)
             loaded = stream.random(count) < 0.5
-            found = sight.windows(
-                base + robots[:, 0] * layout.width + robots[:, 1],
-                loaded,
-                robots,
-                np.tile(np.array(pickup, np.int32), (count, 1)),
-                np.tile(np.array(dropoff, np.int32), (count, 1)),
-            )
+            put(floor, row, layout, pickup, dropoff)
+            found = floor.windows(np.full(count, row), layout.open_cells, loaded, robots)
             assert found.dtype == np.uint8
             for cell, has_item, window in zip(cells, loaded, found.tolist(), strict=True):
                 assert window == codes(expected.window(cell, bool(has_item))), (cell, pickup)
@@ -46,9 +45,9 @@ def test_stations_are_seen_where_they_are_and_nowhere_else(radius: int) -> None:
 
 def test_stations_of_the_layout_need_no_telling() -> None:
     shop = Layout(["P.D", "DP."])
-    found = VectorSight(LayoutSet([shop]), 1).windows(
-        np.array([1, 5]), np.array([False, True]), np.array([[0, 1], [1, 2]])
-    )
+    floor = VectorFloor(LayoutSet([shop] * 2), 1, moving_stations=False)
+    cells, loaded = np.array([1, 5]), np.array([False, True])
+    found = floor.windows(np.arange(2), cells, loaded, floor.places(np.arange(2), cells))
     assert found.tolist() == [
         codes(["###", "PRD", "DP."]),
         codes([".D#", "Pr#", "###"]),
@@ -60,17 +59,17 @@ def test_a_station_very_far_away_is_out_of_sight() -> None:
     length = 2**16
     layouts = LayoutSet([Layout(["."] * length), Layout(["." * length])])
     ends: list[tuple[Cell, Cell]] = [((0, 0), (length - 1, 0)), ((length - 1, 0), (0, 0))]
-    sight = VectorSight(layouts, 1)
-    for (row, col), station in ends:
-        found = sight.windows(
-            np.array([row]), np.array([False]), np.array([[row, col]], np.int32),
-            np.array([station], np.int32), np.array([station], np.int32),
-        )  # fmt: skip
+    floor = VectorFloor(layouts, 1, moving_stations=True)
+    for robot, station in ends:
+        put(floor, 0, layouts.kinds[0], station, station)
+        found = floor.windows(
+            np.array([0]), np.array([robot[0]]), np.array([False]), np.array([robot], np.int32)
+        )
         assert not {CELL_CODES["P"], CELL_CODES["D"]} & set(found.ravel().tolist())
 
 
 def test_what_is_seen_is_fresh() -> None:
-    sight = VectorSight(LayoutSet([OPEN]), 1)
-    given = np.array([5]), np.array([False]), np.array([[1, 1]])
-    sight.windows(*given)[:] = 9
-    assert sight.windows(*given).tolist() == [codes(["...", ".R.", "..."])]
+    floor = VectorFloor(LayoutSet([OPEN]), 1, moving_stations=False)
+    given = np.array([0]), np.array([5]), np.array([False]), np.array([[1, 1]])
+    floor.windows(*given)[:] = 9
+    assert floor.windows(*given).tolist() == [codes(["...", ".R.", "..."])]

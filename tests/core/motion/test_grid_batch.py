@@ -2,19 +2,19 @@ import numpy as np
 import pytest
 
 from warehouse_core import Layout, random_layout
-from warehouse_core.motion.grid import GridMotion
+from warehouse_core.motion.grid import GridBatch, GridMotion, nominal_joules
 from warehouse_core.motion.vector import Batchable
-from warehouse_core.motion.vector_grid import GridBatch
 from warehouse_core.world.actions import DISPLACEMENTS
 
 NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
 
 OPEN = Layout(["..", "..", ".."])
+MOVING, STANDING = (nominal_joules(0.5, moving=moving) for moving in (True, False))
 LAYOUTS = [OPEN, random_layout(5, 7, 0.3, seed=1), Layout([".#."]), OPEN, Layout(["."])]
 
 
 def batch_of(layouts: list[Layout]) -> GridBatch:
-    return GridBatch(layouts, seconds=1.5, moving_joules=9.0, waiting_joules=4.0)
+    return GridMotion(0.5).batch(layouts)
 
 
 def test_every_action_in_every_cell_equals_the_motion_of_one_robot() -> None:
@@ -36,14 +36,14 @@ def test_every_action_in_every_cell_equals_the_motion_of_one_robot() -> None:
             assert (found.blocked[row], found.seconds[row], found.joules[row]) == expected[1:4]
 
 
-def test_time_and_cost_are_the_arguments() -> None:
+def test_time_and_cost_are_the_nominal_ones() -> None:
     batch = batch_of([OPEN] * 4)
     batch.place(np.arange(4), np.zeros(4, int))
     found = batch.advance(np.array([EAST, NORTH, WAIT, DROP]), np.ones(4, bool))
     assert found.cells.tolist() == [1, 0, 0, 0]
     assert found.blocked.tolist() == [False, True, False, False]
-    assert found.seconds.tolist() == [1.5] * 4
-    assert found.joules.tolist() == [9.0, 9.0, 4.0, 4.0]
+    assert found.seconds.tolist() == [1.0] * 4
+    assert found.joules.tolist() == [MOVING, MOVING, STANDING, STANDING]
     assert [values.dtype for values in found] == [np.intp, bool, float, float]
 
 
@@ -62,8 +62,8 @@ def test_the_arrays_of_an_outcome_belong_to_the_caller() -> None:
         array[:] = 1
     found = batch.advance(actions, loaded)
     assert found.cells.tolist() == [4, 5]
-    assert found.seconds.tolist() == [1.5, 1.5]
-    assert found.joules.tolist() == [9.0, 9.0]
+    assert found.seconds.tolist() == [1.0, 1.0]
+    assert found.joules.tolist() == [MOVING, MOVING]
     assert found.blocked.tolist() == [False, False]
     batch.close()
     batch.close()

@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 from helpers.gymnasium_envs import ROOM, plain
 
-from warehouse_core import Layout, WarehouseEnv, random_layout
-from warehouse_core.gymnasium_env.view import View
+from warehouse_core import Layout, random_layout
 from warehouse_core.task.encoding import encode
 from warehouse_core.task.rules import useful_actions
 
@@ -22,26 +21,22 @@ def assert_same(arrays: Any, expected: Any) -> None:
 
 
 def test_observations_are_encoded_afresh_wherever_the_robot_has_been() -> None:
-    env = WarehouseEnv(ROOM)
-    view = View(env)
+    env = plain(layout=ROOM, randomize=False)
+    arrays, info = env.reset()
     for action in (WEST, PICK, EAST, WEST, EAST, EAST, WEST, WEST, PICK, EAST):
-        arrays, mask = view.look()
-        assert_same(arrays, encode(env.observe()))
+        assert_same(arrays, encode(env.warehouse.observe()))
         for key in arrays.keys() - {"has_item"}:
             arrays[key][:] = 9
-        mask[:] = 9
-        env.step(action)
-    assert env.state.has_item
+        info["action_mask"][:] = 9
+        arrays, *_, info = env.step(action)
+    assert env.warehouse.state.has_item
 
 
-def test_a_new_layout_needs_a_call_of_forget() -> None:
-    env = WarehouseEnv(ROOM)
-    view = View(env)
-    view.look()
-    env.reset_to(ROOM.with_stations((2, 2), None), (1, 1))
-    view.forget()
-    arrays, _ = view.look()
-    assert_same(arrays, encode(env.observe()))
+def test_new_stations_are_seen() -> None:
+    env = plain(layout=ROOM, randomize=False)
+    env.reset()
+    arrays, _ = env.reset(options={"layout": ROOM.with_stations((2, 2), None)})
+    assert_same(arrays, encode(env.warehouse.observe()))
     assert arrays["dropoff_pos"].tolist() == [-1, -1]
 
 
