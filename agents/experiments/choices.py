@@ -43,8 +43,8 @@ class PlanFile(NamedTuple):
     """
 
     choices: dict[str, Any]
-    episodes: int | None
-    seed: int | None
+    episodes: int | None = None
+    seed: int | None = None
 
 
 def read_plan_file(path: Path) -> PlanFile:

@@ -35,14 +35,6 @@ Report = Callable[[Sequence[Row]], None]
 """Called with rows after they are stored, and with none in between; what it raises ends the run."""
 
 
-class Task(NamedTuple):
-    """Episodes of one case, for one worker."""
-
-    case_id: int
-    case: Case
-    seeds: Sequence[int]
-
-
 class Done(NamedTuple):
     """The outcome of a task.
 
@@ -80,17 +72,21 @@ def run_missing(plan: Plan, store: Store, executor: Executor, workers: int, repo
         Exception: whatever ``report`` raises, between two writes.
     """
     pace = Pace()
-    tasks, running = missing_tasks(plan, store, pace), dict[Future[Done], Task]()
+    tasks, running = missing_tasks(plan, store, pace), dict[Future[Done], int]()
     # After an error the executor ends what is still running. Futures are not cancelled here: a
     # process pool that breaks sets an exception on each of them, which a cancelled one rejects.
-    while _submit(tasks, running, executor, workers) or running:
+    while True:
+        for case_id, case, seeds in islice(tasks, TASKS_PER_WORKER * workers - len(running)):
+            running[executor.submit(run_task, case, seeds)] = case_id
+        if not running:
+            return
         done, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
         report([])
         # Failed tasks come last, because they end the run.
         failures = []
         for future in sorted(done, key=_has_failed):
-            task, (seconds, rows, failure) = running.pop(future), future.result()
-            store.add(task.case_id, rows)
+            case_id, (seconds, rows, failure) = running.pop(future), future.result()
+            store.add(case_id, rows)
             pace.learn(len(rows), seconds)
             report(rows)
             failures += [] if failure is None else [failure]
@@ -98,13 +94,13 @@ def run_missing(plan: Plan, store: Store, executor: Executor, workers: int, repo
             raise EpisodeError(failures[0])
 
 
-def missing_tasks(plan: Plan, store: Store, pace: Pace) -> Iterator[Task]:
-    """Yield what is missing, case by case, in tasks of the present size of ``pace``."""
+def missing_tasks(plan: Plan, store: Store, pace: Pace) -> Iterator[tuple[int, Case, list[int]]]:
+    """Yield what is missing in tasks of the present size of ``pace``: the case and its seeds."""
     for case in plan.cases:
         case_id = store.case_id(case)
         seeds = _missing_seeds(store, case_id, plan.seeds)
         while some := list(islice(seeds, pace.episodes)):
-            yield Task(case_id, case, some)
+            yield case_id, case, some
 
 
 def _missing_seeds(store: Store, case_id: int, seeds: range) -> Iterator[int]:
@@ -128,13 +124,3 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
 
 def _has_failed(future: Future[Done]) -> bool:
     return future.exception() is not None or future.result().failure is not None
-
-
-def _submit(
-    tasks: Iterator[Task], running: dict[Future[Done], Task], executor: Executor, workers: int
-) -> bool:
-    """Submit tasks until enough are waiting, and return whether there was one."""
-    before = len(running)
-    for task in islice(tasks, max(TASKS_PER_WORKER * workers - before, 0)):
-        running[executor.submit(run_task, task.case, task.seeds)] = task
-    return len(running) > before
