@@ -13,15 +13,7 @@ from functools import lru_cache
 from typing import Any
 
 from agents.errors import AgentError, reason_of
-from agents.experiments.parameters import (
-    DEFAULT,
-    PARAMETERS,
-    PHYSICAL,
-    RANDOM,
-    Value,
-    find,
-    shown,
-)
+from agents.experiments.parameters import DEFAULT, PARAMETERS, PHYSICAL, RANDOM, Value, find, shown
 from agents.registry import agent_file, make_agent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, WarehouseEnv, random_layout
@@ -44,12 +36,10 @@ def make_case(values: Mapping[str, Value]) -> dict[str, Any]:
         OSError: a file that cannot be read.
     """
     case: dict[str, Any] = {}
-    for name, parameter in PARAMETERS.items():
+    for name in [*PARAMETERS, *sorted(values.keys() - PARAMETERS.keys())]:
+        parameter = find(name)
         if parameter.applies(case):
             case[name] = values.get(name, parameter.default)
-    for name in sorted(values.keys() - PARAMETERS.keys()):
-        if find(name).applies(case):
-            case[name] = values[name]
     if case["layout"] != RANDOM:
         is_default = case["layout"] == DEFAULT
         layout = DEFAULT_LAYOUT if is_default else load_layout(case["layout"])

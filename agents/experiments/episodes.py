@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import closing
 
 from agents.errors import EpisodeError, reason_of
 from agents.experiments.case import (
@@ -41,18 +42,15 @@ def run_episodes(case: Case, seeds: Sequence[int]) -> Iterator[Row]:
 
 def run_one(case: Case, seed: int) -> Episode:
     """Run one episode of a case and return its record."""
-    env = make_env(case, seed)
-    try:
+    with closing(make_env(case, seed)) as env:
         return record_episode(env, make_agent_for(case, seed, env.layout), seed=seed)
-    finally:
-        env.close()
 
 
 def row_of(episode: Episode) -> Row:
     """Return the row that is stored for an episode."""
     assert episode.seed is not None, "every episode here has a seed"
     diagnosis = diagnose(episode)
-    row, col = diagnosis.cells[0] if diagnosis.cells else episode.cells[-1]
+    cell = diagnosis.cells[0] if diagnosis.cells else episode.cells[-1]
     return Row(
         episode.seed,
         diagnosis.mode,
@@ -62,8 +60,7 @@ def row_of(episode: Episode) -> Row:
         episode.battery[-1],
         episode.seconds,
         episode.joules,
-        row,
-        col,
+        *cell,
     )
 
 

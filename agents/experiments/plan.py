@@ -99,7 +99,7 @@ def _range(name: str, limits: Mapping[str, Any]) -> list[int | float]:
         raise ParameterError(f"{name} is {dict(limits)!r}; a range has the keys from, to and step")
     first, last, step = (limits[key] for key in ("from", "to", "step"))
     for key, value in limits.items():
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
+        if type(value) not in (int, float):
             raise ParameterError(f"{name}.{key} is {value!r}; it must be a number")
         if not abs(value) <= MAX_VALUE:
             raise ParameterError(f"{name}.{key} is not within {-MAX_VALUE}..{MAX_VALUE}")
