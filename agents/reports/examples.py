@@ -12,7 +12,7 @@ from agents.experiments.episodes import check_fingerprint, run_one
 from agents.experiments.store import Store
 from agents.registry import agent_file, is_own_code
 from warehouse_core import BackendError, Episode, LayoutError
-from warehouse_core.records.failure_modes import MODES, Diagnosis, diagnose
+from warehouse_core.records.failure_modes import MODES, diagnose
 from warehouse_core.viz.replay import replay_of_track
 from warehouse_core.viz.track import INTERVAL_MS, track_of_episode
 
@@ -67,13 +67,7 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """The replay of an episode.
-
-    Attributes:
-        found: the episode.
-        sentence: the evidence for its failure mode, or why there is no replay.
-        gif: the replay; empty if there is none.
-    """
+    """The replay of an episode: why it has its failure mode, or why ``gif`` is empty."""
 
     found: Found
     sentence: str
@@ -109,20 +103,21 @@ def replay(found: Found, *, run_own_code: bool) -> Example:
         check_fingerprint(found.case)
         episode = run_one(found.case, found.seed)
     except (Exception, SystemExit) as error:
-        return Example(found, f"It cannot be run again: {_why(error, found.case)}.", b"")
+        is_clear = isinstance(error, CLEAR_ERRORS)
+        words = str(error) if is_clear else reason_of(error, agent_file(found.case["agent"]))
+        why = " ".join(words.split()).rstrip(".")
+        return Example(found, f"It cannot be run again: {why}.", b"")
     diagnosis = diagnose(episode)
     if (diagnosis.mode, episode.steps) != (found.mode, found.steps):
-        return Example(found, _changed(found, diagnosis, episode.steps), b"")
+        sentence = (
+            f"Its outcome is different now: {diagnosis.mode} after {episode.steps} steps, not "
+            f"{found.mode} after {found.steps}. The agent or a library has changed since the "
+            "results were written."
+        )
+        return Example(found, sentence, b"")
     left_out = max(episode.steps - MAX_STEPS, 0)
     only = f"; the replay shows the last {MAX_STEPS} of {episode.steps} steps" if left_out else ""
     return Example(found, f"{diagnosis.sentence}{only}", _gif(episode, left_out))
-
-
-def _changed(found: Found, diagnosis: Diagnosis, steps: int) -> str:
-    return (
-        f"Its outcome is different now: {diagnosis.mode} after {steps} steps, not {found.mode} "
-        f"after {found.steps}. The agent or a library has changed since the results were written."
-    )
 
 
 def _gif(episode: Episode, left_out: int) -> bytes:
@@ -134,10 +129,3 @@ def _gif(episode: Episode, left_out: int) -> bytes:
         path = Path(folder) / "replay.gif"
         film.save(path)
         return path.read_bytes()
-
-
-def _why(error: BaseException, case: Case) -> str:
-    """Return the message of an error on one line."""
-    is_clear = isinstance(error, CLEAR_ERRORS)
-    words = str(error) if is_clear else reason_of(error, agent_file(case["agent"]))
-    return " ".join(words.split()).rstrip(".")
