@@ -120,8 +120,7 @@ class Store:
     def case_id(self, case: Case) -> int:
         """Return the number of a case, which is added if it is new."""
         self.add_cases([case])
-        number: int = next(self.query("SELECT id FROM cases WHERE settings = ?", key_of(case)))[0]
-        return number
+        return int(next(self.query("SELECT id FROM cases WHERE settings = ?", key_of(case)))[0])
 
     def add_cases(self, cases: Iterable[Case]) -> None:
         """Add the cases that are new, in one transaction."""
@@ -137,8 +136,7 @@ class Store:
             "SELECT count(*) FROM episodes JOIN cases ON id = case_id "
             "WHERE settings = ? AND seed >= ? AND seed < ?"
         )
-        found: int = next(self.query(statement, key_of(case), seeds.start, seeds.stop))[0]
-        return found
+        return int(next(self.query(statement, key_of(case), seeds.start, seeds.stop))[0])
 
     def seeds_done(self, case_id: int, seeds: range) -> set[int]:
         """Return those of some seeds whose episodes are stored."""

@@ -39,18 +39,14 @@ def answers(experiment: Experiment, design: Design) -> tuple[Answer, ...]:
     for factor in design.factors:
         series = design.series(factor)
         if series:
+            parameter = PARAMETERS.get(factor.name)
+            question = parameter.question if parameter else f"What does {factor.name} change?"
             words = map(sentence, _sentences(experiment, factor, series))
-            found.append(Answer(question_of(factor), tuple(words)))
+            found.append(Answer(question, tuple(words)))
     if not found:
         point = Point("", 0, experiment.results(*design.labels))
         found.append(Answer("How does it do?", tuple(map(sentence, _alone(point)))))
     return tuple(found)
-
-
-def question_of(factor: Factor) -> str:
-    """Return the question that is asked if a factor differs."""
-    parameter = PARAMETERS.get(factor.name)
-    return parameter.question if parameter else f"What does {factor.name} change?"
 
 
 def _alone(point: Point) -> Iterator[str]:

@@ -98,11 +98,12 @@ def seed_by_seed(one: Point, other: Point, found: Comparison) -> Iterator[str]:
 
 def lengths(line: Sequence[Point]) -> Iterator[str]:
     """Give the mean steps of all deliveries; those of one value may be only the easy ones."""
-    parts = [
-        f"{mean(point.results.steps, 'steps', _shortest(point.results))}{_with(point)}"
-        for point in line
-        if point.results.steps
-    ]
+    parts = []
+    for point in line:
+        results = point.results
+        if results.steps and results.needed:
+            shortest = f"shortest ways {results.needed:.1f}"
+            parts.append(f"{mean(results.steps, 'steps', shortest)}{_with(point)}")
     if parts:
         yield f"the mean of all deliveries, easy and hard, is {listed(parts)}"
 
@@ -168,10 +169,6 @@ def _costs(one: Point, other: Point, both: int, unit: str, costs: Costs) -> str:
         return f"{means}, a difference that chance explains"
     size = Interval(abs(estimate), *sorted((abs(low), abs(high))))
     return f"{means}: {other.name} takes {mean(size, 'more' if estimate > 0 else 'less')}"
-
-
-def _shortest(results: Results) -> str:
-    return "" if results.needed is None else f"shortest ways {results.needed:.1f}"
 
 
 def _with(point: Point) -> str:
