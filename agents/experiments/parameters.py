@@ -150,10 +150,8 @@ def find(name: str) -> Parameter:
         if field in allowed:
             return Parameter(allowed[field], number(), {"backend": "physics"})
         raise ParameterError(f"{group} has no {field!r}; allowed: {', '.join(allowed)}")
-    groups = [f"{group}.NAME" for group in PHYSICAL]
-    raise ParameterError(
-        f"no setting is called {name!r}; allowed: {', '.join([*PARAMETERS, *groups])}"
-    )
+    names = [*PARAMETERS, *(f"{group}.NAME" for group in PHYSICAL)]
+    raise ParameterError(f"no setting is called {name!r}; allowed: {', '.join(names)}")
 
 
 def field_defaults(group: str) -> dict[str, float]:

@@ -10,12 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from itertools import islice
-from time import perf_counter
-from typing import NamedTuple
 
 from agents.errors import EpisodeError
 from agents.experiments.case import Case
-from agents.experiments.episodes import run_episodes
+from agents.experiments.episodes import Done, run_task
 from agents.experiments.plan import Plan
 from agents.experiments.store import Row, Store
 
@@ -33,21 +31,6 @@ TICK = 0.1
 
 Report = Callable[[Sequence[Row]], None]
 """Called with rows after they are stored, and with none in between; what it raises ends the run."""
-
-
-class Done(NamedTuple):
-    """The outcome of a task.
-
-    Attributes:
-        seconds: that it took.
-        rows: of its episodes, up to the one that failed.
-        failure: the message of the error of that one. It is text, because an exception of a user
-            agent may not be picklable.
-    """
-
-    seconds: float
-    rows: list[Row]
-    failure: str | None = None
 
 
 class Pace:
@@ -109,17 +92,6 @@ def _missing_seeds(store: Store, case_id: int, seeds: range) -> Iterator[int]:
         some = seeds[start : start + SEEDS_AT_ONCE]
         done = store.seeds_done(case_id, some)
         yield from (seed for seed in some if seed not in done)
-
-
-def run_task(case: Case, seeds: Sequence[int]) -> Done:
-    """Run a task, in a worker."""
-    start, rows, failure = perf_counter(), list[Row](), None
-    try:
-        for row in run_episodes(case, seeds):
-            rows.append(row)
-    except EpisodeError as error:
-        failure = str(error)
-    return Done(perf_counter() - start, rows, failure)
 
 
 def _has_failed(future: Future[Done]) -> bool:

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from agents.experiments.case import FINGERPRINT, make_case
-from agents.experiments.episodes import run_episodes
+from agents.experiments.episodes import run_task
 from agents.experiments.store import Row, Store
 from agents.reports import examples
 from agents.reports.examples import Found, find_examples, replay
@@ -36,7 +36,7 @@ def store(tmp_path: Path) -> Iterator[Store]:
 
 def found_in(store: Store, episodes: int = 12, **settings: object) -> list[Found]:
     case = make_case(settings)  # type: ignore[arg-type]
-    store.add(store.case_id(case), run_episodes(case, range(episodes)))
+    store.add(store.case_id(case), run_task(case, range(episodes)).rows)
     return find_examples(store)
 
 
