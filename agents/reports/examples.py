@@ -46,19 +46,9 @@ CLEAR_ERRORS = (AgentError, BackendError, EpisodeError, LayoutError, OSError)
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """An episode in the results that represents its failure mode.
-
-    Attributes:
-        mode: its outcome.
-        case_id: of its case in the results.
-        case: that case.
-        seed: of the episode.
-        steps: its length.
-        episodes: the number of all episodes of that mode.
-    """
+    """An episode in the results, one of several ``episodes`` of its failure mode."""
 
     mode: str
-    case_id: int
     case: Case
     seed: int
     steps: int
@@ -67,7 +57,7 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """The replay of an episode: why it has its failure mode, or why ``gif`` is empty."""
+    """A replay; the sentence is the evidence for its mode, or says why there is no GIF."""
 
     found: Found
     sentence: str
@@ -81,7 +71,7 @@ def find_examples(store: Store) -> list[Found]:
     """
     cases = store.cases()
     found = {
-        mode: Found(mode, case_id, cases[case_id], seed, steps, episodes)
+        mode: Found(mode, cases[case_id], seed, steps, episodes)
         for mode, case_id, steps, episodes, seed in store.query(SHORTEST)
     }
     return [found[mode] for mode in MODES if mode in found]

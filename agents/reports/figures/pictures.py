@@ -27,13 +27,7 @@ MAX_MAPS = 4
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A figure.
-
-    Attributes:
-        name: the stem of its file.
-        caption: what it shows.
-        svg: the file.
-    """
+    """A figure as SVG with its caption; its name is the stem of its file."""
 
     name: str
     caption: str
