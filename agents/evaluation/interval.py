@@ -62,10 +62,10 @@ def mean_interval(values: np.ndarray) -> Interval | None:
 
     if not len(values):
         return None
-    if len(values) < MIN_VALUES:
-        return Interval(float(values.astype(float).mean()))
     values = values.astype(float)
     mean = float(values.mean())
+    if len(values) < MIN_VALUES:
+        return Interval(mean)
     # Without their mean, so that large values lose no digits.
     found = bootstrap(
         (values - mean,),

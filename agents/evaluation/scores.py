@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -138,8 +139,7 @@ def evaluate(make_agent: MakeAgent, task: Task, seeds: Iterable[int]) -> Scores:
 
 def _run(agent: Agent, task: Task, seed: int) -> Run:
     # Random stations depend on the stations before them, so each episode has its own environment.
-    env = task.make_env()
-    try:
+    with closing(task.make_env()) as env:
         observation, done, terminated = env.reset(randomize=True, seed=seed), False, False
         [needed] = fewest_steps(env.layout, (env.state.robot_pos, False))
         agent.reset()
@@ -158,5 +158,3 @@ def _run(agent: Agent, task: Task, seed: int) -> Run:
             joules,
             getattr(agent, "expanded", 0),
         )
-    finally:
-        env.close()

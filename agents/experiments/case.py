@@ -13,16 +13,7 @@ from functools import lru_cache
 from typing import Any
 
 from agents.errors import AgentError, reason_of
-from agents.experiments.parameters import (
-    DEFAULT,
-    PARAMETERS,
-    PHYSICAL,
-    RANDOM,
-    Value,
-    find,
-    is_greedy,
-    shown,
-)
+from agents.experiments.parameters import DEFAULT, PARAMETERS, PHYSICAL, RANDOM, Value, find, shown
 from agents.registry import agent_file, make_agent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, WarehouseEnv, random_layout
@@ -34,6 +25,8 @@ Case = Mapping[str, Any]
 TILES, FINGERPRINT = "tiles", "fingerprint"
 """Keys beside the parameters: the rows of the layout, and the digest of the agent's file."""
 
+_layout = lru_cache(Layout)
+
 
 def make_case(values: Mapping[str, Value]) -> dict[str, Any]:
     """Return the case of some checked values; the other parameters have their defaults.
@@ -43,19 +36,23 @@ def make_case(values: Mapping[str, Value]) -> dict[str, Any]:
         OSError: a file that cannot be read.
     """
     case: dict[str, Any] = {}
-    for name, parameter in PARAMETERS.items():
+    for name in [*PARAMETERS, *sorted(values.keys() - PARAMETERS.keys())]:
+        parameter = find(name)
         if parameter.applies(case):
             case[name] = values.get(name, parameter.default)
-    for name in sorted(values.keys() - PARAMETERS.keys()):
-        if find(name).applies(case):
-            case[name] = values[name]
     if case["layout"] != RANDOM:
         is_default = case["layout"] == DEFAULT
         layout = DEFAULT_LAYOUT if is_default else load_layout(case["layout"])
         case[TILES] = list(layout.rows)
     env = make_env(case, seed=0)
     env.close()
-    _try_agent(case, env.layout)
+    try:
+        make_agent_for(case, 0, env.layout)
+    except (AgentError, OSError):
+        raise
+    except (Exception, SystemExit) as error:
+        reason = reason_of(error, agent_file(case["agent"]))
+        raise AgentError(f"agent {case['agent']!r} cannot be made: {reason}") from error
     fingerprint = agent_fingerprint(case)
     if fingerprint is not None:
         case[FINGERPRINT] = fingerprint
@@ -90,7 +87,7 @@ def agent_fingerprint(case: Case) -> str | None:
 def make_env(case: Case, seed: int) -> WarehouseEnv:
     """Return a new environment for one episode of a case."""
     if TILES in case:
-        layout = _layout("\n".join(case[TILES]))
+        layout = _layout(tuple(case[TILES]))
     else:
         height, width = map(int, case["size"].split("x"))
         layout = random_layout(height, width, case["density"], seed)
@@ -106,43 +103,25 @@ def make_env(case: Case, seed: int) -> WarehouseEnv:
 
 def make_agent_for(case: Case, seed: int, layout: Layout) -> Agent:
     """Return the agent of a case, with the seed and the layout if it takes them."""
-    if is_greedy(case):
+    if case["agent"] == "greedy":
         if case["escape"]:
             return GreedyAgent(seed, case["memory"])
         return GreedyAgent(seed, escape_steps=0)
     return make_agent(case["agent"], seed, layout)
 
 
-def _try_agent(case: Case, layout: Layout) -> None:
-    """Make an agent once; whatever its file raises becomes an ``AgentError``."""
-    try:
-        make_agent_for(case, 0, layout)
-    except (AgentError, OSError):
-        raise
-    except (Exception, SystemExit) as error:
-        reason = reason_of(error, agent_file(case["agent"]))
-        raise AgentError(f"agent {case['agent']!r} cannot be made: {reason}") from error
-
-
-@lru_cache
-def _layout(text: str) -> Layout:
-    return Layout(text.split("\n"))
-
-
 def _backend(case: Case) -> Backend:
-    groups = {group: _numbers(case, group) for group in PHYSICAL}
+    groups = {
+        group: {
+            name.removeprefix(f"{group}."): value
+            for name, value in case.items()
+            if name.startswith(f"{group}.")
+        }
+        for group in PHYSICAL
+    }
     if not any(groups.values()):
         backend: str = case["backend"]
         return backend
     from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
 
     return RigidBodyMotion(RobotSpec(**groups["robot"]), Disturbances(**groups["disturbances"]))
-
-
-def _numbers(case: Case, group: str) -> dict[str, Any]:
-    """Return the values of a group, ``robot.mass`` as ``mass``."""
-    return {
-        name.removeprefix(f"{group}."): value
-        for name, value in case.items()
-        if name.startswith(f"{group}.")
-    }

@@ -43,8 +43,8 @@ class PlanFile(NamedTuple):
     """
 
     choices: dict[str, Any]
-    episodes: int | None
-    seed: int | None
+    episodes: int | None = None
+    seed: int | None = None
 
 
 def read_plan_file(path: Path) -> PlanFile:
@@ -84,10 +84,8 @@ def _parse(content: Mapping[str, Any]) -> PlanFile:
 
 
 def _whole(content: Mapping[str, Any], key: str, minimum: int) -> int | None:
-    value = content.get(key)
-    if value is None:
-        return None
-    if isinstance(value, bool) or not isinstance(value, int) or value < minimum:
+    value: int | None = content.get(key)
+    if value is not None and (type(value) is not int or value < minimum):
         raise ParameterError(f"{key} is {value!r}; it must be a whole number, at least {minimum}")
     return value
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from contextlib import closing
+from time import perf_counter
+from typing import NamedTuple
 
 from agents.errors import EpisodeError, reason_of
 from agents.experiments.case import (
@@ -19,40 +22,53 @@ from warehouse_core import Episode, record_episode
 from warehouse_core.records.failure_modes import diagnose
 
 
-def run_episodes(case: Case, seeds: Sequence[int]) -> Iterator[Row]:
-    """Run one episode for each seed, each in a new environment with a new agent.
+class Done(NamedTuple):
+    """The outcome of a task.
+
+    Attributes:
+        seconds: that it took.
+        rows: of its episodes, up to the one that failed.
+        failure: the message of the error of that one. It is text, because an exception of a user
+            agent may not be picklable.
+    """
+
+    seconds: float
+    rows: list[Row]
+    failure: str | None = None
+
+
+def run_task(case: Case, seeds: Sequence[int]) -> Done:
+    """Run one episode for each seed, each in a new environment with a new agent, until one fails.
 
     The rows depend only on the case and the seeds.
-
-    Raises:
-        EpisodeError: an agent or its file failed; the rows of the seeds before come first.
     """
-    check_fingerprint(case)
-    for seed in seeds:
-        try:
-            row = row_of(run_one(case, seed))
-        # User agents may raise anything, even SystemExit.
-        except BaseException as error:
-            reason = reason_of(error, agent_file(case["agent"]))
-            flags = ", ".join(flags_of(case)) or "the defaults"
-            raise EpisodeError(f"seed {seed} with {flags}: {reason}") from error
-        yield row
+    start, rows, failure = perf_counter(), list[Row](), None
+    try:
+        check_fingerprint(case)
+    except EpisodeError as error:
+        return Done(perf_counter() - start, rows, str(error))
+    try:
+        for seed in seeds:
+            rows.append(row_of(run_one(case, seed)))
+    # User agents may raise anything, even SystemExit.
+    except BaseException as error:
+        flags = ", ".join(flags_of(case)) or "the defaults"
+        reason = reason_of(error, agent_file(case["agent"]))
+        failure = f"seed {seeds[len(rows)]} with {flags}: {reason}"
+    return Done(perf_counter() - start, rows, failure)
 
 
 def run_one(case: Case, seed: int) -> Episode:
     """Run one episode of a case and return its record."""
-    env = make_env(case, seed)
-    try:
+    with closing(make_env(case, seed)) as env:
         return record_episode(env, make_agent_for(case, seed, env.layout), seed=seed)
-    finally:
-        env.close()
 
 
 def row_of(episode: Episode) -> Row:
     """Return the row that is stored for an episode."""
     assert episode.seed is not None, "every episode here has a seed"
     diagnosis = diagnose(episode)
-    row, col = diagnosis.cells[0] if diagnosis.cells else episode.cells[-1]
+    cell = diagnosis.cells[0] if diagnosis.cells else episode.cells[-1]
     return Row(
         episode.seed,
         diagnosis.mode,
@@ -62,8 +78,7 @@ def row_of(episode: Episode) -> Row:
         episode.battery[-1],
         episode.seconds,
         episode.joules,
-        row,
-        col,
+        *cell,
     )
 
 

@@ -7,12 +7,11 @@ the case, so that the same experiment is not run twice under two names.
 
 from __future__ import annotations
 
-import math
 import re
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import fields
+from typing import Any, NamedTuple
 
 from agents.errors import ParameterError
 from warehouse_core.motion import backends
@@ -25,73 +24,49 @@ DEFAULT, RANDOM = "default", "random"
 
 MAX_VALUE = 1_000_000_000
 
+LARGEST = sys.float_info.max
+
 MAX_VIEW_RADIUS = 1000
 """In cells: a view takes memory even where there is nothing to see."""
 
 
-def always(case: Mapping[str, Value]) -> bool:
-    """Return true: the parameter has an effect in every case."""
-    return True
-
-
-def is_greedy(case: Mapping[str, Value]) -> bool:
-    """Return whether the agent is the one with a memory and an escape."""
-    return case["agent"] == "greedy"
-
-
-def escapes(case: Mapping[str, Value]) -> bool:
-    """Return whether the agent escapes from loops; its memory has no other use."""
-    return is_greedy(case) and case["escape"] is True
-
-
-def is_random(case: Mapping[str, Value]) -> bool:
-    """Return whether layouts are random."""
-    return case["layout"] == RANDOM
-
-
-def is_physical(case: Mapping[str, Value]) -> bool:
-    """Return whether moves are motions of a rigid body."""
-    return case["backend"] == "physics"
-
-
-@dataclass(frozen=True, slots=True)
-class Parameter:
+class Parameter(NamedTuple):
     """A quantity that can be varied.
 
     Attributes:
         default: the value if none is given.
         check: returns a value as it is stored, or raises ``ValueError`` with what is allowed.
-        applies: returns whether it has an effect, given the values of the parameters before it.
-        needs: the same condition in words.
+        needs: the values of parameters before it without which it has no effect.
         question: the question that varying it answers; the chapter asks some of them.
     """
 
     default: Value | None
     check: Callable[[Any], Value]
-    applies: Callable[[Mapping[str, Value]], bool] = always
-    needs: str = ""
+    needs: Mapping[str, Value] = {}
     question: str = ""
+
+    def applies(self, case: Mapping[str, Any]) -> bool:
+        """Return whether it has an effect, given the values of the parameters before it."""
+        return self.needs.items() <= case.items()
 
 
 def whole(minimum: int, maximum: int = MAX_VALUE) -> Callable[[Any], int]:
     """Return a check for whole numbers from ``minimum`` to ``maximum``."""
 
     def check(value: Any) -> int:
-        is_whole = isinstance(value, int) and not isinstance(value, bool)
-        if not is_whole or not minimum <= value <= maximum:
+        if type(value) is not int or not minimum <= value <= maximum:
             raise ValueError(f"a whole number {minimum}..{maximum}")
-        return int(value)
+        return value
 
     return check
 
 
-def number(minimum: float = -math.inf, maximum: float = math.inf) -> Callable[[Any], float]:
+def number(minimum: float = -LARGEST, maximum: float = LARGEST) -> Callable[[Any], float]:
     """Return a check for finite numbers."""
 
     def check(value: Any) -> float:
-        is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if not is_number or not abs(value) <= sys.float_info.max or not minimum <= value <= maximum:
-            limits = "" if minimum == -math.inf else f" {minimum:g}..{maximum:g}"
+        if type(value) not in (int, float) or not minimum <= value <= maximum:
+            limits = "" if minimum == -LARGEST else f" {minimum:g}..{maximum:g}"
             raise ValueError(f"a number{limits}")
         return float(value) + 0.0  # -0.0 becomes 0.0
 
@@ -114,16 +89,14 @@ def text(value: Any) -> str:
 
 def backend(value: Any) -> str:
     """Check that a value names an installed backend."""
-    if not isinstance(value, str) or value not in backends.backend_names():
+    if value not in backends.backend_names():
         raise ValueError(f"one of {', '.join(backends.backend_names())}")
-    return value
+    return str(value)
 
 
 def size(value: Any) -> str:
     """Check that a value is a height and a width such as ``7x12``."""
-    found = (
-        re.fullmatch(r"([1-9]\d{0,3})x([1-9]\d{0,3})", value) if isinstance(value, str) else None
-    )
+    found = re.fullmatch(r"([1-9]\d{0,3})x([1-9]\d{0,3})", str(value))
     if found is None or min(map(int, found.groups())) < 4:
         raise ValueError('a size "HEIGHTxWIDTH" of at least 4x4, such as "7x12"')
     return found[0]
@@ -132,19 +105,19 @@ def size(value: Any) -> str:
 PARAMETERS = {
     "agent": Parameter("greedy", text, question="Which agent does best?"),
     "escape": Parameter(
-        True, flag, is_greedy, "with agent=greedy",
+        True, flag, {"agent": "greedy"},
         "Does escaping loops cut delivery time, or does it make the robot wander?",
     ),
     "memory": Parameter(
-        10, whole(0), escapes, "with agent=greedy and escape=on",
+        10, whole(0), {"agent": "greedy", "escape": True},
         "How much should an agent remember to notice a loop?",
     ),
     "layout": Parameter(DEFAULT, text, question="Which layout is hardest?"),
     "size": Parameter(
-        "7x12", size, is_random, "with layout=random", "What does a larger grid do?"
+        "7x12", size, {"layout": RANDOM}, "What does a larger grid do?"
     ),
     "density": Parameter(
-        0.2, number(0, MAX_DENSITY), is_random, "with layout=random",
+        0.2, number(0, MAX_DENSITY), {"layout": RANDOM},
         "What do more obstacles do?",
     ),
     "battery": Parameter(
@@ -175,12 +148,10 @@ def find(name: str) -> Parameter:
     if group in PHYSICAL:
         allowed = field_defaults(group)
         if field in allowed:
-            return Parameter(allowed[field], number(), is_physical, "with backend=physics")
+            return Parameter(allowed[field], number(), {"backend": "physics"})
         raise ParameterError(f"{group} has no {field!r}; allowed: {', '.join(allowed)}")
-    groups = [f"{group}.NAME" for group in PHYSICAL]
-    raise ParameterError(
-        f"no setting is called {name!r}; allowed: {', '.join([*PARAMETERS, *groups])}"
-    )
+    names = [*PARAMETERS, *(f"{group}.NAME" for group in PHYSICAL)]
+    raise ParameterError(f"no setting is called {name!r}; allowed: {', '.join(names)}")
 
 
 def field_defaults(group: str) -> dict[str, float]:

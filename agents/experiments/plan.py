@@ -10,7 +10,7 @@ from typing import Any
 
 from agents.errors import ParameterError
 from agents.experiments.case import Case, key_of, make_case
-from agents.experiments.parameters import MAX_VALUE, Value, checked, find
+from agents.experiments.parameters import MAX_VALUE, Value, checked, find, shown
 
 MAX_CASES = 10_000
 MAX_EPISODES = 100_000_000
@@ -73,7 +73,8 @@ def make_plan(choices: Mapping[str, Any], episodes: int, seed: int) -> Plan:
         raise ParameterError(str(error)) from error
     for name in values:
         if not any(name in case for case in combinations):
-            raise ParameterError(f"{name} has no effect here; it applies only {find(name).needs}")
+            needs = " and ".join(f"{key}={shown(value)}" for key, value in find(name).needs.items())
+            raise ParameterError(f"{name} has no effect here; it applies only with {needs}")
     cases = {key_of(case): case for case in combinations}
     return Plan(tuple(cases.values()), episodes, seed)
 
@@ -94,12 +95,11 @@ def spread(name: str, choice: Any) -> list[Value]:
 
 def _range(name: str, limits: Mapping[str, Any]) -> list[int | float]:
     """Return the numbers from a first to a last, both included."""
-    find(name)
     if limits.keys() != {"from", "to", "step"}:
         raise ParameterError(f"{name} is {dict(limits)!r}; a range has the keys from, to and step")
     first, last, step = (limits[key] for key in ("from", "to", "step"))
     for key, value in limits.items():
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
+        if type(value) not in (int, float):
             raise ParameterError(f"{name}.{key} is {value!r}; it must be a number")
         if not abs(value) <= MAX_VALUE:
             raise ParameterError(f"{name}.{key} is not within {-MAX_VALUE}..{MAX_VALUE}")

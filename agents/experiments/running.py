@@ -10,12 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from itertools import islice
-from time import perf_counter
-from typing import NamedTuple
 
 from agents.errors import EpisodeError
 from agents.experiments.case import Case
-from agents.experiments.episodes import run_episodes
+from agents.experiments.episodes import Done, run_task
 from agents.experiments.plan import Plan
 from agents.experiments.store import Row, Store
 
@@ -33,29 +31,6 @@ TICK = 0.1
 
 Report = Callable[[Sequence[Row]], None]
 """Called with rows after they are stored, and with none in between; what it raises ends the run."""
-
-
-class Task(NamedTuple):
-    """Episodes of one case, for one worker."""
-
-    case_id: int
-    case: Case
-    seeds: Sequence[int]
-
-
-class Done(NamedTuple):
-    """The outcome of a task.
-
-    Attributes:
-        seconds: that it took.
-        rows: of its episodes, up to the one that failed.
-        failure: the message of the error of that one. It is text, because an exception of a user
-            agent may not be picklable.
-    """
-
-    seconds: float
-    rows: list[Row]
-    failure: str | None = None
 
 
 class Pace:
@@ -80,17 +55,21 @@ def run_missing(plan: Plan, store: Store, executor: Executor, workers: int, repo
         Exception: whatever ``report`` raises, between two writes.
     """
     pace = Pace()
-    tasks, running = missing_tasks(plan, store, pace), dict[Future[Done], Task]()
+    tasks, running = missing_tasks(plan, store, pace), dict[Future[Done], int]()
     # After an error the executor ends what is still running. Futures are not cancelled here: a
     # process pool that breaks sets an exception on each of them, which a cancelled one rejects.
-    while _submit(tasks, running, executor, workers) or running:
+    while True:
+        for case_id, case, seeds in islice(tasks, TASKS_PER_WORKER * workers - len(running)):
+            running[executor.submit(run_task, case, seeds)] = case_id
+        if not running:
+            return
         done, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
         report([])
         # Failed tasks come last, because they end the run.
         failures = []
         for future in sorted(done, key=_has_failed):
-            task, (seconds, rows, failure) = running.pop(future), future.result()
-            store.add(task.case_id, rows)
+            case_id, (seconds, rows, failure) = running.pop(future), future.result()
+            store.add(case_id, rows)
             pace.learn(len(rows), seconds)
             report(rows)
             failures += [] if failure is None else [failure]
@@ -98,13 +77,13 @@ def run_missing(plan: Plan, store: Store, executor: Executor, workers: int, repo
             raise EpisodeError(failures[0])
 
 
-def missing_tasks(plan: Plan, store: Store, pace: Pace) -> Iterator[Task]:
-    """Yield what is missing, case by case, in tasks of the present size of ``pace``."""
+def missing_tasks(plan: Plan, store: Store, pace: Pace) -> Iterator[tuple[int, Case, list[int]]]:
+    """Yield what is missing in tasks of the present size of ``pace``: the case and its seeds."""
     for case in plan.cases:
         case_id = store.case_id(case)
         seeds = _missing_seeds(store, case_id, plan.seeds)
         while some := list(islice(seeds, pace.episodes)):
-            yield Task(case_id, case, some)
+            yield case_id, case, some
 
 
 def _missing_seeds(store: Store, case_id: int, seeds: range) -> Iterator[int]:
@@ -115,26 +94,5 @@ def _missing_seeds(store: Store, case_id: int, seeds: range) -> Iterator[int]:
         yield from (seed for seed in some if seed not in done)
 
 
-def run_task(case: Case, seeds: Sequence[int]) -> Done:
-    """Run a task, in a worker."""
-    start, rows, failure = perf_counter(), list[Row](), None
-    try:
-        for row in run_episodes(case, seeds):
-            rows.append(row)
-    except EpisodeError as error:
-        failure = str(error)
-    return Done(perf_counter() - start, rows, failure)
-
-
 def _has_failed(future: Future[Done]) -> bool:
     return future.exception() is not None or future.result().failure is not None
-
-
-def _submit(
-    tasks: Iterator[Task], running: dict[Future[Done], Task], executor: Executor, workers: int
-) -> bool:
-    """Submit tasks until enough are waiting, and return whether there was one."""
-    before = len(running)
-    for task in islice(tasks, max(TASKS_PER_WORKER * workers - before, 0)):
-        running[executor.submit(run_task, task.case, task.seeds)] = task
-    return len(running) > before

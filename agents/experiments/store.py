@@ -120,8 +120,7 @@ class Store:
     def case_id(self, case: Case) -> int:
         """Return the number of a case, which is added if it is new."""
         self.add_cases([case])
-        number: int = next(self.query("SELECT id FROM cases WHERE settings = ?", key_of(case)))[0]
-        return number
+        return int(next(self.query("SELECT id FROM cases WHERE settings = ?", key_of(case)))[0])
 
     def add_cases(self, cases: Iterable[Case]) -> None:
         """Add the cases that are new, in one transaction."""
@@ -137,8 +136,7 @@ class Store:
             "SELECT count(*) FROM episodes JOIN cases ON id = case_id "
             "WHERE settings = ? AND seed >= ? AND seed < ?"
         )
-        found: int = next(self.query(statement, key_of(case), seeds.start, seeds.stop))[0]
-        return found
+        return int(next(self.query(statement, key_of(case), seeds.start, seeds.stop))[0])
 
     def seeds_done(self, case_id: int, seeds: range) -> set[int]:
         """Return those of some seeds whose episodes are stored."""
@@ -215,8 +213,11 @@ class Store:
     def _prepare(self, read_only: bool) -> None:
         connection = self._connection
         # In one transaction: another sweep may be creating the tables at this moment.
-        with self._transaction("DEFERRED"):
+        with self._transaction("DEFERRED" if read_only else "IMMEDIATE"):
             is_new = self._is_empty()
+            if is_new and not read_only:
+                for statement in TABLES.split(";"):
+                    connection.execute(statement)
         if read_only:
             if is_new:
                 raise StoreError(f"{self.path}: there are no results in it")
@@ -224,23 +225,14 @@ class Store:
             # One view of the file, whatever a sweep adds meanwhile.
             connection.execute("BEGIN")
             return
-        if is_new:
-            with self._transaction():
-                if self._is_empty():
-                    for statement in TABLES.split(";"):
-                        connection.execute(statement)
         self._write_ahead()
         connection.execute("PRAGMA synchronous = FULL")
 
     def _is_empty(self) -> bool:
         """Return whether there are no tables, and raise if there are those of another program."""
-        owner, version, tables = (
-            self._connection.execute(question).fetchone()[0]
-            for question in (
-                "PRAGMA application_id",
-                "PRAGMA user_version",
-                "SELECT count(*) FROM sqlite_master",
-            )
+        [(owner, version, tables)] = self._connection.execute(
+            "SELECT application_id, user_version, (SELECT count(*) FROM sqlite_master) "
+            "FROM pragma_application_id, pragma_user_version"
         )
         if tables and owner != APPLICATION:
             raise StoreError(f"{self.path}: it is a database, but not of results")
@@ -254,13 +246,12 @@ class Store:
         while True:
             try:
                 self._connection.execute("PRAGMA journal_mode = WAL")
+                return
             except sqlite3.OperationalError as error:
                 # For this statement SQLite itself does not wait for others.
                 if error.sqlite_errorcode != sqlite3.SQLITE_BUSY or monotonic() > end:
                     raise
                 sleep(0.01)
-            else:
-                return
 
     @contextmanager
     def _transaction(self, kind: str = "IMMEDIATE") -> Iterator[None]:

@@ -6,6 +6,7 @@ The same command run again does what is missing; one with more episodes or value
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -30,15 +31,14 @@ def sweep_bar(episodes: int) -> Iterator[Report]:
     """Show a bar while the block runs, and yield the function that takes each stored row."""
     from agents.console.progress import progress_bar
 
-    counts = {"all": 0, "delivered": 0}
+    modes = Counter[str]()
     with progress_bar(episodes) as advance:
 
         def report(rows: Sequence[Row]) -> None:
-            counts["all"] += len(rows)
-            counts["delivered"] += sum(row.mode == DELIVERED for row in rows)
+            modes.update(row.mode for row in rows)
             if rows:
-                share = counts["delivered"] / counts["all"]
-                advance(counts["all"], f"{share:.0%} delivered")
+                share = modes[DELIVERED] / modes.total()
+                advance(modes.total(), f"{share:.0%} delivered")
 
         yield report
 
@@ -105,7 +105,8 @@ def sweep(
     """Run every combination of settings; run the same command again to resume."""
     given = _given(file, preset)
     choices = given.choices | parse_flags(settings or [])
-    plan = make_plan(choices, episodes or given.episodes or EPISODES, _first(seed, given.seed))
+    first = (given.seed or 0) if seed is None else seed
+    plan = make_plan(choices, episodes or given.episodes or EPISODES, first)
     with deferred_interrupts() as check, Store(output) as store:
         store.add_cases(plan.cases)
         done = _done(plan, store)
@@ -135,10 +136,10 @@ def _given(file: Path | None, preset: str | None) -> PlanFile:
     if file is not None:
         return read_plan_file(file)
     if preset is None:
-        return PlanFile({}, None, None)
+        return PlanFile({})
     if preset not in PRESETS:
         raise ParameterError(f"no preset is called {preset!r}; allowed: {', '.join(PRESETS)}")
-    return PlanFile(PRESETS[preset].choices, PRESETS[preset].episodes, None)
+    return PRESETS[preset]
 
 
 def _done(plan: Plan, store: Store) -> int:
@@ -154,7 +155,3 @@ def _run(plan: Plan, store: Store, missing: int, pool: Pool, check: Check) -> No
             check()
 
         run_missing(plan, store, executor, count, report)
-
-
-def _first(*seeds: int | None) -> int:
-    return next((seed for seed in seeds if seed is not None), 0)

@@ -11,7 +11,7 @@ import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from types import FrameType
 
 from agents.errors import ClusterError, WorkerError
@@ -93,7 +93,7 @@ def process_pool(count: int) -> Iterator[tuple[Executor, int]]:
         try:
             with blocked_interrupts():
                 for _ in range(count):  # each call starts a process
-                    pool.submit(_do_nothing)
+                    pool.submit(os.getpid)
             yield pool, count
         except BaseException as error:
             for process in set(multiprocessing.active_children()) - others:
@@ -116,10 +116,6 @@ def _end_with_parent() -> None:
     os._exit(1)
 
 
-def _do_nothing() -> None:
-    """Do nothing."""
-
-
 @contextmanager
 def cluster(address: str) -> Iterator[tuple[Executor, int]]:
     """Yield the Dask cluster whose scheduler is at ``tcp://HOST:PORT``, and its threads.
@@ -132,31 +128,22 @@ def cluster(address: str) -> Iterator[tuple[Executor, int]]:
         from distributed.comm import CommClosedError
     except ImportError:
         raise ClusterError("a cluster needs Dask: pip install 'warehouse-lab[cluster]'") from None
-    with _logging_disabled():
+    with ExitStack() as stack:
+        # Dask would log tracebacks of errors that are reported in one line.
+        stack.callback(logging.disable, logging.root.manager.disable)
+        logging.disable()
         try:
-            client = Client(address, timeout="10s")
+            client = stack.enter_context(Client(address, timeout="10s"))
         except (OSError, ValueError) as error:
             raise ClusterError(f"no Dask scheduler answers at {address}: {error}") from error
-        with client:
-            threads = sum(client.nthreads().values())
-            if not threads:
-                raise ClusterError(f"the Dask scheduler at {address} has no workers")
-            try:
-                yield client.get_executor(pure=False, retries=3), threads
-            except (CancelledError, KilledWorker, CommClosedError) as error:
-                why = str(error) or type(error).__name__
-                raise ClusterError(
-                    f"the Dask cluster at {address} has failed: {why}; run the same command again "
-                    "to resume"
-                ) from error
-
-
-@contextmanager
-def _logging_disabled() -> Iterator[None]:
-    """Keep Dask from logging tracebacks of errors that are reported in one line."""
-    before = logging.root.manager.disable
-    logging.disable()
-    try:
-        yield
-    finally:
-        logging.disable(before)
+        threads = sum(client.nthreads().values())
+        if not threads:
+            raise ClusterError(f"the Dask scheduler at {address} has no workers")
+        try:
+            yield client.get_executor(pure=False, retries=3), threads
+        except (CancelledError, KilledWorker, CommClosedError) as error:
+            why = str(error) or type(error).__name__
+            raise ClusterError(
+                f"the Dask cluster at {address} has failed: {why}; run the same command again "
+                "to resume"
+            ) from error

@@ -12,7 +12,7 @@ from agents.experiments.episodes import check_fingerprint, run_one
 from agents.experiments.store import Store
 from agents.registry import agent_file, is_own_code
 from warehouse_core import BackendError, Episode, LayoutError
-from warehouse_core.records.failure_modes import MODES, Diagnosis, diagnose
+from warehouse_core.records.failure_modes import MODES, diagnose
 from warehouse_core.viz.replay import replay_of_track
 from warehouse_core.viz.track import INTERVAL_MS, track_of_episode
 
@@ -46,19 +46,9 @@ CLEAR_ERRORS = (AgentError, BackendError, EpisodeError, LayoutError, OSError)
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """An episode in the results that represents its failure mode.
-
-    Attributes:
-        mode: its outcome.
-        case_id: of its case in the results.
-        case: that case.
-        seed: of the episode.
-        steps: its length.
-        episodes: the number of all episodes of that mode.
-    """
+    """An episode in the results, one of several ``episodes`` of its failure mode."""
 
     mode: str
-    case_id: int
     case: Case
     seed: int
     steps: int
@@ -67,13 +57,7 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """The replay of an episode.
-
-    Attributes:
-        found: the episode.
-        sentence: the evidence for its failure mode, or why there is no replay.
-        gif: the replay; empty if there is none.
-    """
+    """A replay; the sentence is the evidence for its mode, or says why there is no GIF."""
 
     found: Found
     sentence: str
@@ -87,7 +71,7 @@ def find_examples(store: Store) -> list[Found]:
     """
     cases = store.cases()
     found = {
-        mode: Found(mode, case_id, cases[case_id], seed, steps, episodes)
+        mode: Found(mode, cases[case_id], seed, steps, episodes)
         for mode, case_id, steps, episodes, seed in store.query(SHORTEST)
     }
     return [found[mode] for mode in MODES if mode in found]
@@ -109,20 +93,21 @@ def replay(found: Found, *, run_own_code: bool) -> Example:
         check_fingerprint(found.case)
         episode = run_one(found.case, found.seed)
     except (Exception, SystemExit) as error:
-        return Example(found, f"It cannot be run again: {_why(error, found.case)}.", b"")
+        is_clear = isinstance(error, CLEAR_ERRORS)
+        words = str(error) if is_clear else reason_of(error, agent_file(found.case["agent"]))
+        why = " ".join(words.split()).rstrip(".")
+        return Example(found, f"It cannot be run again: {why}.", b"")
     diagnosis = diagnose(episode)
     if (diagnosis.mode, episode.steps) != (found.mode, found.steps):
-        return Example(found, _changed(found, diagnosis, episode.steps), b"")
+        sentence = (
+            f"Its outcome is different now: {diagnosis.mode} after {episode.steps} steps, not "
+            f"{found.mode} after {found.steps}. The agent or a library has changed since the "
+            "results were written."
+        )
+        return Example(found, sentence, b"")
     left_out = max(episode.steps - MAX_STEPS, 0)
     only = f"; the replay shows the last {MAX_STEPS} of {episode.steps} steps" if left_out else ""
     return Example(found, f"{diagnosis.sentence}{only}", _gif(episode, left_out))
-
-
-def _changed(found: Found, diagnosis: Diagnosis, steps: int) -> str:
-    return (
-        f"Its outcome is different now: {diagnosis.mode} after {steps} steps, not {found.mode} "
-        f"after {found.steps}. The agent or a library has changed since the results were written."
-    )
 
 
 def _gif(episode: Episode, left_out: int) -> bytes:
@@ -134,10 +119,3 @@ def _gif(episode: Episode, left_out: int) -> bytes:
         path = Path(folder) / "replay.gif"
         film.save(path)
         return path.read_bytes()
-
-
-def _why(error: BaseException, case: Case) -> str:
-    """Return the message of an error on one line."""
-    is_clear = isinstance(error, CLEAR_ERRORS)
-    words = str(error) if is_clear else reason_of(error, agent_file(case["agent"]))
-    return " ".join(words.split()).rstrip(".")

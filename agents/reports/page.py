@@ -43,11 +43,8 @@ class Page:
     """The contents of the page.
 
     Attributes:
-        title: of the page.
         summary: the number of episodes and their seeds.
         methods: the meaning of brackets and whiskers.
-        answers: the questions and their answers.
-        pictures: the figures.
         settings: the name of each parameter and its value or values.
         table: of all cases.
         examples: of the failure modes.

@@ -41,7 +41,6 @@ def found(mode: str = "oscillation", **changes: Any) -> Found:
     return Found(
         **{  # type: ignore[arg-type]
             "mode": mode,
-            "case_id": 3,
             "case": make_case({"escape": False, "battery": 60}),
             "seed": 1234,
             "steps": 57,

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from agents.evaluation.wording import points, sentence, share
-from agents.experiments.parameters import PARAMETERS, Value, shown
+from agents.experiments.parameters import PARAMETERS, shown
 from agents.reports.analysis import statements
 from agents.reports.analysis.comparison import compare
 from agents.reports.analysis.design import Design, Factor, Series, described
@@ -39,18 +39,14 @@ def answers(experiment: Experiment, design: Design) -> tuple[Answer, ...]:
     for factor in design.factors:
         series = design.series(factor)
         if series:
+            parameter = PARAMETERS.get(factor.name)
+            question = parameter.question if parameter else f"What does {factor.name} change?"
             words = map(sentence, _sentences(experiment, factor, series))
-            found.append(Answer(question_of(factor), tuple(words)))
+            found.append(Answer(question, tuple(words)))
     if not found:
         point = Point("", 0, experiment.results(*design.labels))
         found.append(Answer("How does it do?", tuple(map(sentence, _alone(point)))))
     return tuple(found)
-
-
-def question_of(factor: Factor) -> str:
-    """Return the question that is asked if a factor differs."""
-    parameter = PARAMETERS.get(factor.name)
-    return parameter.question if parameter else f"What does {factor.name} change?"
 
 
 def _alone(point: Point) -> Iterator[str]:
@@ -104,10 +100,9 @@ def _changes(experiment: Experiment, series: Sequence[Series]) -> str:
     """Give the range of the change of success in the other series."""
     changes = []
     for each in series:
-        values = [*each.cases]
-        ends = values[0], values[-1]
-        first, last = (experiment.results(each.cases[end]).share for end in ends)
-        changes.append((last - first, _from_to(ends), described(each.others)))
+        (low, first), *_, (high, last) = each.cases.items()
+        change = experiment.results(last).share - experiment.results(first).share
+        changes.append((change, f"from {shown(low)} to {shown(high)}", described(each.others)))
     least, most = min(changes), max(changes)
     if len(series) == 1:
         change, ends_named, others = least
@@ -116,10 +111,6 @@ def _changes(experiment: Experiment, series: Sequence[Series]) -> str:
         f"in the other {len(series)} combinations success changes by between {points(least[0])} "
         f"({least[2]}, {least[1]}) and {points(most[0])} ({most[2]}, {most[1]})"
     )
-
-
-def _from_to(ends: tuple[Value, Value]) -> str:
-    return f"from {shown(ends[0])} to {shown(ends[1])}"
 
 
 def _best_elsewhere(

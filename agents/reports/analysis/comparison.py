@@ -15,12 +15,9 @@ COLUMNS = ("steps", "seconds", "joules")
 
 
 class Costs(NamedTuple):
-    """Mean costs of deliveries, over the seeds that both cases deliver.
+    """Mean costs of two cases over the seeds that both deliver.
 
-    Attributes:
-        first: the mean of the first case.
-        second: the mean of the second.
-        difference: of the second minus the first, seed by seed.
+    The difference is the mean of the second minus the first, seed by seed.
     """
 
     first: float

@@ -85,11 +85,9 @@ class Design:
         """Return every series of a factor, the one nearest to the defaults first."""
         others = [each.name for each in self.factors if each != factor]
         exact: dict[Combination, list[int]] = {}
-        for case_id in self.labels:
-            exact.setdefault(tuple(self.labels[case_id][name] for name in others), []).append(
-                case_id
-            )
-        found: dict[Combination, dict[Value, int]] = {}
+        for case_id, labels in self.labels.items():
+            exact.setdefault(tuple(labels[name] for name in others), []).append(case_id)
+        series = []
         for combination, comparable in _comparable(exact).items():
             cases = {
                 value: case_id
@@ -98,10 +96,8 @@ class Design:
                 if (value := self.labels[case_id][factor.name]) is not None
             }
             if len(cases) > 1:
-                found[combination] = {v: cases[v] for v in factor.values if v in cases}
-        series = [
-            Series(dict(zip(others, each, strict=True)), cases) for each, cases in found.items()
-        ]
+                labels = dict(zip(others, combination, strict=True))
+                series.append(Series(labels, {v: cases[v] for v in factor.values if v in cases}))
         return sorted(series, key=lambda each: -_defaults_in(each.others))
 
 

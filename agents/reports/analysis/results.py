@@ -20,9 +20,10 @@ CaseIds = tuple[int, ...]
 
 
 class Tally(NamedTuple):
-    """The number of episodes of a case with each mode, and their first and last seeds."""
+    """The number of episodes of a case with one mode, and their first and last seeds."""
 
-    modes: Counter[str]
+    mode: str
+    episodes: int
     first_seed: int
     last_seed: int
 
@@ -44,16 +45,12 @@ class Experiment:
     def __init__(self, store: Store) -> None:
         self.store = store
         _check_rows(store)
-        self._tallies: dict[int, Tally] = {}
-        for case_id, mode, count, first, last in store.query(
+        self._tallies: dict[int, list[Tally]] = {}
+        for case_id, *tally in store.query(
             "SELECT case_id, mode, count(*), min(seed), max(seed) FROM episodes "
             "GROUP BY case_id, mode"
         ):
-            known = self._tallies.get(case_id, Tally(Counter(), first, last))
-            known.modes[mode] = count
-            self._tallies[case_id] = Tally(
-                known.modes, min(first, known.first_seed), max(last, known.last_seed)
-            )
+            self._tallies.setdefault(case_id, []).append(Tally(*tally))
         if not self._tallies:
             raise StoreError(f"{store.path}: there is no episode in it")
         cases = store.cases()
@@ -63,18 +60,18 @@ class Experiment:
 
     def results(self, *case_ids: int) -> Results:
         """Return the results of some cases, pooled."""
-        tallies = [self._tallies[case_id] for case_id in case_ids]
-        modes = sum((tally.modes for tally in tallies), Counter[str]())
+        found = [tally for case_id in case_ids for tally in self._tallies[case_id]]
+        modes = Counter[str]()
+        for tally in found:
+            modes[tally.mode] += tally.episodes
+        seeds = min(each.first_seed for each in found), max(each.last_seed for each in found)
         return self._results.setdefault(
             case_ids,
             Results(
                 self.store,
                 case_ids,
                 {mode: modes[mode] for mode in MODES if mode in modes},
-                (
-                    min(tally.first_seed for tally in tallies),
-                    max(tally.last_seed for tally in tallies),
-                ),
+                seeds,
                 all(self.cases[case_id]["backend"] != "grid" for case_id in case_ids),
             ),
         )
@@ -116,7 +113,7 @@ class Results:
     @cached_property
     def steps(self) -> Interval | None:
         """The mean steps of a delivery."""
-        return self._mean("steps")
+        return mean_interval(self._values("steps"))
 
     @cached_property
     def needed(self) -> float | None:
@@ -127,15 +124,12 @@ class Results:
     @cached_property
     def seconds(self) -> Interval | None:
         """The mean simulated time of a delivery, in s."""
-        return self._mean("seconds")
+        return mean_interval(self._values("seconds"))
 
     @cached_property
     def joules(self) -> Interval | None:
         """The mean energy of a delivery, in J."""
-        return self._mean("joules")
-
-    def _mean(self, column: str) -> Interval | None:
-        return mean_interval(self._values(column))
+        return mean_interval(self._values("joules"))
 
     def _values(self, column: str) -> np.ndarray:
         """Return a column of the deliveries, ``[n]``."""

@@ -5,7 +5,8 @@ They begin in lower case and have no full stop; ``wording.sentence`` adds both.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from agents.evaluation.interval import Interval
@@ -97,11 +98,12 @@ def seed_by_seed(one: Point, other: Point, found: Comparison) -> Iterator[str]:
 
 def lengths(line: Sequence[Point]) -> Iterator[str]:
     """Give the mean steps of all deliveries; those of one value may be only the easy ones."""
-    parts = [
-        f"{mean(point.results.steps, 'steps', _shortest(point.results))}{_with(point)}"
-        for point in line
-        if point.results.steps
-    ]
+    parts = []
+    for point in line:
+        results = point.results
+        if results.steps and results.needed:
+            shortest = f"shortest ways {results.needed:.1f}"
+            parts.append(f"{mean(results.steps, 'steps', shortest)}{_with(point)}")
     if parts:
         yield f"the mean of all deliveries, easy and hard, is {listed(parts)}"
 
@@ -120,15 +122,16 @@ def time_and_energy(line: Sequence[Point]) -> Iterator[str]:
 def failures(line: Sequence[Point]) -> Iterator[str]:
     """Give the shares of the failure modes."""
     for point in line:
-        modes = {mode: n for mode, n in point.results.modes.items() if mode != DELIVERED}
-        total = sum(modes.values())
+        modes = Counter(point.results.modes)
+        del modes[DELIVERED]
+        total = modes.total()
         if not total:
             yield f"no episode{_with(point)} fails"
         elif len(modes) == 1:
             [mode] = modes
             yield f"every failure{_with(point)} is {mode} ({counted(total, 'episode')})"
         else:
-            parts = [f"{percent(count / total)} {mode}" for mode, count in _most_first(modes)]
+            parts = [f"{percent(count / total)} {mode}" for mode, count in modes.most_common()]
             yield f"failures{_with(point)} are {listed(parts)} ({counted(total, 'episode')})"
 
 
@@ -136,27 +139,21 @@ def _conversion(one: Point, other: Point, found: Comparison) -> Iterator[str]:
     """Describe what the commonest failures of the worse value become with the better one."""
     if found.only_first == found.only_second:
         return
-    turned = found.only_second > found.only_first
-    better, worse = (other, one) if turned else (one, other)
-    changes = {
-        (theirs, ours) if turned else (ours, theirs): count
-        for (ours, theirs), count in found.changes.items()
-    }
-    failed = _totals({pair: count for pair, count in changes.items() if pair[1] != DELIVERED}, 1)
-    mode = max(failed, key=lambda each: failed[each])
-    outcomes = _totals({pair: count for pair, count in changes.items() if pair[1] == mode}, 0)
-    parts = [f"{outcome} ({count:,})" for outcome, count in _most_first(outcomes)]
-    yield (
-        f"{mode} with {worse.name} ({counted(failed[mode], 'episode')}) becomes, with "
-        f"{better.name}, {listed(parts)}"
+    side = int(found.only_first > found.only_second)
+    better, worse = (one, other) if side else (other, one)
+    failed = Counter[str]()
+    for pair, count in found.changes.items():
+        if pair[side] != DELIVERED:
+            failed[pair[side]] += count
+    [(mode, total)] = failed.most_common(1)
+    outcomes = Counter(
+        {pair[1 - side]: count for pair, count in found.changes.items() if pair[side] == mode}
     )
-
-
-def _totals(changes: Mapping[tuple[str, str], int], side: int) -> dict[str, int]:
-    found: dict[str, int] = {}
-    for pair, count in changes.items():
-        found[pair[side]] = found.get(pair[side], 0) + count
-    return found
+    parts = [f"{outcome} ({count:,})" for outcome, count in outcomes.most_common()]
+    yield (
+        f"{mode} with {worse.name} ({counted(total, 'episode')}) becomes, with {better.name}, "
+        f"{listed(parts)}"
+    )
 
 
 def _costs(one: Point, other: Point, both: int, unit: str, costs: Costs) -> str:
@@ -174,16 +171,8 @@ def _costs(one: Point, other: Point, both: int, unit: str, costs: Costs) -> str:
     return f"{means}: {other.name} takes {mean(size, 'more' if estimate > 0 else 'less')}"
 
 
-def _shortest(results: Results) -> str:
-    return "" if results.needed is None else f"shortest ways {results.needed:.1f}"
-
-
 def _with(point: Point) -> str:
     return f" with {point.name}" if point.name else ""
-
-
-def _most_first(counts: Mapping[str, int]) -> list[tuple[str, int]]:
-    return sorted(counts.items(), key=lambda each: -each[1])
 
 
 def _or_none(count: int) -> str:

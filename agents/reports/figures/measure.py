@@ -27,7 +27,7 @@ from agents.reports.figures.panels import (
     places_of,
     prepare_axis,
 )
-from agents.reports.figures.roles import Roles, Where, lines_of, roles_of
+from agents.reports.figures.roles import lines_of, roles_of
 from warehouse_core.render.palette import FAINT
 from warehouse_core.viz.figure import SceneFigure
 
@@ -42,6 +42,7 @@ DODGE = 0.012
 Measure = Callable[[Results], Interval | None]
 
 
+@mpl.rc_context({"text.parse_math": False})
 def measure_chart(
     experiment: Experiment, design: Design, title: str, unit: str, measure: Measure
 ) -> SceneFigure | None:
@@ -66,39 +67,22 @@ def measure_chart(
     }
     if not any(point for line in lines.values() for point in line.values()):
         return None
-    with mpl.rc_context({"text.parse_math": False}):
-        return _draw_measure(roles, roles.axis, lines, title, unit)
-
-
-def _measured(measure: Measure, results: Results) -> Interval | None:
-    """Return a measure, without its interval if cases are pooled: they share their seeds."""
-    found = measure(results)
-    return found if found is None or len(results.case_ids) == 1 else Interval(found.estimate)
-
-
-def _draw_measure(
-    roles: Roles,
-    axis: Factor,
-    lines: Mapping[Where, Mapping[Value | None, Interval | None]],
-    title: str,
-    unit: str,
-) -> SceneFigure:
     panels = list(dict.fromkeys(panel for panel, _ in lines))
     colors = list(dict.fromkeys(color for _, color in lines))
     figure, axes = make_panels(title, len(panels), len(colors))
-    places = places_of(axis)
+    places = places_of(roles.axis)
     placed = sum(any(value is not None for value in line) for line in lines.values())
     width = max(places.values()) if placed > 1 else 0
     keys: dict[Value | None, Any] = {}
     for (panel, color), line in lines.items():
         number = colors.index(color)
         shift = (number - (len(colors) - 1) / 2) * DODGE * width
-        key = _draw_line(axes[panels.index(panel)], axis, places, line, shift, number)
+        key = _draw_line(axes[panels.index(panel)], roles.axis, places, line, shift, number)
         if key:
             keys.setdefault(color, key)
     for panel, each in zip(panels, axes, strict=True):
-        prepare_axis(each, axis, places, min(len(panels), PANELS_A_ROW))
-        name_panel(each, roles.panel, panel)
+        prepare_axis(each, roles.axis, places, min(len(panels), PANELS_A_ROW))
+        name_panel(each, (roles.panel, panel))
         each.grid(axis="y", color=FAINT, linewidth=0.5)
         if unit == "%":
             each.yaxis.set_major_formatter(PercentFormatter(1))
@@ -113,6 +97,12 @@ def _draw_measure(
             figure, [(f"{name} {shown(each)}", keys[each]) for each in colors if each in keys]
         )
     return figure
+
+
+def _measured(measure: Measure, results: Results) -> Interval | None:
+    """Return a measure, without its interval if cases are pooled: they share their seeds."""
+    found = measure(results)
+    return found if found is None or len(results.case_ids) == 1 else Interval(found.estimate)
 
 
 def _draw_line(

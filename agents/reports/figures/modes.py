@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -11,7 +10,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.patches import Patch
 from matplotlib.ticker import PercentFormatter
 
-from agents.experiments.parameters import Value, shown
+from agents.experiments.parameters import shown
 from agents.reports.analysis.design import Design
 from agents.reports.analysis.results import Experiment, Results
 from agents.reports.figures.panels import (
@@ -21,8 +20,9 @@ from agents.reports.figures.panels import (
     draw_legend,
     fitting,
     make_panels,
+    name_panel,
 )
-from agents.reports.figures.roles import Roles, Where, lines_of, roles_of
+from agents.reports.figures.roles import lines_of, roles_of
 from warehouse_core.records.episode import BATTERY_DEPLETED, DELIVERED, OUT_OF_TIME, UNFINISHED
 from warehouse_core.records.failure_modes import OSCILLATION, STALLED, UNREACHABLE, WANDERING
 from warehouse_core.viz.figure import SceneFigure
@@ -45,23 +45,18 @@ MIN_LEGIBLE = 0.08
 """Minimum share of a bar for a number to fit into it."""
 
 
+@mpl.rc_context({"text.parse_math": False})
 def modes_chart(experiment: Experiment, design: Design, title: str) -> SceneFigure:
     """Draw the shares of the outcomes as stacked bars."""
     roles = roles_of(design)
     lines = lines_of(experiment, design, roles)
-    with mpl.rc_context({"text.parse_math": False}):
-        return _draw_modes(roles, lines, title)
-
-
-def _draw_modes(
-    roles: Roles, lines: Mapping[Where, Mapping[Value | None, Results]], title: str
-) -> SceneFigure:
+    everywhere = f"any {roles.axis.name}" if roles.axis else "all episodes"
     occurring = {mode for line in lines.values() for each in line.values() for mode in each.modes}
     figure, axes = make_panels(title, len(lines), len(occurring))
     for (panel, color), line, each in zip(lines, lines.values(), axes, strict=True):
         for place, results in enumerate(line.values()):
             _draw_bar(each, place, results, len(line) * min(len(lines), PANELS_A_ROW))
-        names = [shown(value) if value is not None else _everywhere(roles) for value in line]
+        names = [everywhere if value is None else shown(value) for value in line]
         names = fitting(names, min(len(lines), PANELS_A_ROW))
         step = math.ceil(len(names) / MAX_TICKS)
         each.set_xticks(range(0, len(names), step), names[::step])
@@ -69,12 +64,7 @@ def _draw_modes(
         each.yaxis.set_major_formatter(PercentFormatter(1))
         each.set_ylim(0, 1)
         each.set_xlim(-0.6, max(len(names) - 0.4, 2.4))
-        parts = [
-            f"{factor.name} {shown(value)}"
-            for factor, value in ((roles.panel, panel), (roles.color, color))
-            if factor
-        ]
-        each.set_title(", ".join(parts), loc="left", **SMALL)
+        name_panel(each, (roles.panel, panel), (roles.color, color))
     colors = {mode: color for mode, color in MODE_COLORS.items() if mode in occurring}
     draw_legend(figure, [(mode, Patch(color=color)) for mode, color in colors.items()])
     return figure
@@ -97,7 +87,3 @@ def ink_on(color: str) -> str:
     """Return black or white, whichever is legible on a colour."""
     light = sum(weight * part for weight, part in zip(LUMINANCE, to_rgb(color), strict=True))
     return "black" if light > 0.55 else "white"
-
-
-def _everywhere(roles: Roles) -> str:
-    return f"any {roles.axis.name}" if roles.axis else "all episodes"

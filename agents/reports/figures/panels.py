@@ -85,10 +85,10 @@ def fitting(names: Sequence[str], columns: int) -> list[str]:
     ]
 
 
-def name_panel(axes: Axes, factor: Factor | None, value: Value | None) -> None:
-    """Write the value of its factor above a panel."""
-    if factor:
-        axes.set_title(f"{factor.name} {shown(value)}", loc="left", **SMALL)
+def name_panel(axes: Axes, *named: tuple[Factor | None, Value | None]) -> None:
+    """Write the values of some factors above a panel."""
+    parts = [f"{factor.name} {shown(value)}" for factor, value in named if factor]
+    axes.set_title(", ".join(parts), loc="left", **SMALL)
 
 
 def draw_legend(figure: Figure, keys: Sequence[tuple[str, Any]]) -> None:

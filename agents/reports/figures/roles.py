@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from itertools import product
 from typing import NamedTuple
 
 from agents.experiments.parameters import Value
@@ -36,23 +36,18 @@ class Roles(NamedTuple):
 
 def roles_of(design: Design) -> Roles:
     """Return which factor of a design is drawn where."""
-    left = sorted(design.factors, key=lambda each: (each.is_ordered, len(each.values)))
-    axis = left.pop() if left else None
+    if not design.factors:
+        return Roles(None, None, None, ())
+    *left, axis = sorted(design.factors, key=lambda each: (each.is_ordered, len(each.values)))
     left.sort(key=lambda each: len(each.values))
     color = left.pop(0) if left and len(left[0].values) < MAX_COLORS else None
     panel = left.pop(0) if left and len(left[0].values) < MAX_PANELS else None
-    if axis is None:
-        return Roles(None, None, None, ())
     lines = math.prod(len(each.values) for each in (color, panel) if each)
-    drawn = Factor(axis.name, tuple(_spread(axis.values, max(MAX_POINTS // lines, 2))))
-    return Roles(drawn, color, panel, tuple(left), len(axis.values))
-
-
-def _spread(values: Sequence[Value], maximum: int) -> list[Value]:
-    """Return at most ``maximum`` of some values, with the first and the last."""
-    if len(values) <= maximum:
-        return list(values)
-    return [values[number * (len(values) - 1) // (maximum - 1)] for number in range(maximum)]
+    count = len(axis.values)
+    drawn = min(count, max(MAX_POINTS // lines, 2))
+    # The first, the last, and those at equal distances between them.
+    values = tuple(axis.values[number * (count - 1) // (drawn - 1)] for number in range(drawn))
+    return Roles(Factor(axis.name, values), color, panel, tuple(left), count)
 
 
 Where = tuple[Value | None, Value | None]
@@ -69,19 +64,15 @@ def lines_of(
             labels[role.name] if role else None for role in (roles.panel, roles.color, roles.axis)
         )
         found.setdefault((panel, color), {}).setdefault(along, []).append(case_id)
+    panels, colors, values = (
+        role.values if role else () for role in (roles.panel, roles.color, roles.axis)
+    )
     return {
         where: {
-            value: experiment.results(*line[value])
-            for value in [*(roles.axis.values if roles.axis else ()), None]
-            if value in line
+            value: experiment.results(*found[where][value])
+            for value in (*values, None)
+            if value in found[where]
         }
-        for where, line in sorted(found.items(), key=lambda each: _rank(each[0], roles))
+        for where in product((None, *panels), (None, *colors))
+        if where in found
     }
-
-
-def _rank(where: Where, roles: Roles) -> tuple[int, ...]:
-    """Return the sort key of a line: panels and colours in the order of their values."""
-    return tuple(
-        factor.values.index(value) if factor and value is not None else -1
-        for factor, value in zip((roles.panel, roles.color), where, strict=True)
-    )

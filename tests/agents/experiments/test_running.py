@@ -10,7 +10,7 @@ import pytest
 from helpers.sweeps import AGENT, Here, nothing, table
 
 from agents.errors import EpisodeError, StoreError
-from agents.experiments.episodes import run_episodes
+from agents.experiments.episodes import run_task
 from agents.experiments.plan import Plan, make_plan
 from agents.experiments.running import MAX_TASK_EPISODES, TASK_SECONDS, Pace, run_missing
 from agents.experiments.store import Row, Store
@@ -48,7 +48,7 @@ def expected(tmp_path_factory: pytest.TempPathFactory) -> list[Any]:
 
 
 def test_the_table_has_the_rows_of_the_episodes(expected: list[Any]) -> None:
-    rows = [row for case in PLAN.cases for row in run_episodes(case, PLAN.seeds)]
+    rows = [row for case in PLAN.cases for row in run_task(case, PLAN.seeds).rows]
     assert sorted(found[1:] for found in expected) == sorted(map(tuple, rows))
     assert len(expected) == PLAN.total == 48
     assert len({found[1:] for found in expected}) > 20

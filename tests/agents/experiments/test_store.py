@@ -302,7 +302,7 @@ def test_tables_that_appear_while_it_looks_are_not_those_of_another_program(
 
     class Watched(sqlite3.Connection):
         def execute(self, statement: str, *values: object) -> sqlite3.Cursor:
-            if statement == "PRAGMA user_version" and not rivals:
+            if "sqlite_master" in statement and not rivals:
                 rivals.append(path)
                 with suppress(StoreError):  # it may have to wait
                     Store(path).close()

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from agents.experiments.case import FINGERPRINT, make_case
-from agents.experiments.episodes import run_episodes
+from agents.experiments.episodes import run_task
 from agents.experiments.store import Row, Store
 from agents.reports import examples
 from agents.reports.examples import Found, find_examples, replay
@@ -36,7 +36,7 @@ def store(tmp_path: Path) -> Iterator[Store]:
 
 def found_in(store: Store, episodes: int = 12, **settings: object) -> list[Found]:
     case = make_case(settings)  # type: ignore[arg-type]
-    store.add(store.case_id(case), run_episodes(case, range(episodes)))
+    store.add(store.case_id(case), run_task(case, range(episodes)).rows)
     return find_examples(store)
 
 
@@ -57,17 +57,14 @@ def agent_in(folder: Path, source: str = WAITING) -> Path:
 
 
 def test_the_shortest_is_taken_then_the_first_case_then_the_smallest_seed(store: Store) -> None:
-    first, second = (store.case_id(make_case({"memory": m})) for m in (1, 2))
+    cases = [make_case({"memory": memory}) for memory in (1, 2)]
+    first, second = map(store.case_id, cases)
     store.add(first, [row(1, "stalled", 9), row(8, "stalled", 7), row(9, "stalled", 7)])
     store.add(second, [row(0, "stalled", 7), row(2, "stalled", 8), row(3, "delivered", 4)])
     store.add(first, [row(2, "delivered", 5)])
-    delivered, stalled = find_examples(store)
-    assert (delivered.mode, delivered.case_id, delivered.seed, delivered.steps) == (
-        "delivered", second, 3, 4,
-    )  # fmt: skip
-    assert (stalled.mode, stalled.case_id, stalled.seed, stalled.steps) == ("stalled", first, 8, 7)
-    assert (delivered.episodes, stalled.episodes) == (2, 5)
-    assert delivered.case == make_case({"memory": 2})
+    assert find_examples(store) == [
+        Found("delivered", cases[1], 3, 4, 2), Found("stalled", cases[0], 8, 7, 5),
+    ]  # fmt: skip
 
 
 def test_every_mode_that_occurs_has_one_in_the_order_of_their_definition(store: Store) -> None:
@@ -182,7 +179,7 @@ def test_an_agent_of_ones_own_is_not_run_unasked(tmp_path: Path) -> None:
     file = tmp_path / "agent.py"
     file.write_text(f"open({str(marker)!r}, 'w')\nclass Mine:\n    pass\n")
     case = {**make_case({}), "agent": f"{file}:Mine"}
-    example = replay(Found("wandering", 1, case, 0, 5, 1), run_own_code=False)
+    example = replay(Found("wandering", case, 0, 5, 1), run_own_code=False)
     assert example.gif == b""
     assert "--replays" in example.sentence
     assert not marker.exists()
@@ -193,6 +190,6 @@ def test_a_changed_agent_is_not_run_under_the_old_name(tmp_path: Path) -> None:
     file = tmp_path / "agent.py"
     file.write_text(f"open({str(marker)!r}, 'w')\nclass Mine:\n    pass\n")
     case = {**make_case({}), "agent": f"{file}:Mine", "fingerprint": "0" * 64}
-    example = replay(Found("wandering", 1, case, 0, 5, 1), run_own_code=True)
+    example = replay(Found("wandering", case, 0, 5, 1), run_own_code=True)
     assert "has changed" in example.sentence
     assert not marker.exists()

@@ -10,7 +10,7 @@ from helpers.pages import HOSTILE, SVG, a_page, a_page_of, found, gif
 from jinja2 import UndefinedError
 
 from agents.experiments.case import make_case
-from agents.experiments.episodes import run_episodes
+from agents.experiments.episodes import run_task
 from agents.experiments.parameters import shown
 from agents.experiments.store import Store
 from agents.reports import page as page_module
@@ -223,7 +223,7 @@ def test_names_of_files_and_agents_in_real_results_stay_text(
     )
     case = make_case({"layout": layout, "agent": f"{agent}:A", "max_steps": 12})
     with Store(tmp_path / "r.sqlite") as store:
-        store.add(store.case_id(case), run_episodes(case, range(3)))
+        store.add(store.case_id(case), run_task(case, range(3)).rows)
         examples = tuple(replay(each, run_own_code=True) for each in find_examples(store))
     write_page(path, a_page(examples=examples))
     seen = read(path)
