@@ -14,7 +14,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from agents.errors import AgentError
+from agents.errors import AgentError, reason_of
 from agents.evaluation.baselines import RandomAgent, ReflexAgent
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_table import load_agent
@@ -58,10 +58,11 @@ def make_agent(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYO
     given = _wanted(kind, seed, layout) | _options(source, kind, options)
     try:
         return kind(**given)
-    except TypeError as error:
-        raise AgentError(f"agent {name!r} cannot be made without arguments: {error}") from error
-    except ValueError as error:
-        raise AgentError(f"agent {name!r}: {error}") from error
+    except (Exception, SystemExit) as error:  # the code of a user may raise anything
+        if source in AGENTS:
+            raise AgentError(f"agent {name!r}: {error}") from error
+        reason = reason_of(error, agent_file(name))
+        raise AgentError(f"agent {name!r} cannot be made: {reason}") from error
 
 
 def _split(name: str) -> tuple[str, str]:
@@ -168,6 +169,9 @@ def _load_module(source: str) -> ModuleType:
         raise AgentError(f"{error.filename or source}, line {error.lineno}: {error.msg}") from error
     except ImportError as error:
         raise AgentError(f"cannot import agent file {source}: {error}{_hint(folder)}") from error
+    except (Exception, SystemExit) as error:
+        reason = reason_of(error, path)
+        raise AgentError(f"cannot import agent file {source}: {reason}") from error
     return module
 
 

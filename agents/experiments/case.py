@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
-from agents.errors import AgentError, reason_of
 from agents.experiments.parameters import DEFAULT, PARAMETERS, PHYSICAL, RANDOM, Value, find, shown
 from agents.registry import agent_file, make_agent
 from agents.warehouse_agent_greedy import GreedyAgent
@@ -46,13 +45,7 @@ def make_case(values: Mapping[str, Value]) -> dict[str, Any]:
         case[TILES] = list(layout.rows)
     env = make_env(case, seed=0)
     env.close()
-    try:
-        make_agent_for(case, 0, env.layout)
-    except (AgentError, OSError):
-        raise
-    except (Exception, SystemExit) as error:
-        reason = reason_of(error, agent_file(case["agent"]))
-        raise AgentError(f"agent {case['agent']!r} cannot be made: {reason}") from error
+    make_agent_for(case, 0, env.layout)
     fingerprint = agent_fingerprint(case)
     if fingerprint is not None:
         case[FINGERPRINT] = fingerprint

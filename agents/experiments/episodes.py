@@ -7,7 +7,7 @@ from contextlib import closing
 from time import perf_counter
 from typing import NamedTuple
 
-from agents.errors import EpisodeError, reason_of
+from agents.errors import AgentError, EpisodeError, reason_of
 from agents.experiments.case import (
     FINGERPRINT,
     Case,
@@ -53,7 +53,8 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
     # User agents may raise anything, even SystemExit.
     except BaseException as error:
         flags = ", ".join(flags_of(case)) or "the defaults"
-        reason = reason_of(error, agent_file(case["agent"]))
+        own = isinstance(error, AgentError)  # its message says all
+        reason = str(error) if own else reason_of(error, agent_file(case["agent"]))
         failure = f"seed {seeds[len(rows)]} with {flags}: {reason}"
     return Done(perf_counter() - start, rows, failure)
 

@@ -150,7 +150,7 @@ def test_a_class_that_needs_arguments_is_an_error(agent_file: Path) -> None:
         f"class Mine:\n    def __init__(self, speed, seed=None):\n        pass\n{METHODS}"
     )
     message = refusal(f"{agent_file}:Mine")
-    assert "cannot be made without arguments" in message
+    assert "cannot be made: TypeError: " in message
     assert "'speed'" in message
 
 
@@ -185,10 +185,12 @@ def test_an_invalid_module_name_is_an_error(source: str) -> None:
     )
 
 
-def test_a_fault_in_an_agents_own_code_is_not_hidden(agent_file: Path) -> None:
-    agent_file.write_text("1 / 0\n")
-    with pytest.raises(ZeroDivisionError):
-        make_agent(f"{agent_file}:Mine")
+@pytest.mark.parametrize("fault", ["1 / 0", "raise SystemExit(2)"])
+def test_a_fault_in_an_agents_own_code_is_named_with_its_line(agent_file: Path, fault: str) -> None:
+    agent_file.write_text(f"x = 1\n{fault}\n")
+    message = refusal(f"{agent_file}:Mine")
+    assert message.startswith(f"cannot import agent file {agent_file}: ")
+    assert message.endswith("(my_agent.py, line 2)")
 
 
 # Arguments, helpers and names.

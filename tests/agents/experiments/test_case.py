@@ -135,7 +135,12 @@ def test_an_agent_that_cannot_be_made_is_one_line_and_nothing_is_made(
     file.write_text(text)
     choice = ["--set", f"agent={file}:Own", "-o", tmp_path / "r.sqlite"]
     line = refusal(capsys, "sweep", *choice)
-    assert line == f"agent '{file}:Own' cannot be made: {reason}"
+    told = (
+        f"agent '{file}:Own' cannot be made"
+        if "class" in text
+        else f"cannot import agent file {file}"
+    )
+    assert line == f"{told}: {reason}"
     assert list(tmp_path.iterdir()) == [file]
 
 
