@@ -9,6 +9,8 @@
 |                  | item picked up, to a dropoff                                   |              |
 | stalled          | ``CAUSE_SHARE`` of the lost steps missed their cell: with      | that missed  |
 |                  | nothing in its way the robot stayed, or slid to another cell   |              |
+| ineffective      | ``LOST_SHARE`` of the lost steps had no effect: unknown        | without      |
+|                  | actions, useless picks or drops, waits, or bumps               | effect       |
 | oscillation      | for as many steps up to the end it stayed on one cell, swung   | at the end   |
 |                  | between up to ``MAX_SWING_CELLS``, or repeated one loop of any |              |
 |                  | size ``ROUNDS`` times                                          |              |
@@ -26,6 +28,7 @@ length.
 
 from __future__ import annotations
 
+import reprlib
 from collections import Counter
 from collections.abc import Sequence
 from operator import ne
@@ -39,15 +42,22 @@ from warehouse_core.records.episode import (
     Episode,
 )
 from warehouse_core.wording import counted, listed
-from warehouse_core.world.actions import DISPLACEMENTS, action_index
+from warehouse_core.world.actions import (
+    DISPLACEMENTS,
+    DROP,
+    INVALID,
+    PICK,
+    WAIT,
+    action_index,
+)
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import WALL, Cell
 
-UNREACHABLE, STALLED = "unreachable", "stalled"
+UNREACHABLE, STALLED, INEFFECTIVE = "unreachable", "stalled", "ineffective"
 OSCILLATION, WANDERING = "oscillation", "wandering"
 
 MODES = (
-    DELIVERED, UNREACHABLE, STALLED, OSCILLATION, WANDERING,
+    DELIVERED, UNREACHABLE, STALLED, INEFFECTIVE, OSCILLATION, WANDERING,
     BATTERY_DEPLETED, OUT_OF_TIME, UNFINISHED,
 )  # fmt: skip
 """Every mode, in the order in which they are checked."""
@@ -56,7 +66,7 @@ CAUSE_SHARE = 0.4
 """Of the lost steps; less than half, because a robot may be stuck more than once."""
 
 LOST_SHARE = 0.5
-"""Of all moves; a path twice as long as the shortest loses this share."""
+"""Of all moves, which a path twice as long as the shortest loses; and of the lost steps."""
 
 MAX_SWING_CELLS = 4
 """The cell where the robot is stuck and up to three neighbours."""
@@ -66,6 +76,12 @@ MIN_STEPS = 2 * MAX_SWING_CELLS
 
 ROUNDS = 3
 """Repetitions of the same cells in the same order that make a loop."""
+
+IDLE = {INVALID: "unknown action", PICK: "useless pick", DROP: "useless drop", WAIT: "wait"}
+"""Actions that move no robot by index, in the order in which they are checked."""
+
+BUMP = "bump"
+"""A move that something stopped; checked last."""
 
 ENDINGS = {
     BATTERY_DEPLETED: "the battery ran out",
@@ -130,6 +146,10 @@ def _why_lost(episode: Episode, needed: int | None, nearer: int) -> Diagnosis | 
             f"{times} of them from {worst}"
         )
         return Diagnosis(STALLED, (worst,), misses, needed, sentence)
+    idle = _ineffective(episode, least=max(MIN_STEPS, LOST_SHARE * lost))
+    if idle is not None:
+        steps, sentence = idle
+        return Diagnosis(INEFFECTIVE, (cells[-1],), steps, needed, sentence)
     also = f"; {_count(misses)} missed their cell" if misses else ""
     swing, steps = _find_swing(cells[episode.loaded.index(episode.loaded[-1]) :], least)
     if swing:
@@ -199,6 +219,32 @@ def _missed(episode: Episode) -> list[Cell]:
         for cell, (down, right), motion in zip(episode.cells, asked, episode.motions, strict=False)
         if motion.cell != (cell[0] + down, cell[1] + right) and not motion.blocked
     ]
+
+
+def _ineffective(episode: Episode, least: float) -> tuple[int, str] | None:
+    """Return how many steps had no effect, and a sentence; ``None`` if fewer than ``least``.
+
+    If the steps of one kind are enough, they are those of the first such kind.
+    """
+    found: dict[str, Counter[str]] = {kind: Counter() for kind in (*IDLE.values(), BUMP)}
+    states = list(zip(episode.cells, episode.loaded, strict=True))
+    for action, motion, before, after in zip(
+        episode.actions, episode.motions, states, states[1:], strict=False
+    ):
+        index = action_index(action)
+        if before == after and (index in IDLE or motion.blocked):
+            detail = reprlib.repr(action) if index == INVALID else f"at {before[0]}"
+            found[IDLE.get(index, BUMP)][detail] += 1
+    alone = [kind for kind, details in found.items() if details.total() >= least][:1]
+    kinds = alone or [kind for kind, details in found.items() if details]
+    steps = sum(found[kind].total() for kind in kinds)
+    if steps < least:
+        return None
+    sentence = listed(counted(found[kind].total(), kind) for kind in kinds)
+    if len(kinds) == 1:
+        [(detail, times)] = found[kinds[0]].most_common(1)
+        sentence += f": {detail}" if times == steps else f", {times} of them {detail}"
+    return steps, sentence
 
 
 def _find_swing(leg: Sequence[Cell], least: float) -> tuple[tuple[Cell, ...], int]:

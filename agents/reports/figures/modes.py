@@ -24,13 +24,20 @@ from agents.reports.figures.panels import (
 )
 from agents.reports.figures.roles import lines_of, roles_of
 from warehouse_core.records.episode import BATTERY_DEPLETED, DELIVERED, OUT_OF_TIME, UNFINISHED
-from warehouse_core.records.failure_modes import OSCILLATION, STALLED, UNREACHABLE, WANDERING
+from warehouse_core.records.failure_modes import (
+    INEFFECTIVE,
+    OSCILLATION,
+    STALLED,
+    UNREACHABLE,
+    WANDERING,
+)
 from warehouse_core.viz.figure import SceneFigure
 
 MODE_COLORS = {
     DELIVERED: "#2a9d5c",
     UNREACHABLE: "#6b6b70",
     STALLED: "#8c4fa3",
+    INEFFECTIVE: "#3d3d42",
     OSCILLATION: "#d1495b",
     WANDERING: "#edae49",
     BATTERY_DEPLETED: "#2e6fa7",

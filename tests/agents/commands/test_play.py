@@ -90,7 +90,7 @@ def test_an_item_can_be_delivered(driver: Driver) -> None:
 def test_after_the_end_keys_of_actions_do_nothing(driver: Driver) -> None:
     press(driver.figure, *[" "] * 12)
     assert driver.episode.actions == ["WAIT"] * 8
-    assert "OSCILLATION" in words_in(driver.figure)
+    assert "INEFFECTIVE" in words_in(driver.figure)
 
 
 @pytest.mark.parametrize(("key", "steps"), [("enter", 8), ("return", 3)])
@@ -102,7 +102,7 @@ def test_enter_starts_again_from_the_next_seed(driver: Driver, key: str, steps: 
     assert driver.episode.cells[0] == fresh.reset(randomize=True, seed=SEED + 1)["robot_pos"]
     assert f"You on the grid backend, seed {SEED + 1}" in words_in(driver.figure)
     assert "step 0 of 8" in words_in(driver.figure)
-    assert "OSCILLATION" not in words_in(driver.figure)
+    assert "INEFFECTIVE" not in words_in(driver.figure)
     press(driver.figure, "n")
     assert driver.episode.actions == ["N"]
 

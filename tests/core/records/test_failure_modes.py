@@ -69,6 +69,7 @@ EXAMPLES = {
     "delivered": drive(LINE, (0, 0), "pEEEd"),
     "unreachable": drive(["P#.D"], (0, 2), "EW" * 20, max_steps=40),
     "stalled": drive(LINE, (0, 1), "E" * 20, max_steps=20, backend=Missing(range(20))),
+    "ineffective": drive(LINE, (0, 1), "N" * 20, max_steps=20),
     "oscillation": drive(HALL, (1, 3), "EW" * 20, max_steps=40),
     "wandering": drive(HALL, (1, 0), "EEEESSWWWWNN" * 2, max_steps=24),
     "battery depleted": drive(LONG, (0, 20), "W" * 15, battery=15),
@@ -165,7 +166,7 @@ def test_a_robot_put_where_a_way_leads_on_has_not_come_nearer() -> None:
     assert diagnose(recorder.episode) == ("unfinished", ((0, 0),), 3, None, sentence)
     for _ in range(MIN_STEPS):
         recorder.step("WAIT")
-    assert diagnose(recorder.episode).mode == "oscillation"
+    assert diagnose(recorder.episode).mode == "ineffective"
 
 
 # Stalled.
@@ -197,7 +198,7 @@ def test_few_misses_prove_nothing(misses: int, mode: str) -> None:
     assert named(LONG, (0, 40), "W" * 20, backend=Missing(range(misses))).mode == mode
 
 
-@pytest.mark.parametrize(("bumps", "mode"), [(18, "stalled"), (19, "oscillation")])
+@pytest.mark.parametrize(("bumps", "mode"), [(18, "stalled"), (19, "ineffective")])
 def test_misses_that_make_up_little_of_the_loss_are_not_its_cause(bumps: int, mode: str) -> None:
     actions = "W" * 12 + "N" * bumps
     assert named(LONG, (0, 40), actions, backend=Missing(range(12))).mode == mode
@@ -209,7 +210,7 @@ def test_misses_that_lose_nothing_are_no_stall() -> None:
 
 
 def test_a_wall_in_the_way_is_no_miss() -> None:
-    assert named(LINE, (0, 1), "N" * 40).mode == "oscillation"
+    assert named(LINE, (0, 1), "N" * 40).mode == "ineffective"
 
 
 @pytest.mark.parametrize(
@@ -225,6 +226,46 @@ def test_a_robot_without_force_or_grip_is_stalled(disturbances: Disturbances, ce
     env = WarehouseEnv(["P.........D"], (0, 9), max_steps=40, backend=backend)
     found = diagnose(record_episode(env, GreedyAgent(seed=0), seed=0, randomize=False))
     assert (found.mode, found.cells) == ("stalled", (cell,))
+
+
+# Ineffective.
+
+
+@pytest.mark.parametrize(
+    ("actions", "sentence"),
+    [
+        (["north"] * 20, "20 unknown actions: 'north'"),
+        ([99] * 15 + ["fly"] * 5, "20 unknown actions, 15 of them 99"),
+        (["PICK"] * 20, "20 useless picks: at (1, 3)"),
+        (["drop"] * 20, "20 useless drops: at (1, 3)"),
+        (["WAIT"] * 20, "20 waits: at (1, 3)"),
+        (["N"] * 20, "19 bumps: at (0, 3)"),
+        (["E"] + ["WAIT", "N"] * 10, "10 waits and 9 bumps"),
+        (["WAIT"] * 3 + ["E"] + ["WAIT"] * 9, "12 waits, 9 of them at (1, 4)"),
+        (["up"] * 12 + ["WAIT"] * 12, "12 unknown actions: 'up'"),
+        (["x" * 99] * 20, f"20 unknown actions: '{'x' * 12}...{'x' * 13}'"),
+    ],
+)
+def test_steps_without_effect_are_counted_by_kind(actions: list[Any], sentence: str) -> None:
+    recorder = EpisodeRecorder(WarehouseEnv(HALL, (1, 3)))
+    for action in actions:
+        recorder.step(action)
+    found = diagnose(recorder.episode)
+    assert (found.mode, found.sentence) == ("ineffective", sentence)
+    assert found.steps == sum(
+        int(word) for word in sentence.split(",")[0].split() if word.isdigit()
+    )
+
+
+@pytest.mark.parametrize(("waits", "mode"), [(9, "wandering"), (10, "ineffective")])
+def test_half_of_the_lost_steps_without_effect_explain_the_failure(waits: int, mode: str) -> None:
+    actions = "".join(f"{move}." for move in "EEEESSWWWW"[:waits]) + "EEEESSWWWW"[waits:]
+    assert named(HALL, (1, 0), actions).mode == mode
+
+
+def test_steps_with_an_effect_are_not_counted() -> None:
+    moved = Missing(range(0, 40, 2), instead=(0, 1))
+    assert named(HALL, (1, 3), ".W" * 20, backend=moved).mode == "stalled"
 
 
 # Oscillation.
@@ -244,15 +285,13 @@ def test_a_robot_without_force_or_grip_is_stalled(disturbances: Disturbances, ce
             ((1, 3), (1, 4), (2, 4), (2, 3)),
             "swung between (1, 3), (1, 4), (2, 4) and (2, 3) for the last 40 steps",
         ),
-        ("." * 40, ((1, 3),), "stood on (1, 3) for the last 40 steps"),
-        ("Npd" * 20, ((0, 3),), "stood on (0, 3) for the last 59 steps"),
-        ("..N.N.S" * 9, ((1, 3), (0, 3)), "swung between (1, 3) and (0, 3) for the last 63 steps"),
+        (".NS" * 9, ((1, 3), (0, 3)), "swung between (1, 3) and (0, 3) for the last 27 steps"),
         (
             "WWE" + "NS" * 9,
             ((1, 2), (0, 2)),
             "swung between (1, 2) and (0, 2) for the last 18 steps",
         ),
-        ("WNSE" + "." * 20, ((1, 3),), "stood on (1, 3) for the last 20 steps"),
+        ("WNSE" * 5 + "." * 18, ((1, 3),), "stood on (1, 3) for the last 18 steps"),
     ],
 )
 def test_what_it_swung_between_is_named(
@@ -280,11 +319,11 @@ def test_a_swing_without_the_item_is_none_with_it() -> None:
 
 
 @pytest.mark.parametrize(
-    ("swings", "mode"), [(MIN_STEPS - 1, "unfinished"), (MIN_STEPS, "oscillation")]
+    ("swings", "mode"), [(MIN_STEPS - 2, "unfinished"), (MIN_STEPS - 1, "oscillation")]
 )
 def test_a_short_swing_proves_nothing(swings: int, mode: str) -> None:
-    # The way back from where the swing may end is one step that is not lost.
-    assert named(LONG, (0, 40), "W" * 20 + ("NS" * MIN_STEPS)[:swings]).mode == mode
+    # The last step of the way there belongs to the swing.
+    assert named(LONG, (0, 40), "W" * 20 + ("EW" * MIN_STEPS)[:swings]).mode == mode
 
 
 @pytest.mark.parametrize(("bumps", "mode"), [(15, "wandering"), (16, "oscillation")])
@@ -377,7 +416,8 @@ def test_a_few_moves_prove_nothing(moves: int, mode: str) -> None:
 
 
 def test_to_wait_on_the_way_is_not_to_wander() -> None:
-    assert named(LONG, (0, 40), "W...N." * 30).mode == "unfinished"
+    assert named(LONG, (0, 40), "W." * 30).mode == "ineffective"
+    assert named(LONG, (0, 40), "W" * 15 + "." * (MIN_STEPS - 1)).mode == "unfinished"
 
 
 @pytest.mark.parametrize(
