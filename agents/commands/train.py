@@ -103,7 +103,7 @@ def train_q(
     task = Task(load_layout(layout), battery, max_steps)
     training, table = Training("Q-learning", task, steps, seed, output), QTable()
     learn = partial(fill_table, table, task, steps, seed)
-    training.run(learn, {MODEL_SUFFIX: partial(save_table, table)})
+    training.run(learn, {MODEL_SUFFIX: partial(save_table, table, task.layout)})
 
 
 def fill_table(table: QTable, task: Task, steps: int, seed: int, watch: Watch) -> MakeAgent:

@@ -1,22 +1,25 @@
-"""Files of Q-learning tables: two arrays, the states and the values of their actions."""
+"""Files of Q-learning tables: the states, the values of their actions, and the walls."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
+from agents.errors import AgentError
 from agents.learning.q_learning import QAgent, QTable
-from warehouse_core import RecordError
+from warehouse_core import DEFAULT_LAYOUT, Layout, RecordError
 from warehouse_core.files.npz import Schema, read_arrays, write_arrays
 from warehouse_core.world.actions import ACTIONS
+from warehouse_core.world.tiles import WALL
 
-SCHEMA: Schema = {"states": ("<i4", 2), "values": ("<f8", 2)}
+SCHEMA: Schema = {"states": ("<i4", 2), "values": ("<f8", 2), "walls": ("|b1", 2)}
 """A state is two cells and whether the robot holds the item: five numbers."""
 
 
-def save_table(table: QTable, path: str | Path) -> None:
-    """Write a table to one ``.npz`` file, whole or not at all.
+def save_table(table: QTable, layout: Layout, path: str | Path) -> None:
+    """Write a table and the walls of its layout to one ``.npz`` file, whole or not at all.
 
     Raises:
         RecordError: it is larger than ``npz.MAX_BYTES``.
@@ -26,12 +29,13 @@ def save_table(table: QTable, path: str | Path) -> None:
     arrays = {
         "states": np.array(states, np.int32).reshape(-1, 5),
         "values": np.array(list(table.values())).reshape(-1, len(ACTIONS)),
+        "walls": _walls(layout),
     }
     write_arrays(path, arrays, SCHEMA)
 
 
-def load_table(path: str | Path) -> QTable:
-    """Read a table that ``save_table`` wrote.
+def load_table(path: str | Path) -> tuple[QTable, NDArray[np.bool_]]:
+    """Read a table that ``save_table`` wrote, and the walls ``[H, W]`` of its layout.
 
     Raises:
         RecordError: the file is damaged or has other contents; the message says which.
@@ -52,9 +56,32 @@ def load_table(path: str | Path) -> QTable:
         states.tolist(), values.tolist(), strict=True
     ):
         table[(row, col), (goal_row, goal_col), bool(loaded)] = known
-    return table
+    return table, arrays["walls"]
 
 
-def load_agent(path: Path, seed: int | None = None) -> QAgent:
-    """Return an agent with a table from a file; raises what ``load_table`` raises."""
-    return QAgent(load_table(path), seed)
+def load_agent(path: Path, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT) -> QAgent:
+    """Return an agent with a table from a file.
+
+    Args:
+        path: of the file.
+        seed: of the agent.
+        layout: where it is to act.
+
+    Raises:
+        AgentError: the table is for a layout with other walls.
+        RecordError: see ``load_table``.
+        OSError: the file cannot be read.
+    """
+    table, walls = load_table(path)
+    if not np.array_equal(walls, _walls(layout)):
+        height, width = walls.shape
+        raise AgentError(
+            f"{path}: the table was learned on a layout of {height} x {width} cells, and this one, "
+            f"of {layout.height} x {layout.width}, has other walls; train on it with 'warehouse "
+            "train q --layout'"
+        )
+    return QAgent(table, seed)
+
+
+def _walls(layout: Layout) -> NDArray[np.bool_]:
+    return np.array([[tile == WALL for tile in row] for row in layout.rows])

@@ -15,7 +15,7 @@ from agents.learning.q_table import save_table
 from agents.registry import TRAINED, make_agent
 from agents.search.agents import ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core import Layout, WarehouseEnv, record_episode
+from warehouse_core import DEFAULT_LAYOUT, Layout, WarehouseEnv, record_episode
 
 METHODS = """
     def reset(self):
@@ -267,7 +267,8 @@ def network_file(tmp_path: Path) -> Path:
 @pytest.fixture
 def table_file(tmp_path: Path) -> Path:
     path = tmp_path / "table.npz"
-    save_table(QTable({((1, 1), (1, 3), False): [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]}), path)
+    table = QTable({((1, 1), (1, 3), False): [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]})
+    save_table(table, DEFAULT_LAYOUT, path)
     return path
 
 

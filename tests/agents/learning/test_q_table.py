@@ -4,11 +4,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from agents.errors import AgentError
 from agents.learning.q_learning import QTable
 from agents.learning.q_table import SCHEMA, load_agent, load_table, save_table
-from warehouse_core import RecordError
+from warehouse_core import Layout, RecordError
 from warehouse_core.task.encoding import NOWHERE
 
+ROOM = Layout(["P#D", "..."])
 TABLE = QTable(
     {
         ((1, 2), (3, 4), False): [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, -6.5],
@@ -21,7 +23,7 @@ TABLE = QTable(
 @pytest.fixture
 def saved(tmp_path: Path) -> Path:
     path = tmp_path / "table.npz"
-    save_table(TABLE, path)
+    save_table(TABLE, ROOM, path)
     return path
 
 
@@ -34,15 +36,16 @@ def refusal(path: Path) -> str:
 
 
 def test_a_table_is_read_back_from_its_file(saved: Path) -> None:
-    again = load_table(saved)
+    again, walls = load_table(saved)
     assert again == TABLE
+    assert walls.tolist() == [[False, True, False], [False, False, False]]
     assert isinstance(again, QTable)
     assert all(isinstance(loaded, bool) for _, _, loaded in again)
 
 
 def test_an_empty_table_is_read_back(tmp_path: Path) -> None:
-    save_table(QTable(), tmp_path / "table.npz")
-    assert load_table(tmp_path / "table.npz") == {}
+    save_table(QTable(), ROOM, tmp_path / "table.npz")
+    assert load_table(tmp_path / "table.npz")[0] == {}
 
 
 def test_the_file_holds_plain_arrays(saved: Path) -> None:
@@ -52,9 +55,18 @@ def test_the_file_holds_plain_arrays(saved: Path) -> None:
 
 
 def test_the_agent_gets_table_and_seed(saved: Path) -> None:
-    agent = load_agent(saved, 3)
+    agent = load_agent(saved, 3, ROOM)
     assert (agent.table, agent.seed) == (TABLE, 3)
-    assert load_agent(saved).seed is None
+    assert load_agent(saved, layout=ROOM).seed is None
+
+
+def test_a_table_is_for_the_walls_on_which_it_was_learned(saved: Path) -> None:
+    assert load_agent(saved, layout=Layout([".#.", "P.D"])).table == TABLE
+    message = "learned on a layout of 2 x 3 cells, and this one, of 1 x 3, has other walls"
+    with pytest.raises(AgentError, match=message):
+        load_agent(saved, layout=Layout(["P.D"]))
+    with pytest.raises(AgentError, match="of 7 x 12, has other walls"):
+        load_agent(saved)
 
 
 @pytest.mark.parametrize(
@@ -65,7 +77,7 @@ def test_the_agent_gets_table_and_seed(saved: Path) -> None:
         ({"values": np.zeros((3, 6))}, "states (3, 5) and values (3, 6); they must be (N, 5)"),
         ({"values": np.full((3, 7), -np.inf)}, "it has values that are not finite"),
         ({"values": np.zeros((3, 7), np.float32)}, "array values is float32"),
-        ({"more": np.zeros(3)}, "3 arrays; there must be 2"),
+        ({"more": np.zeros(3)}, "4 arrays; there must be 3"),
     ],
 )
 def test_a_file_of_something_else_is_an_error(
