@@ -31,7 +31,8 @@ app = typer.Typer(
     help="A grid warehouse for rational agents, with a motion backend you can swap.",
     no_args_is_help=True,
     add_completion=False,
-    rich_markup_mode=None,
+    rich_markup_mode=None,  # plain text: Rich takes half a second to import
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.command()(run)
 app.command()(play)
@@ -63,7 +64,10 @@ def replay(
     interval_ms: IntervalOption = INTERVAL_MS,
     speed: SpeedOption = 1.0,
 ) -> None:
-    """Replay a saved episode."""
+    """Replay a saved episode.
+
+    Example: warehouse replay episode.npz --speed 2 --save replay.gif
+    """
     episode = Episode.load(file)
     report_episode(episode)
     replay_or_save(episode, save, show, interval_ms, speed)

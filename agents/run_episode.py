@@ -119,7 +119,10 @@ def run(
     show: ShowOption = None,
     speed: SpeedOption = 1.0,
 ) -> None:
-    """Run one episode from a random start and replay it."""
+    """Run one episode from a random start and replay it.
+
+    Example: warehouse run --agent astar --seed 12 --save replay.gif
+    """
     place = load_place(layout, stations, start)
     name = greedy_with(agent, memory, escape)
 

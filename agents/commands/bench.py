@@ -198,11 +198,21 @@ def bench(
     """Measure the steps per second on this machine.
 
     Each form of the warehouse is measured beside a known environment.
+
+    Example: warehouse bench --seconds 2
     """
     from agents.console.progress import track
 
     rows = [_row(pair, seconds) for pair in track(PAIRS, "measuring")]
-    print_table(Table(("form", "steps/s", "beside", "steps/s", "ratio"), rows))
+    header = ("form", "steps/s", "beside", "steps/s", "ratio")
+    print_table(
+        Table(
+            header,
+            rows,
+            caption=f"medians of {ROUNDS} rounds; the ratio is the median "
+            "of their ratios, not the ratio of the medians",
+        )
+    )
 
 
 def _row(pair: Pair, seconds: float) -> tuple[str, ...]:

@@ -76,7 +76,10 @@ def compare(
     save: SaveReplayOption,
     show: ShowOption = None,
 ) -> None:
-    """Run an episode on two backends, side by side."""
+    """Run an episode on two backends, side by side.
+
+    Example: warehouse compare --seed 12 --save both.gif
+    """
     seed = draw_seed() if seed is None else seed
     place = load_place(layout, stations, start)
     one, other = (

@@ -156,7 +156,10 @@ def demo(
     save: SaveReplayOption,
     show: ShowOption = None,
 ) -> None:
-    """Show a short demonstration of continuous motion."""
+    """Show a short demonstration of continuous motion.
+
+    Example: warehouse demo bump --save bump.gif
+    """
     if name not in DEMOS:
         raise typer.BadParameter(f"no demo is called {name!r}; allowed: {', '.join(DEMOS)}")
     load_backend("physics")

@@ -46,6 +46,8 @@ def explore(
     """Explore a warehouse that is not known.
 
     The replay shows the world beside what the agent believes of it.
+
+    Example: warehouse explore --layout maze --view-radius 1
     """
     from agents.search.belief_replay import belief_tracks, record_beliefs
     from warehouse_core.viz.replay import replay_of_track

@@ -12,6 +12,7 @@ from agents.console.options import load_layout
 from warehouse_core import Layout, LayoutError, random_layout, shelf_layout
 from warehouse_core.world.generators import benchmark_warehouse
 from warehouse_core.world.map_files import load_map, save_layout
+from warehouse_core.world.named_layouts import NAMES, named_layout
 
 app = typer.Typer(no_args_is_help=True, help="Generate, import, check and print layouts.")
 
@@ -38,7 +39,10 @@ def generate(
     seed: SeedOption = 0,
     output: OutputOption = None,
 ) -> None:
-    """Generate random walls; every open cell can be reached."""
+    """Generate random walls; every open cell can be reached.
+
+    Example: warehouse layout generate --density 0.3 --seed 7 -o hall.txt
+    """
     _print_or_save(random_layout(height, width, density, seed), output)
 
 
@@ -52,7 +56,10 @@ def shelves(
     seed: SeedOption = 0,
     output: OutputOption = None,
 ) -> None:
-    """Generate a warehouse of shelf blocks and aisles."""
+    """Generate a warehouse of shelf blocks and aisles.
+
+    Example: warehouse layout shelves --rows 3 --aisle 2 -o shelves.txt
+    """
     _print_or_save(shelf_layout(rows, columns, length, depth, aisle, seed), output)
 
 
@@ -63,7 +70,10 @@ def warehouse(
     ],
     output: OutputOption = None,
 ) -> None:
-    """Generate a warehouse of the MAPF benchmarks, such as 10-20-10-2-1."""
+    """Generate a warehouse of the MAPF benchmarks.
+
+    Example: warehouse layout warehouse 10-20-10-2-1 -o large.map
+    """
     sizes = BENCHMARK.fullmatch(name)
     if not sizes:
         raise LayoutError(
@@ -83,13 +93,19 @@ def import_map(
     ] = False,
     output: OutputOption = None,
 ) -> None:
-    """Read a map in MovingAI's format."""
+    """Read a map in MovingAI's format.
+
+    Example: warehouse layout import den312d.map -o den.txt
+    """
     _print_or_save(load_map(file, robot_runners=robot_runners), output)
 
 
 @app.command()
 def check(file: Annotated[Path, typer.Argument(help="A layout file.")]) -> None:
-    """Check that a layout can be read and that an item can be delivered in it."""
+    """Check that an item can be delivered in a layout.
+
+    Example: warehouse layout check hall.txt
+    """
     layout = load_layout(file)
     for name, stations in (("pickup P", layout.pickups), ("dropoff D", layout.dropoffs)):
         if not stations:
@@ -110,11 +126,25 @@ def check(file: Annotated[Path, typer.Argument(help="A layout file.")]) -> None:
     )
 
 
+@app.command("list")
+def list_layouts() -> None:
+    """Print the layouts that have a name.
+
+    Example: warehouse layout list
+    """
+    for name in NAMES:
+        layout = named_layout(name)
+        typer.echo(f"{name}, {layout.height} x {layout.width}\n{layout}\n")
+
+
 @app.command("print")
 def print_layout(
     file: Annotated[Path | None, typer.Argument(help="A layout file.")] = None,
 ) -> None:
-    """Print a layout; without a file, the built-in one."""
+    """Print a layout; without a file, the built-in one.
+
+    Example: warehouse layout print trap
+    """
     typer.echo(load_layout(file))
 
 

@@ -142,6 +142,8 @@ def play(
 
     Arrows or NESW move, P picks, D drops, space waits, Enter starts another game. Each game is
     saved; the names of the files of further games have a number.
+
+    Example: warehouse play --backend physics --save games.npz
     """
     place = load_place(layout, stations, start)
     env = WarehouseEnv(place.layout, place.start_pos, max_steps, battery, backend=backend)

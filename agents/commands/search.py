@@ -7,6 +7,7 @@ import random
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 import typer
 
 from agents.console.options import (
@@ -29,7 +30,8 @@ from agents.search.heuristics import manhattan, true_distance, zero
 from agents.search.problems import RouteProblem
 from agents.search.trace import SearchCourse
 from warehouse_core.errors import LayoutError
-from warehouse_core.world.layout import Layout
+from warehouse_core.world.distances import distances
+from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout, check_open
 from warehouse_core.world.tiles import Cell
 
 if TYPE_CHECKING:
@@ -45,6 +47,9 @@ HEURISTICS: dict[str, MakeHeuristic] = {
 
 NAMES = {0.0: "uniform-cost", 1.0: "A*", math.inf: "greedy best-first"}
 """Names of weighted A* at special weights."""
+
+ALL_DIFFER: tuple[Cell, Cell] = (2, 10), (1, 3)
+"""A start and a goal in the chapter's layout between which the four default searches differ."""
 
 Found = Solution[Cell, str]
 
@@ -77,9 +82,11 @@ def choose_ends(
 
     Args:
         layout: the layout.
-        start: ``None`` for a random cell, or for the usual start if there is no seed.
+        start: ``None`` for a random cell, or for the farthest from the goal if there is no seed.
         goal: ``None`` for a random cell, or for the first pickup if there is no seed.
         seed: for the random cells.
+
+    In the chapter's layout, without any of them, they are ``ALL_DIFFER``.
 
     Raises:
         LayoutError: no cell is open, or there is no pickup to go to.
@@ -87,13 +94,24 @@ def choose_ends(
     if seed is None:
         if goal is None and not layout.pickups:
             raise LayoutError("the layout has no pickup to go to; give --goal ROW,COL or --seed N")
-        return start or layout.usual_start(), goal or layout.pickups[0]
+        if layout is DEFAULT_LAYOUT and start is goal is None:
+            return ALL_DIFFER
+        goal = goal or layout.pickups[0]
+        check_open(layout, goal, "goal")
+        return start or farthest_from(goal, layout), goal
     usual, count = layout.usual_start(), len(layout.open_cells)
     # Three, because one of them may be the given end.
     ranks = random.Random(seed).sample(range(count), min(count, 3))
     cells = [layout.open_cell(rank) for rank in ranks]
     begin = start or next((cell for cell in cells if cell != goal), usual)
     return begin, goal or next((cell for cell in cells if cell != begin), usual)
+
+
+def farthest_from(goal: Cell, layout: Layout) -> Cell:
+    """Return the cell from which the shortest path to a goal is longest."""
+    steps = distances(layout, [goal])
+    row, col = np.unravel_index(np.where(np.isfinite(steps), steps, -1).argmax(), steps.shape)
+    return int(row), int(col)
 
 
 def search_table(weights: Sequence[float], solutions: Sequence[Found], title: str) -> Table:
@@ -114,7 +132,7 @@ def search_table(weights: Sequence[float], solutions: Sequence[Found], title: st
 def search(
     layout: LayoutOption = None,
     start: Annotated[
-        str | None, typer.Option(metavar="ROW,COL", help="Start cell. Default: the usual start.")
+        str | None, typer.Option(metavar="ROW,COL", help="Start cell. Default: far from the goal.")
     ] = None,
     goal: Annotated[
         str | None, typer.Option(metavar="ROW,COL", help="Goal cell. Default: the first pickup.")
@@ -133,7 +151,10 @@ def search(
     save: SaveReplayOption,
     show: ShowOption = None,
 ) -> None:
-    """Compare uniform-cost, A* and greedy search."""
+    """Compare uniform-cost, A* and greedy search.
+
+    Example: warehouse search --layout maze --weights 0,1,5,inf
+    """
     values = parse_weights(weights)
     given = parse_cell(start, "--start"), parse_cell(goal, "--goal")
     if heuristic not in HEURISTICS:

@@ -56,12 +56,14 @@ def train_ppo(
     max_steps: MaxStepsOption = 200,
     output: ModelOption = Path("ppo.npz"),
 ) -> None:
-    """Train a network by PPO and compare it with the greedy agent.
+    """Train a network by PPO.
 
     Writes the agent (.npz), which "warehouse run --agent ppo:FILE" takes, a
     picture of its learning curve (.png), and the model of Stable-Baselines3
     (.zip) for further training. The .zip holds pickled Python: load only
     files of that kind that you trust.
+
+    Example: warehouse train ppo --steps 2000000 -o ppo.npz
     """
     task = Task(load_layout(layout), battery, max_steps)
     training = Training("PPO", task, steps, seed, output)
@@ -95,10 +97,13 @@ def train_q(
     max_steps: MaxStepsOption = 200,
     output: ModelOption = Path("q.npz"),
 ) -> None:
-    """Train a table by Q-learning and compare it with the greedy agent.
+    """Train a table by Q-learning.
 
     Writes the table (.npz), which "warehouse run --agent q:FILE" takes, and a
-    picture of its learning curve (.png).
+    picture of its learning curve (.png), and compares the agent with the greedy
+    one.
+
+    Example: warehouse train q --steps 600000 -o q.npz
     """
     task = Task(load_layout(layout), battery, max_steps)
     training, table = Training("Q-learning", task, steps, seed, output), QTable()

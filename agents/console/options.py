@@ -12,8 +12,8 @@ import typer
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, LayoutError
 from warehouse_core.files.atomic import check_suffix, check_target
 from warehouse_core.warehouse_env import START, STATIONS
-from warehouse_core.world import map_files
 from warehouse_core.world.layout import check_open
+from warehouse_core.world.named_layouts import NAMES, find_layout
 
 MAX_COUNT = 1_000_000_000
 """The largest battery and number of steps; records keep them as 64-bit numbers."""
@@ -105,7 +105,8 @@ LayoutOption = Annotated[
     typer.Option(
         "--layout",
         metavar="FILE",
-        help="Layout file: text rows of # . P D, or a MovingAI .map. Default: the built-in layout.",
+        help="Layout file (rows of # . P D, or a MovingAI .map), or a name: "
+        f"{', '.join(NAMES)}. Default: that of the chapter.",
     ),
 ]
 
@@ -205,15 +206,15 @@ ModelOption = Annotated[
 
 
 def load_layout(path: Path | None) -> Layout:
-    """Return the layout in a file, or the built-in one if ``path`` is ``None``."""
-    return DEFAULT_LAYOUT if path is None else map_files.load_layout(path)
+    """Return the layout in a file or of a name, or that of the chapter without one."""
+    return DEFAULT_LAYOUT if path is None else find_layout(path)
 
 
 def load_place(path: Path | None, stations: Stations | None, start: str | None) -> Place:
     """Return where episodes take place, from the options of a command.
 
     Args:
-        path: of the layout; ``None`` for the built-in one.
+        path: of the layout, or its name; ``None`` for that of the chapter.
         stations: ``None`` for those of a file that has any, and for drawn ones otherwise.
         start: ``ROW,COL``, or ``None`` to draw it.
 
@@ -225,7 +226,7 @@ def load_place(path: Path | None, stations: Stations | None, start: str | None) 
     if cell is not None:
         check_open(layout, cell, "--start")
     if stations is None:
-        has_own = path is not None and layout.pickups + layout.dropoffs
+        has_own = layout is not DEFAULT_LAYOUT and layout.pickups + layout.dropoffs
         stations = Stations.KEPT if has_own else Stations.DRAWN
     if stations is Stations.DRAWN:
         empty = len(layout.open_cells) - len(layout.pickups + layout.dropoffs)

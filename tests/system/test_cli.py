@@ -1,8 +1,11 @@
 """The command ``warehouse``: its output, its files and its exit codes."""
 
 import json
+import re
+from collections.abc import Iterator
 from importlib.metadata import entry_points, version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -52,23 +55,36 @@ def test_the_version_is_that_of_the_package(capsys: pytest.CaptureFixture[str]) 
     assert command(capsys, "--version") == (0, expected, "")
 
 
-def commands_of(app: typer.Typer) -> list[str]:
-    """Return the names of the commands and groups of an application."""
-    group = typer.main.get_command(app)
-    return list(group.commands)  # type: ignore[attr-defined]
+def leaves(group: Any, *words: str) -> Iterator[tuple[str, Any]]:
+    """Yield each command with its words."""
+    for name, each in group.commands.items():
+        if hasattr(each, "commands"):
+            yield from leaves(each, *words, name)
+        else:
+            yield " ".join((*words, name)), each
 
 
-@pytest.mark.parametrize("name", commands_of(cli.app))
-def test_every_command_and_option_has_a_help_text(
+LEAVES = dict(leaves(typer.main.get_command(cli.app)))
+
+
+@pytest.mark.parametrize("name", LEAVES)
+def test_every_command_explains_its_options_and_has_an_example_that_is_valid(
     capsys: pytest.CaptureFixture[str], name: str
 ) -> None:
-    result = command(capsys, name, "--help")
+    result = command(capsys, *name.split(), "-h")
     assert result.code == 0
-    assert "Usage" in result.out
-    kind = typer.main.get_command(cli.app).commands[name]  # type: ignore[attr-defined]
-    for each in getattr(kind, "commands", {name: kind}).values():
-        assert each.help
-        assert all(parameter.help for parameter in each.params), each.name
+    assert all(parameter.help for parameter in LEAVES[name].params)
+    [example] = re.findall(r"Example: warehouse (.*(?:\n  .+)*)", result.out)
+    words = " ".join(example.split()).removeprefix(name).split()
+    LEAVES[name].make_context(name, words)  # raises if an option is wrong
+
+
+def test_the_help_cuts_no_summary_off(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    for group in ((), ("layout",), ("train",)):
+        assert "..." not in command(capsys, *group, "--help").out.partition("Commands:")[2]
 
 
 def test_the_help_loads_no_heavy_library(tmp_path: Path) -> None:

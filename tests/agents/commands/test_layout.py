@@ -6,6 +6,7 @@ from helpers.command_line import command, refusal
 from warehouse_core import DEFAULT_LAYOUT, Episode, Layout, random_layout, shelf_layout
 from warehouse_core.world.generators import benchmark_warehouse
 from warehouse_core.world.map_files import load_map
+from warehouse_core.world.named_layouts import NAMES, named_layout
 
 
 @pytest.fixture
@@ -205,3 +206,11 @@ def test_a_map_is_a_layout_for_other_commands(
     assert command(capsys, *words).code == 0
     walls = Episode.load(record).layout.with_stations(None, None)
     assert walls.rows == ("#...", "#...")
+
+
+def test_layouts_with_names_are_listed_and_can_be_used(capsys: pytest.CaptureFixture[str]) -> None:
+    out = command(capsys, "layout", "list").out
+    for name in NAMES:
+        layout = named_layout(name)
+        assert f"{name}, {layout.height} x {layout.width}\n{layout}\n" in out
+    assert command(capsys, "layout", "print", "maze").out == f"{named_layout('maze')}\n"

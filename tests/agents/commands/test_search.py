@@ -46,10 +46,20 @@ def test_the_table_has_a_row_for_each_weight(capsys: pytest.CaptureFixture[str])
     assert all(int(row[4]) > int(row[3]) >= int(row[5]) > 0 for row in printed)
 
 
-def test_the_usual_way_is_from_the_chapters_start_to_its_pickup(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    assert "Search from (1, 1) to (1, 3), heuristic: manhattan" in search(capsys)
+def test_without_options_the_four_searches_differ(capsys: pytest.CaptureFixture[str]) -> None:
+    out = search(capsys)
+    assert "Search from (2, 10) to (1, 3), heuristic: manhattan" in out
+    expanded = [int(row[3]) for row in rows(out)]
+    assert expanded == sorted(set(expanded), reverse=True)
+    assert len(expanded) == 4
+    costs = [row[2] for row in rows(out)]
+    assert costs[0] == costs[1] == "12"
+    assert costs[3] == "14"
+
+
+def test_the_default_start_is_far_from_the_goal(capsys: pytest.CaptureFixture[str]) -> None:
+    assert "Search from (4, 9) to (4, 2)" in search(capsys, "--layout", "trap")
+    assert "Search from (1, 10) to (5, 1)" in search(capsys, "--goal", "5,1")
 
 
 def test_the_zero_heuristic_makes_astar_uniform_cost_search(
@@ -103,7 +113,16 @@ def test_a_goal_that_cannot_be_reached_is_reported_and_drawn(
     Path("split.txt").write_text(SPLIT)
     # The true distance shows at the start that there is no path.
     for name, expanded in (("manhattan", 4), ("true", 1)):
-        words = ("--layout", "split.txt", "--heuristic", name, "--weights", "1,inf")
+        words = (
+            "--layout",
+            "split.txt",
+            "--start",
+            "1,1",
+            "--heuristic",
+            name,
+            "--weights",
+            "1,inf",
+        )
         out = search(capsys, *words, "--save", "path.png")
         assert [row[2:4] for row in rows(out)] == [["none", str(expanded)]] * 2
         assert "no path leads from (1, 1) to (2, 5)\n" in out

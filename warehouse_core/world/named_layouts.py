@@ -1,0 +1,105 @@
+"""Layouts by name, so that a demonstration can be repeated: ``warehouse run --layout trap``."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+
+from warehouse_core.errors import LayoutError
+from warehouse_core.world.generators import shelf_layout
+from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
+from warehouse_core.world.map_files import load_layout
+
+CORRIDOR = """
+############
+#P........D#
+############
+"""
+
+HALL = """
+################
+#..............#
+#..P...........#
+#..............#
+#..............#
+#..............#
+#...........D..#
+#..............#
+################
+"""
+
+ROOMS = """
+#############
+#.....#.....#
+#.P...#.....#
+#...........#
+#.....#.....#
+###.#####.###
+#.....#.....#
+#...........#
+#.....#...D.#
+#.....#.....#
+#############
+"""
+
+TRAP = """
+###########
+#.........#
+#...##....#
+#....#....#
+#.P..#..D.#
+#....#....#
+#...##....#
+#.........#
+###########
+"""
+
+MAZE = """
+#####################
+#P#.....#.......#...#
+#.#####.#.###.#.#.#.#
+#.#...#.....#.#.#.#.#
+#.#.#.#####.#.#.###.#
+#...#.....#.#.#...#.#
+#########.###.###.#.#
+#.#.....#.#...#.#.#.#
+#.#.#.###.#.###.#.#.#
+#...#.......#......D#
+#####################
+"""
+
+TEXTS = {"corridor": CORRIDOR, "hall": HALL, "rooms": ROOMS, "trap": TRAP, "maze": MAZE}
+
+DEFAULT, SHELVES = "default", "shelves"
+
+NAMES = (DEFAULT, *TEXTS, SHELVES)
+"""Of all layouts: the chapter's, five that show something, and a warehouse of shelves."""
+
+
+@lru_cache
+def named_layout(name: str) -> Layout:
+    """Return a layout by name.
+
+    Raises:
+        LayoutError: no layout has the name; the message has those that there are.
+    """
+    if name == DEFAULT:
+        return DEFAULT_LAYOUT
+    if name == SHELVES:
+        return shelf_layout(3, 4, 4, 2, 1, seed=1)
+    if name not in TEXTS:
+        raise LayoutError(f"no layout is called {name!r}; allowed: {', '.join(NAMES)}, or a file")
+    return Layout(TEXTS[name].split())
+
+
+def find_layout(name: str | Path) -> Layout:
+    """Return the layout in a file, or the named one if there is no such file.
+
+    Raises:
+        LayoutError: the file is not a layout, or no layout has the name.
+        OSError: the file cannot be read.
+    """
+    path = Path(name)
+    if path.exists() or path.suffix or len(path.parts) != 1:
+        return load_layout(path)
+    return named_layout(str(name))
