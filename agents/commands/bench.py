@@ -19,6 +19,7 @@ import typer
 
 from agents.console.table import Table, print_table
 from warehouse_core import BackendError, WarehouseEnv
+from warehouse_core.extras import install_command
 from warehouse_core.world.actions import ACTIONS, WAIT
 
 Work = Callable[[], int]
@@ -96,7 +97,7 @@ def minigrid_frames() -> Work:
     try:
         import minigrid  # noqa: F401 - registers its environments
     except ImportError:
-        raise ImportError("minigrid is not installed: pip install 'warehouse-lab[bench]'") from None
+        raise ImportError(f"minigrid is not installed: {install_command('bench')}") from None
     return frames(MINIGRID)
 
 

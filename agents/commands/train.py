@@ -32,6 +32,7 @@ from agents.learning.q_table import save_table
 from agents.learning.training import FINAL_SEEDS, RECENT_EPISODES, Examiner, Point, Watch
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core.errors import FormatError
+from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import check_target
 
 if TYPE_CHECKING:
@@ -83,8 +84,7 @@ def make_learner(task: Task, steps: int, seed: int) -> PPOLearner:
         if (error.name or "").partition(".")[0] not in LIBRARIES:
             raise
         raise AgentError(
-            f"training by PPO needs {error.name}, which is not installed: "
-            "pip install 'warehouse-lab[rl]'"
+            f"training by PPO needs {error.name}, which is not installed: {install_command('rl')}"
         ) from error
     return PPOLearner(task, steps, seed)
 

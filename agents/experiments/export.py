@@ -16,6 +16,7 @@ import typer
 from agents.errors import StoreError
 from agents.experiments.case import TILES, Case
 from agents.experiments.store import Row, Store
+from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import atomic_path, check_suffix
 
 ROWS_END = "/"
@@ -100,7 +101,7 @@ def _write_parquet(path: Path, columns: dict[str, str], lines: Iterator[Line]) -
         import pyarrow as pa
         from pyarrow import parquet
     except ImportError:
-        raise StoreError("Parquet needs pyarrow: pip install 'warehouse-lab[parquet]'") from None
+        raise StoreError(f"Parquet needs pyarrow: {install_command('parquet')}") from None
     kinds = {"str": pa.string(), "bool": pa.bool_(), "int": pa.int64(), "float": pa.float64()}
     schema = pa.schema([(name, kinds[kind]) for name, kind in columns.items()])
     with parquet.ParquetWriter(path, schema) as writer:

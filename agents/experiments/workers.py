@@ -15,6 +15,7 @@ from contextlib import AbstractContextManager, ExitStack, contextmanager
 from types import FrameType
 
 from agents.errors import ClusterError, WorkerError
+from warehouse_core.extras import install_command
 
 DEFERRED = (signal.SIGINT, signal.SIGTERM)
 
@@ -127,7 +128,7 @@ def cluster(address: str) -> Iterator[tuple[Executor, int]]:
         from distributed import Client, KilledWorker
         from distributed.comm import CommClosedError
     except ImportError:
-        raise ClusterError("a cluster needs Dask: pip install 'warehouse-lab[cluster]'") from None
+        raise ClusterError(f"a cluster needs Dask: {install_command('cluster')}") from None
     with ExitStack() as stack:
         # Dask would log tracebacks of errors that are reported in one line.
         stack.callback(logging.disable, logging.root.manager.disable)

@@ -22,11 +22,12 @@ MAX_MODULES, MAX_LINES = 12, 400
 MAY_IMPORT = {
     "warehouse_core/arguments": "",
     "warehouse_core/errors": "",
+    "warehouse_core/extras": "",
     "warehouse_core/wording": "",
     "warehouse_core/files": "errors",
     "warehouse_core/world": "errors files",
     "warehouse_core/task": "errors world",
-    "warehouse_core/motion": "arguments errors world",
+    "warehouse_core/motion": "arguments errors extras world",
     "warehouse_core/render": "arguments errors task world",
     "warehouse_core/conformance": "errors motion world",
     "warehouse_core/vector": "arguments errors motion task world",
@@ -36,7 +37,7 @@ MAY_IMPORT = {
     ),
     "warehouse_core/records": "errors files motion task warehouse_env wording world",
     "warehouse_core/viz": (
-        "arguments errors files motion records render warehouse_env wording world"
+        "arguments errors extras files motion records render warehouse_env wording world"
     ),
     "warehouse_core/warehouse_viz": "arguments files records viz",
     "warehouse_physics/profile": "",

@@ -11,6 +11,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from warehouse_core.errors import BackendError
+from warehouse_core.extras import pip_install, requirements_of
 from warehouse_core.motion.base import Motion
 from warehouse_core.motion.vector import Batchable, BatchMotion
 from warehouse_core.world.layout import Layout
@@ -90,18 +91,17 @@ def _entry_points() -> dict[str, EntryPoint]:
 
 def _complaint(error: Exception, entry_point: EntryPoint) -> str:
     """Return one line with the cause of an import error and a command that may fix it."""
-    command = f"pip install '{_requirement(entry_point)}'"
+    command = pip_install(_requirements(entry_point))
     if isinstance(error, ModuleNotFoundError):
         return f"needs {error.name or error}, which is not installed: {command}"
     reason = " ".join(str(error).split()) or type(error).__name__
     return f"cannot be loaded: {reason}; to repair it: {command}"
 
 
-def _requirement(entry_point: EntryPoint) -> str:
-    """Return the requirement for pip: the distribution, with its extra of the backend's name."""
+def _requirements(entry_point: EntryPoint) -> list[str]:
+    """Return those of the extra with the backend's name, or else its distribution."""
     distribution = entry_point.dist
     if distribution is None:
-        return entry_point.module.partition(".")[0]
-    extras = distribution.metadata.get_all("Provides-Extra") or []
-    name: str = distribution.metadata["Name"]
-    return f"{name}[{entry_point.name}]" if entry_point.name in extras else name
+        return [entry_point.module.partition(".")[0]]
+    needed = requirements_of(entry_point.name, distribution.requires or [])
+    return needed or [distribution.metadata["Name"]]

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from warehouse_core.errors import FormatError
+from warehouse_core.extras import install_command
 
 FORMATS = (".gif", ".mp4", ".html", ".svg", ".png")
 
@@ -82,6 +83,6 @@ def ffmpeg() -> str:
         from imageio_ffmpeg import get_ffmpeg_exe
     except ImportError as error:
         raise FormatError(
-            "saving as .mp4 needs imageio-ffmpeg: pip install 'warehouse-lab[video]'"
+            f"saving as .mp4 needs imageio-ffmpeg: {install_command('video')}"
         ) from error
     return str(get_ffmpeg_exe())

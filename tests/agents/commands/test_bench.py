@@ -91,7 +91,7 @@ def test_what_is_not_installed_is_named_in_its_line_and_the_rest_is_measured(
     lines = [line for line in result.out.splitlines() if line.startswith("│")]
     assert "pictures" in lines[0]
     assert "not measured: minigrid" in lines[0]
-    assert "pip install 'warehouse-lab[bench]'" in lines[0]
+    assert "pip install 'minigrid>=2.3'" in lines[0]
     assert "not measured" not in lines[1]
 
 

@@ -255,7 +255,8 @@ def test_a_missing_library_is_one_line_with_the_command_that_installs_it(
 ) -> None:
     without(monkeypatch, "torch")
     assert refusal(capsys, "train", "ppo") == (
-        "training by PPO needs torch, which is not installed: pip install 'warehouse-lab[rl]'"
+        "training by PPO needs torch, which is not installed: pip install "
+        "'sb3-contrib>=2.4' 'stable-baselines3>=2.4'"
     )
     assert not list(Path().glob("ppo*"))
     message = "m.zip: cannot save as .zip; allowed: .npz"

@@ -190,7 +190,7 @@ def test_without_pyarrow_the_command_that_brings_it_is_named(
 ) -> None:
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     line = refusal(capsys, "export", results, tmp_path / "t.parquet")
-    assert line == "Parquet needs pyarrow: pip install 'warehouse-lab[parquet]'"
+    assert line == "Parquet needs pyarrow: pip install 'pyarrow>=15'"
     assert command(capsys, "export", results, tmp_path / "t.csv").code == 0
     assert names(tmp_path) == {"r.sqlite", "t.csv"}
 

@@ -13,19 +13,9 @@ from warehouse_core.motion.grid import GridMotion
 class FakeDistribution:
     """The distribution of an entry point."""
 
-    def __init__(self, name: str, extras: list[str]) -> None:
-        self._extras = extras
-        self._name = name
-
-    @property
-    def metadata(self) -> "FakeDistribution":
-        return self
-
-    def get_all(self, _: str) -> list[str] | None:
-        return self._extras or None
-
-    def __getitem__(self, _: str) -> str:
-        return self._name
+    def __init__(self, name: str, requires: list[str] | None) -> None:
+        self.metadata = {"Name": name}
+        self.requires = requires
 
 
 def entry_point(name: str, value: str, distribution: Any = None) -> EntryPoint:
@@ -82,9 +72,12 @@ def test_the_error_of_an_unknown_name_lists_the_installed_ones(install: Any) -> 
 @pytest.mark.parametrize(
     ("distribution", "command"),
     [
-        (FakeDistribution("warehouse-lab", ["physics", "test"]), "'warehouse-lab[physics]'"),
-        (FakeDistribution("other-lab", ["test"]), "'other-lab'"),
-        (FakeDistribution("other-lab", []), "'other-lab'"),
+        (
+            FakeDistribution("a", ["b>=1", "c<8,>=7.1; extra == 'physics'", "d; extra == 'test'"]),
+            "'c<8,>=7.1'",
+        ),
+        (FakeDistribution("other-lab", ["d; extra == 'test'"]), "'other-lab'"),
+        (FakeDistribution("other-lab", None), "'other-lab'"),
         (None, "'missing_engine'"),
     ],
 )

@@ -212,7 +212,7 @@ def test_an_mp4_without_its_library_names_the_command_that_installs_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    with pytest.raises(FormatError, match=r"pip install 'warehouse-lab\[video\]'"):
+    with pytest.raises(FormatError, match=r"pip install 'imageio-ffmpeg>=0.5'"):
         saved(tmp_path, ".mp4")
     assert list(tmp_path.iterdir()) == []
 

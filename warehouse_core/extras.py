@@ -1,0 +1,36 @@
+"""Commands that install what an optional part needs.
+
+They name the requirements, not this distribution: it is on no package index, where anybody could
+take its name.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+DISTRIBUTION = "warehouse-lab"
+
+
+def install_command(extra: str) -> str:
+    """Return the command that installs the requirements of an extra of this distribution."""
+    from importlib.metadata import requires
+
+    return pip_install(requirements_of(extra, requires(DISTRIBUTION) or []))
+
+
+def pip_install(requirements: Iterable[str]) -> str:
+    """Return the command that installs some requirements."""
+    return "pip install " + " ".join(f"'{each}'" for each in requirements)
+
+
+def requirements_of(extra: str, requires: Iterable[str]) -> list[str]:
+    """Return the requirements of an extra.
+
+    Args:
+        extra: its name.
+        requires: those of the distribution, as in its metadata: ``name>=1; extra == 'video'``.
+    """
+    parts = (each.partition(";") for each in requires)
+    marker = re.compile(rf"""extra == ['"]{re.escape(extra)}['"]""")
+    return [name.strip() for name, _, condition in parts if marker.search(condition)]
