@@ -80,6 +80,15 @@ def test_the_python_of_the_readme_runs() -> None:
     assert Path("frames", "legend.svg").exists()
 
 
+def test_the_agent_of_the_readme_acts_in_the_loop_of_the_readme() -> None:
+    [own] = [text for _, file, text in BLOCKS if file == "my_agent.py"]
+    [loop] = [text for kind, _, text in BLOCKS if kind == "python" and "while not done" in text]
+    names: dict[str, object] = {}
+    exec(own, names)
+    exec(loop.replace("GreedyAgent(seed=12)", "Wanderer(seed=12)"), names)
+    assert names["done"] is True
+
+
 @pytest.mark.parametrize("title", WRITTEN)
 def test_the_commands_of_the_readme_run(title: str) -> None:
     write_files()

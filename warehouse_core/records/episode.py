@@ -87,8 +87,8 @@ class Episode:
 
     @property
     def total_reward(self) -> float:
-        """The sum of all rewards."""
-        return math.fsum(self.rewards)
+        """The sum of all rewards, rounded to nine decimals: 14.6, not 14.600000000000001."""
+        return round(math.fsum(self.rewards), 9)
 
     @property
     def seconds(self) -> float:
