@@ -153,7 +153,7 @@ def search(
 ) -> None:
     """Compare uniform-cost, A* and greedy search.
 
-    Example: warehouse search --layout maze --weights 0,1,5,inf
+    Example: warehouse search --layout trap --weights 0,1,5,inf
     """
     values = parse_weights(weights)
     given = parse_cell(start, "--start"), parse_cell(goal, "--goal")
