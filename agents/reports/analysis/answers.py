@@ -19,7 +19,7 @@ from agents.reports.analysis.results import Experiment
 from agents.reports.analysis.statements import Point
 from warehouse_core.wording import counted
 
-OTHER_TASKS = {"layout", "size", "density"}
+OTHER_TASKS = {"layout", "size", "density", "stations"}
 """If one of these differs, equal seeds are different tasks, and are not compared."""
 
 MAX_DESCRIBED = 4

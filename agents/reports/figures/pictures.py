@@ -25,6 +25,9 @@ MAX_MAPS = 4
 """Heat maps, of the layouts with most episodes."""
 
 
+STATIONS = {"drawn": "random in each episode", "kept": "those of the layout in every episode"}
+
+
 @dataclass(frozen=True, slots=True)
 class Picture:
     """A figure as SVG with its caption; its name is the stem of its file."""
@@ -107,13 +110,13 @@ def _numbers(experiment: Experiment, case_ids: Sequence[int]) -> str:
 
 
 def _maps(experiment: Experiment) -> Iterator[Picture]:
-    """Yield a heat map for each layout, the one with most episodes first."""
-    layouts: dict[tuple[str, ...], list[int]] = {}
+    """Yield a heat map for each layout and its stations, the one with most episodes first."""
+    layouts: dict[tuple[tuple[str, ...], str], list[int]] = {}
     for case_id, case in experiment.cases.items():
         if TILES in case:
-            layouts.setdefault(tuple(case[TILES]), []).append(case_id)
+            layouts.setdefault((tuple(case[TILES]), case["stations"]), []).append(case_id)
     most_first = sorted(layouts.items(), key=lambda each: -experiment.results(*each[1]).episodes)
-    for number, (rows, ids) in enumerate(most_first[:MAX_MAPS], start=1):
+    for number, ((rows, stations), ids) in enumerate(most_first[:MAX_MAPS], start=1):
         stuck = stuck_cells(experiment.store, rows, ids)
         if not stuck:
             continue
@@ -121,8 +124,8 @@ def _maps(experiment: Experiment) -> Iterator[Picture]:
         name = shown(experiment.cases[ids[0]]["layout"])
         caption = (
             f"Where robots got stuck on layout {name}: of {counted(episodes, 'episode')} those of "
-            "each failure mode, by the cell where they were stuck or ended. Pickup and dropoff are "
-            "random in each episode."
+            "each failure mode, by the cell where they were stuck or ended"
+            f"{_numbers(experiment, ids)}. Pickup and dropoff are {STATIONS[stations]}."
         )
         yield Picture(f"stuck-{number}", caption, _svg(heat_map(rows, stuck, episodes)))
 

@@ -70,6 +70,7 @@ def test_each_layout_has_its_map_the_one_with_most_episodes_first(tmp_path: Path
     maps = [found[name].caption for name in found if name.startswith("stuck")]
     assert len(maps) == MAX_MAPS
     assert "hall5.txt: of 6 episodes" in maps[0]
+    assert "Pickup and dropoff are those of the layout in every episode." in maps[0]
     assert "hall2.txt: of 3 episodes" in maps[-1]
 
 
