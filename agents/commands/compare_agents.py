@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from shutil import get_terminal_size
+from textwrap import fill
 from typing import Annotated
 
 import typer
@@ -14,87 +16,138 @@ from agents.console.options import (
     BatteryOption,
     LayoutOption,
     MaxStepsOption,
-    load_layout,
+    StartOption,
+    StationsOption,
+    load_place,
 )
 from agents.console.table import Table, print_table
-from agents.evaluation.scores import MEASURES, MakeAgent, Scores, Task, evaluate
+from agents.console.watch import run_watched
+from agents.errors import EpisodeInterrupted
+from agents.evaluation.scores import EXPLANATION, MEASURES, Measure, Scores, Task, evaluate
 from agents.evaluation.wording import mean, share
-from agents.search.agents import ExploringAgent, SearchAgent
-from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core import Layout
+from agents.registry import make_agent
 from warehouse_core.files.atomic import atomic_path, check_suffix, check_target
 from warehouse_core.wording import counted
 
 PICTURES = (".svg", ".png")
 
+AGENTS = {
+    "random": "random",
+    "reflex": "reflex",
+    "greedy": "greedy",
+    "greedy:escape_steps=0": "greedy without escape",
+    "exploring": "exploring",
+    "ucs": "uniform-cost",
+    "astar": "A*",
+}
+"""The agents that are always compared, and their names in the table."""
+
+MAX_EPISODES, MAX_SEED = 100_000, 2**62
+
 
 def compare_agents(
+    agent: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--agent",
+            metavar="NAME",
+            help="Also compare this agent: a name as in 'warehouse run --agent', such as "
+            "my_agent.py:Mine or greedy:memory=20; may be repeated. "
+            f"Always compared: {', '.join(AGENTS)}.",
+            show_default=False,
+        ),
+    ] = None,
     episodes: Annotated[
-        int, typer.Option("--episodes", "-n", min=1, max=100_000, help="Of each agent.")
+        int,
+        typer.Option(
+            "--episodes", "-n", metavar="N", min=1, max=MAX_EPISODES, help="Episodes of each agent."
+        ),
     ] = 100,
     seed: Annotated[
-        int, typer.Option("--seed", metavar="N", min=0, help="Of the first episode.")
+        int,
+        typer.Option("--seed", metavar="N", min=0, max=MAX_SEED, help="Seed of the first episode."),
     ] = 0,
     backend: BackendOption = "physics",
     layout: LayoutOption = None,
+    stations: StationsOption = None,
+    start: StartOption = None,
     battery: BatteryOption = 200,
     max_steps: MaxStepsOption = 200,
     save: Annotated[
         Path | None, typer.Option("--save", metavar="FILE", help="Write the figure, .svg or .png.")
     ] = None,
 ) -> None:
-    """Compare agents over the same seeds."""
+    """Compare agents over the same seeds.
+
+    Prints a table of deliveries, steps, nodes expanded, time and energy.
+
+    Example: warehouse compare-agents --agent my_agent.py:Mine -n 50
+    """
     if save is not None:
         check_suffix(save, PICTURES)
         check_target(save)
-    task, seeds = (
-        Task(load_layout(layout), battery, max_steps, backend),
-        range(seed, seed + episodes),
+    place = load_place(layout, stations, start)
+    task = Task(place.layout, battery, max_steps, backend, place.start_pos, place.randomize)
+    names = AGENTS | {name: AGENTS.get(name, name) for name in agent or []}
+    for name in names:
+        make_agent(name, seed, task.layout)  # a wrong name is an error before the episodes
+    seeds = range(seed, seed + episodes)
+    scores = {shown: evaluate_watched(name, shown, task, seeds) for name, shown in names.items()}
+    title = (
+        f"{counted(episodes, 'episode')} each, backend {backend}, seeds from {seed}, "
+        f"stations {place.stations}"
     )
-    agents = contenders(task.layout)
-    scores = {name: _evaluate(name, make, task, seeds) for name, make in agents.items()}
-    title = f"{counted(episodes, 'episode')} each, backend {backend}, seeds from {seed}"
-    print_table(scores_table(scores, title))
+    # The figure first, because the reader of standard output may leave, as ``head`` does.
     if save is not None:
         _save(scores, title, save)
+    for table in scores_tables(scores, title):
+        print_table(table)
+    typer.echo(fill(EXPLANATION, get_terminal_size().columns))
+    if save is not None:
         typer.echo(f"saved {save}")
 
 
-def contenders(layout: Layout) -> dict[str, MakeAgent]:
-    """Return what makes each agent: the chapter's, and those that search instead."""
-    return {
-        "greedy": GreedyAgent,
-        "greedy without escape": partial(GreedyAgent, escape_steps=0),
-        "exploring": lambda _: ExploringAgent(),
-        "uniform-cost": lambda _: SearchAgent(layout, "ucs"),
-        "A*": lambda _: SearchAgent(layout, "astar"),
-    }
+def evaluate_watched(name: str, shown: str, task: Task, seeds: Sequence[int]) -> Scores:
+    """Return the scores of an agent by its name, with a progress bar.
 
-
-def scores_table(scores: Mapping[str, Scores], title: str) -> Table:
-    """Return the table of the agents' scores, with 95% intervals."""
-    rows = []
-    for name, each in scores.items():
-        first, *others = (measure.of(each) for measure in MEASURES)
-        assert first is not None, "there is always a share"
-        words = [share(first), *("none" if cell is None else mean(cell, "") for cell in others)]
-        # The interval below its estimate, so that the table fits a terminal.
-        rows.append((name, *(each.replace(" (", "\n(") for each in words)))
-    header = ("agent", *(measure.column for measure in MEASURES))
-    return Table(header, rows, title, "all but success and expanded: of what was delivered")
-
-
-def _evaluate(name: str, make_agent: MakeAgent, task: Task, seeds: range) -> Scores:
+    Raises:
+        EpisodeError: the agent failed; the message has the seed, the step and the line.
+        typer.Abort: Ctrl-C was pressed.
+    """
     from agents.console.progress import track
 
-    return evaluate(make_agent, task, track(seeds, name))
+    try:
+        return evaluate(
+            partial(make_agent, name, layout=task.layout),
+            task,
+            track(seeds, shown),
+            lambda recorder, agent, first: run_watched(recorder, agent, name, first),
+        )
+    except EpisodeInterrupted as error:
+        raise typer.Abort from error
+
+
+def scores_tables(scores: Mapping[str, Scores], title: str) -> Iterator[Table]:
+    """Yield two tables of the agents' scores, with 95% intervals; both fit 80 columns."""
+    half = len(MEASURES) // 2
+    for measures, above in ((MEASURES[:half], title), (MEASURES[half:], "")):
+        rows = [(name, *(_words(each, one) for one in measures)) for name, each in scores.items()]
+        yield Table(("agent", *(measure.column for measure in measures)), rows, above)
+
+
+def _words(scores: Scores, measure: Measure) -> str:
+    found = measure.of(scores)
+    if found is None:
+        return "none"
+    words = share(found) if measure is MEASURES[0] else mean(found, "")
+    return words.replace(" (", "\n(")  # the interval below its estimate, to save width
 
 
 def _save(scores: Mapping[str, Scores], title: str, path: Path) -> None:
     from agents.evaluation.figure import scores_figure
     from warehouse_core.viz.figure import save_svg
 
-    figure = scores_figure(scores, title)
+    figure = scores_figure(scores, title, EXPLANATION)
     with atomic_path(path) as part:
         if path.suffix.lower() == ".svg":
             save_svg(figure, part)

@@ -12,7 +12,6 @@ from agents.console.options import (
     BatteryOption,
     LayoutOption,
     MaxStepsOption,
-    Place,
     SaveOption,
     SeedOption,
     StartOption,
@@ -20,6 +19,7 @@ from agents.console.options import (
     load_place,
 )
 from agents.console.output import replay_or_save, unused
+from agents.console.place import Place
 from agents.run_episode import draw_seed, report_episode
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.errors import NoDisplayError

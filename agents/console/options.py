@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import re
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import typer
 
-from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, LayoutError
+from agents.console.place import (
+    Place,
+    Stations,
+    check_stations,
+    usual_stations,
+    what_to_draw,
+)
+from warehouse_core import DEFAULT_LAYOUT, Cell, Layout
 from warehouse_core.files.atomic import check_suffix, check_target
-from warehouse_core.warehouse_env import START, STATIONS
 from warehouse_core.world.layout import check_open
 from warehouse_core.world.named_layouts import NAMES, find_layout
 
@@ -22,32 +27,6 @@ MAX_VIEW_RADIUS = 100
 """A window of this radius has 40,401 cells, which are read at every step."""
 
 RECORD_SUFFIX = ".npz"
-
-
-class Stations(StrEnum):
-    """Where pickup and dropoff come from."""
-
-    DRAWN = "drawn"
-    KEPT = "kept"
-
-
-class Place(NamedTuple):
-    """Where episodes take place.
-
-    Attributes:
-        layout: the walls, and the stations if these are kept.
-        start_pos: the start, ``None`` for a random one.
-        randomize: what is drawn, see ``WarehouseEnv.reset``.
-    """
-
-    layout: Layout
-    start_pos: Cell | None
-    randomize: bool | str
-
-    @property
-    def stations(self) -> Stations:
-        """Where pickup and dropoff come from."""
-        return Stations.DRAWN if self.randomize in (True, STATIONS) else Stations.KEPT
 
 
 def _save_option(help_text: str, *also: str) -> Any:
@@ -225,21 +204,9 @@ def load_place(path: Path | None, stations: Stations | None, start: str | None) 
     layout, cell = load_layout(path), parse_cell(start, "--start")
     if cell is not None:
         check_open(layout, cell, "--start")
-    if stations is None:
-        has_own = layout is not DEFAULT_LAYOUT and layout.pickups + layout.dropoffs
-        stations = Stations.KEPT if has_own else Stations.DRAWN
-    if stations is Stations.DRAWN:
-        empty = len(layout.open_cells) - len(layout.pickups + layout.dropoffs)
-        if empty < 2:
-            raise LayoutError(
-                f"{path}: pickup and dropoff are drawn from the empty cells; allowed: two or more, "
-                f"and there are {empty}"
-            )
-        return Place(layout, cell, True if cell is None else STATIONS)
-    for name, cells in (("pickup P", layout.pickups), ("dropoff D", layout.dropoffs)):
-        if not cells:
-            raise LayoutError(f"{path}: there is no {name}; add one, or use --stations drawn")
-    return Place(layout, cell, START if cell is None else False)
+    chosen = stations or usual_stations(layout, is_default=layout is DEFAULT_LAYOUT)
+    check_stations(layout, chosen, path, "--stations drawn")
+    return Place(layout, cell, what_to_draw(chosen, cell))
 
 
 def greedy_with(agent: str, memory: int | None, escape: bool | None) -> str:

@@ -47,6 +47,30 @@ def share_interval(count: int, total: int) -> Interval:
     return Interval(count / total, float(found.low), float(found.high))
 
 
+def ratio_interval(costs: np.ndarray, successes: np.ndarray) -> Interval | None:
+    """Return the interval of a sum of costs divided by the number of successes.
+
+    The ratio is linearised: its error is that of the mean of ``(cost - ratio * success) / share``.
+
+    Args:
+        costs: ``[n]`` of each trial.
+        successes: ``[n]`` whether it succeeded; of fewer than ``MIN_VALUES`` successes there is no
+            interval, as the linearisation is then poor.
+
+    Returns:
+        The interval, or ``None`` without a success.
+
+    Source: Cochran (1977), Sampling techniques, 3rd ed., chapter 6.
+    """
+    count = np.count_nonzero(successes)
+    if not count:
+        return None
+    ratio = float(costs.sum()) / count
+    if count < MIN_VALUES:
+        return Interval(ratio)
+    return mean_interval(ratio + (costs - ratio * successes) / np.mean(successes))
+
+
 def mean_interval(values: np.ndarray) -> Interval | None:
     """Return the interval of a mean by the percentile bootstrap; equal values give an equal one.
 

@@ -14,25 +14,56 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.evaluation.interval import Interval, mean_interval, share_interval
-from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, WarehouseEnv
+from agents.evaluation.interval import (
+    CONFIDENCE,
+    MIN_VALUES,
+    Interval,
+    mean_interval,
+    ratio_interval,
+    share_interval,
+)
+from warehouse_core import (
+    DEFAULT_LAYOUT,
+    Agent,
+    Cell,
+    EpisodeRecorder,
+    Layout,
+    Observation,
+    WarehouseEnv,
+)
 from warehouse_core.records.failure_modes import fewest_steps
 
 MakeAgent = Callable[[int], Agent]
 """Returns the agent for the episode with a seed."""
 
+Act = Callable[[EpisodeRecorder, Agent, Observation], None]
+"""Takes an agent from its reset through an episode, beginning with the first observation."""
+
 
 class Task(NamedTuple):
-    """What an agent has to do."""
+    """What an agent has to do.
+
+    Attributes:
+        layout: the walls, and the stations if they are not drawn.
+        battery: units of a full battery.
+        max_steps: of an episode.
+        backend: name of a motion backend.
+        start_pos: the start if it is not drawn; ``None`` for the usual one.
+        randomize: what is drawn, see ``WarehouseEnv.reset``.
+    """
 
     layout: Layout = DEFAULT_LAYOUT
     battery: int = 200
     max_steps: int = 200
     backend: str = "grid"
+    start_pos: Cell | None = None
+    randomize: bool | str = True
 
     def make_env(self) -> WarehouseEnv:
         """Return an environment for the task."""
-        return WarehouseEnv(self.layout, None, self.max_steps, self.battery, backend=self.backend)
+        return WarehouseEnv(
+            self.layout, self.start_pos, self.max_steps, self.battery, backend=self.backend
+        )
 
 
 class Run(NamedTuple):
@@ -57,9 +88,10 @@ class Run(NamedTuple):
 
 @dataclass(frozen=True)
 class Scores:
-    """The outcomes of an agent's episodes, and their means with 95% intervals.
+    """The outcomes of an agent's episodes, and what they come to, with 95% intervals.
 
-    The means are over deliveries, except those of ``success`` and ``expanded``.
+    Steps, seconds and joules a delivery are those of all episodes divided by the deliveries. Means
+    over the deliveries alone would favour an agent that delivers only what is near.
     """
 
     runs: Sequence[Run]
@@ -81,31 +113,32 @@ class Scores:
 
     @property
     def steps(self) -> Interval | None:
-        """The steps of a delivery."""
-        return self._mean(lambda run: run.steps)
+        """The steps of all episodes divided by the deliveries; ``None`` without a delivery."""
+        return self._a_delivery(lambda run: run.steps)
 
     @property
     def ratio(self) -> Interval | None:
-        """The steps of a delivery divided by the fewest possible; at least 1."""
-        return self._mean(lambda run: run.steps / run.needed)
+        """The mean, over deliveries, of their steps divided by the fewest; at least 1."""
+        ratios = [run.steps / run.needed for run in self.runs if run.delivered]
+        return mean_interval(np.array(ratios))
 
     @property
     def seconds(self) -> Interval | None:
-        """The simulated time of a delivery, in s."""
-        return self._mean(lambda run: run.seconds)
+        """The simulated time of all episodes divided by the deliveries, in s."""
+        return self._a_delivery(lambda run: run.seconds)
 
     @property
     def joules(self) -> Interval | None:
-        """The energy of a delivery, in J."""
-        return self._mean(lambda run: run.joules)
+        """The energy of all episodes divided by the deliveries, in J."""
+        return self._a_delivery(lambda run: run.joules)
 
     @property
     def expanded(self) -> Interval | None:
         """The nodes expanded in an episode."""
         return mean_interval(np.array([run.expanded for run in self.runs], dtype=float))
 
-    def _mean(self, value: Callable[[Run], float]) -> Interval | None:
-        return mean_interval(np.array([value(run) for run in self.runs if run.delivered]))
+    def _a_delivery(self, value: Callable[[Run], float]) -> Interval | None:
+        return ratio_interval(np.array([value(run) for run in self.runs]), self.delivered)
 
 
 class Measure(NamedTuple):
@@ -115,46 +148,71 @@ class Measure(NamedTuple):
         column: its name in a table.
         title: its name above a chart.
         of: returns its value.
+        is_log: whether its axis is logarithmic, as agents differ by orders of magnitude.
     """
 
     column: str
     title: str
     of: Callable[[Scores], Interval | None]
+    is_log: bool = False
 
 
 MEASURES = (
     Measure("success", "delivered", lambda scores: scores.success),
-    Measure("steps", "steps of a delivery", lambda scores: scores.steps),
-    Measure("of the fewest", "steps over the fewest there are", lambda scores: scores.ratio),
-    Measure("expanded", "nodes expanded in an episode", lambda scores: scores.expanded),
-    Measure("seconds", "seconds of a delivery", lambda scores: scores.seconds),
-    Measure("joules", "joules of a delivery", lambda scores: scores.joules),
+    Measure("steps a delivery", "steps a delivery", lambda scores: scores.steps, is_log=True),
+    Measure(
+        "of the fewest\n(deliveries)",
+        "steps over the fewest, of deliveries",
+        lambda scores: scores.ratio,
+        is_log=True,
+    ),
+    Measure("expanded", "nodes expanded an episode", lambda scores: scores.expanded),
+    Measure("seconds a delivery", "seconds a delivery", lambda scores: scores.seconds, is_log=True),
+    Measure("joules a delivery", "joules a delivery", lambda scores: scores.joules, is_log=True),
 )
 
+EXPLANATION = (
+    "Steps, seconds and joules a delivery are those of all episodes, failures included, divided "
+    "by the deliveries. Steps over the fewest possible: a mean over the deliveries alone. "
+    f"Ranges are {CONFIDENCE:.0%} intervals; means and ratios of fewer than {MIN_VALUES} "
+    "deliveries or episodes have none."
+)
+"""What the measures are, for a reader of a table or a figure."""
 
-def evaluate(make_agent: MakeAgent, task: Task, seeds: Iterable[int]) -> Scores:
-    """Run one whole episode for each seed and return the outcomes."""
-    return Scores([_run(make_agent(seed), task, seed) for seed in seeds])
+
+def act_until_the_end(recorder: EpisodeRecorder, agent: Agent, observation: Observation) -> None:
+    """Reset an agent and let it act until the episode is over."""
+    agent.reset()
+    recorder.run(agent, observation)
 
 
-def _run(agent: Agent, task: Task, seed: int) -> Run:
+def evaluate(
+    make_agent: MakeAgent, task: Task, seeds: Iterable[int], act: Act = act_until_the_end
+) -> Scores:
+    """Run one whole episode for each seed and return the outcomes.
+
+    Args:
+        make_agent: makes the agent of each episode.
+        task: to be done.
+        seeds: of the episodes.
+        act: takes an agent through an episode, from its reset to the end.
+    """
+    return Scores([_run(make_agent(seed), task, seed, act) for seed in seeds])
+
+
+def _run(agent: Agent, task: Task, seed: int, act: Act) -> Run:
     # Random stations depend on the stations before them, so each episode has its own environment.
     with closing(task.make_env()) as env:
-        observation, done, terminated = env.reset(randomize=True, seed=seed), False, False
+        observation = env.reset(task.randomize, seed)
         [needed] = fewest_steps(env.layout, (env.state.robot_pos, False))
-        agent.reset()
-        seconds = joules = 0.0
-        while not done:
-            observation, _, terminated, truncated, _ = env.step(agent.act(observation))
-            done = terminated or truncated
-            assert env.last_motion is not None, "each step has a motion"
-            seconds += env.last_motion.seconds
-            joules += env.last_motion.joules
+        recorder = EpisodeRecorder(env, seed=seed)
+        act(recorder, agent, observation)
+        episode = recorder.episode
         return Run(
-            terminated,
-            env.state.steps,
+            episode.terminated,
+            episode.steps,
             math.nan if needed is None else needed,
-            seconds,
-            joules,
+            episode.seconds,
+            episode.joules,
             getattr(agent, "expanded", 0),
         )

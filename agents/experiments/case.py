@@ -12,17 +12,21 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
+from agents.console.place import Stations, check_stations, usual_stations
 from agents.experiments.parameters import DEFAULT, PARAMETERS, PHYSICAL, RANDOM, Value, find, shown
 from agents.registry import agent_file, make_agent
 from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, WarehouseEnv, random_layout
+from warehouse_core import Agent, Layout, WarehouseEnv, random_layout
 from warehouse_core.motion.backends import Backend
-from warehouse_core.world.map_files import load_layout
+from warehouse_core.world.named_layouts import find_layout
 
 Case = Mapping[str, Any]
 
 TILES, FINGERPRINT = "tiles", "fingerprint"
 """Keys beside the parameters: the rows of the layout, and the digest of the agent's file."""
+
+IMPLIED = {"stations": str(Stations.DRAWN)}
+"""Left out of a case as text, as in the files of version 0.1.0, which are read and resumed."""
 
 _layout = lru_cache(Layout)
 
@@ -34,15 +38,17 @@ def make_case(values: Mapping[str, Value]) -> dict[str, Any]:
         ValueError: a layout, an agent or a robot that cannot be used.
         OSError: a file that cannot be read.
     """
+    layout_name = values.get("layout", DEFAULT)
     case: dict[str, Any] = {}
+    if layout_name != RANDOM:
+        case[TILES] = list(find_layout(str(layout_name)).rows)
     for name in [*PARAMETERS, *sorted(values.keys() - PARAMETERS.keys())]:
         parameter = find(name)
         if parameter.applies(case):
-            case[name] = values.get(name, parameter.default)
-    if case["layout"] != RANDOM:
-        is_default = case["layout"] == DEFAULT
-        layout = DEFAULT_LAYOUT if is_default else load_layout(case["layout"])
-        case[TILES] = list(layout.rows)
+            case[name] = values.get(name, default_of(name, case))
+    if TILES in case:  # a random layout has its stations
+        kept_or_drawn = Stations(case["stations"])
+        check_stations(layout_of(case), kept_or_drawn, layout_name, "stations=drawn")
     env = make_env(case, seed=0)
     env.close()
     make_agent_for(case, 0, env.layout)
@@ -52,9 +58,17 @@ def make_case(values: Mapping[str, Value]) -> dict[str, Any]:
     return case
 
 
+def default_of(name: str, case: Case) -> Value | None:
+    """Return the default of a parameter, given the values of the parameters before it."""
+    if name == "stations" and TILES in case:
+        return str(usual_stations(layout_of(case), is_default=case["layout"] == DEFAULT))
+    return find(name).default
+
+
 def key_of(case: Case) -> str:
     """Return the case as text, the same for equal cases."""
-    return json.dumps(case, sort_keys=True, separators=(",", ":"))
+    told = {name: value for name, value in case.items() if IMPLIED.get(name) != value}
+    return json.dumps(told, sort_keys=True, separators=(",", ":"))
 
 
 def flags_of(case: Case) -> list[str]:
@@ -63,7 +77,7 @@ def flags_of(case: Case) -> list[str]:
         f"{name}={shown(value)}"
         for name, value in case.items()
         if name not in (TILES, FINGERPRINT)
-        and (name not in PARAMETERS or value != PARAMETERS[name].default)
+        and (name not in PARAMETERS or value != default_of(name, case))
     ]
 
 
@@ -77,10 +91,15 @@ def agent_fingerprint(case: Case) -> str | None:
     return None if file is None else hashlib.sha256(file.read_bytes()).hexdigest()
 
 
+def layout_of(case: Case) -> Layout:
+    """Return the layout of a case that has tiles."""
+    return _layout(tuple(case[TILES]))
+
+
 def make_env(case: Case, seed: int) -> WarehouseEnv:
     """Return a new environment for one episode of a case."""
     if TILES in case:
-        layout = _layout(tuple(case[TILES]))
+        layout = layout_of(case)
     else:
         height, width = map(int, case["size"].split("x"))
         layout = random_layout(height, width, case["density"], seed)

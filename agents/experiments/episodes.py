@@ -7,6 +7,7 @@ from contextlib import closing
 from time import perf_counter
 from typing import NamedTuple
 
+from agents.console.place import Stations, what_to_draw
 from agents.errors import AgentError, EpisodeError, reason_of
 from agents.experiments.case import (
     FINGERPRINT,
@@ -61,8 +62,10 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
 
 def run_one(case: Case, seed: int) -> Episode:
     """Run one episode of a case and return its record."""
+    randomize = what_to_draw(Stations(case["stations"]))
     with closing(make_env(case, seed)) as env:
-        return record_episode(env, make_agent_for(case, seed, env.layout), seed=seed)
+        agent = make_agent_for(case, seed, env.layout)
+        return record_episode(env, agent, seed=seed, randomize=randomize)
 
 
 def row_of(episode: Episode) -> Row:

@@ -13,6 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields
 from typing import Any, NamedTuple
 
+from agents.console.place import Stations
 from agents.errors import ParameterError
 from warehouse_core.motion import backends
 from warehouse_core.world.generators import MAX_DENSITY
@@ -94,6 +95,13 @@ def backend(value: Any) -> str:
     return str(value)
 
 
+def stations(value: Any) -> str:
+    """Check that a value says where pickup and dropoff come from."""
+    if value not in list(Stations):
+        raise ValueError(" or ".join(Stations))
+    return str(value)
+
+
 def size(value: Any) -> str:
     """Check that a value is a height and a width such as ``7x12``."""
     found = re.fullmatch(r"([1-9]\d{0,3})x([1-9]\d{0,3})", str(value))
@@ -119,6 +127,10 @@ PARAMETERS = {
     "density": Parameter(
         0.2, number(0, MAX_DENSITY), {"layout": RANDOM},
         "What do more obstacles do?",
+    ),
+    "stations": Parameter(  # for a layout file its default is another, see case.py
+        str(Stations.DRAWN), stations,
+        question="What do random pickups and dropoffs change?",
     ),
     "battery": Parameter(
         200, whole(1), question="How does battery capacity affect success?"

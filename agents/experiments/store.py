@@ -16,8 +16,9 @@ from pathlib import Path
 from time import monotonic, sleep
 from typing import Any, NamedTuple
 
+from agents.console.place import Stations
 from agents.errors import StoreError
-from agents.experiments.case import TILES, Case, key_of
+from agents.experiments.case import IMPLIED, TILES, Case, key_of
 
 VERSION = 1
 """Of the tables; stored in the file as its ``user_version``."""
@@ -185,7 +186,7 @@ class Store:
         try:
             case = json.loads(text)
             if isinstance(case, dict) and _is_case(case):
-                return case
+                return IMPLIED | case
         except (ValueError, TypeError, RecursionError):
             pass
         raise StoreError(f"{self.path}: it has an invalid case, {text!r}")
@@ -293,6 +294,7 @@ def _is_case(case: dict[str, object]) -> bool:
         and all(isinstance(case.get(name), str) for name in names)
         and isinstance(rows, list)
         and len(set(map(len, rows))) == 1
+        and case.get("stations", Stations.DRAWN) in list(Stations)
     )
 
 

@@ -6,7 +6,7 @@ import platform
 from collections.abc import Iterator
 from importlib.metadata import version
 
-from agents.evaluation.interval import CONFIDENCE
+from agents.evaluation.interval import CONFIDENCE, MIN_VALUES
 from agents.evaluation.wording import mean, share
 from agents.experiments.parameters import shown
 from agents.experiments.store import Store
@@ -23,9 +23,9 @@ MAX_CASES = 200
 """In the table; the others are only in the file."""
 
 METHODS = (
-    f"Brackets and whiskers are {CONFIDENCE:.0%} intervals, Wilson's of shares and percentile "
-    "bootstrap's of means; p is that of McNemar's exact test, times the pairs of values where the "
-    "two best were chosen from more."
+    f"Ranges in brackets, whiskers and bands are {CONFIDENCE:.0%} intervals, Wilson's of shares "
+    f"and percentile bootstrap's of means of at least {MIN_VALUES} values; p is that of McNemar's "
+    "exact test, times the pairs of values where the two best were chosen from more."
 )
 
 MADE_WITH = ("warehouse-lab", "numpy", "scipy", "matplotlib")

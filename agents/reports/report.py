@@ -53,17 +53,18 @@ def report(
         page = make_page(
             store, tuple(replay(found, run_own_code=bool(replays)) for found in wanted)
         )
-    typer.echo(page.summary)
-    for answer in page.answers:
-        typer.echo(f"\n{typer.style(answer.question, bold=True)}")
-        for sentence in answer.sentences:
-            typer.echo(sentence)
-    typer.echo()
+    # Files first, because the reader of standard output may leave, as ``head`` does.
     write_page(target, page)
-    typer.echo(f"saved {target}")
+    saved = [f"saved {target}"]
     if figures:
         figures.mkdir(parents=True, exist_ok=True)
         for picture in page.pictures:
             with atomic_path(figures / f"{picture.name}.svg") as part:
                 part.write_bytes(picture.svg)
-        typer.echo(f"saved {counted(len(page.pictures), 'figure')} in {figures}")
+        saved.append(f"saved {counted(len(page.pictures), 'figure')} in {figures}")
+    typer.echo(page.summary)
+    for answer in page.answers:
+        typer.echo(f"\n{typer.style(answer.question, bold=True)}")
+        for sentence in answer.sentences:
+            typer.echo(sentence)
+    typer.echo("\n" + "\n".join(saved))

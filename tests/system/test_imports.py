@@ -59,7 +59,7 @@ MAY_IMPORT = {
     "agents/experiments": "console errors registry warehouse_agent_greedy",
     "agents/run_episode": "console errors registry",
     "agents/commands": (
-        "console errors evaluation learning run_episode search warehouse_agent_greedy"
+        "console errors evaluation learning registry run_episode search warehouse_agent_greedy"
     ),
     "agents/reports/analysis": "errors evaluation experiments",
     "agents/reports/figures": "errors evaluation experiments reports/analysis",

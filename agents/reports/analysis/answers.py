@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from agents.evaluation.wording import points, sentence, share
+from agents.evaluation.wording import points, sentence
 from agents.experiments.parameters import PARAMETERS, shown
 from agents.reports.analysis import statements
 from agents.reports.analysis.comparison import compare
@@ -19,7 +19,7 @@ from agents.reports.analysis.results import Experiment
 from agents.reports.analysis.statements import Point
 from warehouse_core.wording import counted
 
-OTHER_TASKS = {"layout", "size", "density"}
+OTHER_TASKS = {"layout", "size", "density", "stations"}
 """If one of these differs, equal seeds are different tasks, and are not compared."""
 
 MAX_DESCRIBED = 4
@@ -44,17 +44,24 @@ def answers(experiment: Experiment, design: Design) -> tuple[Answer, ...]:
             words = map(sentence, _sentences(experiment, factor, series))
             found.append(Answer(question, tuple(words)))
     if not found:
-        point = Point("", 0, experiment.results(*design.labels))
-        found.append(Answer("How does it do?", tuple(map(sentence, _alone(point)))))
+        found.append(Answer("How does it do?", tuple(map(sentence, _apart(experiment, design)))))
     return tuple(found)
 
 
-def _alone(point: Point) -> Iterator[str]:
-    episodes = counted(point.results.episodes, "episode")
-    yield f"success is {share(point.results.success)} over {episodes}"
-    yield from statements.lengths([point])
-    yield from statements.time_and_energy([point])
-    yield from statements.failures([point])
+def _apart(experiment: Experiment, design: Design) -> Iterator[str]:
+    """Describe cases none of which can be compared with another: not pooled, each by itself."""
+    varied = [factor.name for factor in design.factors]
+    chosen = list(design.labels)[:MAX_DESCRIBED]
+    for case_id in chosen:
+        name = described({each: design.labels[case_id][each] for each in varied})
+        line = [Point(name, case_id, experiment.results(case_id))]
+        yield statements.alone(line[0])
+        yield from statements.lengths(line)
+        yield from statements.time_and_energy(line)
+        yield from statements.failures(line)
+    left = len(design.labels) - len(chosen)
+    if left:
+        yield f"{counted(left, 'further combination')} cannot be compared with these"
 
 
 def _sentences(experiment: Experiment, factor: Factor, series: Sequence[Series]) -> Iterator[str]:
@@ -71,6 +78,7 @@ def _sentences(experiment: Experiment, factor: Factor, series: Sequence[Series])
         pair, pairs = (line[0], line[1]), math.comb(len(line), 2)
         told = line if len(line) <= MAX_DESCRIBED else pair
         yield where + statements.ranking(line)
+    yield from statements.numbers(line)
     if factor.name not in OTHER_TASKS:
         found = compare(experiment.store, pair[0].case_id, pair[1].case_id, pairs)
         yield from statements.seed_by_seed(*pair, found)
@@ -82,7 +90,7 @@ def _sentences(experiment: Experiment, factor: Factor, series: Sequence[Series])
             _changes(experiment, others)
             if _is_trend(factor)
             else _best_elsewhere(experiment, factor, line[0], others)
-        )
+        ) + _numbers(experiment, line, others)
 
 
 def _is_trend(factor: Factor) -> bool:
@@ -111,6 +119,18 @@ def _changes(experiment: Experiment, series: Sequence[Series]) -> str:
         f"in the other {len(series)} combinations success changes by between {points(least[0])} "
         f"({least[2]}, {least[1]}) and {points(most[0])} ({most[2]}, {most[1]})"
     )
+
+
+def _numbers(experiment: Experiment, line: Sequence[Point], series: Sequence[Series]) -> str:
+    """Give the numbers of episodes of other series if they are not all that of a line."""
+    ids = {case_id for each in series for case_id in each.cases.values()}
+    there = {experiment.results(case_id).episodes for case_id in ids}
+    if len(there | {point.results.episodes for point in line}) == 1:
+        return ""
+    fewest, most = min(there), max(there)
+    if fewest < most:
+        return f", from {fewest:,} to {most:,} episodes each"
+    return f", {counted(most, 'episode')} each"
 
 
 def _best_elsewhere(

@@ -139,7 +139,20 @@ def _labels(cases: Mapping[int, Case]) -> dict[int, Labels]:
         for case_id, case in cases.items():
             mark = f" ({_mark(case[content])})" if versions[case[name]] > 1 else ""
             found[case_id][name] = f"{short[case[name]]}{mark}"
+    _name_stations_with_layouts(found.values())
     return found
+
+
+def _name_stations_with_layouts(labels: Collection[Labels]) -> None:
+    """Make stations a part of the layout where they differ, but in no layout: one factor, not two.
+
+    By default those of a file are kept and others drawn.
+    """
+    found = {(each["layout"], each["stations"]) for each in labels}
+    layouts, stations = ({each[place] for each in found} for place in (0, 1))
+    if len(found) == len(layouts) and len(stations) > 1:
+        for each in labels:
+            each["layout"] = f"{each['layout']} (stations {each.pop('stations')})"
 
 
 def _without_folders(names: Collection[str]) -> dict[str, str]:

@@ -42,6 +42,15 @@ class Point(NamedTuple):
     results: Results
 
 
+def alone(point: Point) -> str:
+    """Give the success of one case."""
+    results = point.results
+    return (
+        f"success is {share(results.success)}{_with(point)} over "
+        f"{counted(results.episodes, 'episode')}"
+    )
+
+
 def trend(line: Sequence[Point]) -> str:
     """Describe how success changes from the first value to the last."""
     first, last = line[0], line[-1]
@@ -73,6 +82,19 @@ def ranking(ranked: Sequence[Point]) -> str:
     shares = [f"{share(point.results.success)} with {point.name}" for point in named]
     left = f"; {len(ranked) - len(named)} others lie between" if len(named) < len(ranked) else ""
     return f"success is {listed(shares)}{left}"
+
+
+def numbers(line: Sequence[Point]) -> Iterator[str]:
+    """Give the number of episodes with each value if that differs: few prove less than many."""
+    ranked = sorted(line, key=lambda point: -point.results.episodes)
+    most, fewest = (counted(ranked[end].results.episodes, "episode") for end in (0, -1))
+    if most == fewest:
+        return
+    if len(line) > MAX_NAMED:
+        yield f"there are from {fewest} with {ranked[-1].name} to {most} with {ranked[0].name}"
+    else:
+        parts = [f"{counted(each.results.episodes, 'episode')}{_with(each)}" for each in ranked]
+        yield f"there are {listed(parts)}"
 
 
 def seed_by_seed(one: Point, other: Point, found: Comparison) -> Iterator[str]:

@@ -62,7 +62,7 @@ def measure_chart(
     if roles.axis is None:
         return None
     lines = {
-        where: {value: _measured(measure, results) for value, results in line.items()}
+        where: {value: measured(measure, results) for value, results in line.items()}
         for where, line in lines_of(experiment, design, roles).items()
     }
     if not any(point for line in lines.values() for point in line.values()):
@@ -99,7 +99,7 @@ def measure_chart(
     return figure
 
 
-def _measured(measure: Measure, results: Results) -> Interval | None:
+def measured(measure: Measure, results: Results) -> Interval | None:
     """Return a measure, without its interval if cases are pooled: they share their seeds."""
     found = measure(results)
     return found if found is None or len(results.case_ids) == 1 else Interval(found.estimate)

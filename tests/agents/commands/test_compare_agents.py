@@ -1,15 +1,14 @@
 """The command ``warehouse compare-agents``."""
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 from helpers.command_line import command, refusal
 from PIL import Image
 
-from agents.commands.compare_agents import contenders
-from agents.search.agents import ExploringAgent
-from warehouse_core import DEFAULT_LAYOUT
+from agents.commands import compare_agents
+from agents.commands.compare_agents import AGENTS
+from agents.evaluation.scores import EXPLANATION
 
 SMALL = ("compare-agents", "-n", 2, "--backend", "grid", "--max-steps", 40)
 
@@ -17,12 +16,16 @@ SMALL = ("compare-agents", "-n", 2, "--backend", "grid", "--max-steps", 40)
 def test_it_prints_a_row_for_each_agent(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("COLUMNS", "150")
+    monkeypatch.setenv("COLUMNS", "80")
     code, out, err = command(capsys, *SMALL, "--seed", 5)
     assert (code, err) == (0, "")
-    assert "2 episodes each, backend grid, seeds from 5" in out
-    assert all(name in out for name in contenders(DEFAULT_LAYOUT))
-    assert "none" not in out.split("A*")[1]
+    assert "2 episodes each, backend grid, seeds from 5, stations drawn" in out
+    lines = out.splitlines()
+    names = [line.split("\u2502")[1].strip() for line in lines if line.startswith("\u2502")]
+    assert list(filter(None, names)) == 2 * list(AGENTS.values())
+    assert max(map(len, lines)) <= 80
+    assert EXPLANATION in out.replace("\n", " ")
+    assert "none" not in "".join(line for line in lines if "A*" in line)
 
 
 def test_the_same_seeds_give_the_same_table(capsys: pytest.CaptureFixture[str]) -> None:
@@ -31,13 +34,74 @@ def test_the_same_seeds_give_the_same_table(capsys: pytest.CaptureFixture[str]) 
     assert rows[0] == rows[1] != rows[2]
 
 
-def test_the_agents_are_what_their_names_say() -> None:
-    made: dict[str, Any] = {name: make(7) for name, make in contenders(DEFAULT_LAYOUT).items()}
-    assert made["greedy"].seed == made["greedy without escape"].seed == 7
-    assert made["greedy"].escape_steps > 0
-    assert made["greedy without escape"].escape_steps == 0
-    assert isinstance(made["exploring"], ExploringAgent)
-    assert (made["uniform-cost"].algorithm, made["A*"].algorithm) == ("ucs", "astar")
+MINE = """
+class Mine:
+    def reset(self):
+        self.steps = 0
+
+    def act(self, observation):
+        self.steps += 1
+        if self.steps == 4:
+            raise ValueError("too far")
+        return "N"
+"""
+
+
+def test_an_agent_is_added_with_its_arguments_and_once(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("COLUMNS", "30")
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text(MINE.replace("4", "-1"))
+    more = [
+        word for name in ("mine.py:Mine", "greedy:memory=3", "astar") for word in ("--agent", name)
+    ]
+    lines = command(capsys, *SMALL, *more).out.splitlines()
+    names = [*AGENTS.values(), "mine.py:Mine", "greedy:memory=3"]
+    assert [line for line in lines if line in names] == 2 * names
+
+
+def test_the_place_is_that_of_the_options(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    tasks = []
+    monkeypatch.setattr(
+        compare_agents, "evaluate_watched", lambda _, __, task, ___: tasks.append(task)
+    )
+    monkeypatch.setattr(compare_agents, "scores_tables", lambda *_: [])
+    file = tmp_path / "hall.txt"
+    file.write_text("P.D.\n")
+    for words in ([], ["--start", "0,1"], ["--stations", "drawn"]):
+        assert command(capsys, *SMALL, "--layout", file, *words).code == 0
+    places = list(dict.fromkeys((task.start_pos, task.randomize) for task in tasks))
+    assert places == [(None, "start"), ((0, 1), False), (None, True)]
+
+
+def test_an_agent_that_fails_is_one_line_with_its_place(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text(MINE)
+    line = refusal(capsys, *SMALL, "--seed", 6, "--agent", "mine.py:Mine")
+    assert line == "seed 6, step 4, agent mine.py:Mine: ValueError: too far (mine.py, line 9)"
+    ran = []
+    monkeypatch.setattr(compare_agents, "evaluate", lambda *_: ran.append(1))
+    assert "no class 'Yours'" in refusal(capsys, *SMALL, "--agent", "mine.py:Yours")
+    assert not ran
+
+
+def test_a_reader_that_leaves_does_not_cost_the_figure(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def leave(_: object) -> None:
+        raise BrokenPipeError
+
+    monkeypatch.setattr(compare_agents, "print_table", leave)
+    with pytest.raises(BrokenPipeError):
+        compare_agents.compare_agents(
+            episodes=1, backend="grid", max_steps=2, save=tmp_path / "figure.svg"
+        )
+    assert (tmp_path / "figure.svg").exists()
 
 
 @pytest.mark.parametrize("name", ["figure.png", "figure.svg"])

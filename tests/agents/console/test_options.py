@@ -6,14 +6,13 @@ from helpers.command_line import command, refusal
 
 from agents.console.options import (
     BatteryOption,
-    Place,
     SaveOption,
     SaveReplayOption,
-    Stations,
     greedy_with,
     load_layout,
     load_place,
 )
+from agents.console.place import Place, Stations
 from warehouse_core import DEFAULT_LAYOUT, LayoutError
 from warehouse_core.world.map_files import save_layout
 

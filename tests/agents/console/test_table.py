@@ -5,8 +5,8 @@ import pytest
 from agents.console.table import Table, print_table
 
 TABLE = Table(
-    ("agent", "steps", "command"),
-    [("greedy [0]", "12.5", "warehouse run"), ("uniform-cost", "9", "none")],
+    ("agent", "steps\n(all)", "command"),
+    [("greedy [0]", "12.5\n(9 to 16)", "warehouse run"), ("uniform-cost", "9", "none")],
     "2 episodes each",
     "of what was delivered",
 )
@@ -32,10 +32,10 @@ def test_a_table_that_is_too_wide_is_a_list(
     assert capsys.readouterr().out.splitlines() == [
         "2 episodes each",
         "greedy [0]",
-        "  steps: 12.5",
+        "  steps (all): 12.5 (9 to 16)",
         "  command: warehouse run",
         "uniform-cost",
-        "  steps: 9",
+        "  steps (all): 9",
         "  command: none",
         "of what was delivered",
     ]

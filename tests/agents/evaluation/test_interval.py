@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from agents.evaluation.interval import MIN_VALUES, Interval, mean_interval, share_interval
+from agents.evaluation.interval import (
+    MIN_VALUES,
+    Interval,
+    mean_interval,
+    ratio_interval,
+    share_interval,
+)
 
 
 @pytest.mark.parametrize(
@@ -56,6 +62,27 @@ def test_large_values_lose_no_digits() -> None:
 
 def test_equal_values_have_an_interval_of_width_zero() -> None:
     assert mean_interval(np.full(20, 7.0)) == Interval(7.0, 7.0, 7.0)
+
+
+def test_a_ratio_has_the_error_of_its_linearisation() -> None:
+    stream = np.random.default_rng(5)
+    delivered = stream.random(3000) < 0.4
+    costs = np.where(delivered, stream.exponential(15, 3000), 200.0)
+    found = ratio_interval(costs, delivered)
+    assert found is not None
+    ratio = costs.sum() / delivered.sum()
+    assert found.estimate == pytest.approx(ratio)
+    error = np.sqrt(((costs - ratio * delivered) ** 2).sum()) / delivered.sum()
+    assert found.high - found.low == pytest.approx(2 * 1.96 * error, rel=0.1)
+
+
+@pytest.mark.parametrize(("count", "is_known"), [(MIN_VALUES - 1, False), (MIN_VALUES, True)])
+def test_a_ratio_to_few_successes_has_no_interval(count: int, is_known: bool) -> None:
+    found = ratio_interval(np.arange(100.0), np.arange(100) < count)
+    assert found is not None
+    assert found.estimate == pytest.approx(4950 / count)
+    assert found.is_known is is_known
+    assert ratio_interval(np.arange(5.0), np.zeros(5, bool)) is None
 
 
 def test_few_values_have_a_mean_and_no_interval() -> None:

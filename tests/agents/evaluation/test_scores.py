@@ -30,14 +30,24 @@ class Waiter:
         return "WAIT"
 
 
-@pytest.mark.parametrize("task", [Task(battery=20), Task(ROOM, 100, 5), Task(backend="physics")])
+@pytest.mark.parametrize(
+    "task",
+    [
+        Task(battery=20),
+        Task(ROOM, 100, 5),
+        Task(backend="physics"),
+        Task(ROOM, 50, 50, "grid", None, "start"),
+        Task(ROOM, 50, 50, "grid", (2, 1), False),
+    ],
+)
 def test_the_episodes_are_those_of_the_command_run(task: Task) -> None:
     seeds = range(100, 115) if task.backend == "grid" else range(100, 102)
     scores = evaluate(GreedyAgent, task, seeds)
     for seed, run in zip(seeds, scores.runs, strict=True):
         episode = run_episode(
-            "greedy", task.backend, task.layout, seed, task.battery, task.max_steps
-        )
+            "greedy", task.backend, task.layout, seed, task.battery, task.max_steps,
+            start_pos=task.start_pos, randomize=task.randomize,
+        )  # fmt: skip
         assert run == Run(
             episode.terminated, episode.steps, float(diagnose(episode).needed or 0),
             episode.seconds, episode.joules, 0,
@@ -82,21 +92,38 @@ def test_needed_is_nan_where_no_path_leads() -> None:
     assert not any(run.delivered for run in cut_off)
 
 
-def test_all_means_but_success_and_expansions_are_over_deliveries() -> None:
+def test_failures_cost_what_they_cost_and_only_the_ratio_to_the_fewest_is_of_deliveries() -> None:
     scores = Scores([GOOD] * 30 + [BAD] * 10)
-    found = {each.column: each.of(scores) for each in MEASURES}
+    found = {each.column.split("\n")[0]: each.of(scores) for each in MEASURES}
     assert {name: interval and interval.estimate for name, interval in found.items()} == {
-        "success": 0.75, "steps": 20, "of the fewest": 2, "expanded": pytest.approx(27.5),
-        "seconds": 40, "joules": 900,
+        "success": 0.75, "steps a delivery": pytest.approx((30 * 20 + 10 * 200) / 30),
+        "of the fewest": 2, "expanded": pytest.approx(27.5),
+        "seconds a delivery": pytest.approx((30 * 40 + 10 * 400) / 30),
+        "joules a delivery": pytest.approx((30 * 900 + 10 * 9000) / 30),
     }  # fmt: skip
     assert Scores([BAD]).steps is None
 
 
-def test_the_figure_has_a_bar_for_each_agent_in_each_panel() -> None:
-    figure = scores_figure({"one": Scores([GOOD] * 30), "two": Scores([GOOD] * 3)}, "A title")
+def test_an_agent_that_delivers_only_what_is_near_does_not_look_better() -> None:
+    choosy, thorough = Scores([GOOD] * 20 + [BAD] * 20), Scores([GOOD._replace(steps=30)] * 40)
+    assert choosy.steps is not None
+    assert thorough.steps is not None
+    assert choosy.steps.low > thorough.steps.high
+
+
+def test_the_figure_has_a_mark_for_each_agent_in_each_panel() -> None:
+    scores = {"one": Scores([GOOD] * 30), "a" * 60: Scores([GOOD] * 3)}
+    figure = scores_figure(scores, "A title", "What is measured.")
     assert [axes.get_title(loc="left") for axes in figure.axes] == [each.title for each in MEASURES]
-    widths = [[bar.get_width() for bar in axes.patches] for axes in figure.axes]
-    assert widths == [[1, 1], [20, 20], [2, 2], [5, 5], [40, 40], [900, 900]]
+    assert "What is measured." in [text.get_text() for text in figure.texts]
+    values = [
+        [bar.get_width() for bar in axes.patches]
+        + [line.get_xdata()[0] for line in axes.lines if line.get_marker() == "o"]  # type: ignore[index]
+        for axes in figure.axes
+    ]
+    assert values == [[1, 1], [20, 20], [2, 2], [5, 5], [40, 40], [900, 900]]
+    intervals = [sum(line.get_marker() == "|" for line in axes.lines) for axes in figure.axes]
+    assert intervals == [2, 1, 1, 1, 1, 1]
     drawn = figure.get_tightbbox(figure.canvas.get_renderer())  # type: ignore[attr-defined]
     width, height = figure.get_size_inches()
     assert drawn.x0 >= 0
@@ -104,6 +131,9 @@ def test_the_figure_has_a_bar_for_each_agent_in_each_panel() -> None:
     assert drawn.y1 <= height
 
 
-def test_an_agent_that_delivers_nothing_has_no_bar_for_it() -> None:
+def test_an_agent_that_delivers_nothing_has_words_for_a_mark() -> None:
     figure = scores_figure({"one": Scores([BAD] * 3)}, "")
+    figure.pixels()
     assert [len(axes.patches) for axes in figure.axes] == [1, 0, 0, 1, 0, 0]
+    words = [[text.get_text() for text in axes.texts] for axes in figure.axes]
+    assert words == [[], ["no delivery"], ["no delivery"], [], ["no delivery"], ["no delivery"]]

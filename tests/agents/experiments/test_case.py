@@ -8,8 +8,10 @@ from helpers.command_line import refusal
 
 from agents.errors import ParameterError
 from agents.experiments.case import flags_of, key_of, make_agent_for, make_case, make_env
+from agents.experiments.episodes import run_one
 from agents.experiments.parameters import PARAMETERS
 from agents.experiments.plan import make_plan
+from agents.experiments.store import Store
 from warehouse_core import DEFAULT_LAYOUT
 
 WAITER = """
@@ -152,6 +154,67 @@ def test_every_seed_has_its_layout_and_its_agent() -> None:
         case = make_case({"escape": escape})
         agents = [make_agent_for(case, seed, DEFAULT_LAYOUT) for seed in (1, 2)]
         assert [agent.seed for agent in agents] == [1, 2]  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(
+    ("rows", "stations"), [("#P...D#", "kept"), ("#.....#", "drawn"), (None, "drawn")]
+)
+def test_the_stations_of_a_file_are_kept_unless_it_has_none(
+    tmp_path: Path, rows: str | None, stations: str
+) -> None:
+    file = tmp_path / "hall.txt"
+    values = {} if rows is None else {"layout": str(file)}
+    file.write_text(rows or "")
+    case, other = make_case(values), "drawn" if stations == "kept" else "kept"
+    assert case["stations"] == stations
+    assert "stations=" not in "".join(flags_of(case))
+    if "P" in "".join(case["tiles"]):
+        changed = make_case({**values, "stations": other})
+        assert flags_of(changed) == [*flags_of(case), f"stations={other}"]
+        assert key_of(changed) != key_of(case)
+
+
+@pytest.mark.parametrize(
+    ("rows", "values", "message"),
+    [
+        ("P..", {}, "there is no dropoff D; add one, or use stations=drawn"),
+        ("...", {"stations": "kept"}, "there is no pickup P; add one, or use stations=drawn"),
+        ("P.D", {"stations": "drawn"}, "drawn from the empty cells; allowed: two or more, and the"),
+    ],
+)
+def test_a_missing_station_is_an_error_before_the_sweep(
+    tmp_path: Path, rows: str, values: dict[str, Any], message: str
+) -> None:
+    file = tmp_path / "hall.txt"
+    file.write_text(rows)
+    with pytest.raises(ParameterError, match=f"hall.txt: .*{message}"):
+        make_plan({"layout": str(file), **values}, 1, 0)
+
+
+@pytest.mark.parametrize("layout", ["hall.txt", "random", "default"])
+@pytest.mark.parametrize("stations", ["kept", "drawn"])
+def test_each_episode_keeps_the_stations_or_draws_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, layout: str, stations: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("hall.txt").write_text("##########\n#P......D#\n##########\n")
+    case = make_case({"layout": layout, "stations": stations, "max_steps": 3})
+    for seed in range(3):
+        before = make_env(case, seed).layout
+        [episode, again] = [run_one(case, seed) for _ in range(2)]
+        assert (episode.layout == before) is (stations == "kept")
+        assert episode == again
+    starts = {run_one(case, seed).cells[0] for seed in range(9)}
+    assert len(starts) > 1
+
+
+def test_a_case_of_version_0_1_0_has_drawn_stations_and_is_resumed(tmp_path: Path) -> None:
+    case = make_case({})
+    with Store(tmp_path / "r.sqlite") as store:
+        older = {name: value for name, value in case.items() if name != "stations"}
+        number = store.case_id(older)
+        assert store.case_id(case) == number
+        assert store.cases() == {number: case}
 
 
 def test_the_key_of_a_case_does_not_depend_on_the_order_of_its_settings() -> None:

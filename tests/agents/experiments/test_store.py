@@ -368,6 +368,8 @@ def test_rows_that_are_left_half_read_are_no_trouble(path: Path) -> None:
 STRANGE = {
     "an agent that is a number": '{"agent": 5, "layout": "random", "backend": "grid"}',
     "ragged": '{"agent": "greedy", "layout": "a", "backend": "grid", "tiles": ["##", "#"]}',
+    "stations that are neither": '{"agent": "a", "layout": "random", "backend": "grid", '
+    '"stations": "moved"}',
     "no JSON": "{",
     "nothing": "null",
     "a list as a value": json.dumps({"battery": [3]}),

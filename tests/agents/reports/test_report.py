@@ -10,7 +10,7 @@ from helpers.sweeps import Here, nothing
 from agents.experiments.plan import make_plan
 from agents.experiments.running import run_missing
 from agents.experiments.store import Store
-from agents.reports import contents
+from agents.reports import contents, report
 from agents.reports.contents import make_page
 
 ON, OFF = {"escape": True, "max_steps": 30}, {"escape": False, "max_steps": 30}
@@ -46,6 +46,19 @@ def test_figures_go_to_a_folder_of_their_own(
     assert names == {"success.svg", "steps.svg", "modes.svg", "stuck-1.svg"}
     assert page.exists()
     assert not results.with_suffix(".html").exists()
+
+
+def test_a_reader_that_leaves_does_not_cost_the_page(
+    results: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def echo(*_: object, **__: object) -> None:
+        raise BrokenPipeError
+
+    monkeypatch.setattr(report.typer, "echo", echo)
+    with pytest.raises(BrokenPipeError):
+        report.report(results, figures=results.parent / "figures", replays=False)
+    assert results.with_suffix(".html").exists()
+    assert (results.parent / "figures" / "modes.svg").exists()
 
 
 def test_each_outcome_is_replayed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

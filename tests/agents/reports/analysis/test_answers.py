@@ -8,7 +8,7 @@ from helpers.results_files import fill, outcomes, row
 
 from agents.experiments.parameters import PARAMETERS
 from agents.experiments.store import Row, Store
-from agents.reports.analysis.answers import Answer, answers
+from agents.reports.analysis.answers import MAX_DESCRIBED, Answer, answers
 from agents.reports.analysis.design import make_design
 from agents.reports.analysis.results import Experiment
 
@@ -189,6 +189,45 @@ def test_a_single_case_is_answered_too(tmp_path: Path) -> None:
     assert answer.question == "How does it do?"
     assert answer.sentences[0] == "Success is 75.0% (30.1 to 95.4) over 4 episodes."
     assert answer.sentences[-1] == "Every failure is wandering (1 episode)."
+
+
+def test_unequal_numbers_of_episodes_are_said(tmp_path: Path) -> None:
+    cases = [
+        ({"battery": battery, "view_radius": radius}, outcomes("dw" * (count // 2)))
+        for radius, counts in ((2, (50, 4, 50)), (3, (6, 6, 6)))
+        for battery, count in zip((20, 60, 200), counts, strict=True)
+    ]
+    about_radius, about_battery = sorted(answered(tmp_path, cases), reverse=True)
+    assert (
+        "There are 50 episodes with battery 20, 50 episodes with battery 200 and 4 episodes with "
+        "battery 60." in about_battery.sentences
+    )
+    assert about_battery.sentences[-1].endswith("+0.0 points from 20 to 200, 6 episodes each.")
+    assert (
+        "There are 50 episodes with view_radius 2 and 6 episodes with view_radius 3."
+        in about_radius.sentences
+    )
+    assert about_radius.sentences[-1].endswith(", from 4 to 50 episodes each.")
+    equal = said(tmp_path, [(ON, outcomes("dw")), (OFF, outcomes("do"))])
+    assert "There are" not in equal
+
+
+def test_cases_that_cannot_be_compared_are_not_pooled(tmp_path: Path) -> None:
+    cases = [
+        ({"battery": 20, "max_steps": 30}, outcomes("w" * 5)),
+        ({"battery": 60, "max_steps": 90}, outcomes("d" * 50)),
+    ]
+    [answer] = answered(tmp_path, cases)
+    assert answer.sentences[0] == (
+        "Success is 0.0% (0.0 to 43.4) with battery 20, max_steps 30 over 5 episodes."
+    )
+    assert (
+        "Success is 100.0% (92.9 to 100.0) with battery 60, max_steps 90 over 50 episodes."
+        in answer.sentences
+    )
+    several = [({"battery": n, "max_steps": n}, outcomes("d")) for n in range(1, MAX_DESCRIBED + 3)]
+    [answer] = answered(tmp_path, several)
+    assert answer.sentences[-1] == "2 further combinations cannot be compared with these."
 
 
 def test_a_case_without_a_delivery_is_no_trouble(tmp_path: Path) -> None:

@@ -96,11 +96,27 @@ def test_folders_are_left_out_where_the_names_are_enough(tmp_path: Path) -> None
         file.write_text(f"{wall}\n#P{'.' * number}D#\n{wall}")
     names = list(map(str, files))
     assert design_of(layout=["default", *names[1:]]).factors == (
-        Factor("layout", ("default", "hall.txt", "yard.txt")),
+        Factor(
+            "layout",
+            (
+                "default (stations drawn)",
+                "hall.txt (stations kept)",
+                "yard.txt (stations kept)",
+            ),
+        ),
     )
     assert design_of(layout=names).factors == (Factor("layout", (*names[:2], "yard.txt")),)
     assert FOLDERS.sub("", "ppo:/home/models/best.npz") == "ppo:best.npz"
     assert FOLDERS.sub("", "C:\\work\\robot.py:Class") == "robot.py:Class"
+
+
+def test_stations_are_a_factor_of_their_own_where_a_layout_has_both(tmp_path: Path) -> None:
+    file = tmp_path / "hall.txt"
+    file.write_text("#######\n#P...D#\n#######")
+    drawn = [{"layout": str(file), "stations": "drawn"}, {"stations": "drawn"}]
+    design = make_design(dict(enumerate(map(make_case, [{"layout": str(file)}, *drawn]))))
+    assert rows_of(design, "layout") == [("stations drawn", ["hall.txt", "default"])]
+    assert rows_of(design, "stations") == [("layout hall.txt", ["kept", "drawn"])]
 
 
 @pytest.mark.parametrize(

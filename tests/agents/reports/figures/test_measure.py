@@ -223,7 +223,8 @@ def test_many_values_have_few_ticks(tmp_path: Path) -> None:
 def test_a_name_is_never_taken_for_a_formula(tmp_path: Path, name: str) -> None:
     file = tmp_path / name
     file.write_text("#####\n#P.D#\n#####")
-    cases = [({"layout": layout}, outcomes("dw")) for layout in ("default", str(file))]
+    places = [{"layout": name, "stations": "kept"} for name in ("default", str(file))]
+    cases = [(place, outcomes("dw")) for place in places]
     with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
         for figure in (draw(store), draw(store, modes=True)):
             figure.pixels()

@@ -1,6 +1,7 @@
 """The figures of a report: those that there is something to see in, and what they show."""
 
 import xml.etree.ElementTree as ElementTree
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -8,8 +9,10 @@ import pytest
 from helpers.results_files import fill, outcomes, row
 
 from agents.experiments.store import Store
+from agents.reports.analysis.design import make_design
 from agents.reports.analysis.results import Experiment
 from agents.reports.figures import roles
+from agents.reports.figures.measure import measure_chart
 from agents.reports.figures.pictures import MAX_MAPS, Picture, pictures
 
 ON, OFF = {"escape": True}, {"escape": False}
@@ -28,7 +31,6 @@ def test_the_figures_of_two_cases_on_the_grid(tmp_path: Path) -> None:
     found = drawn(tmp_path, [(ON, outcomes("ddww")), (OFF, outcomes("ddoo"))])
     assert list(found) == ["success", "steps", "modes", "stuck-1"]
     assert "Wilson's 95% intervals" in found["success"].caption
-    assert "bootstrap 95% intervals" in found["steps"].caption
     assert "of 8 episodes" in found["stuck-1"].caption
     assert "random in each episode" in found["stuck-1"].caption
 
@@ -68,6 +70,7 @@ def test_each_layout_has_its_map_the_one_with_most_episodes_first(tmp_path: Path
     maps = [found[name].caption for name in found if name.startswith("stuck")]
     assert len(maps) == MAX_MAPS
     assert "hall5.txt: of 6 episodes" in maps[0]
+    assert "Pickup and dropoff are those of the layout in every episode." in maps[0]
     assert "hall2.txt: of 3 episodes" in maps[-1]
 
 
@@ -78,8 +81,50 @@ def test_what_is_pooled_is_said(tmp_path: Path) -> None:
         for radius in range(8)
     ]
     found = drawn(tmp_path, cases)
-    assert "; pooled over view_radius, so without intervals" in found["success"].caption
-    assert "; pooled over view_radius, so without intervals" in found["modes"].caption
+    assert found["success"].caption == (
+        "Delivered: share of all episodes, without intervals: several combinations are pooled, "
+        "which share their seeds; pooled over view_radius."
+    )
+    assert found["modes"].caption.endswith("as shares; pooled over view_radius.")
+
+
+def test_points_of_one_combination_each_have_intervals(tmp_path: Path) -> None:
+    cases = [({"battery": n, "view_radius": n}, outcomes("dw")) for n in range(1, 10)]
+    assert drawn(tmp_path, cases)["success"].caption == (
+        "Delivered: share of all episodes, with Wilson's 95% intervals; of different battery."
+    )
+
+
+@pytest.mark.parametrize(
+    ("counts", "words"),
+    [
+        ((20, 20), "with bootstrap 95% intervals"),
+        ((19, 19), "without intervals: fewer than 20 were delivered"),
+        (
+            (20, 5),
+            "with bootstrap 95% intervals, but none where fewer than 20 were delivered; "
+            "5 to 20 episodes a combination",
+        ),
+    ],
+)
+def test_a_caption_promises_the_intervals_that_are_drawn(
+    tmp_path: Path, counts: tuple[int, int], words: str
+) -> None:
+    lines = [[row(n, steps=30 + n) for n in range(count)] for count in counts]
+    path = fill(tmp_path / "r.sqlite", list(zip((ON, OFF), lines, strict=True)))
+    with Store(path, read_only=True) as store:
+        experiment = Experiment(store)
+        design = make_design(experiment.cases)
+        chart = measure_chart(experiment, design, "", "steps", attrgetter("steps"))
+        [steps] = [each.caption for each in pictures(experiment) if each.name == "steps"]
+    assert chart is not None
+    whiskers = [
+        segment
+        for container in chart.axes[0].containers
+        for segment in container.lines[2][0].get_segments()  # type: ignore[attr-defined]
+    ]
+    assert sum(each.size > 0 for each in whiskers) == sum(count >= 20 for count in counts)
+    assert steps == f"Steps of a delivery: mean of what was delivered, hard or easy, {words}."
 
 
 def test_what_is_not_drawn_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,76 @@
+"""Where episodes take place: the walls, and what of stations and start is drawn at random."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import NamedTuple
+
+from warehouse_core import Cell, Layout, LayoutError
+from warehouse_core.warehouse_env import START, STATIONS
+
+
+class Stations(StrEnum):
+    """Where pickup and dropoff come from."""
+
+    DRAWN = "drawn"
+    KEPT = "kept"
+
+
+class Place(NamedTuple):
+    """Where episodes take place.
+
+    Attributes:
+        layout: the walls, and the stations if these are kept.
+        start_pos: the start, ``None`` for a random one.
+        randomize: what is drawn, see ``WarehouseEnv.reset``.
+    """
+
+    layout: Layout
+    start_pos: Cell | None
+    randomize: bool | str
+
+    @property
+    def stations(self) -> Stations:
+        """Where pickup and dropoff come from."""
+        return Stations.DRAWN if self.randomize in (True, STATIONS) else Stations.KEPT
+
+
+def usual_stations(layout: Layout, *, is_default: bool) -> Stations:
+    """Return what is done with the stations of a layout if nothing is said.
+
+    They are kept if it has any, but those of the default layout are drawn, as in the chapter.
+    """
+    has_own = layout.pickups + layout.dropoffs and not is_default
+    return Stations.KEPT if has_own else Stations.DRAWN
+
+
+def check_stations(layout: Layout, stations: Stations, name: object, to_draw: str) -> None:
+    """Check that stations can be drawn or kept.
+
+    Args:
+        layout: the layout.
+        stations: what is done with its stations.
+        name: of the layout.
+        to_draw: how a user says that they are drawn.
+
+    Raises:
+        LayoutError: there is no station of a kind, or no room to draw them.
+    """
+    if stations is Stations.DRAWN:
+        empty = len(layout.open_cells) - len(layout.pickups + layout.dropoffs)
+        if empty < 2:
+            raise LayoutError(
+                f"{name}: pickup and dropoff are drawn from the empty cells; allowed: two or more, "
+                f"and there are {empty}"
+            )
+        return
+    for kind, cells in (("pickup P", layout.pickups), ("dropoff D", layout.dropoffs)):
+        if not cells:
+            raise LayoutError(f"{name}: there is no {kind}; add one, or use {to_draw}")
+
+
+def what_to_draw(stations: Stations, start: Cell | None = None) -> bool | str:
+    """Return the ``randomize`` of ``WarehouseEnv.reset``; a ``start`` that is given stays."""
+    if stations is Stations.DRAWN:
+        return True if start is None else STATIONS
+    return START if start is None else False
