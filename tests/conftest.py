@@ -77,11 +77,15 @@ def load_changed(arrays: Arrays, tmp_path: Path) -> Callable[..., Episode]:
 
 @pytest.fixture
 def small_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Draw small pictures, which takes less time."""
+    """Draw small pictures without their texts, which are most of the work."""
+    from matplotlib.backends.backend_agg import RendererAgg
+
     from warehouse_core.viz import figure, replay
 
-    monkeypatch.setattr(figure.make_figure, "__defaults__", (20,))
+    for make in (figure.make_figure, figure.make_window):
+        monkeypatch.setattr(make, "__defaults__", (20,))
     monkeypatch.setattr(replay, "PAIR_DPI", 20)
+    monkeypatch.setattr(RendererAgg, "draw_text", lambda *_, **__: None)
 
 
 @pytest.fixture

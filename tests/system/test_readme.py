@@ -2,13 +2,18 @@
 
 import re
 import shlex
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from helpers.command_line import without_display
 
 from agents import cli
+from agents.commands import bench, train
 from agents.console.main import main
 from agents.experiments.presets import PRESETS
+from agents.learning import training
+from warehouse_core.viz.replay import Replay
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -32,6 +37,8 @@ WRITTEN = {
 }
 """The sections that have commands, and files that these write."""
 
+FRAMES_APART = 10
+
 
 def run_command(line: str) -> None:
     words = shlex.split(line)
@@ -46,8 +53,26 @@ def in_a_folder_without_a_display(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, small_pictures: None
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.delenv("DISPLAY", raising=False)
-    monkeypatch.setenv("MPLBACKEND", "agg")
+    without_display(monkeypatch)
+
+
+def some_frames(replay: Replay) -> Iterator[int]:
+    """Return every ``FRAMES_APART``-th frame, and the last."""
+    return iter(
+        [*range(replay._first, len(replay._scene) - 1, FRAMES_APART), len(replay._scene) - 1]
+    )
+
+
+@pytest.fixture
+def less_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Save some frames of each replay, train for fewer steps and measure fewer steps."""
+    monkeypatch.setattr(Replay, "new_saved_frame_seq", some_frames)
+    steps, *others = train.train_q.__defaults__ or ()
+    monkeypatch.setattr(train.train_q, "__defaults__", (steps // 20, *others))
+    monkeypatch.setattr(training, "EXAM_SEEDS", training.EXAM_SEEDS[:5])
+    monkeypatch.setattr(train, "FINAL_SEEDS", train.FINAL_SEEDS[:20])
+    for name in ("STEPS", "FRAMES", "BATCH_STEPS", "MAX_STEPS"):
+        monkeypatch.setattr(bench, name, 5)
 
 
 def write_files() -> None:
@@ -81,7 +106,7 @@ def test_the_python_of_the_readme_runs() -> None:
 
 
 @pytest.mark.parametrize("title", WRITTEN)
-def test_the_commands_of_the_readme_run(title: str) -> None:
+def test_the_commands_of_the_readme_run(title: str, less_work: None) -> None:
     write_files()
     for line in commands(SECTIONS[title]):
         run_command(line)
