@@ -1,4 +1,4 @@
-"""What several test files share: a recorded episode, its file, and a watch on memory."""
+"""Fixtures of several test files: a recorded episode, its file, small pictures, a memory limit."""
 
 import random
 import tracemalloc
@@ -16,11 +16,11 @@ from warehouse_core.files.npz import Arrays
 settings.register_profile("warehouse", deadline=None, database=None, derandomize=True)
 settings.load_profile("warehouse")
 
-LITTLE_MEMORY = 64 * 1024 * 1024
+MAX_MEMORY = 64 * 1024 * 1024
 
 
 class ClumsyAgent:
-    """Does anything at all, words, indices and nonsense, and says so in two languages."""
+    """Takes random actions, words, indices and invalid ones, with reasons in two languages."""
 
     ACTIONS = ("N", "e", "S", "w", "WAIT", "PICK", "DROP", 0, 1, 2, 3, 99, "fly")
 
@@ -58,7 +58,7 @@ def saved(episode: Episode, tmp_path: Path) -> Path:
 
 @pytest.fixture
 def arrays(saved: Path) -> Arrays:
-    """Return the arrays in that file, free to be changed."""
+    """Return the arrays in that file, which a test may change."""
     with np.load(saved) as file:
         return dict(file)
 
@@ -100,6 +100,6 @@ def little_memory() -> Callable[[], AbstractContextManager[None]]:
             peak = tracemalloc.get_traced_memory()[1]
         finally:
             tracemalloc.stop()
-        assert peak < LITTLE_MEMORY
+        assert peak < MAX_MEMORY
 
     return watch

@@ -43,9 +43,9 @@ def explore(
     save: SaveOption,
     show: ShowOption = None,
 ) -> None:
-    """Explore a warehouse that is not known.
+    """Explore an unknown warehouse.
 
-    The replay shows the world beside what the agent believes of it.
+    The replay shows the world beside what the agent believes about it.
     """
     from agents.search.belief_replay import belief_tracks, record_beliefs
     from warehouse_core.viz.replay import replay_of_track

@@ -1,4 +1,4 @@
-"""The README: every code block runs, and what it says is so."""
+"""The README: every code block runs, and its statements hold."""
 
 import re
 import shlex
@@ -83,7 +83,7 @@ def write_files() -> None:
 
 
 def commands(section: str, torch: bool = False) -> list[str]:
-    """Return the commands of a section, but for the two that install."""
+    """Return the commands of a section, except the two that install."""
     blocks = [text for *kind, text in BLOCK.findall(section) if (tuple(kind) == TORCH) == torch]
     lines = [line for text in blocks for line in text.splitlines()]
     return [line for line in lines if line.startswith("warehouse ")]
@@ -113,7 +113,7 @@ def test_the_commands_of_the_readme_run(title: str, less_work: None) -> None:
     assert {path.name for path in Path().iterdir()} >= WRITTEN[title]
 
 
-def test_no_section_with_commands_is_left_out() -> None:
+def test_every_section_with_commands_is_run() -> None:
     assert [title for title, text in SECTIONS.items() if commands(text)] == list(WRITTEN)
 
 
@@ -125,7 +125,7 @@ def test_the_commands_that_need_pytorch_run() -> None:
 
 
 @pytest.mark.slow
-def test_the_answers_of_the_presets_are_those_that_they_give(
+def test_the_presets_give_the_answers_in_the_readme(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     blocks = ANSWERS.findall(README)
@@ -163,7 +163,7 @@ def test_the_animation_on_the_first_screen_exists_and_moves() -> None:
         assert image.n_frames > 10
 
 
-def test_the_readme_names_no_file_that_is_not_there() -> None:
+def test_every_file_that_the_readme_names_exists() -> None:
     paths = re.findall(r"`((?:warehouse_\w+|agents|\.github)/[\w/.]*)`", README)
     assert len(paths) > 20
     assert [path for path in paths if not (ROOT / path).exists()] == []

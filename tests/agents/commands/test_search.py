@@ -46,7 +46,7 @@ def test_the_table_has_a_row_for_each_weight(capsys: pytest.CaptureFixture[str])
     assert all(int(row[4]) > int(row[3]) >= int(row[5]) > 0 for row in printed)
 
 
-def test_the_usual_way_is_from_the_chapters_start_to_its_pickup(
+def test_the_default_ends_are_the_chapters_start_and_pickup(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert "Search from (1, 1) to (1, 3), heuristic: manhattan" in search(capsys)
