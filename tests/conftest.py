@@ -1,4 +1,4 @@
-"""What several test files share: a recorded episode, its file, and a watch on memory."""
+"""Fixtures of several test files: a recorded episode, its file, small pictures, a memory limit."""
 
 import random
 import tracemalloc
@@ -16,11 +16,11 @@ from warehouse_core.files.npz import Arrays
 settings.register_profile("warehouse", deadline=None, database=None, derandomize=True)
 settings.load_profile("warehouse")
 
-LITTLE_MEMORY = 64 * 1024 * 1024
+MAX_MEMORY = 64 * 1024 * 1024
 
 
 class ClumsyAgent:
-    """Does anything at all, words, indices and nonsense, and says so in two languages."""
+    """Takes random actions, words, indices and invalid ones, with reasons in two languages."""
 
     ACTIONS = ("N", "e", "S", "w", "WAIT", "PICK", "DROP", 0, 1, 2, 3, 99, "fly")
 
@@ -58,7 +58,7 @@ def saved(episode: Episode, tmp_path: Path) -> Path:
 
 @pytest.fixture
 def arrays(saved: Path) -> Arrays:
-    """Return the arrays in that file, free to be changed."""
+    """Return the arrays in that file, which a test may change."""
     with np.load(saved) as file:
         return dict(file)
 
@@ -77,11 +77,15 @@ def load_changed(arrays: Arrays, tmp_path: Path) -> Callable[..., Episode]:
 
 @pytest.fixture
 def small_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Draw small pictures, which takes less time."""
+    """Draw small pictures without their texts, which are most of the work."""
+    from matplotlib.backends.backend_agg import RendererAgg
+
     from warehouse_core.viz import figure, replay
 
-    monkeypatch.setattr(figure.make_figure, "__defaults__", (20,))
+    for make in (figure.make_figure, figure.make_window):
+        monkeypatch.setattr(make, "__defaults__", (20,))
     monkeypatch.setattr(replay, "PAIR_DPI", 20)
+    monkeypatch.setattr(RendererAgg, "draw_text", lambda *_, **__: None)
 
 
 @pytest.fixture
@@ -96,6 +100,6 @@ def little_memory() -> Callable[[], AbstractContextManager[None]]:
             peak = tracemalloc.get_traced_memory()[1]
         finally:
             tracemalloc.stop()
-        assert peak < LITTLE_MEMORY
+        assert peak < MAX_MEMORY
 
     return watch

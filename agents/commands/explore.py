@@ -43,9 +43,9 @@ def explore(
     save: SaveOption,
     show: ShowOption = None,
 ) -> None:
-    """Explore a warehouse that is not known.
+    """Explore an unknown warehouse.
 
-    The replay shows the world beside what the agent believes of it.
+    The replay shows the world beside what the agent believes about it.
 
     Example: warehouse explore --layout maze --view-radius 1
     """

@@ -17,7 +17,7 @@ from agents.errors import EpisodeError, EpisodeInterrupted, reason_of
 from warehouse_core import Agent, Episode, EpisodeRecorder, Observation
 
 SLOW_SECONDS, LOOK_SECONDS = 5.0, 0.5
-"""A step that takes longer is reported; and how often that is looked at."""
+"""Seconds of a step before it is reported, and seconds between the checks."""
 
 
 def run_watched(
@@ -57,7 +57,7 @@ def _place(episode: Episode, name: str) -> str:
 def _source_of(agent: Agent) -> Path | None:
     try:
         return Path(inspect.getfile(type(agent)))
-    except (OSError, TypeError):  # a class that was typed in
+    except (OSError, TypeError):  # a class defined interactively
         return None
 
 

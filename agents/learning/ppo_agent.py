@@ -1,4 +1,4 @@
-"""The agent that ``warehouse train ppo`` trains; running it needs NumPy alone.
+"""The agent that ``warehouse train ppo`` trains; running it needs only NumPy.
 
 It uses nothing but the observation.
 """

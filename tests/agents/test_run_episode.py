@@ -12,6 +12,14 @@ from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import BackendError, Layout, WarehouseEnv, record_episode, replay_episode
 
 ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
+FAILS = """
+class Fails:
+    def reset(self):
+        pass
+
+    def act(self, observation):
+        return observation["x"]
+"""
 app = typer.Typer(add_completion=False)
 app.command()(run)
 
@@ -147,9 +155,9 @@ def test_files_are_checked_before_the_episode_runs(
 
 def test_the_file_is_the_command(tmp_path: Path) -> None:
     file = ROOT / "agents" / "run_episode.py"
-    result = in_a_process(file, "--seed", 5, "--battery", 6, "--no-show", folder=tmp_path)
-    assert (result.code, result.err) == (0, "")
-    assert result.out.startswith("GreedyAgent on the grid backend, seed 5, stations drawn\n")
-    failed = in_a_process(file, "--agent", "clever", folder=tmp_path)
-    assert failed.code == 1
-    assert re.fullmatch(r"warehouse: no agent is called 'clever'.*\n", failed.err)
+    (tmp_path / "mine.py").write_text(FAILS)
+    words = ("--agent", "mine.py:Fails", "--seed", 5, "--no-show")
+    result = in_a_process(file, *words, folder=tmp_path)
+    assert result.code == 1
+    assert result.out.startswith("Fails on the grid backend, seed 5, stations drawn\n")
+    assert re.fullmatch(r"warehouse: seed 5, step 1, .* KeyError: 'x' .*\n", result.err)

@@ -218,7 +218,7 @@ def test_a_negative_number_is_an_error(name: str) -> None:
 
 
 class Watched(dict[str, Any]):
-    """An observation that notes the keys that are read."""
+    """An observation that records the keys that are read."""
 
     read: set[str]
 

@@ -1,4 +1,4 @@
-"""``Warehouse-v0``, one and thousands, against environments that Gymnasium and MiniGrid bring."""
+"""``Warehouse-v0``, one and thousands, against environments of Gymnasium and MiniGrid."""
 
 import random
 from collections.abc import Callable
@@ -26,7 +26,7 @@ def hall(side: int) -> Layout:
 
 
 def stepping(env: Any, steps: int, actions: int) -> Callable[[], None]:
-    """Return the work of a random walk of so many steps, through as many episodes as it takes."""
+    """Return the work of so many random steps; episodes that end are reset."""
     chosen = random.Random(0).choices(range(actions), k=steps)
     env.reset()
 
@@ -41,7 +41,7 @@ def stepping(env: Any, steps: int, actions: int) -> Callable[[], None]:
 
 
 def stepping_all(env: Any, actions: int, steps: int = BATCH_STEPS) -> Callable[[], None]:
-    """Return the work of so many random steps of a batch that is well under way."""
+    """Return the work of so many random steps of a batch, after ``WARM_UP`` others."""
     stream = np.random.default_rng(0)
     for _ in range(WARM_UP):
         env.step(stream.integers(actions, size=env.num_envs))
@@ -55,7 +55,7 @@ def stepping_all(env: Any, actions: int, steps: int = BATCH_STEPS) -> Callable[[
 
 
 def warehouses(count: int, layout: Layout = DEFAULT_LAYOUT, **settings: Any) -> Any:
-    """Return a batch whose rows are out of step: with every step some end and some begin."""
+    """Return a batch in which some episodes end and some start at every step."""
     env = gymnasium.make_vec(ID, count, "vector_entry_point", layout=layout, **settings)
     env.reset(seed=0)
     for step in range(MAX_STEPS):
@@ -66,7 +66,7 @@ def warehouses(count: int, layout: Layout = DEFAULT_LAYOUT, **settings: Any) -> 
 
 
 def carts(count: int) -> Any:
-    """Return the batch of CartPole, whose rows fall over all by themselves."""
+    """Return the batch of CartPole, whose episodes are short and end at different steps."""
     env = gymnasium.make_vec("CartPole-v1", count, "vector_entry_point")
     env.reset(seed=0)
     return env
@@ -104,8 +104,8 @@ def test_a_batch_against_gymnasiums_fastest(view_radius, share, times_faster) ->
     assert times_faster(ours, stepping_all(carts(BATCH), 2)) >= share
 
 
-def test_starting_again_within_a_step_costs_little_more(times_faster) -> None:
-    """Last observations are made for rows that have ended, 20 in a step, and not for 4,096."""
+def test_a_reset_in_the_same_step_costs_little_more(times_faster) -> None:
+    """Final observations are made only for rows that have ended, 20 of 4,096 in a step."""
     modes = ("SameStep", "NextStep")
     ours, usual = (stepping_all(warehouses(BATCH, autoreset_mode=mode), 7) for mode in modes)
     assert times_faster(ours, usual) >= 0.5
@@ -114,7 +114,7 @@ def test_starting_again_within_a_step_costs_little_more(times_faster) -> None:
 @pytest.mark.parametrize("view_radius", [0, 2])
 @pytest.mark.parametrize("count", [4_096, 16_384, 65_536])
 def test_a_row_costs_no_more_where_there_are_more(count, view_radius, times_faster) -> None:
-    """As many steps of rows in all as a batch of 1,024 takes them, which is the dearer way."""
+    """Both take as many steps in total, in a batch of ``count`` rows and in one of 1,024."""
     few = 1_024
     ours, theirs = (warehouses(rows, view_radius=view_radius) for rows in (count, few))
     works = stepping_all(ours, 7, steps=5), stepping_all(theirs, 7, steps=5 * count // few)
@@ -122,8 +122,8 @@ def test_a_row_costs_no_more_where_there_are_more(count, view_radius, times_fast
 
 
 @pytest.mark.parametrize(("side", "share"), [(100, 0.8), (1_000, 0.4)])
-def test_the_size_of_the_map_matters_to_the_caches_alone(side, share, times_faster) -> None:
-    """What is looked up is as much, but no cache holds the tables of a million cells."""
+def test_a_larger_map_is_slower_only_because_of_the_caches(side, share, times_faster) -> None:
+    """The same number of values is read, but no cache holds the tables of a million cells."""
     ours, usual = (
         stepping_all(warehouses(BATCH, each), 7) for each in (hall(side), DEFAULT_LAYOUT)
     )

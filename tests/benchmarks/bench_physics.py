@@ -60,7 +60,7 @@ def step_many(env: WarehouseEnv, actions: list[str]) -> int:
 
 
 def bare_loop(env: WarehouseEnv, substeps: int) -> None:
-    """Step the same space as often, and do nothing else."""
+    """Step the same space ``substeps`` times, and do nothing else."""
     step, dt = env.motion._arena.space.step, env.motion.spec.time_step
     for _ in range(substeps):
         step(dt)
@@ -101,8 +101,8 @@ def test_a_reset_takes_no_longer_than_allowed(layout, milliseconds, benchmark, c
     assert median(taken) < milliseconds
 
 
-def test_memory_stays_as_it_is_over_a_million_moves(capsys) -> None:
-    """Python's blocks for what Python holds, the peak of the process for what the engine does."""
+def test_memory_does_not_grow_over_a_million_moves(capsys) -> None:
+    """Counts Python's memory blocks, and the peak of the process for the engine's memory."""
     env, stream = env_in(DEFAULT_LAYOUT, record_path=True), random.Random(0)
     blocks, peaks = [], []
     for _ in range(10):

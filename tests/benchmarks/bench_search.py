@@ -48,7 +48,7 @@ def graph(warehouse: Layout) -> nx.Graph:
     return graph
 
 
-def crow_flies(here: Cell, there: Cell) -> int:
+def grid_distance(here: Cell, there: Cell) -> int:
     return abs(here[0] - there[0]) + abs(here[1] - there[1])
 
 
@@ -65,7 +65,7 @@ def ours(layout: Layout, pairs: Sequence[Pair]) -> list[tuple[float, int]]:
 def theirs(graph: nx.Graph, pairs: Sequence[Pair], weight: Weight | None = None) -> list[int]:
     """Return the cost of each route."""
     return [
-        len(nx.astar_path(graph, start, goal, crow_flies, weight or "weight")) - 1
+        len(nx.astar_path(graph, start, goal, grid_distance, weight or "weight")) - 1
         for start, goal in pairs
     ]
 

@@ -21,7 +21,7 @@ from warehouse_core.records.failure_modes import diagnose
 
 CASE = make_case({})
 EPISODES = 20_000
-"""In a round: about ten seconds of one worker, so that the first and the last task hardly count."""
+"""In a round: about ten seconds of one worker, so that the first and last tasks matter little."""
 
 ROUNDS = 3
 WARM_UP = 400
@@ -75,7 +75,7 @@ def one_and_two(tmp_path: Path, capsys) -> Iterator[tuple[Sweeper, Sweeper]]:
         pair = Sweeper(1, tmp_path, stack), Sweeper(2, tmp_path, stack)
         with capsys.disabled():
             seconds = " and ".join(f"{each.seconds_to_start:.2f} s" for each in pair)
-            print(f"\nfrom nothing to the first rows with one worker and two: {seconds}")
+            print(f"\nfrom the start to the first rows with one worker and two: {seconds}")
         yield pair
 
 
@@ -87,7 +87,7 @@ def bare_loop() -> None:
 
 
 def test_two_workers_against_one(one_and_two, times_faster) -> None:
-    """On two cores that have nothing else to do."""
+    """On two idle cores."""
     one, two = one_and_two
     assert times_faster(two.run, one.run, rounds=ROUNDS) >= 1.7
 
@@ -97,7 +97,7 @@ def test_one_worker_and_a_file_against_a_bare_loop(one_and_two, times_faster) ->
     assert times_faster(one.run, bare_loop, rounds=ROUNDS) >= 0.8
 
 
-def test_memory_stays_as_it_is_over_a_hundred_thousand_episodes(tmp_path, capsys) -> None:
+def test_memory_does_not_grow_over_a_hundred_thousand_episodes(tmp_path, capsys) -> None:
     """The peak of the process that stores them, every 20,000 episodes."""
     done = subprocess.run(
         [sys.executable, "-c", LONG_SWEEP, str(tmp_path / "r.sqlite")],

@@ -18,7 +18,7 @@ TILES = "#.PDRr"
 
 
 class Waiter:
-    """Walks up and down, so that an episode has as many steps as it may have."""
+    """Moves up and down, so that an episode has the maximum number of steps."""
 
     def reset(self) -> None:
         self.turn = 0
@@ -37,7 +37,7 @@ def episode_of(steps: int, layout=None) -> Episode:
 
 
 def plain_animation(episode: Episode) -> FuncAnimation:
-    """What one would write first: ``imshow`` and two lines, all drawn anew for each frame."""
+    """Return the simplest animation: ``imshow`` and a line, both drawn again for each frame."""
     images = [[[TILES.index(tile) for tile in row] for row in frame] for frame in episode.frames]
     figure = Figure(figsize=(11.05, 5.75), dpi=100)
     FigureCanvasAgg(figure)

@@ -1,4 +1,4 @@
-"""What the benchmarks share: two things timed in turn, so that a drifting machine slows both."""
+"""A fixture that times two calls in turn, so that a change of the machine's speed affects both."""
 
 from collections.abc import Callable
 from statistics import median
@@ -11,10 +11,10 @@ ROUNDS = 7
 
 @pytest.fixture
 def times_faster(benchmark, capsys):
-    """Return a function that says how many times faster ``ours`` is than ``baseline``.
+    """Return a function that measures how many times faster ``ours`` is than ``baseline``.
 
     Both run once unmeasured and then in turn; the median of the ratios counts. The ratio is
-    printed, and kept beside the figures that pytest-benchmark prints for ``ours``.
+    printed, and stored with the figures of pytest-benchmark for ``ours``.
     """
 
     def measure(

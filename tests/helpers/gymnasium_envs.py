@@ -1,4 +1,4 @@
-"""``Warehouse-v0`` made, walked through and compared."""
+"""Helpers for tests of ``Warehouse-v0``: make it, step it, compare results."""
 
 from functools import partial
 from typing import Any

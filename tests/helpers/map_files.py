@@ -1,4 +1,4 @@
-"""What the tests of maps and of scenarios share."""
+"""Helpers for tests of map files and scenario files."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -17,7 +17,7 @@ def grids(draw: st.DrawFn) -> list[str]:
 
 
 def refusal(load: Callable[[Path], Any], file: Path, data: str | bytes) -> str:
-    """Return the error of a file, without the name in front of it."""
+    """Return the error of a file, without the name of the file."""
     file.write_bytes(data.encode() if isinstance(data, str) else data)
     with pytest.raises(LayoutError) as caught:
         load(file)

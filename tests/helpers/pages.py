@@ -1,4 +1,4 @@
-"""What the tests of reports share: a page with every part, and names that mean harm."""
+"""Helpers for tests of reports: a page with every part, and hostile names."""
 
 import io
 from typing import Any
@@ -37,7 +37,7 @@ def gif(color: str = "#00ffff", size: tuple[int, int] = (300, 100)) -> bytes:
 
 
 def found(mode: str = "oscillation", **changes: Any) -> Found:
-    """Return an episode that has been found."""
+    """Return an example of a failure mode."""
     return Found(
         **{  # type: ignore[arg-type]
             "mode": mode,
@@ -71,7 +71,7 @@ def a_page(**changes: Any) -> Page:
 
 
 def a_page_of(name: str, svg: bytes = SVG) -> Page:
-    """Return a page that has a name wherever a text can be."""
+    """Return a page with ``name`` in the place of every text."""
     case = {**make_case({}), "agent": name, "layout": name, name: name}
     return Page(
         title=name,

@@ -31,7 +31,7 @@ def short_episode(**changes: Any) -> Episode:
 
 
 def named(name: str) -> Episode:
-    """Return an episode of two frames with ``name`` wherever a name can be."""
+    """Return an episode of two frames with ``name`` as its agent, action and reason."""
     env = WarehouseEnv(ROOM, start_pos=(1, 2), battery=10, max_steps=1)
     recorder = EpisodeRecorder(env, seed=4, agent=name)
     recorder.step("W", name)
@@ -78,7 +78,7 @@ def count_color(image: NDArray[Any], color: tuple[float, float, float]) -> int:
 
 
 def texts(replay: Replay) -> list[str]:
-    """Return every text in the figure, whatever it belongs to."""
+    """Return every visible text of the figure and its axes."""
     figure = replay.figure
     found = [*figure.texts, *(text for axes in figure.axes for text in axes.texts)]
     return [text.get_text() for text in found if text.get_visible() and text.get_text()]

@@ -25,7 +25,7 @@ class Replay:
         place: where the robot is at the end.
         has_item: whether it holds the item then.
         cost: of all actions.
-        places: the first, and that after each action.
+        places: the start, and the place after each action.
         errors: each with the number of its action.
     """
 

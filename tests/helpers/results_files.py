@@ -1,4 +1,4 @@
-"""Files of results that tests make up: so many episodes of each kind, with any settings."""
+"""Files of results with given episodes and settings."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,7 +9,7 @@ from agents.experiments.store import Row, Store
 
 
 def row(seed: int, mode: str = "delivered", steps: int = 20, **others: Any) -> Row:
-    """Return an episode that came to ``mode`` after so many steps."""
+    """Return the row of an episode that ended with ``mode`` after ``steps`` steps."""
     plain = Row(seed, mode, steps, 10, 5.0, 100, float(steps), 2.0 * steps, 1, 1)
     return plain._replace(**others)
 
@@ -18,7 +18,7 @@ def fill(path: Path, cases: Sequence[tuple[dict[str, Any], Sequence[Row]]]) -> P
     """Write the episodes of some cases, each given by its settings."""
     with Store(path) as store:
         for settings, rows in cases:
-            # The agent need not exist: nobody runs it.
+            # The agent need not exist, because it is not run.
             case = {**make_case({**settings, "agent": "greedy"}), **settings}
             store.add(store.case_id(case), rows)
     return path

@@ -1,4 +1,4 @@
-"""Random drives of rigid bodies, alone, in fleets and in batches, compared with the grid."""
+"""Random moves of rigid bodies, alone, in fleets and in batches, compared with the grid."""
 
 import random
 from collections.abc import Sequence
@@ -37,7 +37,7 @@ def drive_at_walls(time_step: float, moves: int) -> None:
     """Drive at walls at the highest speed that a robot may have.
 
     Raises:
-        AssertionError: it got through one, or deeper into it than a substep takes it.
+        AssertionError: it passed through one, or went deeper into it than a substep's distance.
     """
     radius = 0.35
     top_speed = radius / 2 / time_step
@@ -67,7 +67,7 @@ def batch_in(layouts: Sequence[Layout], spec: RobotSpec | None = None) -> RigidB
 
 
 class Singles:
-    """For each row a motion of its own, to compare with."""
+    """A single motion for each row, for comparison."""
 
     def __init__(self, spec: RobotSpec, layouts: Sequence[Layout]) -> None:
         self.layouts = layouts
@@ -91,7 +91,7 @@ class Singles:
 def rows_differ(spec: RobotSpec, rows: int, steps: int, seed: int = 0) -> int:
     """Drive a batch and single motions side by side and return how many moves were blocked.
 
-    Rows are put elsewhere while others go on, and loads change at any time.
+    Single rows are placed again between the moves, and loads change at random.
 
     Raises:
         AssertionError: something differs.
@@ -131,7 +131,7 @@ def fleet_keeps_the_table(spec: RobotSpec, robots: int, seed: int, actions: int)
     """Move a fleet at random in a small hall, half of it loaded; seed 0 is the chapter's layout.
 
     Raises:
-        AssertionError: a robot ended elsewhere than ``find_stops`` says.
+        AssertionError: a robot ended in another cell than ``find_stops`` says.
     """
     stream = random.Random(100 * seed + robots)
     layout = random_layout(6, 8, 0.15, seed=seed) if seed else DEFAULT_LAYOUT

@@ -1,4 +1,4 @@
-"""Sweeps: their command, their rows, and workers that are none."""
+"""Helpers for tests of sweeps: their command, their rows, and an executor without workers."""
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future
@@ -14,7 +14,7 @@ TABLE = "SELECT settings, episodes.* FROM episodes JOIN cases ON id = case_id OR
 
 
 class Here(Executor):
-    """Runs everything in this process, and remembers the seeds of each task."""
+    """Runs everything in this process, and records the seeds of each task."""
 
     def __init__(self, fails_at: int | None = None) -> None:
         self.seeds: list[int] = []

@@ -1,4 +1,4 @@
-"""How long a call takes."""
+"""Measure the time of a call."""
 
 from collections.abc import Callable
 from time import perf_counter

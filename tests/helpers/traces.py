@@ -1,4 +1,4 @@
-"""The chapter's recorded episodes, and what it means to come out as recorded."""
+"""The chapter's recorded episodes, and a comparison of an environment with them."""
 
 import gzip
 import json

@@ -1,4 +1,4 @@
-"""The page in a real browser: its pictures are there, nothing is loaded, and nothing is run."""
+"""The page in a real browser: it shows its pictures, loads nothing and runs nothing."""
 
 import http.server
 import shutil
@@ -18,7 +18,7 @@ from agents.reports.page import write_page
 pytestmark = pytest.mark.browser
 
 WIDE, NARROW = (1200, 2400), (500, 2400)
-"""No window of headless Chromium is narrower than 500."""
+"""500 is the smallest width of a window of headless Chromium."""
 
 MAGENTA, CYAN = (255, 0, 255), (0, 255, 255)
 """Of the pictures in ``pages.py``, the SVG and the GIF."""
@@ -55,9 +55,9 @@ def screenshot(page: Path, size: tuple[int, int], *words: str) -> NDArray[np.uin
 
 
 def area(pixels: NDArray[np.uint8], color: tuple[int, int, int]) -> int:
-    """Return how many pixels are of a colour, or very nearly."""
-    away = np.abs(pixels.astype(int) - color).max(axis=-1)
-    return int((away <= 3).sum())
+    """Return how many pixels have a colour, within 3 of 255."""
+    difference = np.abs(pixels.astype(int) - color).max(axis=-1)
+    return int((difference <= 3).sum())
 
 
 @pytest.fixture
@@ -66,32 +66,32 @@ def page(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def elsewhere() -> Iterator[tuple[str, list[str]]]:
-    """Yield the address of a server, and a list of what it has been asked for."""
-    asked: list[str] = []
+def server() -> Iterator[tuple[str, list[str]]]:
+    """Yield the address of a server, and a list of the paths requested from it."""
+    requested: list[str] = []
 
     class Handler(http.server.BaseHTTPRequestHandler):
         def do_GET(self) -> None:
-            asked.append(self.path)
+            requested.append(self.path)
             self.send_response(404)
             self.end_headers()
 
         def log_message(self, format: str, *_: object) -> None:  # noqa: A002
             pass
 
-    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
-    thread = threading.Thread(target=server.serve_forever)
+    listener = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+    thread = threading.Thread(target=listener.serve_forever)
     thread.start()
     try:
-        yield f"http://127.0.0.1:{server.server_port}", asked
+        yield f"http://127.0.0.1:{listener.server_port}", requested
     finally:
-        server.shutdown()
+        listener.shutdown()
         thread.join()
-        server.server_close()
+        listener.server_close()
 
 
 def loaders(address: str) -> str:
-    """Return HTML that loads something in every way there is without being clicked."""
+    """Return HTML that loads something in each way that needs no click."""
     return (
         f'<img src="{address}/img"><script src="{address}/script"></script>'
         f'<link rel="stylesheet" href="{address}/style"><iframe src="{address}/frame"></iframe>'
@@ -111,11 +111,11 @@ def test_both_kinds_of_pictures_are_shown(page: Path, size: tuple[int, int]) -> 
         assert area(pixels, color) > 0.95 * 300 * 100
 
 
-def test_a_narrow_page_does_not_scroll_sideways_as_a_whole(page: Path) -> None:
+def test_a_narrow_page_does_not_scroll_sideways(page: Path) -> None:
     name = "a_very_long_name_" * 20
     write_page(page, a_page_of(name))
     text = page.read_text(encoding="utf-8")
-    # The policy forbids every script, so that it is taken out of this copy to measure it.
+    # The policy forbids every script, so it is removed from this copy, which a script measures.
     assert "default-src 'none'" in text
     probe = page.with_name("probe.html")
     measure = (
@@ -135,7 +135,7 @@ def test_a_narrow_page_does_not_scroll_sideways_as_a_whole(page: Path) -> None:
     assert widths == [300, 300], "each picture has been loaded"
 
 
-def test_a_dark_scheme_has_a_dark_ground_and_pictures_keep_a_white_one(page: Path) -> None:
+def test_a_dark_scheme_has_a_dark_background_and_pictures_keep_a_white_one(page: Path) -> None:
     write_page(page, a_page())
     light = screenshot(page, WIDE, "--blink-settings=preferredColorScheme=1")
     dark = screenshot(page, WIDE, "--blink-settings=preferredColorScheme=0")
@@ -147,23 +147,21 @@ def test_a_dark_scheme_has_a_dark_ground_and_pictures_keep_a_white_one(page: Pat
     assert area(dark, CYAN) > 0.95 * 300 * 100
 
 
-def test_no_name_is_run_and_none_loads_anything(
-    page: Path, elsewhere: tuple[str, list[str]]
-) -> None:
-    address, asked = elsewhere
+def test_names_run_no_script_and_load_nothing(page: Path, server: tuple[str, list[str]]) -> None:
+    address, requested = server
     name = " ".join([*HOSTILE, loaders(address)])
     write_page(page, a_page_of(name))
     dom = chromium(page.parent, "--dump-dom", page.as_uri())
-    assert asked == []
+    assert requested == []
     assert "<title>owned</title>" not in dom
     assert dom.count("<script") == 0
     assert dom.count("<img") == 2
 
 
-def test_an_svg_with_a_script_in_it_is_a_picture_and_nothing_else(
-    page: Path, elsewhere: tuple[str, list[str]]
+def test_an_svg_with_a_script_is_shown_and_the_script_is_not_run(
+    page: Path, server: tuple[str, list[str]]
 ) -> None:
-    address, asked = elsewhere
+    address, requested = server
     svg = (
         '<svg xmlns="http://www.w3.org/2000/svg" width="300" height="100">'
         '<rect width="300" height="100" fill="#ff00ff"/>'
@@ -175,13 +173,13 @@ def test_an_svg_with_a_script_in_it_is_a_picture_and_nothing_else(
     assert area(pixels, MAGENTA) > 0.95 * 300 * 100
     dom = chromium(page.parent, "--dump-dom", page.as_uri())
     assert "<title>A name</title>" in dom
-    assert asked == []
+    assert requested == []
 
 
-def test_even_what_got_through_would_not_be_run_or_loaded(
-    page: Path, elsewhere: tuple[str, list[str]]
+def test_the_policy_of_the_page_blocks_html_that_was_not_escaped(
+    page: Path, server: tuple[str, list[str]]
 ) -> None:
-    address, asked = elsewhere
+    address, requested = server
     write_page(page, a_page())
     text = page.read_text(encoding="utf-8")
     broken = text.replace("<main>", f"<main>{loaders(address)}")
@@ -189,9 +187,9 @@ def test_even_what_got_through_would_not_be_run_or_loaded(
     page.write_text(broken, encoding="utf-8")
     dom = chromium(page.parent, "--dump-dom", page.as_uri())
     assert "<title>A title</title>" in dom
-    assert asked == []
-    # The same without the policy is run and loads, or this test would prove nothing.
+    assert requested == []
+    # Without the policy the same page does run and load it.
     page.write_text(broken.replace("Content-Security-Policy", "x-nothing"), encoding="utf-8")
     dom = chromium(page.parent, "--dump-dom", page.as_uri())
     assert "<title>owned</title>" in dom
-    assert {"/img", "/script", "/style"} <= set(asked)
+    assert {"/img", "/script", "/style"} <= set(requested)

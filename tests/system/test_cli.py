@@ -102,7 +102,7 @@ finally:
     assert "compare-agents" in result.out
 
 
-def test_no_command_is_wrong_usage_and_gets_the_help(capsys: pytest.CaptureFixture[str]) -> None:
+def test_without_a_command_the_help_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
     result = command(capsys)
     assert result.code == 2
     assert "Usage" in result.out + result.err
@@ -149,7 +149,7 @@ def test_run_replaces_an_older_file(capsys: pytest.CaptureFixture[str], tmp_path
         assert Episode.load("e.npz").seed == seed
 
 
-def test_run_without_a_display_says_where_the_replay_went(
+def test_run_without_a_display_names_the_file_of_the_replay(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     result = command(capsys, "run", "--seed", 12, "--battery", 5)
@@ -162,7 +162,7 @@ def test_run_without_a_display_says_where_the_replay_went(
         assert film.n_frames == 6  # type: ignore[attr-defined]
 
 
-def test_a_missing_display_is_found_whatever_backend_matplotlib_has(tmp_path: Path) -> None:
+def test_a_missing_display_is_found_even_if_matplotlib_has_a_window_backend(tmp_path: Path) -> None:
     result = in_a_process("-m", "agents", "play", folder=tmp_path, MPLBACKEND="tkagg")
     message = "warehouse: play needs a window, and there is no display here\n"
     assert result == Result(1, "", message)
@@ -218,7 +218,7 @@ def test_a_full_disk_is_one_line(
     assert names(tmp_path) == []
 
 
-def test_a_folder_that_may_not_be_written_is_one_line(
+def test_a_missing_permission_is_one_line(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     # Permissions do not stop an administrator, who may be running this.

@@ -1,4 +1,4 @@
-"""A sweep on a Dask cluster comes to the same as on this machine, even if a worker dies."""
+"""A sweep on a Dask cluster gives the same rows as on this machine, even if a worker is killed."""
 
 import os
 import re
@@ -46,19 +46,19 @@ def cluster(tmp_path: Path) -> Iterator[Cluster]:
     """Yield the address of a scheduler on this machine, and its two workers."""
     log = tmp_path / "scheduler.log"
     own = ("--host", "127.0.0.1", "--no-dashboard")
-    begun = [start(log, "distributed.cli.dask_scheduler", *own, "--port", "0")]
+    processes = [start(log, "distributed.cli.dask_scheduler", *own, "--port", "0")]
     try:
         address = wait_for(log, r"tcp://127\.0\.0\.1:\d+")
         for number in range(2):
             log = tmp_path / f"worker{number}.log"
             own = ("--no-nanny", "--nthreads", "1", "--no-dashboard", "--host", "127.0.0.1")
             folder = ("--local-directory", str(tmp_path / f"w{number}"))
-            begun.append(start(log, "distributed.cli.dask_worker", address, *own, *folder))
+            processes.append(start(log, "distributed.cli.dask_worker", address, *own, *folder))
         for number in range(2):
             wait_for(tmp_path / f"worker{number}.log", "Registered to")
-        yield address, begun
+        yield address, processes
     finally:
-        for process in begun:
+        for process in processes:
             if process.poll() is None:
                 os.killpg(process.pid, signal.SIGKILL)
             process.wait()
@@ -95,7 +95,7 @@ def test_a_cluster_gives_the_rows_of_this_machine(
     assert table(path) == uninterrupted(tmp_path / "expected.sqlite", EPISODES)
 
 
-def test_a_scheduler_that_dies_is_one_line_and_the_file_can_go_on(
+def test_a_killed_scheduler_is_one_line_and_the_file_stays_usable(
     cluster: Cluster, tmp_path: Path
 ) -> None:
     address, (scheduler, *_) = cluster

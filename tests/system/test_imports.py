@@ -1,4 +1,4 @@
-"""Which module imports which, what a bare environment does without, and what packages export."""
+"""Imports between modules, libraries that the core does not load, and exported names."""
 
 import ast
 import importlib
@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = ("warehouse_core", "warehouse_physics", "agents")
 """Each may import those before it."""
 
-MAX_ROOMS_AND_FLOORS = {"warehouse_core": (17, 8), "agents": (13, 7)}
+MAX_FOLDERS_AND_LEVELS = {"warehouse_core": (17, 8), "agents": (13, 7)}
 MAX_MODULES, MAX_LINES = 12, 400
 """Modules of a folder, beside its ``__init__``, and lines of a file."""
 
@@ -67,7 +67,7 @@ MAY_IMPORT = {
     "agents/cli": "commands console experiments reports run_episode",
     "agents/__main__": "cli",
 }
-"""The modules and folders that each may import in its own package, from the bottom up."""
+"""The modules and folders that each may import in its own package; each is in a row above."""
 
 EXPORTS = {
     "warehouse_core": """
@@ -132,7 +132,7 @@ batch.reset(seed=1)
 batch.step([1, 2, 3])
 """,
 }
-"""Programs that need none of them."""
+"""Programs that load none of them."""
 
 FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))]
 
@@ -182,24 +182,24 @@ def test_imports_between_folders_are_those_of_the_table() -> None:
     assert {place: names for place, names in used.items() if "/" in place} == table
 
 
-def test_no_row_of_the_table_names_a_later_one() -> None:
+def test_each_row_of_the_table_names_only_earlier_ones() -> None:
     places = list(MAY_IMPORT)
     for number, (place, names) in enumerate(MAY_IMPORT.items()):
         package = place.split("/")[0]
         assert {f"{package}/{name}" for name in names.split()} <= set(places[:number]), place
 
 
-def test_each_package_has_few_rooms_on_few_floors() -> None:
-    floors: dict[str, int] = {}
+def test_each_package_has_few_folders_on_few_levels() -> None:
+    levels: dict[str, int] = {}
     for place, names in MAY_IMPORT.items():
         package, name = place.split("/")[:2]
         below = {each.split("/")[0] for each in names.split()} - {name}
-        floor = 1 + max((floors[f"{package}/{each}"] for each in below), default=0)
-        floors[f"{package}/{name}"] = max(floor, floors.get(f"{package}/{name}", 0))
-    for package, (rooms, highest) in MAX_ROOMS_AND_FLOORS.items():
-        rooms_of = (place for place in floors if place.startswith(f"{package}/"))
-        found = [floors[place] for place in rooms_of if not place.endswith("__main__")]
-        assert (len(found) <= rooms, max(found) <= highest) == (True, True), package
+        level = 1 + max((levels[f"{package}/{each}"] for each in below), default=0)
+        levels[f"{package}/{name}"] = max(level, levels.get(f"{package}/{name}", 0))
+    for package, (folders, highest) in MAX_FOLDERS_AND_LEVELS.items():
+        places = (place for place in levels if place.startswith(f"{package}/"))
+        found = [levels[place] for place in places if not place.endswith("__main__")]
+        assert (len(found) <= folders, max(found) <= highest) == (True, True), package
 
 
 def test_no_modules_import_each_other_in_a_circle() -> None:
@@ -225,7 +225,7 @@ def test_gymnasium_is_imported_in_one_folder_of_the_core() -> None:
 
 
 @pytest.mark.parametrize("program", PROGRAMS.values(), ids=PROGRAMS.keys())
-def test_a_bare_environment_loads_none_of_the_heavy_libraries(program: str) -> None:
+def test_a_plain_environment_loads_none_of_the_heavy_libraries(program: str) -> None:
     look = f"import sys; print([name for name in {HEAVY} if name in sys.modules])"
     done = subprocess.run(
         [sys.executable, "-c", f"{program}\n{look}"],

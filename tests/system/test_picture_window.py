@@ -1,4 +1,4 @@
-"""Pictures in real windows, run with ``pytest -m window``, and what is so without a window."""
+"""Pictures in real windows, run with ``pytest -m window``, and tests that need no window."""
 
 import subprocess
 import sys
@@ -27,7 +27,7 @@ from warehouse_core.render.painter import TilePainter
 def painted(pixels, row, col):
     return TilePainter(pixels).picture(DEFAULT_LAYOUT, (row, col), False)
 
-def show_for_ever(picture):
+def show_forever(picture):
     while True:
         window.show(picture, 50)
         print("closed" if window.is_closed else "open", flush=True)
@@ -44,7 +44,7 @@ def painted(pixels: int, row: int, col: int) -> NDArray[np.uint8]:
 
 @pytest.fixture
 def start(display: str, tmp_path: Path) -> Iterator[Callable[[str], Shower]]:
-    """Return a function that starts a program, which begins with a window not yet open."""
+    """Return a function that starts a program with a window that is not open yet."""
     programs: list[Shower] = []
 
     def begin(text: str) -> Shower:
@@ -62,16 +62,16 @@ Start = Callable[[str], Shower]
 @in_a_window
 @pytest.mark.parametrize("pixels", [9, 40])
 def test_a_picture_is_shown_pixel_by_pixel(start: Start, pixels: int) -> None:
-    program = start(f"show_for_ever(painted({pixels}, 1, 1))")
+    program = start(f"show_forever(painted({pixels}, 1, 1))")
     program.wait_for("open", 2)
     assert program.shows(program.focus(), painted(pixels, 1, 1))
 
 
 @in_a_window
-def test_the_next_picture_takes_the_place_of_the_last(start: Start) -> None:
+def test_the_next_picture_replaces_the_last(start: Start) -> None:
     program = start("""
 window.show(painted(40, 1, 1), 50)
-show_for_ever(painted(40, 1, 2))
+show_forever(painted(40, 1, 2))
 """)
     program.wait_for("open")
     assert program.shows(program.focus(), painted(40, 1, 2))
@@ -83,15 +83,15 @@ def test_the_window_follows_a_picture_of_another_size(start: Start) -> None:
     program = start("""
 window.show(painted(40, 1, 1), 50)
 window.show(painted(20, 1, 1), 50)
-show_for_ever(painted(30, 1, 1))
+show_forever(painted(30, 1, 1))
 """)
     program.wait_for("open")
     assert program.shows(program.focus(), painted(30, 1, 1))
 
 
 @in_a_window
-def test_a_window_made_larger_stays_so_and_the_picture_with_it(start: Start) -> None:
-    program = start("show_for_ever(painted(20, 1, 1))")
+def test_an_enlarged_window_keeps_its_size_and_scales_the_picture(start: Start) -> None:
+    program = start("show_forever(painted(20, 1, 1))")
     program.wait_for("open", 2)
     window, picture = program.focus(), painted(20, 1, 1)
     height, width = picture.shape[:2]
@@ -103,8 +103,8 @@ def test_a_window_made_larger_stays_so_and_the_picture_with_it(start: Start) -> 
 
 
 @in_a_window
-def test_it_stays_closed_when_it_is_closed_by_hand(start: Start) -> None:
-    program = start("show_for_ever(painted(20, 1, 1))")
+def test_a_window_closed_by_the_user_stays_closed(start: Start) -> None:
+    program = start("show_forever(painted(20, 1, 1))")
     program.wait_for("open", 2)
     program.ask_to_close(program.focus())
     program.wait_for("closed", 5)
@@ -112,27 +112,27 @@ def test_it_stays_closed_when_it_is_closed_by_hand(start: Start) -> None:
 
 
 @in_a_window
-def test_it_can_be_closed_by_hand_while_a_picture_stands(start: Start) -> None:
+def test_the_user_can_close_it_while_a_picture_is_shown(start: Start) -> None:
     program = start("""
 window.show(painted(20, 1, 1), 50)
 print("shown", flush=True)
 window.show(painted(20, 1, 2), 1 / 3600)
 window.close()
-print("on it goes", flush=True)
+print("continued", flush=True)
 """)
     program.wait_for("shown")
     program.ask_to_close(program.focus())
-    program.wait_for("on it goes")
+    program.wait_for("continued")
     assert program.code() == 0
 
 
 @in_a_window
-def test_a_program_closes_it(start: Start) -> None:
+def test_a_program_can_close_it(start: Start) -> None:
     program = start("""
 window.show(painted(20, 1, 1), 50)
 window.close()
 window.close()
-show_for_ever(painted(20, 1, 1))
+show_forever(painted(20, 1, 1))
 """)
     program.wait_for("closed", 5)
     assert program.windows() == []
@@ -140,14 +140,14 @@ show_for_ever(painted(20, 1, 1))
 
 @in_a_window
 def test_a_window_that_never_opened_can_be_closed(start: Start) -> None:
-    program = start("window.close(); show_for_ever(painted(20, 1, 1))")
+    program = start("window.close(); show_forever(painted(20, 1, 1))")
     program.wait_for("closed", 3)
     assert program.windows() == []
 
 
 @in_a_window
 def test_matplotlibs_keys_do_nothing(start: Start) -> None:
-    program = start("show_for_ever(painted(20, 1, 1))")
+    program = start("show_forever(painted(20, 1, 1))")
     program.wait_for("open", 2)
     window = program.focus()
     program.point_at(window)
@@ -157,7 +157,7 @@ def test_matplotlibs_keys_do_nothing(start: Start) -> None:
 
 
 @in_a_window
-def test_it_is_no_business_of_pyplots(start: Start) -> None:
+def test_pyplot_does_not_manage_it(start: Start) -> None:
     program = start("""
 import warnings
 import matplotlib.pyplot as plt
@@ -166,7 +166,7 @@ plt.rcParams["figure.autolayout"] = True
 window.show(painted(20, 1, 1), 50)
 print("figures", plt.get_fignums(), plt.rcParams["toolbar"], flush=True)
 plt.close("all")
-show_for_ever(painted(20, 1, 1))
+show_forever(painted(20, 1, 1))
 """)
     program.wait_for("figures [] toolbar2")
     program.wait_for("open", 2)
@@ -174,7 +174,7 @@ show_for_ever(painted(20, 1, 1))
 
 
 @in_a_window
-def test_it_keeps_to_the_speed_and_counts_the_programs_own_time(start: Start) -> None:
+def test_the_frame_rate_includes_the_programs_own_time(start: Start) -> None:
     program = start("""
 window.show(painted(20, 1, 1), 50)
 begin = time.monotonic()
@@ -192,13 +192,13 @@ print(time.monotonic() - begin, flush=True)
     assert 2.0 <= busy < 3.2
 
 
-def test_without_a_display_it_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_display_the_error_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("warehouse_core.render.window.has_display", lambda: False)
     with pytest.raises(NoDisplayError, match=r'render_mode="human".*render_mode="rgb_array"'):
         PictureWindow("Warehouse")
 
 
-def test_once_closed_it_does_not_even_try_to_open(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_closed_window_does_not_open_again(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("warehouse_core.render.window.has_display", lambda: True)
     window = PictureWindow("Warehouse")
     monkeypatch.setattr(window, "_open", lambda picture: pytest.fail("it opens"))
@@ -207,7 +207,7 @@ def test_once_closed_it_does_not_even_try_to_open(monkeypatch: pytest.MonkeyPatc
     assert window.is_closed
 
 
-def test_matplotlib_is_imported_by_a_window_alone() -> None:
+def test_importing_the_module_does_not_import_matplotlib() -> None:
     program = "import sys, warehouse_core.render.window; print('matplotlib' in sys.modules)"
     words = [sys.executable, "-c", program]
     done = subprocess.run(words, capture_output=True, text=True, check=True, timeout=TIMEOUT)

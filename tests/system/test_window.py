@@ -1,7 +1,6 @@
 """Real windows on a display of their own, and real keys. Run with ``pytest -m window``.
 
-Nothing here goes by the clock: a test waits for what the program prints, and gives up after
-``TIMEOUT`` seconds in which it has not come.
+No test measures time: each waits for the output of the program, ``TIMEOUT`` seconds at most.
 """
 
 from collections.abc import Callable, Iterator
@@ -25,12 +24,12 @@ from warehouse_core.warehouse_viz import replay_animation
 replay = replay_animation(Episode.load(sys.argv[1]), interval_ms=60)
 assert replay.window, "matplotlib finds no display or no toolkit such as tkinter"
 
-def tell(event):
+def report(event):
     (counter,) = [t.get_text() for t in replay.figure.texts if t.get_text().startswith("step ")]
     picture = event.canvas.buffer_rgba()
     print(counter.split()[1], zlib.crc32(picture), *picture.shape, flush=True)
 
-replay.figure.canvas.mpl_connect("draw_event", tell)
+replay.figure.canvas.mpl_connect("draw_event", report)
 replay.show()
 print("closed", flush=True)
 """
@@ -38,7 +37,7 @@ print("closed", flush=True)
 
 @pytest.fixture
 def start(display: str, tmp_path: Path) -> Iterator[Callable[..., Program]]:
-    """Return a function that starts a program; whatever happens, it is ended."""
+    """Return a function that starts a program, which ends with the test."""
     programs: list[Program] = []
 
     def begin(*words: object) -> Program:
@@ -63,7 +62,7 @@ def long_episode(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def watched(start: Callable[..., Program], long_episode: Path) -> Program:
-    """Return a replay in a window with the keyboard, a few frames after its beginning."""
+    """Return a replay in a window with the keyboard, at frame 3 or later."""
     program = start(WATCH, long_episode)
     program.pictures_until(lambda picture: picture.step >= 3)
     program.focus()
@@ -85,8 +84,8 @@ def test_space_pauses_and_resumes(watched: Program) -> None:
     first = paused(watched)
     assert {watched.picture() for _ in range(10)} == {first}
     watched.press("space")
-    going_on = watched.pictures_until(lambda picture: picture.step >= first.step + 3)
-    steps = sorted({picture.step for picture in going_on} | {first.step})
+    resumed = watched.pictures_until(lambda picture: picture.step >= first.step + 3)
+    steps = sorted({picture.step for picture in resumed} | {first.step})
     assert steps == list(range(first.step, first.step + 4))
 
 
@@ -109,7 +108,7 @@ def test_an_arrow_pauses(watched: Program, key: str) -> None:
     assert watched.picture() == still
 
 
-def test_there_and_back_gives_the_same_picture(watched: Program) -> None:
+def test_two_steps_right_and_two_left_give_the_same_picture(watched: Program) -> None:
     before = paused(watched)
     watched.press("Right", "Right", "Left", "Left")
     watched.pictures_until(lambda picture: picture.step == before.step + 2)
@@ -129,7 +128,7 @@ def test_a_paused_window_can_be_resized(watched: Program) -> None:
     assert watched.still() == before
 
 
-def test_q_closes_the_window_and_the_program_goes_on(watched: Program) -> None:
+def test_q_closes_the_window_and_the_program_continues(watched: Program) -> None:
     watched.press("q")
     assert watched.rest()[-1] == "closed"
     assert watched.code() == 0
@@ -147,7 +146,7 @@ def test_run_opens_a_window_that_q_closes(
     program.press("space", "Right", "Left", "q")
     lines = program.rest()
     assert program.code() == 0, lines
-    assert lines[0] == "GreedyAgent on the grid backend, seed 5"
+    assert lines[0] == "GreedyAgent on the grid backend, seed 5, stations drawn"
     assert lines[-1] == "space pauses, left and right step, q closes the window"
     assert [path.name for path in tmp_path.iterdir()] == option[2:]
 
@@ -170,21 +169,20 @@ def play(start: Callable[..., Program], tmp_path: Path) -> Program:
     This seed puts the robot at (1, 1), P below it at (2, 1) and D beside that at (2, 2).
     """
     ROOM.save(tmp_path / "room.txt")
-    program = start(
-        WAREHOUSE, "play", "--layout", "room.txt", "--seed", 4, "--save", "e.npz", "--save", "e.png"
-    )
+    layout = ("--layout", "room.txt", "--stations", "drawn", "--seed", 4)
+    program = start(WAREHOUSE, "play", *layout, "--save", "e.npz", "--save", "e.png")
     program.focus()
     return program
 
 
-def test_play_is_driven_by_real_keys(play: Program, tmp_path: Path) -> None:
+def test_play_takes_real_keys(play: Program, tmp_path: Path) -> None:
     play.press("Up", "Right", "space", "Left", "Down", "p", "e", "d", "n", "q")
     lines = play.rest()
     assert play.code() == 0, lines
     episode = Episode.load(tmp_path / "e.npz")
     assert episode.actions == ["N", "E", "WAIT", "W", "S", "PICK", "E", "DROP"]
     assert (episode.agent, episode.seed, episode.outcome) == ("You", 4, "delivered")
-    assert lines[0] == "You on the grid backend, seed 4"
+    assert lines[:2] == ["game 1", "You on the grid backend, seed 4, stations drawn"]
     assert lines[-2:] == ["saved e.npz", "saved e.png"]
     assert (tmp_path / "e.png").exists()
 
@@ -193,6 +191,6 @@ def test_play_starts_again_on_enter(play: Program, tmp_path: Path) -> None:
     play.press("Down", "Return", "S", "w", "Escape")
     lines = play.rest()
     assert play.code() == 0, lines
-    episode = Episode.load(tmp_path / "e.npz")
-    assert (episode.seed, episode.actions) == (5, ["S", "W"])
-    assert episode.outcome == "unfinished"
+    games = [Episode.load(tmp_path / name) for name in ("e.npz", "e-2.npz")]
+    assert [(game.seed, game.actions) for game in games] == [(4, ["S"]), (5, ["S", "W"])]
+    assert games[1].outcome == "unfinished"

@@ -50,7 +50,7 @@ print("ended")
     ("form", "backend"),
     [("dict", "grid"), ("vector", "grid"), ("image", "grid"), ("dict", "physics")],
 )
-def test_gymnasium_finds_nothing_to_complain_of_in_any_render_mode(
+def test_the_checker_of_gymnasium_passes_in_every_render_mode(
     display: str,
     tmp_path: Path,
     form: str,
@@ -65,7 +65,7 @@ def test_gymnasium_finds_nothing_to_complain_of_in_any_render_mode(
         program.close()
 
 
-def test_a_walk_outlives_its_window(display: str, tmp_path: Path) -> None:
+def test_an_episode_continues_after_its_window_is_closed(display: str, tmp_path: Path) -> None:
     program = Shower(display, tmp_path, WALK)
     try:
         program.wait_for("None")
@@ -82,12 +82,12 @@ def test_closing_the_environment_closes_its_window(
     display: str,
     tmp_path: Path,
 ) -> None:
-    wait = "import time; print('gone', flush=True); time.sleep(60)"
+    wait = "import time; print('after close', flush=True); time.sleep(60)"
     program = Shower(display, tmp_path, WALK.replace("range(400)", "range(9)") + wait)
     try:
         program.wait_for("open")
         assert len(program.windows()) == 1
-        program.wait_for("gone")
+        program.wait_for("after close")
         assert program.windows() == []
     finally:
         program.close()

@@ -5,4 +5,4 @@ import pytest
 
 @pytest.fixture(autouse=True)
 def small(small_pictures: None) -> None:
-    """Use the fixture of all tests for each of these."""
+    """Use ``small_pictures`` in every test of this folder."""

@@ -9,7 +9,7 @@ from agents.commands import bench
 
 
 class Clock:
-    """A clock that only works advance."""
+    """A clock that advances only when a ``Work`` runs."""
 
     def __init__(self) -> None:
         self.now = 0.0
@@ -44,7 +44,7 @@ def test_a_measurement_takes_about_the_given_time(clock: Clock) -> None:
     assert clock.now == pytest.approx(2 * (1 + 1 / bench.ROUNDS), rel=0.05)
 
 
-def test_a_work_longer_than_its_time_is_done_once(clock: Clock) -> None:
+def test_a_work_longer_than_its_time_runs_once(clock: Clock) -> None:
     slow = clock.work(5, 10.0)
     rates = bench.measure(bench.Pair("ours", lambda: slow, "theirs", lambda: slow), seconds=0.01)
     assert rates.ours == pytest.approx(0.5)
@@ -52,7 +52,8 @@ def test_a_work_longer_than_its_time_is_done_once(clock: Clock) -> None:
 
 @pytest.mark.parametrize("pair", bench.PAIRS, ids=lambda each: each.form)
 def test_every_form_can_be_stepped(pair: bench.Pair, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(bench, "MAX_STEPS", 2)  # of the warm-up of batches
+    for name in ("MAX_STEPS", "BATCH_STEPS"):
+        monkeypatch.setattr(bench, name, 3)
     work = pair.make()
     assert work() == work() > 0
 
@@ -80,7 +81,7 @@ def test_the_table_has_a_line_for_every_form(
         assert [cell[place].strip() for place in (2, 4, 5)] == ["1,235", "100", "12.35"]
 
 
-def test_what_is_not_installed_is_named_in_its_line_and_the_rest_is_measured(
+def test_a_missing_package_is_named_in_its_row_and_the_rest_is_measured(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setitem(sys.modules, "minigrid", None)

@@ -32,7 +32,7 @@ def test_the_bump_flashes_with_its_impulse_and_goes_back():
     assert min(x for x, _ in places) == pytest.approx(1.35, abs=0.02)
 
 
-def test_the_load_makes_the_same_way_slower_and_dearer():
+def test_a_load_makes_the_same_route_slower_and_costlier():
     demo = load()
     empty, loaded = demo.track, demo.beside
     assert not empty.frames[0].robots[0].loaded
@@ -42,14 +42,14 @@ def test_the_load_makes_the_same_way_slower_and_dearer():
     assert places_of(loaded)[-1] == pytest.approx(places_of(empty)[-1], abs=1e-3)
 
 
-def test_the_slippery_floor_spoils_the_plan():
+def test_the_plan_fails_on_the_slippery_floor():
     demo = slip()
     assert demo.track.ending == "delivered"
     assert demo.beside.ending != "delivered"
     assert "slippery" in demo.beside.title
 
 
-def test_the_two_robots_meet_and_both_go_back_soon():
+def test_the_two_robots_meet_and_both_go_back():
     track = head_on().track
     left, right = places_of(track), places_of(track, 1)
     gap = min(b[0] - a[0] for a, b in zip(left, right, strict=True))

@@ -107,7 +107,7 @@ def test_enter_starts_again_from_the_next_seed(driver: Driver, key: str, steps: 
     assert driver.episode.actions == ["N"]
 
 
-def test_what_was_driven_is_a_record_that_runs_again(driver: Driver) -> None:
+def test_a_game_is_an_episode_that_can_be_replayed(driver: Driver) -> None:
     press(driver.figure, "up", "down", "right", "p", "left", " ")
     assert driver.episode.outcome == "unfinished"
     assert replay_episode(driver.episode) == driver.episode
@@ -140,7 +140,7 @@ def keys(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     return will_be
 
 
-def test_play_reports_and_saves_what_was_driven(
+def test_play_reports_and_saves_a_game(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, keys: Callable[..., None]
 ) -> None:
     ROOM.save(tmp_path / "room.txt")

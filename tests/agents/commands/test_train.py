@@ -263,7 +263,7 @@ def test_a_missing_library_is_one_line_with_the_command_that_installs_it(
     assert refusal(capsys, "train", "ppo", "--output", "m.zip") == message
 
 
-def test_a_fault_in_our_own_imports_is_not_hidden(
+def test_an_error_in_our_own_imports_keeps_its_traceback(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     without(monkeypatch, "agents.learning.ppo_training")

@@ -14,13 +14,13 @@ NO_DISPLAY = "there is no display to open a window on"
 
 
 @pytest.fixture(autouse=True)
-def folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+def folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, small_pictures: None) -> Path:
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
 class FakeReplay:
-    """Takes the place of ``replay_animation`` and of the replay, and notes what is called."""
+    """Replaces ``replay_animation`` and the replay, and records the calls."""
 
     def __init__(self) -> None:
         self.arguments: list[tuple[Any, ...]] = []
@@ -139,7 +139,7 @@ def test_without_a_display_the_replay_goes_to_a_file(
     assert names(folder) == saved
 
 
-def test_an_older_file_is_not_overwritten_by_a_name_that_nobody_chose(
+def test_a_default_name_does_not_overwrite_an_older_file(
     monkeypatch: pytest.MonkeyPatch, folder: Path
 ) -> None:
     fake(monkeypatch, has_display=False)

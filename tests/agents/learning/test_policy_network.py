@@ -64,7 +64,7 @@ def test_a_batch_has_the_outputs_of_its_rows() -> None:
     assert network.logits(inputs) == pytest.approx(each, abs=1e-5)
 
 
-def test_battery_and_steps_are_no_input() -> None:
+def test_battery_and_steps_are_not_inputs() -> None:
     observation = WarehouseEnv().reset()
     inputs = network_input(encode(observation))
     assert inputs.shape == (input_size(2),) == (84,)

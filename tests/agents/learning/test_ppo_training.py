@@ -122,14 +122,14 @@ def test_steps_are_rounded_up_to_whole_rounds() -> None:
 
 
 def test_watch_is_called_at_every_round_and_at_the_end() -> None:
-    told: list[tuple[int, float, PPOAgent]] = []
+    calls: list[tuple[int, float, PPOAgent]] = []
     make_agent = learner(rounds=2).learn(
-        lambda steps, delivers, make: told.append((steps, delivers, make(0)))
+        lambda steps, delivers, make: calls.append((steps, delivers, make(0)))
     )
-    assert [steps for steps, _, _ in told] == [0, ROUND, 2 * ROUND]
-    assert np.isnan(told[0][1])
-    assert all(0 < delivers <= 1 for _, delivers, _ in told[1:])
-    networks = [agent._network for *_, agent in told]
+    assert [steps for steps, _, _ in calls] == [0, ROUND, 2 * ROUND]
+    assert np.isnan(calls[0][1])
+    assert all(0 < delivers <= 1 for _, delivers, _ in calls[1:])
+    networks = [agent._network for *_, agent in calls]
     for one, other in pairwise(networks):
         assert not any(map(np.array_equal, weights(one), weights(other)))
     assert equal(networks[2], make_agent(0)._network)
