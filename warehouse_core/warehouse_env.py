@@ -91,7 +91,9 @@ class WarehouseEnv:
         self._view_radius = whole_number("view_radius", view_radius, minimum=0)
         if grid is None:
             grid = DEFAULT_LAYOUT
-        self._use(grid if isinstance(grid, Layout) else Layout(grid))
+        layout = grid if isinstance(grid, Layout) else Layout(grid)
+        self._sight = Sight(self._view_radius)
+        self._use(layout)
         self._start_pos = self._start_in(self.layout, start_pos)
         self._motion = make_motion(backend)
         self.last_motion: Outcome | None = None
@@ -278,7 +280,7 @@ class WarehouseEnv:
 
     def _use(self, layout: Layout) -> None:
         self.layout = layout
-        self._sight = Sight(layout, self._view_radius)
+        self._sight.use(layout)
         self._pickup = layout.pickups[0] if layout.pickups else None
         self._dropoff = layout.dropoffs[0] if layout.dropoffs else None
 
