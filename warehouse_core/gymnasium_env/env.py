@@ -29,7 +29,8 @@ from warehouse_core.task.rules import useful_actions
 from warehouse_core.task.starts import DRAWS, MIN_OPEN_CELLS, check_room, draw_stations, motion_seed
 from warehouse_core.warehouse_env import WarehouseEnv
 from warehouse_core.world.actions import ACTIONS, valid_action
-from warehouse_core.world.layout import GivenLayout, Layout, as_layout, check_open
+from warehouse_core.world.layout import Layout, check_open
+from warehouse_core.world.map_files import GivenLayout, as_layout
 from warehouse_core.world.tiles import Cell
 
 _Known = tuple[NDArray[np.uint8], NDArray[np.int32], NDArray[np.int8]]
@@ -59,7 +60,8 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         Terminated by the delivery; truncated when the steps or the battery are used up.
 
     Args:
-        layout: a ``Layout``, its rows or its text; ``None`` is the chapter's.
+        layout: a ``Layout``, its rows, its text or the path of its file, see ``as_layout`` in
+            ``world/map_files.py``; ``None`` is the chapter's.
         backend: name, class or instance of a motion; an instance is copied.
         observation: name of a form, see ``make_form``.
         start_pos: start of the robot without ``randomize``; ``None`` is the usual one.

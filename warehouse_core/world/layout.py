@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -92,7 +93,7 @@ class Layout:
         return cls([line.rstrip() for line in lines])
 
     @classmethod
-    def load(cls, path: str | Path) -> Layout:
+    def load(cls, path: str | os.PathLike[str]) -> Layout:
         """Read a layout from a UTF-8 text file.
 
         Raises:
@@ -233,9 +234,6 @@ def _checked_rows(rows: Sequence[str]) -> tuple[str, ...]:
     return tuple(map(str, rows))
 
 
-GivenLayout = Layout | Sequence[str] | str
-"""A layout, its rows or its text; rows and text can be stored as JSON."""
-
 DEFAULT_LAYOUT = Layout.from_text(
     """
     ############
@@ -248,17 +246,3 @@ DEFAULT_LAYOUT = Layout.from_text(
     """
 )
 """The chapter's warehouse, 7 x 12."""
-
-
-def as_layout(layout: GivenLayout | None) -> Layout:
-    """Return a layout given as one, as rows or as text; ``None`` is the chapter's.
-
-    Raises:
-        LayoutError: as for ``Layout``.
-        TypeError: it is of another type.
-    """
-    if layout is None:
-        return DEFAULT_LAYOUT
-    if isinstance(layout, Layout):
-        return layout
-    return Layout.from_text(layout) if isinstance(layout, str) else Layout(layout)

@@ -93,8 +93,11 @@ def test_an_environment_can_be_made_again_from_json() -> None:
     assert again.unwrapped.warehouse.start_pos == (2, 2)
 
 
-def test_a_layout_is_given_as_itself_as_rows_or_as_text() -> None:
-    for layout in (ROOM, ROOM.rows, list(ROOM.rows), str(ROOM), f"\n    {ROOM.rows[0]}\n    #P.D#"):
+def test_a_layout_is_given_as_itself_as_rows_as_text_or_as_a_file(tmp_path: Path) -> None:
+    file = tmp_path / "hall.txt"
+    ROOM.save(file)
+    text = f"\n    {ROOM.rows[0]}\n    #P.D#"
+    for layout in (ROOM, ROOM.rows, list(ROOM.rows), str(ROOM), text, file, str(file)):
         env = plain(layout=layout, randomize=False)
         assert env.warehouse.layout.rows[:2] == ROOM.rows[:2]
     assert plain(randomize=False).warehouse.layout is DEFAULT_LAYOUT

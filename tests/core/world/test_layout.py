@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError
 from warehouse_core.world import layout as layout_module
-from warehouse_core.world.layout import as_layout, check_open
+from warehouse_core.world.layout import check_open
 from warehouse_core.world.tiles import ALLOWED_TILES
 
 FIELDS = ("rows", "height", "width", "pickups", "dropoffs")
@@ -78,11 +78,6 @@ def test_the_usual_start_is_the_chapters_or_the_first_open_cell() -> None:
     assert Layout(["#P", "D#"]).usual_start() == (0, 1)
     with pytest.raises(LayoutError, match="no open cell"):
         Layout(["##"]).usual_start()
-
-
-def test_a_layout_is_given_in_any_of_its_forms() -> None:
-    assert as_layout(None) is as_layout(DEFAULT_LAYOUT) is DEFAULT_LAYOUT
-    assert as_layout("#.\nP#") == as_layout(["#.", "P#"]) == Layout(["#.", "P#"])
 
 
 @pytest.mark.parametrize(
