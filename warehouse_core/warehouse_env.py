@@ -12,18 +12,15 @@ from warehouse_core.motion.base import Motion, Outcome
 from warehouse_core.task.rules import is_truncated, judge
 from warehouse_core.task.settings import Settings
 from warehouse_core.task.sight import Sight
-from warehouse_core.task.starts import check_room
+from warehouse_core.task.starts import START, STATIONS, check_room, what_is_drawn
 from warehouse_core.task.state import Observation, WarehouseState
 from warehouse_core.world.actions import ACTIONS, DISPLACEMENTS, INVALID, action_index
 from warehouse_core.world.layout import CHAPTER_START, DEFAULT_LAYOUT, Layout, check_open
 from warehouse_core.world.tiles import MOVE_DELTAS, ROBOT_EMPTY, ROBOT_LOADED, TILES, Cell
 
+__all__ = ["LEGEND", "START", "STATIONS", "WarehouseEnv"]
+
 LEGEND = TILES | {ROBOT_EMPTY: "robot (empty)", ROBOT_LOADED: "robot (loaded)"}
-
-
-STATIONS, START = "stations", "start"
-DRAWN = (False, True, STATIONS, START)
-"""What ``reset`` may draw at random: nothing, all, or one of the two."""
 
 
 class WarehouseEnv:
@@ -159,15 +156,14 @@ class WarehouseEnv:
             ValueError: ``randomize`` is another word.
             TypeError: ``seed`` is not an integer. Nothing has changed after any of these.
         """
-        if randomize not in DRAWN:
-            raise ValueError(f"randomize is {randomize!r}; allowed: {', '.join(map(repr, DRAWN))}")
+        drawn = what_is_drawn(randomize)
         seed = None if seed is None else whole_number("seed", seed)
         layout, start = self.layout, self._start_pos
         if randomize:
             stream = random if seed is None else random.Random(seed)
-            if randomize != START:
+            if drawn.stations:
                 layout = self._draw_stations(stream)
-            if randomize != STATIONS:
+            if drawn.start:
                 start = self._draw_start(stream, layout)
         return self._begin(layout, start, seed)
 

@@ -75,7 +75,7 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         max_steps: int = 200,
         battery: int = 200,
         view_radius: int = 2,
-        randomize: bool = True,
+        randomize: bool | str = True,
         autoreset_mode: Any = NEXT_STEP,
         render_mode: str | None = None,
         tile_pixels: int | None = None,

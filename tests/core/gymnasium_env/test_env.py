@@ -293,6 +293,8 @@ def test_options_are_for_one_episode_alone() -> None:
     env = plain(layout=ROOM)
     told, _ = env.reset(seed=1, options={"randomize": False})
     assert told["pickup_pos"].tolist() == [1, 1]
+    told, _ = env.reset(seed=1, options={"randomize": "start"})
+    assert told["pickup_pos"].tolist() == [1, 1]
     told, _ = env.reset(seed=1, options={"start_pos": (2, 2)})
     assert told["robot_pos"].tolist() == [2, 2]
     assert same(told["pickup_pos"], env.reset(seed=1)[0]["pickup_pos"])
@@ -314,7 +316,7 @@ def test_the_usual_start_is_that_of_the_layout_of_the_episode() -> None:
     ("options", "error", "message"),
     [
         (["layout"], TypeError, r"options is \['layout'\]; it must be a dict"),
-        ({"randomize": "no"}, TypeError, "randomize is 'no'; it must be True or False"),
+        ({"randomize": "no"}, ValueError, "randomize is 'no'; allowed: False, True, 'stations', '"),
         ({"sed": 1, "a": 2}, ValueError, "unknown options: 'a', 'sed'; allowed: layout, ra"),
         ({"layout": CORRIDOR}, LayoutError, "has 1 x 6 cells; this environment was made for 4 x 5"),
         ({"layout": ["##", "#"]}, LayoutError, "row 1 has 1 columns"),
