@@ -98,6 +98,9 @@ class WarehouseEnv:
         self.backend = backend if isinstance(backend, str) else type(self._motion).__name__
         self.reset()
 
+    def __repr__(self) -> str:
+        return f"<WarehouseEnv {self.layout.summary()}, backend {self.backend!r}>"
+
     @property
     def grid(self) -> list[str]:
         """The current layout as a new list of strings, without the robot."""

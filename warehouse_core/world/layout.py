@@ -50,11 +50,11 @@ class Layout:
     """
 
     rows: tuple[str, ...]
-    height: int = field(init=False, compare=False, repr=False)
-    width: int = field(init=False, compare=False, repr=False)
-    pickups: tuple[Cell, ...] = field(init=False, compare=False, repr=False)
-    dropoffs: tuple[Cell, ...] = field(init=False, compare=False, repr=False)
-    open_cells: NDArray[np.intp] = field(init=False, compare=False, repr=False)
+    height: int = field(init=False, compare=False)
+    width: int = field(init=False, compare=False)
+    pickups: tuple[Cell, ...] = field(init=False, compare=False)
+    dropoffs: tuple[Cell, ...] = field(init=False, compare=False)
+    open_cells: NDArray[np.intp] = field(init=False, compare=False)
     """Every cell that is not a wall, as ``row * W + col`` in ascending order, read-only."""
 
     def __init__(self, rows: Sequence[str]) -> None:
@@ -116,6 +116,14 @@ class Layout:
 
     def __str__(self) -> str:
         return "\n".join(self.rows)
+
+    def __repr__(self) -> str:
+        return f"<Layout {self.summary()}>"
+
+    def summary(self) -> str:
+        """Return size and stations, ``7 x 12, pickup (1, 3), dropoff (5, 6)`` or ``2 dropoffs``."""
+        pickups, dropoffs = _counted("pickup", self.pickups), _counted("dropoff", self.dropoffs)
+        return f"{self.height} x {self.width}, {pickups}, {dropoffs}"
 
     def __deepcopy__(self, memo: object) -> Layout:
         return self  # immutable; a copied array would be writable
@@ -197,6 +205,12 @@ class Layout:
         pickups, dropoffs = (() if cell is None else (cell,) for cell in (pickup, dropoff))
         layout._fill(tuple(rows), pickups, dropoffs, self.open_cells)
         return layout
+
+
+def _counted(name: str, cells: tuple[Cell, ...]) -> str:
+    if len(cells) == 1:
+        return f"{name} {cells[0]}"
+    return f"{len(cells) or 'no'} {name}s"
 
 
 def check_open(layout: Layout, cell: Cell, name: str) -> None:

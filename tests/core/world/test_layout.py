@@ -62,6 +62,17 @@ def test_every_field_follows_from_the_rows(rows: list[str]) -> None:
     assert Layout.from_text(str(layout)) == layout
 
 
+@pytest.mark.parametrize(
+    ("rows", "text"),
+    [
+        (["P.", ".D", "##"], "3 x 2, pickup (0, 0), dropoff (1, 1)"),
+        (["PP."], "1 x 3, 2 pickups, no dropoffs"),
+    ],
+)
+def test_the_repr_gives_size_and_stations(rows: list[str], text: str) -> None:
+    assert repr(Layout(rows)) == f"<Layout {text}>"
+
+
 def test_a_cell_is_described_by_its_place_and_its_tile() -> None:
     layout = Layout(["#.", "PD"])
     assert layout.describe((0, 0)) == "row 0, column 0 is wall"
