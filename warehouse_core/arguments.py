@@ -51,17 +51,6 @@ def real_number(
     return number
 
 
-def as_flag(name: str, value: bool) -> bool:
-    """Return an argument that must be true or false.
-
-    Raises:
-        TypeError: it is neither.
-    """
-    if not isinstance(value, (bool, np.bool_)):
-        raise TypeError(f"{name} is {value!r}; it must be True or False")
-    return bool(value)
-
-
 def as_cell(name: str, value: tuple[int, int]) -> tuple[int, int]:
     """Return an argument as a cell of two ``int``.
 

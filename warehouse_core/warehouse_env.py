@@ -12,18 +12,15 @@ from warehouse_core.motion.base import Motion, Outcome
 from warehouse_core.task.rules import is_truncated, judge
 from warehouse_core.task.settings import Settings
 from warehouse_core.task.sight import Sight
-from warehouse_core.task.starts import check_room
+from warehouse_core.task.starts import START, STATIONS, check_room, what_is_drawn
 from warehouse_core.task.state import Observation, WarehouseState
 from warehouse_core.world.actions import ACTIONS, DISPLACEMENTS, INVALID, action_index
 from warehouse_core.world.layout import CHAPTER_START, DEFAULT_LAYOUT, Layout, check_open
 from warehouse_core.world.tiles import MOVE_DELTAS, ROBOT_EMPTY, ROBOT_LOADED, TILES, Cell
 
+__all__ = ["LEGEND", "START", "STATIONS", "WarehouseEnv"]
+
 LEGEND = TILES | {ROBOT_EMPTY: "robot (empty)", ROBOT_LOADED: "robot (loaded)"}
-
-
-STATIONS, START = "stations", "start"
-DRAWN = (False, True, STATIONS, START)
-"""What ``reset`` may draw at random: nothing, all, or one of the two."""
 
 
 class WarehouseEnv:
@@ -91,13 +88,18 @@ class WarehouseEnv:
         self._view_radius = whole_number("view_radius", view_radius, minimum=0)
         if grid is None:
             grid = DEFAULT_LAYOUT
-        self._use(grid if isinstance(grid, Layout) else Layout(grid))
+        layout = grid if isinstance(grid, Layout) else Layout(grid)
+        self._sight = Sight(self._view_radius)
+        self._use(layout)
         self._start_pos = self._start_in(self.layout, start_pos)
         self._motion = make_motion(backend)
         self.last_motion: Outcome | None = None
         self._placed: Cell = self._start_pos
         self.backend = backend if isinstance(backend, str) else type(self._motion).__name__
         self.reset()
+
+    def __repr__(self) -> str:
+        return f"<WarehouseEnv {self.layout.summary()}, backend {self.backend!r}>"
 
     @property
     def grid(self) -> list[str]:
@@ -157,15 +159,14 @@ class WarehouseEnv:
             ValueError: ``randomize`` is another word.
             TypeError: ``seed`` is not an integer. Nothing has changed after any of these.
         """
-        if randomize not in DRAWN:
-            raise ValueError(f"randomize is {randomize!r}; allowed: {', '.join(map(repr, DRAWN))}")
+        drawn = what_is_drawn(randomize)
         seed = None if seed is None else whole_number("seed", seed)
         layout, start = self.layout, self._start_pos
         if randomize:
             stream = random if seed is None else random.Random(seed)
-            if randomize != START:
+            if drawn.stations:
                 layout = self._draw_stations(stream)
-            if randomize != STATIONS:
+            if drawn.start:
                 start = self._draw_start(stream, layout)
         return self._begin(layout, start, seed)
 
@@ -278,7 +279,7 @@ class WarehouseEnv:
 
     def _use(self, layout: Layout) -> None:
         self.layout = layout
-        self._sight = Sight(layout, self._view_radius)
+        self._sight.use(layout)
         self._pickup = layout.pickups[0] if layout.pickups else None
         self._dropoff = layout.dropoffs[0] if layout.dropoffs else None
 

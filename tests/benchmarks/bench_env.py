@@ -5,8 +5,9 @@ import subprocess
 import sys
 
 import gymnasium
+import pytest
 
-from warehouse_core import WarehouseEnv
+from warehouse_core import Layout, WarehouseEnv
 
 STEPS = 100_000
 
@@ -63,6 +64,22 @@ def test_a_hundred_by_hundred_grid_with_random_starts(times_faster):
     )
     # There is no target for this; below half, something is computed at every step.
     assert ratio >= 0.5
+
+
+@pytest.mark.parametrize("view_radius", [2, 10])
+def test_a_walk_into_new_cells_of_a_hundred_by_hundred_grid(view_radius, times_faster):
+    """Row by row, each cell once, in a new layout each time; its reset counts too."""
+    limits = {"max_steps": STEPS, "battery": STEPS, "view_radius": view_radius}
+    small, big = WarehouseEnv(**limits), WarehouseEnv(big_grid(), **limits)
+    there_and_back = [*"E" * 97, "S", *"W" * 97, "S"] * 46
+
+    def walk() -> None:
+        big.reset_to(Layout(big_grid()))
+        step_many(big, there_and_back, randomize=False)
+
+    actions = random_actions()[: len(there_and_back)]
+    # Each new cell has a new path, which takes longer than the whole of a step in a known cell.
+    assert times_faster(walk, lambda: step_many(small, actions, randomize=False), rounds=21) >= 0.25
 
 
 def test_importing_the_core_costs_little_beyond_numpy(times_faster, capsys):

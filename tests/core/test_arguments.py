@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from warehouse_core.arguments import as_cell, as_flag, real_number, whole_number
+from warehouse_core.arguments import as_cell, real_number, whole_number
 
 
 def test_a_whole_number_is_an_integer_of_any_kind_within_its_limits() -> None:
@@ -50,12 +50,6 @@ def test_a_real_number_comes_back_as_a_float() -> None:
     for value in (0, 2, 1.5, np.float32(0.5), np.int64(1)):
         number = real_number("size", value, 0, 2)
         assert (number, type(number)) == (value, float)
-
-
-def test_a_flag_is_true_or_false() -> None:
-    assert [as_flag("on", value) for value in (True, np.bool_(False))] == [True, False]
-    with pytest.raises(TypeError, match=r"^on is 1; it must be True or False$"):
-        as_flag("on", 1)  # type: ignore[arg-type]
 
 
 def test_a_cell_is_two_integers() -> None:

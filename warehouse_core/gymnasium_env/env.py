@@ -12,7 +12,7 @@ from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from warehouse_core.arguments import as_cell, as_flag
+from warehouse_core.arguments import as_cell
 from warehouse_core.errors import LayoutError
 from warehouse_core.gymnasium_env.spaces import (
     RENDER_FPS,
@@ -26,10 +26,19 @@ from warehouse_core.render.painter import TilePainter, tile_pixels_for
 from warehouse_core.render.window import PictureWindow
 from warehouse_core.task.encoding import Arrays, arrays_of, numbers_of, window_of
 from warehouse_core.task.rules import useful_actions
-from warehouse_core.task.starts import DRAWS, MIN_OPEN_CELLS, check_room, draw_stations, motion_seed
+from warehouse_core.task.starts import (
+    DRAWS,
+    Drawn,
+    check_room,
+    draw_episode,
+    has_start,
+    motion_seed,
+    what_is_drawn,
+)
 from warehouse_core.warehouse_env import WarehouseEnv
 from warehouse_core.world.actions import ACTIONS, valid_action
-from warehouse_core.world.layout import GivenLayout, Layout, as_layout, check_open
+from warehouse_core.world.layout import Layout, check_open
+from warehouse_core.world.map_files import GivenLayout, as_layout
 from warehouse_core.world.tiles import Cell
 
 _Known = tuple[NDArray[np.uint8], NDArray[np.int32], NDArray[np.int8]]
@@ -59,14 +68,16 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         Terminated by the delivery; truncated when the steps or the battery are used up.
 
     Args:
-        layout: a ``Layout``, its rows or its text; ``None`` is the chapter's.
+        layout: a ``Layout``, its rows, its text or the path of its file, see ``as_layout`` in
+            ``world/map_files.py``; ``None`` is the chapter's.
         backend: name, class or instance of a motion; an instance is copied.
         observation: name of a form, see ``make_form``.
-        start_pos: start of the robot without ``randomize``; ``None`` is the usual one.
+        start_pos: start of the robot if none is drawn; ``None`` is the usual one.
         max_steps: limit of an episode, 1 to ``MAX_STEPS``.
         battery: units of a full charge, 1 to ``MAX_STEPS``; every step costs one.
         view_radius: cells seen in each direction, 0 to ``MAX_VIEW_RADIUS``.
-        randomize: draw pickup, dropoff and start of each episode.
+        randomize: what is drawn for each episode: ``True`` for pickup, dropoff and start, or
+            ``"stations"`` or ``"start"`` for one of the two.
         render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``.
         tile_pixels: side of a cell in a picture, at least 2; ``None`` fits it to the layout.
 
@@ -89,7 +100,7 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         max_steps: int = 200,
         battery: int = 200,
         view_radius: int = 2,
-        randomize: bool = True,
+        randomize: bool | str = True,
         render_mode: str | None = None,
         tile_pixels: int | None = None,
     ) -> None:
@@ -101,8 +112,8 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         self._warehouse = env = WarehouseEnv(
             self._layout, self._start, max_steps, battery, view_radius, backend=own
         )
-        self._randomize = as_flag("randomize", randomize)
-        if randomize:
+        self._drawn = what_is_drawn(randomize)
+        if self._drawn.stations:
             check_room(self._layout)
         extent = Extent(env.height, env.width, env.view_radius, env.max_battery, env.max_steps)
         form = make_form(observation, extent)
@@ -130,22 +141,21 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         Args:
             seed: for ``np_random``, from which pickup, dropoff, start and the seed of the motion
                 are drawn; ``None`` continues its stream.
-            options: ``randomize`` (bool), ``layout`` (of the same size) and ``start_pos`` for
-                this episode only.
+            options: ``randomize``, ``layout`` (of the same size) and ``start_pos`` for this
+                episode only.
 
         Raises:
             ValueError: an unknown option or a bad value; nothing has changed.
             TypeError: a value of another type; nothing has changed.
             gymnasium.error.Error: a seed that is negative or not an integer.
         """
-        layout, start, randomize = self._options(
+        layout, start, drawn = self._options(
             check_options(options, {"layout", "randomize", "start_pos"})
         )
         super().reset(seed=seed)
         uniforms = self.np_random.random(DRAWS)
-        if randomize:
-            layout, drawn = draw_stations(layout, uniforms)
-            start = start or drawn
+        layout, random_start = draw_episode(layout, uniforms, drawn)
+        start = start or random_start
         assert start is not None, "a start is drawn or given"
         self._warehouse.reset_to(layout, start, motion_seed(uniforms))
         self._forget()
@@ -206,8 +216,8 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         self._warehouse.close()
         self._over = "the environment has been closed"
 
-    def _options(self, options: dict[str, Any]) -> tuple[Layout, Cell | None, bool]:
-        """Return the layout, the start (``None`` to draw it) and whether to draw."""
+    def _options(self, options: dict[str, Any]) -> tuple[Layout, Cell | None, Drawn]:
+        """Return the layout, the start (``None`` to draw it) and what to draw."""
         other = options.get("layout")
         layout = self._layout if other is None else as_layout(other)
         if (layout.height, layout.width) != (self._layout.height, self._layout.width):
@@ -216,16 +226,16 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
                 f"made for {self._layout.height} x {self._layout.width}"
             )
         randomize = options.get("randomize")
-        randomize = self._randomize if randomize is None else as_flag("randomize", randomize)
-        if randomize:
+        drawn = self._drawn if randomize is None else what_is_drawn(randomize)
+        if drawn.stations:
             check_room(layout)
         given = options.get("start_pos")
-        if given is None and randomize and len(layout.open_cells) > MIN_OPEN_CELLS:
-            return layout, None, True
+        if given is None and drawn.start and has_start(layout, drawn):
+            return layout, None, drawn
         start = self._start if given is None else as_cell("start_pos", given)
         start = start or layout.usual_start()
         check_open(layout, start, "start_pos")
-        return layout, start, randomize
+        return layout, start, drawn
 
     def _forget(self) -> None:
         """Clear what is cached by cell, except for what follows from the walls if they stay."""

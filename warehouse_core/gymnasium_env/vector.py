@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, TypeGuard, cast
+from typing import Any, cast
 
 import gymnasium
 import numpy as np
@@ -24,8 +24,9 @@ from warehouse_core.motion.backends import Backend
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
 from warehouse_core.vector.env import NEXT_STEP, BatchEnv, Seeds
 from warehouse_core.world.actions import ACTIONS
-from warehouse_core.world.layout import GivenLayout, Layout, as_layout
-from warehouse_core.world.tiles import Cell
+from warehouse_core.world.layout import Layout
+from warehouse_core.world.map_files import GivenLayout, as_layout
+from warehouse_core.world.tiles import TILES, Cell
 
 AutoresetMode: Any = getattr(gymnasium.vector, "AutoresetMode", str)
 """Gymnasium's enumeration; version 1.0 has none, and strings are used."""
@@ -52,7 +53,8 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     Args:
         num_envs: ``B``, at least 1.
-        layout: one for all rows, or a list of ``B`` layouts.
+        layout: as for ``WarehouseGymnasiumEnv``, one for all rows, or a list of ``B``. A list of
+            strings is one layout if any string is a row of tiles.
         autoreset_mode: an ``AutoresetMode`` or its value, ``"NextStep"``, ``"SameStep"`` or
             ``"Disabled"``.
         backend: as for ``WarehouseGymnasiumEnv``, like all other arguments. On the physics
@@ -66,14 +68,14 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     def __init__(
         self,
         num_envs: int = 1,
-        layout: GivenLayout | Sequence[Layout] | None = None,
+        layout: GivenLayout | Sequence[GivenLayout] | None = None,
         backend: Backend = "grid",
         observation: str = "dict",
         start_pos: Cell | Sequence[Cell] | None = None,
         max_steps: int = 200,
         battery: int = 200,
         view_radius: int = 2,
-        randomize: bool = True,
+        randomize: bool | str = True,
         autoreset_mode: Any = NEXT_STEP,
         render_mode: str | None = None,
         tile_pixels: int | None = None,
@@ -81,10 +83,9 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         modes = ["rgb_array"]
         check_render_mode(render_mode, modes)
         mode = getattr(autoreset_mode, "value", autoreset_mode)
-        layouts = layout if _is_many(layout) else as_layout(cast("GivenLayout | None", layout))
         self._batch = batch = BatchEnv(
             num_envs,
-            layouts,
+            _layouts(layout),
             start_pos,
             max_steps,
             battery,
@@ -191,9 +192,10 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return final
 
 
-def _is_many(layout: GivenLayout | Sequence[Layout] | None) -> TypeGuard[Sequence[Layout]]:
-    return (
-        not isinstance(layout, (str, Layout))
-        and isinstance(layout, Sequence)
-        and any(isinstance(each, Layout) for each in layout)
-    )
+def _layouts(given: GivenLayout | Sequence[GivenLayout] | None) -> Layout | list[Layout]:
+    """Return one layout or several; a list of strings is one if any of them is a row of tiles."""
+    if isinstance(given, Sequence) and not isinstance(given, str) and given:
+        strings = [each for each in given if isinstance(each, str)]
+        if len(strings) < len(given) or not any(set(text) <= TILES.keys() for text in strings):
+            return [as_layout(each) for each in given]
+    return as_layout(cast("GivenLayout | None", given))

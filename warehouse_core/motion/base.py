@@ -159,8 +159,6 @@ def check_moves(robots: int, displacements: Sequence[Cell], loaded: Sequence[boo
             f"{len(displacements)} displacements and {len(loaded)} loads for {robots} robots; "
             "one of each is needed for every robot"
         )
-    for robot, displacement in enumerate(displacements):
-        if displacement not in _ALLOWED:
-            raise ValueError(
-                f"displacement {displacement!r} of robot {robot}; allowed: {sorted(_ALLOWED)}"
-            )
+    if not _ALLOWED.issuperset(displacements):
+        robot, bad = next(each for each in enumerate(displacements) if each[1] not in _ALLOWED)
+        raise ValueError(f"displacement {bad!r} of robot {robot}; allowed: {sorted(_ALLOWED)}")

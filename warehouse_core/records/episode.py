@@ -20,6 +20,7 @@ from warehouse_core.records.episode_arrays import EPISODE_SCHEMA, pack_fields, u
 from warehouse_core.task.settings import Settings
 from warehouse_core.task.state import Observation
 from warehouse_core.warehouse_env import WarehouseEnv
+from warehouse_core.wording import counted
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED, Cell, manhattan_distance
 
@@ -80,6 +81,10 @@ class Episode:
     terminated: bool = False
     truncated: bool = False
 
+    def __repr__(self) -> str:
+        result = f"{self.outcome}, {counted(self.steps, 'step')}, reward {self.total_reward:.2f}"
+        return f"<Episode {result}, seed {self.seed}, agent {self.agent!r}>"
+
     @property
     def steps(self) -> int:
         """``T``, the length of the episode."""
@@ -105,7 +110,7 @@ class Episode:
         """The outcome; a delivery with the last battery unit is a delivery."""
         if self.terminated:
             return DELIVERED
-        if self.battery[-1] <= 0:
+        if self.battery and self.battery[-1] <= 0:
             return BATTERY_DEPLETED
         return OUT_OF_TIME if self.truncated else UNFINISHED
 

@@ -7,7 +7,7 @@ single warehouse and for a batch, so that the same numbers give the same episode
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +16,10 @@ from warehouse_core.errors import LayoutError
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 
+STATIONS, START = "stations", "start"
+RANDOMIZE = (False, True, STATIONS, START)
+"""What ``randomize`` may be: nothing is drawn, all, or one of the two."""
+
 MIN_OPEN_CELLS = 2
 """Open cells that pickup and dropoff need."""
 
@@ -23,7 +27,26 @@ DRAWS = 4
 """Uniform random numbers for one episode: pickup, dropoff, start, and the motion's seed."""
 
 NO_RANK = -1
-"""The rank of a start if pickup and dropoff leave no cell."""
+"""The rank of a start if the stations leave no cell."""
+
+
+class Drawn(NamedTuple):
+    """Whether pickup and dropoff are drawn, and whether the start is."""
+
+    stations: bool
+    start: bool
+
+
+def what_is_drawn(randomize: bool | str) -> Drawn:
+    """Return what ``randomize`` stands for.
+
+    Raises:
+        ValueError: it is not in ``RANDOMIZE``.
+    """
+    if randomize not in RANDOMIZE:
+        allowed = ", ".join(map(repr, RANDOMIZE))
+        raise ValueError(f"randomize is {randomize!r}; allowed: {allowed}")
+    return Drawn(randomize in (True, STATIONS), randomize in (True, START))
 
 
 def check_room(layout: Layout) -> None:
@@ -37,6 +60,12 @@ def check_room(layout: Layout) -> None:
             f"randomize needs two open cells for pickup and dropoff; "
             f"the layout has {len(layout.open_cells)}"
         )
+
+
+def has_start(layout: Layout, drawn: Drawn) -> bool:
+    """Return whether the stations leave a cell to draw a start from."""
+    stations = MIN_OPEN_CELLS if drawn.stations else len(layout.station_ranks())
+    return len(layout.open_cells) > stations
 
 
 def draw_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArray[np.intp]:
@@ -61,18 +90,49 @@ def draw_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArray[np.i
     return ranks
 
 
+def draw_start_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArray[np.intp]:
+    """Draw a cell uniformly from those without a station, which are kept.
+
+    Args:
+        uniforms: ``[..., DRAWS]``, in [0, 1); the number of the start is used.
+        counts: ``[...]``, numbers of empty cells.
+
+    Returns:
+        ``[...]`` indices among the ``empty_cells``, ``NO_RANK`` if there are none.
+    """
+    choices = np.asarray(counts, np.intp)
+    ranks = (uniforms[..., 2] * choices).astype(np.intp)
+    return np.where(choices > 0, ranks, NO_RANK)
+
+
+def empty_cells(layout: Layout) -> NDArray[np.intp]:
+    """Return the open cells without a station, as ``row * W + col`` in ascending order."""
+    return np.delete(layout.open_cells, layout.station_ranks())
+
+
 def motion_seed(uniforms: NDArray[np.float64]) -> int:
     """Return the seed of the motion from the ``[DRAWS]`` numbers of one episode."""
     return int(uniforms[-1] * 2**32)
 
 
-def draw_stations(layout: Layout, uniforms: NDArray[np.float64]) -> tuple[Layout, Cell | None]:
-    """Return a layout with random pickup and dropoff, and a random start if a cell is left.
+def draw_episode(
+    layout: Layout, uniforms: NDArray[np.float64], drawn: Drawn
+) -> tuple[Layout, Cell | None]:
+    """Return the layout and the start of an episode; ``None`` if the start is not drawn.
 
     Args:
-        layout: must have room for both, see ``check_room``.
+        layout: must have room for stations that are drawn, see ``check_room``.
         uniforms: ``[DRAWS]``, in [0, 1).
+        drawn: what is drawn. A start is not if the stations leave no cell.
     """
-    pickup, dropoff, start = draw_ranks(uniforms, len(layout.open_cells)).tolist()
-    drawn = layout.with_stations(layout.open_cell(pickup), layout.open_cell(dropoff))
-    return drawn, None if start == NO_RANK else layout.open_cell(start)
+    if drawn.stations:
+        pickup, dropoff, start = draw_ranks(uniforms, len(layout.open_cells)).tolist()
+        cells = layout.open_cells
+        layout = layout.with_stations(layout.open_cell(pickup), layout.open_cell(dropoff))
+    elif drawn.start:
+        cells = empty_cells(layout)
+        start = int(draw_start_ranks(uniforms, len(cells)))
+    if not drawn.start or start == NO_RANK:
+        return layout, None
+    row, col = divmod(int(cells[start]), layout.width)
+    return layout, (row, col)

@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from warehouse_core.arguments import as_flag, whole_number
+from warehouse_core.arguments import whole_number
 from warehouse_core.errors import EndedError
 from warehouse_core.motion.backends import Backend, make_batch_motion
 from warehouse_core.motion.vector import Flags, Integers, Rows
 from warehouse_core.task.encoding import MAX_STEPS, Arrays
+from warehouse_core.task.starts import what_is_drawn
 from warehouse_core.task.state import WarehouseState
 from warehouse_core.vector.floor import VectorFloor
 from warehouse_core.vector.rules import judge_all
@@ -61,7 +62,8 @@ class BatchEnv:
         max_steps: limit of an episode, 1 to ``MAX_STEPS``.
         battery: units of a full charge, 1 to ``MAX_STEPS``; every step costs one.
         view_radius: cells seen in each direction; with 0 a robot sees only itself.
-        randomize: draw pickup, dropoff and start of each episode.
+        randomize: what is drawn for each episode: ``True`` for pickup, dropoff and start, or
+            ``"stations"`` or ``"start"`` for one of the two.
         autoreset_mode: when a row that has ended restarts: in the next step, which takes no action
             (``"NextStep"``), in the same step (``"SameStep"``), or only in a ``reset`` with a mask
             (``"Disabled"``).
@@ -81,7 +83,7 @@ class BatchEnv:
         battery: int = 200,
         view_radius: int = 2,
         *,
-        randomize: bool = True,
+        randomize: bool | str = True,
         autoreset_mode: str = NEXT_STEP,
         backend: Backend = "grid",
     ) -> None:
@@ -93,10 +95,11 @@ class BatchEnv:
             raise ValueError(
                 f"autoreset_mode is {autoreset_mode!r}; allowed: {', '.join(AUTORESET_MODES)}"
             )
-        self.autoreset_mode, self.randomize = autoreset_mode, as_flag("randomize", randomize)
+        self.autoreset_mode, self.randomize = autoreset_mode, randomize
+        self._drawn = drawn = what_is_drawn(randomize)
         self.layouts = LayoutSet(_one_each(layout, self.num_envs))
-        self._start = VectorStarts(self.layouts, start_pos, randomize=randomize)
-        self._floor = VectorFloor(self.layouts, self.view_radius, moving_stations=randomize)
+        self._start = VectorStarts(self.layouts, start_pos, drawn)
+        self._floor = VectorFloor(self.layouts, self.view_radius, moving_stations=drawn.stations)
         self._motion = make_batch_motion(backend, self.layouts.rows)
         self._cells = np.zeros(self.num_envs, np.intp)
         self._has_item = np.zeros(self.num_envs, np.bool_)
@@ -193,7 +196,7 @@ class BatchEnv:
         if not self._started:
             raise EndedError("row() needs a reset() before it")
         layout = self.layouts.kinds[self.layouts.kind[row]]
-        if self.randomize:
+        if self._drawn.stations:
             layout = layout.with_stations(*map(tuple, self._floor.station_places[:, row].tolist()))
         robot, steps = divmod(int(self._cells[row]), layout.width), int(self._steps[row])
         has_item = bool(self._has_item[row])

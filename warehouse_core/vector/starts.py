@@ -9,7 +9,15 @@ from numpy.typing import NDArray
 
 from warehouse_core.arguments import as_cell
 from warehouse_core.motion.vector import Integers
-from warehouse_core.task.starts import DRAWS, NO_RANK, check_room, draw_ranks
+from warehouse_core.task.starts import (
+    DRAWS,
+    NO_RANK,
+    Drawn,
+    check_room,
+    draw_ranks,
+    draw_start_ranks,
+    empty_cells,
+)
 from warehouse_core.vector.floor import NO_CELL
 from warehouse_core.world.layout import check_open
 from warehouse_core.world.tables import LayoutSet
@@ -17,34 +25,36 @@ from warehouse_core.world.tiles import Cell
 
 
 class VectorStarts:
-    """Draws the starts of ``B`` rows by ``draw_ranks``, each from its own stream.
+    """Draws the starts of ``B`` rows by ``task/starts.py``, each from its own stream.
 
-    ``start_pos`` and ``randomize`` are those of ``BatchEnv``.
+    ``start_pos`` is that of ``BatchEnv``, ``drawn`` what its ``randomize`` stands for.
 
     Raises:
         LayoutError: a start that is not open, or no room for pickup and dropoff.
     """
 
     def __init__(
-        self, layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None, *, randomize: bool
+        self, layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None, drawn: Drawn
     ) -> None:
-        self._randomize = randomize
+        self._drawn = drawn
         robots = _fixed_starts(layouts, start_pos)
         self._fixed = np.stack(
             [*_first_stations(layouts).T, robots[:, 0] * layouts.width + robots[:, 1]]
         )
-        counts = [len(layout.open_cells) for layout in layouts.kinds]
+        # A station is drawn from all open cells, a start from those that stations leave.
+        cells = [k.open_cells if drawn.stations else empty_cells(k) for k in layouts.kinds]
+        counts = [len(each) for each in cells]
         self._counts = layouts.of_rows(counts)
-        self._open = np.concatenate([layout.open_cells for layout in layouts.kinds])
+        self._cells = np.concatenate(cells)
         self._first = layouts.of_rows(np.cumsum([0, *counts])[:-1])
         self._streams: dict[int, np.random.Generator] = {}
-        if randomize:
+        if drawn.stations:
             for layout in layouts.kinds:
                 check_room(layout)
 
     def seed(self, rows: Integers, seeds: Sequence[int | None]) -> None:
         """Start the streams of rows, or restart those with a seed."""
-        if self._randomize:
+        if any(self._drawn):
             for row, seed in zip(rows.tolist(), seeds, strict=True):
                 if seed is not None or row not in self._streams:
                     self._streams[row] = np.random.default_rng(seed)
@@ -56,11 +66,18 @@ class VectorStarts:
             ``[3, N]`` the pickups, the dropoffs and the robots, as cells within their layouts.
         """
         fixed = self._fixed[:, rows]
-        if not self._randomize:
+        if not any(self._drawn):
             return fixed
         uniforms = np.array([self._streams[row].random(DRAWS) for row in rows.tolist()])
-        ranks = draw_ranks(uniforms.reshape(-1, DRAWS), self._counts[rows]).T
-        drawn = self._open.take(self._first[rows] + ranks, mode="clip")
+        uniforms, counts = uniforms.reshape(-1, DRAWS), self._counts[rows]
+        ranks = np.full((3, len(rows)), NO_RANK)
+        if self._drawn.stations:
+            ranks[:] = draw_ranks(uniforms, counts).T
+        else:
+            ranks[2] = draw_start_ranks(uniforms, counts)
+        if not self._drawn.start:
+            ranks[2] = NO_RANK
+        drawn = self._cells.take(self._first[rows] + ranks, mode="clip")
         return np.where(ranks == NO_RANK, fixed, drawn)
 
 

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -49,11 +50,11 @@ class Layout:
     """
 
     rows: tuple[str, ...]
-    height: int = field(init=False, compare=False, repr=False)
-    width: int = field(init=False, compare=False, repr=False)
-    pickups: tuple[Cell, ...] = field(init=False, compare=False, repr=False)
-    dropoffs: tuple[Cell, ...] = field(init=False, compare=False, repr=False)
-    open_cells: NDArray[np.intp] = field(init=False, compare=False, repr=False)
+    height: int = field(init=False, compare=False)
+    width: int = field(init=False, compare=False)
+    pickups: tuple[Cell, ...] = field(init=False, compare=False)
+    dropoffs: tuple[Cell, ...] = field(init=False, compare=False)
+    open_cells: NDArray[np.intp] = field(init=False, compare=False)
     """Every cell that is not a wall, as ``row * W + col`` in ascending order, read-only."""
 
     def __init__(self, rows: Sequence[str]) -> None:
@@ -92,7 +93,7 @@ class Layout:
         return cls([line.rstrip() for line in lines])
 
     @classmethod
-    def load(cls, path: str | Path) -> Layout:
+    def load(cls, path: str | os.PathLike[str]) -> Layout:
         """Read a layout from a UTF-8 text file.
 
         Raises:
@@ -115,6 +116,14 @@ class Layout:
 
     def __str__(self) -> str:
         return "\n".join(self.rows)
+
+    def __repr__(self) -> str:
+        return f"<Layout {self.summary()}>"
+
+    def summary(self) -> str:
+        """Return size and stations, ``7 x 12, pickup (1, 3), dropoff (5, 6)`` or ``2 dropoffs``."""
+        pickups, dropoffs = _counted("pickup", self.pickups), _counted("dropoff", self.dropoffs)
+        return f"{self.height} x {self.width}, {pickups}, {dropoffs}"
 
     def __deepcopy__(self, memo: object) -> Layout:
         return self  # immutable; a copied array would be writable
@@ -198,6 +207,12 @@ class Layout:
         return layout
 
 
+def _counted(name: str, cells: tuple[Cell, ...]) -> str:
+    if len(cells) == 1:
+        return f"{name} {cells[0]}"
+    return f"{len(cells) or 'no'} {name}s"
+
+
 def check_open(layout: Layout, cell: Cell, name: str) -> None:
     """Raise if a cell is off the grid or a wall.
 
@@ -233,9 +248,6 @@ def _checked_rows(rows: Sequence[str]) -> tuple[str, ...]:
     return tuple(map(str, rows))
 
 
-GivenLayout = Layout | Sequence[str] | str
-"""A layout, its rows or its text; rows and text can be stored as JSON."""
-
 DEFAULT_LAYOUT = Layout.from_text(
     """
     ############
@@ -248,17 +260,3 @@ DEFAULT_LAYOUT = Layout.from_text(
     """
 )
 """The chapter's warehouse, 7 x 12."""
-
-
-def as_layout(layout: GivenLayout | None) -> Layout:
-    """Return a layout given as one, as rows or as text; ``None`` is the chapter's.
-
-    Raises:
-        LayoutError: as for ``Layout``.
-        TypeError: it is of another type.
-    """
-    if layout is None:
-        return DEFAULT_LAYOUT
-    if isinstance(layout, Layout):
-        return layout
-    return Layout.from_text(layout) if isinstance(layout, str) else Layout(layout)

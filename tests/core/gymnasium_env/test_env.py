@@ -93,8 +93,11 @@ def test_an_environment_can_be_made_again_from_json() -> None:
     assert again.unwrapped.warehouse.start_pos == (2, 2)
 
 
-def test_a_layout_is_given_as_itself_as_rows_or_as_text() -> None:
-    for layout in (ROOM, ROOM.rows, list(ROOM.rows), str(ROOM), f"\n    {ROOM.rows[0]}\n    #P.D#"):
+def test_a_layout_is_given_as_itself_as_rows_as_text_or_as_a_file(tmp_path: Path) -> None:
+    file = tmp_path / "hall.txt"
+    ROOM.save(file)
+    text = f"\n    {ROOM.rows[0]}\n    #P.D#"
+    for layout in (ROOM, ROOM.rows, list(ROOM.rows), str(ROOM), text, file, str(file)):
         env = plain(layout=layout, randomize=False)
         assert env.warehouse.layout.rows[:2] == ROOM.rows[:2]
     assert plain(randomize=False).warehouse.layout is DEFAULT_LAYOUT
@@ -290,6 +293,8 @@ def test_options_are_for_one_episode_alone() -> None:
     env = plain(layout=ROOM)
     told, _ = env.reset(seed=1, options={"randomize": False})
     assert told["pickup_pos"].tolist() == [1, 1]
+    told, _ = env.reset(seed=1, options={"randomize": "start"})
+    assert told["pickup_pos"].tolist() == [1, 1]
     told, _ = env.reset(seed=1, options={"start_pos": (2, 2)})
     assert told["robot_pos"].tolist() == [2, 2]
     assert same(told["pickup_pos"], env.reset(seed=1)[0]["pickup_pos"])
@@ -311,7 +316,7 @@ def test_the_usual_start_is_that_of_the_layout_of_the_episode() -> None:
     ("options", "error", "message"),
     [
         (["layout"], TypeError, r"options is \['layout'\]; it must be a dict"),
-        ({"randomize": "no"}, TypeError, "randomize is 'no'; it must be True or False"),
+        ({"randomize": "no"}, ValueError, "randomize is 'no'; allowed: False, True, 'stations', '"),
         ({"sed": 1, "a": 2}, ValueError, "unknown options: 'a', 'sed'; allowed: layout, ra"),
         ({"layout": CORRIDOR}, LayoutError, "has 1 x 6 cells; this environment was made for 4 x 5"),
         ({"layout": ["##", "#"]}, LayoutError, "row 1 has 1 columns"),

@@ -5,6 +5,7 @@ import inspect
 import pickle
 from contextlib import closing
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -26,7 +27,7 @@ from helpers.gymnasium_envs import (
     same,
 )
 
-from warehouse_core import random_layout
+from warehouse_core import Layout, LayoutError, random_layout
 from warehouse_core.gymnasium_env import WarehouseGymnasiumEnv
 from warehouse_core.gymnasium_env.spaces import FORMS
 from warehouse_core.gymnasium_env.vector import WarehouseVectorEnv
@@ -206,6 +207,22 @@ def test_layouts_of_different_sizes_share_one_space(form: str) -> None:
     assert sizes == [(each.height * pixels, each.width * pixels, 3) for each in layouts]
 
 
+def test_each_row_has_a_layout_in_any_form(tmp_path: Path) -> None:
+    file = tmp_path / "hall.txt"
+    ROOM.save(file)
+
+    def layouts(given: Any, count: int) -> list[Layout]:
+        batch = WarehouseVectorEnv(count, given, randomize=False)
+        batch.reset()
+        return [batch._batch.row(row)[0] for row in range(count)]
+
+    for one in (ROOM, list(ROOM.rows), str(ROOM), file, str(file)):
+        assert layouts(one, 2) == [ROOM, ROOM]
+        assert layouts([one, CORRIDOR], 2) == [ROOM, CORRIDOR]
+        assert layouts([one], 1) == [ROOM]
+    assert layouts([str(file), str(file)], 2) == [ROOM, ROOM]
+
+
 def test_a_picture_of_each_row_is_that_of_the_row_alone() -> None:
     batch = WarehouseVectorEnv(3, ROOM, render_mode="rgb_array")
     with pytest.raises(ResetNeeded, match=r"needs a reset\(\) before it"):
@@ -258,8 +275,8 @@ def test_what_a_batch_cannot_do_is_said_as_gymnasium_says_it() -> None:
         WarehouseVectorEnv(2, autoreset_mode="Never")
     with pytest.raises(ValueError, match="allowed: None, rgb_array"):
         WarehouseVectorEnv(2, render_mode="human")
-    with pytest.raises(TypeError, match="the layout of row 1 is list"):
-        WarehouseVectorEnv(2, [ROOM, list(ROOM.rows)])
+    with pytest.raises(LayoutError, match=r"^no\.txt: No such file"):
+        WarehouseVectorEnv(2, ["no.txt", ROOM])
     assert pickle.dumps(batch) == before
 
 

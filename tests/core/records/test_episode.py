@@ -134,6 +134,14 @@ def test_an_outcome_is_named(actions: tuple[Any], limits: dict[str, int], outcom
 # What can be drawn and measured.
 
 
+def test_the_repr_is_one_line() -> None:
+    delivered = "<Episode delivered, 6 steps, reward 13.40, seed 5, agent 'Script'>"
+    assert repr(on_line(*DELIVERY)) == delivered
+    assert repr(on_line("E", max_steps=1)).startswith("<Episode out of time, 1 step, reward -0.10,")
+    empty = Episode(LINE, WarehouseEnv(LINE, None).settings, None, "")
+    assert repr(empty) == "<Episode unfinished, 0 steps, reward 0.00, seed None, agent ''>"
+
+
 def test_frames_are_what_render_grid_gave() -> None:
     env = WarehouseEnv()
     env.reset(randomize=True, seed=2)

@@ -33,7 +33,8 @@ def test_stations_are_seen_where_they_are_and_nowhere_else(radius: int) -> None:
         stream = np.random.default_rng(radius)
         pairs = list(permutations(cells, 2))
         for pickup, dropoff in [pairs[index] for index in stream.permutation(len(pairs))[:25]]:
-            expected = Sight(layout.with_stations(pickup, dropoff), radius)
+            expected = Sight(radius)
+            expected.use(layout.with_stations(pickup, dropoff))
             robots, count = np.array(cells, np.int32), len(cells)
             loaded = stream.random(count) < 0.5
             put(floor, row, layout, pickup, dropoff)

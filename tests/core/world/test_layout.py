@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError
 from warehouse_core.world import layout as layout_module
-from warehouse_core.world.layout import as_layout, check_open
+from warehouse_core.world.layout import check_open
 from warehouse_core.world.tiles import ALLOWED_TILES
 
 FIELDS = ("rows", "height", "width", "pickups", "dropoffs")
@@ -62,6 +62,17 @@ def test_every_field_follows_from_the_rows(rows: list[str]) -> None:
     assert Layout.from_text(str(layout)) == layout
 
 
+@pytest.mark.parametrize(
+    ("rows", "text"),
+    [
+        (["P.", ".D", "##"], "3 x 2, pickup (0, 0), dropoff (1, 1)"),
+        (["PP."], "1 x 3, 2 pickups, no dropoffs"),
+    ],
+)
+def test_the_repr_gives_size_and_stations(rows: list[str], text: str) -> None:
+    assert repr(Layout(rows)) == f"<Layout {text}>"
+
+
 def test_a_cell_is_described_by_its_place_and_its_tile() -> None:
     layout = Layout(["#.", "PD"])
     assert layout.describe((0, 0)) == "row 0, column 0 is wall"
@@ -78,11 +89,6 @@ def test_the_usual_start_is_the_chapters_or_the_first_open_cell() -> None:
     assert Layout(["#P", "D#"]).usual_start() == (0, 1)
     with pytest.raises(LayoutError, match="no open cell"):
         Layout(["##"]).usual_start()
-
-
-def test_a_layout_is_given_in_any_of_its_forms() -> None:
-    assert as_layout(None) is as_layout(DEFAULT_LAYOUT) is DEFAULT_LAYOUT
-    assert as_layout("#.\nP#") == as_layout(["#.", "P#"]) == Layout(["#.", "P#"])
 
 
 @pytest.mark.parametrize(
