@@ -27,17 +27,21 @@ DELIVERED: State = (-1, -1, False)
 
 
 class MoveTable(dict[Cell, Moves]):
-    """The open moves from each cell of a layout, computed when a cell is first looked up."""
+    """The open moves from each cell of a layout, computed when a cell is first looked up.
+
+    Equal cells of a table are one object: dictionaries find them faster.
+    """
 
     def __init__(self, walls: Layout) -> None:
         super().__init__()
         self._walls = walls
+        self._cells: dict[Cell, Cell] = {}
 
     def __missing__(self, cell: Cell) -> Moves:
-        moves = self[cell] = tuple(
-            (move, ahead, 1.0)
-            for move, delta in MOVE_DELTAS.items()
-            if self._walls.is_open(ahead := moved(cell, delta))
+        beside = ((move, moved(cell, delta)) for move, delta in MOVE_DELTAS.items())
+        same = self._cells.setdefault
+        moves = self[same(cell, cell)] = tuple(
+            (move, same(ahead, ahead), 1.0) for move, ahead in beside if self._walls.is_open(ahead)
         )
         return moves
 
@@ -109,6 +113,7 @@ class DeliveryProblem(Problem[State, str]):
         costs: ActionCosts = ONE_EACH,
     ) -> None:
         self.initial = (*start, has_item)
+        self.size = layout.height, layout.width
         self.pickups = frozenset(layout.pickups if pickups is None else pickups)
         self.dropoffs = frozenset(layout.dropoffs if dropoffs is None else dropoffs)
         check_open(layout, start, "start")
