@@ -170,6 +170,7 @@ class ExploringAgent:
         self.reason = ""
         self.expanded = self.plans = 0
         self._moves: dict[Cell, str] = {}
+        self._planned: set[Cell] = set()
         self._goal: Cell | None = None
         self._patience = PATIENCE
         self._left: Cell | None = None
@@ -208,8 +209,9 @@ class ExploringAgent:
         """Return why a new plan is needed, or ""."""
         if goal != self._goal:
             return f"plans its way to {goal}"
-        ahead = {moved(cell, MOVE_DELTAS[move]) for cell, move in self._moves.items()}
-        if any(not self.belief.is_free(cell) for cell in ahead):
+        # The plan avoids all other walls: what is new since then is in view or was just run into.
+        new = self._planned.intersection(self.belief.news) | (self._planned & self.belief.bumps)
+        if any(not self.belief.is_free(cell) for cell in new):
             return "meets a wall, plans round it"
         if self._moves and here not in self._moves:
             return "is off its plan, makes a new one"
@@ -222,9 +224,10 @@ class ExploringAgent:
         if not found.found and self.belief.bumps and self._patience:
             # The moves may have failed for another reason than a wall.
             self._patience -= 1
-            self.belief.bumps.clear()
+            self.belief.forget_bumps()
             found = self._search(here, goal)
         self._moves = dict(zip(found.states, found.actions, strict=False))
+        self._planned = set(found.states)
 
     def _search(self, here: Cell, goal: Cell) -> Solution[Cell, str]:
         problem = BeliefProblem(self.belief, here, goal)

@@ -14,7 +14,12 @@ differ only in which node is expanded next, the one with the least f:
 | weighted A*       | g + W h                               | 3.5.4   |
 
 Among nodes of equal f the last one generated is expanded first: on a grid, where many paths are
-equally long, this follows one of them instead of widening all together.
+equally long, this follows one of them instead of widening all together. So the frontier is a stack
+of nodes for each value of f, and a heap of these values.
+
+A better path to a state that has been expanded *reopens* it: it is expanded again. A* needs this
+for the best path if its heuristic is inconsistent, weighted A* for its bound. For greedy best-first
+search, which promises no bound, it is off by default: the same state could be expanded many times.
 
 Source: Russell and Norvig, Artificial Intelligence, 4th ed., ch. 3.
 """
@@ -23,10 +28,10 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from heapq import heappop, heappush
-from typing import Generic, NamedTuple, TypeVar, cast
+from typing import Any, Generic, NamedTuple, TypeVar, cast
 
 S = TypeVar("S", bound=Hashable)
 A = TypeVar("A")
@@ -40,8 +45,11 @@ MAX_WEIGHT = 1_000_000
 Heuristic = Callable[[S], float]
 """h: an estimate of the cost from a state to the nearest goal."""
 
-Reached = dict[S, tuple[float, S | None, A | None]]
-"""For each state the cost of the best known path, and the state and the action before it."""
+Node = tuple[float, S, Any, A | None]
+"""The cost of a path, its last state, and the node and the action before it, or twice ``None``."""
+
+CLOSED: Node[Any, Any] = (-math.inf, None, None, None)
+"""In place of the node of an expanded state that is not reopened: no path to it is better."""
 
 
 class Problem(ABC, Generic[S, A]):
@@ -69,11 +77,10 @@ class Problem(ABC, Generic[S, A]):
         """Return the cost of an action, at least 0; 1 by default."""
         return 1.0
 
-    def expand(self, state: S) -> Iterable[tuple[A, S, float]]:
+    def expand(self, state: S) -> Sequence[tuple[A, S, float]]:
         """Return each action with its result and its cost: EXPAND of figure 3.7."""
-        for action in self.actions(state):
-            successor = self.result(state, action)
-            yield action, successor, self.action_cost(state, action, successor)
+        results = [(action, self.result(state, action)) for action in self.actions(state)]
+        return [(action, to, self.action_cost(state, action, to)) for action, to in results]
 
 
 class Event(NamedTuple):
@@ -121,7 +128,8 @@ def best_first_search(
     evaluate: Evaluation[S],
     *,
     with_events: bool = False,
-    expand: Callable[[S], Iterable[tuple[A, S, float]]] | None = None,
+    reopen: bool = True,
+    expand: Callable[[S], Sequence[tuple[A, S, float]]] | None = None,
 ) -> Solution[S, A]:
     """Expand the node with the least evaluation until it is a goal (figure 3.7).
 
@@ -131,43 +139,60 @@ def best_first_search(
         problem: to be solved.
         evaluate: the evaluation function f.
         with_events: record each expansion.
+        reopen: expand a state again if a better path to it is found.
         expand: used instead of ``problem.expand``.
 
     Raises:
-        ValueError: the cost of an action is negative or NaN.
+        ValueError: the cost of an action that leads to a new state or on a better path is negative
+            or NaN.
     """
-    start, order = problem.initial, 0
-    reached: Reached[S, A] = {start: (0.0, None, None)}
-    frontier: list[tuple[float, int, S, float]] = [(evaluate(start, 0.0), order, start, 0.0)]
-    generated, expanded, largest = 1, 0, 1
+    value = evaluate(problem.initial, 0.0)
+    node: Node[S, A] = (0.0, problem.initial, None, None)
+    reached = {problem.initial: node}
+    stacks, values = {value: [node]}, [value]
+    waiting = largest = generated = 1
+    expanded = 0
     events: list[Event] = []
     expand, is_goal = expand or problem.expand, problem.is_goal
-    while frontier:
-        _, _, state, cost = heappop(frontier)
-        if cost > reached[state][0]:
+    while values:
+        stack = stacks[values[0]]
+        if not stack:
+            del stacks[heappop(values)]
+            continue
+        node = stack.pop()
+        waiting -= 1
+        cost, state, _, _ = node
+        if node is not reached[state]:
             continue  # outdated: a better path has been found since
         if is_goal(state):
-            states, actions = _path(reached, state)
+            states, actions = _path(node)
             return Solution(states, actions, cost, generated, expanded, largest, tuple(events))
         expanded += 1
+        if not reopen:
+            reached[state] = CLOSED
         fresh: list[S] = []
-        for action, successor, action_cost in expand(state):
-            generated += 1
+        edges = expand(state)
+        generated += len(edges)
+        for action, successor, action_cost in edges:
             path_cost = cost + action_cost
-            if not action_cost >= 0:
-                raise ValueError(f"{action!r} in {state!r} costs {action_cost!r}; at least 0")
             known = reached.get(successor)
             if known is None or path_cost < known[0]:
+                if not action_cost >= 0:
+                    raise ValueError(f"{action!r} in {state!r} costs {action_cost!r}; at least 0")
                 value = evaluate(successor, path_cost)
                 if value == math.inf:
                     continue  # no path leads on from there
-                reached[successor] = (path_cost, state, action)
-                order -= 1  # the last of equals comes first
-                heappush(frontier, (value, order, successor, path_cost))
+                reached[successor] = found = (path_cost, successor, node, action)
+                if value in stacks:
+                    stacks[value].append(found)
+                else:
+                    stacks[value] = [found]
+                    heappush(values, value)
+                waiting += 1
                 if with_events:
                     fresh.append(successor)
-        if len(frontier) > largest:
-            largest = len(frontier)
+        if waiting > largest:
+            largest = waiting
         if with_events:
             events.append(Event(state, tuple(fresh)))
     return Solution((), (), math.inf, generated, expanded, largest, tuple(events))
@@ -176,8 +201,8 @@ def best_first_search(
 def breadth_first_search(problem: Problem[S, A], *, with_events: bool = False) -> Solution[S, A]:
     """Find a path of the fewest actions, regardless of their costs (section 3.4.1)."""
 
-    def expand(state: S) -> Iterable[tuple[A, S, float]]:
-        return ((action, successor, 1.0) for action, successor, _ in problem.expand(state))
+    def expand(state: S) -> Sequence[tuple[A, S, float]]:
+        return [(action, successor, 1.0) for action, successor, _ in problem.expand(state)]
 
     found = best_first_search(problem, path_cost, with_events=with_events, expand=expand)
     steps = zip(found.states, found.actions, found.states[1:], strict=False)
@@ -191,10 +216,19 @@ def uniform_cost_search(problem: Problem[S, A], *, with_events: bool = False) ->
 
 
 def greedy_best_first_search(
-    problem: Problem[S, A], heuristic: Heuristic[S], *, with_events: bool = False
+    problem: Problem[S, A],
+    heuristic: Heuristic[S],
+    *,
+    with_events: bool = False,
+    reopen: bool = False,
 ) -> Solution[S, A]:
-    """Find a path by expanding the node with the least heuristic (section 3.5.1)."""
-    return weighted_astar_search(problem, heuristic, math.inf, with_events=with_events)
+    """Find a path by expanding the node with the least heuristic (section 3.5.1).
+
+    No state is expanded twice unless ``reopen`` is true, which often gives a better path.
+    """
+    return weighted_astar_search(
+        problem, heuristic, math.inf, with_events=with_events, reopen=reopen
+    )
 
 
 def astar_search(
@@ -210,6 +244,7 @@ def weighted_astar_search(
     weight: float,
     *,
     with_events: bool = False,
+    reopen: bool | None = None,
 ) -> Solution[S, A]:
     """Find a path that may not be the best, often much faster (section 3.5.4).
 
@@ -219,11 +254,18 @@ def weighted_astar_search(
         weight: 0 is uniform-cost search, 1 is A*, infinity is greedy best-first search. If h never
             overestimates, the path costs at most ``max(1, weight)`` times the least.
         with_events: record each expansion.
+        reopen: expand a state again if a better path to it is found; by default at any weight but
+            infinity. Without this the bound needs a consistent heuristic.
 
     Raises:
         ValueError: ``check_weight`` does not allow the weight.
     """
-    return best_first_search(problem, weighted(heuristic, weight), with_events=with_events)
+    return best_first_search(
+        problem,
+        weighted(heuristic, weight),
+        with_events=with_events,
+        reopen=weight != math.inf if reopen is None else reopen,
+    )
 
 
 def path_cost(state: Hashable, cost: float) -> float:
@@ -257,12 +299,13 @@ def check_weight(weight: float) -> None:
         raise ValueError(f"weight is {weight!r}; it must be 0..{MAX_WEIGHT} or infinity")
 
 
-def _path(reached: Reached[S, A], state: S) -> tuple[tuple[S, ...], tuple[A, ...]]:
-    """Return the states and the actions that lead to a state."""
-    states, actions = [state], list[A]()
+def _path(node: Node[S, A]) -> tuple[tuple[S, ...], tuple[A, ...]]:
+    """Return the states and the actions that lead to a node."""
+    states, actions = list[S](), list[A]()
     while True:
-        _, before, action = reached[states[-1]]
+        _, state, before, action = node
+        states.append(state)
         if before is None:
             return tuple(reversed(states)), tuple(reversed(actions))
-        states.append(before)
         actions.append(cast(A, action))
+        node = before

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from agents.search.algorithms import Problem
+from agents.search.problems import MoveTable
 from warehouse_core.task.state import Observation
 from warehouse_core.world.tiles import EMPTY, MOVE_DELTAS, WALL, Cell, moved
 
@@ -14,13 +15,20 @@ class Belief:
 
     Attributes:
         known: the tile of each cell that has been seen, ``"#"`` or ``"."``.
+        news: those of the cells that the last look has added.
         bumps: cells that have not been seen and that two successive moves did not reach; probably
             walls.
+        moves: from each cell to those believed to be free.
+        rows: all those of ``known``, of ``bumps`` and of ends of routes.
+        cols: likewise.
     """
 
     def __init__(self) -> None:
         self.known: dict[Cell, str] = {}
+        self.news: dict[Cell, str] = {}
         self.bumps: set[Cell] = set()
+        self.moves = MoveTable(self.is_free)
+        self.rows = self.cols = range(0)
         self._failed: set[Cell] = set()
 
     def look(self, observation: Observation) -> None:
@@ -28,9 +36,17 @@ class Belief:
         window = observation["local_grid"]
         radius = len(window) // 2
         row, col = observation["robot_pos"]
-        for down, line in enumerate(window, start=row - radius):
-            for right, tile in enumerate(line, start=col - radius):
-                self.known[down, right] = WALL if tile == WALL else EMPTY
+        self.news = {
+            (down, right): WALL if tile == WALL else EMPTY
+            for down, line in enumerate(window, start=row - radius)
+            for right, tile in enumerate(line, start=col - radius)
+            if (down, right) not in self.known
+        }
+        self.known |= self.news
+        self.include(*self.news)
+        for cell, tile in self.news.items():
+            if tile == WALL or cell in self.bumps:
+                self.moves.recompute(cell)
 
     def bump(self, cell: Cell) -> None:
         """Note that a move to a cell did not reach it.
@@ -39,7 +55,20 @@ class Belief:
         """
         if cell in self._failed and cell not in self.known:
             self.bumps.add(cell)
+            self.moves.recompute(cell)
+            self.include(cell)
         self._failed = {cell}
+
+    def forget_bumps(self) -> None:
+        """Believe the cells of ``bumps`` to be free."""
+        while self.bumps:
+            self.moves.recompute(self.bumps.pop())
+
+    def include(self, *cells: Cell) -> None:
+        """Extend ``rows`` and ``cols`` to cells."""
+        if cells:
+            rows, cols = zip(*cells, strict=True)
+            self.rows, self.cols = _extended(self.rows, rows), _extended(self.cols, cols)
 
     def is_free(self, cell: Cell) -> bool:
         """Return whether a cell is believed to be free."""
@@ -49,17 +78,15 @@ class Belief:
 class BeliefProblem(Problem[Cell, str]):
     """Drive from ``start`` to ``goal`` through cells that are believed to be free.
 
-    All cells outside the seen ones are believed to be free, so no shortest path leads further out
-    than one cell; the search is limited to that.
+    All cells outside the rows and columns of the belief are believed to be free, so no shortest
+    path leads further out than one cell; the search is limited to that.
     """
 
     def __init__(self, belief: Belief, start: Cell, goal: Cell) -> None:
         self.initial = start
         self.goal = goal
-        self._belief = belief
-        rows, cols = zip(start, goal, *belief.known, strict=True)
-        self._rows = range(min(rows) - 1, max(rows) + 2)
-        self._cols = range(min(cols) - 1, max(cols) + 2)
+        belief.include(start, goal)
+        self._moves, self._rows, self._cols = belief.moves, belief.rows, belief.cols
 
     def is_goal(self, state: Cell) -> bool:
         """Return whether a cell is the goal."""
@@ -67,11 +94,26 @@ class BeliefProblem(Problem[Cell, str]):
 
     def actions(self, state: Cell) -> Iterable[str]:
         """Return the moves to cells that are believed to be free."""
-        for move, delta in MOVE_DELTAS.items():
-            row, col = cell = moved(state, delta)
-            if row in self._rows and col in self._cols and self._belief.is_free(cell):
-                yield move
+        return [move for move, _, _ in self.expand(state)]
 
     def result(self, state: Cell, action: str) -> Cell:
         """Return the cell that a move leads to."""
         return moved(state, MOVE_DELTAS[action])
+
+    def expand(self, state: Cell) -> Sequence[tuple[str, Cell, float]]:
+        """Return each move with its result and its cost."""
+        row, col = state
+        if row in self._rows and col in self._cols:
+            return self._moves[state]
+        return [edge for edge in self._moves[state] if self._is_within(edge[1])]
+
+    def _is_within(self, cell: Cell) -> bool:
+        """Return whether a cell is at most one outside the rows and columns of the belief."""
+        spans = zip(cell, (self._rows, self._cols), strict=True)
+        return all(span.start - 1 <= number <= span.stop for number, span in spans)
+
+
+def _extended(span: range, numbers: Sequence[int]) -> range:
+    """Return the least range that has all numbers of a range and these."""
+    ends = [*numbers, span[0], span[-1]] if span else numbers
+    return range(min(ends), max(ends) + 1)

@@ -49,12 +49,11 @@ def record_beliefs(
     observation = env.reset(randomize=randomize, seed=seed)
     agent.reset()
     recorder = EpisodeRecorder(env, seed=seed, agent=type(agent).__name__)
-    unseen = set(product(range(env.layout.height), range(env.layout.width)))
+    cells = set(product(range(env.layout.height), range(env.layout.width)))
     history = []
     while not recorder.ended:
         action = agent.act(observation)
-        seen = {cell: tile for cell, tile in agent.belief.known.items() if cell in unseen}
-        unseen -= seen.keys()
+        seen = {cell: tile for cell, tile in agent.belief.news.items() if cell in cells}
         history.append(Insight(seen, agent.route))
         observation = recorder.step(action, agent.reason)
     return recorder.episode, history

@@ -7,7 +7,10 @@ of an action (section 3.5.2). So A* finds a path of least cost and expands no st
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Hashable
+from collections.abc import Callable, Hashable
+
+import numpy as np
+from numpy.typing import NDArray
 
 from agents.search.algorithms import Heuristic
 from agents.search.belief import BeliefProblem
@@ -15,6 +18,12 @@ from agents.search.problems import DELIVERED, DeliveryProblem, RouteProblem, Sta
 from warehouse_core.world.distances import distances
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
+
+Costs = NDArray[np.float64]
+"""``[H, W]``: a cost for each cell, infinite without a path."""
+
+MAX_COMPARED = 16
+"""Stations of a kind that are compared for each state; for more, one table of all cells is made."""
 
 
 def zero(state: Hashable) -> float:
@@ -27,7 +36,8 @@ def manhattan(problem: RouteProblem | BeliefProblem) -> Heuristic[Cell]:
     goal_row, goal_col = problem.goal
 
     def estimate(cell: Cell) -> float:
-        return abs(cell[0] - goal_row) + abs(cell[1] - goal_col)
+        row, col = cell
+        return abs(row - goal_row) + abs(col - goal_col)
 
     return estimate
 
@@ -41,26 +51,60 @@ def true_distance(problem: RouteProblem, layout: Layout) -> Heuristic[Cell]:
 def manhattan_delivery(problem: DeliveryProblem) -> Heuristic[State]:
     """Return the heuristic of the cost of the delivery without walls."""
     empty, loaded, pick, drop = problem.costs
-    ends = list(problem.dropoffs)
-    if not ends:
-        return lambda state: 0.0 if state == DELIVERED else math.inf
-    # The rest of the delivery from each pickup is the same for every state.
-    begun = [(cell, pick + loaded * _nearest(cell, ends) + drop) for cell in problem.pickups]
+    with_item = _least_cost(dict.fromkeys(problem.dropoffs, drop), loaded, problem.size)
+    begun = {cell: pick + with_item(*cell) for cell in problem.pickups}
+    without_item = _least_cost(begun, empty, problem.size)
 
     def estimate(state: State) -> float:
         row, col, has_item = state
         if state == DELIVERED:
             return 0.0
-        if has_item:
-            return loaded * _nearest((row, col), ends) + drop
-        return min(
-            (empty * (abs(row - r) + abs(col - c)) + rest for (r, c), rest in begun),
-            default=math.inf,
-        )
+        return with_item(row, col) if has_item else without_item(row, col)
 
     return estimate
 
 
-def _nearest(cell: Cell, cells: Collection[Cell]) -> float:
-    row, col = cell
-    return min(abs(row - r) + abs(col - c) for r, c in cells)
+def _least_cost(
+    stations: dict[Cell, float], move: float, size: tuple[int, int]
+) -> Callable[[int, int], float]:
+    """Return the function of the least cost, from a row and a column, by way of a station.
+
+    Args:
+        stations: the cost from each station on.
+        move: the cost of a move.
+        size: rows and columns of the layout.
+    """
+    if len(stations) > MAX_COMPARED:
+        table = np.full(size, np.inf)
+        table[tuple(np.transpose([*stations]))] = [*stations.values()]
+        return _spread(table, move).item
+
+    def least(row: int, col: int) -> float:
+        return min(
+            [move * (abs(row - r) + abs(col - c)) + cost for (r, c), cost in ends],
+            default=math.inf,
+        )
+
+    ends = [*stations.items()]
+    return least
+
+
+def _spread(costs: Costs, move: float) -> Costs:
+    """Return for each cell the least sum of the cost at a cell and of the moves to it.
+
+    One axis after the other, each from both ends, so in time that grows with the cells alone.
+
+    Args:
+        costs: ``[H, W]``, infinite where there is none.
+        move: the cost of a move N, E, S or W.
+
+    Source: Felzenszwalb and Huttenlocher, Distance Transforms of Sampled Functions, Theory of
+    Computing 8 (2012): the transform under the L1 norm.
+    """
+    for _ in range(2):
+        costs = costs.T
+        ramp = move * np.arange(costs.shape[1])
+        ahead = np.minimum.accumulate(costs - ramp, axis=1) + ramp
+        back = np.minimum.accumulate((costs + ramp)[:, ::-1], axis=1)[:, ::-1] - ramp
+        costs = np.minimum(ahead, back)
+    return costs

@@ -9,7 +9,7 @@ after the drop.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 
 from agents.search.algorithms import Problem
@@ -27,19 +27,31 @@ DELIVERED: State = (-1, -1, False)
 
 
 class MoveTable(dict[Cell, Moves]):
-    """The open moves from each cell of a layout, computed when a cell is first looked up."""
+    """The open moves from each cell, computed when a cell is first looked up.
 
-    def __init__(self, walls: Layout) -> None:
+    Equal cells of a table are one object: dictionaries find them faster.
+
+    Args:
+        is_open: whether a robot can drive to a cell.
+    """
+
+    def __init__(self, is_open: Callable[[Cell], bool]) -> None:
         super().__init__()
-        self._walls = walls
+        self._is_open = is_open
+        self._cells: dict[Cell, Cell] = {}
 
     def __missing__(self, cell: Cell) -> Moves:
-        moves = self[cell] = tuple(
-            (move, ahead, 1.0)
-            for move, delta in MOVE_DELTAS.items()
-            if self._walls.is_open(ahead := moved(cell, delta))
+        beside = ((move, moved(cell, delta)) for move, delta in MOVE_DELTAS.items())
+        same = self._cells.setdefault
+        moves = self[same(cell, cell)] = tuple(
+            (move, same(ahead, ahead), 1.0) for move, ahead in beside if self._is_open(ahead)
         )
         return moves
+
+    def recompute(self, cell: Cell) -> None:
+        """Note that a cell may have become open or closed."""
+        for delta in MOVE_DELTAS.values():
+            self.pop(moved(cell, delta), None)
 
 
 def move_table(layout: Layout) -> MoveTable:
@@ -49,7 +61,7 @@ def move_table(layout: Layout) -> MoveTable:
 
 @lru_cache(maxsize=8)
 def _table(walls: tuple[str, ...]) -> MoveTable:
-    return MoveTable(Layout(walls))
+    return MoveTable(Layout(walls).is_open)
 
 
 class RouteProblem(Problem[Cell, str]):
@@ -109,6 +121,7 @@ class DeliveryProblem(Problem[State, str]):
         costs: ActionCosts = ONE_EACH,
     ) -> None:
         self.initial = (*start, has_item)
+        self.size = layout.height, layout.width
         self.pickups = frozenset(layout.pickups if pickups is None else pickups)
         self.dropoffs = frozenset(layout.dropoffs if dropoffs is None else dropoffs)
         check_open(layout, start, "start")

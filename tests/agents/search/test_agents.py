@@ -42,6 +42,26 @@ def layouts(count: int) -> Iterable[Layout]:
         )
 
 
+def maze(size: int, seed: int) -> Layout:
+    """Return a maze of odd size with one path between any two cells, by a depth-first search."""
+    stream, path = random.Random(seed), [(1, 1)]
+    tiles = {(1, 1)}
+    while path:
+        row, col = path[-1]
+        ends = [
+            (down, right)
+            for down, right in ((row - 2, col), (row + 2, col), (row, col - 2), (row, col + 2))
+            if 0 < down < size and 0 < right < size and (down, right) not in tiles
+        ]
+        if not ends:
+            path.pop()
+            continue
+        path.append(stream.choice(ends))
+        tiles |= {path[-1], ((row + path[-1][0]) // 2, (col + path[-1][1]) // 2)}
+    cells = range(size)
+    return Layout(["".join(".#"[(row, col) not in tiles] for col in cells) for row in cells])
+
+
 @pytest.mark.parametrize("algorithm", EXACT)
 def test_a_delivery_takes_the_fewest_steps(algorithm: str) -> None:
     for seed, layout in enumerate(layouts(20)):
@@ -203,6 +223,14 @@ def test_it_finds_walls_that_it_cannot_see_by_running_into_them() -> None:
     episode = run(agent, DEFAULT_LAYOUT, 3, view_radius=0, max_steps=500, battery=500)
     assert episode.outcome == DELIVERED
     assert any(motion.blocked for motion in episode.motions)
+
+
+def test_without_a_view_it_delivers_from_every_start_and_in_mazes() -> None:
+    cases = [(DEFAULT_LAYOUT, seed) for seed in range(60)]
+    cases += [(maze(11, seed), seed) for seed in range(30)]
+    for layout, seed in cases:
+        episode = run(ExploringAgent(), layout, seed, view_radius=0, max_steps=2000, battery=2000)
+        assert episode.outcome == DELIVERED, f"seed {seed}"
 
 
 def test_it_forgets_everything_at_a_reset() -> None:

@@ -340,6 +340,38 @@ def test_an_admissible_but_inconsistent_heuristic_still_finds_the_best_path() ->
     assert (found.states, found.cost) == (("S", "A", "B", "G"), 12)
 
 
+def test_without_reopening_the_first_path_to_an_expanded_state_stays() -> None:
+    """B keeps the long road by which it was expanded, and no other state is expanded either."""
+    estimates = {"S": 0, "A": 11, "B": 0, "C": 0, "G": 0}
+    for weight in (1.0, 2.0):
+        found = weighted_astar_search(
+            Travel(DETOUR, "S", "G"), estimates.__getitem__, weight, with_events=True, reopen=False
+        )
+        assert expanded(found) == ["S", "B", "A", "C"][: 4 if weight == 1 else 2]
+        assert (found.states, found.cost) == (("S", "B", "G"), 15)
+
+
+def test_without_reopening_a_better_path_to_a_state_on_the_frontier_counts() -> None:
+    found = uniform_cost_search(Travel(DETOUR, "S", "G"))
+    again = best_first_search(Travel(DETOUR, "S", "G"), path_cost, reopen=False)
+    assert again == found
+    assert found.cost == 12
+
+
+def test_greedy_search_expands_no_state_twice_unless_it_reopens() -> None:
+    """An open floor with a goal that is walled in: all other cells are expanded once."""
+    rows = ["." * 30 for _ in range(30)]
+    rows[14] = rows[16] = "." * 14 + "###" + "." * 13
+    rows[15] = "." * 14 + "#.#" + "." * 13
+    problem = RouteProblem(Layout(rows), (0, 0), (15, 15))
+    once = greedy_best_first_search(problem, manhattan(problem), with_events=True)
+    assert once.expanded == len(set(expanded(once))) == 30 * 30 - 9
+    often = greedy_best_first_search(problem, manhattan(problem), reopen=True)
+    assert often.expanded > 2 * once.expanded
+    assert not once.found
+    assert not often.found
+
+
 def test_a_search_repeats() -> None:
     stream = random.Random(7)
     for _ in range(20):

@@ -1,8 +1,12 @@
 """The belief of a robot: the cells that it has seen, and that all others are free."""
 
+import math
+import random
+from typing import Any
+
 from agents.search.algorithms import breadth_first_search
 from agents.search.belief import Belief, BeliefProblem
-from warehouse_core import WarehouseEnv
+from warehouse_core import Cell, WarehouseEnv
 from warehouse_core.world.tiles import WALL
 
 
@@ -13,6 +17,12 @@ def believed(view_radius: int = 1) -> tuple[Belief, WarehouseEnv]:
     belief = Belief()
     belief.look(env.observe())
     return belief, env
+
+
+def see(belief: Belief, cell: Cell, tile: str) -> None:
+    """Add one cell."""
+    observation: Any = {"robot_pos": cell, "local_grid": [tile]}
+    belief.look(observation)
 
 
 def test_the_cells_in_view_are_known() -> None:
@@ -45,7 +55,7 @@ def test_a_bump_is_a_wall_only_if_the_cell_was_not_seen() -> None:
     assert not belief.is_free((9, 9))
     assert belief.is_free((1, 1))
     assert (9, 9) not in belief.known
-    belief.bumps.clear()
+    belief.forget_bumps()
     assert belief.is_free((9, 9))
 
 
@@ -59,7 +69,7 @@ def test_a_path_leads_through_unknown_cells_and_around_known_walls() -> None:
 def test_the_search_ends_if_the_goal_is_walled_in() -> None:
     belief = Belief()
     for cell in ((4, 5), (6, 5), (5, 4), (5, 6)):
-        belief.known[cell] = WALL
+        see(belief, cell, WALL)
     assert not breadth_first_search(BeliefProblem(belief, (0, 0), (5, 5))).found
     assert not breadth_first_search(BeliefProblem(belief, (5, 5), (0, 0))).found
 
@@ -67,7 +77,52 @@ def test_the_search_ends_if_the_goal_is_walled_in() -> None:
 def test_a_path_may_lead_one_cell_beyond_the_known_ones() -> None:
     belief = Belief()
     for row in range(10):
-        belief.known[row, 3] = WALL
+        see(belief, (row, 3), WALL)
     found = breadth_first_search(BeliefProblem(belief, (5, 0), (5, 6)))
     assert found.cost == 6 + 2 * 5
     assert {row for row, _ in found.states} <= set(range(-1, 11))
+
+
+def test_a_path_may_lead_around_walls_that_were_not_seen() -> None:
+    """The bumps are further out than all cells seen, and so is the only path."""
+    belief = Belief()
+    see(belief, (5, 0), ".")
+    for row in range(10):
+        for _ in range(2):
+            belief.bump((row, 3))
+    found = breadth_first_search(BeliefProblem(belief, (5, 0), (5, 6)))
+    assert found.cost == 6 + 2 * 5
+    belief.forget_bumps()
+    assert breadth_first_search(BeliefProblem(belief, (5, 0), (5, 6))).cost == 6
+
+
+def test_the_news_are_the_cells_seen_for_the_first_time() -> None:
+    belief, env = believed()
+    assert belief.news == belief.known
+    belief.look(env.observe())
+    assert belief.news == {}
+    env.step("S")
+    belief.look(env.observe())
+    assert belief.news == {(4, col): WALL for col in (0, 1, 2)}
+
+
+def test_each_search_is_that_of_a_new_belief() -> None:
+    """Moves that have been computed are computed again where a wall is found or forgotten."""
+    stream, belief, fewest = random.Random(1), Belief(), set()
+    for _ in range(150):
+        cell = stream.randrange(6), stream.randrange(6)
+        if stream.random() < 0.5:
+            belief.bump(cell)
+            belief.bump(cell)
+        else:
+            see(belief, cell, stream.choice(".#"))
+        if stream.random() < 0.05:
+            belief.forget_bumps()
+        new = Belief()
+        new.known, new.bumps = belief.known, belief.bumps
+        new.include(*belief.known, *belief.bumps)
+        start, goal = (divmod(stream.randrange(36), 6) for _ in range(2))
+        old, fresh = (BeliefProblem(each, start, goal) for each in (belief, new))
+        assert breadth_first_search(old).cost == breadth_first_search(fresh).cost
+        fewest.add(breadth_first_search(old).cost)
+    assert {2, 12, math.inf} <= fewest

@@ -2,6 +2,7 @@
 
 import math
 import random
+from collections.abc import Iterable
 
 import networkx as nx
 from helpers.plan_validator import (
@@ -20,15 +21,20 @@ from helpers.plan_validator import (
 from agents.search.algorithms import astar_search, uniform_cost_search
 from agents.search.costs import ActionCosts
 from agents.search.heuristics import (
+    MAX_COMPARED,
     manhattan,
     manhattan_delivery,
     true_distance,
     zero,
 )
 from agents.search.problems import DELIVERED, DeliveryProblem, RouteProblem
-from warehouse_core import DEFAULT_LAYOUT, Layout
+from warehouse_core import DEFAULT_LAYOUT, Cell, Layout
 
 LAYOUTS = 100
+
+
+def steps_to(here: Cell, cells: Iterable[Cell]) -> int:
+    return min(abs(here[0] - row) + abs(here[1] - col) for row, col in cells)
 
 
 def test_zero_is_zero() -> None:
@@ -92,6 +98,30 @@ def test_without_walls_the_estimate_is_the_cost() -> None:
         for load in (False, True):
             begun = DeliveryProblem(layout, cell, load, costs=costs)
             assert estimate((*cell, load)) == uniform_cost_search(begun).cost
+
+
+def test_with_many_stations_the_estimate_is_the_least_over_all_pairs() -> None:
+    """Of more stations than are compared one by one, on layouts of all shapes, at all prices."""
+    stream = random.Random(33)
+    for _ in range(20):
+        height, width = stream.randint(2, 12), stream.randint(12, 20)
+        cells = [(row, col) for row in range(height) for col in range(width)]
+        pickups, dropoffs = (
+            stream.sample(cells, stream.choice((1, MAX_COMPARED, MAX_COMPARED + 1, 20)))
+            for _ in range(2)
+        )
+        costs = ActionCosts(*random_prices(stream).values())
+        problem = DeliveryProblem(
+            Layout(["." * width] * height), (0, 0), pickups=pickups, dropoffs=dropoffs, costs=costs
+        )
+        estimate = manhattan_delivery(problem)
+        for cell in cells:
+            last = {there: steps_to(there, dropoffs) for there in [*pickups, cell]}
+            assert estimate((*cell, True)) == costs.move_loaded * last[cell] + costs.drop
+            assert estimate((*cell, False)) == costs.pick + costs.drop + min(
+                costs.move_empty * steps_to(cell, [there]) + costs.move_loaded * last[there]
+                for there in pickups
+            )
 
 
 def test_without_a_station_the_estimate_is_infinite() -> None:

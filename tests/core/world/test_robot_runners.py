@@ -1,0 +1,89 @@
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers.map_files import refusal
+
+from warehouse_core import Layout
+from warehouse_core.world import robot_runners
+from warehouse_core.world.robot_runners import load_agents, load_tasks
+
+LAYOUT = Layout(["...", "#.."])
+"""The wall is location 3."""
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    return tmp_path / "hall.tasks"
+
+
+def refused(file: Path, data: str, load: Callable[..., Any] = load_tasks) -> str:
+    return refusal(lambda path: load(path, LAYOUT), file, data)
+
+
+def test_a_location_counts_the_cells_row_by_row(file: Path) -> None:
+    file.write_text("3\n2,4\n5\n0,1,0\n")
+    assert load_tasks(file, LAYOUT) == [((0, 2), (1, 1)), ((1, 2),), ((0, 0), (0, 1), (0, 0))]
+    file.write_text("2\n4\n2\n")
+    assert load_agents(file, LAYOUT) == [(1, 1), (0, 2)]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "2\n2,4\n5\n",
+        "# version for LoRR 2026\n2\n2,4\n# the last\n5",
+        "\ufeff2\r\n2, 4\r\n5\r\n\r\n",
+        "\n2\n\n2 ,4  \n5\n# the end\n\n",
+    ],
+    ids=["plain", "comments", "Windows", "empty lines"],
+)
+def test_variants_of_the_format_are_read(file: Path, text: str) -> None:
+    file.write_bytes(text.encode())
+    assert load_tasks(file, LAYOUT) == [((0, 2), (1, 1)), ((1, 2),)]
+
+
+def test_a_file_of_no_robots_is_read(file: Path) -> None:
+    file.write_text("0\n")
+    assert load_agents(file, LAYOUT) == []
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "line 1, column 1: number of tasks is ''; it must be a whole number, at least 0"),
+        ("# 1\n-1\n", "line 2, column 1: number of tasks is '-1'; it must be"),
+        ("3\n1\n# 2\n2\n", "line 5, column 1: the file ends here; its number of tasks is 3"),
+        ("1\n1\n\n2\n", "line 4, column 1: the file goes on here; its number of tasks is 1"),
+        ("1\n1, x\n", "line 2, column 4: location is 'x'; it must be a whole number, at least 0"),
+        ("1\n1,\n", "line 2, column 3: location is ''; it must be"),
+        ("1\n1 2\n", "line 2, column 1: location is '1 2'; it must be"),
+        ("1\n0,1,3\n", "line 2, column 5: location 3, row 1, column 0 is wall; it must be an open"),
+        ("1\n6\n", "line 2, column 1: location 6, row 2, column 0 is off the grid"),
+        ("1\n" + "1," * 501, "line 2, column 1001: the line is longer than MAX_LINE = 1000 bytes"),
+    ],
+)  # fmt: skip
+def test_an_invalid_file_raises_with_the_place(file: Path, text: str, message: str) -> None:
+    assert refused(file, text).startswith(message)
+
+
+def test_a_robot_has_one_start(file: Path) -> None:
+    message = "line 2, column 1: 2 locations where there must be 1"
+    assert refused(file, "1\n1,2\n", load_agents) == message
+    message = refused(file, "2\n1\n", load_agents)
+    assert message == "line 3, column 1: the file ends here; its number of robots is 2"
+
+
+def test_too_many_tasks_raise_before_they_are_read(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(robot_runners, "MAX_ENTRIES", 2)
+    message = "line 1, column 1: 3 tasks are more than MAX_ENTRIES = 2"
+    assert refused(file, "3\nno location\n") == message
+
+
+@pytest.mark.parametrize("load", [load_agents, load_tasks])
+def test_a_missing_file_is_an_os_error(load: Callable[..., Any], tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        load(tmp_path / "missing.tasks", LAYOUT)

@@ -1,0 +1,108 @@
+"""Task and agent files of the League of Robot Runners, ``.tasks`` and ``.agents``.
+
+The first line is a number of tasks or robots; a line for each follows. A location is one whole
+number, ``row * W + col`` on a map of ``W`` columns, from 0. Lines that start with ``#`` are
+comments. ``load_map`` with ``robot_runners=True`` reads the maps.
+
+Source: ``Input_Output_Format.md`` of the League's Start-Kit; for the comments its
+``inc/common.h`` and the files in ``example_problems``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from io import BufferedReader
+from pathlib import Path
+
+from warehouse_core.errors import LayoutError
+from warehouse_core.world.layout import Layout
+from warehouse_core.world.text_lines import error_at, read_line, whole_number_at
+from warehouse_core.world.tiles import Cell
+
+MAX_ENTRIES = 1_000_000
+"""Limit on the tasks or robots of a file."""
+
+
+def load_agents(path: str | Path, layout: Layout) -> list[Cell]:
+    """Read a ``.agents``: the start of each robot.
+
+    Args:
+        path: the file.
+        layout: the map that the file is for.
+
+    Raises:
+        LayoutError: the file has another format, a location is not an open cell of the layout, or
+            there are more than ``MAX_ENTRIES``; the message starts with the file's name.
+        OSError: the file cannot be read.
+    """
+    return [cell for [cell] in _load(path, layout, "robots", 1)]
+
+
+def load_tasks(path: str | Path, layout: Layout) -> list[tuple[Cell, ...]]:
+    """Read a ``.tasks``: for each task the cells to be visited, in this order, at least one.
+
+    Args:
+        path: the file.
+        layout: the map that the file is for.
+
+    Raises:
+        LayoutError: as for ``load_agents``.
+        OSError: the file cannot be read.
+    """
+    return _load(path, layout, "tasks")
+
+
+def _load(
+    path: str | Path, layout: Layout, entries: str, most: int | None = None
+) -> list[tuple[Cell, ...]]:
+    with Path(path).open("rb") as file:
+        try:
+            return list(_read(file, layout, entries, most))
+        except LayoutError as error:
+            raise LayoutError(f"{path}: {error}") from error
+
+
+def _read(
+    file: BufferedReader, layout: Layout, entries: str, most: int | None
+) -> Iterator[tuple[Cell, ...]]:
+    lines = _lines(file)
+    number, text = next(lines)
+    count = whole_number_at(text, f"number of {entries}", 0, number, 1)
+    if count > MAX_ENTRIES:
+        raise error_at(number, 1, f"{count} {entries} are more than MAX_ENTRIES = {MAX_ENTRIES}")
+    for _ in range(count):
+        number, text = next(lines)
+        if not text:
+            raise error_at(number, 1, f"the file ends here; its number of {entries} is {count}")
+        cells = tuple(_cells(text, number, layout))
+        if most is not None and len(cells) > most:
+            raise error_at(number, 1, f"{len(cells)} locations where there must be {most}")
+        yield cells
+    number, text = next(lines)
+    if text:
+        raise error_at(number, 1, f"the file goes on here; its number of {entries} is {count}")
+
+
+def _lines(file: BufferedReader) -> Iterator[tuple[int, str]]:
+    """Yield the number and the text of each line with content, and of the end of the file, ""."""
+    number = 1
+    while file.peek(1):
+        line = read_line(file, number)
+        if line and not line.startswith("#"):
+            yield number, line
+        number += 1
+    yield number, ""
+
+
+def _cells(text: str, number: int, layout: Layout) -> Iterator[Cell]:
+    """Yield the cells of a line of locations separated by commas."""
+    column = 1
+    for field in text.split(","):
+        place = column + len(field) - len(field.lstrip())
+        location = whole_number_at(field.strip(), "location", 0, number, place)
+        row, col = cell = divmod(location, layout.width)
+        if not layout.is_open(cell):
+            message = f"location {location}, {layout.describe(cell)}; it must be an open cell"
+            raise error_at(number, place, message)
+        yield row, col
+        column += len(field) + 1
