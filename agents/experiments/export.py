@@ -37,10 +37,23 @@ Line = tuple[Any, ...]
 
 
 def export(
-    results: Annotated[Path, typer.Argument(help="A file written by warehouse sweep.")],
-    table: Annotated[Path, typer.Argument(help="The .csv or .parquet file to write.")],
+    results: Annotated[
+        Path, typer.Argument(metavar="RESULTS", help="A file written by 'warehouse sweep'.")
+    ],
+    table: Annotated[
+        Path,
+        typer.Argument(
+            metavar="TABLE",
+            help="The .csv or .parquet file to write; .parquet needs the extra 'parquet'.",
+        ),
+    ],
 ) -> None:
-    """Write the results of a sweep as a table, one line per episode."""
+    """Write the episodes of a sweep as a table.
+
+    Each line is an episode: its settings and its outcome, a column each.
+
+    Example: warehouse export results.sqlite results.csv
+    """
     writers = {CSV: _write_csv, PARQUET: _write_parquet}
     suffix = check_suffix(table, writers)
     with Store(results, read_only=True) as store, atomic_path(table) as part:

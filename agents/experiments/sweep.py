@@ -16,14 +16,15 @@ import typer
 
 from agents.errors import ParameterError
 from agents.experiments.choices import PlanFile, parse_flags, read_plan_file
-from agents.experiments.parameters import PARAMETERS
-from agents.experiments.plan import Plan, make_plan
+from agents.experiments.parameters import MAX_VALUE, MAX_VIEW_RADIUS
+from agents.experiments.plan import MAX_EPISODES, Plan, make_plan
 from agents.experiments.presets import PRESETS
 from agents.experiments.running import Report, run_missing
 from agents.experiments.store import Row, Store
 from agents.experiments.workers import Check, Pool, cluster, deferred_interrupts, process_pool
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted
+from warehouse_core.world.generators import MAX_DENSITY
 
 
 @contextmanager
@@ -46,32 +47,57 @@ def sweep_bar(episodes: int) -> Iterator[Report]:
 EPISODES = 100
 """Of each combination, by default."""
 
+VALUES = {
+    "agent": "a name as in 'warehouse run --agent'",
+    "escape": "on or off, of agent greedy",
+    "memory": f"0..{MAX_VALUE}, of agent greedy with escape",
+    "layout": "default, random or a file",
+    "size": "HEIGHTxWIDTH from 4x4, of layout random",
+    "density": f"0..{MAX_DENSITY:g}, of layout random",
+    "stations": "drawn, or kept as a layout file has them",
+    "battery": f"1..{MAX_VALUE}",
+    "max_steps": f"1..{MAX_VALUE}",
+    "view_radius": f"0..{MAX_VIEW_RADIUS}",
+    "backend": "grid, physics or one of your own",
+    "robot.NUMBER, disturbances.NUMBER": "a number of the backend physics, such as robot.mass",
+}
+"""What each parameter takes, in words."""
+
+SETTINGS = f"Names: {'; '.join(f'{name} ({values})' for name, values in VALUES.items())}."
+
 
 def sweep(
     file: Annotated[
         Path | None,
-        typer.Argument(metavar="[PLAN]", help="A plan file, .toml.", show_default=False),
+        typer.Argument(
+            metavar="[PLAN]",
+            help="A .toml file with episodes, seed and the tables settings, robot, disturbances.",
+            show_default=False,
+        ),
     ] = None,
     settings: Annotated[
         list[str] | None,
         typer.Option(
             "--set",
             metavar="NAME=VALUES",
-            help="Values, such as battery=20,60 or battery=20:200:20; may be repeated. "
-            f"Names: {', '.join(PARAMETERS)}, robot.NUMBER, disturbances.NUMBER.",
+            help="A value (agent=astar), a list (battery=20,60) or a range FROM:TO:STEP "
+            f"(battery=20:200:20); may be repeated. {SETTINGS}",
         ),
     ] = None,
     preset: Annotated[
         str | None,
-        typer.Option("--preset", help=f"A question of the chapter: {', '.join(PRESETS)}."),
+        typer.Option(
+            "--preset", metavar="NAME", help=f"A question of the chapter: {', '.join(PRESETS)}."
+        ),
     ] = None,
     episodes: Annotated[
         int | None,
         typer.Option(
             "--episodes",
             "-n",
+            metavar="N",
             min=1,
-            help="Episodes of each combination.",
+            help=f"Episodes of each combination; up to {MAX_EPISODES:,} in all.",
             show_default=str(EPISODES),
         ),
     ] = None,
@@ -80,17 +106,25 @@ def sweep(
         typer.Option(
             "--seed",
             metavar="N",
-            help="Seed of the first episode of each combination.",
+            help="Seed of the first episode of each combination, 0 or more; others count up.",
             show_default="0",
         ),
     ] = None,
     output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="FILE", help="The file of results.")
+        Path,
+        typer.Option(
+            "--output", "-o", metavar="FILE", help="The file of results, written or added to."
+        ),
     ] = Path("results.sqlite"),
     workers: Annotated[
         int | None,
         typer.Option(
-            "--workers", min=1, max=1024, help="Number of processes.", show_default="one per core"
+            "--workers",
+            metavar="N",
+            min=1,
+            max=1024,
+            help="Number of processes.",
+            show_default="one per core",
         ),
     ] = None,
     address: Annotated[
@@ -98,11 +132,17 @@ def sweep(
         typer.Option(
             "--cluster",
             metavar="tcp://HOST:PORT",
-            help="Run on the Dask cluster of this scheduler.",
+            help="Run on the Dask cluster of this scheduler; needs the extra 'cluster'.",
         ),
     ] = None,
 ) -> None:
-    """Run every combination of settings; run the same command again to resume."""
+    """Run every combination of settings.
+
+    Each episode is stored as it finishes. Run the same command again to resume, or with more
+    episodes or values to add those; 'warehouse report' shows the results.
+
+    Example: warehouse sweep --set agent=greedy,astar --set battery=20:200:20
+    """
     given = _given(file, preset)
     choices = given.choices | parse_flags(settings or [])
     first = (given.seed or 0) if seed is None else seed

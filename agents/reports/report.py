@@ -16,28 +16,40 @@ PAGE_SUFFIX = ".html"
 
 
 def report(
-    results: Annotated[Path, typer.Argument(help="A file written by warehouse sweep.")],
+    results: Annotated[
+        Path, typer.Argument(metavar="RESULTS", help="A file written by 'warehouse sweep'.")
+    ],
     output: Annotated[
         Path | None,
         typer.Option(
-            "--output", "-o", metavar="FILE", help="The page to write.", show_default="RESULTS.html"
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Page to write, .html.",
+            show_default="RESULTS.html",
         ),
     ] = None,
     figures: Annotated[
         Path | None,
-        typer.Option("--figures", metavar="FOLDER", help="Also write each figure as .svg."),
+        typer.Option("--figures", metavar="FOLDER", help="Also write each figure there, as .svg."),
     ] = None,
     replays: Annotated[
         bool | None,
         typer.Option(
             "--replays/--no-replays",
-            help="Include a replay of each failure mode, run again; with --replays also those of "
-            "agents that are not part of this program.",
+            help="Run one episode of each outcome again and show it, or do not. Default: do, but "
+            "not with agents from your own files; --replays runs their code too.",
             show_default=False,
         ),
     ] = None,
 ) -> None:
-    """Write the results of a sweep as an HTML page, and print its answers."""
+    """Report on a sweep, as text and as an HTML page.
+
+    The page has answers to the questions of the sweep, figures, replays, and a table of all
+    combinations. It is one file without scripts.
+
+    Example: warehouse report results.sqlite --figures figures
+    """
     # Here, because importing SciPy and matplotlib takes longer than most commands.
     from agents.reports.contents import make_page
     from agents.reports.examples import find_examples, replay

@@ -18,6 +18,7 @@ from helpers.sweeps import Here, check_is_usable, table, uninterrupted, words
 
 from agents.errors import StoreError
 from agents.experiments import sweep as sweep_command
+from agents.experiments.parameters import PARAMETERS
 from agents.experiments.store import Store
 from agents.experiments.workers import KILLED
 
@@ -239,3 +240,25 @@ def test_there_are_no_more_workers_than_episodes(
         words = ["-n", episodes, "--workers", workers, "-o", path]
         assert command(capsys, "sweep", *words).code == 0
     assert asked == [1, 2]
+
+
+def test_the_help_names_every_parameter(capsys: pytest.CaptureFixture[str]) -> None:
+    assert [*sweep_command.VALUES][:-1] == [*PARAMETERS]
+    shown = " ".join(command(capsys, "sweep", "--help").out.split())
+    assert all(f"{name} ({values})" in shown for name, values in sweep_command.VALUES.items())
+
+
+@pytest.mark.parametrize("name", ["sweep", "report", "export", "compare-agents"])
+def test_the_help_has_its_first_line_and_an_example_in_one_line_each(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    [summary] = [
+        line for line in command(capsys, "--help").out.splitlines() if line.startswith(f"  {name} ")
+    ]
+    assert summary.endswith(".")
+    assert not summary.endswith("...")
+    lines = command(capsys, name, "--help").out.splitlines()
+    [number] = [n for n, line in enumerate(lines) if line.startswith("  Example: ")]
+    assert lines[number].startswith(f"  Example: warehouse {name} ")
+    assert lines[number + 1] == ""

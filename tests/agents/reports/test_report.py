@@ -65,7 +65,11 @@ def test_each_outcome_is_replayed(tmp_path: Path, capsys: pytest.CaptureFixture[
     results = tmp_path / "r.sqlite"
     with Store(results) as store:
         run_missing(
-            make_plan({"max_steps": 12, "battery": [2, 20]}, 3, 0), store, Here(), 1, nothing
+            make_plan({"max_steps": 12, "battery": [2, 20], "stations": ["drawn", "kept"]}, 3, 0),
+            store,
+            Here(),
+            1,
+            nothing,
         )
     assert command(capsys, "report", results).code == 0
     with Store(results, read_only=True) as store:
@@ -74,6 +78,8 @@ def test_each_outcome_is_replayed(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert len(modes) > 1
     assert page.count("data:image/gif") == len(modes)
     assert "run again: " not in page
+    assert "different now" not in page
+    assert "<td>kept</td>" in page
 
 
 def test_a_report_changes_nothing_in_the_results(
