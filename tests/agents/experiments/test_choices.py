@@ -32,7 +32,7 @@ HOSTILE = {
     "too long a number": (to("battery = " + 5000 * "9"), "digits"),
     "too big": (to("layout = 'random'\nsize = '9999x9999'"), "9999"),
     "no agent": (to("agent = 'nobody'"), "nobody"),
-    "a file that cannot be": (to('layout = "a\\u0000b"'), "null"),
+    "a file that cannot be": (to('layout = "a\\u0000b"'), "no layout is called"),
     "a range to inf": (to("density = {from = 0, to = inf, step = 0.1}"), "density"),
     "a range by nan": (to("density = {from = 0, to = 0.3, step = nan}"), "density"),
     "a range by next to nothing": (to("density = {from = 0, to = 0.3, step = 1e-320}"), "density"),
