@@ -143,7 +143,7 @@ def test_the_estimate_for_many_stations_is_ten_times_as_fast_as_all_pairs(
 
     def best_pair() -> float:
         return min(
-            2 + crow_flies((0, 0), end) + min(crow_flies(end, goal) for goal in goals)
+            2 + grid_distance((0, 0), end) + min(grid_distance(end, goal) for goal in goals)
             for end in ends
         )
 

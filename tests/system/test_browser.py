@@ -32,7 +32,7 @@ QUIET = (
 
 def chromium(folder: Path, *words: str) -> str:
     """Run a browser with a profile of its own and return what it prints."""
-    program = shutil.which("chromium")
+    program = shutil.which("chromium") or shutil.which("google-chrome")
     assert program is not None, "these tests need chromium: apt-get install chromium"
     done = subprocess.run(
         [program, *QUIET, f"--user-data-dir={folder / 'profile'}", *words],
