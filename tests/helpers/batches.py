@@ -15,10 +15,10 @@ NEXT_STEP, SAME_STEP, DISABLED = AUTORESET_MODES
 NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
 
 TWO_CELLS = Layout(["#.#", "###", "#.#"])
-"""Pickup and dropoff take both, so the robot starts on one of them."""
+"""Random stations use both cells, so the robot starts on one of them."""
 
 FULL = Layout(["P", "D"])
-"""Stations that are kept leave no cell for a start."""
+"""Its own stations use both cells."""
 
 SHOP = Layout(["P.D", "D#P", "..P"])
 EMPTY = Layout(["....", ".##."])
@@ -29,7 +29,7 @@ MIXED = [
     *(random_layout(4 + size, 9 - size, 0.3, seed=size) for size in range(5)),
     *(TWO_CELLS, SHOP, EMPTY, CORRIDOR, SHOP, ROOM, DEFAULT_LAYOUT, FULL),
 ]
-"""Of different sizes, some of them twice, with several stations and with none."""
+"""Layouts of different sizes, some twice, with none, one or several stations."""
 
 MOTION = ("blocked", "seconds", "joules")
 
@@ -54,7 +54,7 @@ def drawn(
 
 
 class Single:
-    """One row by itself."""
+    """A single warehouse, to compare with a row of a batch."""
 
     def __init__(
         self, layout: Layout, randomize: bool | str, start: Cell | None = None, **limits: int
@@ -86,7 +86,7 @@ class Single:
         return list(useful_actions(sides, layout.rows[row][col], state.has_item))
 
     def choose(self, stream: np.random.Generator) -> int:
-        """Return an action, now and then any, but rather one that gets on with the job."""
+        """Return an action, often one that helps to deliver, otherwise a random one."""
         layout, state = self.env.layout, self.env.state
         mask, chance = self.mask(), stream.random()
         if chance < 0.6 and (mask[PICK] or mask[DROP]):

@@ -24,13 +24,13 @@ over_specs = pytest.mark.parametrize("spec", [RobotSpec(), RobotSpec.fast()], id
 
 
 @pytest.mark.parametrize("trace", TRACES[::TRACE_STRIDE])
-def test_recorded_episodes_come_out_as_recorded(trace: dict[str, Any]) -> None:
+def test_recorded_episodes_are_reproduced(trace: dict[str, Any]) -> None:
     assert_as_recorded(env_of(trace, RigidBodyMotion(record_path=False)), trace)
 
 
 @over_specs
-def test_random_layouts_and_actions_come_out_the_same(spec: RobotSpec) -> None:
-    assert steps_differ(spec, MOVES, layouts=10) > MOVES / 8, "hits are worth comparing"
+def test_random_episodes_are_equal_on_both_backends(spec: RobotSpec) -> None:
+    assert steps_differ(spec, MOVES, layouts=10) > MOVES / 8, "too few hits to compare"
 
 
 def test_the_types_of_the_five_values_are_the_same() -> None:

@@ -1,4 +1,4 @@
-"""What keeps a robot from its goal: off by default, seeded, and told truthfully."""
+"""Disturbances are off by default, follow from the seed, and are reported correctly."""
 
 import math
 import random
@@ -35,7 +35,7 @@ def motion_with(
 
 
 def wander(motion: RigidBodyMotion, moves: int = 30) -> list[Outcome]:
-    """Move at random, some of the time loaded."""
+    """Move at random, half of the time loaded."""
     stream = random.Random(0)
     return [
         motion.advance([stream.choice(STEPS)], [stream.random() < 0.5])[0] for _ in range(moves)
@@ -51,26 +51,26 @@ def cell_at(outcome: Outcome) -> Cell:
 
 
 @pytest.mark.parametrize("name", NUMBERS)
-def test_a_number_out_of_range_is_refused_with_the_name_of_its_field(name: str) -> None:
+def test_the_error_of_a_number_out_of_range_names_its_field(name: str) -> None:
     for value in ("0.1", math.nan, -0.1, 1e3):
         with pytest.raises(ValueError, match=rf"^{name} is .*; it must be "):
             Disturbances(**{name: value})
 
 
 @pytest.mark.parametrize("cells", [5, [(1, 2, 3)], [(1.5, 2)]])
-def test_slippery_cells_that_are_no_cells_are_refused(cells: Any) -> None:
+def test_invalid_slippery_cells_raise(cells: Any) -> None:
     with pytest.raises(ValueError, match=r"^slippery is .*; it must be cells \(row, column\)$"):
         Disturbances(slippery=cells)
 
 
-def test_slippery_cells_may_come_in_any_collection() -> None:
+def test_slippery_cells_may_be_any_collection() -> None:
     assert Disturbances(slippery=[(1, 2), (1, 2)]).slippery == frozenset({(1, 2)})
 
 
 # Off by default.
 
 
-def test_they_are_off_by_default() -> None:
+def test_disturbances_are_off_by_default() -> None:
     assert not Disturbances().any
     assert not Disturbances(grip=0.5, patience=5).any
     assert all(disturbances.any for disturbances in KINDS.values())
@@ -81,7 +81,7 @@ def test_grip_and_patience_alone_change_nothing() -> None:
     assert wander(motion_with(off)) == wander(motion_with(None))
 
 
-def test_a_floor_that_disturbs_nothing_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_disturbances_of_nominal_size_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     plain = wander(motion_with(None))
     monkeypatch.setattr(Disturbances, "any", True)
     motion = motion_with(Disturbances(patience=100))
@@ -90,7 +90,7 @@ def test_a_floor_that_disturbs_nothing_changes_nothing(monkeypatch: pytest.Monke
 
 
 @over_kinds
-def test_each_kind_makes_a_difference(disturbances: Disturbances) -> None:
+def test_each_kind_changes_the_outcomes(disturbances: Disturbances) -> None:
     assert wander(motion_with(disturbances)) != wander(motion_with(None))
 
 
@@ -98,16 +98,16 @@ def test_each_kind_makes_a_difference(disturbances: Disturbances) -> None:
 
 
 @over_kinds
-def test_the_same_seed_gives_the_same_world(disturbances: Disturbances) -> None:
+def test_the_same_seed_gives_the_same_outcomes(disturbances: Disturbances) -> None:
     assert wander(motion_with(disturbances, 4)) == wander(motion_with(disturbances, 4))
 
 
 @pytest.mark.parametrize("kind", ["noise", "drag"])
-def test_another_seed_gives_another_world(kind: str) -> None:
+def test_another_seed_gives_other_outcomes(kind: str) -> None:
     assert wander(motion_with(KINDS[kind], 4)) != wander(motion_with(KINDS[kind], 5))
 
 
-def test_without_a_seed_chance_comes_from_pythons_own_stream() -> None:
+def test_without_a_seed_the_global_random_is_used() -> None:
     worlds = []
     for seed in (1, 1, 2):
         random.seed(seed)
@@ -115,31 +115,31 @@ def test_without_a_seed_chance_comes_from_pythons_own_stream() -> None:
     assert worlds[0] == worlds[1] != worlds[2]
 
 
-def test_a_reset_starts_the_chance_again() -> None:
+def test_a_reset_with_the_same_seed_restarts_the_random_numbers() -> None:
     motion = motion_with(KINDS["noise"], 3)
     first = wander(motion)
     motion.reset(HALL, [(3, 3)], 3)
     assert wander(motion) == first
 
 
-# Truthful.
+# Reports.
 
 
 @over_kinds
-def test_the_cell_is_the_one_under_the_body_and_only_hits_block(disturbances) -> None:
+def test_the_cell_is_under_the_body_and_only_hits_block(disturbances) -> None:
     for outcome in wander(motion_with(disturbances, 1)):
         assert outcome.cell == cell_at(outcome)
         assert outcome.contacts or not outcome.blocked
         assert outcome.seconds == pytest.approx(outcome.path[-1, 0])
 
 
-def test_on_ice_a_robot_ends_short_without_being_blocked() -> None:
+def test_on_ice_a_robot_stops_before_its_target_without_being_blocked() -> None:
     outcome = motion_with(ICE).advance([EAST], [False])[0]
     assert (outcome.cell, outcome.blocked, outcome.contacts) == ((3, 3), False, ())
     assert 3.5 < outcome.path[-1, 1] < 4.0
 
 
-def test_onto_ice_a_robot_slides_past_its_goal() -> None:
+def test_a_robot_that_brakes_on_ice_slides_past_its_target() -> None:
     ahead = Disturbances(slippery=frozenset({(3, col) for col in range(4, 7)}), grip=0.01)
     motion = motion_with(ahead)
     nominal = motion_with(None).advance([EAST], [False])[0]
@@ -150,7 +150,7 @@ def test_onto_ice_a_robot_slides_past_its_goal() -> None:
     assert outcome.cell == cell_at(outcome)
 
 
-def test_less_grip_takes_longer_or_gets_less_far() -> None:
+def test_a_robot_with_less_grip_gets_less_far() -> None:
     reached = []
     for grip in (0.1, 0.04, 0.02, 0.01):
         motion = motion_with(Disturbances(slippery=ALL_CELLS, grip=grip))
@@ -161,7 +161,7 @@ def test_less_grip_takes_longer_or_gets_less_far() -> None:
     assert reached[-1] < 4.0
 
 
-def test_from_where_it_ended_short_the_robot_drives_on() -> None:
+def test_the_next_move_starts_where_the_robot_stopped() -> None:
     motion = motion_with(ICE)
     first, second = (motion.advance([EAST], [False])[0] for _ in range(2))
     assert first.cell == (3, 3)
@@ -169,7 +169,7 @@ def test_from_where_it_ended_short_the_robot_drives_on() -> None:
     assert second.path[-1, 1] > first.path[-1, 1] + 0.05
 
 
-def test_an_uneven_drag_changes_what_a_move_costs_and_stays_where_it_is() -> None:
+def test_uneven_drag_changes_the_cost_of_a_move_and_is_fixed_for_a_cell() -> None:
     motion = motion_with(Disturbances(drag_spread=0.9), 1)
     costs = [motion.advance([move], [False])[0].joules for move in (EAST, WEST) * 3]
     nominal = motion_with(None).advance([EAST], [False])[0].joules
@@ -177,7 +177,7 @@ def test_an_uneven_drag_changes_what_a_move_costs_and_stays_where_it_is() -> Non
     assert abs(costs[0] - nominal) > 0.02 * nominal
 
 
-def test_the_drag_is_that_of_the_cell_under_the_robot() -> None:
+def test_the_drag_depends_on_the_cell_under_the_robot() -> None:
     rough = Disturbances(drag_spread=0.9)
     motion, floor = motion_with(rough, 1), FloorConditions(rough, 1)
     for move in (EAST, SOUTH, WEST):
@@ -186,7 +186,7 @@ def test_the_drag_is_that_of_the_cell_under_the_robot() -> None:
         assert motion._arena.robots[0]._floor.max_force == pytest.approx(drag)
 
 
-def test_the_drag_of_a_cell_depends_on_seed_and_cell_and_on_nothing_else() -> None:
+def test_the_drag_of_a_cell_depends_only_on_seed_and_cell() -> None:
     rough = Disturbances(drag_spread=0.5)
     floor, again = FloorConditions(rough, 7), FloorConditions(rough, 7)
     factors = [floor.drag_factor(cell) for cell in sorted(ALL_CELLS)]
@@ -197,7 +197,7 @@ def test_the_drag_of_a_cell_depends_on_seed_and_cell_and_on_nothing_else() -> No
     assert factors != [FloorConditions(rough, 8).drag_factor(cell) for cell in sorted(ALL_CELLS)]
 
 
-def test_noise_turns_no_drive_round_and_at_most_doubles_its_speed() -> None:
+def test_noise_scales_the_speed_by_0_to_2() -> None:
     floor = FloorConditions(Disturbances(actuation_noise=0.5), 0)
     factors = [floor.speed_factor() for _ in range(5_000)]
     assert min(factors) == 0
@@ -205,7 +205,7 @@ def test_noise_turns_no_drive_round_and_at_most_doubles_its_speed() -> None:
     assert sum(factors) / len(factors) == pytest.approx(1, abs=0.05)
 
 
-# A stall.
+# Stalls.
 
 
 @pytest.mark.parametrize("strength", [0.0, 0.1])
@@ -218,7 +218,7 @@ def test_a_motor_too_weak_for_the_floor_stalls(strength: float) -> None:
     assert outcome.joules == pytest.approx(RobotSpec().idle_power * outcome.seconds)
 
 
-def test_a_stall_costs_what_a_step_costs_and_nothing_more() -> None:
+def test_a_stall_costs_one_step() -> None:
     backend = RigidBodyMotion(disturbances=Disturbances(motor_strength=0.1))
     env = WarehouseEnv(backend=backend)
     before = env.reset(seed=1)
@@ -228,7 +228,7 @@ def test_a_stall_costs_what_a_step_costs_and_nothing_more() -> None:
     assert (terminated, truncated, info) == (False, False, {})
 
 
-def test_a_weak_motor_that_can_just_move_is_slower() -> None:
+def test_a_weak_motor_is_slower() -> None:
     weak = motion_with(Disturbances(motor_strength=0.5)).advance([EAST], [False])[0]
     nominal = motion_with(None).advance([EAST], [False])[0]
     assert weak.cell == (3, 4)
@@ -236,8 +236,8 @@ def test_a_weak_motor_that_can_just_move_is_slower() -> None:
 
 
 @over_kinds
-def test_a_fleet_on_a_bad_floor_is_told_of_truthfully(disturbances: Disturbances) -> None:
-    """Robots that end off the middle may well share a cell; bodies still never overlap."""
+def test_a_disturbed_fleet_is_reported_correctly(disturbances: Disturbances) -> None:
+    """Robots that end off the middle can be in the same cell, but bodies never overlap."""
     motion, stream = RigidBodyMotion(disturbances=disturbances), random.Random(2)
     motion.reset(HALL, [(2, 2), (2, 3), (3, 3), (3, 4)], 0)
     for _ in range(20):

@@ -83,8 +83,8 @@ def test_random_moves_end_as_the_table_says(robots: int, spec: RobotSpec) -> Non
 
 
 @over_specs
-def test_a_jam_comes_undone(spec: RobotSpec) -> None:
-    """Robots 1, 5 and 6 all have to go back, and each is in the way of the next."""
+def test_a_chain_of_blocked_robots_is_resolved(spec: RobotSpec) -> None:
+    """Robots 1, 5 and 6 all have to drive back, and each blocks the next."""
     layout = Layout(["########", "#.....##", "#.#.#..#", "#....#.#", "#......#", "########"])
     cells = [(3, 6), (3, 3), (3, 1), (2, 1), (3, 2), (3, 4), (4, 3), (4, 5), (2, 6), (4, 4)]
     moves = [NORTH, SOUTH, STAY, STAY, SOUTH, WEST, WEST, SOUTH, NORTH, SOUTH]
@@ -96,14 +96,14 @@ def test_a_jam_comes_undone(spec: RobotSpec) -> None:
     assert [outcome.blocked for outcome in outcomes] == [move != STAY for move in moves]
 
 
-def test_a_robot_that_is_grazed_from_the_side_drives_on() -> None:
-    """Robot 1 pushes robot 4 aside, and that brushes against robot 5 as it arrives."""
+def test_a_robot_touched_from_the_side_drives_on() -> None:
+    """Robot 1 pushes robot 4 aside, which touches robot 5 as it arrives."""
     layout = Layout(["########", "#...##.#", "#......#", "#.##...#", "#......#", "########"])
     cells = [(1, 1), (2, 1), (3, 1), (2, 6), (2, 2), (1, 3), (4, 2), (4, 5), (3, 6)]
     moves = [SOUTH, EAST, NORTH, NORTH, SOUTH, SOUTH, STAY, EAST, SOUTH]
     motion = RigidBodyMotion(RobotSpec.fast())
     motion.reset(layout, cells, 0)
-    # Where earlier moves had left them.
+    # The positions after earlier moves.
     for robot, aside in ((0, -2.1e-4), (1, 3.0e-4), (4, 9.7e-4)):
         body = motion._arena.robots[robot].body
         body.position += (0.0, aside)
@@ -112,14 +112,14 @@ def test_a_robot_that_is_grazed_from_the_side_drives_on() -> None:
     assert (outcome.cell, outcome.blocked) == ((2, 3), False)
 
 
-def test_a_robot_that_meets_one_that_was_pushed_into_its_way_drives_on() -> None:
-    """Robots 0, 4 and 6 push robot 2 out of its cell, where robot 3 is about to arrive."""
+def test_a_robot_drives_on_after_it_meets_one_pushed_into_its_path() -> None:
+    """Robots 0, 4 and 6 push robot 2 out of its cell, which robot 3 enters."""
     layout = Layout(["########", "#......#", "##.....#", "#....#.#", "#.#..#.#", "########"])
     cells = [(2, 3), (4, 6), (3, 4), (4, 3), (2, 4), (4, 1), (2, 5), (2, 2)]
     moves = [EAST, NORTH, EAST, EAST, SOUTH, STAY, WEST, EAST]
     motion = RigidBodyMotion(RobotSpec.fast())
     motion.reset(layout, cells, 0)
-    # Where earlier moves had left them.
+    # The positions after earlier moves.
     for robot, aside in ((0, -3.8e-4), (4, 3.8e-4)):
         motion._arena.robots[robot].body.position += (aside, 0.0)
     outcome = motion.advance(moves, [robot in (3, 6, 7) for robot in range(8)])[3]
@@ -134,7 +134,7 @@ def test_two_robots_that_meet_head_on_get_the_same_impulse(spec: RobotSpec) -> N
     assert (first.counterpart, second.counterpart) == (robot_contact(1), robot_contact(0))
     assert first[:3] == second[:3]
     assert first.point == pytest.approx((3.5, 2.5), abs=0.02)
-    # Each stops the other. They touch 0.65 m from their starts, where they brake already.
+    # Each stops the other. They touch 0.65 m from their starts, when they already brake.
     speed = math.sqrt(2 * spec.acceleration * (spec.cell_size - 0.65))
     assert first.impulse == pytest.approx(spec.mass * speed, rel=0.1)
 
@@ -147,7 +147,7 @@ def test_a_heavier_robot_hits_a_waiting_one_harder() -> None:
     assert 0 < empty < loaded
 
 
-def test_who_hits_whom_is_told_on_both_sides() -> None:
+def test_both_robots_report_a_hit() -> None:
     pushed = together([(2, 2), (2, 3)], [EAST, STAY])
     assert pushed[0].contacts[0].counterpart == robot_contact(1)
     assert pushed[1].contacts[0].counterpart == robot_contact(0)
@@ -176,7 +176,7 @@ def test_all_robots_of_an_action_take_the_same_time() -> None:
     assert {outcome.path[-1, 0] for outcome in outcomes} == {outcomes[0].seconds}
 
 
-def test_a_fleet_without_a_body_in_the_way_does_not_feel_the_others() -> None:
+def test_robots_that_do_not_touch_move_as_they_do_alone() -> None:
     alone = together([(0, 0)], [EAST])[0]
     among_others = together([(0, 0), (3, 3), (5, 0)], [EAST, EAST, EAST])[0]
     assert among_others.path[-1, 1:3] == pytest.approx(alone.path[-1, 1:3], abs=1e-9)
@@ -184,7 +184,7 @@ def test_a_fleet_without_a_body_in_the_way_does_not_feel_the_others() -> None:
 
 
 def test_a_robot_that_is_pushed_out_of_its_cell_is_reported_where_it_is() -> None:
-    """Weak brakes and a strong push: the table does not hold, but what is said does."""
+    """With weak brakes and a strong push the table does not hold, but the report is correct."""
     motion = RigidBodyMotion()
     motion.reset(HALL, [(2, 2), (2, 3)], 0)
     body = motion._arena.robots[1].body

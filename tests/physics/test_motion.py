@@ -1,4 +1,4 @@
-"""One robot as a rigid body: what it reports is what its body did."""
+"""One robot as a rigid body: its outcomes describe the motion of the body."""
 
 import math
 import os
@@ -28,7 +28,7 @@ from warehouse_physics import motion as rigid_body_motion
 from warehouse_physics.robot import WALL
 
 TUNNEL_MOVES = 200
-"""Wall-directed moves at the highest speed; the benchmarks make more."""
+"""Moves at walls at the highest speed; the benchmarks make more."""
 
 HALL = Layout(["......."] * 7)
 TWO_ROOMS = Layout(["...#..."])
@@ -61,7 +61,7 @@ def velocities(outcome: Outcome) -> np.ndarray:
 
 
 def impact_speed(spec: RobotSpec, loaded: bool) -> float:
-    """Return the speed after the way from the middle of a cell to a touch with its edge."""
+    """Return the speed at the edge of a cell, after a start in its middle."""
     gap = spec.cell_size / 2 - spec.radius
     return min(spec.top_speed, math.sqrt(2 * spec.attainable_acceleration(loaded) * gap))
 
@@ -71,7 +71,7 @@ def remove_walls(motion: RigidBodyMotion) -> None:
     space.remove(*[shape for shape in space.shapes if shape.collision_type == WALL])
 
 
-# Nothing is looked up in the grid.
+# Outcomes follow the bodies, not the grid.
 
 
 def test_without_the_shapes_of_its_walls_the_robot_drives_through() -> None:
@@ -90,7 +90,7 @@ def test_without_the_shapes_around_the_grid_the_robot_drives_off() -> None:
     assert move(motion, NORTH).cell == (-2, 0)
 
 
-def test_the_outcome_follows_a_body_that_was_put_elsewhere() -> None:
+def test_the_outcome_follows_a_body_that_was_moved_by_hand() -> None:
     shift = (-1.0, 2.0)
     motion = motion_in(HALL, (3, 3))
     robot = motion._arena.robots[0]
@@ -102,7 +102,7 @@ def test_the_outcome_follows_a_body_that_was_put_elsewhere() -> None:
     assert outcome.path[0, 1:3] == pytest.approx(centre_of(cell, 1.0))
 
 
-def test_the_outcome_follows_a_body_that_is_pushed_on_its_way() -> None:
+def test_the_outcome_follows_a_body_that_is_pushed() -> None:
     motion = motion_in(HALL, (3, 3))
     arena, driven = motion._arena, motion._drive
 
@@ -116,7 +116,7 @@ def test_the_outcome_follows_a_body_that_is_pushed_on_its_way() -> None:
     assert move(motion, EAST).cell == (4, 4)
 
 
-def test_an_extra_wall_in_the_space_blocks_though_the_grid_is_open() -> None:
+def test_a_wall_that_only_the_space_has_blocks() -> None:
     motion = motion_in(HALL, (3, 3))
     space = motion._arena.space
     wall = next(shape for shape in space.shapes if shape.collision_type == WALL)
@@ -160,12 +160,12 @@ def test_top_speed_and_acceleration_are_kept(spec, loaded) -> None:
     pace = spec.attainable_acceleration(loaded)
     assert np.hypot(*reached.T).max() <= spec.top_speed * (1 + 1e-6)
     assert np.hypot(*changes.T).max() <= pace * (1 + 1e-6)
-    # A robot that crawls would keep them too.
+    # A slow robot would keep both limits too, so they must be reached.
     assert np.hypot(*changes.T).max() >= 0.9 * pace
 
 
 @pytest.mark.parametrize("every", [1, 50])
-def test_a_path_has_no_jump(every: int) -> None:
+def test_a_path_is_continuous(every: int) -> None:
     spec, stream = RobotSpec(), random.Random(1)
     motion = motion_in(Layout(["..#.", "....", ".#.."]), (1, 1), spec, every)
     for _ in range(40):
@@ -174,7 +174,7 @@ def test_a_path_has_no_jump(every: int) -> None:
         assert np.diff(outcome.path[:, 0]).max() <= (every + 1e-6) * spec.time_step
 
 
-def test_without_recording_a_path_is_its_start_and_its_end() -> None:
+def test_without_recording_a_path_has_only_start_and_end() -> None:
     kept, left_off = RigidBodyMotion(), RigidBodyMotion(record_path=False)
     for motion in (kept, left_off):
         motion.reset(HALL, [(0, 0)], 0)
@@ -184,7 +184,7 @@ def test_without_recording_a_path_is_its_start_and_its_end() -> None:
         assert ends._replace(path=whole.path) == whole
 
 
-def test_the_heading_follows_the_way_and_turns_by_the_shorter_side() -> None:
+def test_the_heading_turns_the_shorter_way_to_the_direction_of_the_move() -> None:
     motion = motion_in(HALL, (3, 3))
     for displacement, heading in ((SOUTH, 0.5), (WEST, 1.0), (NORTH, 1.5), (EAST, 2.0)):
         turned = move(motion, displacement).path[-1, 3]
@@ -216,7 +216,7 @@ def test_the_impulse_of_a_bump_is_mass_times_speed(spec, loaded) -> None:
 
 @over_specs
 @over_loads
-def test_a_robot_sinks_into_a_wall_by_at_most_its_way_in_a_substep(spec, loaded) -> None:
+def test_a_robot_penetrates_a_wall_by_at_most_its_path_in_a_substep(spec, loaded) -> None:
     for displacement in MOVES:
         outcome = bump(spec, displacement, loaded, path_every=1)
         middle = spec.cell_size / 2
@@ -231,7 +231,7 @@ def test_a_hit_is_where_and_when_the_body_met_the_wall() -> None:
     outcome = bump(RobotSpec(), WEST)
     contact = outcome.contacts[0]
     assert contact.point == pytest.approx((0.0, 0.5), abs=0.01)
-    # The way of 0.15 m at 1 m/s² takes sqrt(0.3) s; a substep to start and one to notice.
+    # 0.15 m at 1 m/s² take sqrt(0.3) s; a substep to start and one to detect the hit.
     assert contact.seconds == pytest.approx(math.sqrt(0.3), abs=2.1 / 60)
 
 
@@ -255,7 +255,7 @@ def test_after_a_bump_the_robot_is_back_in_the_middle_of_its_cell(spec, loaded) 
         assert math.dist(outcome.path[-1, 1:3], middle) < 1e-3 * spec.cell_size
 
 
-def test_a_robot_slides_along_a_wall_without_touching_a_seam() -> None:
+def test_a_robot_slides_along_a_wall_without_a_contact() -> None:
     layout = Layout(["############", "#..........#", "############"])
     motion = motion_in(layout, (1, 1), RobotSpec(radius=0.499))
     for col in range(2, 11):
@@ -263,7 +263,7 @@ def test_a_robot_slides_along_a_wall_without_touching_a_seam() -> None:
 
 
 @pytest.mark.parametrize("time_step", [1 / 60, 1 / 30])
-def test_nothing_gets_through_a_wall_at_the_highest_speed_of_all(time_step: float) -> None:
+def test_no_robot_drives_through_a_wall_at_the_highest_speed(time_step: float) -> None:
     drive_at_walls(time_step, TUNNEL_MOVES)
 
 
@@ -286,15 +286,15 @@ def nominal_joules(spec: RobotSpec, loaded: bool) -> float:
 
 @over_specs
 @over_loads
-def test_the_energy_of_a_free_move_is_that_of_its_profile(spec, loaded) -> None:
+def test_the_energy_of_a_free_move_follows_from_its_profile(spec, loaded) -> None:
     joules = free_move(spec, loaded=loaded).joules
     assert joules == pytest.approx(nominal_joules(spec, loaded), rel=0.05)
 
 
 @over_loads
 @pytest.mark.parametrize("make", [free_move, bump])
-def test_the_energy_is_the_work_that_the_motor_did(make, loaded, monkeypatch) -> None:
-    """Add up force times way of every substep in which the motor pushes the way it drives."""
+def test_the_energy_is_the_work_of_the_motor(make, loaded, monkeypatch) -> None:
+    """Add up force times path of every substep in which the motor accelerates the robot."""
     work = 0.0
     spec = RobotSpec(idle_power=0, drivetrain_efficiency=1)
     stepped = rigid_body_motion.Arena.__init__
@@ -330,7 +330,7 @@ def test_energy_grows_with_load_distance_and_drag() -> None:
     assert len(set(heavier)) == 4
 
 
-def test_idle_power_is_paid_for_by_the_second_and_efficiency_by_the_joule() -> None:
+def test_idle_power_costs_by_the_second_and_efficiency_scales_the_work() -> None:
     bare = free_move(RobotSpec(idle_power=0, drivetrain_efficiency=1.0))
     lossy = free_move(RobotSpec(idle_power=0, drivetrain_efficiency=0.5))
     awake = free_move(RobotSpec(idle_power=30, drivetrain_efficiency=1.0))
@@ -338,7 +338,7 @@ def test_idle_power_is_paid_for_by_the_second_and_efficiency_by_the_joule() -> N
     assert awake.joules == pytest.approx(bare.joules + 30 * bare.seconds)
 
 
-def test_a_load_makes_a_move_longer_and_dearer() -> None:
+def test_a_load_makes_a_move_take_longer_and_cost_more() -> None:
     empty, loaded = (free_move(RobotSpec(), loaded=load) for load in (False, True))
     assert loaded.seconds > empty.seconds
     assert loaded.joules > empty.joules
@@ -348,7 +348,7 @@ def test_a_load_makes_a_move_longer_and_dearer() -> None:
     assert there.seconds > back.seconds == empty.seconds
 
 
-# Reproducible to the last bit.
+# Reproducible bit for bit.
 
 PRINT_A_HASH = """
 import hashlib, random
@@ -370,7 +370,7 @@ print(digest.hexdigest())
 """
 
 
-def test_outcomes_are_the_same_to_the_last_bit_in_every_process() -> None:
+def test_outcomes_are_equal_bit_for_bit_in_every_process() -> None:
     digests = {
         subprocess.run(
             [sys.executable, "-c", PRINT_A_HASH],
@@ -385,7 +385,7 @@ def test_outcomes_are_the_same_to_the_last_bit_in_every_process() -> None:
     assert len(digests.pop()) == 65
 
 
-def test_a_reset_leaves_nothing_behind() -> None:
+def test_outcomes_after_a_reset_equal_those_of_a_new_motion() -> None:
     fresh = motion_in(HALL, (3, 3))
     used = motion_in(random_layout(7, 7, 0.2, seed=1), (1, 1))
     for displacement in MOVES * 3:
@@ -395,10 +395,10 @@ def test_a_reset_leaves_nothing_behind() -> None:
         assert move(used, displacement) == move(fresh, displacement)
 
 
-# Misuse.
+# Invalid calls.
 
 
-def test_bad_starts_are_refused_and_change_nothing() -> None:
+def test_invalid_starts_raise_and_change_nothing() -> None:
     motion = motion_in(HALL, (3, 3))
     for cells in ([(9, 9)], [(1, 1), (1, 1)]):
         with pytest.raises(LayoutError):

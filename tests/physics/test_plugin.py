@@ -1,4 +1,4 @@
-"""A plugin that is missing, broken or of the wrong version: one clear error, and the grid works."""
+"""A missing or broken plugin raises one error of one line, and the grid still works."""
 
 import subprocess
 import sys
@@ -14,13 +14,13 @@ from warehouse_core.motion.backends import load_backend
 from warehouse_physics import RigidBodyMotion
 from warehouse_physics.pymunk_version import check_version
 
-# Registers both backends, whatever the installed distribution does, and tries them twice.
+# Registers both backends, also if the installed distribution does not, and tries them twice.
 TRY_BOTH = """
 import sys
 import importlib.metadata as metadata
 from importlib.metadata import EntryPoint
 
-{sabotage}
+{damage}
 from warehouse_core import BackendError, WarehouseEnv
 from warehouse_core.motion.backends import GROUP
 
@@ -43,8 +43,8 @@ OLD = "import pymunk; pymunk.version = '6.11.1'"
 COMMAND = "pip install 'warehouse_physics'"
 
 
-def try_both(sabotage: str, path: Path | None = None) -> list[str]:
-    code = TRY_BOTH.format(sabotage=sabotage)
+def try_both(damage: str, path: Path | None = None) -> list[str]:
+    code = TRY_BOTH.format(damage=damage)
     run = subprocess.run(
         [sys.executable, "-c", code], cwd=path, capture_output=True, check=True, text=True
     )
@@ -53,7 +53,7 @@ def try_both(sabotage: str, path: Path | None = None) -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("sabotage", "line"),
+    ("damage", "line"),
     [
         pytest.param(
             ABSENT,
@@ -68,14 +68,14 @@ def try_both(sabotage: str, path: Path | None = None) -> list[str]:
         ),
     ],
 )
-def test_a_plugin_that_cannot_work_says_so_in_one_line_and_the_grid_goes_on(
-    sabotage: str, line: str
+def test_a_plugin_that_cannot_be_loaded_raises_one_line_and_the_grid_works(
+    damage: str, line: str
 ) -> None:
     # Twice: a failed import must not leave a half-loaded package behind.
-    assert try_both(sabotage) == [line, "-0.1"] * 2
+    assert try_both(damage) == [line, "-0.1"] * 2
 
 
-def test_a_broken_pymunk_is_one_line_too(tmp_path: Path) -> None:
+def test_a_broken_pymunk_raises_one_line(tmp_path: Path) -> None:
     (tmp_path / "pymunk.py").write_text("raise OSError('libchipmunk.so:\\n invalid ELF header')")
     lines = try_both("", tmp_path)
     line = "backend 'physics' cannot be loaded: libchipmunk.so: invalid ELF header; "
@@ -88,7 +88,7 @@ def test_supported_versions_are_accepted(version: str) -> None:
 
 
 @pytest.mark.parametrize("version", ["7.0.9", "8.0", "70.1", ""])
-def test_other_versions_are_named_and_refused(version: str) -> None:
+def test_the_error_of_an_unsupported_version_names_it(version: str) -> None:
     with pytest.raises(ImportError, match=rf"^pymunk {version} is installed; 7\.1 or later"):
         check_version(version)
 
@@ -115,7 +115,7 @@ def test_the_plugin_is_found_by_its_entry_point() -> None:
     assert isinstance(backends.make_motion("physics"), RigidBodyMotion)
 
 
-def test_a_plugin_without_its_class_is_one_line(only_physics: EntryPoint) -> None:
+def test_a_plugin_without_its_class_raises_one_line(only_physics: EntryPoint) -> None:
     vars(only_physics).update(value="warehouse_physics:NoSuchMotion", dist=None)
     with pytest.raises(BackendError, match=r"^backend 'physics' cannot be loaded: .*NoSuchMotion"):
         load_backend("physics")

@@ -62,7 +62,7 @@ def test_a_profile_keeps_to_speed_and_acceleration(start, length, angle, speed, 
 
 @settings(max_examples=40)
 @given(places, lengths, angles, speeds, accelerations, time_steps)
-def test_no_profile_of_fewer_substeps_would_do(start, length, angle, speed, pace, step) -> None:
+def test_no_profile_has_fewer_substeps(start, length, angle, speed, pace, step) -> None:
     profile = profile_over(start, length, angle, speed, pace, step)
     if profile.go > 1:
         hurried = length / ((profile.go - 1) * step)
@@ -82,7 +82,7 @@ def test_a_profile_to_the_same_position_does_not_move() -> None:
 
 
 @given(st.floats(0, 10), accelerations, time_steps)
-def test_braking_ends_when_the_robot_stands(speed, pace, step) -> None:
+def test_braking_ends_at_rest(speed, pace, step) -> None:
     substeps = braking(speed, pace, step)
     left = speed - substeps * pace * step
     assert left <= 1e-6 * pace * step

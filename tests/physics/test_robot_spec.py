@@ -14,7 +14,7 @@ MAY_BE_ZERO = {"payload_mass", "floor_drag", "idle_power"}
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_number_out_of_range_is_refused_with_the_name_of_its_field(name: str) -> None:
+def test_the_error_of_a_number_out_of_range_names_its_field(name: str) -> None:
     values: list[Any] = ["1", math.nan, -0.5, 2 * MAX_VALUE]
     if name in MAY_BE_ZERO:
         assert getattr(RobotSpec(**{name: 0}), name) == 0
@@ -25,18 +25,18 @@ def test_a_number_out_of_range_is_refused_with_the_name_of_its_field(name: str) 
             RobotSpec(**{name: value})
 
 
-def test_whole_numbers_are_numbers() -> None:
+def test_integers_are_accepted() -> None:
     assert RobotSpec(mass=40, idle_power=0).total_mass(loaded=False) == 40
 
 
-def test_an_efficiency_above_one_is_refused() -> None:
+def test_an_efficiency_above_one_raises() -> None:
     assert RobotSpec(drivetrain_efficiency=1.0).drivetrain_efficiency == 1
     with pytest.raises(ValueError, match=r"^drivetrain_efficiency is 1\.01; .* at most 1$"):
         RobotSpec(drivetrain_efficiency=1.01)
 
 
 @pytest.mark.parametrize("radius", [0.4995, 2.0])
-def test_a_robot_that_does_not_fit_its_cell_is_refused(radius: float) -> None:
+def test_a_robot_that_does_not_fit_its_cell_raises(radius: float) -> None:
     with pytest.raises(
         ValueError, match=r"^radius is .*; with cell_size 1\.0 it must be at most 0\.499"
     ):
@@ -52,7 +52,7 @@ def test_no_robot_moves_further_than_half_its_radius_in_a_substep(time_step: flo
         RobotSpec(top_speed=most * 1.0001, time_step=time_step)
 
 
-def test_a_motor_that_cannot_move_the_loaded_robot_is_refused() -> None:
+def test_a_motor_too_weak_for_the_loaded_robot_raises() -> None:
     drag = 0.015 * 70 * GRAVITY
     assert RobotSpec().drag_force(loaded=True) == pytest.approx(drag)
     assert RobotSpec(motor_force=2 * drag)
@@ -61,7 +61,7 @@ def test_a_motor_that_cannot_move_the_loaded_robot_is_refused() -> None:
 
 
 @pytest.mark.parametrize("changes", [{"time_step": 1e-4}, {"top_speed": 0.01}])
-def test_a_move_that_would_take_thousands_of_substeps_is_refused(changes: dict[str, float]) -> None:
+def test_a_move_of_thousands_of_substeps_raises(changes: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=r"^time_step is .*; the loaded robot would take .* 2000$"):
         RobotSpec(**changes)
 
@@ -76,7 +76,7 @@ def test_a_load_adds_mass_and_drag_and_lowers_the_acceleration() -> None:
     assert (spec.total_mass(loaded=False), spec.total_mass(loaded=True)) == (40, 80)
     assert spec.drag_force(loaded=True) == 2 * spec.drag_force(loaded=False)
     assert spec.attainable_acceleration(loaded=False) == 1.0
-    # What is left of 60 N after the drag moves 80 kg.
+    # 60 N minus the drag accelerate 80 kg.
     expected = (60 - 0.02 * 80 * GRAVITY) / 80
     assert spec.attainable_acceleration(loaded=True) == pytest.approx(expected)
 

@@ -1,4 +1,4 @@
-"""The boxes of the walls: exactly the walls, few of them, and always in the same order."""
+"""The boxes of the walls cover exactly the walls, are few, and have a fixed order."""
 
 from collections import Counter
 

@@ -32,6 +32,7 @@ class Sight:
 
     def __init__(self, radius: int) -> None:
         self._radius, self._side = radius, 2 * radius + 1
+        self._limit = MAX_CACHED_CHARACTERS // self._side**2
         self._padded: list[str] = []
         self._columns: list[list[str]] = []
 
@@ -44,10 +45,7 @@ class Sight:
             *[f"{margin}{row}{margin}" for row in layout.rows],
             *[beyond] * radius,
         ]
-        table = len(self._padded) * layout.width * (self._side + _STRING_BYTES)
-        self._has_room = table <= MAX_TABLE_BYTES
-        most = MAX_CACHED_CHARACTERS // self._side**2
-        self._capacity = min(most, MAX_WINDOWS) if self._has_room else most
+        self._capacity = min(MAX_WINDOWS, self._limit)
         self._windows: dict[tuple[Cell, bool], list[str]] = {}
         if self._columns:
             self._update(before)
@@ -68,11 +66,19 @@ class Sight:
         window = [line[col : col + side] for line in self._padded[row : row + side]]
         window[radius] = _with_robot(window[radius], loaded)
         if len(self._windows) >= self._capacity:
-            self._windows.clear()
-            if self._has_room:
-                self._columns = _columns(self._padded, side)
+            self._make_room()
         self._windows[cell, loaded] = window
         return window
+
+    def _make_room(self) -> None:
+        """Replace the cache by a table; if none is allowed, let it grow to its limit first."""
+        strings = len(self._padded) * len(self._padded[0])
+        if strings * (self._side + _STRING_BYTES) <= MAX_TABLE_BYTES:
+            self._columns = _columns(self._padded, self._side)
+        elif self._capacity < self._limit:
+            self._capacity = self._limit
+            return
+        self._windows.clear()
 
     def _update(self, before: list[str]) -> None:
         """Change the rows of the table that differ from those before."""

@@ -1,4 +1,4 @@
-"""Each check fails for a motion that breaks its rule, and the grid breaks none."""
+"""Each check fails for a motion that breaks its rule, and passes for the grid."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -30,13 +30,13 @@ def path_of(rows: object) -> Any:
 
 
 class LoneGrid(GridMotion):
-    """A grid that cannot be multiplied, so that what is broken of it is broken by itself."""
+    """A grid without a batch, so that only the checks of single motions apply."""
 
     batch = None
 
 
 class Altered(LoneGrid):
-    """A grid motion that reports something else than what happened."""
+    """A grid that changes its outcomes before it returns them."""
 
     def __init__(self, alter: Callable[[Outcome], Outcome]) -> None:
         super().__init__(cell_size=0.5)
@@ -135,7 +135,7 @@ ALTERATIONS: dict[str, list[Callable[[Outcome], Outcome]]] = {
     ("name", "alter"),
     [(name, alter) for name, alterations in ALTERATIONS.items() for alter in alterations],
 )
-def test_a_false_report_is_noticed(name: str, alter: Callable[[Outcome], Outcome]) -> None:
+def test_a_wrong_outcome_fails_its_check(name: str, alter: Callable[[Outcome], Outcome]) -> None:
     with pytest.raises((ConformanceError, AttributeError, TypeError)):
         CHECK[name](lambda: Altered(alter))
 
@@ -147,7 +147,7 @@ class WithoutWalls(LoneGrid):
 
 
 class WithoutEdge(LoneGrid):
-    """Takes row -1 for the last one, as lists do."""
+    """Reads row -1 as the last row, as lists do."""
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         super().reset(layout, cells, seed)
@@ -155,7 +155,7 @@ class WithoutEdge(LoneGrid):
 
 
 class Forgetful(LoneGrid):
-    """Never takes note of a new layout of the same size."""
+    """Ignores a new layout of the same size."""
 
     _first: Layout | None = None
 
@@ -166,7 +166,7 @@ class Forgetful(LoneGrid):
 
 
 class Overloaded(LoneGrid):
-    """Cannot move with a load in row 5."""
+    """Cannot move a loaded robot in row 5."""
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
         if len(self._cells) == 1 and loaded[0] and self._cells[0][0] == 5:
@@ -175,7 +175,7 @@ class Overloaded(LoneGrid):
 
 
 class Ghosts(LoneGrid):
-    """Robots that do not notice each other."""
+    """Robots drive through each other."""
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
         if len(self._cells) != len(displacements):
@@ -190,7 +190,7 @@ class Ghosts(LoneGrid):
 
 
 class Cautious(LoneGrid):
-    """Robots that do not drive into a cell that another one is about to leave."""
+    """Robots do not enter a cell that another one leaves in the same step."""
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
         calm = [
@@ -201,7 +201,7 @@ class Cautious(LoneGrid):
 
 
 class EmergencyStop(LoneGrid):
-    """All robots stop where one drives at a wall."""
+    """All robots stop if one drives at a wall."""
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
         targets = [
@@ -217,7 +217,7 @@ class EmergencyStop(LoneGrid):
 
 
 class Nervous(LoneGrid):
-    """A robot that waits beside another one feels stopped."""
+    """A robot that waits beside another one is reported as blocked."""
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
         outcomes = super().advance(displacements, loaded)
@@ -226,7 +226,7 @@ class Nervous(LoneGrid):
 
 
 class Recycling(LoneGrid):
-    """Hands out the same memory again and again."""
+    """Returns the same array each time."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -243,7 +243,7 @@ class Recycling(LoneGrid):
 
 
 class Lasting(LoneGrid):
-    """Keeps its headings through a reset."""
+    """A reset does not change the headings."""
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         headings = self._headings
@@ -252,7 +252,7 @@ class Lasting(LoneGrid):
 
 
 class Restless(LoneGrid):
-    """Cannot wait where there is room to the east."""
+    """A robot that waits moves east if that cell is open."""
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
         if list(displacements) == [STAY] and self._cells == [(3, 3)]:
@@ -261,7 +261,7 @@ class Restless(LoneGrid):
 
 
 class Wearing(Altered):
-    """Costs more and more, through all resets."""
+    """Each move costs more than the last one, also after a reset."""
 
     def __init__(self) -> None:
         super().__init__(self.wear)
@@ -273,7 +273,7 @@ class Wearing(Altered):
 
 
 class Obliging(LoneGrid):
-    """Makes of a move that is not allowed one that is."""
+    """Replaces a move that is not allowed by one that is."""
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
         nearest = [(max(-1, min(1, row)), 0 if row else col) for row, col in displacements]
@@ -281,7 +281,7 @@ class Obliging(LoneGrid):
 
 
 class Rash(LoneGrid):
-    """Turns the robots before it looks whether it can move them."""
+    """Turns the robots before it checks the moves."""
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
         if self._cells and (1, 1) in displacements:
@@ -290,14 +290,14 @@ class Rash(LoneGrid):
 
 
 class Careless(LoneGrid):
-    """Puts robots anywhere."""
+    """Does not check the starts."""
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         super().reset(Layout(["." * 9] * 9), sorted({(abs(r), abs(c)) for r, c in cells}), seed)
 
 
 class Hasty(LoneGrid):
-    """Takes over a layout before it looks whether the robots can stand in it."""
+    """Stores the layout before it checks the starts."""
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         self._layout, self._lone = layout, {}
@@ -305,7 +305,7 @@ class Hasty(LoneGrid):
 
 
 class Premature(LoneGrid):
-    """Has a robot before it is given one."""
+    """Has a robot before the first reset."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -328,7 +328,7 @@ class ClosesOnce(LoneGrid):
 
 
 class AlteredBatch(GridMotion):
-    """A grid whose batch reports something else than what happened."""
+    """A grid whose batch changes its outcomes before it returns them."""
 
     changed: ClassVar[dict[str, Callable[[Any], Any]]] = {}
 
@@ -359,7 +359,7 @@ class SmoothBatch(AlteredBatch):
 
 
 class TirelessBatch(GridMotion):
-    """A grid whose batch goes on after its end."""
+    """A grid whose batch still moves after a close."""
 
     def batch(self, layouts: Sequence[Layout]) -> Any:
         batch = super().batch(layouts)
@@ -410,7 +410,7 @@ BROKEN: dict[type[GridMotion], set[str]] = {
 
 
 @pytest.mark.parametrize("motion", BROKEN, ids=lambda motion: motion.__name__)
-def test_a_broken_motion_is_noticed(motion: type[GridMotion]) -> None:
+def test_a_broken_motion_fails_its_check(motion: type[GridMotion]) -> None:
     for name in BROKEN[motion]:
         with pytest.raises((ConformanceError, OSError)):
             CHECK[name](motion)
@@ -421,7 +421,7 @@ def test_a_check_fails_for_its_own_rule_only(motion: type[GridMotion]) -> None:
     assert failed_by(motion).keys() == BROKEN[motion]
 
 
-def test_every_check_has_been_shown_to_fail() -> None:
+def test_every_check_fails_for_some_motion() -> None:
     assert set(ALTERATIONS).union(*BROKEN.values()) == set(NAMES)
 
 
@@ -433,7 +433,7 @@ def test_the_grid_conforms(cell_size: float) -> None:
     assert {result.status for result in report.results} == {"passed"}
 
 
-def test_a_check_states_its_rule_in_a_sentence() -> None:
+def test_the_docstring_of_a_check_is_a_sentence() -> None:
     for check in CHECKS:
         rule = check.__doc__ or ""
         assert rule[0].isupper() or rule[0] == "`"
@@ -441,7 +441,7 @@ def test_a_check_states_its_rule_in_a_sentence() -> None:
         assert "\n" not in rule
 
 
-def test_no_check_is_left_out_or_run_twice() -> None:
+def test_every_check_runs_once() -> None:
     from warehouse_core.conformance import checks as conformance_checks
     from warehouse_core.conformance import vector_checks as conformance_batch
 
@@ -449,19 +449,19 @@ def test_no_check_is_left_out_or_run_twice() -> None:
     assert sorted(NAMES) == sorted(name for name in written if name.startswith("check_"))
 
 
-class Unwilling(GridMotion):
-    """A grid that has a method for it but cannot be multiplied as it is."""
+class BatchRaises(GridMotion):
+    """A grid whose method ``batch`` raises ValueError."""
 
     def batch(self, layouts: Sequence[Layout]) -> Any:
         raise ValueError("not with this motor")
 
 
-@pytest.mark.parametrize("motion", [LoneGrid, Unwilling])
-def test_a_motion_that_cannot_be_multiplied_conforms(motion: type[GridMotion]) -> None:
+@pytest.mark.parametrize("motion", [LoneGrid, BatchRaises])
+def test_a_motion_without_a_batch_conforms(motion: type[GridMotion]) -> None:
     run_conformance(motion).raise_for_failures()
 
 
-def test_a_failure_is_raised_with_all_its_details() -> None:
+def test_the_raised_error_has_all_details() -> None:
     report = run_conformance(Ghosts)
     with pytest.raises(ConformanceError) as caught:
         report.raise_for_failures()
@@ -490,7 +490,7 @@ def refuse() -> Motion:
         (refuse, "it raised OSError('no licence')"),
     ],
 )
-def test_a_crash_is_a_failure_and_not_the_end(
+def test_an_exception_in_a_motion_is_a_failure_of_the_check(
     make_motion: Callable[[], Motion], detail: str
 ) -> None:
     failures = failed_by(make_motion)
@@ -515,7 +515,7 @@ def test_a_motion_must_return_one_outcome_for_each_robot(returned: Any, detail: 
         CHECK["check_a_free_move_ends_in_the_next_cell"](Wrong)
 
 
-def test_an_expected_failure_is_none_when_its_reason_is_given() -> None:
+def test_an_expected_failure_with_a_reason_is_not_a_failure() -> None:
     expected = dict.fromkeys(failed_by(Cautious), "it brakes for whoever is ahead")
     report = run_conformance(Cautious, expected)
     report.raise_for_failures()
@@ -543,7 +543,7 @@ def test_an_expected_failure_needs_a_reason() -> None:
         run_conformance(GridMotion, {"check_a_wall_stops": "  "})
 
 
-def test_a_report_reads_as_one_line_for_each_check() -> None:
+def test_a_report_has_one_line_for_each_check() -> None:
     lines = str(run_conformance(GridMotion)).splitlines()
     assert len(lines) == len(NAMES)
     assert lines[1].startswith(
@@ -551,7 +551,7 @@ def test_a_report_reads_as_one_line_for_each_check() -> None:
     )
 
 
-def test_every_motion_made_is_closed_again() -> None:
+def test_every_motion_is_closed() -> None:
     made: list[GridMotion] = []
 
     def make_motion() -> GridMotion:
@@ -564,7 +564,7 @@ def test_every_motion_made_is_closed_again() -> None:
             motion.advance([STAY], [False])
 
 
-def test_a_contact_that_makes_sense_is_accepted() -> None:
+def test_a_valid_contact_passes() -> None:
     touch = Contact(0.25, 1e-6, (0.25, 0.25), "wall")
 
     def alter(outcome: Outcome) -> Outcome:

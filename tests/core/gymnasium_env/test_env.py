@@ -1,8 +1,7 @@
-"""``Warehouse-v0`` as Gymnasium's own checks, wrappers and vector environments see it.
+"""``Warehouse-v0`` with the checkers and wrappers of Gymnasium.
 
-Every warning is an error here (``pyproject.toml``), those of Gymnasium's checkers too. All versions
-of Gymnasium from 1.0 on run every test; what 1.0 does not know, such as modes of autoreset, it
-is not asked for.
+Every warning is an error here (``pyproject.toml``), those of the checkers too. All versions of
+Gymnasium from 1.0 on run these tests; features that 1.0 does not have are left out there.
 """
 
 import copy
@@ -52,9 +51,7 @@ over_backends = pytest.mark.parametrize("backend", ["grid", "physics"])
     ("backend", "form", "render_mode"),
     [("grid", "dict", None), ("grid", "vector", "ansi"), ("physics", "image", "rgb_array")],
 )
-def test_gymnasium_finds_nothing_to_complain_of(
-    backend: str, form: str, render_mode: str | None
-) -> None:
+def test_the_checker_of_gymnasium_passes(backend: str, form: str, render_mode: str | None) -> None:
     env = plain(backend=backend, observation=form, render_mode=render_mode)
     # It would try all render modes, and "human" needs a display.
     check_env(env, skip_render_check=True)
@@ -65,7 +62,7 @@ def test_gymnasium_finds_nothing_to_complain_of(
 
 @pytest.mark.parametrize("form", ["dict", "vector"])
 @pytest.mark.parametrize("layout", [CORRIDOR, Layout(["P", ".", "D"]), TWO_CELLS], ids=str)
-def test_gymnasium_finds_nothing_in_odd_layouts_either(form: str, layout: Layout) -> None:
+def test_the_checker_of_gymnasium_passes_for_unusual_layouts(form: str, layout: Layout) -> None:
     for radius, randomize in ((0, False), (1, True)):
         check_env(
             plain(layout=layout, observation=form, view_radius=radius, randomize=randomize),
@@ -73,7 +70,7 @@ def test_gymnasium_finds_nothing_in_odd_layouts_either(form: str, layout: Layout
         )
 
 
-def test_the_name_is_found_by_a_program_that_imports_gymnasium_alone() -> None:
+def test_a_program_that_imports_only_gymnasium_finds_the_name() -> None:
     program = f"""
 import gymnasium
 env = gymnasium.make("{NAME}", layout=["P.D"])
@@ -84,7 +81,7 @@ print(env.reset(seed=0)[0]["robot_pos"].tolist()[0])
     assert (done.stdout.strip(), done.stderr) == (b"0", b"")
 
 
-def test_an_environment_can_be_made_again_from_json() -> None:
+def test_an_environment_can_be_recreated_from_json() -> None:
     settings = {"layout": list(ROOM.rows), "start_pos": (2, 2), "randomize": False}
     env = make(**settings, observation="vector", max_steps=8, view_radius=1)
     again = gymnasium.make(EnvSpec.from_json(env.spec.to_json()))
@@ -93,7 +90,7 @@ def test_an_environment_can_be_made_again_from_json() -> None:
     assert again.unwrapped.warehouse.start_pos == (2, 2)
 
 
-def test_a_layout_is_given_as_itself_as_rows_as_text_or_as_a_file(tmp_path: Path) -> None:
+def test_a_layout_is_given_as_a_layout_rows_text_or_a_file(tmp_path: Path) -> None:
     file = tmp_path / "hall.txt"
     ROOM.save(file)
     text = f"\n    {ROOM.rows[0]}\n    #P.D#"
@@ -104,27 +101,27 @@ def test_a_layout_is_given_as_itself_as_rows_as_text_or_as_a_file(tmp_path: Path
 
 
 @over_forms
-def test_observations_are_those_of_the_chapters_environment(form: str) -> None:
+def test_observations_equal_those_of_the_chapters_environment(form: str) -> None:
     env = plain(layout=ROOM, observation=form, max_steps=12)
     image = ObservationImage(4, 5, battery=200, max_steps=12)
     of = {"dict": lambda arrays: arrays, "vector": vector, "image": image.paint}[form]
     for seed in range(5):
-        told, _ = env.reset(seed=seed)
+        found, _ = env.reset(seed=seed)
         start = env.warehouse.state.robot_pos
         twin = WarehouseEnv(env.warehouse.layout, start, max_steps=12)
-        assert same(told, of(encode(twin.observe())))
+        assert same(found, of(encode(twin.observe())))
         over = False
         while not over:
             action = (PICK, WEST, NORTH, DROP, EAST)[twin.state.steps % 5]
-            told, *verdict, _ = env.step(action)
+            found, *verdict, _ = env.step(action)
             expected, *other_verdict, _ = twin.step(action)
-            assert same(told, of(encode(expected)))
+            assert same(found, of(encode(expected)))
             assert same(tuple(verdict), tuple(other_verdict))
             assert [type(value) for value in verdict] == [float, bool, bool]
             over = verdict[1] or verdict[2]
 
 
-def test_the_same_seed_gives_the_same_episodes_whatever_came_before() -> None:
+def test_the_same_seed_gives_the_same_episodes_after_any_others() -> None:
     env = plain(layout=random_layout(9, 9, 0.2, seed=0))
     first, starts = walk(env, seed=6), [env.reset()[0] for _ in range(4)]
     assert same(tuple(walk(env, seed=6)), tuple(first))
@@ -132,7 +129,7 @@ def test_the_same_seed_gives_the_same_episodes_whatever_came_before() -> None:
     assert not same(tuple(walk(env, seed=7)), tuple(first))
 
 
-def test_stations_and_start_are_drawn_only_if_asked_for() -> None:
+def test_stations_and_start_are_random_only_with_randomize() -> None:
     fixed = plain(randomize=False)
     starts = [fixed.reset(seed=seed)[0] for seed in (0, 1)]
     assert same(*starts)
@@ -142,7 +139,7 @@ def test_stations_and_start_are_drawn_only_if_asked_for() -> None:
         assert len({tuple(start[key]) for start in drawn}) > 2
 
 
-def test_both_backends_tell_the_same_story() -> None:
+def test_both_backends_return_the_same_values() -> None:
     grid, physics = (
         walk(plain(layout=ROOM, backend=backend, max_steps=30), seed=1)
         for backend in ("grid", "physics")
@@ -153,7 +150,7 @@ def test_both_backends_tell_the_same_story() -> None:
 
 
 @over_backends
-def test_info_tells_what_the_motion_did(backend: str) -> None:
+def test_info_has_the_outcome_of_the_motion(backend: str) -> None:
     env = plain(layout=ROOM, backend=backend, randomize=False, max_steps=50)
     _, info = env.reset(seed=0)
     assert set(info) == {"action_mask"}
@@ -169,8 +166,8 @@ def test_info_tells_what_the_motion_did(backend: str) -> None:
     assert env.step(NORTH)[-1]["motion"] == env.warehouse.last_motion
 
 
-class Gambling(GridMotion):
-    """A grid that keeps the seeds of whatever chance it might know."""
+class SeedRecorder(GridMotion):
+    """A grid that records the seeds of its resets."""
 
     seeds: ClassVar[list[int | None]] = []
 
@@ -180,28 +177,28 @@ class Gambling(GridMotion):
 
 
 @pytest.mark.parametrize("randomize", [False, True], ids=["as given", "drawn"])
-def test_the_chance_of_a_motion_comes_from_the_seed_too(randomize: bool) -> None:
-    env = plain(backend=Gambling, randomize=randomize)
-    Gambling.seeds.clear()
+def test_the_seed_of_the_motion_follows_from_the_seed(randomize: bool) -> None:
+    env = plain(backend=SeedRecorder, randomize=randomize)
+    SeedRecorder.seeds.clear()
     for seed in (1, None, 1, None, 2):
         env.reset(seed=seed)
-    first, second, *again, other = Gambling.seeds
+    first, second, *again, other = SeedRecorder.seeds
     assert again == [first, second]
     assert len({first, second, other}) == 3
     assert all(type(seed) is int for seed in (first, second, other))
 
 
-def spoil(data: Any) -> None:
+def overwrite(data: Any) -> None:
     """Overwrite every array in what an environment has returned."""
     if isinstance(data, np.ndarray):
         data[...] = 77
     elif isinstance(data, (dict, tuple)):
         for value in data.values() if isinstance(data, dict) else data:
-            spoil(value)
+            overwrite(value)
 
 
 @over_forms
-def test_nothing_that_was_returned_changes_later(form: str) -> None:
+def test_returned_values_do_not_change_later(form: str) -> None:
     env = plain(layout=ROOM, observation=form, max_steps=9)
     kept: list[Any] = [env.reset(seed=3)]
     records = [pickle.dumps(kept[0])]
@@ -212,18 +209,18 @@ def test_nothing_that_was_returned_changes_later(form: str) -> None:
 
 
 @over_forms
-def test_nothing_that_was_returned_is_used_later(form: str) -> None:
+def test_changing_returned_values_changes_nothing_else(form: str) -> None:
     env, twin = (plain(layout=ROOM, observation=form) for _ in range(2))
     for seed in range(3):
-        told, expected = env.reset(seed=seed), twin.reset(seed=seed)
+        found, expected = env.reset(seed=seed), twin.reset(seed=seed)
         for action in (EAST, PICK, SOUTH, WEST, NORTH, EAST, EAST, WEST):
-            assert same(told, expected)
-            spoil(told)
-            spoil(env.action_masks())
-            told, expected = env.step(action), twin.step(action)
+            assert same(found, expected)
+            overwrite(found)
+            overwrite(env.action_masks())
+            found, expected = env.step(action), twin.step(action)
 
 
-def test_an_episode_ends_and_then_wants_a_reset() -> None:
+def test_a_step_after_the_end_raises_until_a_reset() -> None:
     env = plain(layout=ROOM, randomize=False)
     with pytest.raises(ResetNeeded, match=r"step\(\): there has been no reset\(\) yet"):
         env.step(EAST)
@@ -241,7 +238,7 @@ def test_an_episode_ends_and_then_wants_a_reset() -> None:
 
 
 @pytest.mark.parametrize("limit", ["max_steps", "battery"])
-def test_an_episode_is_cut_off_by_steps_and_by_battery(limit: str) -> None:
+def test_an_episode_is_truncated_by_steps_and_by_battery(limit: str) -> None:
     env = plain(**{limit: 2})
     env.reset(seed=0)
     assert [env.step(WAIT)[2:4] for _ in range(2)] == [(False, False), (False, True)]
@@ -260,7 +257,9 @@ def test_an_episode_is_cut_off_by_steps_and_by_battery(limit: str) -> None:
     ],
     ids=repr,
 )
-def test_an_action_that_is_none_changes_nothing(action: Any, error: type, message: str) -> None:
+def test_an_invalid_action_raises_and_changes_nothing(
+    action: Any, error: type, message: str
+) -> None:
     env = plain()
     env.reset(seed=0)
     before = pickle.dumps(env)
@@ -270,46 +269,46 @@ def test_an_action_that_is_none_changes_nothing(action: Any, error: type, messag
 
 
 @pytest.mark.parametrize("kind", [int, np.uint64, np.array])
-def test_an_action_is_an_integer_of_any_kind(kind: Callable[[int], Any]) -> None:
+def test_an_action_is_an_integer_of_any_type(kind: Callable[[int], Any]) -> None:
     env = plain(layout=ROOM, randomize=False)
     env.reset()
     assert env.step(kind(EAST))[0]["robot_pos"].tolist() == [1, 2]
 
 
-def test_options_are_for_one_episode_alone() -> None:
+def test_options_apply_to_one_episode() -> None:
     other = Layout(["#####", "#...#", "#DP.#", "#####"])
     env = plain(layout=ROOM, start_pos=(2, 3), randomize=False)
     usual, _ = env.reset()
     assert usual["robot_pos"].tolist() == [2, 3]
-    told, _ = env.reset(options={"start_pos": [1, 2]})
-    assert told["robot_pos"].tolist() == [1, 2]
-    told, info = env.reset(options={"layout": other.rows})
-    assert told["pickup_pos"].tolist() == [2, 2]
+    found, _ = env.reset(options={"start_pos": [1, 2]})
+    assert found["robot_pos"].tolist() == [1, 2]
+    found, info = env.reset(options={"layout": other.rows})
+    assert found["pickup_pos"].tolist() == [2, 2]
     assert info["action_mask"].tolist() == [1, 0, 0, 1, 1, 0, 0]
     drawn = [env.reset(options={"randomize": True})[0] for _ in range(9)]
     assert len({tuple(each["robot_pos"]) for each in drawn}) > 2
     assert same(env.reset()[0], usual)
     assert same(env.reset(options={})[0], usual)
     env = plain(layout=ROOM)
-    told, _ = env.reset(seed=1, options={"randomize": False})
-    assert told["pickup_pos"].tolist() == [1, 1]
-    told, _ = env.reset(seed=1, options={"randomize": "start"})
-    assert told["pickup_pos"].tolist() == [1, 1]
-    told, _ = env.reset(seed=1, options={"start_pos": (2, 2)})
-    assert told["robot_pos"].tolist() == [2, 2]
-    assert same(told["pickup_pos"], env.reset(seed=1)[0]["pickup_pos"])
+    found, _ = env.reset(seed=1, options={"randomize": False})
+    assert found["pickup_pos"].tolist() == [1, 1]
+    found, _ = env.reset(seed=1, options={"randomize": "start"})
+    assert found["pickup_pos"].tolist() == [1, 1]
+    found, _ = env.reset(seed=1, options={"start_pos": (2, 2)})
+    assert found["robot_pos"].tolist() == [2, 2]
+    assert same(found["pickup_pos"], env.reset(seed=1)[0]["pickup_pos"])
 
 
-def test_the_usual_start_is_that_of_the_layout_of_the_episode() -> None:
+def test_the_usual_start_depends_on_the_layout_of_the_episode() -> None:
     shut = Layout(["#####", "###D#", "#..P#", "#####"])
-    told, _ = plain(layout=ROOM, randomize=False).reset(options={"layout": shut})
-    assert told["robot_pos"].tolist() == [1, 3]
+    found, _ = plain(layout=ROOM, randomize=False).reset(options={"layout": shut})
+    assert found["robot_pos"].tolist() == [1, 3]
     with pytest.raises(LayoutError, match="start_pos row 1, column 2 is wall"):
         plain(layout=ROOM, start_pos=(1, 2), randomize=False).reset(options={"layout": shut})
     two = plain(layout=["..#"])
     for start_pos, expected in ((None, [0, 1]), ((0, 2), [0, 2])):
-        told, _ = two.reset(options={"layout": ["#.."], "start_pos": start_pos})
-        assert told["robot_pos"].tolist() == expected
+        found, _ = two.reset(options={"layout": ["#.."], "start_pos": start_pos})
+        assert found["robot_pos"].tolist() == expected
 
 
 @pytest.mark.parametrize(
@@ -327,7 +326,7 @@ def test_the_usual_start_is_that_of_the_layout_of_the_episode() -> None:
     ],
     ids=repr,
 )
-def test_options_that_cannot_be_used_change_nothing(
+def test_invalid_options_raise_and_change_nothing(
     options: dict[str, Any], error: type, message: str
 ) -> None:
     env = plain(layout=ROOM)
@@ -364,7 +363,7 @@ def test_options_that_cannot_be_used_change_nothing(
     ids=repr,
 )
 @pytest.mark.parametrize("kind", [WarehouseGymnasiumEnv, WarehouseVectorEnv])
-def test_an_environment_that_could_not_work_is_not_made(
+def test_invalid_arguments_raise(
     kind: Any, settings: dict[str, Any], error: type, message: str
 ) -> None:
     with pytest.raises(error, match=message):
@@ -385,7 +384,7 @@ def test_a_picture_shows_the_layout_and_where_the_robot_is() -> None:
     assert (env.render() != before).any()
 
 
-def test_a_tile_is_as_large_as_it_is_told_or_as_fits() -> None:
+def test_tiles_have_the_given_size_or_one_that_fits() -> None:
     for layout, tile_pixels, expected in (
         (ROOM, None, (160, 200, 3)),
         (ROOM, 3, (12, 15, 3)),
@@ -396,7 +395,7 @@ def test_a_tile_is_as_large_as_it_is_told_or_as_fits() -> None:
         assert env.render().shape == expected
 
 
-def test_text_is_that_of_the_chapters_environment() -> None:
+def test_text_equals_that_of_the_chapters_environment() -> None:
     env = plain(render_mode="ansi")
     for seed in range(2):
         env.reset(seed=seed)
@@ -404,7 +403,7 @@ def test_text_is_that_of_the_chapters_environment() -> None:
         assert env.render().count("R") == 1
 
 
-def test_rendering_without_a_mode_is_warned_of() -> None:
+def test_rendering_without_a_mode_warns() -> None:
     env = plain()
     env.reset(seed=0)
     with pytest.warns(UserWarning, match="needs a render_mode, given to gymnasium.make"):
@@ -415,10 +414,10 @@ def test_rendering_without_a_mode_is_warned_of() -> None:
         assert batch.render() is None
 
 
-class PaperWindow:
-    """Stands for a window, and keeps what it is told to show."""
+class FakeWindow:
+    """Replaces a window and records the pictures that it shows."""
 
-    opened: "list[PaperWindow]"
+    opened: "list[FakeWindow]"
 
     def __init__(self, title: str) -> None:
         self.title, self.closed = title, 0
@@ -432,11 +431,11 @@ class PaperWindow:
         self.closed += 1
 
 
-def test_a_window_is_shown_every_reset_and_step(monkeypatch: pytest.MonkeyPatch) -> None:
-    PaperWindow.opened = []
-    monkeypatch.setattr(gymnasium_env_module, "PictureWindow", PaperWindow)
+def test_the_window_shows_every_reset_and_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    FakeWindow.opened = []
+    monkeypatch.setattr(gymnasium_env_module, "PictureWindow", FakeWindow)
     env, still = (plain(render_mode=mode) for mode in ("human", "rgb_array"))
-    assert not PaperWindow.opened
+    assert not FakeWindow.opened
     for each in (env, still):
         each.reset(seed=0)
     expected = [still.render()]
@@ -444,7 +443,7 @@ def test_a_window_is_shown_every_reset_and_step(monkeypatch: pytest.MonkeyPatch)
         env.step(action), still.step(action)
         expected.append(still.render())
     assert env.render() is None
-    (window,) = PaperWindow.opened
+    (window,) = FakeWindow.opened
     assert window.title == "Warehouse"
     assert [fps for _, fps in window.shown] == [RENDER_FPS] * 4
     assert same(tuple(picture for picture, _ in window.shown), tuple(expected))
@@ -453,7 +452,7 @@ def test_a_window_is_shown_every_reset_and_step(monkeypatch: pytest.MonkeyPatch)
     assert window.closed == 1
 
 
-def test_a_window_where_there_is_no_display_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_window_without_a_display_raises(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("warehouse_core.render.window.has_display", lambda: False)
     env = plain(render_mode="human")
     with pytest.raises(NoDisplayError, match='render_mode="human" needs a window'):
@@ -462,17 +461,17 @@ def test_a_window_where_there_is_no_display_is_an_error(monkeypatch: pytest.Monk
 
 
 @over_forms
-def test_a_copy_and_a_pickle_go_on_as_the_original_does(form: str) -> None:
+def test_a_copy_and_a_pickle_continue_like_the_original(form: str) -> None:
     env = plain(layout=ROOM, observation=form, render_mode="rgb_array", max_steps=6)
     walk(env, seed=3, steps=16)
     copies = [env, copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
-    told = []
+    found = []
     for each in copies:
-        told.append([each.step(EAST), each.render(), each.reset(), each.step(EAST)])
-    assert all(same(tuple(told[0]), tuple(other)) for other in told[1:])
+        found.append([each.step(EAST), each.render(), each.reset(), each.step(EAST)])
+    assert all(same(tuple(found[0]), tuple(other)) for other in found[1:])
 
 
-def test_a_copy_on_the_physics_backend_goes_on_too() -> None:
+def test_a_copy_on_the_physics_backend_continues_like_the_original() -> None:
     env = plain(layout=ROOM, backend="physics", randomize=False)
     env.reset(seed=0)
     env.step(EAST)
@@ -503,14 +502,14 @@ def test_a_video_is_recorded(tmp_path: Path) -> None:
     assert seconds == pytest.approx(13 / RENDER_FPS, abs=0.2)
 
 
-def test_wrappers_wrap() -> None:
+def test_wrappers_of_gymnasium_work() -> None:
     flat = FlattenObservation(make(view_radius=1))
-    # 6 codes are no one-hots: 9 + 2 + one-hot 2 + 1 + 1 + 2 + 2.
+    # 9 codes, which are not made one-hot, + 2 + one-hot 2 + 1 + 1 + 2 + 2.
     assert flat.observation_space.shape == (19,)
     for observation, *_ in walk(flat, seed=0):
         assert observation in flat.observation_space
     counted = RecordEpisodeStatistics(make(max_steps=4))
-    ends = [told[-1]["episode"] for told in walk(counted, seed=0) if "episode" in told[-1]]
+    ends = [found[-1]["episode"] for found in walk(counted, seed=0) if "episode" in found[-1]]
     assert ends
     assert {int(end["l"]) for end in ends} == {4}
     short = TimeLimit(make(), max_episode_steps=3)
@@ -525,7 +524,7 @@ HASH = "862b4139031d8b56bf9f55e530a148093004e76f59ff9a43b280ae0144e24101"
 
 
 def trajectory_hash() -> str:
-    """Return a digest of fixed episodes, made of whole numbers alone."""
+    """Return a digest of fixed episodes, computed from integers only."""
     digest = hashlib.sha256()
 
     def note(*values: Any) -> None:
@@ -538,13 +537,13 @@ def trajectory_hash() -> str:
 
     layout = random_layout(8, 9, 0.25, seed=12)
     env = WarehouseGymnasiumEnv(layout, max_steps=40)
-    for observation, *told, info in walk(env, seed=12, steps=150):
-        note_all(observation, info, *told)
+    for observation, *found, info in walk(env, seed=12, steps=150):
+        note_all(observation, info, *found)
     batch = WarehouseVectorEnv(4, [layout, ROOM, DEFAULT_LAYOUT, CORRIDOR], max_steps=25)
     note_all(*batch.reset(seed=12))
     for actions in np.random.default_rng(12).integers(7, size=(100, 4)):
-        observation, *told, info = batch.step(actions)
-        note_all(observation, info, *told)
+        observation, *found, info = batch.step(actions)
+        note_all(observation, info, *found)
     return digest.hexdigest()
 
 
@@ -561,13 +560,13 @@ def test_episodes_are_the_same_in_every_process_and_version() -> None:
     assert done.stdout.strip() == trajectory_hash() == HASH
 
 
-def test_a_layout_of_none_is_the_one_that_the_environment_has() -> None:
+def test_a_layout_of_none_in_the_options_is_that_of_the_environment() -> None:
     env = make(layout=ROOM, randomize=False)
     env.reset(options={"layout": None})
     assert env.unwrapped.warehouse.layout == ROOM
 
 
-def test_environments_do_not_share_a_motion_that_both_were_given() -> None:
+def test_environments_given_the_same_motion_do_not_share_it() -> None:
     motion = GridMotion()
     one, other = (plain(backend=motion) for _ in range(2))
     at = one.reset(seed=1)[0]["robot_pos"]
@@ -575,13 +574,13 @@ def test_environments_do_not_share_a_motion_that_both_were_given() -> None:
     assert one.step(WAIT)[0]["robot_pos"].tolist() == at.tolist()
 
 
-def test_masks_are_of_an_episode() -> None:
+def test_masks_before_a_reset_raise() -> None:
     for env in (plain(), make_vec(2, "NextStep")):
         with pytest.raises(ResetNeeded):
             env.action_masks()
 
 
-def test_a_closed_environment_says_that_it_is_closed() -> None:
+def test_a_step_after_close_raises() -> None:
     env = plain()
     env.reset(seed=0)
     env.close()

@@ -1,4 +1,4 @@
-"""What is cached is what the environment would say."""
+"""Cached observations and masks equal those of the environment."""
 
 from typing import Any
 
@@ -20,7 +20,7 @@ def assert_same(arrays: Any, expected: Any) -> None:
         assert np.array_equal(arrays[key], value), key
 
 
-def test_observations_are_encoded_afresh_wherever_the_robot_has_been() -> None:
+def test_observations_are_correct_in_cells_visited_before() -> None:
     env = plain(layout=ROOM, randomize=False)
     arrays, info = env.reset()
     for action in (WEST, PICK, EAST, WEST, EAST, EAST, WEST, WEST, PICK, EAST):
@@ -32,7 +32,7 @@ def test_observations_are_encoded_afresh_wherever_the_robot_has_been() -> None:
     assert env.warehouse.state.has_item
 
 
-def test_new_stations_are_seen() -> None:
+def test_observations_show_new_stations() -> None:
     env = plain(layout=ROOM, randomize=False)
     env.reset()
     arrays, _ = env.reset(options={"layout": ROOM.with_stations((2, 2), None)})
@@ -40,16 +40,16 @@ def test_new_stations_are_seen() -> None:
     assert arrays["dropoff_pos"].tolist() == [-1, -1]
 
 
-def test_the_mask_says_which_actions_do_something_now() -> None:
+def test_the_mask_marks_the_actions_that_have_an_effect() -> None:
     shop = Layout(["P.", "#D"])
     env = plain(layout=shop, start_pos=(0, 0), randomize=False)
     _, info = env.reset()
     assert info["action_mask"].dtype == np.int8
-    told = [info["action_mask"].tolist()]
+    found = [info["action_mask"].tolist()]
     for action in (PICK, EAST, SOUTH):
         *_, info = env.step(action)
-        told.append(info["action_mask"].tolist())
-    assert told == [
+        found.append(info["action_mask"].tolist())
+    assert found == [
         [0, 1, 0, 0, 1, 1, 0],
         [0, 1, 0, 0, 1, 0, 0],
         [0, 0, 1, 1, 1, 0, 0],
@@ -57,7 +57,7 @@ def test_the_mask_says_which_actions_do_something_now() -> None:
     ]
 
 
-def test_the_mask_is_fresh_and_the_same_from_all_who_give_it() -> None:
+def test_info_and_action_masks_return_equal_new_masks() -> None:
     env = plain(layout=random_layout(6, 6, 0.3, seed=1), max_steps=15)
     stream = np.random.default_rng(0)
     for episode in range(2):
@@ -75,15 +75,15 @@ def test_the_mask_is_fresh_and_the_same_from_all_who_give_it() -> None:
             over = terminated or truncated
 
 
-def test_a_layout_for_one_episode_has_walls_of_its_own() -> None:
-    """What was worked out of the layout before must be forgotten, masks and windows too."""
+def test_the_layout_of_one_episode_has_its_own_walls() -> None:
+    """Cached windows and masks of another layout are not used."""
     walled = Layout(["#####", "#P#D#", "#...#", "#####"])
     env = plain(layout=ROOM, randomize=False)
     env.reset()
     env.step(EAST)
-    told, info = env.reset(options={"layout": walled})
+    found, info = env.reset(options={"layout": walled})
     assert info["action_mask"].tolist() == [0, 0, 1, 0, 1, 1, 0]
-    assert told["local_grid"].reshape(5, 5)[2].tolist() == [1, 1, 4, 1, 3]
+    assert found["local_grid"].reshape(5, 5)[2].tolist() == [1, 1, 4, 1, 3]
     assert env.step(EAST)[0]["robot_pos"].tolist() == [1, 1]
     _, info = env.reset()
     assert info["action_mask"].tolist() == [0, 1, 1, 0, 1, 1, 0]

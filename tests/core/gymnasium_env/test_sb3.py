@@ -1,4 +1,4 @@
-"""What learns from ``Warehouse-v0``: Stable-Baselines3 and its masks. Run with ``-m learning``."""
+"""Stable-Baselines3 trains on ``Warehouse-v0``, with masks. Run with ``-m learning``."""
 
 from typing import Any
 
@@ -22,9 +22,7 @@ def make(**settings: Any) -> Any:
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("backend", ["grid", "physics"])
 @pytest.mark.parametrize("render_mode", ["rgb_array", "ansi"])
-def test_stable_baselines_finds_nothing_to_complain_of(
-    form: str, backend: str, render_mode: str
-) -> None:
+def test_the_checker_of_stable_baselines_passes(form: str, backend: str, render_mode: str) -> None:
     from stable_baselines3.common.env_checker import check_env
 
     # Every warning is an error; see pyproject.toml.
@@ -32,7 +30,7 @@ def test_stable_baselines_finds_nothing_to_complain_of(
 
 
 @pytest.mark.parametrize(("form", "policy"), [("dict", "MultiInput"), ("vector", "Mlp")])
-def test_masked_learning_never_chooses_what_does_nothing(form: str, policy: str) -> None:
+def test_masked_learning_chooses_only_actions_with_an_effect(form: str, policy: str) -> None:
     from sb3_contrib import MaskablePPO
 
     env = make(layout=ROOM, observation=form, max_steps=30)

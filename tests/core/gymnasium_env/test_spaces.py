@@ -30,7 +30,7 @@ def test_every_observation_is_in_its_space_up_to_its_limits(form: str, layout: L
         assert corners.all()
 
 
-def test_the_spaces_are_what_is_promised() -> None:
+def test_spaces_have_the_documented_shapes_and_bounds() -> None:
     spaces = {form: make(observation=form, view_radius=1).observation_space for form in FORMS}
     flat = spaces["dict"]
     assert {key: space.shape for key, space in flat.items()} == {
@@ -51,7 +51,7 @@ def test_the_spaces_are_what_is_promised() -> None:
 
 
 @pytest.mark.parametrize("budget", ["battery", "max_steps"])
-def test_budgets_that_arrays_have_no_room_for_are_refused(budget: str) -> None:
+def test_budgets_above_int32_raise(budget: str) -> None:
     for made in (make, partial(make_vec, 2, "NextStep")):
         with pytest.raises(ValueError, match=f"{budget} is {2**31}; it must be at most"):
             made(**{budget: 2**31})
@@ -59,12 +59,12 @@ def test_budgets_that_arrays_have_no_room_for_are_refused(budget: str) -> None:
 
 
 @pytest.mark.parametrize("radius", [np.int8(6), np.uint8(8)])
-def test_a_small_integer_of_numpy_makes_no_other_space(radius: np.integer) -> None:
+def test_a_view_radius_may_be_a_small_integer_type_of_numpy(radius: np.integer) -> None:
     for made in (make, partial(make_vec, 2, "NextStep")):
         with closing(made(view_radius=radius)) as env:
             assert env.observation_space.contains(env.reset(seed=0)[0])
 
 
-def test_a_window_that_no_space_should_hold_is_refused() -> None:
+def test_a_view_radius_above_the_limit_raises() -> None:
     with pytest.raises(ValueError, match="view_radius is 501; it must be at most 500"):
         make(view_radius=501)

@@ -37,11 +37,11 @@ NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
 over_forms = pytest.mark.parametrize("form", FORMS)
 over_modes = pytest.mark.parametrize("mode", MODES)
 allow_fork = pytest.mark.filterwarnings("ignore:This process .* is multi-threaded")
-"""Python 3.12 warns of every fork in a process in which NumPy has started its threads."""
+"""Python 3.12 warns of each fork in a process with threads; NumPy starts some."""
 
 
 @over_modes
-def test_statistics_of_a_batch_are_recorded(mode: str) -> None:
+def test_gymnasium_records_statistics_of_a_batch(mode: str) -> None:
     env = RecordBatchStatistics(make_vec(3, mode, max_steps=4))
     env.reset(seed=0)
     rewards = []
@@ -53,8 +53,8 @@ def test_statistics_of_a_batch_are_recorded(mode: str) -> None:
     assert info["episode"]["l"].tolist() == [4, 4, 4]
 
 
-def assert_infos_alike(found: dict[str, Any], expected: dict[str, Any]) -> None:
-    """Compare what is said of the rows that it is about; motions are told in another form."""
+def assert_infos_equal(found: dict[str, Any], expected: dict[str, Any]) -> None:
+    """Compare each key in the rows that it applies to; motions have another form."""
     for key in sorted({*found, *expected} - {"motion", "_motion"}):
         if key.startswith("_"):
             assert found[key].dtype == expected[key].dtype == bool
@@ -62,12 +62,12 @@ def assert_infos_alike(found: dict[str, Any], expected: dict[str, Any]) -> None:
             continue
         rows = np.flatnonzero(expected[f"_{key}"])
         if key == "final_info":
-            assert_infos_alike(found[key], expected[key])
+            assert_infos_equal(found[key], expected[key])
         elif key == "final_obs":
             assert found[key].dtype == expected[key].dtype == object
             for one, other in zip(found[key], expected[key], strict=True):
                 assert (one is None) == (other is None)
-                assert one is None or equal_in_value(one, other)
+                assert one is None or equal_values(one, other)
         else:
             assert found[key].dtype == expected[key].dtype
             assert found[key].shape == expected[key].shape
@@ -85,11 +85,11 @@ def assert_infos_alike(found: dict[str, Any], expected: dict[str, Any]) -> None:
                 assert values[row] == getattr(expected["motion"][row], key)
 
 
-def equal_in_value(value: Any, other: Any) -> bool:
-    """Compare observations; a number taken out of an array is NumPy's, one of Python is not."""
+def equal_values(value: Any, other: Any) -> bool:
+    """Compare observations; a number may be of Python or of NumPy."""
     if isinstance(value, dict):
         return value.keys() == other.keys() and all(
-            equal_in_value(value[key], other[key]) for key in value
+            equal_values(value[key], other[key]) for key in value
         )
     return np.array_equal(value, other) and getattr(value, "shape", ()) == np.shape(other)
 
@@ -103,7 +103,9 @@ def equal_in_value(value: Any, other: Any) -> bool:
         (MODES[len(MODES) // 2], "image", True),
     ],
 )
-def test_a_batch_is_gymnasiums_own_bit_for_bit(mode: str, form: str, randomize: bool) -> None:
+def test_a_batch_equals_a_sync_vector_env_bit_for_bit(
+    mode: str, form: str, randomize: bool
+) -> None:
     count = 5
     settings = {"layout": ROOM, "observation": form, "randomize": randomize, "max_steps": 14}
     batch, sync = (kind(count, mode, **settings) for kind in (make_vec, make_sync))
@@ -114,11 +116,11 @@ def test_a_batch_is_gymnasiums_own_bit_for_bit(mode: str, form: str, randomize: 
         assert batch.metadata["autoreset_mode"] is sync.metadata["autoreset_mode"]
 
     def reset(**given: Any) -> None:
-        # Gymnasium takes the mask out of its options, so each is given its own.
-        told = [each.reset(**copy.deepcopy(given)) for each in (batch, sync)]
-        assert same(told[0][0], told[1][0])
-        assert told[0][0] in batch.observation_space
-        assert_infos_alike(told[0][1], told[1][1])
+        # Gymnasium removes the mask from its options, so each gets a copy.
+        found = [each.reset(**copy.deepcopy(given)) for each in (batch, sync)]
+        assert same(found[0][0], found[1][0])
+        assert found[0][0] in batch.observation_space
+        assert_infos_equal(found[0][1], found[1][1])
 
     reset(seed=21)
     stream, ends = np.random.default_rng(1), 0
@@ -127,59 +129,59 @@ def test_a_batch_is_gymnasiums_own_bit_for_bit(mode: str, form: str, randomize: 
         if mode == "Disabled" and ended.any():
             reset(options={"reset_mask": ended})
         elif number % 30 == 29:
-            # From here on the rows are out of step.
+            # From here on the rows have different step counts.
             given = {"options": {"reset_mask": np.arange(count) < 2}} if HAS_MODES else {}
             reset(seed=[3, None, 4, None, 5], **given)
-        # So many of PICK and DROP that some are in the right place.
+        # PICK and DROP are frequent, so that some have an effect.
         actions = stream.choice([0, 1, 2, 3, 4, 5, 5, 6, 6], size=count)
-        told = [each.step(actions) for each in (batch, sync)]
-        for one, other in zip(*(each[:4] for each in told), strict=True):
+        found = [each.step(actions) for each in (batch, sync)]
+        for one, other in zip(*(each[:4] for each in found), strict=True):
             assert same(one, other)
-        assert told[0][0] in batch.observation_space
-        assert_infos_alike(told[0][4], told[1][4])
-        ended = told[0][2] | told[0][3]
-        ends += int(told[0][2].sum())
+        assert found[0][0] in batch.observation_space
+        assert_infos_equal(found[0][4], found[1][4])
+        ended = found[0][2] | found[0][3]
+        ends += int(found[0][2].sum())
     assert ends
     batch.close()
     sync.close()
 
 
 @over_modes
-def test_a_batch_of_physics_does_what_each_robot_would_do_by_itself(mode: str) -> None:
+def test_a_batch_of_physics_equals_a_sync_vector_env(mode: str) -> None:
     settings = {"layout": ROOM, "backend": "physics", "max_steps": 9}
     batch, sync = (kind(3, mode, **settings) for kind in (make_vec, make_sync))
     with closing(batch), closing(sync):
         assert same(*(each.reset(seed=2)[0] for each in (batch, sync)))
         for actions in np.random.default_rng(4).integers(7, size=(24, 3)):
-            told = [each.step(actions) for each in (batch, sync)]
-            assert same(*(each[:4] for each in told))
-            rows = np.flatnonzero(told[0][4]["_motion"])
+            found = [each.step(actions) for each in (batch, sync)]
+            assert same(*(each[:4] for each in found))
+            rows = np.flatnonzero(found[0][4]["_motion"])
             for row in rows:
-                motion = told[1][4]["motion"][row]
-                assert told[0][4]["motion"]["blocked"][row] == motion.blocked
-                assert told[0][4]["motion"]["seconds"][row] == pytest.approx(motion.seconds)
-            ended = told[0][2] | told[0][3]
+                motion = found[1][4]["motion"][row]
+                assert found[0][4]["motion"]["blocked"][row] == motion.blocked
+                assert found[0][4]["motion"]["seconds"][row] == pytest.approx(motion.seconds)
+            ended = found[0][2] | found[0][3]
             if mode == "Disabled" and ended.any():
                 starts = [each.reset(options={"reset_mask": ended})[0] for each in (batch, sync)]
                 assert same(*starts)
 
 
-def test_a_process_of_its_own_gives_the_same() -> None:
+def test_a_batch_equals_an_async_vector_env() -> None:
     settings = {"layout": list(ROOM.rows), "max_steps": 5}
     apart = AsyncVectorEnv([partial(make, **settings)], context="spawn")
     batch = WarehouseVectorEnv(1, **settings)
     with closing(apart):
         assert same(apart.reset(seed=4)[0], batch.reset(seed=4)[0])
         for actions in np.random.default_rng(1).integers(7, size=(12, 1)):
-            *told, info = apart.step(actions)
+            *found, info = apart.step(actions)
             *expected, expected_info = batch.step(actions)
-            assert same(tuple(told), tuple(expected))
-            assert_infos_alike(expected_info, info)
+            assert same(tuple(found), tuple(expected))
+            assert_infos_equal(expected_info, info)
 
 
 @allow_fork
-def test_all_three_ways_to_make_a_batch_give_the_same() -> None:
-    told = []
+def test_all_vectorization_modes_give_the_same() -> None:
+    found = []
     for way in ("sync", "async", "vector_entry_point", None):
         made = gymnasium.make_vec(NAME, 3, vectorization_mode=way, layout=ROOM, max_steps=6)
         with closing(made) as env:
@@ -188,8 +190,8 @@ def test_all_three_ways_to_make_a_batch_give_the_same() -> None:
                 record.append(env.step(actions)[:4])
             is_ours = type(env.unwrapped) is WarehouseVectorEnv
         assert is_ours == (way in ("vector_entry_point", None))
-        told.append(tuple(record))
-    assert all(same(other, told[0]) for other in told[1:])
+        found.append(tuple(record))
+    assert all(same(other, found[0]) for other in found[1:])
 
 
 @over_forms
@@ -223,7 +225,7 @@ def test_each_row_has_a_layout_in_any_form(tmp_path: Path) -> None:
     assert layouts([str(file), str(file)], 2) == [ROOM, ROOM]
 
 
-def test_a_picture_of_each_row_is_that_of_the_row_alone() -> None:
+def test_the_picture_of_a_row_equals_that_of_a_single_environment() -> None:
     batch = WarehouseVectorEnv(3, ROOM, render_mode="rgb_array")
     with pytest.raises(ResetNeeded, match=r"needs a reset\(\) before it"):
         batch.render()
@@ -236,7 +238,7 @@ def test_a_picture_of_each_row_is_that_of_the_row_alone() -> None:
         assert same(picture, env.render())
 
 
-def test_a_batch_is_copied_and_pickled() -> None:
+def test_a_batch_can_be_copied_and_pickled() -> None:
     for form in FORMS:
         batch = WarehouseVectorEnv(3, ROOM, observation=form)
         batch.reset(seed=1)
@@ -246,7 +248,7 @@ def test_a_batch_is_copied_and_pickled() -> None:
             assert same((other.step([EAST, WEST, SOUTH]), other.reset()), expected)
 
 
-def test_the_mask_of_a_batch_is_that_of_its_info() -> None:
+def test_action_masks_equal_those_of_info() -> None:
     batch = WarehouseVectorEnv(6)
     _, info = batch.reset(seed=0)
     assert same(info["action_mask"], batch.action_masks())
@@ -254,7 +256,7 @@ def test_the_mask_of_a_batch_is_that_of_its_info() -> None:
     assert same(info["action_mask"], batch.action_masks())
 
 
-def test_what_a_batch_cannot_do_is_said_as_gymnasium_says_it() -> None:
+def test_invalid_calls_raise_the_errors_of_gymnasium() -> None:
     batch = WarehouseVectorEnv(2, max_steps=1, autoreset_mode="Disabled")
     with pytest.raises(ResetNeeded, match=r"step\(\) needs a reset\(\) before it"):
         batch.step([0, 0])
@@ -280,7 +282,7 @@ def test_what_a_batch_cannot_do_is_said_as_gymnasium_says_it() -> None:
     assert pickle.dumps(batch) == before
 
 
-def test_both_kinds_take_the_same_arguments_in_the_same_order() -> None:
+def test_both_environments_have_the_same_arguments_in_the_same_order() -> None:
     single, batch = (
         list(inspect.signature(kind).parameters)
         for kind in (WarehouseGymnasiumEnv, WarehouseVectorEnv)

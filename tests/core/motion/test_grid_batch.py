@@ -18,7 +18,7 @@ def batch_of(layouts: list[Layout]) -> GridBatch:
 
 
 def test_every_action_in_every_cell_equals_the_motion_of_one_robot() -> None:
-    """Borders included: a robot does not leave a row in the west and enter the one above."""
+    """At borders too: a robot does not leave a row in the west and enter the row above."""
     motion = GridMotion()
     assert isinstance(motion, Batchable)
     for layout in set(LAYOUTS):

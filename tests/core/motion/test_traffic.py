@@ -55,7 +55,7 @@ def test_stops_follow_the_table(cells: list[Cell], moves: list[Cell], stops: lis
     assert find_stops(HALL, cells, targets_of(cells, moves)) == stops
 
 
-def gets_through(robot: int, layout: Layout, cells: list[Cell], targets: list[Cell]) -> bool:
+def can_move(robot: int, layout: Layout, cells: list[Cell], targets: list[Cell]) -> bool:
     """Return whether a robot moves, by following the chain of robots ahead of it."""
     start, first = robot, True
     while first or robot != start:
@@ -96,7 +96,7 @@ def test_stops_are_consistent_in_any_traffic(
     stops = find_stops(layout, cells, targets)
     for robot, stop in enumerate(stops):
         moves = stop is None and targets[robot] != cells[robot]
-        assert moves == gets_through(robot, layout, cells, targets)
+        assert moves == can_move(robot, layout, cells, targets)
         assert (stop == "wall") == (not layout.is_open(targets[robot]))
         if isinstance(stop, int):
             assert stop != robot

@@ -108,7 +108,7 @@ def test_a_recorder_is_driven_by_hand() -> None:
     assert recorder.episode.reasons == ["here it is", "", "", "", ""]
 
 
-def test_a_step_that_is_refused_is_not_recorded() -> None:
+def test_a_step_that_raises_is_not_recorded() -> None:
     recorder = EpisodeRecorder(WarehouseEnv(), agent="me")
     with pytest.raises(TypeError):
         recorder.step(1.5)
@@ -127,11 +127,13 @@ def test_a_step_that_is_refused_is_not_recorded() -> None:
         (DELIVERY, {"max_steps": 5}, "out of time"),
     ],
 )
-def test_an_outcome_is_named(actions: tuple[Any], limits: dict[str, int], outcome: str) -> None:
+def test_the_outcome_of_an_episode(
+    actions: tuple[Any], limits: dict[str, int], outcome: str
+) -> None:
     assert on_line(*actions, **limits).outcome == outcome
 
 
-# What can be drawn and measured.
+# Frames and measures.
 
 
 def test_the_repr_is_one_line() -> None:
@@ -142,7 +144,7 @@ def test_the_repr_is_one_line() -> None:
     assert repr(empty) == "<Episode unfinished, 0 steps, reward 0.00, seed None, agent ''>"
 
 
-def test_frames_are_what_render_grid_gave() -> None:
+def test_frames_equal_render_grid() -> None:
     env = WarehouseEnv()
     env.reset(randomize=True, seed=2)
     recorder, frames = EpisodeRecorder(env), [env.render_grid()]
@@ -152,7 +154,7 @@ def test_frames_are_what_render_grid_gave() -> None:
     assert recorder.episode.frames == frames
 
 
-def test_a_loaded_robot_is_drawn_as_such() -> None:
+def test_frames_show_a_loaded_robot() -> None:
     assert [frame[0] for frame in on_line(*DELIVERY).frames[:3]] == [
         ["R", ".", ".", "D"],
         ["r", ".", ".", "D"],
@@ -160,7 +162,7 @@ def test_a_loaded_robot_is_drawn_as_such() -> None:
     ]
 
 
-def test_frames_are_fresh_lists() -> None:
+def test_frames_are_new_lists() -> None:
     episode = on_line(*DELIVERY)
     episode.frames[0][0][0] = "?"
     assert episode.frames[0][0][0] == "R"
@@ -212,7 +214,7 @@ def test_records_that_differ_in_one_value_are_not_equal(episode: Episode) -> Non
     st.lists(st.sampled_from(ACTIONS) | st.integers() | st.text(max_size=3), max_size=12),
     st.none() | st.integers(),
 )
-def test_any_actions_survive_a_file(actions: list[str | int], seed: int | None) -> None:
+def test_any_actions_load_as_they_were_saved(actions: list[str | int], seed: int | None) -> None:
     env = WarehouseEnv()
     env.reset(seed=seed)
     recorder = EpisodeRecorder(env, seed=seed, agent="any")
@@ -223,7 +225,7 @@ def test_any_actions_survive_a_file(actions: list[str | int], seed: int | None) 
         assert Episode.load(Path(folder) / "any.npz") == recorder.episode
 
 
-def test_a_record_without_a_step_survives_a_file(tmp_path: Path) -> None:
+def test_a_record_without_a_step_loads_as_it_was_saved(tmp_path: Path) -> None:
     episode = EpisodeRecorder(WarehouseEnv()).episode
     episode.save(tmp_path / "empty.npz")
     assert Episode.load(tmp_path / "empty.npz") == episode
@@ -237,7 +239,7 @@ def test_saving_twice_gives_the_same_arrays(episode: Episode, tmp_path: Path) ->
         assert all(np.array_equal(one[name], two[name]) for name in one.files)
 
 
-def test_a_record_too_large_is_refused_before_a_file_is_begun(
+def test_a_record_that_is_too_large_raises_before_a_file_is_created(
     episode: Episode, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(safe_npz_module, "MAX_BYTES", 1000)
@@ -246,7 +248,7 @@ def test_a_record_too_large_is_refused_before_a_file_is_begun(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_save_that_fails_half_way_leaves_the_file_before_it(
+def test_a_save_that_fails_does_not_change_the_existing_file(
     episode: Episode, saved: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before = saved.read_bytes()
@@ -262,14 +264,14 @@ def test_a_save_that_fails_half_way_leaves_the_file_before_it(
     assert list(saved.parent.iterdir()) == [saved]
 
 
-# Running it again.
+# Replays.
 
 
 def test_a_replay_is_equal_bit_for_bit(episode: Episode) -> None:
     assert replay_episode(episode) == episode
 
 
-def test_a_loaded_record_replays_as_well(episode: Episode, saved: Path) -> None:
+def test_a_loaded_record_replays_equally(episode: Episode, saved: Path) -> None:
     assert replay_episode(Episode.load(saved)) == episode
 
 
@@ -298,19 +300,19 @@ def test_a_replay_on_another_backend_keeps_the_rules_and_names_the_backend(
     assert replayed.motions != episode.motions
 
 
-def test_a_replay_leaves_the_record_alone(episode: Episode) -> None:
+def test_a_replay_does_not_change_the_record(episode: Episode) -> None:
     before = copy.deepcopy(episode)
     replay_episode(episode)
     assert episode == before
 
 
-def test_a_replay_gives_the_motion_the_start_and_the_seed_of_the_record(episode: Episode) -> None:
+def test_a_replay_resets_the_motion_to_the_start_and_seed_of_the_record(episode: Episode) -> None:
     resets = []
 
-    class Noting(GridMotion):
+    class Recording(GridMotion):
         def reset(self, layout: Layout, cells: Any, seed: int | None) -> None:
             resets.append((layout, list(cells), seed))
             super().reset(layout, cells, seed)
 
-    replay_episode(episode, backend=Noting())
+    replay_episode(episode, backend=Recording())
     assert resets[-1] == (episode.layout, [episode.cells[0]], 3)

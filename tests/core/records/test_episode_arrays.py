@@ -34,7 +34,7 @@ def changed_at(array: np.ndarray, place: Any, value: Any) -> np.ndarray:
     return changed
 
 
-def test_fields_come_back_as_they_were(episode: Episode) -> None:
+def test_fields_load_as_they_were_packed(episode: Episode) -> None:
     fields = {name: getattr(episode, name) for name in episode.__slots__}
     arrays = pack_fields(fields)
     assert arrays.keys() == EPISODE_SCHEMA.keys()
@@ -54,13 +54,13 @@ def test_the_file_can_be_read_with_numpy_and_json_alone(arrays: Arrays, episode:
 
 
 @pytest.mark.parametrize("text", [b"{", b"\xff", b"[" * 50_000, b"9" * 5000])
-def test_a_header_that_is_no_json_is_refused(load_changed: Load, text: bytes) -> None:
+def test_a_header_that_is_not_json_raises(load_changed: Load, text: bytes) -> None:
     message = refused(load_changed, header=np.frombuffer(text, dtype=np.uint8))
     assert "its header is no JSON text" in message
 
 
 @pytest.mark.parametrize("header", [[], {}, {"format": "warehouse-lab episode 2"}])
-def test_a_header_of_another_format_is_refused(load_changed: Load, header: object) -> None:
+def test_a_header_of_another_format_raises(load_changed: Load, header: object) -> None:
     message = refused(load_changed, header=as_text(header))
     assert "its format is not 'warehouse-lab episode 1'" in message
 
@@ -78,7 +78,7 @@ def test_a_header_of_another_format_is_refused(load_changed: Load, header: objec
         *[("settings", bad) for bad in (None, {})],
     ],
 )
-def test_a_header_with_a_bad_value_is_refused(
+def test_a_header_with_an_invalid_value_raises(
     arrays: Arrays, load_changed: Load, name: str, value: object
 ) -> None:
     header = header_of(arrays)
@@ -95,7 +95,7 @@ def test_settings_are_checked(arrays: Arrays, load_changed: Load, value: float) 
 
 
 @pytest.mark.parametrize("name", ["actions", "reasons", "counterparts"])
-def test_a_vocabulary_that_is_too_short_is_refused(
+def test_a_vocabulary_that_is_too_short_raises(
     arrays: Arrays, load_changed: Load, name: str
 ) -> None:
     header = header_of(arrays)
@@ -107,7 +107,7 @@ def test_a_vocabulary_that_is_too_short_is_refused(
 
 
 @pytest.mark.parametrize("value", [np.nan, -np.inf])
-def test_a_reward_that_is_not_finite_is_refused(
+def test_a_reward_that_is_not_finite_raises(
     arrays: Arrays, load_changed: Load, value: float
 ) -> None:
     rewards = changed_at(arrays["rewards"], 7, value)
@@ -115,14 +115,12 @@ def test_a_reward_that_is_not_finite_is_refused(
 
 
 @pytest.mark.parametrize("name", ["cells", "loaded", "battery", "rewards", "reasons", "actions"])
-def test_columns_of_different_lengths_are_refused(
-    arrays: Arrays, load_changed: Load, name: str
-) -> None:
+def test_columns_of_different_lengths_raise(arrays: Arrays, load_changed: Load, name: str) -> None:
     assert "steps" in refused(load_changed, **{name: arrays[name][:-1]})
     assert "steps" in refused(load_changed, **{name: arrays[name][:0]})
 
 
-def test_cells_without_two_columns_are_refused(arrays: Arrays, load_changed: Load) -> None:
+def test_cells_without_two_columns_raise(arrays: Arrays, load_changed: Load) -> None:
     for cells in (arrays["cells"][:, :1], np.repeat(arrays["cells"], 2, axis=1)):
         assert "no (row, column) pairs" in refused(load_changed, cells=cells)
 
@@ -135,14 +133,14 @@ def test_cells_without_two_columns_are_refused(arrays: Arrays, load_changed: Loa
         ((2**31 - 1, 1), "row 2147483647, column 1 is off the grid"),
     ],
 )
-def test_a_robot_in_a_wall_is_refused(
+def test_a_robot_in_a_wall_raises(
     arrays: Arrays, load_changed: Load, cell: tuple[int, int], message: str
 ) -> None:
     cells = changed_at(arrays["cells"], 9, cell)
     assert f"no robot can be where {message}" in refused(load_changed, cells=cells)
 
 
-def test_motions_that_end_elsewhere_than_the_robot_was_are_refused(
+def test_motions_that_end_in_another_cell_than_the_robot_raise(
     arrays: Arrays, load_changed: Load
 ) -> None:
     cells = changed_at(arrays["motion_cells"], 2, (0, 0))
@@ -150,7 +148,7 @@ def test_motions_that_end_elsewhere_than_the_robot_was_are_refused(
 
 
 @pytest.mark.parametrize("start", [[0, 0], [-1, 1], [10**30, 1]])
-def test_a_start_in_a_wall_is_refused(arrays: Arrays, load_changed: Load, start: list[int]) -> None:
+def test_a_start_in_a_wall_raises(arrays: Arrays, load_changed: Load, start: list[int]) -> None:
     header = header_of(arrays)
     header["settings"]["start_pos"] = start
     assert "no robot can be where row" in refused(load_changed, header=as_text(header))
@@ -160,12 +158,12 @@ def test_a_start_in_a_wall_is_refused(arrays: Arrays, load_changed: Load, start:
 
 
 @pytest.mark.parametrize("tile", [ord("R"), 0xFF])
-def test_an_unknown_tile_is_refused(arrays: Arrays, load_changed: Load, tile: int) -> None:
+def test_an_unknown_tile_raises(arrays: Arrays, load_changed: Load, tile: int) -> None:
     refused(load_changed, layout=changed_at(arrays["layout"], (2, 3), tile))
 
 
 @pytest.mark.parametrize("shape", [(0, 12), (7, 0), (2**40, 0)])
-def test_a_layout_without_tiles_is_refused_in_no_time(
+def test_a_layout_without_tiles_raises_at_once(
     load_changed: Load,
     little_memory: Callable[[], AbstractContextManager[None]],
     shape: tuple[int, int],
@@ -175,7 +173,7 @@ def test_a_layout_without_tiles_is_refused_in_no_time(
     assert f"layout: {shape} tiles; there must be 1..{MAX_CELLS}" in message
 
 
-def test_a_layout_above_the_limit_is_refused_before_its_rows_are_made(
+def test_a_layout_above_the_limit_raises_before_its_rows_are_made(
     load_changed: Load, little_memory: Callable[[], AbstractContextManager[None]]
 ) -> None:
     layout = np.full((MAX_CELLS + 1, 1), ord("."), dtype=np.uint8)
@@ -183,27 +181,25 @@ def test_a_layout_above_the_limit_is_refused_before_its_rows_are_made(
         assert f"there must be 1..{MAX_CELLS}" in refused(load_changed, layout=layout)
 
 
-# What the file holds besides.
+# The arrays of the file.
 
 
 @pytest.mark.parametrize("name", ["header", "rewards", "loaded"])
-def test_another_dtype_is_refused(arrays: Arrays, load_changed: Load, name: str) -> None:
+def test_another_dtype_raises(arrays: Arrays, load_changed: Load, name: str) -> None:
     other = np.float32 if name != "rewards" else np.int64
     assert f"array {name} is" in refused(load_changed, **{name: arrays[name].astype(other)})
 
 
 @pytest.mark.parametrize("name", ["header", "path"])
-def test_another_number_of_dimensions_is_refused(
-    arrays: Arrays, load_changed: Load, name: str
-) -> None:
+def test_another_number_of_dimensions_raises(arrays: Arrays, load_changed: Load, name: str) -> None:
     assert f"array {name} is" in refused(load_changed, **{name: arrays[name][..., np.newaxis]})
 
 
-def test_an_array_of_objects_is_refused(arrays: Arrays, load_changed: Load) -> None:
+def test_an_array_of_objects_raises(arrays: Arrays, load_changed: Load) -> None:
     assert "array cells is object" in refused(load_changed, cells=arrays["cells"].astype(object))
 
 
-def test_an_array_too_many_is_refused(load_changed: Load) -> None:
+def test_an_additional_array_raises(load_changed: Load) -> None:
     count = len(EPISODE_SCHEMA)
     message = refused(load_changed, more=np.zeros(1))
     assert f"{count + 1} arrays; there must be {count}" in message

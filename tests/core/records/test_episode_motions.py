@@ -48,7 +48,7 @@ def packed(motions: list[Outcome]) -> tuple[Arrays, list[str]]:
 
 @settings(max_examples=20)
 @given(st.lists(outcomes, max_size=6))
-def test_outcomes_come_back_value_by_value(motions: list[Outcome]) -> None:
+def test_outcomes_load_as_they_were_packed(motions: list[Outcome]) -> None:
     arrays, counterparts = packed(motions)
     assert {name: array.ndim for name, array in arrays.items()} == {
         name: dimensions for name, (_, dimensions) in MOTION_SCHEMA.items()
@@ -58,14 +58,14 @@ def test_outcomes_come_back_value_by_value(motions: list[Outcome]) -> None:
 
 @settings(max_examples=30)
 @given(st.lists(st.text(max_size=2) | st.integers()))
-def test_words_come_back_in_their_order(words: list[str | int]) -> None:
+def test_words_load_in_their_order(words: list[str | int]) -> None:
     vocabulary, codes = encode_words(words)
     assert len(set(vocabulary)) == len(vocabulary)
     assert decode_words(vocabulary, codes, "words") == words
 
 
 @pytest.mark.parametrize("code", [-1, 2])
-def test_a_code_beyond_the_vocabulary_is_refused(code: int) -> None:
+def test_a_code_beyond_the_vocabulary_raises(code: int) -> None:
     with pytest.raises(RecordError, match=r"words has a code outside 0\.\.1"):
         decode_words(["a", "b"], np.array([0, code], dtype=np.int32), "words")
     with pytest.raises(RecordError, match="words has a code outside"):
@@ -96,7 +96,7 @@ def test_a_code_beyond_the_vocabulary_is_refused(code: int) -> None:
         ({"contact_counterparts": np.array([0, 7])}, "contact_counterparts has a code outside"),
     ],
 )
-def test_arrays_that_do_not_fit_together_are_refused(changed: Arrays, message: str) -> None:
+def test_inconsistent_arrays_raise(changed: Arrays, message: str) -> None:
     arrays, counterparts = packed(TWO)
     with pytest.raises(RecordError) as caught:
         unpack_motions(arrays | changed, counterparts, 2)
@@ -105,7 +105,7 @@ def test_arrays_that_do_not_fit_together_are_refused(changed: Arrays, message: s
 
 @pytest.mark.parametrize("name", ["motion_seconds", "motion_joules", "path", "contacts"])
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_a_number_that_is_not_finite_is_refused(name: str, value: float) -> None:
+def test_a_number_that_is_not_finite_raises(name: str, value: float) -> None:
     arrays, counterparts = packed(TWO)
     arrays[name].flat[-1] = value
     with pytest.raises(RecordError, match=f"{name} holds a number that is not finite"):
@@ -124,7 +124,7 @@ def test_motions_are_checked_when_a_record_is_loaded(
 
 @pytest.mark.parametrize("name", ["motion_seconds", "motion_joules"])
 @pytest.mark.parametrize("amount", [0.0, -1.0])
-def test_a_motion_takes_some_time_and_some_energy(name: str, amount: float) -> None:
+def test_a_motion_takes_positive_time_and_energy(name: str, amount: float) -> None:
     arrays, counterparts = packed(TWO)
     arrays[name][1] = amount
     with pytest.raises(RecordError, match="no time or no energy"):

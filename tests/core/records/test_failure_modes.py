@@ -31,15 +31,15 @@ LONG = ["P" + "." * 40 + "D"]
 HALL = ["P......", ".......", ".......", "......D"]
 RING = [".....", ".###.", ".###.", ".....", "....P", "....D"]
 ROUND = "EEEESSSWWWWNNN"
-"""Once round the block of ``RING`` from its north-west corner."""
+"""One round about the block of ``RING``, from its north-west corner."""
 POCKET = ["......", ".###..", "...#.P", ".###..", "D....."]
-"""From the west a robot that drives straight to the pickup is caught in the middle."""
+"""A robot that drives from the west straight to the pickup ends in a dead end."""
 
 
 def drive(
     rows: Sequence[str], start: Cell, actions: str, *, loaded: bool = False, **settings: Any
 ) -> Episode:
-    """Carry out actions, a letter each, or as many of them as the episode lasts."""
+    """Carry out actions, a letter each, until the episode ends."""
     env = WarehouseEnv(list(rows), start, **settings)
     env.state.has_item = loaded
     recorder = EpisodeRecorder(env)
@@ -54,7 +54,7 @@ def named(*args: Any, **settings: Any) -> Diagnosis:
 
 
 class Missing(GridMotion):
-    """Carries out another move than it is told to at some steps, with nothing in the way."""
+    """Replaces the moves of some steps by ``instead``, with nothing in the way."""
 
     def __init__(self, steps: Iterable[int], instead: Cell = (0, 0)) -> None:
         super().__init__()
@@ -83,23 +83,23 @@ def test_every_mode_has_an_example(mode: str) -> None:
     assert diagnose(EXAMPLES[mode]).mode == mode
 
 
-def test_there_are_no_other_modes() -> None:
+def test_the_examples_are_all_modes() -> None:
     assert tuple(EXAMPLES) == MODES
 
 
-def test_the_thresholds_are_those_that_were_found_by_watching_replays() -> None:
+def test_the_thresholds() -> None:
     assert (MIN_STEPS, MAX_SWING_CELLS, ROUNDS, CAUSE_SHARE, LOST_SHARE) == (8, 4, 3, 0.4, 0.5)
 
 
 # Delivered.
 
 
-def test_a_delivery_is_compared_with_the_shortest_way() -> None:
+def test_a_delivery_is_compared_with_the_shortest_path() -> None:
     sentence = "delivered in 7 steps; the shortest way takes 5"
     assert named(LINE, (0, 0), "p.EEE.d") == ("delivered", ((0, 3),), 7, 5, sentence)
 
 
-def test_a_delivery_is_one_however_it_came_about() -> None:
+def test_a_delivery_after_detours_is_a_delivery() -> None:
     assert named(LINE, (0, 0), "EW" * 50 + "." * 50 + "pEEEd").mode == "delivered"
 
 
@@ -134,7 +134,7 @@ def test_a_robot_that_starts_loaded_needs_no_pickup() -> None:
         ),
     ],
 )
-def test_what_is_cut_off_is_named(
+def test_unreachable_stations_are_named(
     rows: list[str], loaded: bool, cells: tuple[Cell, ...], sentence: str
 ) -> None:
     found = named(rows, (0, 0), "." * 30, loaded=loaded, max_steps=30)
@@ -145,11 +145,11 @@ def test_what_is_cut_off_is_named(
     ("rows", "loaded"),
     [([".D#P"], True), ([".PD#P"], False), ([".PD#D"], False), ([".PD#PD"], False)],
 )
-def test_one_station_that_can_be_reached_is_enough(rows: list[str], loaded: bool) -> None:
+def test_one_reachable_station_is_enough(rows: list[str], loaded: bool) -> None:
     assert named(rows, (0, 0), "", loaded=loaded).mode == "unfinished"
 
 
-def test_a_robot_put_where_no_way_leads_on_is_cut_off_there() -> None:
+def test_a_robot_moved_by_hand_to_a_closed_cell_cannot_reach_the_stations() -> None:
     env = WarehouseEnv(["PD#."], (0, 0))
     recorder = EpisodeRecorder(env)
     env.state.robot_pos = (0, 3)
@@ -157,7 +157,7 @@ def test_a_robot_put_where_no_way_leads_on_is_cut_off_there() -> None:
     assert diagnose(recorder.episode).mode == "unreachable"
 
 
-def test_a_robot_put_where_a_way_leads_on_has_not_come_nearer() -> None:
+def test_a_robot_moved_by_hand_to_the_stations_has_made_no_progress() -> None:
     env = WarehouseEnv(["PD#."], (0, 3))
     recorder = EpisodeRecorder(env)
     env.state.robot_pos = (0, 0)
@@ -172,7 +172,7 @@ def test_a_robot_put_where_a_way_leads_on_has_not_come_nearer() -> None:
 # Stalled.
 
 
-def test_a_robot_that_mostly_misses_its_cell_is_stalled() -> None:
+def test_a_robot_that_mostly_misses_its_target_cell_is_stalled() -> None:
     backend = Missing(range(2, 20))
     found = named(LONG, (0, 20), "W" * 20, max_steps=20, backend=backend)
     sentence = "18 of 20 steps missed their cell with nothing in the way, 18 of them from (0, 18)"
@@ -186,7 +186,7 @@ def test_the_cell_of_most_misses_is_the_evidence() -> None:
     assert "8 of them from (0, 19)" in found.sentence
 
 
-def test_a_wait_that_ends_elsewhere_missed_its_cell() -> None:
+def test_a_wait_that_ends_in_another_cell_is_a_miss() -> None:
     found = named(HALL, (1, 3), ".E" * 10, backend=Missing(range(0, 20, 2), instead=(0, -1)))
     assert (found.mode, found.steps) == ("stalled", 10)
 
@@ -194,22 +194,22 @@ def test_a_wait_that_ends_elsewhere_missed_its_cell() -> None:
 @pytest.mark.parametrize(
     ("misses", "mode"), [(MIN_STEPS - 1, "unfinished"), (MIN_STEPS, "stalled")]
 )
-def test_few_misses_prove_nothing(misses: int, mode: str) -> None:
+def test_a_stall_needs_a_minimum_of_misses(misses: int, mode: str) -> None:
     assert named(LONG, (0, 40), "W" * 20, backend=Missing(range(misses))).mode == mode
 
 
 @pytest.mark.parametrize(("bumps", "mode"), [(18, "stalled"), (19, "ineffective")])
-def test_misses_that_make_up_little_of_the_loss_are_not_its_cause(bumps: int, mode: str) -> None:
+def test_a_stall_needs_a_minimum_share_of_the_lost_steps(bumps: int, mode: str) -> None:
     actions = "W" * 12 + "N" * bumps
     assert named(LONG, (0, 40), actions, backend=Missing(range(12))).mode == mode
 
 
-def test_misses_that_lose_nothing_are_no_stall() -> None:
+def test_misses_that_lose_no_steps_are_not_a_stall() -> None:
     slides_on = Missing(range(0, 36, 2), instead=(0, -1))
     assert named(LONG, (0, 40), ".W" * 18, backend=slides_on).mode == "unfinished"
 
 
-def test_a_wall_in_the_way_is_no_miss() -> None:
+def test_a_bump_is_not_a_miss() -> None:
     assert named(LINE, (0, 1), "N" * 40).mode == "ineffective"
 
 
@@ -294,7 +294,7 @@ def test_steps_with_an_effect_are_not_counted() -> None:
         ("WNSE" * 5 + "." * 18, ((1, 3),), "stood on (1, 3) for the last 18 steps"),
     ],
 )
-def test_what_it_swung_between_is_named(
+def test_the_cells_of_an_oscillation_are_named(
     actions: str, cells: tuple[Cell, ...], sentence: str
 ) -> None:
     found = named(HALL, (1, 3), actions)
@@ -302,18 +302,18 @@ def test_what_it_swung_between_is_named(
     assert f" {found.steps} steps" in sentence
 
 
-def test_a_cell_that_was_only_passed_is_no_evidence() -> None:
+def test_a_cell_visited_before_the_oscillation_is_not_named() -> None:
     assert named(HALL, (1, 0), "EE" + "EW" * 20).cells == ((1, 2), (1, 3))
 
 
-def test_of_two_patterns_the_one_of_fewer_cells_is_named() -> None:
+def test_a_pattern_of_fewer_cells_is_preferred_unless_it_is_short() -> None:
     found = named(HALL, (1, 3), "ESWN" * 5 + "EW" * 20)
     assert (found.cells, found.steps) == (((1, 3), (1, 4)), 40)
     found = named(HALL, (1, 3), "ESWN" * 20 + "EW" * 5)
     assert (len(found.cells), found.steps) == (4, 90)
 
 
-def test_a_swing_without_the_item_is_none_with_it() -> None:
+def test_an_oscillation_ends_when_the_item_is_taken() -> None:
     found = named(["DP..."], (0, 1), "EW" * 6 + "p" + "EW" * 6, max_steps=25)
     assert (found.mode, found.steps) == ("oscillation", 12)
 
@@ -321,35 +321,35 @@ def test_a_swing_without_the_item_is_none_with_it() -> None:
 @pytest.mark.parametrize(
     ("swings", "mode"), [(MIN_STEPS - 2, "unfinished"), (MIN_STEPS - 1, "oscillation")]
 )
-def test_a_short_swing_proves_nothing(swings: int, mode: str) -> None:
-    # The last step of the way there belongs to the swing.
+def test_an_oscillation_needs_a_minimum_of_steps(swings: int, mode: str) -> None:
+    # The last step of the path to it belongs to it.
     assert named(LONG, (0, 40), "W" * 20 + ("EW" * MIN_STEPS)[:swings]).mode == mode
 
 
 @pytest.mark.parametrize(("bumps", "mode"), [(15, "wandering"), (16, "oscillation")])
-def test_a_swing_that_makes_up_little_of_the_loss_is_not_its_cause(bumps: int, mode: str) -> None:
+def test_an_oscillation_needs_a_minimum_share_of_the_lost_steps(bumps: int, mode: str) -> None:
     assert named(HALL, (1, 0), "EEEESSWWWWNN" * 2 + "W" * bumps).mode == mode
 
 
-def test_stuck_in_two_places_it_is_named_after_the_last() -> None:
+def test_the_last_of_two_oscillations_is_named() -> None:
     found = named(HALL, (1, 0), "EW" * 13 + "SEEEES" + "EW" * 12)
     assert (found.mode, found.cells, found.steps) == ("oscillation", ((3, 4), (3, 5)), 24)
 
 
-def test_a_pattern_that_ended_early_is_not_the_cause() -> None:
+def test_an_oscillation_that_ended_early_is_not_the_mode() -> None:
     assert named(HALL, (1, 0), "EW" * 20 + "EESSWWNN" * 2 + "ESEESW").mode == "wandering"
 
 
 @pytest.mark.parametrize(
     ("cells", "mode"), [(MAX_SWING_CELLS, "oscillation"), (MAX_SWING_CELLS + 1, "wandering")]
 )
-def test_a_few_cells_in_any_order_are_a_pattern(cells: int, mode: str) -> None:
+def test_few_cells_in_any_order_are_an_oscillation(cells: int, mode: str) -> None:
     ways = ["E" * (cells - 2) + "WE" * k + "E" + "W" * (cells - 1) for k in range(1, 5)]
     assert named(HALL, (1, 0), "".join(ways)).mode == mode
 
 
 @pytest.mark.parametrize(("visits", "mode"), [(0, "oscillation"), (-1, "wandering")])
-def test_more_cells_are_one_when_they_recur_in_order(visits: int, mode: str) -> None:
+def test_more_cells_are_an_oscillation_if_they_recur_in_order(visits: int, mode: str) -> None:
     moves = ROUNDS * len(ROUND) - 1 + visits
     assert named(RING, (0, 0), (ROUND * ROUNDS)[:moves]).mode == mode
 
@@ -362,7 +362,7 @@ def test_a_loop_is_named_with_all_its_cells() -> None:
     assert len(set(found.cells)) == len(found.cells) == 14
 
 
-def test_a_loop_may_begin_late() -> None:
+def test_a_loop_may_start_late() -> None:
     found = named(RING, (3, 4), "NNNWWWW" + ROUND * 4)
     assert (found.mode, found.steps) == ("oscillation", 56)
 
@@ -373,18 +373,18 @@ def test_a_figure_of_eight_is_a_loop() -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_in_a_pocket_the_greedy_agent_oscillates_unless_it_escapes(seed: int) -> None:
-    def sent(escape_steps: int) -> Diagnosis:
+def test_in_a_dead_end_the_greedy_agent_oscillates_unless_it_escapes(seed: int) -> None:
+    def diagnosis(escape_steps: int) -> Diagnosis:
         env = WarehouseEnv(POCKET, (2, 0), battery=60)
         agent = GreedyAgent(seed, escape_steps=escape_steps)
         return diagnose(record_episode(env, agent, randomize=False))
 
-    assert sent(0)[:3] == ("oscillation", ((2, 1), (2, 2)), 59)
-    assert sent(3).mode in ("wandering", "delivered")
+    assert diagnosis(0)[:3] == ("oscillation", ((2, 1), (2, 2)), 59)
+    assert diagnosis(3).mode in ("wandering", "delivered")
 
 
 @pytest.mark.parametrize("more", range(8))
-def test_a_loop_that_begins_as_it_goes_on_is_one_wherever_it_is_cut(more: int) -> None:
+def test_a_loop_is_found_wherever_the_episode_ends(more: int) -> None:
     actions = ("WEWEESWN" * 6)[: 40 + more]
     found = named(HALL, (1, 3), actions)
     assert (found.mode, len(found.cells), found.steps) == ("oscillation", 5, len(actions))
@@ -393,14 +393,14 @@ def test_a_loop_that_begins_as_it_goes_on_is_one_wherever_it_is_cut(more: int) -
 # Wandering.
 
 
-def test_moves_that_bring_it_no_nearer_are_wandering() -> None:
+def test_moves_without_progress_are_wandering() -> None:
     found = named(HALL, (1, 0), "EEEESSWWWWNN" * 2)
     sentence = "came no nearer in 24 moves over 12 cells"
     assert found == ("wandering", ((1, 0),), 24, 12, sentence)
 
 
 @pytest.mark.parametrize(("straight", "mode"), [(13, "wandering"), (14, "unfinished")])
-def test_wandering_begins_where_half_of_the_moves_are_lost(straight: int, mode: str) -> None:
+def test_wandering_starts_when_half_of_the_moves_are_lost(straight: int, mode: str) -> None:
     found = named(LONG, (0, 40), "WWE" * 13 + "W" * straight)
     assert found.mode == mode
     if mode == "wandering":
@@ -411,11 +411,11 @@ def test_wandering_begins_where_half_of_the_moves_are_lost(straight: int, mode: 
 @pytest.mark.parametrize(
     ("moves", "mode"), [(MIN_STEPS - 1, "unfinished"), (MIN_STEPS, "wandering")]
 )
-def test_a_few_moves_prove_nothing(moves: int, mode: str) -> None:
+def test_wandering_needs_a_minimum_of_moves(moves: int, mode: str) -> None:
     assert named(HALL, (1, 0), "EESSWWNN"[:moves]).mode == mode
 
 
-def test_to_wait_on_the_way_is_not_to_wander() -> None:
+def test_waits_on_a_straight_path_are_not_wandering() -> None:
     assert named(LONG, (0, 40), "W." * 30).mode == "ineffective"
     assert named(LONG, (0, 40), "W" * 15 + "." * (MIN_STEPS - 1)).mode == "unfinished"
 
@@ -423,20 +423,20 @@ def test_to_wait_on_the_way_is_not_to_wander() -> None:
 @pytest.mark.parametrize(
     ("actions", "mode"), [("EW" * 6, "oscillation"), ("EEESSWWWNN" * 2, "wandering")]
 )
-def test_other_misses_are_told_as_well(actions: str, mode: str) -> None:
+def test_the_sentence_counts_other_misses(actions: str, mode: str) -> None:
     found = named(HALL, (1, 0), "WW" + actions, backend=Missing(range(2)))
     assert found.mode == mode
     assert found.sentence.endswith("; 2 steps missed their cell")
 
 
-def test_nearer_as_the_crow_flies_is_not_nearer() -> None:
-    # Straight towards the pickup, into a dead end: every step makes the way longer.
+def test_progress_is_measured_along_paths() -> None:
+    # Straight towards the pickup, into a dead end: every step makes the path longer.
     rows = ["...........", ".#########.", ".........#P", ".#########.", "D.........."]
     found = named(rows, (2, 0), "EEEEEEEE")
     assert (found.mode, found.steps) == ("wandering", 8)
 
 
-# Used up on the way.
+# Budgets.
 
 
 @pytest.mark.parametrize(
@@ -448,7 +448,7 @@ def test_nearer_as_the_crow_flies_is_not_nearer() -> None:
         ({}, "unfinished", "it was stopped"),
     ],
 )
-def test_on_the_way_it_is_the_budget_that_ended_first(
+def test_a_robot_on_its_way_failed_by_the_budget_that_ended_first(
     settings: dict[str, int], mode: str, ending: str
 ) -> None:
     episode = drive(LONG, (0, 20), "W" * 15, **settings)
@@ -457,22 +457,22 @@ def test_on_the_way_it_is_the_budget_that_ended_first(
     assert episode.outcome == mode
 
 
-def test_one_step_short_is_said_as_such() -> None:
+def test_the_sentence_for_one_step_short_is_singular() -> None:
     found = named(LINE, (0, 0), "pEEE", max_steps=4)
     assert (
         found.sentence == "the time ran out 1 step short of the delivery; the shortest way takes 5"
     )
 
 
-def test_before_its_first_step_an_episode_is_unfinished() -> None:
+def test_an_episode_without_a_step_is_unfinished() -> None:
     assert named(LINE, (0, 1), "")[:4] == ("unfinished", ((0, 1),), 6, 6)
 
 
 # The fewest steps.
 
 
-def fewest_by_trying(layout: Layout, cell: Cell, loaded: bool) -> int | None:
-    """Try every action in every state of an environment, until one of them delivers."""
+def fewest_by_search(layout: Layout, cell: Cell, loaded: bool) -> int | None:
+    """Search all states by steps of an environment, until an action delivers."""
     env = WarehouseEnv(layout, cell, max_steps=10**9, battery=10**9)
     known, states, steps = {(cell, loaded)}, [(cell, loaded)], 0
     while states:
@@ -500,10 +500,10 @@ LAYOUTS = st.integers(1, 5).flatmap(
 
 @settings(max_examples=40)
 @given(LAYOUTS, st.data())
-def test_the_fewest_steps_are_what_trying_everything_finds(layout: Layout, data: Any) -> None:
+def test_the_fewest_steps_equal_those_of_an_exhaustive_search(layout: Layout, data: Any) -> None:
     cells = st.integers(0, len(layout.open_cells) - 1).map(layout.open_cell)
     states = data.draw(st.lists(st.tuples(cells, st.booleans()), min_size=1, max_size=3))
-    expected = tuple(fewest_by_trying(layout, *state) for state in states)
+    expected = tuple(fewest_by_search(layout, *state) for state in states)
     assert fewest_steps(layout, *states) == expected
 
 
@@ -511,7 +511,7 @@ def test_the_fewest_steps_are_what_trying_everything_finds(layout: Layout, data:
 
 
 def drawn(layout: Layout, data: Any) -> tuple[Cell, str, dict[str, Any]]:
-    """Draw a start, actions that repeat themselves somewhat, and settings."""
+    """Draw a start, actions with repetitions, and settings."""
     start = layout.open_cell(data.draw(st.integers(0, len(layout.open_cells) - 1)))
     parts = st.tuples(st.text("NESWNESW.pd?", max_size=6), st.integers(1, 12))
     actions = "".join(part * times for part, times in data.draw(st.lists(parts, max_size=5)))
@@ -526,7 +526,7 @@ def drawn(layout: Layout, data: Any) -> tuple[Cell, str, dict[str, Any]]:
 
 @settings(max_examples=40)
 @given(LAYOUTS, st.data())
-def test_any_episode_has_one_mode_and_evidence_for_it(layout: Layout, data: Any) -> None:
+def test_the_diagnosis_of_any_episode_is_consistent(layout: Layout, data: Any) -> None:
     start, actions, limits = drawn(layout, data)
     episode = drive(layout.rows, start, actions, **limits)
     before = copy.deepcopy(episode)
@@ -537,7 +537,7 @@ def test_any_episode_has_one_mode_and_evidence_for_it(layout: Layout, data: Any)
 
 @pytest.mark.parametrize("seed", range(10))
 @pytest.mark.parametrize("battery", [12, 200])
-def test_any_agent_gets_one_mode_and_evidence_for_it(
+def test_the_diagnosis_of_any_agent_is_consistent(
     seed: int, battery: int, clumsy_agent: Any
 ) -> None:
     clumsy_agent.seed = seed
@@ -571,7 +571,7 @@ TRANSPOSE = {"cells": lambda row, col, height, width: (col, row), "NESW": "WSEN"
 @pytest.mark.parametrize("turn", [MIRROR, TRANSPOSE], ids=["mirror", "transpose"])
 @settings(max_examples=40)
 @given(LAYOUTS, st.data())
-def test_a_warehouse_seen_from_elsewhere_has_the_same_mode(
+def test_a_mirrored_or_transposed_episode_has_the_same_mode(
     turn: dict[str, Any], layout: Layout, data: Any
 ) -> None:
     start, actions, limits = drawn(layout, data)
@@ -608,7 +608,7 @@ def test_an_action_may_be_a_word_in_any_case_or_an_index() -> None:
         assert diagnose(indices) == diagnose(example)
 
 
-def test_who_drove_and_why_makes_no_difference() -> None:
+def test_agent_seed_and_reasons_do_not_change_the_diagnosis() -> None:
     for example in EXAMPLES.values():
         twin = copy.deepcopy(example)
         twin.agent, twin.seed, twin.reasons = "somebody", 7, ["why not"] * example.steps
@@ -622,7 +622,7 @@ def test_a_loaded_record_has_the_same_mode(mode: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_nominal_physics_changes_nothing(seed: int) -> None:
+def test_nominal_physics_has_the_same_diagnosis(seed: int) -> None:
     found = [
         diagnose(
             record_episode(

@@ -20,7 +20,7 @@ KEYS = {
     "B": ("D", "R"),
     "b": ("D", "r"),
 }
-"""What a character of a drawing stands for: ``?`` was not seen, A is a robot on P, B one on D."""
+"""The meaning of characters in a drawing: ``?`` not seen, A a robot on P, B one on D."""
 
 
 def painted(*drawing: str) -> Any:
@@ -52,7 +52,7 @@ def without_bars(pixels: Any) -> Any:
         ((1, 0), 1, True, ("..P?", "b.??", "..??")),
     ],
 )
-def test_what_was_seen_and_the_stations_are_shown_and_no_more(
+def test_only_seen_cells_and_stations_are_shown(
     cell: tuple[int, int], radius: int, loaded: bool, drawing: tuple[str, ...]
 ) -> None:
     found = picture(ROOM, cell, radius, loaded)
@@ -60,7 +60,7 @@ def test_what_was_seen_and_the_stations_are_shown_and_no_more(
     assert np.array_equal(without_bars(found), painted(*drawing))
 
 
-def test_of_several_stations_those_in_view_and_the_first_are_shown() -> None:
+def test_stations_in_view_and_the_first_of_each_kind_are_shown() -> None:
     shop = Layout(["...P", "P..D", ".P.D"])
     assert np.array_equal(without_bars(picture(shop, (2, 2), 1)), painted("???P", "?..D", "?PRD"))
     alone = Layout(["....", "....", "...."])
@@ -80,7 +80,7 @@ def test_the_bars_are_battery_and_steps() -> None:
     for lines, color, share in ((bars[:half], BATTERY, 0.5), (bars[half:], INK, 0.25)):
         filled, ground = ([round(255 * part) for part in each] for each in (color, FAINT))
         middle = lines[half // 2]
-        # One pixel at either end stays free; those that the filling ends in may be mixed.
+        # One pixel at either end is empty; the pixel where the filling ends may be mixed.
         end = 1 + 30 * share
         assert (middle[1 : int(end)] == filled).all()
         assert (middle[int(end) + 1 :] == ground).all()
@@ -99,7 +99,7 @@ def test_every_step_changes_the_picture() -> None:
 
 
 @pytest.mark.parametrize("radius", [0, 2])
-def test_pictures_of_many_are_the_pictures_of_each(radius: int) -> None:
+def test_a_batch_of_pictures_equals_single_pictures(radius: int) -> None:
     layout = random_layout(6, 8, 0.2, seed=3)
     image = ObservationImage(6, 8, battery=200, max_steps=200)
     env = WarehouseEnv(layout, view_radius=radius)
@@ -124,7 +124,7 @@ def test_pictures_of_many_are_the_pictures_of_each(radius: int) -> None:
 
 
 def test_a_smaller_layout_is_shown_in_the_corner_of_a_larger_picture() -> None:
-    """As in a batch whose layouts differ: what is beyond its edge is a wall or was not seen."""
+    """As in a batch of different layouts: cells beyond its edge are walls or not seen."""
     env = WarehouseEnv(Layout(["PD", ".."]), (1, 0), battery=10, max_steps=20, view_radius=1)
     found = IMAGE.paint(encode(env.observe()))
     assert np.array_equal(without_bars(found), painted("PD??", "R.??", "##??"))

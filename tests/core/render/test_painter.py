@@ -30,7 +30,7 @@ WITH_LETTERS = tuple(side for side in SIDES if side >= 16)
 def drawn_by_the_replay(
     layout: Layout, side: int, robot: tuple[int, int], *, loaded: bool
 ) -> NDArray[np.uint8]:
-    """Draw a layout and its robot as a replay does, with nothing around it."""
+    """Return the grid of a replay with a layout and its robot, without the figure around it."""
     figure = SceneFigure((layout.width * side / 100, layout.height * side / 100), 100)
     FigureCanvasAgg(figure)
     axes = figure.add_axes((0, 0, 1, 1))
@@ -103,12 +103,12 @@ def test_a_robot_can_be_put_on_many_tiles_at_once() -> None:
 
 
 @pytest.mark.parametrize("code", [len(CELLS), *ROBOT_CODES[:, CODES["#", NO_ROBOT]]])
-def test_a_code_of_nothing_is_refused(code: int) -> None:
+def test_an_unknown_code_raises(code: int) -> None:
     with pytest.raises(IndexError):
         TilePainter(4).paint(np.full((2, 2), code, np.uint8))
 
 
-# What a cell looks like.
+# Cells.
 
 
 def test_walls_are_dark_from_edge_to_edge() -> None:
@@ -117,7 +117,7 @@ def test_walls_are_dark_from_edge_to_edge() -> None:
 
 
 @pytest.mark.parametrize("side", SIDES)
-def test_floor_is_light_with_a_paler_line_along_two_sides(side: int) -> None:
+def test_floor_is_light_with_a_line_along_two_sides(side: int) -> None:
     floor = atlas(side)[CODES[".", NO_ROBOT]].astype(int)
     assert where(floor[1:, 1:], COLORS["."]).all()
     line = np.concatenate([floor[0], floor[:, 0]])
@@ -126,12 +126,12 @@ def test_floor_is_light_with_a_paler_line_along_two_sides(side: int) -> None:
     assert (line < 255 * np.array(COLORS["."]) - 0.5).all()
 
 
-def test_the_lines_of_large_tiles_are_those_of_the_replay() -> None:
+def test_the_lines_of_large_tiles_equal_those_of_the_replay() -> None:
     assert is_color(pixel(".", NO_ROBOT, 0.0, 0.5), FAINT)
     assert is_color(pixel(".", NO_ROBOT, 0.5, 0.0), FAINT)
 
 
-def test_the_smaller_a_tile_the_paler_its_lines() -> None:
+def test_smaller_tiles_have_paler_lines() -> None:
     lines = [atlas(side)[CODES[".", NO_ROBOT], 0, 1, 0] for side in (2, 8, 16, 24, 100)]
     assert lines[0] > lines[1] > lines[2] > lines[3] == lines[4]
 
@@ -171,7 +171,7 @@ def test_a_robot_is_as_large_as_in_the_replay(robot: str) -> None:
 
 
 @pytest.mark.parametrize("side", SIDES)
-def test_small_robots_have_no_outline_to_darken_them(side: int) -> None:
+def test_small_robots_have_no_outline(side: int) -> None:
     red = atlas(side)[CODES[".", "R"], ..., 0]
     assert (red.min() < 150) == (side >= 10)
 
@@ -216,21 +216,21 @@ def test_small_tiles_have_no_letters(side: int) -> None:
         assert side <= 3 or is_color(centre, COLORS[robot])
 
 
-def test_two_letters_stand_together_only_where_there_is_room() -> None:
+def test_a_tile_shows_two_letters_only_if_there_is_room() -> None:
     for side, fits in ((16, False), (18, False), (20, True), (40, True)):
         corner = atlas(side)[CODES["P", "R"]][: side // 4, : side // 4]
         assert where(corner, INK).any() == fits
 
 
 @pytest.mark.parametrize("side", SIDES)
-def test_colours_tell_any_two_cells_apart(side: int) -> None:
+def test_any_two_cells_have_different_colours(side: int) -> None:
     tiles = atlas(side).astype(int)
     for one, other in itertools.combinations(range(len(CELLS)), 2):
         differences = np.abs(tiles[one] - tiles[other]).mean(axis=(0, 1))
         assert differences.max() > 20, (CELLS[one], CELLS[other])
 
 
-def test_the_unseen_is_a_grey_hatch_with_no_seams() -> None:
+def test_unseen_cells_are_hatched_grey_without_seams() -> None:
     tile = atlas(40)[CODES[UNSEEN, NO_ROBOT]]
     assert where(tile, UNKNOWN).mean() > 0.5
     assert len(np.unique(tile.reshape(-1, 3), axis=0)) > 1
@@ -239,11 +239,11 @@ def test_the_unseen_is_a_grey_hatch_with_no_seams() -> None:
     assert np.ptp(tile.astype(int), axis=-1).max() <= 12
 
 
-# The same as in the replay.
+# Likeness to the replay.
 
 
 @pytest.mark.parametrize(("robot", "loaded"), [((1, 1), False), ((2, 1), True)])
-def test_it_looks_as_the_replay_does(robot: tuple[int, int], loaded: bool) -> None:
+def test_a_picture_looks_like_the_replay(robot: tuple[int, int], loaded: bool) -> None:
     painted = TilePainter(40).picture(YARD, robot, loaded)
     drawn = drawn_by_the_replay(YARD, 40, robot, loaded=loaded)
     assert painted.shape == drawn.shape
@@ -299,7 +299,7 @@ def test_each_tile_is_where_its_code_is() -> None:
             assert np.array_equal(pictures[batch, rows, columns], atlas(side)[codes[place]])
 
 
-def test_a_batch_is_painted_as_its_parts_are() -> None:
+def test_a_batch_of_pictures_equals_single_pictures() -> None:
     codes = np.random.default_rng(1).integers(0, len(CELLS), (2, 3, 5, 4))
     painter = TilePainter(6)
     batch = painter.paint(codes)
@@ -308,13 +308,13 @@ def test_a_batch_is_painted_as_its_parts_are() -> None:
         assert np.array_equal(batch[index], painter.paint(codes[index]))
 
 
-def test_large_tiles_are_not_too_much_for_small_codes() -> None:
+def test_large_tiles_can_be_painted_from_small_integer_types() -> None:
     codes = np.full((1, 1), len(CELLS) - 1, np.uint8)
     assert np.array_equal(TilePainter(64).paint(codes), atlas(64)[-1])
 
 
 @pytest.mark.parametrize("side", [2, 16, 40])
-def test_the_quick_way_paints_the_same(side: int) -> None:
+def test_the_fast_path_paints_the_same(side: int) -> None:
     painter, other = TilePainter(side), DEFAULT_LAYOUT.with_stations((1, 1), (5, 10))
     for layout, robot, loaded in (
         (DEFAULT_LAYOUT, (1, 1), False),
@@ -330,7 +330,7 @@ def test_the_quick_way_paints_the_same(side: int) -> None:
         assert np.array_equal(painter.picture(layout, robot, loaded), painter.paint(codes))
 
 
-def test_a_picture_is_nobody_elses() -> None:
+def test_a_picture_is_a_new_array() -> None:
     painter = TilePainter(8)
     first = painter.picture(YARD, (1, 1), False)
     kept = first.copy()
@@ -340,18 +340,18 @@ def test_a_picture_is_nobody_elses() -> None:
     assert np.array_equal(TilePainter(8).picture(YARD, (1, 1), False), kept)
 
 
-def test_a_robot_on_a_wall_is_refused() -> None:
+def test_a_robot_on_a_wall_raises() -> None:
     with pytest.raises(KeyError):
         TilePainter(8).picture(YARD, (0, 0), False)
 
 
-def test_the_tiles_are_drawn_once_and_cannot_be_written_to() -> None:
+def test_the_tiles_are_drawn_once_and_read_only() -> None:
     assert atlas(12) is atlas(12)
     with pytest.raises(ValueError, match="read-only"):
         atlas(12)[:] = 0
 
 
-def test_a_tile_of_one_pixel_is_refused() -> None:
+def test_a_tile_of_one_pixel_raises() -> None:
     with pytest.raises(ValueError, match="at least 2"):
         TilePainter(1)
 
@@ -387,7 +387,7 @@ def test_a_bar_is_filled_from_the_left() -> None:
         assert where(edge, FAINT).all()
 
 
-def test_a_full_bar_leaves_its_edge_and_an_empty_one_is_bare() -> None:
+def test_a_full_bar_has_an_edge_and_an_empty_one_has_no_filling() -> None:
     assert where(bar(0, 20, 8), FAINT).all()
     full = where(bar(1, 20, 8), BATTERY)
     assert full[1:-1, 1:-1].all()
@@ -410,7 +410,7 @@ def test_a_larger_share_fills_more(one: float, other: float) -> None:
     assert (filled[0] - filled[1]) * (one - other) >= -1e-6
 
 
-def test_what_is_beyond_a_share_is_cut_off() -> None:
+def test_shares_are_limited_to_0_and_1() -> None:
     assert np.array_equal(bar([-1, 2], 10, 4), bar([0, 1], 10, 4))
 
 
@@ -423,7 +423,7 @@ def test_bars_come_in_any_shape_and_colour() -> None:
     assert where(bars[1, 2, 1:-1, 1:-1], WARNING).all()
 
 
-# What it does without.
+# Imports.
 
 
 def test_painting_needs_neither_matplotlib_nor_pillow() -> None:

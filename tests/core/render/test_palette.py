@@ -32,7 +32,7 @@ def test_the_indexed_palette_fits_into_a_gif() -> None:
     assert all(0 <= value <= 255 for value in values)
 
 
-def test_no_entry_of_the_indexed_palette_is_there_twice() -> None:
+def test_the_entries_of_the_indexed_palette_are_different() -> None:
     values = indexed_palette()
     entries = list(zip(values[::3], values[1::3], values[2::3], strict=True))
     assert len(set(entries)) == len(entries)
@@ -52,7 +52,7 @@ def test_no_entry_of_the_indexed_palette_is_there_twice() -> None:
         palette.HIT,
     ],
 )
-def test_a_colour_of_the_replay_stays_exact_in_256_colours(
+def test_colours_of_the_replay_are_exact_in_256_colours(
     color: tuple[float, float, float],
 ) -> None:
     exact = tuple(round(255 * part) for part in color)

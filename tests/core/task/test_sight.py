@@ -89,6 +89,7 @@ def test_a_table_follows_the_layout(radius: int, monkeypatch: pytest.MonkeyPatch
 
 def test_the_cache_has_a_limit_where_a_table_is_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sight_module, "MAX_TABLE_BYTES", 100)
+    monkeypatch.setattr(sight_module, "MAX_WINDOWS", 2)
     monkeypatch.setattr(sight_module, "MAX_CACHED_CHARACTERS", 4 * 9)
     sight = sight_of(DEFAULT_LAYOUT, 1)
     for _ in range(2):

@@ -20,19 +20,19 @@ from warehouse_core.vector.env import BatchEnv
 
 
 class Sticky(GridMotion):
-    """A grid whose robots cannot go east, takes note of what it is told, and has a price."""
+    """A grid that records its calls, with fixed costs; its robots cannot move east."""
 
     def batch(self, layouts: Sequence[Layout]) -> Any:
-        self.layouts, self.told, self.closed = list(layouts), list[Any](), 0
+        self.layouts, self.calls, self.closed = list(layouts), list[Any](), 0
         self.grid = super().batch(layouts)
         return self
 
     def place(self, rows: Any, cells: Any) -> None:
-        self.told.append(("place", rows.tolist(), cells.tolist()))
+        self.calls.append(("place", rows.tolist(), cells.tolist()))
         self.grid.place(rows, cells)
 
     def advance(self, actions: Any, loaded: Any) -> Any:
-        self.told.append(("advance", actions.tolist(), loaded.tolist()))
+        self.calls.append(("advance", actions.tolist(), loaded.tolist()))
         east = actions == EAST
         outcome = self.grid.advance(np.where(east, WAIT, actions), loaded)
         return outcome._replace(
@@ -43,7 +43,7 @@ class Sticky(GridMotion):
         self.closed += 1
 
 
-def test_moves_are_those_of_the_backend() -> None:
+def test_the_backend_moves_the_robots() -> None:
     motion = Sticky()
     layouts = [CORRIDOR, ROOM]
     batch = BatchEnv(2, layouts, [(0, 0), (2, 1)], max_steps=2, randomize=False, backend=motion)
@@ -59,7 +59,7 @@ def test_moves_are_those_of_the_backend() -> None:
         "joules": [7.0, 8.0],
     }
     *_, info = batch.step([EAST, EAST])
-    assert motion.told == [
+    assert motion.calls == [
         ("place", [0, 1], [0, 11]),
         ("advance", [PICK, NORTH], [False, False]),
         ("advance", [EAST, EAST], [True, False]),
@@ -71,7 +71,7 @@ def test_moves_are_those_of_the_backend() -> None:
     assert motion.closed == 1
 
 
-def test_a_backend_that_cannot_be_multiplied_says_so() -> None:
+def test_a_backend_without_a_batch_raises() -> None:
     class Lone(GridMotion):
         batch = None  # type: ignore[assignment]
 
@@ -79,7 +79,7 @@ def test_a_backend_that_cannot_be_multiplied_says_so() -> None:
         BatchEnv(2, backend=Lone)
 
 
-def test_the_cell_size_of_the_backend_sets_the_price() -> None:
+def test_the_cost_depends_on_the_cell_size_of_the_backend() -> None:
     def joules(backend: Any) -> float:
         batch = BatchEnv(1, ROOM, randomize=False, backend=backend)
         batch.reset()

@@ -48,7 +48,7 @@ from warehouse_core.world import tables as floor_tables
     ids=repr,
 )
 @over_modes
-def test_actions_that_cannot_be_carried_out_change_nothing(
+def test_invalid_actions_raise_and_change_nothing(
     mode: str, actions: Any, error: type, message: str
 ) -> None:
     batch = BatchEnv(3, max_steps=2, autoreset_mode=mode)
@@ -78,7 +78,9 @@ def test_actions_that_cannot_be_carried_out_change_nothing(
     ids=repr,
 )
 @pytest.mark.parametrize("mask", [None, np.array([True, False, False])], ids=["all", "mask"])
-def test_bad_seeds_change_nothing(seed: Any, mask: Any, error: type, message: str) -> None:
+def test_invalid_seeds_raise_and_change_nothing(
+    seed: Any, mask: Any, error: type, message: str
+) -> None:
     batch = BatchEnv(3)
     batch.reset(seed=0)
     batch.step([EAST, SOUTH, WEST])
@@ -99,7 +101,7 @@ def test_bad_seeds_change_nothing(seed: Any, mask: Any, error: type, message: st
     ],
     ids=repr,
 )
-def test_bad_masks_change_nothing(mask: Any, error: type, message: str) -> None:
+def test_invalid_masks_raise_and_change_nothing(mask: Any, error: type, message: str) -> None:
     batch = BatchEnv(3)
     batch.reset(seed=0)
     before = pickle.dumps(batch)
@@ -110,7 +112,7 @@ def test_bad_masks_change_nothing(mask: Any, error: type, message: str) -> None:
 
 @over_starts
 @over_modes
-def test_before_the_first_reset_there_is_nothing_to_step(mode: str, randomize: bool | str) -> None:
+def test_calls_before_the_first_reset_raise(mode: str, randomize: bool | str) -> None:
     batch = some_batch(mode, randomize=randomize)
     before = pickle.dumps(batch)
     with pytest.raises(EndedError, match=r"step\(\) needs a reset\(\) before it"):
@@ -124,7 +126,7 @@ def test_before_the_first_reset_there_is_nothing_to_step(mode: str, randomize: b
     assert pickle.dumps(batch) == before
 
 
-def test_rows_that_have_ended_must_be_reset_where_nothing_else_resets_them() -> None:
+def test_without_autoreset_a_step_raises_until_ended_rows_are_reset() -> None:
     batch = BatchEnv(4, CORRIDOR, randomize=False, max_steps=5, autoreset_mode=DISABLED)
     batch.reset()
     batch.step([WAIT] * 4)
@@ -175,14 +177,12 @@ def test_rows_that_have_ended_must_be_reset_where_nothing_else_resets_them() -> 
     ],
     ids=repr,
 )
-def test_a_batch_that_could_not_work_is_not_made(
-    settings: dict[str, Any], error: type, message: str
-) -> None:
+def test_invalid_arguments_raise(settings: dict[str, Any], error: type, message: str) -> None:
     with pytest.raises(error, match=message):
         BatchEnv(**({"num_envs": 3} | settings))
 
 
-def test_windows_that_would_fill_the_memory_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_windows_above_the_limit_of_memory_raise(monkeypatch: pytest.MonkeyPatch) -> None:
     needed = 9 * (9 + 6)
     monkeypatch.setattr(floor_tables, "MAX_TABLE_BYTES", needed - 1)
     with pytest.raises(LayoutError, match=f"3 x 3 for 2 layouts take {needed} bytes; MAX_TABLE_BY"):

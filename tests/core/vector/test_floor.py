@@ -25,7 +25,7 @@ def put(floor: VectorFloor, row: int, layout: Layout, *stations: Cell) -> None:
 
 
 @pytest.mark.parametrize("radius", [0, 1, 2, 8])
-def test_stations_are_seen_where_they_are_and_nowhere_else(radius: int) -> None:
+def test_windows_show_stations_only_where_they_are(radius: int) -> None:
     """Every place of pickup, dropoff and robot, in layouts narrower and wider than the window."""
     floor = VectorFloor(LayoutSet(BARE), radius, moving_stations=True)
     for row, layout in enumerate(BARE):
@@ -44,7 +44,7 @@ def test_stations_are_seen_where_they_are_and_nowhere_else(radius: int) -> None:
                 assert window == codes(expected.window(cell, bool(has_item))), (cell, pickup)
 
 
-def test_stations_of_the_layout_need_no_telling() -> None:
+def test_stations_of_the_layout_are_used_unless_they_move() -> None:
     shop = Layout(["P.D", "DP."])
     floor = VectorFloor(LayoutSet([shop] * 2), 1, moving_stations=False)
     cells, loaded = np.array([1, 5]), np.array([False, True])
@@ -55,8 +55,8 @@ def test_stations_of_the_layout_need_no_telling() -> None:
     ]
 
 
-def test_a_station_very_far_away_is_out_of_sight() -> None:
-    """65,535 rows down at 65,537 numbers a row come to one to the west, if 32 bits are all."""
+def test_a_station_very_far_away_is_not_seen() -> None:
+    """An offset of 65,535 rows of 65,537 numbers is -1 in 32 bits."""
     length = 2**16
     layouts = LayoutSet([Layout(["."] * length), Layout(["." * length])])
     ends: list[tuple[Cell, Cell]] = [((0, 0), (length - 1, 0)), ((length - 1, 0), (0, 0))]
@@ -69,7 +69,7 @@ def test_a_station_very_far_away_is_out_of_sight() -> None:
         assert not {CELL_CODES["P"], CELL_CODES["D"]} & set(found.ravel().tolist())
 
 
-def test_what_is_seen_is_fresh() -> None:
+def test_windows_are_new_arrays() -> None:
     floor = VectorFloor(LayoutSet([OPEN]), 1, moving_stations=False)
     given = np.array([0]), np.array([5]), np.array([False]), np.array([[1, 1]])
     floor.windows(*given)[:] = 9

@@ -19,7 +19,7 @@ from warehouse_core.vector.env import BatchEnv
 
 
 @over_modes
-def test_nothing_that_was_returned_changes_later(mode: str) -> None:
+def test_returned_values_do_not_change_later(mode: str) -> None:
     batch = some_batch(mode, max_steps=5)
     moves = np.random.default_rng(2).integers(7, size=(12, len(MIXED)))
     kept: list[Any] = [batch.reset(seed=0)]
@@ -37,7 +37,7 @@ def test_nothing_that_was_returned_changes_later(mode: str) -> None:
 
 
 @over_modes
-def test_nothing_that_was_returned_or_given_is_used_later(mode: str) -> None:
+def test_changing_returned_or_given_values_changes_nothing_else(mode: str) -> None:
     batch, twin = (some_batch(mode, max_steps=5) for _ in range(2))
     moves = np.random.default_rng(2).integers(7, size=(12, len(MIXED)))
 
@@ -50,12 +50,12 @@ def test_nothing_that_was_returned_or_given_is_used_later(mode: str) -> None:
     for actions in moves:
         given = actions.copy()
         check(batch.step(given), twin.step(actions.copy()))
-        assert np.array_equal(given, actions), "the caller's actions stay as they are"
+        assert np.array_equal(given, actions), "the given actions have changed"
         check(batch.action_masks(), twin.action_masks())
         if mode == DISABLED and twin._ended.any():
             ended, given = (twin._ended.copy() for _ in range(2))
             check(batch.reset(mask=given), twin.reset(mask=ended))
-            assert np.array_equal(given, ended), "nor is the caller's mask what is returned"
+            assert np.array_equal(given, ended), "the given mask has changed"
         for row in range(len(MIXED)):
             layout, state = batch.row(row)
             assert (layout, state) == twin.row(row)
@@ -63,7 +63,7 @@ def test_nothing_that_was_returned_or_given_is_used_later(mode: str) -> None:
 
 
 @pytest.mark.parametrize("kind", [list, tuple, np.int8, np.uint64])
-def test_actions_are_integers_of_any_kind(kind: Any) -> None:
+def test_actions_are_integers_of_any_type(kind: Any) -> None:
     batch, twin = BatchEnv(7), BatchEnv(7)
     batch.reset(seed=3), twin.reset(seed=3)
     actions = np.arange(7)

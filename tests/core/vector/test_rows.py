@@ -28,7 +28,7 @@ from warehouse_core.vector.env import BatchEnv
 
 
 class Walk:
-    """A batch and the single warehouses that its rows should be, on the same way."""
+    """A batch and a single warehouse for each row, stepped with the same actions."""
 
     def __init__(self, mode: str, randomize: bool | str, seed: int, **limits: int) -> None:
         self.mode, self.seen = mode, Counter[str]()
@@ -43,7 +43,7 @@ class Walk:
             row.assert_seen(arrays, index, info["action_mask"])
 
     def reset(self, chosen: np.ndarray) -> None:
-        """Begin anew with some rows."""
+        """Reset some rows."""
         arrays, info = self.batch.reset(mask=chosen)
         for index in np.flatnonzero(chosen):
             self.rows[index].begin()
@@ -62,27 +62,27 @@ class Walk:
         self.check_keys(info, terminated | truncated)
 
     def step_row(self, row: Single, action: int, index: int, info: dict[str, Any]) -> Any:
-        """Do in a single warehouse what the batch should have done in its row."""
+        """Step the single warehouse of a row, and compare its motion with info."""
         if row.ended:
             row.begin()
             assert not info["_motion"][index]
             self.seen["fresh"] += 1
             return 0.0, False, False
         verdict = row.step(action)
-        _, delivered, cut = verdict
+        _, delivered, truncated = verdict
         blocked, *_ = moved = row.motion()
-        self.seen.update({"delivered": delivered, "cut off": cut, "blocked": blocked})
-        told = info
+        self.seen.update({"delivered": delivered, "truncated": truncated, "blocked": blocked})
+        source = info
         if row.ended and self.mode == SAME_STEP:
-            told = info["final_info"]
-            row.assert_seen(info["final_obs"], index, told["action_mask"])
+            source = info["final_info"]
+            row.assert_seen(info["final_obs"], index, source["action_mask"])
             row.begin()
-        assert info["_motion"][index] == (told is info)
-        assert moved == tuple(told["motion"][key][index] for key in MOTION)
+        assert info["_motion"][index] == (source is info)
+        assert moved == tuple(source["motion"][key][index] for key in MOTION)
         return verdict
 
     def check_keys(self, info: dict[str, Any], ended: np.ndarray) -> None:
-        """Compare the flags that say which rows each part of info is about."""
+        """Check the keys of info and the flags of the rows that they apply to."""
         finals = {"final_obs", "_final_obs", "final_info", "_final_info"}
         has_finals = self.mode == SAME_STEP and ended.any()
         keys = {"action_mask", "_action_mask", "motion", "_motion"}
@@ -111,10 +111,8 @@ class Walk:
         (SAME_STEP, "stations", 1),
     ],
 )
-def test_every_row_is_what_a_single_warehouse_would_be(
-    mode: str, randomize: bool | str, radius: int
-) -> None:
-    """Through episodes that end either way, bumps, and resets of some rows."""
+def test_every_row_equals_a_single_warehouse(mode: str, randomize: bool | str, radius: int) -> None:
+    """With bumps, deliveries, truncations and resets of some rows."""
     limits = {"max_steps": 23, "battery": 31 - 5 * radius, "view_radius": radius}
     walk, stream = Walk(mode, randomize, seed=radius, **limits), np.random.default_rng(9)
     for number in range(90):
@@ -126,12 +124,12 @@ def test_every_row_is_what_a_single_warehouse_would_be(
         walk.step([row.choose(stream) for row in walk.rows])
     assert walk.seen["blocked"] > 50
     assert walk.seen["delivered"] > 10
-    assert walk.seen["cut off"] > 10
+    assert walk.seen["truncated"] > 10
     assert (walk.seen["fresh"] > 20) == (mode == NEXT_STEP)
 
 
 @pytest.mark.parametrize(("max_steps", "battery"), [(3, 9), (9, 3), (1, 1)])
-def test_the_lower_of_steps_and_battery_cuts_an_episode_off(max_steps: int, battery: int) -> None:
+def test_the_lower_of_steps_and_battery_truncates_an_episode(max_steps: int, battery: int) -> None:
     batch = BatchEnv(2, max_steps=max_steps, battery=battery, autoreset_mode=DISABLED)
     batch.reset(seed=0)
     for number in range(min(max_steps, battery)):
@@ -142,7 +140,7 @@ def test_the_lower_of_steps_and_battery_cuts_an_episode_off(max_steps: int, batt
         assert truncated.tolist() == [number + 1 == min(max_steps, battery)] * 2
 
 
-def test_a_delivery_with_the_last_step_is_both_an_end_and_a_cut() -> None:
+def test_a_delivery_in_the_last_step_terminates_and_truncates() -> None:
     batch = BatchEnv(1, ROOM, randomize=False, max_steps=4, autoreset_mode=SAME_STEP)
     batch.reset()
     for action in (PICK, EAST, EAST):
@@ -160,7 +158,7 @@ def test_starts_may_be_integers_of_any_type(kind: type) -> None:
     assert batch.reset()[0]["robot_pos"].tolist() == [[1, 1], [2, 1]]
 
 
-def test_the_step_after_an_end_takes_no_action() -> None:
+def test_the_step_after_an_end_ignores_its_action() -> None:
     batch = BatchEnv(2, ROOM, start_pos=[(1, 1), (2, 1)], randomize=False, max_steps=2)
     batch.reset()
     batch.step([PICK, NORTH])
@@ -174,7 +172,7 @@ def test_the_step_after_an_end_takes_no_action() -> None:
     assert info["motion"]["seconds"].tolist() == info["motion"]["joules"].tolist() == [0.0, 0.0]
 
 
-def test_a_row_tells_the_layout_and_state_that_it_has() -> None:
+def test_row_returns_the_layout_and_state_of_a_row() -> None:
     batch = some_batch()
     batch.reset(seed=5)
     rows = [Single(layout, True) for layout in MIXED]
@@ -195,5 +193,5 @@ def test_a_row_tells_the_layout_and_state_that_it_has() -> None:
     assert [fixed.row(index)[0] for index in range(len(MIXED))] == MIXED
 
 
-def test_the_size_is_that_of_the_tallest_and_of_the_widest() -> None:
+def test_the_size_is_the_largest_height_and_width() -> None:
     assert some_batch(layouts=[CORRIDOR, EMPTY, SHOP]).size == (3, 6)

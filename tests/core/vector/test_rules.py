@@ -17,7 +17,7 @@ EMPTY, PICKUP, DROPOFF = range(3)
 NO, YES = False, True
 
 
-def test_verdicts_are_those_of_the_rules_all_at_once() -> None:
+def test_verdicts_equal_those_of_the_rules() -> None:
     cases = list(product(range(7), range(3), (NO, YES), (NO, YES)))
     actions, stations, has_item, blocked = (np.array(column) for column in zip(*cases, strict=True))
     rewards, holds, delivered = judge_all(actions, stations, has_item, blocked)
@@ -27,7 +27,7 @@ def test_verdicts_are_those_of_the_rules_all_at_once() -> None:
         assert (rewards[row], holds[row], delivered[row]) == expected
 
 
-def test_a_few_verdicts_by_hand() -> None:
+def test_some_verdicts() -> None:
     steps = [
         (EAST, EMPTY, NO, NO, -0.1, NO, NO),
         (EAST, PICKUP, YES, YES, -1.1, YES, NO),
@@ -74,7 +74,7 @@ def test_masks_are_the_useful_actions() -> None:
     ]
 
 
-def test_a_mask_is_nobody_elses() -> None:
+def test_masks_are_new_arrays() -> None:
     given = np.array([9]), np.array([PICKUP]), np.array([NO])
     masks(*given)[:] = 5
     assert masks(*given).tolist() == [[1, 0, 0, 1, 1, 1, 0]]

@@ -23,7 +23,7 @@ from warehouse_core.vector.env import BatchEnv
 
 
 @over_starts
-def test_rows_start_as_single_environments_with_seeds_that_follow_each_other(
+def test_rows_start_like_single_environments_with_consecutive_seeds(
     randomize: bool | str,
 ) -> None:
     batch = some_batch(randomize=randomize)
@@ -36,17 +36,20 @@ def test_rows_start_as_single_environments_with_seeds_that_follow_each_other(
                 assert np.array_equal(arrays[key][row], value), (key, row)
 
 
-def test_a_start_is_one_for_all_rows_or_one_for_each() -> None:
+def test_start_pos_is_one_cell_for_all_rows_or_one_for_each() -> None:
     one = BatchEnv(3, ROOM, (2, 3), randomize=False).reset()[0]["robot_pos"]
     each = BatchEnv(2, [ROOM, CORRIDOR], [(2, 1), (0, 4)], randomize=False).reset()[0]["robot_pos"]
     assert one.tolist() == [[2, 3]] * 3
     assert each.tolist() == [[2, 1], [0, 4]]
+    # Random stations leave no cell, so the start is the given one.
     two = BatchEnv(2, TWO_CELLS, [(0, 1), (2, 1)])
     for _ in range(3):
-        assert two.reset()[0]["robot_pos"].tolist() == [[0, 1], [2, 1]], "no cell is left to draw"
+        assert two.reset()[0]["robot_pos"].tolist() == [[0, 1], [2, 1]], (
+            "no cell is left, so the start is not random"
+        )
 
 
-def test_a_list_seeds_each_row_and_none_lets_its_stream_go_on() -> None:
+def test_a_list_seeds_each_row_and_none_continues_its_stream() -> None:
     def starts(batch: BatchEnv, *seeds: Any) -> list[list[int]]:
         for seed in seeds:
             arrays, _ = batch.reset(seed)
@@ -65,7 +68,7 @@ def test_a_list_seeds_each_row_and_none_lets_its_stream_go_on() -> None:
     assert len({str(starts(batch(), *[5, None, None][:count])) for count in (1, 2, 3)}) == 3
 
 
-def test_rows_without_a_seed_differ_from_each_other_and_from_run_to_run() -> None:
+def test_rows_without_a_seed_differ_from_each_other_and_between_batches() -> None:
     big = random_layout(40, 40, 0.2, seed=0)
     places = [BatchEnv(20, big).reset()[0]["robot_pos"].tolist() for _ in range(2)]
     assert places[0] != places[1]
@@ -82,14 +85,14 @@ def test_starts_are_uniform_over_all_triples_of_cells() -> None:
         seen.update(map(tuple, np.concatenate([arrays[key] for key in keys], axis=1).tolist()))
     expected = 2 * count / (5 * 4 * 3)
     assert len(seen) == 60
-    # 98.3 is passed once in a thousand seeds by 59 degrees of freedom; the seed here is fixed.
+    # The 0.999 quantile of chi-squared with 59 degrees of freedom; the seed is fixed.
     assert sum((number - expected) ** 2 / expected for number in seen.values()) < 98.3
 
 
 @over_starts
 @over_modes
-def test_a_reset_with_a_mask_leaves_other_rows_alone(mode: str, randomize: bool | str) -> None:
-    """Their state, their episode and what they will draw later."""
+def test_a_reset_with_a_mask_does_not_change_other_rows(mode: str, randomize: bool | str) -> None:
+    """Neither their state nor their random stream."""
     batch, twin = (some_batch(mode, randomize=randomize, max_steps=30) for _ in range(2))
     moves = np.random.default_rng(0).integers(7, size=(3, len(MIXED)))
     for each in (batch, twin):
@@ -114,7 +117,7 @@ def test_a_reset_with_a_mask_leaves_other_rows_alone(mode: str, randomize: bool 
 
 
 @over_modes
-def test_the_same_seed_and_actions_give_the_same_episodes_again(mode: str) -> None:
+def test_the_same_seed_and_actions_give_the_same_episodes(mode: str) -> None:
     batch = some_batch(NEXT_STEP if mode == DISABLED else mode, max_steps=9)
     moves = np.random.default_rng(3).integers(7, size=(30, len(MIXED)))
     first, second = (

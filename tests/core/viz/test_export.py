@@ -1,4 +1,4 @@
-"""Every file is read by code that did not write it."""
+"""Exported files are read by other libraries than those that wrote them."""
 
 import base64
 import errno
@@ -136,7 +136,7 @@ def test_each_frame_of_a_gif_is_drawn_once(tmp_path: Path) -> None:
     assert len(drawn_frames) == 2 + 1, "and at the end the frame that it showed before"
 
 
-def test_a_gif_of_one_frame_is_a_gif(tmp_path: Path) -> None:
+def test_a_gif_may_have_one_frame(tmp_path: Path) -> None:
     replay_of([["R.P"]]).save(tmp_path / "one.gif")
     assert len(frames_of_gif(tmp_path / "one.gif")[0]) == 1
 
@@ -156,7 +156,7 @@ def test_a_png_shows_the_end(films: Path) -> None:
 def test_an_svg_shows_the_end(films: Path) -> None:
     text = (films / "film.svg").read_text(encoding="utf-8")
     assert "dc:date" not in text
-    # Letters are shapes; matplotlib notes beside them, as a comment, what they spell.
+    # Letters are shapes; matplotlib adds a comment with their text.
     assert "<!-- step 6 of 6 -->" in text
     assert "<!-- DELIVERED -->" in text
     assert "step 0 of 6" not in text
@@ -263,7 +263,7 @@ def test_a_page_has_every_frame(films: Path) -> None:
     images = frames_of_page(text)
     assert len(images) == FRAMES
     replay = replay_of(short_episode())
-    # The page may be one pixel narrower, which moves nothing by more than that.
+    # The page may be one pixel narrower, so edges may move by one pixel.
     for frame, robot, x in ((0, "R", 2.75), (2, "R", 1.75), (4, "r", 2.25), (6, "R", 3.25)):
         assert is_color(images[frame][point_of(replay, x, 1.5)], COLORS[robot]), f"frame {frame}"
 
@@ -278,17 +278,17 @@ def test_a_page_refers_to_nothing_outside(films: Path) -> None:
     assert not re.search(r"https?:|@import|url\(", text)
 
 
-def test_a_page_of_bare_frames_has_a_title_too(tmp_path: Path) -> None:
+def test_a_page_of_frames_without_an_episode_has_a_title(tmp_path: Path) -> None:
     replay_of([["R.P"]]).save(tmp_path / "film.html")
     assert Page((tmp_path / "film.html").read_text(encoding="utf-8")).title == "Warehouse replay"
 
 
-# Names are never markup.
+# Names are escaped.
 
 
 @pytest.mark.parametrize("name", HOSTILE_NAMES)
 @pytest.mark.filterwarnings("ignore:Glyph")  # matplotlib says when a font lacks a character
-def test_names_are_nothing_but_words_in_a_page(films: Path, tmp_path: Path, name: str) -> None:
+def test_names_are_text_in_a_page(films: Path, tmp_path: Path, name: str) -> None:
     replay = replay_of(named(name))
     replay.save(tmp_path / "film.html")
     text = (tmp_path / "film.html").read_text(encoding="utf-8")
@@ -302,7 +302,7 @@ def test_names_are_nothing_but_words_in_a_page(films: Path, tmp_path: Path, name
 
 @pytest.mark.parametrize("name", HOSTILE_NAMES)
 @pytest.mark.filterwarnings("ignore:Glyph")
-def test_names_are_nothing_but_shapes_in_an_svg(films: Path, tmp_path: Path, name: str) -> None:
+def test_names_are_shapes_in_an_svg(films: Path, tmp_path: Path, name: str) -> None:
     replay = replay_of(named(name))
     replay.save(tmp_path / "end.svg")
     root = ElementTree.parse(tmp_path / "end.svg").getroot()
@@ -315,7 +315,7 @@ def test_names_are_nothing_but_shapes_in_an_svg(films: Path, tmp_path: Path, nam
     ]
 
 
-# What cannot be saved.
+# Errors.
 
 
 @pytest.mark.parametrize("name", ["film.jpeg", "film", "film.gif.zip", ".gif"])
@@ -332,7 +332,7 @@ def test_a_suffix_may_be_in_capitals(tmp_path: Path) -> None:
         assert image.format == "PNG"
 
 
-def break_off_after_three_frames(monkeypatch: pytest.MonkeyPatch) -> None:
+def fail_after_three_frames(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make the fourth picture fail, as a full disk would."""
     taken = []
     take = SceneFigure.pixels
@@ -346,8 +346,8 @@ def break_off_after_three_frames(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(SceneFigure, "pixels", broken)
 
 
-def break_off_while_writing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Make writing fail when half of the file is there."""
+def fail_while_writing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make writing fail after half of the file."""
 
     def broken(self: object, target: object, *_: object, **__: object) -> None:
         Path(str(target)).write_bytes(b"half of it")
@@ -360,15 +360,15 @@ def break_off_while_writing(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("suffix", "break_off"),
     [
-        (".gif", break_off_after_three_frames),
-        (".gif", break_off_while_writing),
-        (".mp4", break_off_after_three_frames),
-        (".html", break_off_after_three_frames),
-        (".png", break_off_while_writing),
-        (".svg", break_off_while_writing),
+        (".gif", fail_after_three_frames),
+        (".gif", fail_while_writing),
+        (".mp4", fail_after_three_frames),
+        (".html", fail_after_three_frames),
+        (".png", fail_while_writing),
+        (".svg", fail_while_writing),
     ],
 )
-def test_an_export_that_fails_leaves_the_older_file_and_no_part(
+def test_an_export_that_fails_keeps_the_existing_file_and_leaves_no_part(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str, break_off: object
 ) -> None:
     assert callable(break_off)
@@ -432,7 +432,7 @@ def test_a_long_export_on_a_terminal_shows_a_bar(monkeypatch: pytest.MonkeyPatch
 
 
 def test_in_an_svg_the_robot_stands_on_its_tile(tmp_path: Path) -> None:
-    """What comes later in an SVG is drawn over what comes before."""
+    """Later elements of an SVG are drawn over earlier ones."""
     env = WarehouseEnv(["#####", "#P.D#", "#####"])
     episode = record_episode(env, GreedyAgent(seed=1, escape_steps=0), randomize=False)
     replay = replay_animation(episode, window=False)

@@ -21,7 +21,9 @@ def film() -> Replay:
 
 
 @cache
-def drawn_afresh(frame: int, change: Callable[[Replay], object] = lambda _: None) -> np.ndarray:
+def drawn_in_new_figure(
+    frame: int, change: Callable[[Replay], object] = lambda _: None
+) -> np.ndarray:
     """Return the pixels of a frame in a figure that has drawn nothing before."""
     replay = film()
     replay.go_to(frame)
@@ -49,11 +51,11 @@ def background_drawings(monkeypatch: pytest.MonkeyPatch) -> list[SceneFigure]:
     return drawings
 
 
-def test_a_frame_over_the_remembered_background_equals_a_fresh_drawing(replay: Replay) -> None:
+def test_a_frame_over_the_cached_background_equals_a_new_drawing(replay: Replay) -> None:
     pixels(replay)
     for frame in (1, 6, 2):
         replay.go_to(frame)
-        assert np.array_equal(pixels(replay), drawn_afresh(frame)), f"frame {frame}"
+        assert np.array_equal(pixels(replay), drawn_in_new_figure(frame)), f"frame {frame}"
 
 
 def test_frames_do_not_draw_the_background_again(
@@ -88,9 +90,9 @@ def test_a_change_of_the_background_is_drawn(
     change(replay)
     after = pixels(replay)
     assert before.shape != after.shape or not np.array_equal(before, after)
-    assert np.array_equal(after, drawn_afresh(2, change))
+    assert np.array_equal(after, drawn_in_new_figure(2, change))
     replay.go_to(4)
-    assert np.array_equal(pixels(replay), drawn_afresh(4, change))
+    assert np.array_equal(pixels(replay), drawn_in_new_figure(4, change))
 
 
 @pytest.mark.parametrize("dpi", ["figure", 150])
@@ -101,10 +103,10 @@ def test_a_vector_drawing_does_not_change_the_next_drawing(
     pixels(replay)
     zoom(replay)
     replay.figure.savefig(io.BytesIO(), format="svg", dpi=dpi)
-    assert np.array_equal(pixels(replay), drawn_afresh(3, zoom))
+    assert np.array_equal(pixels(replay), drawn_in_new_figure(3, zoom))
 
 
-def test_a_vector_drawing_holds_what_moves_as_well() -> None:
+def test_a_vector_drawing_includes_the_moving_parts() -> None:
     figure = film().figure
     small, whole = io.BytesIO(), io.BytesIO()
     movers = figure._movers
@@ -117,7 +119,7 @@ def test_a_vector_drawing_holds_what_moves_as_well() -> None:
     assert all(mover.get_animated() for mover in movers)
 
 
-def test_listeners_are_told_of_every_drawing_once_it_is_whole(replay: Replay) -> None:
+def test_listeners_are_called_once_after_each_drawing(replay: Replay) -> None:
     seen = []
 
     def look(event: DrawEvent) -> None:
@@ -130,15 +132,15 @@ def test_listeners_are_told_of_every_drawing_once_it_is_whole(replay: Replay) ->
     replay.figure.canvas.draw()
     assert len(seen) == 4
     for frame, picture in zip((3, 3, 6), seen, strict=False):
-        assert np.array_equal(picture[..., :3], drawn_afresh(frame)), f"frame {frame}"
-    assert np.array_equal(seen[3][..., :3], drawn_afresh(6, zoom))
+        assert np.array_equal(picture[..., :3], drawn_in_new_figure(frame)), f"frame {frame}"
+    assert np.array_equal(seen[3][..., :3], drawn_in_new_figure(6, zoom))
 
 
-def test_a_listener_that_moves_something_does_not_change_the_drawing_it_is_told_of() -> None:
-    # A replay is such a listener: its first drawing starts it, which shows its current frame.
+def test_a_listener_that_moves_something_does_not_change_the_present_drawing() -> None:
+    # A replay is such a listener: its first drawing starts it and shows its current frame.
     replay = film()
     replay.show_end()
-    assert np.array_equal(pixels(replay), drawn_afresh(LAST))
+    assert np.array_equal(pixels(replay), drawn_in_new_figure(LAST))
 
 
 def test_on_demand_only_pixels_draws(replay: Replay) -> None:
@@ -148,13 +150,13 @@ def test_on_demand_only_pixels_draws(replay: Replay) -> None:
         replay.go_to(3)
         replay.figure.canvas.draw()
         assert seen == []
-        assert np.array_equal(pixels(replay), drawn_afresh(3))
+        assert np.array_equal(pixels(replay), drawn_in_new_figure(3))
         assert len(seen) == 1
         replay.go_to(5)
         assert len(seen) == 1
     replay.go_to(6)
     assert len(seen) == 2, "it draws as before"
-    assert np.array_equal(pixels(replay), drawn_afresh(6))
+    assert np.array_equal(pixels(replay), drawn_in_new_figure(6))
 
 
 def test_it_draws_as_before_after_an_error(replay: Replay) -> None:
@@ -177,7 +179,7 @@ def test_a_png_of_the_figures_own_resolution_has_indexed_pixels(replay: Replay) 
             assert np.array_equal(image, replay.figure.indexed_pixels())
 
 
-def test_another_resolution_is_left_to_matplotlib(replay: Replay) -> None:
+def test_matplotlib_draws_other_resolutions(replay: Replay) -> None:
     file = io.BytesIO()
     replay.figure.savefig(file, format="png", dpi=2 * replay.figure.dpi)
     with Image.open(file) as image:
@@ -202,14 +204,14 @@ def test_indexed_pixels_share_one_palette(replay: Replay) -> None:
     assert first.tobytes() != last.tobytes()
 
 
-def test_a_colour_has_one_index_wherever_it_is(replay: Replay) -> None:
+def test_a_colour_has_the_same_index_everywhere(replay: Replay) -> None:
     replay.go_to(6)
     colors = (pixels(replay) * (65536, 256, 1)).sum(axis=2).ravel()
     pairs = set(zip(colors.tolist(), replay.figure.indexed_pixels().tobytes(), strict=True))
     assert len(pairs) == len(set(colors.tolist()))
 
 
-def test_a_figure_without_pixels_is_an_error() -> None:
+def test_a_figure_without_pixels_raises() -> None:
     figure = SceneFigure(figsize=(2, 1))
     FigureCanvasSVG(figure)
     with pytest.raises(TypeError, match="FigureCanvasSVG has no pixels"):

@@ -12,7 +12,7 @@ from warehouse_core.viz.track import track_of_episode
 
 
 def texts(scene: PairScene) -> list[str]:
-    """Every text in the figure and its parts."""
+    """Return all texts in the figure and its parts."""
     from matplotlib.text import Text
 
     return [text.get_text() for text in scene.root.findobj(Text)]
@@ -23,7 +23,7 @@ def episodes():
     return run_episode(seed=12), run_episode(backend="physics", seed=12)
 
 
-def test_a_grid_and_a_continuous_track_go_step_by_step(episodes):
+def test_a_grid_and_a_continuous_track_advance_by_steps(episodes):
     grid, physics = map(track_of_episode, episodes)
     scene = PairScene(grid, physics, make_figure)
     assert len(scene) == len(physics)
@@ -43,7 +43,7 @@ def test_the_shorter_one_waits_at_its_end(episodes):
     assert {"DELIVERED", "OUT OF TIME"} <= set(texts(scene))
 
 
-def test_two_continuous_tracks_go_by_the_clock(episodes):
+def test_two_continuous_tracks_advance_by_time(episodes):
     track = track_of_episode(episodes[1])
     frames = [dataclasses.replace(frame, clock=2 * frame.clock) for frame in track.frames]
     slower = dataclasses.replace(track, frames=frames)

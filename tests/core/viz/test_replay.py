@@ -58,7 +58,7 @@ def test_a_replay_plays_every_frame_and_stays_at_the_end(replay: Replay) -> None
     assert not replay.playing
 
 
-def test_what_is_counted_is_what_is_drawn(replay: Replay) -> None:
+def test_the_counter_matches_the_drawn_frame(replay: Replay) -> None:
     tick(replay, 4)
     assert shown(replay) == replay.frame == 3
     fresh = replay_of(short_episode().frames)
@@ -92,20 +92,20 @@ def test_an_arrow_steps_one_frame_and_pauses(replay: Replay, key: str, step: int
     assert shown(replay) == before + 2 * step
 
 
-def test_space_resumes_from_where_the_arrows_went(replay: Replay) -> None:
+def test_space_resumes_at_the_frame_of_the_arrows(replay: Replay) -> None:
     tick(replay, 5)
     press(replay, "left", "left", " ")
     assert played(replay, 3) == [3, 4, 5]
 
 
-def test_there_is_nothing_before_the_first_frame(replay: Replay) -> None:
+def test_the_left_arrow_stops_at_the_first_frame(replay: Replay) -> None:
     press(replay, "left", "left")
     assert shown(replay) == replay.frame == 0
     press(replay, "right")
     assert shown(replay) == 1
 
 
-def test_there_is_nothing_after_the_last_frame(replay: Replay) -> None:
+def test_the_right_arrow_stops_at_the_last_frame(replay: Replay) -> None:
     press(replay, *["right"] * 9)
     assert shown(replay) == replay.frame == LAST
     press(replay, "left")
@@ -169,7 +169,7 @@ def test_a_fast_replay_ticks_once_a_millisecond_at_most() -> None:
     assert replay.event_source.interval == 1
 
 
-def test_nothing_is_shown_where_there_is_no_window(replay: Replay) -> None:
+def test_show_without_a_window_raises(replay: Replay) -> None:
     with pytest.raises(NoDisplayError, match="there is no display"):
         replay.show()
 
@@ -213,12 +213,12 @@ def test_a_notebook_shows_a_player_with_every_frame_in_it(replay: Replay) -> Non
     assert "<script" in page
 
 
-def test_a_player_loads_nothing_from_elsewhere(replay: Replay) -> None:
+def test_a_player_loads_no_other_files(replay: Replay) -> None:
     page = replay.to_jshtml()
     assert not re.search(r"https?:|//cdn|<link|@import|src=\"(?!data:)|url\(", page)
 
 
-def test_a_player_has_a_sign_on_every_button(replay: Replay) -> None:
+def test_every_button_of_a_player_has_a_symbol(replay: Replay) -> None:
     page = replay.to_jshtml()
     buttons = re.findall(r'<i class="fa fa-([\w-]+)', page)
     assert len(buttons) == 9
@@ -228,7 +228,7 @@ def test_a_player_has_a_sign_on_every_button(replay: Replay) -> None:
 
 def test_a_player_plays_at_the_speed_of_the_replay() -> None:
     page = replay_of([["R."]], interval_ms=300, speed=2).to_jshtml()
-    # Matplotlib rounds what one frame takes down to a whole millisecond.
+    # Matplotlib rounds the time of a frame down to a whole millisecond.
     assert re.search(r"new Animation\(frames, img_id, slider_id, (149|150)(\.0)?,", page)
 
 

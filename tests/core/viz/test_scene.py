@@ -1,4 +1,4 @@
-"""Pictures: the colours of their pixels and the words in them."""
+"""The pixels and texts of a scene."""
 
 import math
 from typing import Any
@@ -84,7 +84,7 @@ def test_the_robot_is_a_disc_of_its_colour(robot: str) -> None:
 
 
 @pytest.mark.parametrize("robot", ["R", "r"])
-def test_the_robot_bears_its_letter(robot: str) -> None:
+def test_the_robot_shows_its_letter(robot: str) -> None:
     replay = replay_of(frames_at((2, 2), robot=robot))
     assert robot in texts(replay)
     ink = INK if robot == "r" else (1.0, 1.0, 1.0)
@@ -186,7 +186,7 @@ def test_a_layout_of_any_shape_fits_into_the_picture(height: int, width: int) ->
     assert count_color(grid, COLORS["R"]) > 5
 
 
-# Words.
+# Texts.
 
 
 def test_the_counter_counts_steps() -> None:
@@ -196,7 +196,7 @@ def test_the_counter_counts_steps() -> None:
         assert f"step {frame} of 6" in texts(replay)
 
 
-def test_the_caption_is_that_of_the_step_before() -> None:
+def test_the_caption_describes_the_last_step() -> None:
     replay = replay_of(short_episode())
     assert "N (why not)" not in texts(replay)
     replay.go_to(1)
@@ -224,7 +224,7 @@ def test_the_ending_names_how_it_ended(changes: dict[str, Any], words: str) -> N
     assert words in texts(replay)
 
 
-def test_names_are_no_mathematics() -> None:
+def test_names_are_not_read_as_mathematics() -> None:
     replay = replay_of(short_episode(agent="$\\frac$", reasons=["$x_$"] * 6))
     replay.go_to(1)
     assert any("$\\frac$" in text for text in texts(replay))
@@ -263,7 +263,7 @@ def test_rows_and_columns_are_numbered_from_0() -> None:
 
 
 @pytest.mark.parametrize("name", METRICS)
-def test_each_metric_is_enough_for_a_chart_of_its_own(name: str) -> None:
+def test_each_metric_alone_has_a_chart(name: str) -> None:
     frames = frames_at((2, 1), (2, 2))
     replay = replay_of(frames, {name: [1.0, 0.5]})
     expected = METRIC_TITLES.get(name)
@@ -299,7 +299,7 @@ def test_both_distances_share_a_chart_in_the_colours_of_their_stations() -> None
     assert [text.get_position() for text in axes.texts] == [(4, 1), (4, 1)]
 
 
-def test_a_distance_to_nowhere_is_not_drawn() -> None:
+def test_a_distance_without_a_station_is_not_drawn() -> None:
     replay = replay_of(
         frames_at((2, 1), (2, 2)), {"dist_pickup": [None, 1.0], "dist_dropoff": [math.nan] * 2}
     )
@@ -321,7 +321,7 @@ def test_rewards_are_bars_and_their_sum_is_a_line() -> None:
     assert [bar[1][1] for bar in bars.get_segments()] == pytest.approx([0, -1.1, -0.1, 4.9])
 
 
-def test_a_reward_that_is_none_counts_as_0() -> None:
+def test_a_missing_reward_counts_as_0() -> None:
     replay = replay_of(frames_at((2, 1), (2, 2), (2, 3)), {"rewards": [1.0, None, 2.0]})
     replay.go_to(2)
     line = axes_titled(replay, METRIC_TITLES["rewards"]).lines[1]
@@ -366,15 +366,15 @@ def color_in_the_bar(replay: Replay, share: float) -> Any:
         (None, "battery unknown"),
     ],
 )
-def test_the_battery_says_how_full_it_is(level: float | None, words: str) -> None:
+def test_the_battery_text_gives_its_level(level: float | None, words: str) -> None:
     assert battery_of(level)[1] == words
 
 
-def test_a_large_battery_is_written_in_full() -> None:
+def test_a_large_battery_is_not_abbreviated() -> None:
     assert battery_of(1_234_567, full=2_000_000)[1] == "battery 1234567 of 2000000"
 
 
-def test_the_bar_is_as_long_as_the_battery_is_full() -> None:
+def test_the_length_of_the_bar_is_the_level_of_the_battery() -> None:
     replay, _ = battery_of(90.0)
     assert not is_color(color_in_the_bar(replay, 0.02), (1.0, 1.0, 1.0))
     assert not is_color(color_in_the_bar(replay, 0.02), WARNING)
@@ -391,7 +391,7 @@ def test_a_low_battery_turns_red() -> None:
     assert not is_color(color_in_the_bar(replay, 0.1), WARNING)
 
 
-# A track that is still growing.
+# Tracks that grow.
 
 
 def test_a_scene_shows_a_track_that_has_grown() -> None:

@@ -38,7 +38,7 @@ def captions(track: Track) -> list[str]:
     return [each.caption for each in track.frames]
 
 
-# Of an episode.
+# Tracks of episodes.
 
 
 def test_a_track_has_an_entry_for_every_frame() -> None:
@@ -118,12 +118,12 @@ def test_titles_and_captions_can_be_printed(name: str) -> None:
     assert all(caption.isprintable() for caption in captions(track))
 
 
-def test_what_can_be_printed_is_left_as_it_is() -> None:
+def test_printable_text_is_not_changed() -> None:
     name = "Größe $x$ <b> 日本 & \"'"
     assert track_of_episode(named(name)).frames[1].caption == f"{name} ({name})"
 
 
-# Of bare frames.
+# Tracks of frames.
 
 
 def test_frames_of_an_environment_give_the_track_of_its_episode() -> None:
@@ -155,7 +155,7 @@ def test_the_tile_under_the_robot_is_seen_in_an_earlier_frame() -> None:
     assert tiles(track)[2] == ("..D",)
 
 
-def test_frames_in_which_the_robot_stands_still_say_nothing_of_its_tile() -> None:
+def test_the_tile_under_a_robot_at_rest_is_seen_when_it_leaves() -> None:
     track = track_of_frames([frame("R."), frame("r."), frame("Pr")])
     assert tiles(track) == [("P.",)] * 3
 
@@ -165,7 +165,7 @@ def test_a_tile_that_is_never_seen_is_empty() -> None:
 
 
 def test_equal_tiles_are_the_same_object() -> None:
-    # That is how the drawing knows that nothing has to be drawn anew.
+    # The drawing compares them by identity to see that nothing changed.
     track = track_of_frames(short_episode().frames)
     assert all(one is other for one, other in pairwise(tiles(track)))
 
@@ -228,7 +228,7 @@ def test_an_entry_that_cannot_be_plotted_is_named(wrong: object) -> None:
         track_of_frames([frame("R."), frame(".R")], {"battery": [3.0, wrong]})  # type: ignore[list-item]
 
 
-def test_none_and_nan_are_nothing_to_plot() -> None:
+def test_none_and_nan_are_not_plotted() -> None:
     metrics = {"dist_pickup": [None, math.nan, np.float64(2.0)]}
     track = track_of_frames([frame("R."), frame(".R"), frame("R.")], metrics)
     first, second, third = track.metrics["dist_pickup"]
@@ -245,11 +245,11 @@ def test_the_fullest_battery_counts_as_full() -> None:
     assert track_of_frames(frames).full_battery == 1
 
 
-# Of continuous motions.
+# Tracks of continuous motions.
 
 
 def straight_on(seconds: float = 2.0) -> np.ndarray:
-    """A path of 1 m to the east at an even pace, with a row every tenth of a second."""
+    """Return a path of 1 m to the east at constant speed, with a row every 0.1 s."""
     times = np.linspace(0, seconds, 21)
     return np.column_stack([times, 2.5 + times / seconds, np.full(21, 1.5), np.zeros(21)])
 
@@ -283,7 +283,7 @@ def test_the_clock_speed_and_energy_run_through_all_motions() -> None:
     assert track.frames[-1].energy == pytest.approx(sum(joules) - joules[3] + 100.0)
 
 
-def test_a_hit_flashes_from_when_it_happened_with_its_impulse() -> None:
+def test_a_hit_is_shown_from_its_time_on_with_its_impulse() -> None:
     track = continuous_track(0.2)
     shown = [
         (round(each.clock - 3.0, 6), each.hits[0].label)
@@ -293,7 +293,7 @@ def test_a_hit_flashes_from_when_it_happened_with_its_impulse() -> None:
     assert shown == [(1.0, "28 N·s"), (1.2, "28 N·s"), (1.4, "28 N·s"), (1.6, "28 N·s")]
 
 
-def test_the_robot_is_loaded_only_once_the_action_is_over() -> None:
+def test_the_robot_is_loaded_after_the_end_of_the_action() -> None:
     track = continuous_track()
     assert [pose.loaded for pose in poses(track, 2)] == [False, True]
 

@@ -1,4 +1,4 @@
-"""Warehouses side by side in one space: each row is what a motion of its own would do."""
+"""Warehouses side by side in one space: each row equals a single motion."""
 
 import math
 import os
@@ -47,16 +47,16 @@ def advance(batch: RigidBodyBatch, *actions: int, loaded: bool = False) -> Batch
     return batch.advance(np.array(actions), np.full(len(actions), loaded))
 
 
-# Each row is what a motion of its own would do.
+# Each row equals a single motion.
 
 
 @over_specs
-def test_each_row_is_what_a_motion_of_its_own_would_do(spec: RobotSpec) -> None:
+def test_each_row_equals_a_single_motion(spec: RobotSpec) -> None:
     blocked = rows_differ(spec, rows=12, steps=25)
-    assert blocked > 12 * 25 / 8, "hits are worth comparing"
+    assert blocked > 12 * 25 / 8, "too few hits to compare"
 
 
-def test_a_row_does_what_it_does_alone_whatever_the_others_do() -> None:
+def test_a_row_does_not_depend_on_the_other_rows() -> None:
     stream = random.Random(5)
     layouts = some_layouts(9, stream)
     actions = np.array([stream.choices(range(8), k=9) for _ in range(30)])
@@ -71,7 +71,7 @@ def test_a_row_does_what_it_does_alone_whatever_the_others_do() -> None:
             assert outcome.joules[row] == pytest.approx(own.joules[0], rel=1e-9)
 
 
-def test_the_seconds_of_a_row_are_its_own_and_not_those_of_the_slowest() -> None:
+def test_each_row_has_its_own_seconds() -> None:
     batch = batch_in([HALL, LEDGE, HALL, HALL])
     actions = np.array([EAST, EAST, EAST, WAIT])
     outcome = batch.advance(actions, np.array([False, False, True, False]))
@@ -81,7 +81,7 @@ def test_the_seconds_of_a_row_are_its_own_and_not_those_of_the_slowest() -> None
     assert outcome.joules[3] == RobotSpec().idle_power * RobotSpec().dwell
 
 
-def test_an_outcome_is_not_used_again() -> None:
+def test_an_outcome_does_not_change_later() -> None:
     batch = batch_in([LEDGE, HALL])
     first = advance(batch, EAST, EAST)
     kept = [column.copy() for column in first]
@@ -90,18 +90,18 @@ def test_an_outcome_is_not_used_again() -> None:
     assert [column.dtype for column in first] == [np.intp, np.bool_, np.float64, np.float64]
 
 
-def test_an_action_that_takes_too_long_ends_and_what_it_commanded_with_it(monkeypatch) -> None:
+def test_an_action_that_takes_too_long_ends_and_the_robot_stops(monkeypatch) -> None:
     monkeypatch.setattr(vector_robots, "MAX_SUBSTEPS", 30)
     batch = batch_in([CORRIDOR, LEDGE])
     arena = batch._robots.arena
-    # It ends with the first event after so many substeps, which is the hit of the second robot.
+    # It ends with the first event after MAX_SUBSTEPS, the hit of the second robot.
     assert advance(batch, EAST, EAST).seconds == pytest.approx([34 / 60] * 2)
     assert arena.look()[1][0, 0] > 0.5
     advance(batch, WAIT, EAST)
     assert np.abs(arena.look()[1][0]).max() < 1e-9
 
 
-def test_a_robot_with_weak_brakes_does_what_a_motion_of_its_own_would() -> None:
+def test_a_robot_with_weak_brakes_equals_a_single_motion() -> None:
     spec = RobotSpec(floor_drag=0.0)
     batch, singles = batch_in([HALL], spec), Singles(spec, [HALL])
     singles.place(0, 0)
@@ -114,7 +114,7 @@ def test_a_robot_with_weak_brakes_does_what_a_motion_of_its_own_would() -> None:
         assert outcome.seconds[0] > 2.5, "the plan would take two seconds"
 
 
-def test_a_robot_that_rests_is_done_whatever_touches_it_while_others_drive() -> None:
+def test_a_robot_at_rest_ignores_contacts_while_others_drive() -> None:
     batch = batch_in([LEDGE, HALL])
     batch._robots.arena.robots[0].position += (0.2, 0.0)
     outcome = advance(batch, WAIT, EAST)
@@ -123,7 +123,7 @@ def test_a_robot_that_rests_is_done_whatever_touches_it_while_others_drive() -> 
     assert not batch._robots.gave_up[1]
 
 
-def test_a_robot_that_is_placed_stands_still() -> None:
+def test_a_robot_is_placed_at_rest() -> None:
     batch = batch_in([HALL, HALL])
     batch._robots.arena.robots[0].velocity = (1.0, 1.0)
     batch.place(np.array([0]), np.array([6]))
@@ -131,7 +131,7 @@ def test_a_robot_that_is_placed_stands_still() -> None:
     assert batch._robots.arena.look()[0][0].tolist() == [1.5, 1.5]
 
 
-# Nothing is looked up in the grid.
+# Outcomes follow the bodies, not the grid.
 
 
 def test_without_the_shapes_of_the_walls_robots_drive_through() -> None:
@@ -147,14 +147,14 @@ def test_without_the_shapes_of_the_walls_robots_drive_through() -> None:
     assert outcome.blocked.tolist() == [False, True]
 
 
-def test_the_outcome_follows_a_body_that_was_put_elsewhere() -> None:
+def test_the_outcome_follows_a_body_that_was_moved_by_hand() -> None:
     batch = batch_in([HALL, HALL])
     body = batch._robots.arena.robots[1]
     body.position += (2.0, 1.0)
     assert advance(batch, EAST, EAST).cells.tolist() == [1, 5 + 3]
 
 
-def test_robots_are_driven_by_finite_force_and_never_put_anywhere(monkeypatch) -> None:
+def test_robots_are_moved_by_finite_force_only(monkeypatch) -> None:
     batch = batch_in([HALL, LEDGE])
     arena = batch._robots.arena
     step, seen = arena.space.step, []
@@ -184,7 +184,7 @@ def test_after_many_bumps_robots_are_in_the_middle_of_their_cells() -> None:
     assert np.abs(velocities).max() < 1e-6
 
 
-def test_a_touch_beside_the_way_blocks_nobody() -> None:
+def test_a_touch_beside_the_path_does_not_block() -> None:
     batch = batch_in([CORRIDOR], RobotSpec(radius=0.499))
     body = batch._robots.arena.robots[0]
     hits = []
@@ -197,7 +197,7 @@ def test_a_touch_beside_the_way_blocks_nobody() -> None:
     assert hits
 
 
-# Reproducible to the last bit.
+# Reproducible bit for bit.
 
 PRINT_A_HASH = """
 import hashlib
@@ -215,7 +215,7 @@ print(digest.hexdigest())
 """
 
 
-def test_outcomes_are_the_same_to_the_last_bit_in_every_process() -> None:
+def test_outcomes_are_equal_bit_for_bit_in_every_process() -> None:
     digests = {
         subprocess.run(
             [sys.executable, "-c", PRINT_A_HASH],
@@ -230,17 +230,17 @@ def test_outcomes_are_the_same_to_the_last_bit_in_every_process() -> None:
     assert len(digests.pop()) == 65
 
 
-# Misuse.
+# Invalid calls.
 
 
-def test_a_motion_can_be_multiplied_unless_something_disturbs_it() -> None:
+def test_only_a_nominal_motion_can_be_batched() -> None:
     assert isinstance(RigidBodyMotion(), Batchable)
     disturbed = RigidBodyMotion(disturbances=Disturbances(motor_strength=0.5))
     with pytest.raises(ValueError, match=r"motor_strength=0\.5.*cannot be batched.*nominal"):
         disturbed.batch([HALL])
 
 
-def test_an_empty_batch_is_refused() -> None:
+def test_an_empty_batch_raises() -> None:
     with pytest.raises(ValueError, match="at least one layout"):
         RigidBodyMotion().batch([])
 
@@ -258,7 +258,7 @@ def test_an_empty_batch_is_refused() -> None:
         ([0, 1], [1, 3], LayoutError, "row 1 cannot stand on cell 3: row 1, column 0 is off the"),
     ],
 )
-def test_bad_places_are_named_and_change_nothing(rows, cells, error, message) -> None:
+def test_invalid_places_raise_and_change_nothing(rows, cells, error, message) -> None:
     batch = batch_in([HALL, Layout(["..#"])])
     with pytest.raises(error, match=message):
         batch.place(np.array(rows), np.array(cells))
@@ -276,7 +276,7 @@ def test_bad_places_are_named_and_change_nothing(rows, cells, error, message) ->
         ([EAST, EAST], [0, 2], "loaded are int64; they must be bool"),
     ],
 )
-def test_bad_actions_are_named_and_change_nothing(actions, loaded, message) -> None:
+def test_invalid_actions_raise_and_change_nothing(actions, loaded, message) -> None:
     batch = batch_in([HALL, HALL])
     with pytest.raises(ValueError, match=message):
         batch.advance(np.array(actions), np.array(loaded))
@@ -292,7 +292,7 @@ def test_every_row_must_be_placed_before_the_first_action() -> None:
     assert advance(batch, EAST, SOUTH, WEST).cells.tolist() == [8, 12, 6]
 
 
-def test_a_batch_that_is_closed_stays_closed() -> None:
+def test_calls_after_close_raise() -> None:
     batch = batch_in([HALL])
     batch.close()
     batch.close()
@@ -302,7 +302,7 @@ def test_a_batch_that_is_closed_stays_closed() -> None:
         batch.place(np.array([0]), np.array([0]))
 
 
-# The parts.
+# Parts of a batch.
 
 
 def test_bodies_are_read_and_written_in_the_order_in_which_they_were_added() -> None:
@@ -319,7 +319,9 @@ def test_bodies_are_read_and_written_in_the_order_in_which_they_were_added() -> 
     arrays.write_velocities(np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]))
     assert [tuple(body.velocity) for body in bodies] == [(1, 2), (3, 4), (5, 6)]
     assert positions.tolist() == arrays.read()[0].tolist()
-    assert velocities.tolist() == [[20, 30], [21, 31], [22, 32]], "what was read stays as it was"
+    assert velocities.tolist() == [[20, 30], [21, 31], [22, 32]], (
+        "arrays that were read have changed"
+    )
     with pytest.raises(ValueError, match="shape"):
         arrays.write_velocities(np.zeros((4, 2)))
 
@@ -331,7 +333,7 @@ time_steps = st.sampled_from([1 / 240, 1 / 60, 1 / 30, 0.1])
 
 @settings(max_examples=40)
 @given(ways, st.floats(0.05, 10.0), st.tuples(paces, paces), time_steps)
-def test_profiles_of_many_are_the_profile_of_each(ways, speed, paces, time_step) -> None:
+def test_plans_for_a_batch_equal_single_profiles(ways, speed, paces, time_step) -> None:
     pace = np.resize(paces, len(ways))
     velocities, go, brake = plan_profiles(np.array(ways), speed, pace, time_step)
     speeds = np.hypot(*np.array(ways).T)
