@@ -154,6 +154,7 @@ def best_first_search(
     expanded = 0
     events: list[Event] = []
     expand, is_goal = expand or problem.expand, problem.is_goal
+    best_known, stack_of = reached.get, stacks.get
     while values:
         stack = stacks[values[0]]
         if not stack:
@@ -175,7 +176,7 @@ def best_first_search(
         generated += len(edges)
         for action, successor, action_cost in edges:
             path_cost = cost + action_cost
-            known = reached.get(successor)
+            known = best_known(successor)
             if known is None or path_cost < known[0]:
                 if not action_cost >= 0:
                     raise ValueError(f"{action!r} in {state!r} costs {action_cost!r}; at least 0")
@@ -183,11 +184,12 @@ def best_first_search(
                 if value == math.inf:
                     continue  # no path leads on from there
                 reached[successor] = found = (path_cost, successor, node, action)
-                if value in stacks:
-                    stacks[value].append(found)
-                else:
+                equals = stack_of(value)
+                if equals is None:
                     stacks[value] = [found]
                     heappush(values, value)
+                else:
+                    equals.append(found)
                 waiting += 1
                 if with_events:
                     fresh.append(successor)
