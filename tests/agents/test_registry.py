@@ -212,8 +212,8 @@ def test_arguments_follow_the_name(agent_file: Path) -> None:
     ("name", "message"),
     [
         (
-            "greedy:memo=3",
-            "agent 'greedy' takes no argument 'memo'; allowed: memory=VALUE, escape_steps=VALUE",
+            "greedy:memori=3",
+            "agent 'greedy' takes no argument 'memori'; allowed: memory=VALUE, escape_steps=VALUE",
         ),
         ("greedy:seed=3", "agent 'greedy' takes no argument 'seed'; "),
         ("astar:algorithm='bfs'", "agent 'astar' takes no argument 'algorithm'; "),
