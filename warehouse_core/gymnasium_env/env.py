@@ -38,7 +38,7 @@ from warehouse_core.task.starts import (
 from warehouse_core.warehouse_env import WarehouseEnv
 from warehouse_core.world.actions import ACTIONS, valid_action
 from warehouse_core.world.layout import Layout, check_open
-from warehouse_core.world.map_files import GivenLayout, as_layout
+from warehouse_core.world.named_layouts import GivenLayout, as_layout
 from warehouse_core.world.tiles import Cell
 
 _Known = tuple[NDArray[np.uint8], NDArray[np.int32], NDArray[np.int8]]
@@ -68,8 +68,8 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         Terminated by the delivery; truncated when the steps or the battery are used up.
 
     Args:
-        layout: a ``Layout``, its rows, its text or the path of its file, see ``as_layout`` in
-            ``world/map_files.py``; ``None`` is the chapter's.
+        layout: a ``Layout``, its rows, its text, its name or the path of its file, see
+            ``world/named_layouts.py``; ``None`` is the chapter's.
         backend: name, class or instance of a motion; an instance is copied.
         observation: name of a form, see ``make_form``.
         start_pos: start of the robot if none is drawn; ``None`` is the usual one.

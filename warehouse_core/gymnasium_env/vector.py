@@ -25,7 +25,7 @@ from warehouse_core.render.painter import TilePainter, tile_pixels_for
 from warehouse_core.vector.env import NEXT_STEP, BatchEnv, Seeds
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.map_files import GivenLayout, as_layout
+from warehouse_core.world.named_layouts import GivenLayout, as_layout
 from warehouse_core.world.tiles import TILES, Cell
 
 AutoresetMode: Any = getattr(gymnasium.vector, "AutoresetMode", str)

@@ -12,13 +12,13 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from io import BufferedReader
 from pathlib import Path
 
 from warehouse_core.errors import LayoutError
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.world.layout import DEFAULT_LAYOUT, MAX_CELLS, Layout
+from warehouse_core.world.layout import MAX_CELLS, Layout
 from warehouse_core.world.text_lines import MAX_LINE, error_at, expect, read_line, whole_number_at
 from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP, WALL
 
@@ -45,41 +45,6 @@ _BLANK = b" \t\r\n"
 _SIZE = re.compile(r"(\w+)\s+(\S+)")
 
 _TO_MAP = str.maketrans({WALL: "@", PICKUP: ".", DROPOFF: "."})
-
-
-GivenLayout = Layout | Sequence[str] | str | os.PathLike[str]
-"""A layout, its rows, its text or the path of its file; all but a path object work as JSON."""
-
-
-def as_layout(layout: GivenLayout | None) -> Layout:
-    """Return a layout given in any of these forms; ``None`` is the chapter's.
-
-    A string is text if it has several lines or consists of tiles alone, otherwise it is the path of
-    a file, see ``load_layout``. A path object is always a path.
-
-    Raises:
-        LayoutError: it is not a layout, or its file is not or cannot be read; the message then
-            starts with the name of the file.
-        TypeError: it is of another type.
-    """
-    if layout is None:
-        return DEFAULT_LAYOUT
-    if isinstance(layout, Layout):
-        return layout
-    if not isinstance(layout, (str, os.PathLike)):
-        return Layout(layout)
-    not_text = ""
-    if isinstance(layout, str):
-        try:
-            return Layout.from_text(layout)
-        except LayoutError as error:
-            if not layout or "\n" in layout:
-                raise
-            not_text = f"; nor is it the text of a layout: {error}"
-    try:
-        return load_layout(layout)
-    except OSError as error:
-        raise LayoutError(f"{os.fspath(layout)}: {error.strerror}{not_text}") from error
 
 
 def load_layout(path: str | os.PathLike[str]) -> Layout:

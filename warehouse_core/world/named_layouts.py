@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 
@@ -9,6 +11,9 @@ from warehouse_core.errors import LayoutError
 from warehouse_core.world.generators import shelf_layout
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
 from warehouse_core.world.map_files import load_layout
+
+GivenLayout = Layout | Sequence[str] | str | os.PathLike[str]
+"""A layout, its rows, its text, its name or the path of its file; all but the path work as JSON."""
 
 CORRIDOR = """
 ############
@@ -92,7 +97,7 @@ def named_layout(name: str) -> Layout:
     return Layout(TEXTS[name].split())
 
 
-def find_layout(name: str | Path) -> Layout:
+def find_layout(name: str | os.PathLike[str]) -> Layout:
     """Return the layout in a file, or the named one if there is no such file.
 
     Raises:
@@ -103,3 +108,37 @@ def find_layout(name: str | Path) -> Layout:
     if path.exists() or path.suffix or len(path.parts) != 1:
         return load_layout(path)
     return named_layout(str(name))
+
+
+def as_layout(layout: GivenLayout | None) -> Layout:
+    """Return a layout given in any of these forms; ``None`` is the chapter's.
+
+    A string is text if it has several lines or consists of tiles alone, otherwise it is a path or a
+    name, see ``find_layout``.
+
+    Raises:
+        LayoutError: it is not a layout, or its file is not or cannot be read.
+        TypeError: it is of another type.
+    """
+    if layout is None:
+        return DEFAULT_LAYOUT
+    if isinstance(layout, Layout):
+        return layout
+    if not isinstance(layout, (str, os.PathLike)):
+        return Layout(layout)
+    not_text = ""
+    if isinstance(layout, str):
+        try:
+            return Layout.from_text(layout)
+        except LayoutError as error:
+            if not layout or "\n" in layout:
+                raise
+            not_text = f"; nor is it the text of a layout: {error}"
+    try:
+        return find_layout(layout)
+    except OSError as error:
+        raise LayoutError(f"{os.fspath(layout)}: {error.strerror}{not_text}") from error
+    except LayoutError as error:
+        if Path(layout).exists():
+            raise
+        raise LayoutError(f"{error}{not_text}") from error

@@ -1,4 +1,3 @@
-import re
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from functools import partial
@@ -13,7 +12,6 @@ from warehouse_core.world import map_files as map_files_module
 from warehouse_core.world.layout import MAX_CELLS
 from warehouse_core.world.map_files import (
     MAX_BLANKS,
-    as_layout,
     load_layout,
     load_map,
     save_layout,
@@ -226,56 +224,3 @@ def test_the_suffix_selects_the_format(tmp_path: Path) -> None:
     HALL.save(path)
     with pytest.raises(LayoutError, match="line 1"):
         load_layout(path)
-
-
-def test_a_layout_is_given_in_any_of_its_forms(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    assert as_layout(None) is as_layout(DEFAULT_LAYOUT) is DEFAULT_LAYOUT
-    assert as_layout(str(HALL)) == as_layout(HALL.rows) == HALL
-    monkeypatch.chdir(tmp_path)
-    HALL.save("hall.txt")
-    assert as_layout("hall.txt") == as_layout(Path("hall.txt")) == HALL
-    save_map(HALL, "hall.map")
-    assert as_layout("hall.map") == HALL.with_stations(None, None)
-
-
-def test_a_line_of_tiles_is_text_and_a_path_object_a_path(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    HALL.save("PD")
-    assert as_layout("PD") == Layout(["PD"])
-    assert as_layout(Path("PD")) == HALL
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        (
-            "hal.txt",
-            "hal.txt: No such file or directory; nor is it the text of a layout: "
-            "row 0, column 0: 'h' is not a tile; allowed: ",
-        ),
-        (Path("hal.txt"), "hal.txt: No such file or directory"),
-        (Path(), ".: Is a directory"),
-        ("bad.txt", "bad.txt: row 1, column 2: 'x' is not a tile"),
-        (Path("bad.map"), "bad.map: line 1, column 1: "),
-        ("P.\n#x", "row 1, column 1: 'x' is not a tile"),
-        ("", "the layout is empty"),
-    ],
-    ids=repr,
-)
-def test_an_error_in_a_layout_starts_with_the_name_of_its_file(
-    given: str | Path, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    for name in ("bad.txt", "bad.map"):
-        Path(name).write_text("P..\n..x\n")
-    with pytest.raises(LayoutError, match=f"^{re.escape(message)}"):
-        as_layout(given)
-
-
-def test_a_layout_of_another_type_raises() -> None:
-    with pytest.raises(TypeError, match="a layout is a list of strings, not int"):
-        as_layout(3)  # type: ignore[arg-type]

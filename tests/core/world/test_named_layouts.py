@@ -1,11 +1,15 @@
+import re
 from pathlib import Path
 
 import pytest
 
 from agents import GreedyAgent
-from warehouse_core import DEFAULT_LAYOUT, LayoutError, WarehouseEnv, record_episode
+from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError, WarehouseEnv, record_episode
 from warehouse_core.records.failure_modes import OSCILLATION, diagnose, fewest_steps
-from warehouse_core.world.named_layouts import DEFAULT, NAMES, find_layout, named_layout
+from warehouse_core.world.map_files import save_map
+from warehouse_core.world.named_layouts import DEFAULT, NAMES, as_layout, find_layout, named_layout
+
+HALL = Layout(["#####", "#P.D#", "#...#", "#####"])
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -44,3 +48,58 @@ def test_an_unknown_name_is_an_error_that_lists_the_names(tmp_path: Path) -> Non
         find_layout("missing.txt")
     with pytest.raises(FileNotFoundError):
         find_layout(tmp_path / "trap")
+
+
+def test_a_layout_is_given_in_any_of_its_forms(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert as_layout("trap") is named_layout("trap")
+    assert as_layout(None) is as_layout(DEFAULT_LAYOUT) is as_layout(DEFAULT) is DEFAULT_LAYOUT
+    assert as_layout(str(HALL)) == as_layout(HALL.rows) == HALL
+    monkeypatch.chdir(tmp_path)
+    HALL.save("hall.txt")
+    assert as_layout("hall.txt") == as_layout(Path("hall.txt")) == HALL
+    save_map(HALL, "hall.map")
+    assert as_layout("hall.map") == HALL.with_stations(None, None)
+
+
+def test_a_line_of_tiles_is_text_and_a_path_object_a_path(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    HALL.save("PD")
+    assert as_layout("PD") == Layout(["PD"])
+    assert as_layout(Path("PD")) == HALL
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (
+            "hal.txt",
+            "hal.txt: No such file or directory; nor is it the text of a layout: "
+            "row 0, column 0: 'h' is not a tile; allowed: ",
+        ),
+        (Path("hal.txt"), "hal.txt: No such file or directory"),
+        (Path(), ".: Is a directory"),
+        ("#x", "no layout is called '#x'; allowed: default, "),
+        ("bad.txt", "bad.txt: row 1, column 2: 'x' is not a tile"),
+        (Path("bad.map"), "bad.map: line 1, column 1: "),
+        ("P.\n#x", "row 1, column 1: 'x' is not a tile"),
+        ("", "the layout is empty"),
+    ],
+    ids=repr,
+)
+def test_an_error_in_a_layout_starts_with_the_name_of_its_file(
+    given: str | Path, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("bad.txt", "bad.map"):
+        Path(name).write_text("P..\n..x\n")
+    with pytest.raises(LayoutError, match=f"^{re.escape(message)}"):
+        as_layout(given)
+
+
+def test_a_layout_of_another_type_raises() -> None:
+    with pytest.raises(TypeError, match="a layout is a list of strings, not int"):
+        as_layout(3)  # type: ignore[arg-type]
