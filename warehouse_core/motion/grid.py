@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from struct import Struct
 
 import numpy as np
+from numpy.typing import NDArray
 
 from warehouse_core.arguments import real_number
 from warehouse_core.motion.base import (
@@ -46,6 +47,13 @@ MAX_CACHED = 100_000
 """Limit on the cached outcomes of a lone robot, about half a kilobyte each."""
 
 
+FEW_OUTCOMES = 500
+"""Outcomes that are made one by one, before the paths of all moves are made at once."""
+
+MAX_PATHS_BYTES = 32_000_000
+"""Limit on those paths; a layout that needs more has none made at once."""
+
+
 class GridMotion:
     """Moves robots by whole cells; several at once by the table in ``traffic.py``.
 
@@ -64,12 +72,13 @@ class GridMotion:
         self._cells: list[Cell] = []
         self._headings: list[Cell] = []
         self._lone: dict[tuple[Cell, Cell, Cell], tuple[Outcome]] = {}
+        self._paths: dict[Cell, NDArray[np.float64]] = {}
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         """Put robots in their cells; see ``Motion.reset``. The seed is not used."""
         check_starts(layout, cells)
         if self._layout.open_cells is not layout.open_cells:
-            self._lone = {}
+            self._lone, self._paths = {}, {}
         self._layout = layout
         self._cells = list(cells)
         self._headings = [EAST] * len(cells)
@@ -87,12 +96,7 @@ class GridMotion:
         key = (self._cells[0], displacement, heading)
         outcomes = self._lone.get(key)
         if outcomes is None:
-            check_moves(1, displacements, loaded)
-            target = moved(self._cells[0], displacement)
-            stop: Stop = None if self._layout.is_open(target) else WALL_CONTACT
-            if len(self._lone) >= MAX_CACHED:
-                self._lone.clear()
-            outcomes = (self._outcome(self._cells[0], target, heading, stop),)
+            outcomes = (self._first_outcome(self._cells[0], displacement, heading),)
             self._lone[key] = outcomes
         self._cells[0] = outcomes[0].cell
         self._headings[0] = heading
@@ -122,6 +126,20 @@ class GridMotion:
         self._cells = [outcome.cell for outcome in outcomes]
         return outcomes
 
+    def _first_outcome(self, cell: Cell, displacement: Cell, heading: Cell) -> Outcome:
+        """Return an outcome that is not in the cache, and make room for it."""
+        target = moved(cell, displacement)
+        is_open = self._layout.is_open(target)
+        if is_open and displacement in self._paths:
+            path = self._paths[displacement][cell]
+            return Outcome(target, False, NOMINAL_SECONDS, self._moving_joules, path)
+        check_moves(1, (displacement,), (False,))
+        if len(self._lone) == FEW_OUTCOMES:
+            self._paths = move_paths(self._layout, self.cell_size)
+        elif len(self._lone) >= MAX_CACHED:
+            self._lone.clear()
+        return self._outcome(cell, target, heading, None if is_open else WALL_CONTACT)
+
     def _outcome(self, cell: Cell, target: Cell, heading: Cell, stop: Stop) -> Outcome:
         end = target if stop is None else cell
         x0, y0 = centre_of(cell, self.cell_size)
@@ -142,6 +160,27 @@ class GridMotion:
             counterpart=stop if isinstance(stop, str) else robot_contact(stop),
         )
         return Outcome(end, True, NOMINAL_SECONDS, joules, path, (hit,))
+
+
+def move_paths(layout: Layout, cell_size: float) -> dict[Cell, NDArray[np.float64]]:
+    """Return ``[H, W, 2, 4]`` paths, read-only, of the moves from each cell by displacement.
+
+    The result is empty if they would be larger than ``MAX_PATHS_BYTES``.
+    """
+    height, width = layout.height, layout.width
+    if height * width * len(ANGLES) * 2 * 4 * 8 > MAX_PATHS_BYTES:
+        return {}
+    rows, cols = np.indices((height, width)) + 0.5
+    found = {}
+    for (down, right), angle in ANGLES.items():
+        paths = np.zeros((height, width, 2, 4))
+        paths[..., 1, 0] = NOMINAL_SECONDS
+        paths[..., 0, 1], paths[..., 0, 2] = cols * cell_size, rows * cell_size
+        paths[..., 1, 1], paths[..., 1, 2] = (cols + right) * cell_size, (rows + down) * cell_size
+        paths[..., 3] = angle
+        paths.flags.writeable = False
+        found[down, right] = paths
+    return found
 
 
 class GridBatch:

@@ -169,3 +169,24 @@ def test_paths_are_read_only_float64() -> None:
     assert path.dtype == np.float64
     with pytest.raises(ValueError, match="read-only"):
         path[0, 0] = 1
+
+
+@pytest.mark.parametrize("limit", [32_000_000, 100])
+def test_outcomes_made_at_once_are_those_made_one_by_one(
+    monkeypatch: pytest.MonkeyPatch, limit: int
+) -> None:
+    layout = random_layout(9, 11, 0.2, seed=3)
+    stream = random.Random(1)
+    moves = [stream.choice([STAY, NORTH, EAST, SOUTH, WEST]) for _ in range(2000)]
+    start = layout.usual_start()
+    singly = started(start, cell_size=0.7, layout=layout)
+    expected = [moved(singly, move) for move in moves]
+    monkeypatch.setattr(grid_motion_module, "FEW_OUTCOMES", 5)
+    monkeypatch.setattr(grid_motion_module, "MAX_PATHS_BYTES", limit)
+    motion = started((2, 2), cell_size=0.7)
+    for move in moves:
+        moved(motion, move)
+    motion.reset(layout, [start], None)
+    outcomes = [moved(motion, move) for move in moves]
+    assert outcomes == expected
+    assert not any(outcome.path.flags.writeable for outcome in outcomes)
