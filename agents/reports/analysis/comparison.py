@@ -66,7 +66,7 @@ def compare(store: Store, first: int, second: int, pairs_to_choose: int = 1) -> 
     from scipy.stats import binomtest
 
     pairs = """
-        FROM episodes a JOIN episodes b ON b.case_id = ?2 AND b.seed = a.seed WHERE a.case_id = ?1
+        FROM episodes a JOIN episodes b ON b.seed = a.seed WHERE a.case_id = ? AND b.case_id = ?
     """
     modes = store.query(
         f"SELECT a.mode, b.mode, count(*) {pairs} GROUP BY a.mode, b.mode", first, second
@@ -79,7 +79,7 @@ def compare(store: Store, first: int, second: int, pairs_to_choose: int = 1) -> 
     names = ", ".join(f"a.{column}, b.{column}" for column in COLUMNS)
     rows = np.fromiter(
         store.query(
-            f"SELECT {names} {pairs} AND a.mode = ?3 AND b.mode = ?3", first, second, DELIVERED
+            f"SELECT {names} {pairs} AND a.mode = b.mode AND a.mode = ?", first, second, DELIVERED
         ),
         (float, 2 * len(COLUMNS)),
     )
