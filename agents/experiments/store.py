@@ -97,7 +97,7 @@ class Store:
             raise StoreError(f"{path}: it is a folder or a device, not a file")
         with self._errors_reported():
             closed = self._is_closed()
-            address = f"{self.path.absolute().as_uri()}?immutable=1" if closed else self.path
+            address = f"{self.path.absolute().as_uri()}?immutable=1" if closed else self.path.absolute()
             self._connection = sqlite3.connect(
                 address, timeout=TIMEOUT, isolation_level=None, uri=closed
             )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from warehouse_core.errors import FormatError
 
@@ -36,19 +37,18 @@ def check_suffix(path: Path, allowed: Collection[str]) -> str:
 
 @contextmanager
 def atomic_path(path: str | Path) -> Iterator[Path]:
-    """Yield a path beside ``path`` to write to; rename it to ``path`` when the block succeeds.
+    """Yield a path to write to; move that file to ``path`` when the block succeeds.
 
-    The suffix is kept, because writers choose their format by it. On any error the temporary file
-    is removed and an existing file at ``path`` is left unchanged.
+    Its name is that of ``path``, because writers choose their format by the suffix. It is in a new
+    folder beside ``path`` that only this user can enter, so that no other program writes or links
+    there. On any error it is removed, and an existing file at ``path`` is left unchanged.
 
     Raises:
         OSError: the folder does not exist or cannot be written.
     """
     target = Path(path)
     check_target(target)
-    part = target.with_name(f".{target.stem}.part{target.suffix}")
-    try:
+    with TemporaryDirectory(prefix=".", suffix=".part", dir=target.parent) as folder:
+        part = Path(folder, target.name)
         yield part
         part.replace(target)
-    finally:
-        part.unlink(missing_ok=True)

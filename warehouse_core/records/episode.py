@@ -98,12 +98,12 @@ class Episode:
     @property
     def seconds(self) -> float:
         """The simulated time that all motions took."""
-        return sum(motion.seconds for motion in self.motions)
+        return math.fsum(motion.seconds for motion in self.motions)
 
     @property
     def joules(self) -> float:
         """The energy that all motions cost."""
-        return sum(motion.joules for motion in self.motions)
+        return math.fsum(motion.joules for motion in self.motions)
 
     @property
     def outcome(self) -> str:

@@ -400,3 +400,11 @@ def test_what_is_not_yet_in_the_file_itself_is_not_left_out(
         monkeypatch.setattr("os.access", lambda *_: False)
         with pytest.raises(StoreError, match="its newest rows are still in r"):
             Store(path, read_only=True)
+
+
+def test_a_name_that_sqlite_keeps_for_itself_is_a_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Store(":memory:").close()
+    assert [path.name for path in tmp_path.iterdir()] == [":memory:"]

@@ -17,11 +17,24 @@ def test_a_file_appears_complete(tmp_path: Path) -> None:
     assert target.read_text() == "replaced"
 
 
-def test_the_temporary_file_is_in_the_same_folder_with_the_same_suffix(tmp_path: Path) -> None:
+def test_the_temporary_file_is_in_a_private_folder_with_the_name_of_the_target(
+    tmp_path: Path,
+) -> None:
     with atomic_path(tmp_path / "film.gif") as part:
-        assert part.parent == tmp_path
-        assert part.suffix == ".gif"
+        assert part.name == "film.gif"
+        assert part.parent.parent == tmp_path
+        assert part.parent.stat().st_mode & 0o777 == 0o700
         part.touch()
+
+
+def test_two_writers_of_one_target_do_not_mix(tmp_path: Path) -> None:
+    target = tmp_path / "film.gif"
+    with atomic_path(target) as first, atomic_path(target) as second:
+        first.write_text("first")
+        second.write_text("second")
+        assert first.read_text() == "first"
+    assert target.read_text() == "first"
+    assert list(tmp_path.iterdir()) == [target]
 
 
 @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt])
