@@ -96,8 +96,8 @@ class Store:
         if self.path.exists() and not self.path.is_file():  # SQLite would try, and leave a journal
             raise StoreError(f"{path}: it is a folder or a device, not a file")
         with self._errors_reported():
-            closed = self._is_closed()
-            address = f"{self.path.absolute().as_uri()}?immutable=1" if closed else self.path.absolute()
+            closed, path = self._is_closed(), self.path.absolute()
+            address = f"{path.as_uri()}?immutable=1" if closed else path
             self._connection = sqlite3.connect(
                 address, timeout=TIMEOUT, isolation_level=None, uri=closed
             )
