@@ -6,6 +6,7 @@ import ast
 import importlib
 import importlib.util
 import inspect
+import random
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,6 +14,8 @@ from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+
+import numpy as np
 
 from agents.errors import AgentError, reason_of
 from agents.evaluation.baselines import RandomAgent, ReflexAgent
@@ -44,7 +47,8 @@ def make_agent(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYO
         name: one of ``AGENTS``, or ``file.py:Class`` or ``package.module:Class``; arguments may
             follow, as in ``greedy:memory=20,escape_steps=0``. Or one of ``TRAINED``, a colon and a
             file.
-        seed: passed to the agent if it takes a ``seed``.
+        seed: passed to the agent if it takes a ``seed``. The global streams of Python and NumPy are
+            seeded with it too, if the agent is a user's class, which may draw from them.
         layout: passed to the agent if it takes a ``layout``.
 
     Raises:
@@ -54,6 +58,9 @@ def make_agent(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYO
     if colon and word in TRAINED:
         return _load_trained(word, rest, seed, layout)
     source, options = _split(name)
+    if seed is not None and source not in AGENTS:
+        random.seed(seed)
+        np.random.seed(seed % 2**32)
     kind = AGENTS.get(source) or _load_class(source)
     given = _wanted(kind, seed, layout) | _options(source, kind, options)
     try:

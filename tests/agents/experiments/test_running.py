@@ -16,6 +16,20 @@ from agents.experiments.running import MAX_TASK_EPISODES, TASK_SECONDS, Pace, ru
 from agents.experiments.store import Row, Store
 from agents.experiments.workers import process_pool
 
+GLOBAL_STREAMS = """
+import random
+
+import numpy as np
+
+
+class Own:
+    def reset(self):
+        self.turn = random.random()
+
+    def act(self, observation):
+        return random.choice("NESW") if self.turn < 0.5 else "NESW"[np.random.randint(4)]
+"""
+
 PLAN = make_plan({"escape": [True, False], "battery": [20, 60], "layout": "random"}, 12, 5)
 
 
@@ -108,6 +122,19 @@ def test_a_failing_worker_leaves_what_was_finished_and_the_rest_can_follow(
     rest = Here()
     assert run(path, rest) == expected
     assert len(rest.seeds) == len(expected) - len(left)
+
+
+def test_rows_of_an_agent_that_draws_from_global_streams_depend_on_the_seed_alone(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "agent.py"
+    file.write_text(GLOBAL_STREAMS)
+    [case] = make_plan({"agent": f"{file}:Own", "max_steps": 30}, 1, 0).cases
+    together = run_task(case, range(6)).rows
+    assert [run_task(case, [seed]).rows[0] for seed in (5, 3, 0)] == [
+        together[n] for n in (5, 3, 0)
+    ]
+    assert len({row.reward for row in together}) > 3
 
 
 def plan_of(folder: Path, begin: str = "pass", act: str = "pass") -> Plan:
