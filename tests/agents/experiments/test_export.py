@@ -174,13 +174,13 @@ def test_an_export_that_fails_keeps_the_existing_file(
 ) -> None:
     monkeypatch.setattr(table_export, "LINES_AT_ONCE", 1)
     target = tmp_path / f"t{suffix}"
-    target.write_text("as it was")
+    target.write_text("existing")
     database = sqlite3.connect(results)
     database.execute("UPDATE episodes SET mode = CAST(x'ff' AS TEXT) WHERE case_id = 3")
     database.commit()
     database.close()
     assert str(results) in refusal(capsys, "export", results, target)
-    assert target.read_text() == "as it was"
+    assert target.read_text() == "existing"
     assert names(tmp_path) == {"r.sqlite", target.name}
 
 

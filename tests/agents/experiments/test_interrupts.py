@@ -34,10 +34,10 @@ def test_an_interrupt_is_deferred_until_the_check() -> None:
         check()
         interrupt()
         interrupt()
-        done.append("the step")
+        done.append("step done")
         with pytest.raises(KeyboardInterrupt):
             check()
-    assert done == ["the step"]
+    assert done == ["step done"]
 
 
 def test_without_an_interrupt_nothing_is_raised_and_the_handler_is_restored() -> None:

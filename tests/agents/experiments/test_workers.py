@@ -88,7 +88,7 @@ def test_workers_end_when_their_parent_is_killed() -> None:
     wait_until_gone(found)
 
 
-def test_there_are_at_most_max_processes_workers(
+def test_the_number_of_workers_is_at_most_max_processes(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(workers, "MAX_PROCESSES", 1)

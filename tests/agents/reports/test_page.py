@@ -148,7 +148,7 @@ def test_only_columns_of_numbers_have_the_class_number(path: Path) -> None:
     assert heads == [None, "number", "number", None, None]
 
 
-def test_a_page_with_only_a_title_is_valid(path: Path) -> None:
+def test_a_page_with_empty_parts_is_valid(path: Path) -> None:
     empty = Table(("case",), (), "")
     write_page(
         path,

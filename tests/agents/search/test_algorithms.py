@@ -181,7 +181,7 @@ def test_a_negative_cost_is_an_error(road: tuple[str, str], cost: float) -> None
             search(problem)
 
 
-def test_a_negative_cost_that_rounding_hides_is_an_error() -> None:
+def test_a_negative_cost_is_an_error_even_if_rounding_removes_it() -> None:
     roads = {("S", "A"): 1e20, ("A", "G"): -1.0}
     with pytest.raises(ValueError, match=r"'G' in 'A' costs -1\.0; at least 0"):
         uniform_cost_search(Travel(roads, "S", "G"))

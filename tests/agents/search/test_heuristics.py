@@ -37,7 +37,7 @@ def steps_to(here: Cell, cells: Iterable[Cell]) -> int:
     return min(abs(here[0] - row) + abs(here[1] - col) for row, col in cells)
 
 
-def test_zero_is_zero() -> None:
+def test_the_zero_heuristic_is_0_for_every_state() -> None:
     assert zero((3, 4)) == zero(DELIVERED) == 0
 
 

@@ -80,7 +80,7 @@ def test_the_sentence_states_a_highest_or_lowest_success_between_the_ends(tmp_pa
     assert "; it is lowest at battery 20, 5.0% (" in trend(tmp_path, 50, 10, 90)
 
 
-def test_a_change_of_success_by_less_than_a_point_is_stated_as_none(tmp_path: Path) -> None:
+def test_a_change_of_success_by_less_than_a_point_is_not_stated(tmp_path: Path) -> None:
     assert trend(tmp_path, 100, 101, 100).startswith("Success is all but the same, 50.0% (")
 
 
