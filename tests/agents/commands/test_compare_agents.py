@@ -13,7 +13,7 @@ from agents.evaluation.scores import EXPLANATION
 SMALL = ("compare-agents", "-n", 2, "--backend", "grid", "--max-steps", 40)
 
 
-def test_it_prints_a_row_for_each_agent(
+def test_the_command_prints_a_row_for_each_agent(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")
@@ -47,7 +47,7 @@ class Mine:
 """
 
 
-def test_an_agent_is_added_with_its_arguments_and_once(
+def test_agents_are_added_once_with_their_arguments(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("COLUMNS", "30")
@@ -61,7 +61,7 @@ def test_an_agent_is_added_with_its_arguments_and_once(
     assert [line for line in lines if line in names] == 2 * names
 
 
-def test_the_place_is_that_of_the_options(
+def test_the_options_set_the_start_and_the_stations(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     tasks = []
@@ -77,7 +77,7 @@ def test_the_place_is_that_of_the_options(
     assert places == [(None, "start"), ((0, 1), False), (None, True)]
 
 
-def test_an_agent_that_fails_is_one_line_with_its_place(
+def test_an_agent_that_fails_is_a_one_line_error_with_its_seed_and_step(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -90,7 +90,7 @@ def test_an_agent_that_fails_is_one_line_with_its_place(
     assert not ran
 
 
-def test_a_reader_that_leaves_does_not_cost_the_figure(
+def test_the_figure_is_saved_even_if_the_output_is_closed(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     def leave(_: object) -> None:
@@ -123,6 +123,6 @@ def test_a_file_that_cannot_be_written_is_an_error_before_the_episodes(
     assert "nowhere" in refusal(capsys, *SMALL, "--save", tmp_path / "nowhere" / "figure.png")
 
 
-def test_wrong_numbers_are_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
+def test_invalid_options_are_errors(capsys: pytest.CaptureFixture[str]) -> None:
     assert "--episodes" in refusal(capsys, "compare-agents", "-n", 0, code=2)
     assert "antigravity" in refusal(capsys, "compare-agents", "--backend", "antigravity")

@@ -1,4 +1,4 @@
-"""Intervals: their width, their estimates, and that they repeat."""
+"""Intervals: their widths and estimates, and that they are deterministic."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from agents.evaluation.interval import (
 @pytest.mark.parametrize(
     ("count", "total", "low", "high"),
     # By hand, from (p + z^2/2n +- z sqrt(p(1-p)/n + z^2/4n^2)) / (1 + z^2/n) with z = 1.959964;
-    # that of 81 of 263 is in Newcombe, Statistics in Medicine 17, 1998, table I.
+    # the values for 81 of 263 are in Newcombe, Statistics in Medicine 17, 1998, table I.
     [(0, 10, 0.0, 0.277533), (5, 10, 0.236593, 0.763407), (81, 263, 0.255289, 0.366210),
      (10, 10, 0.722467, 1.0), (1, 1, 0.206549, 1.0)],
 )  # fmt: skip
@@ -23,7 +23,7 @@ def test_a_share_has_wilsons_interval(count: int, total: int, low: float, high: 
     assert share_interval(count, total) == pytest.approx((count / total, low, high), abs=1e-6)
 
 
-def test_the_interval_of_a_mean_is_as_wide_as_that_of_a_normal_one() -> None:
+def test_the_interval_of_a_mean_is_as_wide_as_that_of_a_normal_distribution() -> None:
     values = np.random.default_rng(1).normal(50, 10, 4000)
     found = mean_interval(values)
     assert found is not None
@@ -33,25 +33,25 @@ def test_the_interval_of_a_mean_is_as_wide_as_that_of_a_normal_one() -> None:
     assert found.high - found.estimate == pytest.approx(reach, rel=0.1)
 
 
-def test_it_is_longer_on_the_side_of_outliers() -> None:
+def test_the_interval_of_a_mean_is_longer_on_the_side_of_outliers() -> None:
     found = mean_interval(np.array([1.0] * 19 + [100.0]))
     assert found is not None
     assert found.high - found.estimate > 1.5 * (found.estimate - found.low)
 
 
-def test_it_contains_the_mean_in_about_95_of_100_cases() -> None:
+def test_the_interval_contains_the_mean_in_about_95_of_100_cases() -> None:
     stream = np.random.default_rng(3)
     intervals = [mean_interval(stream.exponential(20, 60)) for _ in range(150)]
     held = sum(each is not None and each.low <= 20 <= each.high for each in intervals)
     assert 0.87 <= held / len(intervals) <= 0.99
 
 
-def test_it_repeats() -> None:
+def test_the_interval_of_a_mean_is_deterministic() -> None:
     values = np.random.default_rng(2).integers(8, 200, 3000).astype(np.float32)
     assert mean_interval(values) == mean_interval(values.copy())
 
 
-def test_large_values_lose_no_digits() -> None:
+def test_large_values_lose_no_precision() -> None:
     steps = np.random.default_rng(2).integers(0, 5, 1000).astype(np.float32)
     far = mean_interval(steps + np.float32(10_000_000))
     near = mean_interval(steps)

@@ -17,7 +17,7 @@ GOOD, BAD = Run(True, 20, 10.0, 40.0, 900.0, 5), Run(False, 200, 10.0, 400.0, 90
 
 
 class Waiter:
-    """Waits, and notes what is called."""
+    """Waits, and records the calls of its methods."""
 
     def __init__(self, notes: list[object]) -> None:
         self.notes = notes
@@ -40,7 +40,7 @@ class Waiter:
         Task(ROOM, 50, 50, "grid", (2, 1), False),
     ],
 )
-def test_the_episodes_are_those_of_the_command_run(task: Task) -> None:
+def test_the_episodes_are_those_of_run_episode(task: Task) -> None:
     seeds = range(100, 115) if task.backend == "grid" else range(100, 102)
     scores = evaluate(GreedyAgent, task, seeds)
     for seed, run in zip(seeds, scores.runs, strict=True):
@@ -84,7 +84,7 @@ def test_the_nodes_that_an_agent_expanded_are_counted() -> None:
     assert 0 < astar.expanded < ucs.expanded
 
 
-def test_needed_is_nan_where_no_path_leads() -> None:
+def test_needed_is_nan_if_there_is_no_path() -> None:
     layout = Layout(["########", "#..##..#", "#..##..#", "########"])
     runs = evaluate(GreedyAgent, Task(layout, 9, 9), range(20)).runs
     cut_off = [run for run in runs if math.isnan(run.needed)]
@@ -92,7 +92,7 @@ def test_needed_is_nan_where_no_path_leads() -> None:
     assert not any(run.delivered for run in cut_off)
 
 
-def test_failures_cost_what_they_cost_and_only_the_ratio_to_the_fewest_is_of_deliveries() -> None:
+def test_failures_count_in_all_measures_but_the_ratio_to_the_fewest_steps() -> None:
     scores = Scores([GOOD] * 30 + [BAD] * 10)
     found = {each.column.split("\n")[0]: each.of(scores) for each in MEASURES}
     assert {name: interval and interval.estimate for name, interval in found.items()} == {
@@ -104,7 +104,7 @@ def test_failures_cost_what_they_cost_and_only_the_ratio_to_the_fewest_is_of_del
     assert Scores([BAD]).steps is None
 
 
-def test_an_agent_that_delivers_only_what_is_near_does_not_look_better() -> None:
+def test_an_agent_that_makes_only_short_deliveries_does_not_score_better() -> None:
     choosy, thorough = Scores([GOOD] * 20 + [BAD] * 20), Scores([GOOD._replace(steps=30)] * 40)
     assert choosy.steps is not None
     assert thorough.steps is not None
@@ -131,7 +131,7 @@ def test_the_figure_has_a_mark_for_each_agent_in_each_panel() -> None:
     assert drawn.y1 <= height
 
 
-def test_an_agent_that_delivers_nothing_has_words_for_a_mark() -> None:
+def test_an_agent_without_deliveries_has_a_text_instead_of_a_mark() -> None:
     figure = scores_figure({"one": Scores([BAD] * 3)}, "")
     figure.pixels()
     assert [len(axes.patches) for axes in figure.axes] == [1, 0, 0, 1, 0, 0]

@@ -16,11 +16,11 @@ def test_a_share_has_its_interval_in_brackets() -> None:
      (48.91, "48.9 s (48.9 to 48.9)"), (107.4, "107 s (107 to 107)"),
      (3863.2, "3,863 s (3,863 to 3,863)"), (-12.34, "-12.3 s (-12.3 to -12.3)")],
 )  # fmt: skip
-def test_a_mean_has_three_digits_or_all_before_the_point(estimate: float, words: str) -> None:
+def test_a_mean_has_three_digits_or_all_of_its_integer_part(estimate: float, words: str) -> None:
     assert wording.mean(Interval(estimate, estimate, estimate), "s") == words
 
 
-def test_a_mean_may_have_no_unit_and_more_in_its_brackets() -> None:
+def test_a_mean_may_have_no_unit_and_a_note_in_its_brackets() -> None:
     assert wording.mean(Interval(20, 10, 30), "", "shortest 8") == "20.0 (10.0 to 30.0; shortest 8)"
 
 
@@ -31,7 +31,7 @@ def test_a_p_value_is_never_zero(probability: float, words: str) -> None:
     assert wording.chance(probability) == words
 
 
-def test_a_mean_without_an_interval_has_no_ends() -> None:
+def test_a_mean_without_an_interval_has_no_limits() -> None:
     assert wording.mean(Interval(20), "steps") == "20.0 steps"
     assert wording.mean(Interval(20), "s", "shortest 8") == "20.0 s (shortest 8)"
 

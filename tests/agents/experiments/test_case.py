@@ -1,4 +1,4 @@
-"""Cases: the same experiment is one, whatever is said that means nothing; a change is another."""
+"""Cases: settings without effect are left out, and equal experiments have equal keys."""
 
 from pathlib import Path
 from typing import Any
@@ -24,8 +24,8 @@ class Waiter:
 """
 
 
-def test_a_default_that_is_written_out_makes_no_other_case() -> None:
-    given = {name: setting.default for name, setting in PARAMETERS.items()}
+def test_defaults_that_are_given_make_the_same_case() -> None:
+    given = {name: parameter.default for name, parameter in PARAMETERS.items()}
     assert key_of(make_case(given)) == key_of(make_case({}))  # type: ignore[arg-type]
 
 
@@ -42,7 +42,7 @@ def test_a_default_that_is_written_out_makes_no_other_case() -> None:
          "disturbances.motor_strength has no effect here; it applies only with backend=physics"),
     ],
 )  # fmt: skip
-def test_what_means_nothing_at_all_is_refused(choices: dict[str, Any], needs: str) -> None:
+def test_a_choice_without_any_effect_is_an_error(choices: dict[str, Any], needs: str) -> None:
     with pytest.raises(ParameterError) as caught:
         make_plan(choices, 1, 0)
     assert str(caught.value) == needs
@@ -57,7 +57,7 @@ def test_what_means_nothing_at_all_is_refused(choices: dict[str, Any], needs: st
         ({"backend": ["grid", "physics"], "robot.mass": [50, 60, 70]}, 4),
     ],
 )
-def test_what_means_nothing_makes_no_further_case(choices: dict[str, Any], cases: int) -> None:
+def test_values_without_effect_add_no_cases(choices: dict[str, Any], cases: int) -> None:
     assert len(make_plan(choices, 1, 0).cases) == cases
 
 
@@ -74,11 +74,11 @@ def test_what_means_nothing_makes_no_further_case(choices: dict[str, Any], cases
         {"backend": ["grid", "physics"]},
     ],
 )
-def test_what_means_something_makes_further_cases(choices: dict[str, Any]) -> None:
+def test_values_with_an_effect_add_cases(choices: dict[str, Any]) -> None:
     assert len(make_plan(choices, 1, 0).cases) == 2
 
 
-def test_an_agent_of_ones_own_has_neither_memory_nor_escape(tmp_path: Path) -> None:
+def test_a_user_agent_has_neither_memory_nor_escape(tmp_path: Path) -> None:
     file = tmp_path / "waiter.py"
     file.write_text(WAITER)
     agents = ["greedy", f"{file}:Waiter"]
@@ -87,7 +87,7 @@ def test_an_agent_of_ones_own_has_neither_memory_nor_escape(tmp_path: Path) -> N
     assert not {"escape", "memory"} & case.keys()
 
 
-def test_a_changed_agent_file_is_another_case(tmp_path: Path) -> None:
+def test_a_changed_agent_file_makes_another_case(tmp_path: Path) -> None:
     file = tmp_path / "waiter.py"
     keys = []
     for text in (WAITER, WAITER, WAITER + "# changed\n"):
@@ -96,7 +96,7 @@ def test_a_changed_agent_file_is_another_case(tmp_path: Path) -> None:
     assert keys[0] == keys[1] != keys[2]
 
 
-def test_a_changed_layout_file_is_another_case(tmp_path: Path) -> None:
+def test_a_changed_layout_file_makes_another_case(tmp_path: Path) -> None:
     file = tmp_path / "layout.txt"
     rows = [list(row) for row in DEFAULT_LAYOUT.rows]
     keys = []
@@ -107,7 +107,7 @@ def test_a_changed_layout_file_is_another_case(tmp_path: Path) -> None:
     assert keys[0] == keys[1] != keys[2]
 
 
-def test_a_case_is_described_by_what_is_not_as_usual(tmp_path: Path) -> None:
+def test_a_case_is_described_by_its_settings_that_are_not_defaults(tmp_path: Path) -> None:
     file = tmp_path / "waiter.py"
     file.write_text(WAITER)
     assert flags_of(make_case({})) == []
@@ -128,25 +128,25 @@ def test_a_case_is_described_by_what_is_not_as_usual(tmp_path: Path) -> None:
             "AttributeError: 'Own' object has no attribute 'x' (own.py, line 4)",
         ),
     ],
-    ids=["a file that fails", "a file that ends the program", "a class that fails"],
+    ids=["a file that fails", "a file that exits", "a class that fails"],
 )
-def test_an_agent_that_cannot_be_made_is_one_line_and_nothing_is_made(
+def test_an_agent_that_cannot_be_made_is_a_one_line_error_and_no_file_is_written(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, text: str, reason: str
 ) -> None:
     file = tmp_path / "own.py"
     file.write_text(text)
     choice = ["--set", f"agent={file}:Own", "-o", tmp_path / "r.sqlite"]
     line = refusal(capsys, "sweep", *choice)
-    told = (
+    expected = (
         f"agent '{file}:Own' cannot be made"
         if "class" in text
         else f"cannot import agent file {file}"
     )
-    assert line == f"{told}: {reason}"
+    assert line == f"{expected}: {reason}"
     assert list(tmp_path.iterdir()) == [file]
 
 
-def test_every_seed_has_its_layout_and_its_agent() -> None:
+def test_random_layouts_and_agents_depend_on_the_seed() -> None:
     random = make_case({"layout": "random"})
     assert make_env(random, 1).grid != make_env(random, 2).grid
     assert make_env(random, 1).grid == make_env(random, 1).grid
@@ -159,7 +159,7 @@ def test_every_seed_has_its_layout_and_its_agent() -> None:
 @pytest.mark.parametrize(
     ("rows", "stations"), [("#P...D#", "kept"), ("#.....#", "drawn"), (None, "drawn")]
 )
-def test_the_stations_of_a_file_are_kept_unless_it_has_none(
+def test_the_stations_of_a_layout_file_are_kept_if_it_has_any(
     tmp_path: Path, rows: str | None, stations: str
 ) -> None:
     file = tmp_path / "hall.txt"
@@ -222,7 +222,7 @@ def test_the_key_of_a_case_does_not_depend_on_the_order_of_its_settings() -> Non
     assert key_of(dict(reversed(case.items()))) == key_of(case)
 
 
-def test_a_layout_may_be_a_map_of_movingai(tmp_path: Path) -> None:
+def test_a_layout_may_be_a_movingai_map(tmp_path: Path) -> None:
     path = tmp_path / "hall.map"
     path.write_text("type octile\nheight 1\nwidth 4\nmap\n@..@\n")
     assert make_case({"layout": str(path)})["tiles"] == ["#..#"]

@@ -1,4 +1,4 @@
-"""Choices in a plan file and in flags: what is allowed, and that all else is an error."""
+"""Choices in plan files and flags: valid ones, and errors for all others."""
 
 from pathlib import Path
 
@@ -17,28 +17,28 @@ def to(text: str) -> str:
     return f"[settings]\n{text}"
 
 
-HOSTILE = {
+INVALID = {
     "an unknown key": ("episode = 3", "episode"),
     "an unknown setting": (to("batery = 3"), "batery"),
     "an unknown group": ("[robots]\nmass = 3", "robots"),
-    "nothing physical": ("[robot]\nmass = -1\n[settings]\nbackend = 'physics'", "mass"),
+    "a negative mass": ("[robot]\nmass = -1\n[settings]\nbackend = 'physics'", "mass"),
     "a number instead of a table": ("settings = 3", "settings"),
     "a nested table": ("[settings.battery]\nx = 3", "battery"),
-    "one too many in a range": (to("battery = {from = 1, to = 2, step = 1, by = 1}"), "battery"),
-    "nothing": (to("battery = []"), "battery"),
+    "an unknown key in a range": (to("battery = {from = 1, to = 2, step = 1, by = 1}"), "battery"),
+    "an empty list": (to("battery = []"), "battery"),
     "a list in a list": (to("battery = [[3]]"), "battery"),
     "a date": (to("agent = 2020-01-01"), "agent"),
     "nan": (to("density = nan"), "density"),
-    "too long a number": (to("battery = " + 5000 * "9"), "digits"),
-    "too big": (to("layout = 'random'\nsize = '9999x9999'"), "9999"),
-    "no agent": (to("agent = 'nobody'"), "nobody"),
-    "a file that cannot be": (to('layout = "a\\u0000b"'), "no layout is called"),
+    "a number with too many digits": (to("battery = " + 5000 * "9"), "digits"),
+    "a size that is too big": (to("layout = 'random'\nsize = '9999x9999'"), "9999"),
+    "an unknown agent": (to("agent = 'nobody'"), "nobody"),
+    "a null character in a file name": (to('layout = "a\\u0000b"'), "no layout is called"),
     "a range to inf": (to("density = {from = 0, to = inf, step = 0.1}"), "density"),
-    "a range by nan": (to("density = {from = 0, to = 0.3, step = nan}"), "density"),
-    "a range by next to nothing": (to("density = {from = 0, to = 0.3, step = 1e-320}"), "density"),
-    "a range down": (to("battery = {from = 9, to = 1, step = 1}"), "battery"),
+    "a step of nan": (to("density = {from = 0, to = 0.3, step = nan}"), "density"),
+    "a tiny step": (to("density = {from = 0, to = 0.3, step = 1e-320}"), "density"),
+    "a descending range": (to("battery = {from = 9, to = 1, step = 1}"), "battery"),
     "a long range": (to("battery = {from = 1, to = 1000000000, step = 1}"), "battery"),
-    "flags as a range": (to("escape = {from = false, to = true, step = true}"), "escape"),
+    "a range of booleans": (to("escape = {from = false, to = true, step = true}"), "escape"),
     "billions of combinations": (
         to("battery = {from = 1, to = 999, step = 1}\n")
         + "".join(
@@ -53,13 +53,13 @@ HOSTILE = {
     "too many episodes": ("episodes = 100000001", "episodes"),
     "a negative seed": ("seed = -1", "seed"),
     "a huge seed": (f"seed = {10**25}", "seed"),
-    "brackets": (to("battery = " + 5000 * "[" + 5000 * "]"), "recursion"),
+    "deep nesting": (to("battery = " + 5000 * "[" + 5000 * "]"), "recursion"),
     "not TOML": ("battery: 3", "line 1"),
 }
 
 
-@pytest.mark.parametrize(("text", "named"), HOSTILE.values(), ids=HOSTILE)
-def test_a_hostile_plan_is_refused_with_one_line_before_anything_is_made(
+@pytest.mark.parametrize(("text", "named"), INVALID.values(), ids=INVALID)
+def test_an_invalid_plan_is_a_one_line_error_and_no_file_is_written(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, text: str, named: str
 ) -> None:
     plan, output = tmp_path / "plan.toml", tmp_path / "r.sqlite"
@@ -74,7 +74,7 @@ def test_a_hostile_plan_is_refused_with_one_line_before_anything_is_made(
     [(b"\xff\xfe", "utf-8"), (b"#" * (MAX_BYTES + 1), "longer"), (None, "directory")],
     ids=["not UTF-8", "too long", "a directory"],
 )
-def test_what_is_no_text_is_refused_by_name(
+def test_a_plan_that_is_not_a_text_file_is_an_error_with_its_name(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, content: bytes | None, named: str
 ) -> None:
     plan = tmp_path / "plan.toml"
@@ -85,7 +85,7 @@ def test_what_is_no_text_is_refused_by_name(
     assert list(tmp_path.iterdir()) == [plan]
 
 
-def test_a_plan_file_says_what_its_documentation_says(tmp_path: Path) -> None:
+def test_the_example_in_the_documentation_of_plan_files_is_valid(tmp_path: Path) -> None:
     from agents.experiments import choices as plan_file
 
     text = (plan_file.__doc__ or "").split("::\n")[1].replace("\n    ", "\n")
@@ -94,7 +94,7 @@ def test_a_plan_file_says_what_its_documentation_says(tmp_path: Path) -> None:
     given = read_plan_file(path)
     assert (given.episodes, given.seed) == (200, 0)
     assert given.choices["robot.mass"] == [50, 70]
-    # With the grid the robot counts for nothing: 2 * 10, and with physics 2 * 10 * 2 * 2.
+    # On the grid the robot has no effect: 2 * 10 cases, and with physics 2 * 10 * 2 * 2.
     assert len(make_plan(given.choices, 200, 0).cases) == 20 + 80
 
 
@@ -105,7 +105,7 @@ def test_an_empty_file_is_a_plan_of_defaults(tmp_path: Path) -> None:
     assert [key_of(case) for case in make_plan({}, 1, 0).cases] == [key_of(make_case({}))]
 
 
-def test_a_mark_of_bytes_in_front_as_notepad_writes_it_does_no_harm(tmp_path: Path) -> None:
+def test_a_byte_order_mark_is_ignored(tmp_path: Path) -> None:
     path = tmp_path / "plan.toml"
     path.write_bytes(b"\xef\xbb\xbfepisodes = 3\r\n")
     assert read_plan_file(path) == PlanFile({}, 3, None)
@@ -126,7 +126,7 @@ FLAGS = {
 
 
 @pytest.mark.parametrize("flag", FLAGS)
-def test_a_hostile_flag_is_refused_before_anything_is_made(
+def test_an_invalid_flag_is_an_error_and_no_file_is_written(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, flag: str
 ) -> None:
     line = refusal(capsys, "sweep", "--set", flag, "-o", tmp_path / "r.sqlite")
@@ -134,12 +134,12 @@ def test_a_hostile_flag_is_refused_before_anything_is_made(
     assert not list(tmp_path.iterdir())
 
 
-def test_a_flag_given_twice_is_refused() -> None:
+def test_a_flag_given_twice_is_an_error() -> None:
     with pytest.raises(ParameterError, match=r"^battery is given twice"):
         parse_flags(["battery=1", "battery=2"])
 
 
-def test_flags_are_lists_ranges_words_and_names_with_colons() -> None:
+def test_flags_may_be_lists_ranges_words_and_names_with_colons() -> None:
     flags = ["escape=on,FALSE", "battery=20:60:20", "agent=ppo:a.npz, greedy", "density=0.1"]
     assert parse_flags(flags) == {
         "escape": [True, False],

@@ -1,4 +1,4 @@
-"""The command ``warehouse export``: the same table in CSV and in Parquet, whole or not at all."""
+"""The command ``warehouse export``: the same table as CSV and Parquet, never a partial file."""
 
 import csv
 import os
@@ -54,7 +54,7 @@ def names(folder: Path) -> set[str]:
     return {each.name for each in folder.iterdir()}
 
 
-def test_a_line_is_an_episode_with_its_settings(results: Path) -> None:
+def test_each_line_is_an_episode_with_its_settings(results: Path) -> None:
     table = table_of(results)
     assert [line["seed"] for line in table] == [1, 3, 2**62] * 3
     assert [line["backend"] for line in table] == ["grid"] * 3 + ["physics"] * 3 + ["grid"] * 3
@@ -67,7 +67,7 @@ def test_a_line_is_an_episode_with_its_settings(results: Path) -> None:
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".CSV"])
-def test_csv_holds_what_the_store_holds(
+def test_csv_has_the_values_of_the_store(
     capsys: pytest.CaptureFixture[str], results: Path, tmp_path: Path, suffix: str
 ) -> None:
     target = tmp_path / f"t{suffix}"
@@ -81,7 +81,7 @@ def test_csv_holds_what_the_store_holds(
 
 
 @pytest.mark.parametrize("lines", [4, 50_000])
-def test_parquet_holds_what_the_store_holds_with_its_types(
+def test_parquet_has_the_values_of_the_store_with_their_types(
     capsys: pytest.CaptureFixture[str],
     results: Path,
     tmp_path: Path,
@@ -101,7 +101,7 @@ def test_parquet_holds_what_the_store_holds_with_its_types(
     assert parquet.read_metadata(target).num_row_groups == -(-9 // lines)
 
 
-def test_names_of_any_kind_come_back_as_they_were(
+def test_special_characters_in_names_are_preserved(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     results = stored(tmp_path / "r.sqlite", {**make_case({}), "agent": ODD_NAME})
@@ -113,7 +113,7 @@ def test_names_of_any_kind_come_back_as_they_were(
 
 
 @pytest.mark.parametrize("name", ['=HYPERLINK("x")', "-1", "\t=1"])
-def test_a_strangers_results_are_no_formulas_in_a_spreadsheet(
+def test_names_that_look_like_formulas_are_escaped_in_csv(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, name: str
 ) -> None:
     results = stored(tmp_path / "r.sqlite", {**make_case({}), "agent": name, f"{name}2": 3})
@@ -121,10 +121,10 @@ def test_a_strangers_results_are_no_formulas_in_a_spreadsheet(
     [line, *_] = read_csv(tmp_path / "t.csv")
     assert line["agent"] == f"'{name}"
     assert line[f"'{name}2"] == "3"
-    assert line["reward"] == str(-0.1 - 0.2), "a number is none, whatever its sign"
+    assert line["reward"] == str(-0.1 - 0.2), "a negative number is not escaped"
 
 
-def test_results_without_an_episode_are_a_table_without_lines(
+def test_results_without_episodes_are_an_empty_table(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     results = tmp_path / "r.sqlite"
@@ -135,7 +135,9 @@ def test_results_without_an_episode_are_a_table_without_lines(
     assert parquet.read_table(tmp_path / "t.parquet").num_rows == 0
 
 
-def test_no_results_are_refused_by_name(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_missing_results_file_is_an_error_with_its_name(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
     missing = tmp_path / "r.sqlite"
     line = refusal(capsys, "export", missing, tmp_path / "t.csv")
     assert line == f"{missing}: there is no such file"
@@ -143,7 +145,7 @@ def test_no_results_are_refused_by_name(capsys: pytest.CaptureFixture[str], tmp_
 
 
 @pytest.mark.parametrize("name", ["t.xlsx", "t"])
-def test_an_unknown_suffix_is_refused_with_what_is_allowed(
+def test_an_unknown_suffix_is_an_error_that_lists_the_allowed_ones(
     capsys: pytest.CaptureFixture[str], results: Path, tmp_path: Path, name: str
 ) -> None:
     line = refusal(capsys, "export", results, tmp_path / name)
@@ -153,7 +155,7 @@ def test_an_unknown_suffix_is_refused_with_what_is_allowed(
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
-def test_where_no_file_can_be_is_named(
+def test_a_path_that_cannot_be_written_is_an_error_with_its_name(
     capsys: pytest.CaptureFixture[str], results: Path, tmp_path: Path, suffix: str
 ) -> None:
     assert "nowhere" in refusal(capsys, "export", results, tmp_path / f"nowhere/t{suffix}")
@@ -163,7 +165,7 @@ def test_where_no_file_can_be_is_named(
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
-def test_an_export_that_fails_leaves_what_was_there(
+def test_an_export_that_fails_keeps_the_existing_file(
     capsys: pytest.CaptureFixture[str],
     results: Path,
     tmp_path: Path,
@@ -172,17 +174,17 @@ def test_an_export_that_fails_leaves_what_was_there(
 ) -> None:
     monkeypatch.setattr(table_export, "LINES_AT_ONCE", 1)
     target = tmp_path / f"t{suffix}"
-    target.write_text("as it was")
+    target.write_text("existing")
     database = sqlite3.connect(results)
     database.execute("UPDATE episodes SET mode = CAST(x'ff' AS TEXT) WHERE case_id = 3")
     database.commit()
     database.close()
     assert str(results) in refusal(capsys, "export", results, target)
-    assert target.read_text() == "as it was"
+    assert target.read_text() == "existing"
     assert names(tmp_path) == {"r.sqlite", target.name}
 
 
-def test_without_pyarrow_the_command_that_brings_it_is_named(
+def test_without_pyarrow_the_error_gives_the_command_that_installs_it(
     capsys: pytest.CaptureFixture[str],
     results: Path,
     tmp_path: Path,
@@ -196,7 +198,7 @@ def test_without_pyarrow_the_command_that_brings_it_is_named(
 
 
 @pytest.mark.parametrize("value", ["many", True, 10**30, [3]])
-def test_a_setting_that_no_sweep_writes_is_one_line(
+def test_an_invalid_setting_in_the_file_is_a_one_line_error(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, value: object
 ) -> None:
     results = stored(tmp_path / "r.sqlite", make_case({}), {**make_case({}), "battery": value})
@@ -205,13 +207,15 @@ def test_a_setting_that_no_sweep_writes_is_one_line(
     assert names(tmp_path) == {"r.sqlite"}
 
 
-def test_results_are_only_read(capsys: pytest.CaptureFixture[str], results: Path) -> None:
+def test_an_export_does_not_change_the_results(
+    capsys: pytest.CaptureFixture[str], results: Path
+) -> None:
     before = results.read_bytes(), os.stat(results).st_mtime_ns
     command(capsys, "export", results, results.with_name("t.csv"))
     assert (results.read_bytes(), os.stat(results).st_mtime_ns) == before
 
 
-def test_a_result_that_no_sweep_writes_is_one_line(
+def test_an_invalid_result_in_the_file_is_a_one_line_error(
     capsys: pytest.CaptureFixture[str], results: Path, tmp_path: Path
 ) -> None:
     database = sqlite3.connect(results)

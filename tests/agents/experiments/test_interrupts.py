@@ -1,4 +1,4 @@
-"""Ctrl-C is remembered, reaches no worker, and is the program's own again afterwards."""
+"""SIGINT and SIGTERM are deferred, and SIGINT does not reach workers."""
 
 import signal
 import subprocess
@@ -14,8 +14,8 @@ SLEEPER = [sys.executable, "-c", "import time; print('up', flush=True); time.sle
 
 
 @pytest.fixture(autouse=True)
-def as_before() -> Iterator[None]:
-    """Let SIGINT raise, which background processes may ignore; restore all handlers at the end."""
+def restored_handlers() -> Iterator[None]:
+    """Make SIGINT raise, as background processes may ignore it; restore all handlers at the end."""
     handlers = {number: signal.getsignal(number) for number in DEFERRED}
     signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
@@ -24,23 +24,23 @@ def as_before() -> Iterator[None]:
 
 
 def interrupt() -> None:
-    """Send SIGINT to this thread; any thread of the process may get one sent by ``os.kill``."""
+    """Send SIGINT to this thread; ``os.kill`` could reach any thread of the process."""
     signal.raise_signal(signal.SIGINT)
 
 
-def test_an_interrupt_waits_until_it_is_asked_for() -> None:
+def test_an_interrupt_is_deferred_until_the_check() -> None:
     done = []
     with deferred_interrupts() as check:
         check()
         interrupt()
         interrupt()
-        done.append("the step")
+        done.append("step done")
         with pytest.raises(KeyboardInterrupt):
             check()
-    assert done == ["the step"]
+    assert done == ["step done"]
 
 
-def test_without_one_nothing_is_raised_and_the_handler_is_as_it_was() -> None:
+def test_without_an_interrupt_nothing_is_raised_and_the_handler_is_restored() -> None:
     before = signal.getsignal(signal.SIGINT)
     with deferred_interrupts() as check:
         check()
@@ -49,20 +49,20 @@ def test_without_one_nothing_is_raised_and_the_handler_is_as_it_was() -> None:
         interrupt()
 
 
-def test_the_end_that_a_manager_asks_for_is_remembered_too() -> None:
+def test_sigterm_is_deferred_too() -> None:
     with deferred_interrupts() as check:
         signal.raise_signal(signal.SIGTERM)
         with pytest.raises(KeyboardInterrupt):
             check()
 
 
-def test_who_has_asked_once_cannot_disturb_the_leaving() -> None:
+def test_after_a_deferred_interrupt_further_signals_are_ignored() -> None:
     with deferred_interrupts():
         interrupt()
     signal.raise_signal(signal.SIGTERM)
 
 
-def test_a_child_that_is_started_so_is_not_interrupted() -> None:
+def test_a_child_started_with_blocked_interrupts_is_not_interrupted() -> None:
     with blocked_interrupts():
         child = subprocess.Popen(SLEEPER, stdout=subprocess.PIPE)
     try:
@@ -76,13 +76,13 @@ def test_a_child_that_is_started_so_is_not_interrupted() -> None:
         child.communicate()
 
 
-def test_what_comes_while_children_start_comes_afterwards() -> None:
+def test_an_interrupt_while_children_start_is_raised_afterwards() -> None:
     done = []
     with deferred_interrupts() as check:
         with blocked_interrupts():
             interrupt()
             check()
-            done.append("all are started")
+            done.append("all have started")
         with pytest.raises(KeyboardInterrupt):
             check()
-    assert done == ["all are started"]
+    assert done == ["all have started"]

@@ -1,4 +1,4 @@
-"""Each parameter takes its values, and others are errors that say what is allowed."""
+"""Parameters: valid values, and errors that list what is allowed for all others."""
 
 import math
 
@@ -16,7 +16,7 @@ from agents.experiments.parameters import (
 from warehouse_core.world.generators import MAX_DENSITY
 from warehouse_physics import Disturbances, RobotSpec
 
-TAKEN = {
+VALID = {
     "agent": ["greedy", "mine.py:Mine"],
     "escape": [True, False],
     "memory": [0, 1, MAX_VALUE],
@@ -30,7 +30,7 @@ TAKEN = {
     "backend": ["grid", "physics"],
     "robot.mass": [70, 1.5, -1],
 }
-REFUSED = {
+INVALID = {
     "agent": ["", " ", 3, None],
     "escape": [1, 0, "true", None],
     "memory": [-1, MAX_VALUE + 1, 1.0, True, "1"],
@@ -46,19 +46,19 @@ REFUSED = {
 }
 
 
-def test_every_parameter_is_tried_here() -> None:
-    assert TAKEN.keys() == REFUSED.keys() == PARAMETERS.keys() | {"robot.mass"}
+def test_the_values_above_cover_every_parameter() -> None:
+    assert VALID.keys() == INVALID.keys() == PARAMETERS.keys() | {"robot.mass"}
 
 
-@pytest.mark.parametrize("name", TAKEN)
+@pytest.mark.parametrize("name", VALID)
 def test_an_allowed_value_is_stored_unchanged(name: str) -> None:
-    for value in [*TAKEN[name], find(name).default]:
+    for value in [*VALID[name], find(name).default]:
         assert checked(name, value) == value
 
 
-@pytest.mark.parametrize("name", REFUSED)
-def test_another_value_is_an_error_with_its_name(name: str) -> None:
-    for value in REFUSED[name]:
+@pytest.mark.parametrize("name", INVALID)
+def test_an_invalid_value_is_an_error_that_names_the_parameter(name: str) -> None:
+    for value in INVALID[name]:
         with pytest.raises(ParameterError) as caught:
             checked(name, value)
         assert str(caught.value).startswith(f"{name} is {value!r}; allowed: ")
@@ -70,7 +70,7 @@ def test_numbers_are_stored_as_floats_so_that_1_and_1_0_are_the_same() -> None:
 
 
 @pytest.mark.parametrize(("group", "kind"), [("robot", RobotSpec), ("disturbances", Disturbances)])
-def test_the_numbers_of_a_group_are_those_of_its_class(group: str, kind: type) -> None:
+def test_the_parameters_of_a_group_are_the_numbers_of_its_class(group: str, kind: type) -> None:
     numbers = field_defaults(group)
     assert numbers
     for name, default in numbers.items():
@@ -79,7 +79,7 @@ def test_the_numbers_of_a_group_are_those_of_its_class(group: str, kind: type) -
 
 
 @pytest.mark.parametrize("name", ["batery", "robot", "robot.mas", "a.b"])
-def test_an_unknown_name_is_an_error_that_lists_those_allowed(name: str) -> None:
+def test_an_unknown_name_is_an_error_that_lists_the_allowed_ones(name: str) -> None:
     with pytest.raises(ParameterError, match="allowed: ") as caught:
         find(name)
     assert repr(name) in str(caught.value) or name.startswith("robot")

@@ -1,4 +1,4 @@
-"""The chapter's questions: each preset is a plan that can be run, and asks something."""
+"""Presets: each is a plan for a question of the chapter, and can be run."""
 
 from pathlib import Path
 
@@ -27,14 +27,14 @@ def test_a_preset_is_a_plan_that_varies_a_parameter_with_a_question(name: str) -
 
 
 @over_presets
-def test_a_preset_gives_rows(tmp_path: Path, name: str) -> None:
+def test_a_preset_can_be_run(tmp_path: Path, name: str) -> None:
     plan = make_plan(PRESETS[name].choices, 1, 0)
     with Store(tmp_path / "r.sqlite") as store:
         run_missing(plan, store, Here(), 1, nothing)
         assert [store.count(case, plan.seeds) for case in plan.cases] == [1] * len(plan.cases)
 
 
-def test_its_own_number_of_episodes_counts_unless_another_is_given(
+def test_the_preset_sets_the_number_of_episodes_unless_another_is_given(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(PRESETS, "escape", PRESETS["escape"]._replace(episodes=3))
@@ -45,7 +45,7 @@ def test_its_own_number_of_episodes_counts_unless_another_is_given(
     assert printed.startswith("2 combinations, 1 episode each, 2 done\n")
 
 
-def test_an_unknown_preset_is_refused_by_name(
+def test_an_unknown_preset_is_an_error_with_its_name(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     path = tmp_path / "r.sqlite"
@@ -54,7 +54,7 @@ def test_an_unknown_preset_is_refused_by_name(
     assert not path.exists()
 
 
-def test_a_preset_and_a_file_are_one_plan_too_many(
+def test_a_preset_together_with_a_plan_file_is_an_error(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     plan, path = tmp_path / "plan.toml", tmp_path / "r.sqlite"

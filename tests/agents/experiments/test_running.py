@@ -1,4 +1,4 @@
-"""Running what is missing gives the same rows with any executor and in any order."""
+"""Running missing episodes gives the same rows with any executor and in any order."""
 
 import re
 from collections.abc import Callable, Sequence
@@ -33,8 +33,8 @@ class Own:
 PLAN = make_plan({"escape": [True, False], "battery": [20, 60], "layout": "random"}, 12, 5)
 
 
-class Heap(Here):
-    """Answers the task that came last before all others."""
+class LastFirst(Here):
+    """Runs the task that was submitted last before all others."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -80,12 +80,12 @@ def test_threads_give_the_same_rows(tmp_path: Path, expected: list[Any]) -> None
 
 
 def test_the_order_does_not_matter(tmp_path: Path, expected: list[Any]) -> None:
-    assert run(tmp_path / "r.sqlite", Heap()) == expected
-    turned = Plan(PLAN.cases[::-1], PLAN.episodes, PLAN.seed)
-    assert run(tmp_path / "turned.sqlite", Here(), turned) == expected
+    assert run(tmp_path / "r.sqlite", LastFirst()) == expected
+    backwards = Plan(PLAN.cases[::-1], PLAN.episodes, PLAN.seed)
+    assert run(tmp_path / "backwards.sqlite", Here(), backwards) == expected
 
 
-def test_nothing_runs_twice(tmp_path: Path, expected: list[Any]) -> None:
+def test_stored_episodes_are_not_run_again(tmp_path: Path, expected: list[Any]) -> None:
     path = tmp_path / "r.sqlite"
     run(path, Here())
     again = Here()
@@ -110,7 +110,7 @@ def test_further_values_run_only_the_new_cases(tmp_path: Path) -> None:
     assert len(after) == 6
 
 
-def test_a_failing_worker_leaves_what_was_finished_and_the_rest_can_follow(
+def test_after_a_worker_fails_finished_rows_are_kept_and_the_rest_can_be_run(
     tmp_path: Path, expected: list[Any]
 ) -> None:
     path = tmp_path / "r.sqlite"
@@ -138,7 +138,7 @@ def test_rows_of_an_agent_that_draws_from_global_streams_depend_on_the_seed_alon
 
 
 def plan_of(folder: Path, begin: str = "pass", act: str = "pass") -> Plan:
-    """Return a plan of twice ten episodes of an agent that does this when it is seeded with 7."""
+    """Return a plan of ten episodes for two agents; with seed 7 the second runs this code."""
     file = folder / "agent.py"
     begin, act = f"if seed == 7: {begin}", f"if self.seed == 7: {act}"
     file.write_text(AGENT.format(name="Own", begin=begin, act=act))
@@ -154,9 +154,9 @@ def plan_of(folder: Path, begin: str = "pass", act: str = "pass") -> Plan:
         ("pass", "raise KeyboardInterrupt", r"KeyboardInterrupt \(agent.py, line 11\)"),
         ("pass", "return None", r"TypeError: action None .*"),
     ],
-    ids=["acting", "being made", "an exit", "an interrupt", "nonsense"],
+    ids=["acting", "being made", "an exit", "an interrupt", "an invalid action"],
 )  # fmt: skip
-def test_an_agent_that_fails_is_reported_with_its_case_and_seed_and_the_rest_stays(
+def test_an_agent_that_fails_is_reported_with_its_case_and_seed_and_other_rows_are_kept(
     tmp_path: Path, begin: str, act: str, reason: str
 ) -> None:
     path, plan = tmp_path / "r.sqlite", plan_of(tmp_path, begin, act)
@@ -175,7 +175,7 @@ def test_an_error_that_cannot_be_pickled_is_reported_too(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("is_changed", [True, False])
-def test_an_agent_whose_file_changes_does_not_run_under_its_old_name(
+def test_an_agent_whose_file_is_changed_or_removed_during_a_sweep_is_an_error(
     tmp_path: Path, is_changed: bool
 ) -> None:
     path, plan = tmp_path / "r.sqlite", plan_of(tmp_path)
@@ -191,7 +191,7 @@ def test_an_agent_whose_file_changes_does_not_run_under_its_old_name(
         assert store.count(plan.cases[1], plan.seeds) == 0
 
 
-def test_what_has_gone_well_at_the_same_time_is_kept(tmp_path: Path) -> None:
+def test_rows_finished_at_the_same_time_as_a_failure_are_kept(tmp_path: Path) -> None:
     path = tmp_path / "r.sqlite"
     with pytest.raises(ArithmeticError):
         run(path, Here(fails_at=5), make_plan({}, 20, 5), workers=10)
@@ -199,19 +199,19 @@ def test_what_has_gone_well_at_the_same_time_is_kept(tmp_path: Path) -> None:
 
 
 def test_rows_are_reported_once_after_they_are_stored(tmp_path: Path) -> None:
-    told: list[int] = []
+    reported: list[int] = []
     plan = make_plan({}, 20, 0)
     with Store(tmp_path / "r.sqlite") as store, ThreadPoolExecutor(2) as executor:
 
         def report(rows: Sequence[Row]) -> None:
-            told.extend(row.seed for row in rows)
-            assert store.count(plan.cases[0], plan.seeds) == len(told)
+            reported.extend(row.seed for row in rows)
+            assert store.count(plan.cases[0], plan.seeds) == len(reported)
 
         run_missing(plan, store, executor, 2, report)
-    assert sorted(told) == list(range(20))
+    assert sorted(reported) == list(range(20))
 
 
-def test_what_cannot_be_stored_ends_the_run(
+def test_an_error_of_the_store_ends_the_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def full(store: Store, case_id: int, rows: Sequence[Row]) -> None:
@@ -222,7 +222,7 @@ def test_what_cannot_be_stored_ends_the_run(
         run(tmp_path / "r.sqlite", executor, make_plan({}, 10**6, 0))
 
 
-def test_processes_end_quietly_while_tasks_are_waiting(tmp_path: Path) -> None:
+def test_processes_end_without_warnings_while_tasks_are_waiting(tmp_path: Path) -> None:
     stored = set[int]()
 
     def report(rows: Sequence[Row]) -> None:
@@ -238,7 +238,7 @@ def test_processes_end_quietly_while_tasks_are_waiting(tmp_path: Path) -> None:
             run_missing(plan, store, executor, 20, report)
 
 
-def test_the_pace_makes_tasks_of_about_half_a_second_and_grows_slowly() -> None:
+def test_the_pace_grows_gradually_to_tasks_of_about_half_a_second() -> None:
     pace = Pace()
     assert pace.episodes == 1
     sizes = []

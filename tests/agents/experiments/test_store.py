@@ -1,4 +1,4 @@
-"""The file of results: rows are stored once and stay, and other files are errors."""
+"""The results file: rows are stored once and kept, and other files are errors."""
 
 import gc
 import json
@@ -44,7 +44,7 @@ def test_rows_are_equal_after_reopening(path: Path) -> None:
         assert store.case_id(CASE) == case_id
 
 
-def test_what_is_there_stays_as_it_is(path: Path) -> None:
+def test_stored_rows_are_not_replaced(path: Path) -> None:
     with Store(path) as store:
         case_id = store.case_id(CASE)
         store.add(case_id, [row(1), row(2)])
@@ -67,7 +67,7 @@ def test_each_case_has_its_own_seeds(path: Path) -> None:
         assert store.cases() == {first: CASE, second: OTHER}
 
 
-def test_asking_how_many_adds_no_case(path: Path) -> None:
+def test_counting_adds_no_case(path: Path) -> None:
     with Store(path) as store:
         store.count(CASE, range(9))
         assert store.cases() == {}
@@ -85,7 +85,7 @@ def test_rows_are_added_all_or_none(path: Path) -> None:
         assert store.seeds_done(case_id, EVERY) == {1, 2}
 
 
-def test_a_batch_is_on_the_disk_before_the_next(path: Path) -> None:
+def test_each_batch_is_committed_and_synchronised_to_disk(path: Path) -> None:
     with Store(path) as writer:
         case_id = writer.case_id(CASE)
         writer.add(case_id, [row(1)])
@@ -94,7 +94,7 @@ def test_a_batch_is_on_the_disk_before_the_next(path: Path) -> None:
             assert reader.seeds_done(case_id, EVERY) == {1}
 
 
-def test_what_a_process_had_half_written_when_it_died_is_not_there(path: Path) -> None:
+def test_the_unfinished_transaction_of_a_killed_process_is_rolled_back(path: Path) -> None:
     with Store(path) as store:
         case_id = store.case_id(CASE)
         store.add(case_id, [row(1)])
@@ -136,7 +136,7 @@ def test_the_file_of_another_program_is_an_error(path: Path) -> None:
     assert [each.name for each in path.parent.iterdir()] == [path.name]
 
 
-def test_a_newer_version_is_left_alone(path: Path) -> None:
+def test_a_newer_version_is_an_error(path: Path) -> None:
     Store(path).close()
     connection = sqlite3.connect(path)
     connection.execute(f"PRAGMA user_version = {VERSION + 1}")
@@ -153,7 +153,7 @@ def test_the_file_has_its_application_id_and_version(path: Path) -> None:
         assert next(store.query("PRAGMA user_version")) == (VERSION,)
 
 
-def test_a_text_file_is_an_error_and_stays(path: Path) -> None:
+def test_a_text_file_is_an_error_and_is_not_changed(path: Path) -> None:
     text = "These are no results.\n" * 100
     path.write_text(text)
     with pytest.raises(StoreError) as caught:
@@ -175,16 +175,16 @@ def test_a_folder_or_a_pipe_is_an_error_and_gets_no_journal(
 
 
 @pytest.mark.parametrize("name", ["nowhere/r.sqlite", "."])
-def test_where_no_file_can_be_is_named(tmp_path: Path, name: str) -> None:
+def test_a_path_that_cannot_be_opened_is_an_error_with_its_name(tmp_path: Path, name: str) -> None:
     with pytest.raises(StoreError) as caught:
         Store(tmp_path / name)
     assert str(caught.value).startswith(f"{tmp_path / name}: ")
 
 
 AS_NOBODY = """
-import os, sys, urllib.parse  # what a stranger cannot read is read before
+import os, sys, urllib.parse  # imported before the user changes
 from agents.experiments.store import Row, Store, StoreError
-if os.geteuid() == 0:  # who may write anywhere
+if os.geteuid() == 0:  # root may write anywhere
     os.setgid(65534)
     os.setuid(65534)
 path = sys.argv[1]
@@ -201,8 +201,8 @@ except StoreError as error:
 """
 
 
-def test_what_may_only_be_read_is_named_and_can_be_read() -> None:
-    with TemporaryDirectory() as folder:  # of pytest's own folders, strangers may enter none
+def test_a_file_without_write_permission_can_be_read_and_writing_is_an_error() -> None:
+    with TemporaryDirectory() as folder:  # other users may not enter pytest's folders
         path = Path(folder) / "r.sqlite"
         with Store(path) as store:
             store.add(store.case_id(CASE), [row(1)])
@@ -219,28 +219,28 @@ def test_what_may_only_be_read_is_named_and_can_be_read() -> None:
     ]
 
 
-def test_what_is_only_read_is_not_made(path: Path) -> None:
+def test_opening_a_missing_file_read_only_does_not_create_it(path: Path) -> None:
     with pytest.raises(StoreError) as caught:
         Store(path, read_only=True)
     assert str(caught.value) == f"{path}: there is no such file"
     assert not path.exists()
 
 
-def test_what_is_read_only_is_not_written(path: Path) -> None:
+def test_writing_to_a_file_opened_read_only_is_an_error(path: Path) -> None:
     with Store(path) as store:
         case_id = store.case_id(CASE)
     with Store(path, read_only=True) as store, pytest.raises(StoreError, match="readonly"):
         store.add(case_id, [row(1)])
 
 
-def test_an_empty_file_has_no_results_to_read(path: Path) -> None:
+def test_reading_an_empty_file_is_an_error(path: Path) -> None:
     path.touch()
     with pytest.raises(StoreError) as caught:
         Store(path, read_only=True)
     assert str(caught.value) == f"{path}: there are no results in it"
 
 
-def test_a_full_disk_keeps_what_was_written_before(path: Path) -> None:
+def test_a_full_disk_is_an_error_and_earlier_rows_are_kept(path: Path) -> None:
     with Store(path) as store:
         case_id = store.case_id(CASE)
         store.add(case_id, [row(seed) for seed in range(50)])
@@ -253,32 +253,32 @@ def test_a_full_disk_keeps_what_was_written_before(path: Path) -> None:
 
 
 def open_many(folder: Path, number: int, files: int, start: Barrier) -> None:
-    """Open the same files at the same moments as others do, and write a row into each."""
+    """Open each file at the same time as other processes, and add two rows to it."""
     for file in range(files):
         start.wait(20)
         with Store(folder / f"{file}.sqlite") as store:
             store.add(store.case_id(CASE), [row(number), row(99)])
 
 
-def test_several_sweeps_may_make_and_use_the_same_file_at_once(tmp_path: Path) -> None:
+def test_several_sweeps_may_create_and_use_the_same_file_at_once(tmp_path: Path) -> None:
     context, files, count = get_context("fork"), 8, 3
     start = context.Barrier(count)
-    crowd = [
+    processes = [
         context.Process(target=open_many, args=(tmp_path, number, files, start))
         for number in range(count)
     ]
-    for each in crowd:
+    for each in processes:
         each.start()
-    for each in crowd:
+    for each in processes:
         each.join(60)
-    assert [each.exitcode for each in crowd] == [0] * count
+    assert [each.exitcode for each in processes] == [0] * count
     for file in range(files):
         with Store(tmp_path / f"{file}.sqlite", read_only=True) as store:
             assert len(store.cases()) == 1
             assert store.seeds_done(1, EVERY) == {*range(count), 99}
 
 
-def test_tables_that_another_sweep_has_made_first_are_used(
+def test_tables_that_another_sweep_has_created_first_are_used(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     begin, rivals = Store._transaction, []
@@ -295,7 +295,7 @@ def test_tables_that_another_sweep_has_made_first_are_used(
         assert store.seeds_done(store.case_id(CASE), EVERY) == {1}
 
 
-def test_tables_that_appear_while_it_looks_are_not_those_of_another_program(
+def test_tables_that_another_sweep_creates_during_the_check_are_accepted(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     rivals = []
@@ -304,7 +304,7 @@ def test_tables_that_appear_while_it_looks_are_not_those_of_another_program(
         def execute(self, statement: str, *values: object) -> sqlite3.Cursor:
             if "sqlite_master" in statement and not rivals:
                 rivals.append(path)
-                with suppress(StoreError):  # it may have to wait
+                with suppress(StoreError):  # it may time out
                     Store(path).close()
             return super().execute(statement, *values)
 
@@ -316,7 +316,7 @@ def test_tables_that_appear_while_it_looks_are_not_those_of_another_program(
 
 
 @pytest.mark.parametrize("code", [sqlite3.SQLITE_BUSY, sqlite3.SQLITE_IOERR])
-def test_only_for_others_that_are_busy_it_tries_again(
+def test_only_a_busy_database_is_tried_again(
     path: Path, monkeypatch: pytest.MonkeyPatch, code: int
 ) -> None:
     refused = []
@@ -341,9 +341,7 @@ def test_only_for_others_that_are_busy_it_tries_again(
 
 
 @pytest.mark.parametrize("is_replaced", [False, True])
-def test_a_file_that_has_gone_meanwhile_is_not_written_to_in_silence(
-    path: Path, is_replaced: bool
-) -> None:
+def test_writing_to_a_removed_or_replaced_file_is_an_error(path: Path, is_replaced: bool) -> None:
     with Store(path) as store:
         case_id = store.case_id(CASE)
         store.add(case_id, [row(1)])
@@ -355,7 +353,7 @@ def test_a_file_that_has_gone_meanwhile_is_not_written_to_in_silence(
     assert str(caught.value) == f"{path}: it has been removed or replaced meanwhile"
 
 
-def test_rows_that_are_left_half_read_are_no_trouble(path: Path) -> None:
+def test_rows_may_be_discarded_before_all_are_read(path: Path) -> None:
     with Store(path) as store:
         case_id = store.case_id(CASE)
         store.add(case_id, [row(1), row(2), row(3)])
@@ -365,23 +363,23 @@ def test_rows_that_are_left_half_read_are_no_trouble(path: Path) -> None:
     gc.collect()  # an exception here would fail the test
 
 
-STRANGE = {
+INVALID = {
     "an agent that is a number": '{"agent": 5, "layout": "random", "backend": "grid"}',
-    "ragged": '{"agent": "greedy", "layout": "a", "backend": "grid", "tiles": ["##", "#"]}',
-    "stations that are neither": '{"agent": "a", "layout": "random", "backend": "grid", '
+    "uneven rows": '{"agent": "greedy", "layout": "a", "backend": "grid", "tiles": ["##", "#"]}',
+    "unknown stations": '{"agent": "a", "layout": "random", "backend": "grid", '
     '"stations": "moved"}',
-    "no JSON": "{",
-    "nothing": "null",
+    "not JSON": "{",
+    "null": "null",
     "a list as a value": json.dumps({"battery": [3]}),
     "a number that is too large": json.dumps({"battery": 2**64}),
-    "the name of a result": json.dumps({"seed": 3}),
-    "tiles that are no rows": json.dumps({"tiles": "P.D"}),
-    "brackets": 100_000 * "[",
+    "the name of a result column": json.dumps({"seed": 3}),
+    "tiles that are not rows": json.dumps({"tiles": "P.D"}),
+    "deep nesting": 100_000 * "[",
 }
 
 
-@pytest.mark.parametrize("settings", STRANGE.values(), ids=STRANGE)
-def test_a_case_that_no_sweep_has_written_is_refused(path: Path, settings: str) -> None:
+@pytest.mark.parametrize("settings", INVALID.values(), ids=INVALID)
+def test_an_invalid_case_is_an_error(path: Path, settings: str) -> None:
     Store(path).close()
     connection = sqlite3.connect(path)
     connection.execute("INSERT INTO cases (settings) VALUES (?)", (settings,))
@@ -392,7 +390,7 @@ def test_a_case_that_no_sweep_has_written_is_refused(path: Path, settings: str) 
     assert str(caught.value).startswith(f"{path}: it has an invalid case, ")
 
 
-def test_what_is_not_yet_in_the_file_itself_is_not_left_out(
+def test_rows_in_a_write_ahead_log_that_cannot_be_read_are_an_error(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with Store(path) as store:

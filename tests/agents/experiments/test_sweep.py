@@ -1,4 +1,4 @@
-"""The command ``warehouse sweep``: whatever ends it, what is finished stays, and it resumes."""
+"""The command ``warehouse sweep``: finished episodes are kept however it ends, and it resumes."""
 
 import os
 import random
@@ -26,13 +26,13 @@ from agents.experiments.workers import KILLED
 @pytest.fixture
 def path(tmp_path: Path) -> Iterator[Path]:
     yield tmp_path / "r.sqlite"
-    # Nothing is left beside the file, once it has been closed.
+    # After the file has been closed, no other files are left.
     assert {each.name for each in tmp_path.iterdir()} <= {"r.sqlite", "expected.sqlite"}
 
 
 @pytest.fixture(autouse=True)
 def no_sweep_is_left() -> Iterator[None]:
-    """End the sweeps of a test that has failed."""
+    """Kill the sweeps of a test that has failed."""
     yield
     while Sweep.started:
         process = Sweep.started.pop().process
@@ -51,7 +51,7 @@ if __name__ == "__main__":
 
 
 class Sweep:
-    """A sweep in a session of its own."""
+    """A sweep in its own session."""
 
     started: ClassVar[list["Sweep"]] = []
 
@@ -68,14 +68,14 @@ class Sweep:
         )
 
     def wait_for_rows(self) -> None:
-        """Wait until more rows are there than before."""
+        """Wait until more rows have been stored."""
         before, end = self._rows(), time.monotonic() + 60
         while self._rows() == before and self.process.poll() is None:
             assert time.monotonic() < end
             time.sleep(0.02)
 
     def end(self) -> tuple[int, str, str]:
-        """Wait for its end, and for that of all that it started."""
+        """Wait until the sweep and all processes that it started have ended."""
         out, err = self.process.communicate(timeout=60)
         end = time.monotonic() + 10
         while alive := in_session(self.process.pid):
@@ -91,7 +91,7 @@ class Sweep:
 
 
 def in_session(session: int) -> list[str]:
-    """Return the processes of a session that still run."""
+    """Return the running processes of a session."""
     found = subprocess.run(
         ["ps", "-s", str(session), "-o", "pid=,stat=,args="],
         capture_output=True,
@@ -102,7 +102,7 @@ def in_session(session: int) -> list[str]:
     return [line for line in lines if not line.split()[1].startswith("Z")]
 
 
-def test_a_sweep_counts_what_is_there_and_adds_what_is_missing(
+def test_a_sweep_counts_stored_episodes_and_adds_missing_ones(
     capsys: pytest.CaptureFixture[str], path: Path, tmp_path: Path
 ) -> None:
     assert command(capsys, *words(path, 3)) == (
@@ -118,7 +118,7 @@ def test_a_sweep_counts_what_is_there_and_adds_what_is_missing(
     assert table(path) == uninterrupted(tmp_path / "expected.sqlite", 5)
 
 
-def test_flags_and_options_go_before_the_file(
+def test_flags_and_options_override_the_plan_file(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     plan, path = tmp_path / "plan.toml", tmp_path / "r.sqlite"
@@ -133,7 +133,7 @@ def test_flags_and_options_go_before_the_file(
 @pytest.mark.parametrize(
     ("kills", "episodes"), [(2, 800), pytest.param(30, 8000, marks=pytest.mark.slow)]
 )
-def test_whenever_it_is_killed_nothing_is_lost_or_doubled(
+def test_a_killed_sweep_loses_and_repeats_no_rows(
     path: Path, tmp_path: Path, kills: int, episodes: int
 ) -> None:
     moments, killed, before = random.Random(1), 0, set[Any]()
@@ -160,7 +160,7 @@ def test_whenever_it_is_killed_nothing_is_lost_or_doubled(
     assert table(path) == uninterrupted(tmp_path / "expected.sqlite", episodes)
 
 
-def test_interrupts_are_one_line_and_leave_a_file_that_can_be_resumed(path: Path) -> None:
+def test_an_interrupted_sweep_prints_one_line_and_can_be_resumed(path: Path) -> None:
     sweep = Sweep(path, 100_000)
     sweep.wait_for_rows()
     for _ in range(20):
@@ -174,7 +174,9 @@ def test_interrupts_are_one_line_and_leave_a_file_that_can_be_resumed(path: Path
     assert f"\n{left}; run the same command again to resume\n" in out
 
 
-def test_a_full_disk_is_one_line_and_what_was_finished_stays(path: Path, tmp_path: Path) -> None:
+def test_a_full_disk_is_a_one_line_error_and_finished_rows_are_kept(
+    path: Path, tmp_path: Path
+) -> None:
     done = subprocess.run(
         [sys.executable, "-c", LIMITED, "50000", *words(path, 100)],
         cwd=ROOT,
@@ -209,7 +211,7 @@ class Killer:
 """
 
 
-def test_a_killed_worker_is_one_line_and_the_sweep_can_be_resumed(
+def test_a_killed_worker_is_a_one_line_error_and_the_sweep_can_be_resumed(
     capsys: pytest.CaptureFixture[str], path: Path, tmp_path: Path
 ) -> None:
     with TemporaryDirectory() as folder:
@@ -249,7 +251,7 @@ def test_the_help_names_every_parameter(capsys: pytest.CaptureFixture[str]) -> N
 
 
 @pytest.mark.parametrize("name", ["sweep", "report", "export", "compare-agents"])
-def test_the_help_has_its_first_line_and_an_example_in_one_line_each(
+def test_the_summary_and_the_example_in_the_help_are_one_line_each(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")

@@ -1,4 +1,4 @@
-"""The bar of a sweep, as a terminal shows it."""
+"""The progress bar of a sweep."""
 
 import io
 import re
@@ -32,7 +32,7 @@ def last_line(text: str) -> str:
     return re.split(r"[\r\n]+", text.strip())[-1]
 
 
-def test_a_terminal_gets_the_count_the_rate_the_time_left_and_the_share_that_delivers(
+def test_a_terminal_shows_the_count_the_rate_the_time_left_and_the_share_delivered(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     some = rows("delivered", "stalled", "delivered")
@@ -47,12 +47,14 @@ def test_the_share_is_of_all_rows_so_far(monkeypatch: pytest.MonkeyPatch) -> Non
     assert line.rstrip().endswith("25% delivered")
 
 
-def test_nothing_is_said_of_what_is_not_known_yet(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_share_is_left_out_until_it_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
     text = shown(monkeypatch, Terminal(), [])
     assert "0/8" in text
     assert "delivered" not in text
     assert "None" not in text
 
 
-def test_what_is_no_terminal_gets_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_written_if_the_output_is_not_a_terminal(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     assert shown(monkeypatch, io.StringIO(), rows("delivered")) == ""

@@ -1,4 +1,4 @@
-"""Processes that run episodes end with their parent, and one that dies is an error."""
+"""Worker processes end with their parent, and a killed worker is an error."""
 
 import multiprocessing
 import os
@@ -44,7 +44,7 @@ def is_running(number: int) -> bool:
         return False
 
 
-def test_other_processes_do_the_work_ignore_interrupts_and_end_with_the_block() -> None:
+def test_workers_are_other_processes_that_ignore_interrupts_and_end_with_the_block() -> None:
     with process_pool(2) as (executor, count):
         assert count == 2
         found = pids(executor)
@@ -59,7 +59,7 @@ def test_other_processes_do_the_work_ignore_interrupts_and_end_with_the_block() 
     wait_until_gone(found)
 
 
-def test_an_error_kills_them_at_once() -> None:
+def test_an_error_in_the_block_kills_the_workers() -> None:
     with pytest.raises(ArithmeticError), process_pool(1) as (executor, _):  # noqa: PT012
         found = pids(executor)
         executor.submit(time.sleep, 60)
@@ -67,7 +67,7 @@ def test_an_error_kills_them_at_once() -> None:
     wait_until_gone(found)
 
 
-def test_a_process_that_is_killed_is_one_line() -> None:
+def test_a_killed_worker_is_an_error() -> None:
     with pytest.raises(WorkerError) as caught, process_pool(2) as (executor, _):  # noqa: PT012
         [*found] = pids(executor)
         sleep = executor.submit(time.sleep, 60)
@@ -77,7 +77,7 @@ def test_a_process_that_is_killed_is_one_line() -> None:
     wait_until_gone(set(found))
 
 
-def test_they_end_when_their_parent_is_killed() -> None:
+def test_workers_end_when_their_parent_is_killed() -> None:
     with subprocess.Popen(
         [sys.executable, "-c", ORPHAN_MAKER], cwd=ROOT, stdout=subprocess.PIPE, text=True
     ) as parent:
@@ -88,7 +88,7 @@ def test_they_end_when_their_parent_is_killed() -> None:
     wait_until_gone(found)
 
 
-def test_there_are_no_more_than_can_be_waited_for(
+def test_the_number_of_workers_is_at_most_max_processes(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(workers, "MAX_PROCESSES", 1)

@@ -1,4 +1,4 @@
-"""One example of each outcome: which one it is, and its replay."""
+"""One example of each outcome: which episode is chosen, and its replay."""
 
 import io
 from collections.abc import Iterator
@@ -41,7 +41,7 @@ def found_in(store: Store, episodes: int = 12, **settings: object) -> list[Found
 
 
 def frames_of(gif: bytes) -> list[int]:
-    """Return how long each frame is shown, in milliseconds."""
+    """Return the duration of each frame in milliseconds."""
     durations = []
     with Image.open(io.BytesIO(gif)) as film:
         for index in range(film.n_frames):  # type: ignore[attr-defined]
@@ -56,7 +56,7 @@ def agent_in(folder: Path, source: str = WAITING) -> Path:
     return path
 
 
-def test_the_shortest_is_taken_then_the_first_case_then_the_smallest_seed(store: Store) -> None:
+def test_the_shortest_is_chosen_then_the_first_case_then_the_smallest_seed(store: Store) -> None:
     cases = [make_case({"memory": memory}) for memory in (1, 2)]
     first, second = map(store.case_id, cases)
     store.add(first, [row(1, "stalled", 9), row(8, "stalled", 7), row(9, "stalled", 7)])
@@ -67,7 +67,7 @@ def test_the_shortest_is_taken_then_the_first_case_then_the_smallest_seed(store:
     ]  # fmt: skip
 
 
-def test_every_mode_that_occurs_has_one_in_the_order_of_their_definition(store: Store) -> None:
+def test_every_mode_that_occurs_has_an_example_in_the_order_of_definition(store: Store) -> None:
     case_id = store.case_id(make_case({}))
     assert find_examples(store) == []
     store.add(case_id, [row(n, mode, 9) for n, mode in enumerate(reversed(MODES[::2]))])
@@ -94,7 +94,7 @@ def test_a_continuous_motion_is_shown_step_by_step(store: Store) -> None:
     assert len(frames_of(replay(found, run_own_code=True).gif)) == found.steps + 1
 
 
-def test_of_a_long_episode_the_end_is_shown_and_said(
+def test_the_replay_of_a_long_episode_shows_its_end_and_the_sentence_states_it(
     store: Store, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     found, *_ = [
@@ -125,7 +125,7 @@ def test_a_long_replay_plays_faster(
     assert sum(durations[:-1]) <= 1000
 
 
-def test_an_episode_with_another_outcome_now_has_no_replay(store: Store) -> None:
+def test_an_episode_that_now_has_another_outcome_has_no_replay(store: Store) -> None:
     found = found_in(store)[0]
     longer = replay(replace(found, steps=found.steps + 1), run_own_code=True)
     other = replay(replace(found, mode="stalled"), run_own_code=True)
@@ -136,7 +136,7 @@ def test_an_episode_with_another_outcome_now_has_no_replay(store: Store) -> None
     assert f"not stalled after {found.steps}" in other.sentence
 
 
-def test_an_agent_that_is_gone_is_named(tmp_path: Path, store: Store) -> None:
+def test_a_missing_agent_file_is_named(tmp_path: Path, store: Store) -> None:
     agent = agent_in(tmp_path)
     [found] = found_in(store, episodes=1, agent=f"{agent}:Waiting", max_steps=12)
     assert replay(found, run_own_code=True).gif
@@ -157,7 +157,7 @@ def test_an_agent_that_is_gone_is_named(tmp_path: Path, store: Store) -> None:
         (WAITING.replace('return "WAIT"', "raise SystemExit"), "SystemExit (mine.py, line 6)"),
         ("raise RuntimeError('two\\nlines')\n", "RuntimeError: two lines"),
     ],
-    ids=["class gone", "syntax", "raises in act", "ends in act", "raises when imported"],
+    ids=["class missing", "syntax", "raises in act", "exits in act", "raises when imported"],
 )
 def test_an_agent_that_no_longer_works_has_no_replay(
     tmp_path: Path, store: Store, source: str, said: str
@@ -174,7 +174,7 @@ def test_an_agent_that_no_longer_works_has_no_replay(
     assert "\n" not in example.sentence
 
 
-def test_an_agent_of_ones_own_is_not_run_unasked(tmp_path: Path) -> None:
+def test_a_user_agent_is_run_only_on_request(tmp_path: Path) -> None:
     marker = tmp_path / "ran"
     file = tmp_path / "agent.py"
     file.write_text(f"open({str(marker)!r}, 'w')\nclass Mine:\n    pass\n")
@@ -185,7 +185,7 @@ def test_an_agent_of_ones_own_is_not_run_unasked(tmp_path: Path) -> None:
     assert not marker.exists()
 
 
-def test_a_changed_agent_is_not_run_under_the_old_name(tmp_path: Path) -> None:
+def test_a_changed_agent_is_not_run(tmp_path: Path) -> None:
     marker = tmp_path / "ran"
     file = tmp_path / "agent.py"
     file.write_text(f"open({str(marker)!r}, 'w')\nclass Mine:\n    pass\n")

@@ -1,4 +1,4 @@
-"""The page: everything is in it, in order, and names given by users are text."""
+"""The page: its parts in order, and user input is escaped."""
 
 import base64
 import re
@@ -29,7 +29,7 @@ ALLOWED = {
 
 
 class Seen(HTMLParser):
-    """What a reader of the page finds: elements, attributes, and text by element."""
+    """The elements, attributes and texts of a page."""
 
     def __init__(self, text: str) -> None:
         super().__init__(convert_charrefs=True)
@@ -83,7 +83,7 @@ def bytes_of(uri: str, kind: str) -> bytes:
     return base64.b64decode(uri.removeprefix(start), validate=True)
 
 
-def test_everything_is_on_the_page_the_answers_first(path: Path) -> None:
+def test_all_parts_are_on_the_page_the_answers_first(path: Path) -> None:
     write_page(path, a_page())
     seen = read(path)
     assert seen.open == []
@@ -112,7 +112,7 @@ def test_pictures_are_in_the_page_byte_for_byte(path: Path) -> None:
     assert film["alt"] == "Replay of an episode that ended as oscillation: swung"
 
 
-def test_an_example_says_what_it_is_and_how_often_it_occurs(path: Path) -> None:
+def test_an_example_has_its_outcome_its_settings_and_its_number_of_episodes(path: Path) -> None:
     write_page(path, a_page())
     seen = read(path)
     assert "Oscillation" in seen.said("h3")
@@ -122,7 +122,7 @@ def test_an_example_says_what_it_is_and_how_often_it_occurs(path: Path) -> None:
     assert any(text.startswith("Seed 1234, 57 steps") for text in seen.said("p"))
 
 
-def test_an_example_without_a_replay_says_why(path: Path) -> None:
+def test_an_example_without_a_replay_gives_the_reason(path: Path) -> None:
     example = Example(found(), "It cannot be run again: it is gone.", b"")
     write_page(path, a_page(pictures=(), examples=(example,)))
     seen = read(path)
@@ -130,14 +130,14 @@ def test_an_example_without_a_replay_says_why(path: Path) -> None:
     assert "It cannot be run again: it is gone." in seen.said("p")
 
 
-def test_one_is_no_plural(path: Path) -> None:
+def test_a_count_of_one_is_singular(path: Path) -> None:
     write_page(path, a_page(examples=(Example(found(episodes=1, steps=1), "x", b""),)))
     seen = read(path)
     assert "1 episode" in seen.said("span")
     assert any(text.startswith("Seed 1234, 1 step,") for text in seen.said("p"))
 
 
-def test_numbers_stand_to_the_right_of_their_column(path: Path) -> None:
+def test_only_columns_of_numbers_have_the_class_number(path: Path) -> None:
     columns = ("name", "mean", "share", "size", "nothing")
     rows = (
         ("a", "1,600.5", "71.2% [60.0, 80.1]", "7x12", NOTHING),
@@ -148,7 +148,7 @@ def test_numbers_stand_to_the_right_of_their_column(path: Path) -> None:
     assert heads == [None, "number", "number", None, None]
 
 
-def test_a_page_with_nothing_but_a_title_is_a_page(path: Path) -> None:
+def test_a_page_with_empty_parts_is_valid(path: Path) -> None:
     empty = Table(("case",), (), "")
     write_page(
         path,
@@ -161,7 +161,7 @@ def test_a_page_with_nothing_but_a_title_is_a_page(path: Path) -> None:
     assert targets == {f"#{each['id']}" for each in seen.all("section")}
 
 
-def test_every_link_leads_to_a_part_of_the_page(path: Path) -> None:
+def test_every_link_leads_to_a_section_of_the_page(path: Path) -> None:
     write_page(path, a_page())
     seen = read(path)
     parts = {f"#{each['id']}" for each in seen.all("section")}
@@ -170,7 +170,7 @@ def test_every_link_leads_to_a_part_of_the_page(path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", HOSTILE)
-def test_names_are_always_text_and_load_nothing(path: Path, name: str) -> None:
+def test_names_are_escaped_and_load_nothing(path: Path, name: str) -> None:
     write_page(path, a_page_of(name))
     seen = read(path)
     assert seen.open == []
@@ -196,19 +196,19 @@ def test_names_are_always_text_and_load_nothing(path: Path, name: str) -> None:
     assert "script-src" not in rules
 
 
-def test_the_policy_stands_before_anything_that_it_is_for(path: Path) -> None:
+def test_the_content_security_policy_precedes_all_content(path: Path) -> None:
     write_page(path, a_page())
     tags = [tag for tag, _ in read(path).elements]
     assert tags[:4] == ["html", "head", "meta", "meta"]
     assert "http-equiv" in read(path).all("meta")[1]
 
 
-def test_what_nobody_sees_becomes_a_space(path: Path) -> None:
+def test_unprintable_characters_become_spaces(path: Path) -> None:
     write_page(path, a_page(title="a\nb\x00c\ud800d\x1be\u202ef\ufffeg"))
     assert read(path).said("h1") == ["a b c d e f g"]
 
 
-def test_names_of_files_and_agents_in_real_results_stay_text(
+def test_names_of_files_and_agents_in_real_results_are_escaped(
     tmp_path: Path, path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -234,7 +234,7 @@ def test_names_of_files_and_agents_in_real_results_stay_text(
     assert not [text for text in seen.said("code") if "fingerprint" in text or "tiles" in text]
 
 
-def test_a_page_that_cannot_be_written_whole_leaves_the_older_one(
+def test_a_page_that_cannot_be_written_completely_keeps_the_existing_one(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path.write_text("the older one")
@@ -250,7 +250,7 @@ def test_a_page_that_cannot_be_written_whole_leaves_the_older_one(
     assert [each.name for each in path.parent.iterdir()] == [path.name]
 
 
-def test_a_template_that_asks_for_what_there_is_not_is_refused(
+def test_an_undefined_name_in_the_template_is_an_error(
     tmp_path: Path, path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "page.html").write_text("{{ page.titel }}")
@@ -265,7 +265,7 @@ def test_the_same_page_gives_the_same_bytes(tmp_path: Path) -> None:
     assert (tmp_path / "one.html").read_bytes() == (tmp_path / "two.html").read_bytes()
 
 
-def test_questions_keep_their_sentences_in_order(path: Path) -> None:
+def test_questions_sentences_and_captions_keep_their_order(path: Path) -> None:
     answers = tuple(Answer(f"Q{n}?", (f"{n}a", f"{n}b")) for n in range(3))
     pictures = tuple(Picture(f"p{n}", f"caption {n}", SVG) for n in range(3))
     write_page(path, a_page(answers=answers, pictures=pictures))

@@ -1,4 +1,4 @@
-"""The command ``warehouse report``: what it prints, what it writes, and what it refuses."""
+"""The command ``warehouse report``: its output, its files and its errors."""
 
 from pathlib import Path
 
@@ -21,7 +21,7 @@ def results(tmp_path: Path) -> Path:
     return fill(tmp_path / "r.sqlite", [(ON, outcomes("dddw")), (OFF, outcomes("dooo"))])
 
 
-def test_it_prints_the_answers_and_writes_the_page(
+def test_the_command_prints_the_answers_and_writes_the_page(
     results: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     code, out, err = command(capsys, "report", results, "--no-replays")
@@ -37,7 +37,7 @@ def test_it_prints_the_answers_and_writes_the_page(
     assert "image/gif" not in page
 
 
-def test_figures_go_to_a_folder_of_their_own(
+def test_figures_are_saved_in_a_folder(
     results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     page, folder = tmp_path / "page.html", tmp_path / "new" / "figures"
@@ -48,7 +48,7 @@ def test_figures_go_to_a_folder_of_their_own(
     assert not results.with_suffix(".html").exists()
 
 
-def test_a_reader_that_leaves_does_not_cost_the_page(
+def test_the_page_is_written_even_if_the_output_is_closed(
     results: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def echo(*_: object, **__: object) -> None:
@@ -91,7 +91,7 @@ def test_a_report_changes_nothing_in_the_results(
     assert {path.name for path in results.parent.iterdir()} == {"r.sqlite", "r.html"}
 
 
-def test_what_cannot_be_reported_is_refused(
+def test_invalid_results_and_outputs_are_errors(
     results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert refusal(capsys, "report", tmp_path / "no.sqlite").endswith("there is no such file")
@@ -113,7 +113,7 @@ def test_what_cannot_be_reported_is_refused(
     Store(html, read_only=True).close()
 
 
-def test_the_table_has_a_line_for_each_case(results: Path) -> None:
+def test_the_table_has_a_row_for_each_case(results: Path) -> None:
     with Store(results, read_only=True) as store:
         table = make_page(store, ()).table
     assert table.columns == (
@@ -126,7 +126,7 @@ def test_the_table_has_a_line_for_each_case(results: Path) -> None:
     assert table.note == ""
 
 
-def test_a_long_table_says_what_it_leaves_out(
+def test_a_long_table_states_what_it_leaves_out(
     results: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(contents, "MAX_CASES", 1)
@@ -136,7 +136,7 @@ def test_a_long_table_says_what_it_leaves_out(
     assert table.note == "1 further combination in the file."
 
 
-def test_the_settings_are_all_there(results: Path) -> None:
+def test_the_page_lists_all_settings_and_versions(results: Path) -> None:
     with Store(results, read_only=True) as store:
         page = make_page(store, ())
     settings = dict(page.settings)
@@ -148,7 +148,7 @@ def test_the_settings_are_all_there(results: Path) -> None:
     }  # fmt: skip
 
 
-def test_what_is_missing_is_said(tmp_path: Path) -> None:
+def test_the_summary_states_what_is_missing(tmp_path: Path) -> None:
     cases = [(ON, outcomes("dd")), (OFF, outcomes("ddd")), ({"battery": 33}, [])]
     with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
         assert make_page(store, ()).summary == (
@@ -157,7 +157,7 @@ def test_what_is_missing_is_said(tmp_path: Path) -> None:
         )
 
 
-def test_seeds_that_are_not_there_are_said(tmp_path: Path) -> None:
+def test_the_table_states_gaps_in_the_seeds(tmp_path: Path) -> None:
     cases = [(ON, [*outcomes("dd"), *outcomes("d", seed=9)]), (OFF, outcomes("d", seed=4))]
     with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
         rows = make_page(store, ()).table.rows
@@ -172,7 +172,7 @@ def test_cases_without_episodes_are_left_out(tmp_path: Path) -> None:
     assert "33" not in dict(page.settings)["battery"]
 
 
-def test_time_and_energy_in_the_table_are_those_that_were_measured(tmp_path: Path) -> None:
+def test_time_and_energy_in_the_table_are_only_measured_ones(tmp_path: Path) -> None:
     cases = [({"backend": name}, outcomes("d", steps=30)) for name in ("grid", "physics")]
     with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
         table = make_page(store, ()).table

@@ -1,4 +1,4 @@
-"""Agents that search deliver by a shortest path, or give the reason why there is none."""
+"""Search agents deliver by a shortest path, or report that there is none."""
 
 import random
 from collections.abc import Iterable
@@ -70,7 +70,7 @@ def test_a_delivery_takes_the_fewest_steps(algorithm: str) -> None:
         assert episode.steps == fewest(episode)
 
 
-def test_without_random_stations_the_layouts_own_are_used() -> None:
+def test_without_random_stations_those_of_the_layout_are_used() -> None:
     layout = Layout(["########", "#D....P#", "#.####.#", "#P....D#", "########"])
     env = WarehouseEnv(layout, (1, 5))
     episode = record_episode(env, SearchAgent(layout), randomize=False)
@@ -99,7 +99,7 @@ def test_every_searching_agent_delivers(name: str) -> None:
         assert episode.outcome == DELIVERED
 
 
-def test_it_plans_once_and_follows_the_plan() -> None:
+def test_an_agent_plans_once_and_follows_the_plan() -> None:
     agent = SearchAgent(DEFAULT_LAYOUT)
     episode = run(agent, DEFAULT_LAYOUT, 12)
     assert agent.plans == 1
@@ -108,7 +108,7 @@ def test_it_plans_once_and_follows_the_plan() -> None:
 
 
 @pytest.mark.parametrize("kind", ["search", "exploring"])
-def test_without_a_path_it_waits_and_gives_the_reason(kind: str) -> None:
+def test_without_a_path_an_agent_waits_and_gives_the_reason(kind: str) -> None:
     agent: Any = SearchAgent(CUT_OFF) if kind == "search" else ExploringAgent()
     env = WarehouseEnv(CUT_OFF, (1, 1), max_steps=8)
     episode = record_episode(env, agent, randomize=False)
@@ -117,7 +117,7 @@ def test_without_a_path_it_waits_and_gives_the_reason(kind: str) -> None:
     assert agent.plans <= 2
 
 
-def test_with_an_unreachable_pickup_it_does_not_move() -> None:
+def test_with_an_unreachable_pickup_the_agent_does_not_move() -> None:
     layout = Layout(["#######", "#..#.P#", "#D.#..#", "#######"])
     env = WarehouseEnv(layout, (1, 1), max_steps=5)
     episode = record_episode(env, SearchAgent(layout), randomize=False)
@@ -125,7 +125,7 @@ def test_with_an_unreachable_pickup_it_does_not_move() -> None:
     assert episode.reasons[-1] == "no way leads to the pickup and dropoff"
 
 
-def test_off_its_plan_it_makes_a_new_one() -> None:
+def test_an_agent_that_is_off_its_plan_makes_a_new_one() -> None:
     layout = Layout(["#######", "#P....#", "#.....#", "#....D#", "#######"])
     for agent in (SearchAgent(layout), ExploringAgent()):
         env = WarehouseEnv(layout, (3, 1), view_radius=1)
@@ -142,7 +142,7 @@ def test_off_its_plan_it_makes_a_new_one() -> None:
         assert agent.plans >= 2
 
 
-def test_the_reasons_name_a_new_plan_and_then_that_it_is_followed() -> None:
+def test_the_reasons_are_a_new_plan_and_then_following_it() -> None:
     layout = Layout(["########", "#P....D#", "########"])
     env, agent = WarehouseEnv(layout, (1, 1)), SearchAgent(layout)
     observation, reasons = env.reset(), []
@@ -158,7 +158,7 @@ def test_the_reasons_name_a_new_plan_and_then_that_it_is_followed() -> None:
     assert reasons == ["has a plan", follows, new, follows, follows, follows]
 
 
-def test_random_stations_are_not_taken_for_those_of_the_layout() -> None:
+def test_the_agent_delivers_with_random_stations_on_a_layout_with_stations() -> None:
     layout = Layout(["P...P", "....D", "P...P", "....."])
     env, agent = WarehouseEnv(layout, (3, 0)), SearchAgent(layout)
     for seed in range(100):  # one environment, so new stations may be on the cells of old ones
@@ -184,7 +184,7 @@ def test_a_robot_without_a_view_tries_a_failed_move_again() -> None:
     assert [agent.act(observation) for _ in range(3)] == ["E", "E", "E"]
 
 
-def test_it_stops_trying() -> None:
+def test_a_robot_without_a_view_stops_trying_failed_moves() -> None:
     agent, env = ExploringAgent(), WarehouseEnv(["####", "#.P#", "#D.#", "####"], view_radius=0)
     observation = env.reset()
     actions = [agent.act(observation) for _ in range(200)]
@@ -200,7 +200,7 @@ def test_the_exploring_agent_finds_a_path() -> None:
         assert episode.steps >= fewest(episode)
 
 
-def test_on_a_map_that_it_has_seen_it_takes_a_shortest_path() -> None:
+def test_the_exploring_agent_takes_a_shortest_path_if_it_sees_the_whole_map() -> None:
     for seed, layout in enumerate(layouts(15)):
         agent = ExploringAgent()
         episode = run(agent, layout, seed, view_radius=12)
@@ -208,7 +208,7 @@ def test_on_a_map_that_it_has_seen_it_takes_a_shortest_path() -> None:
         assert episode.steps == fewest(episode)
 
 
-def test_it_goes_back_if_its_path_is_blocked() -> None:
+def test_the_exploring_agent_makes_a_new_plan_if_its_path_is_blocked() -> None:
     layout = Layout(["#########", "#.......#", "#.#####.#", "#P....#D#", "#.....#.#", "#########"])
     env = WarehouseEnv(layout, (3, 1), view_radius=1)
     agent = ExploringAgent()
@@ -218,14 +218,14 @@ def test_it_goes_back_if_its_path_is_blocked() -> None:
     assert episode.steps > fewest(episode)
 
 
-def test_it_finds_walls_that_it_cannot_see_by_running_into_them() -> None:
+def test_without_a_view_walls_are_found_by_blocked_moves() -> None:
     agent = ExploringAgent()
     episode = run(agent, DEFAULT_LAYOUT, 3, view_radius=0, max_steps=500, battery=500)
     assert episode.outcome == DELIVERED
     assert any(motion.blocked for motion in episode.motions)
 
 
-def test_without_a_view_it_delivers_from_every_start_and_in_mazes() -> None:
+def test_without_a_view_the_agent_delivers_on_the_default_layout_and_in_mazes() -> None:
     cases = [(DEFAULT_LAYOUT, seed) for seed in range(60)]
     cases += [(maze(11, seed), seed) for seed in range(30)]
     for layout, seed in cases:
@@ -233,7 +233,7 @@ def test_without_a_view_it_delivers_from_every_start_and_in_mazes() -> None:
         assert episode.outcome == DELIVERED, f"seed {seed}"
 
 
-def test_it_forgets_everything_at_a_reset() -> None:
+def test_reset_clears_the_belief() -> None:
     agent = ExploringAgent()
     first = run(agent, DEFAULT_LAYOUT, 5)
     assert agent.belief.known
@@ -248,13 +248,13 @@ def test_it_forgets_everything_at_a_reset() -> None:
         ({"weight": float("nan")}, "weight is nan; it must be 0..1000000 or infinity"),
     ],
 )
-def test_an_argument_that_is_not_allowed_is_an_error(options: dict[str, Any], words: str) -> None:
+def test_an_invalid_argument_is_an_error(options: dict[str, Any], words: str) -> None:
     with pytest.raises(ValueError, match=r"allowed|must be") as caught:
         SearchAgent(DEFAULT_LAYOUT, **options)
     assert str(caught.value).startswith(words)
 
 
-def test_on_physics_the_actions_are_those_of_the_grid() -> None:
+def test_the_actions_are_the_same_on_both_backends() -> None:
     for seed in range(3):
         grid, physics = (
             run(SearchAgent(DEFAULT_LAYOUT, cost="seconds"), DEFAULT_LAYOUT, seed, backend=backend)

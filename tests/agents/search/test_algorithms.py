@@ -51,7 +51,7 @@ def random_route(stream: random.Random) -> tuple[list[str], RouteProblem]:
     return rows, RouteProblem(Layout(rows), start, goal)
 
 
-def test_the_map_is_the_books() -> None:
+def test_the_map_is_that_of_the_book() -> None:
     """Twenty cities and 23 roads, each consistent with the straight lines to Bucharest."""
     assert len(ROADS) == 23
     assert {city for road in ROADS for city in road} == STRAIGHT_LINE.keys()
@@ -111,10 +111,10 @@ def test_the_shortest_path_between_any_two_cities_is_that_of_networkx() -> None:
             assert uniform_cost_search(romania(here, there)).cost == miles
 
 
-def test_the_numbers_of_a_search_by_hand() -> None:
-    """S gives A 1 and B 5; A gives C 1.5 and B 2; C gives none; B 2 gives G 12; B 5 is outdone.
+def test_the_counts_of_a_search_equal_those_found_by_hand() -> None:
+    """S generates A at cost 1 and B at 5, A generates C at 1.5 and B at 2, B at 2 generates G.
 
-    After A three nodes wait: C, the good B, and the B that it has outdone.
+    C generates nothing. After A the frontier has three nodes: C and B at both costs.
     """
     found = uniform_cost_search(Travel(DETOUR, "S", "G"), with_events=True)
     assert (found.states, found.actions) == (("S", "A", "B", "G"), ("A", "B", "G"))
@@ -125,8 +125,8 @@ def test_the_numbers_of_a_search_by_hand() -> None:
     assert (near.generated, near.expanded, near.largest_frontier) == (3, 1, 2)
 
 
-def test_a_path_that_is_no_better_is_not_reached_anew() -> None:
-    """The road back to S and the second of two equal ways to G are generated, and left."""
+def test_a_path_that_is_not_cheaper_does_not_replace_the_first() -> None:
+    """The road back to S and the second of two equal paths to G are generated and not used."""
     roads = {("S", "A"): 1, ("S", "B"): 1, ("A", "S"): 1, ("A", "G"): 1, ("B", "G"): 1}
     found = uniform_cost_search(Travel(roads, "S", "G"), with_events=True)
     assert found.events == (("S", ("A", "B")), ("B", ("G",)), ("A", ()))
@@ -137,7 +137,7 @@ def test_a_path_that_is_no_better_is_not_reached_anew() -> None:
     assert (found.states, found.generated) == (("S", "A", "G"), 6)
 
 
-def test_among_equals_the_last_generated_is_expanded_first() -> None:
+def test_of_equal_evaluations_the_last_generated_is_expanded_first() -> None:
     layout = Layout(["....", "....", "...."])
     problem = RouteProblem(layout, (0, 0), (2, 3))
     found = astar_search(problem, manhattan(problem))
@@ -152,7 +152,7 @@ def test_a_start_on_the_goal_needs_no_actions(search: Search) -> None:
 
 
 @over_searches
-def test_without_a_path_nothing_is_found(search: Search) -> None:
+def test_without_a_path_there_is_no_solution(search: Search) -> None:
     found = search(Travel(DETOUR, "S", "nowhere"))
     assert not found.found
     assert (found.states, found.actions, found.cost) == ((), (), math.inf)
@@ -160,7 +160,7 @@ def test_without_a_path_nothing_is_found(search: Search) -> None:
 
 
 def test_states_evaluated_at_infinity_are_not_expanded() -> None:
-    """All equal, they would be expanded by age, and again with each better path."""
+    """As they are all equal, they would be expanded again with each better path."""
     hall = RouteProblem(Layout(["......"] * 6), (0, 0), (5, 5))
     found = astar_search(hall, lambda cell: math.inf, with_events=True)
     assert not found.found
@@ -181,13 +181,13 @@ def test_a_negative_cost_is_an_error(road: tuple[str, str], cost: float) -> None
             search(problem)
 
 
-def test_a_negative_cost_that_rounding_hides_is_an_error() -> None:
+def test_a_negative_cost_is_an_error_even_if_rounding_removes_it() -> None:
     roads = {("S", "A"): 1e20, ("A", "G"): -1.0}
     with pytest.raises(ValueError, match=r"'G' in 'A' costs -1\.0; at least 0"):
         uniform_cost_search(Travel(roads, "S", "G"))
 
 
-def test_roads_without_cost_may_form_circles() -> None:
+def test_roads_without_cost_may_form_cycles() -> None:
     roads = {("S", "A"): 0, ("A", "S"): 0, ("A", "A"): 0, ("A", "G"): 0}
     for search in SEARCHES.values():
         found = search(Travel(roads, "S", "G"))
@@ -244,7 +244,7 @@ def test_astar_expands_no_more_than_uniform_cost_search() -> None:
         uniform = uniform_cost_search(problem).expanded
         assert astar <= uniform
         ours, theirs = ours + astar, theirs + uniform
-    assert ours < 0.7 * theirs, "in total it is far less"
+    assert ours < 0.7 * theirs, "in total it expands far fewer"
 
 
 def test_the_path_of_every_algorithm_is_valid() -> None:
@@ -340,8 +340,8 @@ def test_an_admissible_but_inconsistent_heuristic_still_finds_the_best_path() ->
     assert (found.states, found.cost) == (("S", "A", "B", "G"), 12)
 
 
-def test_without_reopening_the_first_path_to_an_expanded_state_stays() -> None:
-    """B keeps the long road by which it was expanded, and no other state is expanded either."""
+def test_without_reopening_the_first_path_to_an_expanded_state_is_kept() -> None:
+    """B keeps the long road by which it was expanded, and no state is expanded again."""
     estimates = {"S": 0, "A": 11, "B": 0, "C": 0, "G": 0}
     for weight in (1.0, 2.0):
         found = weighted_astar_search(
@@ -351,7 +351,7 @@ def test_without_reopening_the_first_path_to_an_expanded_state_stays() -> None:
         assert (found.states, found.cost) == (("S", "B", "G"), 15)
 
 
-def test_without_reopening_a_better_path_to_a_state_on_the_frontier_counts() -> None:
+def test_without_reopening_a_better_path_to_a_state_on_the_frontier_is_used() -> None:
     found = uniform_cost_search(Travel(DETOUR, "S", "G"))
     again = best_first_search(Travel(DETOUR, "S", "G"), path_cost, reopen=False)
     assert again == found
@@ -359,7 +359,7 @@ def test_without_reopening_a_better_path_to_a_state_on_the_frontier_counts() -> 
 
 
 def test_greedy_search_expands_no_state_twice_unless_it_reopens() -> None:
-    """An open floor with a goal that is walled in: all other cells are expanded once."""
+    """An open floor with a goal enclosed by walls: all other cells are expanded once."""
     rows = ["." * 30 for _ in range(30)]
     rows[14] = rows[16] = "." * 14 + "###" + "." * 13
     rows[15] = "." * 14 + "#.#" + "." * 13
@@ -372,7 +372,7 @@ def test_greedy_search_expands_no_state_twice_unless_it_reopens() -> None:
     assert not often.found
 
 
-def test_a_search_repeats() -> None:
+def test_a_search_is_deterministic() -> None:
     stream = random.Random(7)
     for _ in range(20):
         rows, problem = random_route(stream)

@@ -1,4 +1,4 @@
-"""The belief of a robot: the cells that it has seen, and that all others are free."""
+"""The belief of a robot: the cells that it has seen; all others are assumed to be free."""
 
 import math
 import random
@@ -40,17 +40,17 @@ def test_cells_outside_the_grid_are_walls() -> None:
     assert not belief.is_free((-1, 1))
 
 
-def test_cells_that_were_not_seen_are_free() -> None:
+def test_unseen_cells_are_assumed_to_be_free() -> None:
     belief, _ = believed()
     assert belief.is_free((77, -3))
     assert not belief.is_free((2, 2))
 
 
-def test_a_bump_is_a_wall_only_if_the_cell_was_not_seen() -> None:
+def test_a_cell_is_a_wall_after_two_bumps_unless_it_was_seen() -> None:
     belief, _ = believed()
     for cell in ((9, 9), (1, 1)):
         belief.bump(cell)
-        assert belief.is_free(cell)  # one failure is no proof
+        assert belief.is_free(cell)  # one bump is not enough
         belief.bump(cell)
     assert not belief.is_free((9, 9))
     assert belief.is_free((1, 1))
@@ -66,7 +66,7 @@ def test_a_path_leads_through_unknown_cells_and_around_known_walls() -> None:
     assert (2, 2) not in found.states
 
 
-def test_the_search_ends_if_the_goal_is_walled_in() -> None:
+def test_the_search_ends_if_the_goal_is_enclosed_by_walls() -> None:
     belief = Belief()
     for cell in ((4, 5), (6, 5), (5, 4), (5, 6)):
         see(belief, cell, WALL)
@@ -96,7 +96,7 @@ def test_a_path_may_lead_around_walls_that_were_not_seen() -> None:
     assert breadth_first_search(BeliefProblem(belief, (5, 0), (5, 6))).cost == 6
 
 
-def test_the_news_are_the_cells_seen_for_the_first_time() -> None:
+def test_news_has_the_cells_seen_for_the_first_time() -> None:
     belief, env = believed()
     assert belief.news == belief.known
     belief.look(env.observe())
@@ -106,7 +106,7 @@ def test_the_news_are_the_cells_seen_for_the_first_time() -> None:
     assert belief.news == {(4, col): WALL for col in (0, 1, 2)}
 
 
-def test_each_search_is_that_of_a_new_belief() -> None:
+def test_each_search_gives_the_same_cost_as_with_a_new_belief() -> None:
     """Moves that have been computed are computed again where a wall is found or forgotten."""
     stream, belief, fewest = random.Random(1), Belief(), set()
     for _ in range(150):

@@ -1,4 +1,4 @@
-"""The replay of the world beside what the exploring agent believes of it."""
+"""The replay of the world beside the belief of the exploring agent."""
 
 from pathlib import Path
 from typing import Any
@@ -40,16 +40,16 @@ def replay(**options: Any) -> Replay:
 
 
 def unknown_share(image: NDArray[np.int64]) -> tuple[float, float]:
-    """The share of pixels near ``UNKNOWN`` in the left third and in the middle one."""
+    """Return the share of pixels near ``UNKNOWN`` in the left third and in the middle one."""
     near = np.all(np.abs(image - 255 * np.array(UNKNOWN)) < 10, axis=-1)
     third = image.shape[1] // 3
     return float(near[:, :third].mean()), float(near[:, third : 2 * third].mean())
 
 
-# What is remembered.
+# Recorded beliefs.
 
 
-def test_the_record_is_the_same_as_without_a_watcher() -> None:
+def test_recording_beliefs_does_not_change_the_episode() -> None:
     env, again = (WarehouseEnv(DETOUR, (3, 3), view_radius=1) for _ in range(2))
     alone = record_episode(env, ExploringAgent(), seed=3)
     watched, history = record_beliefs(again, ExploringAgent(), seed=3)
@@ -59,7 +59,7 @@ def test_the_record_is_the_same_as_without_a_watcher() -> None:
     assert len(history) == watched.steps
 
 
-def test_the_insights_add_up_to_the_belief_and_none_comes_twice() -> None:
+def test_each_cell_of_the_belief_is_in_exactly_one_insight() -> None:
     agent = ExploringAgent()
     env = WarehouseEnv(DETOUR, (3, 3), view_radius=1)
     _, history = record_beliefs(env, agent, seed=3)
@@ -72,13 +72,13 @@ def test_the_insights_add_up_to_the_belief_and_none_comes_twice() -> None:
     assert len(history[1].seen) <= 3
 
 
-def test_an_agent_that_has_explored_before_begins_again() -> None:
+def test_a_second_recording_with_the_same_agent_is_equal() -> None:
     agent, env = ExploringAgent(), WarehouseEnv(DETOUR, (3, 3), view_radius=1)
     once, again = (record_beliefs(env, agent, seed=3, randomize=False) for _ in range(2))
     assert once == again
 
 
-def test_the_route_leads_from_the_robot_to_where_it_is_going() -> None:
+def test_the_route_leads_from_the_robot_to_its_goal() -> None:
     episode, history = explored()
     for cell, loaded, insight in zip(episode.cells, episode.loaded, history, strict=False):
         assert insight.route[0] == cell
@@ -87,17 +87,17 @@ def test_the_route_leads_from_the_robot_to_where_it_is_going() -> None:
         assert (steps == 1).all()
 
 
-# What is believed.
+# Tiles of the belief.
 
 
-def test_at_first_only_the_window_and_the_two_stations_are_known() -> None:
+def test_at_first_only_the_view_and_the_two_stations_are_known() -> None:
     _, history = explored()
     first = believed_tiles(DETOUR, history)[0]
     assert first == ("?????????", "?????????", "??###????", "?P...??D?", "??...????", "?????????")
     assert len(history[0].seen) == 9
 
 
-def test_what_is_seen_is_as_it_is_and_stays() -> None:
+def test_seen_tiles_are_correct_and_stay_known() -> None:
     episode, history = explored(DEFAULT_LAYOUT, randomize=True)
     before = "?" * 84
     for rows in believed_tiles(episode.layout, history):
@@ -108,8 +108,8 @@ def test_what_is_seen_is_as_it_is_and_stays() -> None:
         before = now
 
 
-def test_walls_beyond_the_rim_are_not_drawn_on_the_other_side() -> None:
-    """Row -1 is no row; Python would take it for the last one."""
+def test_walls_outside_the_grid_are_not_drawn_on_the_opposite_side() -> None:
+    """Row -1 is outside the grid; as an index it would be the last row."""
     room = Layout(["P....", ".....", "....D"])
     env = WarehouseEnv(room, (0, 0), view_radius=1)
     _, history = record_beliefs(env, ExploringAgent(), randomize=False)
@@ -117,7 +117,7 @@ def test_walls_beyond_the_rim_are_not_drawn_on_the_other_side() -> None:
     assert len(history[0].seen) == 4
 
 
-def test_without_anything_new_the_tiles_are_the_same_object() -> None:
+def test_the_tiles_are_the_same_object_until_a_new_cell_is_seen() -> None:
     _, history = explored(view_radius=9)
     assert len({id(rows) for rows in believed_tiles(DETOUR, history)}) == 1
 
@@ -128,11 +128,11 @@ def test_a_second_station_that_has_not_been_seen_is_unknown() -> None:
     assert believed_tiles(two, history)[0] == ("###?????", "#P.?????", "#D.?????", "????????")
 
 
-# What is drawn.
+# Tracks and pictures.
 
 
 @pytest.mark.parametrize("backend", ["grid", "physics"])
-def test_both_tracks_go_frame_by_frame(backend: str) -> None:
+def test_both_tracks_have_the_same_frames(backend: str) -> None:
     episode, history = explored(backend=backend)
     world, belief = belief_tracks(episode, history)
     plain = track_of_episode(episode)
@@ -143,7 +143,7 @@ def test_both_tracks_go_frame_by_frame(backend: str) -> None:
 
 
 @pytest.mark.parametrize("backend", ["grid", "physics"])
-def test_each_frame_shows_the_belief_and_the_reason_of_the_move_that_is_made(backend: str) -> None:
+def test_each_frame_shows_the_belief_and_the_reason_of_its_move(backend: str) -> None:
     episode, history = explored(backend=backend)
     _, belief = belief_tracks(episode, history)
     tiles = believed_tiles(DETOUR, history)
@@ -159,7 +159,7 @@ def test_each_frame_shows_the_belief_and_the_reason_of_the_move_that_is_made(bac
     assert "now N (meets a wall, plans round it)" in "".join(captions)
 
 
-def test_the_plan_begins_at_the_rim_of_the_robot_and_ends_at_its_goal() -> None:
+def test_the_plan_begins_at_the_edge_of_the_robot_and_ends_at_its_goal() -> None:
     episode, history = explored(backend="physics")
     _, belief = belief_tracks(episode, history)
     assert belief.frames[-1].route == ()
@@ -173,7 +173,7 @@ def test_the_plan_begins_at_the_rim_of_the_robot_and_ends_at_its_goal() -> None:
     assert sum(bool(frame.route) for frame in belief.frames) > len(belief) / 2
 
 
-def test_the_unknown_is_grey_in_the_belief_and_in_no_other_place_and_shrinks() -> None:
+def test_unknown_cells_are_grey_in_the_belief_only_and_become_fewer() -> None:
     shown = replay()
     shown.go_to(0)
     before = unknown_share(np.asarray(shown.figure.pixels()).astype(np.int64))
@@ -184,7 +184,7 @@ def test_the_unknown_is_grey_in_the_belief_and_in_no_other_place_and_shrinks() -
     assert after[1] < before[1] / 2
 
 
-def test_the_two_grids_are_level_and_of_one_size() -> None:
+def test_the_two_grids_are_aligned_and_of_equal_size() -> None:
     """The charts beside one of them need more height than either."""
     shown = replay(backend="physics", max_steps=2)
     grids = [axes for axes in shown.figure.findobj(Axes) if axes.get_aspect() == 1]
@@ -208,12 +208,12 @@ def test_the_plan_is_drawn_from_the_robot_to_the_goal() -> None:
     assert len(dots.get_xydata()) == 0
 
 
-def test_the_legend_says_what_the_stripes_and_the_dots_are() -> None:
+def test_the_legend_explains_the_stripes_and_the_dots() -> None:
     found = [text.get_text() for text in replay().figure.findobj(Text)]
     assert found.count("not seen yet") == found.count("plan") == 1
 
 
-def test_a_gif_keeps_the_unknown_grey(tmp_path: Path) -> None:
+def test_unknown_cells_are_grey_in_a_gif(tmp_path: Path) -> None:
     replay(max_steps=2).save(tmp_path / "belief.gif")
     with Image.open(tmp_path / "belief.gif") as image:
         left, middle = unknown_share(np.asarray(image.convert("RGB")).astype(np.int64))

@@ -28,7 +28,7 @@ def test_a_loaded_move_costs_more_on_the_physics_backend(measure: str) -> None:
     assert costs == action_costs(measure), "physics is the default"
 
 
-def test_a_pick_on_the_physics_backend_costs_as_the_robot_spec_says() -> None:
+def test_the_cost_of_a_pick_on_the_physics_backend_is_that_of_the_robot_spec() -> None:
     from warehouse_physics.robot_spec import RobotSpec
 
     spec = RobotSpec()
@@ -36,7 +36,7 @@ def test_a_pick_on_the_physics_backend_costs_as_the_robot_spec_says() -> None:
     assert action_costs(JOULES)[2:] == pytest.approx((spec.dwell * spec.idle_power,) * 2)
 
 
-def test_the_grid_has_its_nominal_costs() -> None:
+def test_the_grid_backend_has_nominal_costs() -> None:
     assert action_costs(SECONDS, "grid") == (1, 1, 1, 1)
     moving, standing = (nominal_joules(1.0, moving=moving) for moving in (True, False))
     assert action_costs(JOULES, "grid") == (moving, moving, standing, standing)
@@ -56,7 +56,7 @@ def test_an_unknown_backend_is_an_error() -> None:
         action_costs(SECONDS, "hover")
 
 
-def test_a_motion_of_another_cell_size_is_measured() -> None:
+def test_a_backend_object_with_another_cell_size_is_measured() -> None:
     moving, standing = (nominal_joules(2.0, moving=moving) for moving in (True, False))
     assert action_costs(JOULES, GridMotion(2.0)) == (moving, moving, standing, standing)
 

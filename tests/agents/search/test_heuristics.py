@@ -1,4 +1,4 @@
-"""Heuristics against the exact costs by networkx."""
+"""Heuristics compared with exact costs from networkx."""
 
 import math
 import random
@@ -37,7 +37,7 @@ def steps_to(here: Cell, cells: Iterable[Cell]) -> int:
     return min(abs(here[0] - row) + abs(here[1] - col) for row, col in cells)
 
 
-def test_zero_is_zero() -> None:
+def test_the_zero_heuristic_is_0_for_every_state() -> None:
     assert zero((3, 4)) == zero(DELIVERED) == 0
 
 
@@ -50,11 +50,11 @@ def test_heuristics_of_routes_never_overestimate_and_are_consistent() -> None:
         problem = RouteProblem(layout, places[0], goal)
         graph = route_graph(rows)
         true = nx.single_source_shortest_path_length(graph, goal)
-        crow, exact = manhattan(problem), true_distance(problem, layout)
+        without_walls, exact = manhattan(problem), true_distance(problem, layout)
         for place in places:
-            assert crow(place) == abs(place[0] - goal[0]) + abs(place[1] - goal[1])
-            assert crow(place) <= exact(place) == true.get(place, math.inf)
-        for estimate in (zero, crow, exact):
+            assert without_walls(place) == abs(place[0] - goal[0]) + abs(place[1] - goal[1])
+            assert without_walls(place) <= exact(place) == true.get(place, math.inf)
+        for estimate in (zero, without_walls, exact):
             assert estimate(goal) == 0
             for here, there in graph.edges:
                 assert estimate(here) <= 1 + estimate(there)
@@ -62,7 +62,7 @@ def test_heuristics_of_routes_never_overestimate_and_are_consistent() -> None:
 
 
 def test_heuristics_of_deliveries_never_overestimate_and_are_consistent() -> None:
-    """With all prices, including 0, and with none to three stations."""
+    """With random prices, including 0, and zero to three stations of each kind."""
     stream = random.Random(31)
     for _ in range(LAYOUTS):
         rows, prices = random_rows(stream), random_prices(stream)
@@ -76,18 +76,18 @@ def test_heuristics_of_deliveries_never_overestimate_and_are_consistent() -> Non
         problem = DeliveryProblem(
             Layout(rows), places[0], pickups=pickups, dropoffs=dropoffs, costs=costs
         )
-        crow = manhattan_delivery(problem)
+        without_walls = manhattan_delivery(problem)
         states = {way: DELIVERED if way == END else way for way in graph}
         for way, state in states.items():
-            assert crow(state) <= true.get(way, math.inf)
-        assert crow(DELIVERED) == zero(DELIVERED) == 0
-        for estimate in (zero, crow):
+            assert without_walls(state) <= true.get(way, math.inf)
+        assert without_walls(DELIVERED) == zero(DELIVERED) == 0
+        for estimate in (zero, without_walls):
             for here, there, price in graph.edges.data("weight"):
                 assert estimate(states[here]) <= price + estimate(states[there])
 
 
 def test_without_walls_the_estimate_is_the_cost() -> None:
-    """The estimate has both legs, the pick and the drop, and the best of the stations."""
+    """The estimate includes both distances, the pick and the drop, for the best stations."""
     costs = ActionCosts(2.0, 3.0, 5.0, 7.0)
     layout = Layout(["P....", ".....", "..P.D"])
     problem = DeliveryProblem(layout, (0, 2), costs=costs)
@@ -101,7 +101,7 @@ def test_without_walls_the_estimate_is_the_cost() -> None:
 
 
 def test_with_many_stations_the_estimate_is_the_least_over_all_pairs() -> None:
-    """Of more stations than are compared one by one, on layouts of all shapes, at all prices."""
+    """Also with more stations than are compared one by one, for random shapes and prices."""
     stream = random.Random(33)
     for _ in range(20):
         height, width = stream.randint(2, 12), stream.randint(12, 20)

@@ -62,7 +62,7 @@ def corner_of(shown: Replay, cell: Cell, image: np.ndarray | None = None) -> np.
     return patch(shown, image, col + 0.12, row + 0.12, col + 0.14, row + 0.14)[0, 0]
 
 
-def test_marks_are_those_of_a_search_done_again_step_by_step() -> None:
+def test_marks_equal_those_of_a_search_repeated_step_by_step() -> None:
     layout = random_layout(12, 20, 0.3, seed=2)
     start, goal = layout.pickups[0], layout.dropoffs[0]
     for weight in (0.0, 1.0, 3.0, INF):
@@ -81,28 +81,28 @@ def test_marks_are_those_of_a_search_done_again_step_by_step() -> None:
             assert shown.expanded_by(count) == event.expanded
 
 
-def test_before_the_first_expansion_only_the_start_waits() -> None:
+def test_before_the_first_expansion_only_the_start_is_on_the_frontier() -> None:
     marks = course(1).marks_after(0)
     assert marks[START] == WAITS
     assert (marks == UNTOUCHED).sum() == marks.size - 1
     assert course(1).expanded_by(0) is None
 
 
-def test_a_cell_that_is_reached_again_waits_again() -> None:
+def test_a_cell_that_is_reached_again_is_on_the_frontier_again() -> None:
     # Expanded, then reached by a better path, then expanded again.
     events = [((1, 1), ((1, 2),)), ((1, 2), ((1, 3),)), ((1, 3), ((1, 2),)), ((1, 2), ())]
     shown = SearchCourse("", HALL, (1, 1), Solution((), (), INF, 4, 4, 2, tuple(events)))  # type: ignore[arg-type]
     assert [shown.marks_after(count)[1, 2] for count in range(5)] == [0, WAITS, 2, WAITS, 4]
 
 
-def test_a_search_without_events_is_refused() -> None:
+def test_a_search_without_events_is_an_error() -> None:
     problem = RouteProblem(HALL, START, GOAL)
     silent = weighted_astar_search(problem, manhattan(problem), 1)
     with pytest.raises(ValueError, match=r"A\* has 0 events .* with_events=True"):
         SearchCourse("A*", HALL, START, silent)
 
 
-def test_every_panel_counts_its_own_search_and_waits_for_the_longest() -> None:
+def test_every_panel_counts_its_own_search_and_keeps_its_last_count() -> None:
     blind, greedy = solve(HALL, START, GOAL, 0), solve(HALL, START, GOAL, INF)
     assert greedy.expanded < blind.expanded
     shown = replay(0, INF)
@@ -118,7 +118,7 @@ def test_every_panel_counts_its_own_search_and_waits_for_the_longest() -> None:
     assert counts(shown)[1] == second
 
 
-def test_the_colours_are_those_of_wall_floor_frontier_and_expanded() -> None:
+def test_wall_floor_frontier_and_expanded_cells_have_their_colours() -> None:
     shown = replay(0)
     shown.go_to(2)
     marks, image = course(0).marks_after(2), pixels(shown)
@@ -134,7 +134,7 @@ def test_the_colours_are_those_of_wall_floor_frontier_and_expanded() -> None:
             assert is_color(color, SHADES[0])
 
 
-def test_lines_part_the_cells_of_the_floor_and_not_the_walls() -> None:
+def test_lines_separate_floor_cells_and_not_walls() -> None:
     shown = replay(0)
     image = pixels(shown)
     floor, wall = (patch(shown, image, 2.6, row, 3.4, row + 1).reshape(-1, 3) for row in (3, 2))
@@ -142,7 +142,7 @@ def test_lines_part_the_cells_of_the_floor_and_not_the_walls() -> None:
     assert all(is_color(color, COLORS[WALL]) for color in wall[len(wall) // 9 : -len(wall) // 9])
 
 
-def test_what_is_expanded_last_is_shaded_otherwise_than_what_is_first() -> None:
+def test_the_first_and_the_last_expanded_cell_have_different_shades() -> None:
     shown = replay(0)
     shown.go_to(len(course(0)))
     assert is_color(corner_of(shown, START), SHADES[0])
@@ -150,7 +150,7 @@ def test_what_is_expanded_last_is_shaded_otherwise_than_what_is_first() -> None:
     assert is_color(corner_of(shown, last), SHADES[-1])  # type: ignore[arg-type]
 
 
-def test_the_path_is_drawn_at_the_end_and_not_before() -> None:
+def test_the_path_is_drawn_in_the_last_frame_only() -> None:
     shown = replay(0)
     cell = course(0).solution.states[3]
     ends = []
@@ -162,19 +162,19 @@ def test_the_path_is_drawn_at_the_end_and_not_before() -> None:
     assert ends == [False, True]
 
 
-def test_where_there_is_no_path_the_panel_says_so() -> None:
+def test_the_panel_reports_that_there_is_no_path() -> None:
     shown = replay(1, layout=SPLIT, start=(1, 1), goal=(1, 5))
     shown.show_end()
     assert counts(shown) == ["expanded 4   frontier 0   no path"]
 
 
-def test_a_start_that_is_the_goal_is_one_frame_with_its_cost() -> None:
+def test_a_search_that_starts_at_its_goal_has_one_frame_with_its_cost() -> None:
     shown = replay(0, INF, goal=START)
     assert [*shown.new_saved_frame_seq()] == [0]
     assert counts(shown) == ["expanded 0   frontier 0   cost 0"] * 2
 
 
-def test_a_long_search_has_no_more_frames_than_are_allowed() -> None:
+def test_a_long_search_has_at_most_max_frames() -> None:
     layout = random_layout(40, 60, 0.1, seed=1)
     longest = course(0, layout, layout.pickups[0], layout.dropoffs[0])
     assert len(longest) > 2 * MAX_FRAMES
@@ -187,7 +187,7 @@ def test_a_long_search_has_no_more_frames_than_are_allowed() -> None:
     assert "cost" not in counts(shown)[0]
 
 
-def test_the_keys_step_to_and_fro_and_show_the_same_again() -> None:
+def test_the_keys_step_forward_and_back_to_the_same_picture() -> None:
     shown = replay(0, 1)
     press(shown, "right")
     once = pixels(shown)
@@ -223,13 +223,13 @@ def test_panels_neither_overlap_nor_leave_the_figure(panels: int, size: tuple[in
         assert not any(box.overlaps(other) for other in boxes[number + 1 :])
 
 
-def test_no_search_and_too_many_are_refused() -> None:
+def test_no_search_and_too_many_are_errors() -> None:
     for count in (0, MAX_PANELS + 1):
         with pytest.raises(ValueError, match=rf"{count} searches; there must be 1\.\.6"):
             search_replay(HALL, START, GOAL, [course(1)] * count, "")
 
 
-def test_a_name_is_shown_as_it_is_written() -> None:
+def test_names_are_shown_literally() -> None:
     for name in (*HOSTILE_NAMES[:2], "$\\frac{$"):
         named = SearchCourse(name, HALL, START, solve(HALL, START, START, 1))
         shown = search_replay(HALL, START, START, [named], name)
@@ -250,10 +250,10 @@ def test_a_gif_has_every_frame_in_the_colours_of_the_screen(tmp_path: Path) -> N
     for row, col in [*zip(*np.nonzero(marks), strict=True), (0, 0), (3, 3)]:
         place = (col + 0.12, row + 0.12, col + 0.14, row + 0.14)
         difference = patch(shown, saved, *place) - patch(shown, pixels(shown), *place)
-        assert np.abs(difference).max() <= 8  # a palette's nearest colour
+        assert np.abs(difference).max() <= 8  # rounded to the palette of the GIF
 
 
-def test_a_picture_of_the_end_repeats_byte_for_byte(tmp_path: Path) -> None:
+def test_a_picture_saved_twice_is_the_same_byte_for_byte(tmp_path: Path) -> None:
     for name in ("a.svg", "b.svg"):
         replay(0, 1).save(tmp_path / name)
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()

@@ -1,4 +1,4 @@
-"""Routes and deliveries, against networkx and a validator of plans."""
+"""Routes and deliveries, compared with networkx and checked by a plan validator."""
 
 import random
 from collections.abc import Iterator
@@ -47,8 +47,8 @@ def test_the_moves_from_a_cell_lead_to_the_open_cells_beside_it() -> None:
     assert table[1, 1] == (
         ("N", (0, 1), 1.0), ("E", (1, 2), 1.0), ("S", (2, 1), 1.0), ("W", (1, 0), 1.0),
     )  # fmt: skip
-    assert table[0, 0] == (("E", (0, 1), 1.0), ("S", (1, 0), 1.0)), "north and west is the edge"
-    assert table[2, 2] == (("N", (1, 2), 1.0), ("W", (2, 1), 1.0)), "south and east is the edge"
+    assert table[0, 0] == (("E", (0, 1), 1.0), ("S", (1, 0), 1.0)), "an edge is north and west"
+    assert table[2, 2] == (("N", (1, 2), 1.0), ("W", (2, 1), 1.0)), "an edge is south and east"
     assert table.keys() == {(1, 1), (0, 0), (2, 2)}
     assert table[1, 1] is table[1, 1]
 
@@ -194,7 +194,7 @@ def test_uniform_cost_is_as_cheap_as_astar_and_breadth_first_has_the_fewest_acti
 def test_astar_expands_no_more_than_uniform_cost_search() -> None:
     ours = theirs = 0
     for case in random_cases(22, 200):
-        # With a drop of some cost, no state but the goal has an estimate of 0.
+        # As the drop has a cost, only the goal has an estimate of 0.
         problem = case._replace(prices=case.prices | {DROP: 0.5}).problem
         astar = astar_search(problem, manhattan_delivery(problem)).expanded
         uniform = uniform_cost_search(problem).expanded
@@ -203,7 +203,7 @@ def test_astar_expands_no_more_than_uniform_cost_search() -> None:
     assert ours < 0.9 * theirs
 
 
-def test_the_transition_model_is_that_of_the_environment() -> None:
+def test_the_transition_model_equals_that_of_the_environment() -> None:
     """Every state of a layout with two stations of each kind, every action with an effect."""
     layout = Layout(["P.#D", ".P..", "#.D.", "...."])
     env = WarehouseEnv(layout, start_pos=(0, 0), max_steps=10**6, battery=10**6)
@@ -279,7 +279,7 @@ def test_the_stations_with_the_least_total_cost_are_chosen() -> None:
         assert found.states[found.actions.index("PICK")] == (*pickup, False)
 
 
-def test_the_environment_delivers_by_the_plan() -> None:
+def test_a_plan_delivers_in_the_environment() -> None:
     for seed in range(10):
         layout = random_layout(10, 12, 0.25, seed)
         env = WarehouseEnv(layout)

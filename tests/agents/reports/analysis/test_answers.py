@@ -1,4 +1,4 @@
-"""The sentences of a report: they say what is in the data, whichever way it goes."""
+"""The sentences of a report state what is in the data."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -31,7 +31,7 @@ def said(tmp_path: Path, cases: Cases) -> str:
 
 
 def trend(tmp_path: Path, *shares: int) -> str:
-    """Return the first sentence where so many of 200 are delivered at battery 10, 20, ..."""
+    """Return the first sentence for these deliveries of 200 episodes at battery 10, 20, ..."""
     cases = [
         ({"battery": 10 * number}, outcomes("d" * share + "w" * (200 - share)))
         for number, share in enumerate(shares, start=1)
@@ -63,24 +63,24 @@ def test_the_question_of_escape_is_answered_seed_by_seed(tmp_path: Path) -> None
     )
 
 
-def test_success_that_rises_is_said_to_rise(tmp_path: Path) -> None:
+def test_the_sentence_states_that_success_rises(tmp_path: Path) -> None:
     sentence = trend(tmp_path, 20, 60, 100)
     assert sentence.startswith("Success rises from 10.0% (")
     assert " at battery 10 to 50.0% (" in sentence
     assert sentence.endswith(") at battery 30.")
 
 
-def test_success_that_falls_is_said_to_fall(tmp_path: Path) -> None:
+def test_the_sentence_states_that_success_falls(tmp_path: Path) -> None:
     assert trend(tmp_path, 100, 60, 20).startswith("Success falls from 50.0% (")
 
 
-def test_success_that_turns_is_said_to_be_highest_or_lowest_in_between(tmp_path: Path) -> None:
+def test_the_sentence_states_a_highest_or_lowest_success_between_the_ends(tmp_path: Path) -> None:
     assert "; it is highest at battery 20, 80.0% (" in trend(tmp_path, 20, 160, 30)
     assert "lowest" not in trend(tmp_path, 20, 160, 30)
     assert "; it is lowest at battery 20, 5.0% (" in trend(tmp_path, 50, 10, 90)
 
 
-def test_success_that_changes_by_less_than_a_point_is_the_same(tmp_path: Path) -> None:
+def test_a_change_of_success_by_less_than_a_point_is_not_stated(tmp_path: Path) -> None:
     assert trend(tmp_path, 100, 101, 100).startswith("Success is all but the same, 50.0% (")
 
 
@@ -89,7 +89,7 @@ def test_the_best_is_named_first(tmp_path: Path) -> None:
     assert said(tmp_path, cases).startswith("Success is 75.0% (30.1 to 95.4) with escape off and ")
 
 
-def test_a_difference_is_judged_by_its_chance(tmp_path: Path) -> None:
+def test_a_difference_is_compared_with_chance(tmp_path: Path) -> None:
     clear = said(tmp_path, [(ON, outcomes("d" * 20)), (OFF, outcomes("o" * 20))])
     assert "escape on alone delivers 20 and escape off alone none, more than chance" in clear
     unclear = said(tmp_path, [(ON, outcomes("ddd")), (OFF, outcomes("doo"))])
@@ -97,7 +97,7 @@ def test_a_difference_is_judged_by_its_chance(tmp_path: Path) -> None:
     assert "chance explains (p = 0.500)" in unclear
 
 
-def test_what_fails_with_the_worse_is_followed_to_the_better(tmp_path: Path) -> None:
+def test_the_failures_of_the_worse_case_are_compared_with_the_better_one(tmp_path: Path) -> None:
     words = said(tmp_path, [(ON, outcomes("dddww")), (OFF, outcomes("doooo"))])
     assert (
         "Oscillation with escape off (4 episodes) becomes, with escape on, delivered (2) and "
@@ -114,18 +114,18 @@ def test_steps_are_compared_where_both_deliver(tmp_path: Path) -> None:
     assert ": escape off takes 14.5 less (" in words
     mixed = [row(n, steps=30 + n % 3) for n in range(30)]
     words = said(tmp_path, [(ON, mixed), (OFF, outcomes("d" * 30, steps=31))])
-    assert "and 31.0 with escape off.\n" in words  # no difference, seed by seed, on average
+    assert "and 31.0 with escape off.\n" in words  # the mean difference is 0
     noisy = [row(n, steps=30 + (n % 2) * 2 + (n == 0)) for n in range(30)]
     words = said(tmp_path, [(ON, noisy), (OFF, outcomes("d" * 30, steps=31))])
     assert "with escape off, a difference that chance explains.\n" in words
 
 
-def test_of_few_deliveries_the_means_are_said_and_nothing_of_chance(tmp_path: Path) -> None:
+def test_the_means_of_few_deliveries_are_not_compared_with_chance(tmp_path: Path) -> None:
     words = said(tmp_path, [(ON, outcomes("dd", steps=30)), (OFF, outcomes("dd", steps=10))])
     assert "it takes 30.0 steps with escape on and 10.0 with escape off.\n" in words
 
 
-def test_seeds_are_not_compared_where_they_are_other_tasks(tmp_path: Path) -> None:
+def test_seeds_that_are_different_tasks_are_not_compared(tmp_path: Path) -> None:
     cases = [
         ({"layout": "random", "density": density}, outcomes("dw")) for density in (0.0, 0.1, 0.2)
     ]
@@ -139,7 +139,7 @@ def test_cases_that_share_no_seed_are_not_compared(tmp_path: Path) -> None:
     assert "Escape on and escape off share no seed" in said(tmp_path, cases)
 
 
-def test_time_and_energy_are_said_where_they_are_measured(tmp_path: Path) -> None:
+def test_time_and_energy_are_stated_where_they_are_measured(tmp_path: Path) -> None:
     rows = [row(n, seconds=60.0 + n, joules=4000.0) for n in range(25)]
     words = said(tmp_path, [({"backend": name}, rows) for name in ("grid", "physics")])
     assert "A delivery with backend physics, easy or hard, takes 72.0 s (" in words
@@ -164,13 +164,13 @@ def test_time_and_energy_are_compared_seed_by_seed_where_both_measure_them(
     assert " takes 1,860 more (" in words
 
 
-def test_failures_are_said_by_their_modes(tmp_path: Path) -> None:
+def test_failures_are_stated_by_mode(tmp_path: Path) -> None:
     words = said(tmp_path, [(ON, outcomes("dddd")), (OFF, outcomes("dooowd"))])
     assert "No episode with escape on fails." in words
     assert "Failures with escape off are 75% oscillation and 25% wandering (4 episodes)." in words
 
 
-def test_the_other_combinations_are_said_with_their_extremes(tmp_path: Path) -> None:
+def test_the_extremes_of_the_other_combinations_are_stated(tmp_path: Path) -> None:
     cases = [
         ({"escape": escape, "battery": battery}, outcomes("d" * share + "o" * (10 - share)))
         for battery, shares in ((200, (9, 4)), (50, (6, 4)), (20, (4, 3)))
@@ -184,14 +184,14 @@ def test_the_other_combinations_are_said_with_their_extremes(tmp_path: Path) -> 
     )
 
 
-def test_a_single_case_is_answered_too(tmp_path: Path) -> None:
+def test_a_single_case_has_an_answer(tmp_path: Path) -> None:
     [answer] = answered(tmp_path, [({}, outcomes("dddw"))])
     assert answer.question == "How does it do?"
     assert answer.sentences[0] == "Success is 75.0% (30.1 to 95.4) over 4 episodes."
     assert answer.sentences[-1] == "Every failure is wandering (1 episode)."
 
 
-def test_unequal_numbers_of_episodes_are_said(tmp_path: Path) -> None:
+def test_unequal_numbers_of_episodes_are_stated(tmp_path: Path) -> None:
     cases = [
         ({"battery": battery, "view_radius": radius}, outcomes("dw" * (count // 2)))
         for radius, counts in ((2, (50, 4, 50)), (3, (6, 6, 6)))
@@ -230,7 +230,7 @@ def test_cases_that_cannot_be_compared_are_not_pooled(tmp_path: Path) -> None:
     assert answer.sentences[-1] == "2 further combinations cannot be compared with these."
 
 
-def test_a_case_without_a_delivery_is_no_trouble(tmp_path: Path) -> None:
+def test_cases_without_a_delivery_have_an_answer(tmp_path: Path) -> None:
     words = said(tmp_path, [(ON, outcomes("w")), (OFF, outcomes("o"))])
     assert "Of the same 1 seed, escape on and escape off deliver the same ones." in words
 
@@ -243,7 +243,7 @@ def test_the_best_is_compared_with_the_next_not_with_the_worst(tmp_path: Path) -
     assert "robot.mass 50 alone delivers 2" in said(tmp_path, cases)
 
 
-def test_the_change_elsewhere_is_that_from_first_to_last(tmp_path: Path) -> None:
+def test_the_change_in_other_combinations_is_from_first_to_last(tmp_path: Path) -> None:
     cases = [
         ({"battery": battery, "view_radius": radius}, outcomes("d" * share + "w" * (10 - share)))
         for radius, shares in ((2, (1, 5, 9)), (4, (2, 2, 3)))
@@ -256,11 +256,11 @@ def test_the_change_elsewhere_is_that_from_first_to_last(tmp_path: Path) -> None
     )
 
 
-def test_extremes_within_the_noise_are_not_named(tmp_path: Path) -> None:
+def test_extremes_within_the_noise_are_not_stated(tmp_path: Path) -> None:
     assert trend(tmp_path, 100, 106, 90).count(";") == 0
 
 
-def test_the_best_of_many_is_judged_by_all_pairs(tmp_path: Path) -> None:
+def test_the_p_value_of_the_best_of_many_counts_all_pairs(tmp_path: Path) -> None:
     cases = [
         ({"layout": "random", "backend": "grid", "agent": agent}, outcomes(words))
         for agent, words in AGENTS_AND_OUTCOMES
@@ -268,7 +268,7 @@ def test_the_best_of_many_is_judged_by_all_pairs(tmp_path: Path) -> None:
     assert "(p = 0.094)" in said(tmp_path, cases)  # 3 pairs times 2 / 2 ** 6
 
 
-def test_of_very_many_values_only_the_best_and_the_worst_are_named(tmp_path: Path) -> None:
+def test_of_many_values_only_the_best_and_the_worst_are_named(tmp_path: Path) -> None:
     layouts = []
     for number in range(9):
         file = tmp_path / f"hall{number}.txt"
@@ -283,19 +283,19 @@ def test_of_very_many_values_only_the_best_and_the_worst_are_named(tmp_path: Pat
     assert "0.0% (0.0 to 29.9) with layout hall0.txt; 3 others lie between." in first
 
 
-def test_success_that_comes_back_to_where_it_was_is_said_to_be_the_same(tmp_path: Path) -> None:
+def test_the_sentence_states_nearly_the_same_success_at_both_ends(tmp_path: Path) -> None:
     words = trend(tmp_path, 100, 160, 100)
     assert words.startswith("Success is nearly the same at both ends, 50.0% (")
     assert "; it is highest at battery 20, 80.0% (" in words
 
 
-def test_the_most_frequent_failure_is_followed(tmp_path: Path) -> None:
+def test_only_the_most_frequent_failure_is_compared(tmp_path: Path) -> None:
     words = said(tmp_path, [(ON, outcomes("dddddd")), (OFF, outcomes("dooowd"))])
     assert (
         "Oscillation with escape off (3 episodes) becomes, with escape on, delivered (3)." in words
     )
 
 
-def test_every_setting_has_a_question() -> None:
+def test_every_parameter_has_its_own_question() -> None:
     assert all(each.question.endswith("?") for each in PARAMETERS.values())
     assert len({each.question for each in PARAMETERS.values()}) == len(PARAMETERS)

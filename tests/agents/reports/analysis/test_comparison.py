@@ -1,4 +1,4 @@
-"""Two cases, seed by seed."""
+"""Two cases compared seed by seed."""
 
 from pathlib import Path
 
@@ -37,11 +37,11 @@ def test_two_cases_are_compared_on_the_seeds_that_both_have(path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("first", "second", "chance"),
-    # Of n seeds that differ, as uneven a split as this or more has 2 sum C(n, k) / 2^n.
+    # Of n seeds that differ, a split at least as uneven has probability 2 sum C(n, k) / 2^n.
     [("d" * 10, "o" * 10, 2 / 2**10), ("d" * 9 + "o", "o" * 9 + "d", 22 / 2**10),
      ("do", "od", 1.0), ("dd", "dd", 1.0)],
 )  # fmt: skip
-def test_the_chance_of_a_split_is_that_of_mcnemars_exact_test(
+def test_the_p_value_is_that_of_mcnemars_exact_test(
     path: Path, first: str, second: str, chance: float
 ) -> None:
     fill(path, [(ON, outcomes(first)), (OFF, outcomes(second))])
@@ -49,7 +49,7 @@ def test_the_chance_of_a_split_is_that_of_mcnemars_exact_test(
         assert compare(store, 1, 2).chance == pytest.approx(chance)
 
 
-def test_where_no_seed_is_shared_nothing_is_compared(path: Path) -> None:
+def test_cases_without_a_shared_seed_are_not_compared(path: Path) -> None:
     fill(path, [(ON, outcomes("dd")), (OFF, outcomes("dd", seed=10))])
     with Store(path, read_only=True) as store:
         found = compare(store, 1, 2)
@@ -57,7 +57,7 @@ def test_where_no_seed_is_shared_nothing_is_compared(path: Path) -> None:
 
 
 def test_differences_are_taken_seed_by_seed(path: Path) -> None:
-    """The steps of a case differ far more than those of a seed."""
+    """Steps differ far more between the seeds of a case than between the cases at a seed."""
     first = [row(seed, steps=10 * seed + 10) for seed in range(30)]
     second = [row(seed, steps=10 * seed + 11 + seed % 3) for seed in range(30)]
     fill(path, [(ON, first), (OFF, second)])
@@ -67,7 +67,7 @@ def test_differences_are_taken_seed_by_seed(path: Path) -> None:
     assert 1.6 < difference.low < 2 < difference.high < 2.4
 
 
-def test_a_pair_that_was_chosen_from_many_is_judged_by_all_of_them(path: Path) -> None:
+def test_the_p_value_of_a_pair_chosen_from_many_counts_all_pairs(path: Path) -> None:
     fill(path, [(ON, outcomes("d" * 8)), (OFF, outcomes("o" * 8))])
     with Store(path, read_only=True) as store:
         assert compare(store, 1, 2).chance == pytest.approx(2 / 2**8)

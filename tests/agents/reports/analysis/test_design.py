@@ -1,4 +1,4 @@
-"""What differs between cases, and which of them can be compared."""
+"""Which settings differ between cases, and which cases can be compared."""
 
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ def rows_of(design: Design, name: str) -> list[tuple[str, list[Any]]]:
     return [(described(row.others), [*row.cases]) for row in design.series(factor)]
 
 
-def test_what_differs_is_told_from_what_does_not() -> None:
+def test_factors_are_the_settings_that_differ() -> None:
     design = design_of(battery=[60, 20], escape=[False, True], max_steps=70)
     assert design.factors == (Factor("escape", (True, False)), Factor("battery", (20, 60)))
     assert design.fixed["max_steps"] == 70
@@ -28,7 +28,7 @@ def test_what_differs_is_told_from_what_does_not() -> None:
     assert not {"escape", "battery", "tiles"} & design.fixed.keys()
 
 
-def test_values_are_in_the_order_in_which_they_grow() -> None:
+def test_values_are_in_ascending_order() -> None:
     sizes = design_of(layout="random", size=["10x10", "4x30", "9x9"]).factors
     assert sizes == (Factor("size", ("9x9", "10x10", "4x30")),)
     assert sizes[0].is_ordered
@@ -38,12 +38,12 @@ def test_values_are_in_the_order_in_which_they_grow() -> None:
     assert numbers.is_numeric
 
 
-def test_a_flag_is_no_number() -> None:
+def test_a_flag_is_not_ordered() -> None:
     [factor] = design_of(escape=[False, True]).factors
     assert not factor.is_ordered
 
 
-def test_rows_differ_in_one_factor_and_the_usual_one_is_first() -> None:
+def test_series_vary_one_factor_and_the_default_is_first() -> None:
     design = design_of(battery=[20, 60, 200], view_radius=[5, 2])
     assert rows_of(design, "battery") == [
         ("view_radius 2", [20, 60, 200]),
@@ -52,7 +52,7 @@ def test_rows_differ_in_one_factor_and_the_usual_one_is_first() -> None:
     assert rows_of(design, "view_radius")[0] == ("battery 200", [2, 5])
 
 
-def test_a_setting_that_means_nothing_for_a_case_fits_any_value() -> None:
+def test_a_setting_without_effect_matches_any_value() -> None:
     design = design_of(escape=[True, False], memory=[2, 5, 10])
     assert len(design.labels) == 4
     assert rows_of(design, "escape") == [
@@ -63,20 +63,20 @@ def test_a_setting_that_means_nothing_for_a_case_fits_any_value() -> None:
     assert rows_of(design, "memory") == [("escape on", [2, 5, 10])]
 
 
-def test_a_single_case_differs_in_nothing() -> None:
+def test_a_single_case_has_no_factors() -> None:
     design = design_of()
     assert design.factors == ()
     assert design.fixed["battery"] == 200
 
 
-def test_an_unbalanced_experiment_compares_what_there_is() -> None:
+def test_an_unbalanced_experiment_compares_the_cases_that_it_has() -> None:
     cases = [{"battery": 20}, {"battery": 60}, {"battery": 60, "max_steps": 90}]
     design = make_design(dict(enumerate(map(make_case, cases))))
     assert rows_of(design, "battery") == [("max_steps 200", [20, 60])]
     assert rows_of(design, "max_steps") == [("battery 60", [90, 200])]
 
 
-def test_files_of_one_name_with_other_contents_are_told_apart(tmp_path: Path) -> None:
+def test_files_of_the_same_name_with_different_contents_are_distinguished(tmp_path: Path) -> None:
     file = tmp_path / "hall.txt"
     cases = {}
     for number, rows in enumerate(["#####\n#P.D#\n#####", "#####\n#D.P#\n#####"]):
@@ -88,7 +88,7 @@ def test_files_of_one_name_with_other_contents_are_told_apart(tmp_path: Path) ->
     assert all(str(value).startswith("hall.txt (") for value in factor.values)
 
 
-def test_folders_are_left_out_where_the_names_are_enough(tmp_path: Path) -> None:
+def test_folders_are_left_out_where_file_names_are_unique(tmp_path: Path) -> None:
     files = [tmp_path / "a" / "hall.txt", tmp_path / "b" / "hall.txt", tmp_path / "a" / "yard.txt"]
     for number, file in enumerate(files):
         file.parent.mkdir(exist_ok=True)
@@ -110,7 +110,7 @@ def test_folders_are_left_out_where_the_names_are_enough(tmp_path: Path) -> None
     assert FOLDERS.sub("", "C:\\work\\robot.py:Class") == "robot.py:Class"
 
 
-def test_stations_are_a_factor_of_their_own_where_a_layout_has_both(tmp_path: Path) -> None:
+def test_stations_are_a_factor_if_a_layout_is_used_with_both_settings(tmp_path: Path) -> None:
     file = tmp_path / "hall.txt"
     file.write_text("#######\n#P...D#\n#######")
     drawn = [{"layout": str(file), "stations": "drawn"}, {"stations": "drawn"}]
@@ -124,9 +124,9 @@ def test_stations_are_a_factor_of_their_own_where_a_layout_has_both(tmp_path: Pa
     [(True, "on"), (False, "off"), (None, "none"), (0.30000000000000004, "0.3"), (7, "7"),
      (1000000, "1000000"), ("7x12", "7x12")],
 )  # fmt: skip
-def test_a_value_is_shown_as_it_is_written(value: Any, words: str) -> None:
+def test_values_are_shown_as_short_text(value: Any, words: str) -> None:
     assert shown(value) == words
 
 
-def test_what_means_nothing_is_not_described() -> None:
+def test_settings_without_effect_are_not_described() -> None:
     assert described({"escape": True, "memory": None, "battery": 20}) == "escape on, battery 20"

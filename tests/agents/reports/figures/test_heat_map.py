@@ -1,4 +1,4 @@
-"""Where robots get stuck: the counts, and what the picture shows of them."""
+"""Heat maps of where robots get stuck: the counts and the picture."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -43,7 +43,7 @@ def written(axes: Axes) -> list[str]:
 
 
 def color_in(figure: Figure, axes: Axes, x: float, y: float) -> NDArray[np.float64]:
-    """Return the colour at a place in cells, 0..1."""
+    """Return the colour, 0..1, at a position in cells."""
     canvas = FigureCanvasAgg(figure)
     canvas.draw()
     pixels = np.asarray(canvas.buffer_rgba())
@@ -73,7 +73,7 @@ def test_episodes_are_counted_where_they_were_stuck(store: Store) -> None:
     assert stuck["unreachable"].sum() == stuck["unreachable"][1, 1] == 1
 
 
-def test_modes_come_in_the_order_of_their_definition(store: Store) -> None:
+def test_modes_are_in_the_order_of_definition(store: Store) -> None:
     case_id = store.case_id(make_case({}))
     store.add(case_id, [row(n, mode, (1, 1)) for n, mode in enumerate(reversed(MODES))])
     assert tuple(stuck_cells(store, DEFAULT_LAYOUT.rows, [case_id])) == MODES[1:]
@@ -85,14 +85,14 @@ def test_without_failures_there_is_nothing_to_draw(store: Store) -> None:
     assert stuck_cells(store, DEFAULT_LAYOUT.rows, [case_id]) == {}
 
 
-def test_a_panel_says_its_mode_its_count_and_its_share() -> None:
+def test_the_title_of_a_panel_has_its_mode_its_count_and_its_share() -> None:
     stuck = {"wandering": counts((1, 2, 900), (3, 3, 100)), "stalled": counts((1, 1, 1))}
     figure = heat_map(ROWS, stuck, 4000)
     titles = [axes.get_title(loc="left") for axes in panels(figure)]
     assert titles == ["wandering: 1,000 (25.0%)", "stalled: 1 (0.0%)"]
 
 
-def test_more_episodes_are_a_hotter_colour_and_none_is_the_floor() -> None:
+def test_more_episodes_have_a_hotter_colour_and_none_the_colour_of_the_floor() -> None:
     figure = heat_map(ROWS, {"wandering": counts((1, 2, 100), (3, 3, 10))}, 200)
     [axes] = panels(figure)
     hot, warm = (color_in(figure, axes, x, y) for x, y in ((2.1, 1.8), (3.1, 3.8)))
@@ -111,7 +111,7 @@ def test_rows_go_down_and_columns_go_right() -> None:
     np.testing.assert_allclose(color_in(figure, axes, 3.5, 2.5), COLORS["#"], atol=0.01)
 
 
-def test_large_cells_have_their_number_and_small_ones_have_not() -> None:
+def test_only_large_cells_show_their_number() -> None:
     [axes] = panels(heat_map(ROWS, {"wandering": counts((1, 2, 41), (3, 4, 7))}, 99))
     assert sorted(written(axes)) == ["41", "7"]
     [axes] = panels(heat_map(LARGE, {"wandering": counts((1, 2, 41), rows=LARGE)}, 99))
@@ -121,7 +121,7 @@ def test_large_cells_have_their_number_and_small_ones_have_not() -> None:
 @pytest.mark.parametrize(
     ("rows", "count"), [(ROWS, 1), (ROWS, 3), (LARGE, 4), (TALL, 5), (ROWS, len(MODES) - 1)]
 )
-def test_panels_stay_in_the_picture_and_apart(rows: tuple[str, ...], count: int) -> None:
+def test_panels_neither_overlap_nor_leave_the_figure(rows: tuple[str, ...], count: int) -> None:
     stuck = {mode: counts((1, 1, 1_000_000), rows=rows) for mode in MODES[1 : count + 1]}
     figure = heat_map(rows, stuck, 1_000_000)
     FigureCanvasAgg(figure).draw()
@@ -144,7 +144,7 @@ def test_cells_are_square() -> None:
         assert box.width / len(rows[0]) == pytest.approx(box.height / len(rows))
 
 
-def test_each_panel_has_a_scale_of_its_own() -> None:
+def test_each_panel_has_its_own_scale() -> None:
     stuck = {"wandering": counts((1, 2, 1000)), "stalled": counts((1, 2, 2))}
     figure = heat_map(ROWS, stuck, 2000)
     for axes in panels(figure):

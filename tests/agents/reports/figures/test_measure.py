@@ -1,4 +1,4 @@
-"""The charts of a report: every point where the data has it, whatever settings are called."""
+"""The charts of a report: points, intervals, lines, bars and labels."""
 
 from collections.abc import Iterator
 from itertools import pairwise
@@ -41,7 +41,7 @@ def roles(**choices: Any) -> list[Any]:
 
 @pytest.fixture
 def store(tmp_path: Path) -> Iterator[Store]:
-    """Yield results of three batteries with escape, of two without."""
+    """Yield results of three batteries with escape and of two without."""
     cases = [
         ({"battery": battery, "escape": escape}, outcomes(words))
         for battery, escape, words in (
@@ -63,7 +63,7 @@ def draw(store: Store, *, modes: bool = False) -> SceneFigure:
 
 
 def middles(axes: Axes) -> list[tuple[list[float], list[float]]]:
-    """Return where the points of each line are."""
+    """Return the x and y values of the points of each line."""
     lines = [each.lines[0] for each in axes.containers]
     return [
         (np.asarray(line.get_xdata()).tolist(), np.asarray(line.get_ydata()).tolist())
@@ -71,7 +71,7 @@ def middles(axes: Axes) -> list[tuple[list[float], list[float]]]:
     ]
 
 
-def test_the_factor_that_grows_over_most_values_goes_along_the_axis() -> None:
+def test_the_ordered_factor_with_the_most_values_is_on_the_axis() -> None:
     assert roles(battery=[20, 40, 60], escape=[True, False]) == ["battery", "escape", None]
     assert roles(memory=[2, 5], battery=[1, 2, 3], escape=[True, False]) == [
         "battery", "escape", "memory",
@@ -81,12 +81,12 @@ def test_the_factor_that_grows_over_most_values_goes_along_the_axis() -> None:
     assert roles() == [None, None, None]
 
 
-def test_what_has_too_many_values_for_colours_and_panels_is_pooled() -> None:
+def test_a_factor_with_too_many_values_for_colours_and_panels_is_pooled() -> None:
     found = roles(battery={"from": 1, "to": 30, "step": 1}, view_radius=[*range(9)], memory=[1, 2])
     assert found == ["battery", "memory", None, "view_radius"]
 
 
-def test_points_and_their_intervals_are_where_the_data_has_them(store: Store) -> None:
+def test_points_and_their_intervals_are_at_the_values_of_the_data(store: Store) -> None:
     [axes] = draw(store).axes
     (first_x, first_y), (second_x, second_y) = middles(axes)
     assert first_y == [0.25, 0.5, 0.75]
@@ -104,7 +104,7 @@ def test_the_legend_names_each_line_in_order(store: Store) -> None:
     assert [text.get_text() for text in legend.get_texts()] == ["escape on", "escape off"]
 
 
-def test_what_does_not_depend_on_the_axis_is_a_line_all_along_it(tmp_path: Path) -> None:
+def test_a_case_that_does_not_depend_on_the_axis_is_a_horizontal_line(tmp_path: Path) -> None:
     cases = [
         ({"memory": 2}, outcomes("dw")),
         ({"memory": 9}, outcomes("dd")),
@@ -119,14 +119,14 @@ def test_what_does_not_depend_on_the_axis_is_a_line_all_along_it(tmp_path: Path)
     assert [text.get_text() for text in legend.get_texts()] == ["escape on", "escape off"]
 
 
-def test_where_nothing_was_delivered_there_are_no_steps(tmp_path: Path) -> None:
+def test_without_deliveries_there_is_no_chart_of_steps(tmp_path: Path) -> None:
     cases = [({"battery": battery}, outcomes("ww")) for battery in (1, 2)]
     with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
         design = make_design(store.cases())
         assert measure_chart(Experiment(store), design, "", "steps", steps) is None
 
 
-def test_a_single_case_has_bars_but_no_line(tmp_path: Path) -> None:
+def test_a_single_case_has_bars_but_no_chart_of_a_measure(tmp_path: Path) -> None:
     with Store(fill(tmp_path / "r.sqlite", [({}, outcomes("dw"))]), read_only=True) as store:
         design = make_design(store.cases())
         assert measure_chart(Experiment(store), design, "", "%", success) is None
@@ -134,7 +134,7 @@ def test_a_single_case_has_bars_but_no_line(tmp_path: Path) -> None:
         assert [label.get_text() for label in axes.get_xticklabels()] == ["all episodes"]
 
 
-def test_bars_stand_on_each_other_and_make_a_whole(store: Store) -> None:
+def test_stacked_bars_add_up_to_1(store: Store) -> None:
     on, off = draw(store, modes=True).axes
     assert (on.get_title(loc="left"), off.get_title(loc="left")) == ("escape on", "escape off")
     heights = [
@@ -149,7 +149,7 @@ def test_bars_stand_on_each_other_and_make_a_whole(store: Store) -> None:
     assert [label.get_text() for label in off.get_xticklabels()] == ["20", "200"]
 
 
-def test_the_modes_are_told_apart_by_colour_and_named(store: Store) -> None:
+def test_each_mode_has_its_own_colour_and_a_name_in_the_legend(store: Store) -> None:
     figure = draw(store, modes=True)
     [legend] = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == [
@@ -161,12 +161,12 @@ def test_the_modes_are_told_apart_by_colour_and_named(store: Store) -> None:
     assert len(set(MODE_COLORS.values())) == len(MODES)
 
 
-def test_numbers_can_be_read_on_their_colour() -> None:
+def test_numbers_contrast_with_their_background() -> None:
     assert ink_on("#ffffff") == "black"
     assert ink_on("#000000") == "white"
 
 
-def test_long_names_do_not_run_into_each_other(tmp_path: Path) -> None:
+def test_long_names_do_not_overlap(tmp_path: Path) -> None:
     files = [tmp_path / f"{'a very long name of a hall' * 3} {number}.txt" for number in range(5)]
     for file in files:
         file.write_text("#####\n#P.D#\n#####")
@@ -195,7 +195,7 @@ def test_pooled_cases_are_one_point(tmp_path: Path) -> None:
     assert not any(len(segment) for segment in whiskers.get_segments())
 
 
-def test_of_very_many_values_some_are_shown_the_first_and_the_last_among_them(
+def test_of_many_values_some_are_shown_at_equal_distances(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(roles_module, "MAX_POINTS", 20)
@@ -220,7 +220,7 @@ def test_many_values_have_few_ticks(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["$x_{", "a_b^c$x$", "100%"])
-def test_a_name_is_never_taken_for_a_formula(tmp_path: Path, name: str) -> None:
+def test_names_are_not_parsed_as_formulas(tmp_path: Path, name: str) -> None:
     file = tmp_path / name
     file.write_text("#####\n#P.D#\n#####")
     places = [{"layout": name, "stations": "kept"} for name in ("default", str(file))]
@@ -232,7 +232,7 @@ def test_a_name_is_never_taken_for_a_formula(tmp_path: Path, name: str) -> None:
             assert labels == ["default", name]
 
 
-def test_nothing_that_is_written_leaves_the_picture(store: Store) -> None:
+def test_everything_drawn_is_inside_the_figure(store: Store) -> None:
     for figure in (draw(store), draw(store, modes=True)):
         figure.pixels()
         drawn = figure.get_tightbbox(figure.canvas.get_renderer())
@@ -259,7 +259,7 @@ def test_means_of_few_deliveries_have_no_whiskers(tmp_path: Path) -> None:
     figure.pixels()
 
 
-def test_only_values_that_grow_are_joined_by_a_line(tmp_path: Path) -> None:
+def test_only_ordered_values_are_joined_by_a_line(tmp_path: Path) -> None:
     for number, settings in enumerate(({"battery": [1, 2]}, {"escape": [True, False]})):
         [(name, values)] = settings.items()
         cases = [({name: value}, outcomes("dw")) for value in values]

@@ -1,4 +1,4 @@
-"""The figures of a report: those that there is something to see in, and what they show."""
+"""The figures of a report: which are drawn, and their captions."""
 
 import xml.etree.ElementTree as ElementTree
 from operator import attrgetter
@@ -35,7 +35,7 @@ def test_the_figures_of_two_cases_on_the_grid(tmp_path: Path) -> None:
     assert "random in each episode" in found["stuck-1"].caption
 
 
-def test_time_and_energy_are_drawn_of_what_is_measured(tmp_path: Path) -> None:
+def test_time_and_energy_are_drawn_only_where_they_are_measured(tmp_path: Path) -> None:
     cases = [
         ({"backend": backend, "escape": escape}, [row(0, joules=77), row(1)])
         for backend in ("grid", "physics")
@@ -54,12 +54,12 @@ def test_a_single_case_has_bars_and_a_map(tmp_path: Path) -> None:
     assert list(drawn(tmp_path, [({}, outcomes("dw"))])) == ["modes", "stuck-1"]
 
 
-def test_where_nothing_fails_or_layouts_are_random_there_is_no_map(tmp_path: Path) -> None:
+def test_without_failures_or_with_random_layouts_there_is_no_map(tmp_path: Path) -> None:
     cases = [({}, outcomes("dd")), ({"layout": "random"}, outcomes("ww"))]
     assert "stuck-1" not in drawn(tmp_path, cases)
 
 
-def test_each_layout_has_its_map_the_one_with_most_episodes_first(tmp_path: Path) -> None:
+def test_the_layouts_with_the_most_episodes_have_maps(tmp_path: Path) -> None:
     cases = []
     for number in range(MAX_MAPS + 2):
         file = tmp_path / f"hall{number}.txt"
@@ -74,7 +74,7 @@ def test_each_layout_has_its_map_the_one_with_most_episodes_first(tmp_path: Path
     assert "hall2.txt: of 3 episodes" in maps[-1]
 
 
-def test_what_is_pooled_is_said(tmp_path: Path) -> None:
+def test_the_caption_names_pooled_settings(tmp_path: Path) -> None:
     cases = [
         ({"battery": battery, "view_radius": radius}, outcomes("dw"))
         for battery in range(1, 10)
@@ -107,7 +107,7 @@ def test_points_of_one_combination_each_have_intervals(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_a_caption_promises_the_intervals_that_are_drawn(
+def test_the_caption_states_which_intervals_are_drawn(
     tmp_path: Path, counts: tuple[int, int], words: str
 ) -> None:
     lines = [[row(n, steps=30 + n) for n in range(count)] for count in counts]
@@ -127,7 +127,9 @@ def test_a_caption_promises_the_intervals_that_are_drawn(
     assert steps == f"Steps of a delivery: mean of what was delivered, hard or easy, {words}."
 
 
-def test_what_is_not_drawn_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_caption_states_how_many_values_are_drawn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(roles, "MAX_POINTS", 5)
     found = drawn(tmp_path, [({"battery": n}, outcomes("dw")) for n in range(1, 40)])
     assert "; 5 of 39 values of battery." in found["success"].caption
@@ -139,7 +141,7 @@ def test_the_same_results_make_the_same_bytes(tmp_path: Path) -> None:
         assert list(pictures(Experiment(store))) == list(pictures(Experiment(store)))
 
 
-def test_no_figure_carries_a_date_or_loads_anything(tmp_path: Path) -> None:
+def test_no_figure_has_a_date_or_loads_anything(tmp_path: Path) -> None:
     for picture in drawn(tmp_path, [(ON, outcomes("dw")), (OFF, outcomes("do"))]).values():
         text = picture.svg.decode()
         assert "<dc:date>" not in text
