@@ -194,10 +194,10 @@ class Store:
     def _is_closed(self) -> bool:
         """Return whether the file can only be read, and its folder does not allow new files.
 
-        Even for reading SQLite creates files beside it, unless it is told that nobody writes.
+        Even for reading SQLite creates files beside it, unless the file is opened as immutable.
 
         Raises:
-            StoreError: somebody writes, or was stopped while writing.
+            StoreError: another program writes to it, or was stopped while writing.
         """
         if not self.path.is_file() or all(
             os.access(each, os.W_OK) for each in (self.path, self.path.parent)
