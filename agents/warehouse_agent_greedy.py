@@ -9,6 +9,7 @@ from __future__ import annotations
 import random
 from collections import deque
 
+from warehouse_core.arguments import whole_number
 from warehouse_core.task.state import Observation
 from warehouse_core.world.tiles import MOVE_DELTAS, WALL, Cell
 
@@ -29,15 +30,13 @@ class GreedyAgent:
 
     Raises:
         ValueError: ``memory`` or ``escape_steps`` is negative.
+        TypeError: one of them is not an integer.
     """
 
     def __init__(self, seed: int | None = None, memory: int = 10, escape_steps: int = 3) -> None:
-        for name, value in (("memory", memory), ("escape_steps", escape_steps)):
-            if value < 0:
-                raise ValueError(f"{name} is {value}; it must be at least 0")
         self.seed = seed
-        self.memory = memory
-        self.escape_steps = escape_steps
+        self.memory = whole_number("memory", memory, minimum=0)
+        self.escape_steps = whole_number("escape_steps", escape_steps, minimum=0)
         self.reset()
 
     def reset(self) -> None:

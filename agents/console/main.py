@@ -28,7 +28,11 @@ def main(app: typer.Typer, arguments: Sequence[str] | None = None) -> None:
         if code == INTERRUPTED:  # an interrupt, which Typer has caught
             _fail("interrupted", INTERRUPTED)
     except TyperException as error:
-        code = _fail(error.format_message(), error.exit_code)
+        message, code = error.format_message(), error.exit_code
+        if message.startswith("Usage:"):  # the whole help, where a command is missing
+            typer.echo(message, err=True)
+        else:
+            _fail(message, code)
     except EXPECTED as error:
         code = _fail(_describe(error), USER_ERROR)
     except (typer.Abort, KeyboardInterrupt) as error:

@@ -219,6 +219,7 @@ def test_arguments_follow_the_name(agent_file: Path) -> None:
         ("astar:algorithm='bfs'", "agent 'astar' takes no argument 'algorithm'; "),
         ("reflex:memory=3", "agent 'reflex' takes no argument 'memory'; allowed: none"),
         ("greedy:memory=-1", "agent 'greedy:memory=-1': memory is -1; it must be at least 0"),
+        ("greedy:memory=x", "agent 'greedy:memory=x': memory is 'x'; it must be an integer"),
         ("astar:cost=money", "agent 'astar:cost=money': cost is 'money'; allowed: "),
     ],
 )

@@ -105,7 +105,7 @@ finally:
 def test_without_a_command_the_help_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
     result = command(capsys)
     assert result.code == 2
-    assert "Usage" in result.out + result.err
+    assert result.out + result.err == command(capsys, "--help").out
 
 
 @pytest.mark.parametrize(

@@ -55,8 +55,10 @@ class GifWriter(AbstractMovieWriter):
         self._last = pixels
 
     def finish(self) -> None:
-        """Write the file."""
-        images = self._images()
+        """Write the file; nothing, if an exception came before the first frame."""
+        if self._last is None:
+            return
+        images = self._images(*self._last.shape)
         durations = [self._frame_ms] * (len(self._frames) - 1) + [LAST_FRAME_MS]
         next(images).save(
             self.outfile,
@@ -70,9 +72,7 @@ class GifWriter(AbstractMovieWriter):
             disposal=KEEP_FRAME,
         )
 
-    def _images(self) -> Iterator[Image.Image]:
-        assert self._last is not None, "every replay has a frame"
-        height, width = self._last.shape
+    def _images(self, height: int, width: int) -> Iterator[Image.Image]:
         for data in self._frames:
             image = Image.frombytes("P", (width, height), zlib.decompress(data))
             image.putpalette(self._palette)

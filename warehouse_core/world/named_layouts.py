@@ -105,7 +105,7 @@ def find_layout(name: str | os.PathLike[str]) -> Layout:
         OSError: the file cannot be read.
     """
     path = Path(name)
-    if path.exists() or path.suffix or len(path.parts) != 1:
+    if path.is_file() or path.suffix or len(path.parts) != 1:
         return load_layout(path)
     return named_layout(str(name))
 

@@ -441,3 +441,15 @@ def test_in_an_svg_the_robot_stands_on_its_tile(tmp_path: Path) -> None:
     drawing = (tmp_path / "end.svg").read_text(encoding="utf-8").split('id="axes_2"')[0]
     tile, robot = (to_hex(COLORS[letter]) for letter in (DROPOFF, ROBOT_EMPTY))
     assert drawing.rindex(f"fill: {robot}") > drawing.rindex(f"fill: {tile}")
+
+
+def test_an_interrupt_before_the_first_frame_is_not_hidden(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("warehouse_core.viz.gif_writer.GifWriter.grab_frame", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        replay_animation(short_episode()).save(tmp_path / "film.gif")
+    assert list(tmp_path.iterdir()) == []

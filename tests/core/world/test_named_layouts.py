@@ -36,7 +36,9 @@ def test_the_trap_catches_an_agent_that_does_not_escape(name: str, loops: int) -
 
 def test_a_file_comes_before_a_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
+    Path("trap").mkdir()
     assert find_layout("trap") is named_layout("trap")
+    Path("trap").rmdir()
     Path("trap").write_text("P.D\n")
     assert find_layout("trap").rows == ("P.D",)
 
