@@ -80,9 +80,11 @@ def _split(name: str) -> tuple[str, str]:
 
 def _options(name: str, kind: Callable[..., Agent], text: str) -> dict[str, Any]:
     """Return the arguments in a text such as ``memory=20,escape_steps=0``."""
+    if not text:
+        return {}
     allowed = [each for each in inspect.signature(kind).parameters if each not in FIXED]
     found = {}
-    for part in text.split(",") if text else []:
+    for part in text.split(","):
         key, equals, value = part.partition("=")
         if not equals or key not in allowed:
             raise AgentError(
@@ -98,8 +100,7 @@ def _options(name: str, kind: Callable[..., Agent], text: str) -> dict[str, Any]
 
 def is_own_code(name: str) -> bool:
     """Return whether a name is that of a user's class, whose code ``make_agent`` would run."""
-    word = name.partition(":")[0]
-    return word not in AGENTS and word not in TRAINED
+    return _split(name)[0] not in AGENTS and name.partition(":")[0] not in TRAINED
 
 
 def agent_file(name: str) -> Path | None:

@@ -12,7 +12,7 @@ from agents.learning.policy_network import PolicyNetwork
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_learning import QAgent, QTable
 from agents.learning.q_table import save_table
-from agents.registry import TRAINED, make_agent
+from agents.registry import TRAINED, is_own_code, make_agent
 from agents.search.agents import ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Layout, WarehouseEnv, record_episode
@@ -253,6 +253,21 @@ def test_a_file_with_the_name_of_this_package_is_named(
     assert refusal(f"{agent_file}:Mine").endswith(advice)
     monkeypatch.chdir(agent_file.parent)
     assert refusal("agents.mine:Mine").endswith(advice)
+
+
+@pytest.mark.parametrize(
+    ("name", "own"),
+    [
+        ("greedy", False),
+        ("greedy:memory=3", False),
+        ("q:table.npz", False),
+        ("mine.py:Mine", True),
+        ("mine.py:Mine:speed=2", True),
+        ("greedy:Mine", True),  # a class in a module of that name
+    ],
+)
+def test_own_code_is_what_is_not_in_this_package(name: str, own: bool) -> None:
+    assert is_own_code(name) is own
 
 
 # Trained agents.
