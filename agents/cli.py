@@ -26,13 +26,10 @@ from agents.run_episode import report_episode, run
 from warehouse_core import Episode
 from warehouse_core.viz.track import INTERVAL_MS
 
-app = typer.Typer(
+app = console.application(
     name="warehouse",
     help="A grid warehouse for rational agents, with a motion backend you can swap.",
     no_args_is_help=True,
-    add_completion=False,
-    rich_markup_mode=None,  # plain text: Rich takes half a second to import
-    context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.command()(run)
 app.command()(play)
@@ -47,9 +44,7 @@ app.command()(report)
 app.command()(export)
 app.add_typer(layout_commands.app, name="layout")
 
-training = typer.Typer(
-    no_args_is_help=True, rich_markup_mode=None, help="Train an agent by reinforcement learning."
-)
+training = typer.Typer(no_args_is_help=True, help="Train an agent by reinforcement learning.")
 training.command("ppo")(train_ppo)
 training.command("q")(train_q)
 app.add_typer(training, name="train")

@@ -10,7 +10,7 @@ import random
 
 import typer
 
-from agents.console.main import main
+from agents.console.main import application, main
 from agents.console.options import (
     AgentOption,
     BackendOption,
@@ -151,6 +151,6 @@ def run(
 
 
 if __name__ == "__main__":
-    app = typer.Typer(add_completion=False, rich_markup_mode=None)
+    app = application()
     app.command()(run)
     main(app)

@@ -12,13 +12,11 @@ from warehouse_core.motion.base import Motion, Outcome
 from warehouse_core.task.rules import is_truncated, judge
 from warehouse_core.task.settings import Settings
 from warehouse_core.task.sight import Sight
-from warehouse_core.task.starts import START, STATIONS, check_room, what_is_drawn
+from warehouse_core.task.starts import check_room, what_is_drawn
 from warehouse_core.task.state import Observation, WarehouseState
 from warehouse_core.world.actions import ACTIONS, DISPLACEMENTS, INVALID, action_index
 from warehouse_core.world.layout import CHAPTER_START, DEFAULT_LAYOUT, Layout, check_open
 from warehouse_core.world.tiles import MOVE_DELTAS, ROBOT_EMPTY, ROBOT_LOADED, TILES, Cell
-
-__all__ = ["LEGEND", "START", "STATIONS", "WarehouseEnv"]
 
 LEGEND = TILES | {ROBOT_EMPTY: "robot (empty)", ROBOT_LOADED: "robot (loaded)"}
 

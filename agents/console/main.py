@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from typing import Any
 
 import typer
 from typer.exceptions import TyperException
@@ -18,6 +19,16 @@ MAX_LENGTH = 2000
 
 EXPECTED = (WarehouseError, OSError)
 """Errors that a user may cause. Any other error is a bug and keeps its traceback."""
+
+
+def application(**settings: Any) -> typer.Typer:
+    """Return an application whose help is plain text, since Rich takes long to import."""
+    return typer.Typer(
+        add_completion=False,
+        rich_markup_mode=None,
+        context_settings={"help_option_names": ["-h", "--help"]},
+        **settings,
+    )
 
 
 def main(app: typer.Typer, arguments: Sequence[str] | None = None) -> None:
@@ -42,7 +53,7 @@ def main(app: typer.Typer, arguments: Sequence[str] | None = None) -> None:
 
 def _fail(message: str, code: int) -> int:
     line = _in_a_line(message)
-    if line:  # empty if only the help was printed
+    if line:  # an exception may have no message
         typer.echo(f"warehouse: {line}", err=True)
     return code
 

@@ -6,7 +6,7 @@ from enum import StrEnum
 from typing import NamedTuple
 
 from warehouse_core import Cell, Layout, LayoutError
-from warehouse_core.warehouse_env import START, STATIONS
+from warehouse_core.task.starts import START, STATIONS
 
 
 class Stations(StrEnum):

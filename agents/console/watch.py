@@ -40,7 +40,6 @@ def run_watched(
     episode, file = recorder.episode, _source_of(agent)
     try:
         with _slow_steps_reported(episode, name, file):
-            agent.reset()
             recorder.run(agent, observation)
     except KeyboardInterrupt as error:
         reason = reason_of(error, file).removeprefix("KeyboardInterrupt")

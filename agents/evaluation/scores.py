@@ -180,14 +180,8 @@ EXPLANATION = (
 """What the measures are, for a reader of a table or a figure."""
 
 
-def act_until_the_end(recorder: EpisodeRecorder, agent: Agent, observation: Observation) -> None:
-    """Reset an agent and let it act until the episode is over."""
-    agent.reset()
-    recorder.run(agent, observation)
-
-
 def evaluate(
-    make_agent: MakeAgent, task: Task, seeds: Iterable[int], act: Act = act_until_the_end
+    make_agent: MakeAgent, task: Task, seeds: Iterable[int], act: Act = EpisodeRecorder.run
 ) -> Scores:
     """Run one whole episode for each seed and return the outcomes.
 

@@ -25,7 +25,7 @@ DEFAULT, RANDOM = "default", "random"
 
 MAX_VALUE = 1_000_000_000
 
-LARGEST = sys.float_info.max
+MAX_NUMBER = sys.float_info.max
 
 MAX_VIEW_RADIUS = 1000
 """In cells: a view takes memory even where there is nothing to see."""
@@ -62,12 +62,12 @@ def whole(minimum: int, maximum: int = MAX_VALUE) -> Callable[[Any], int]:
     return check
 
 
-def number(minimum: float = -LARGEST, maximum: float = LARGEST) -> Callable[[Any], float]:
+def number(minimum: float = -MAX_NUMBER, maximum: float = MAX_NUMBER) -> Callable[[Any], float]:
     """Return a check for finite numbers."""
 
     def check(value: Any) -> float:
         if type(value) not in (int, float) or not minimum <= value <= maximum:
-            limits = "" if minimum == -LARGEST else f" {minimum:g}..{maximum:g}"
+            limits = "" if minimum == -MAX_NUMBER else f" {minimum:g}..{maximum:g}"
             raise ValueError(f"a number{limits}")
         return float(value) + 0.0  # -0.0 becomes 0.0
 

@@ -47,7 +47,7 @@ MAX_CACHED = 100_000
 """Limit on the cached outcomes of a lone robot, about half a kilobyte each."""
 
 
-FEW_OUTCOMES = 500
+MAX_SINGLE_OUTCOMES = 500
 """Outcomes that are made one by one, before the paths of all moves are made at once."""
 
 MAX_PATHS_BYTES = 32_000_000
@@ -134,7 +134,7 @@ class GridMotion:
             path = self._paths[displacement][cell]
             return Outcome(target, False, NOMINAL_SECONDS, self._moving_joules, path)
         check_moves(1, (displacement,), (False,))
-        if len(self._lone) == FEW_OUTCOMES:
+        if len(self._lone) == MAX_SINGLE_OUTCOMES:
             self._paths = move_paths(self._layout, self.cell_size)
         elif len(self._lone) >= MAX_CACHED:
             self._lone.clear()

@@ -195,12 +195,13 @@ class EpisodeRecorder:
         return observation
 
     def run(self, agent: Agent, observation: Observation) -> None:
-        """Let an agent act until the episode is over.
+        """Reset an agent and let it act until the episode is over.
 
         Args:
-            agent: see ``Agent``; it has been reset.
+            agent: see ``Agent``.
             observation: the present one.
         """
+        agent.reset()
         while not self.ended:
             action = agent.act(observation)
             observation = self.step(action, reason=str(getattr(agent, "reason", "")))
@@ -228,7 +229,6 @@ def record_episode(
         The record, which ends with the delivery or when the steps or the battery run out.
     """
     observation = env.reset(randomize=randomize, seed=seed)
-    agent.reset()
     recorder = EpisodeRecorder(env, seed=seed, agent=type(agent).__name__)
     recorder.run(agent, observation)
     return recorder.episode

@@ -181,7 +181,7 @@ def test_outcomes_made_at_once_are_those_made_one_by_one(
     start = layout.usual_start()
     singly = started(start, cell_size=0.7, layout=layout)
     expected = [moved(singly, move) for move in moves]
-    monkeypatch.setattr(grid_motion_module, "FEW_OUTCOMES", 5)
+    monkeypatch.setattr(grid_motion_module, "MAX_SINGLE_OUTCOMES", 5)
     monkeypatch.setattr(grid_motion_module, "MAX_PATHS_BYTES", limit)
     motion = started((2, 2), cell_size=0.7)
     for move in moves:
