@@ -162,10 +162,11 @@ class WarehouseEnv:
         layout, start = self.layout, self._start_pos
         if randomize:
             stream = random if seed is None else random.Random(seed)
+            stations = layout.station_ranks()
             if drawn.stations:
-                layout = self._draw_stations(stream)
+                layout, stations = self._draw_stations(stream, stations)
             if drawn.start:
-                start = self._draw_start(stream, layout)
+                start = self._draw_start(stream, stations)
         return self._begin(layout, start, seed)
 
     def reset_to(
@@ -286,27 +287,27 @@ class WarehouseEnv:
         self._placed = cell
         self.last_motion = None
 
-    def _draw_stations(self, stream: Any) -> Layout:
+    def _draw_stations(self, stream: Any, old: list[int]) -> tuple[Layout, list[int]]:
         """Return the layout with random pickup and dropoff, from the cells that are empty before.
 
-        With fewer than two empty cells it is left without stations, as in the chapter's recorded
-        episodes.
+        ``old`` are the ranks of the present stations; those of the new ones are returned too. With
+        fewer than two empty cells there are no new ones, as in the chapter's recorded episodes.
         """
         check_room(self.layout)
         count = len(self.layout.open_cells)
-        old, new = self.layout.station_ranks(), list[int]()
+        new: list[int] = []
         if count - len(old) >= 2:
             for _ in range(2):
                 new.append(_draw(stream, count, without=old + new))
         pickup, dropoff = map(self.layout.open_cell, new) if new else (None, None)
-        return self.layout.with_stations(pickup, dropoff)
+        return self.layout.with_stations(pickup, dropoff), new
 
-    def _draw_start(self, stream: Any, layout: Layout) -> Cell:
-        """Return a random empty cell of a layout, the usual start if there is none."""
-        count, stations = len(layout.open_cells), layout.station_ranks()
+    def _draw_start(self, stream: Any, stations: list[int]) -> Cell:
+        """Return a random cell without a station, the usual start if there is none."""
+        count = len(self.layout.open_cells)
         if count <= len(stations):
             return self._start_pos
-        return layout.open_cell(_draw(stream, count, without=stations))
+        return self.layout.open_cell(_draw(stream, count, without=stations))
 
 
 def _draw(stream: Any, count: int, without: list[int]) -> int:
