@@ -45,14 +45,20 @@ def progress_bar(total: int, label: str = "") -> Iterator[Advance]:
         TextColumn("{task.fields[news]}"),
     )
     console = Console(stderr=True)
-    quiet = not console.is_terminal
-    with Progress(*columns, console=console, transient=True, disable=quiet) as bar:
+    if not console.is_terminal:  # before 14.3 Rich writes a line end even for a disabled bar
+        yield _show_nothing
+        return
+    with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(label, total=total, news="")
 
         def advance(completed: int, news: str = "") -> None:
             bar.update(task, completed=completed, news=news)
 
         yield advance
+
+
+def _show_nothing(completed: int, news: str = "") -> None:
+    pass
 
 
 def track(items: Sequence[Item], label: str) -> Iterator[Item]:

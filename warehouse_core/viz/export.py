@@ -25,11 +25,13 @@ def progress_bar(frames: int, label: str) -> Iterator[Progress]:
 
     There is no bar for short exports, or where standard error is no terminal.
     """
+    if frames < MIN_BAR_FRAMES or not sys.stderr.isatty():
+        yield lambda frame, _: None
+        return
     from rich.console import Console
     from rich.progress import Progress as Bar
 
-    quiet = frames < MIN_BAR_FRAMES or not sys.stderr.isatty()
-    with Bar(console=Console(stderr=True), transient=True, disable=quiet) as bar:
+    with Bar(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(label, total=frames)
         yield lambda frame, _: bar.update(task, completed=frame + 1)
 
