@@ -24,8 +24,8 @@ MAX_CASES = 200
 
 METHODS = (
     f"Ranges in brackets, whiskers and bands are {CONFIDENCE:.0%} intervals, Wilson's of shares "
-    f"and percentile bootstrap's of means of at least {MIN_VALUES} values; p is that of McNemar's "
-    "exact test, times the pairs of values where the two best were chosen from more."
+    f"and the studentised bootstrap's of means of at least {MIN_VALUES} values; p is that of "
+    "McNemar's exact test, times the pairs of values where the two best were chosen from more."
 )
 
 MADE_WITH = ("warehouse-lab", "numpy", "scipy", "matplotlib")

@@ -101,14 +101,19 @@ class Results:
         return sum(self.modes.values())
 
     @property
+    def delivered(self) -> int:
+        """The number of deliveries."""
+        return self.modes.get(DELIVERED, 0)
+
+    @property
     def share(self) -> float:
         """The share that was delivered."""
-        return self.modes.get(DELIVERED, 0) / self.episodes
+        return self.delivered / self.episodes
 
     @cached_property
     def success(self) -> Interval:
         """The share that was delivered, with its interval."""
-        return share_interval(self.modes.get(DELIVERED, 0), self.episodes)
+        return share_interval(self.delivered, self.episodes)
 
     @cached_property
     def steps(self) -> Interval | None:

@@ -79,8 +79,9 @@ def _intervals(points: Sequence[Results], measure: Measure, method: str) -> str:
     words = f"with {method} {CONFIDENCE:.0%} intervals" if known else "without intervals"
     pooled = "several combinations are pooled, which share their seeds"
     few = f"fewer than {MIN_VALUES} were delivered"
+    equal = "nearly all values are equal"
     why = dict.fromkeys(
-        pooled if len(each.case_ids) > 1 else few
+        pooled if len(each.case_ids) > 1 else few if each.delivered < MIN_VALUES else equal
         for each, interval in found
         if not interval.is_known
     )

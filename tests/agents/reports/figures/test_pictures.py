@@ -127,6 +127,13 @@ def test_the_caption_states_which_intervals_are_drawn(
     assert steps == f"Steps of a delivery: mean of what was delivered, hard or easy, {words}."
 
 
+def test_the_caption_says_that_nearly_equal_values_have_no_interval(tmp_path: Path) -> None:
+    rows = [row(n, steps=90 if n == 7 else 30) for n in range(40)]
+    assert drawn(tmp_path, [(ON, rows), (OFF, rows)])["steps"].caption.endswith(
+        "hard or easy, without intervals: nearly all values are equal."
+    )
+
+
 def test_the_caption_states_how_many_values_are_drawn(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
