@@ -26,7 +26,7 @@ def coverage(sample: Callable[[], tuple[float, float]], truth: float) -> float:
     return float(np.mean((ends[:, 0] <= truth) & (truth <= ends[:, 1])))
 
 
-def test_intervals_contain_the_true_value_about_as_often_as_they_say(capsys) -> None:
+def test_intervals_contain_the_true_value_about_as_often_as_they_say(measured) -> None:
     stream = np.random.default_rng(0)
     found = episodes()
     steps, delivered = found.T
@@ -52,8 +52,8 @@ def test_intervals_contain_the_true_value_about_as_often_as_they_say(capsys) -> 
         shares["steps per delivery", size] = coverage(
             lambda n=size: ratios(n), steps.sum() / delivered.sum()
         )
-    with capsys.disabled():
-        print(f"\nshare of {CONFIDENCE:.0%} intervals that contain the true value:")
-        for (name, size), share in shares.items():
-            print(f"  {name}, n = {size}: {share:.1%}")
+    for (name, size), share in shares.items():
+        measured(
+            f"{CONFIDENCE:.0%} intervals that contain the mean: {name}, n = {size}", f"{share:.1%}"
+        )
     assert min(shares.values()) >= LOWEST

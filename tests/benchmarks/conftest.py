@@ -1,12 +1,51 @@
-"""A fixture that times two calls in turn, so that a change of the machine's speed affects both."""
+"""What the benchmarks share: timing of two calls, and the table of what has been measured.
+
+``pytest tests/benchmarks/bench_*.py --measured`` writes the figures into ``.github/MEASURED.md``;
+those of benchmarks that were not run stay.
+"""
 
 from collections.abc import Callable
 from statistics import median
 
 import pytest
+from helpers.command_line import ROOT
 from helpers.timing import seconds
 
 ROUNDS = 7
+
+TABLE = ROOT / ".github" / "MEASURED.md"
+HEAD = """# Measured
+
+Written by `pytest tests/benchmarks/bench_*.py --measured`; each line names its file.
+
+| what | figure | by |
+| --- | --- | --- |
+"""
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--measured", action="store_true", help=f"write the figures into {TABLE.name}")
+
+
+def write_measured(what: str, figure: str, by: str) -> None:
+    """Write a line of the table, in place of an earlier one of the same name."""
+    lines = TABLE.read_text().splitlines()[HEAD.count("\n") :] if TABLE.exists() else []
+    table = {line.split(" | ")[0]: line for line in lines}
+    table[f"| {what}"] = f"| {what} | {figure} | `{by}` |"
+    TABLE.write_text(HEAD + "".join(f"{line}\n" for line in table.values()))
+
+
+@pytest.fixture
+def measured(request: pytest.FixtureRequest, capsys) -> Callable[[str, object], None]:
+    """Return a function that prints a figure, and writes it into the table if that is asked for."""
+
+    def say(what: str, figure: object) -> None:
+        with capsys.disabled():
+            print(f"\n{what}: {figure}")
+        if request.config.getoption("--measured"):
+            write_measured(what, str(figure), request.path.name)
+
+    return say
 
 
 @pytest.fixture
