@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 from agents.console.place import Stations
 from agents.errors import ParameterError
 from warehouse_core.motion import backends
+from warehouse_core.wording import encodable
 from warehouse_core.world.generators import MAX_DENSITY
 
 Value = str | int | float | bool
@@ -201,9 +202,9 @@ def checked(name: str, value: Any, check: Callable[[Any], Value] | None = None) 
 
 
 def shown(value: Value | None) -> str:
-    """Return a value as text for a reader."""
+    """Return a value as text that can be written."""
     if value is None:
         return "none"
     if isinstance(value, bool):
         return "on" if value else "off"
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{value:g}" if isinstance(value, float) else encodable(str(value))

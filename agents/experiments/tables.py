@@ -105,13 +105,19 @@ def version_of(connection: sqlite3.Connection, path: Path) -> int:
     Raises:
         StoreError: there are other tables, or they are damaged.
     """
-    # The b-trees of a hostile schema may have no end.
     connection.set_progress_handler(lambda: 1, MAX_SCHEMA_STEPS)
-    [(owner, version)] = connection.execute(
-        "SELECT application_id, user_version FROM pragma_application_id, pragma_user_version"
-    )
-    schema = _schema_of(connection)
-    connection.set_progress_handler(None, 0)
+    try:
+        [(owner, version)] = connection.execute(
+            "SELECT application_id, user_version FROM pragma_application_id, pragma_user_version"
+        )
+        schema = _schema_of(connection)
+    except sqlite3.OperationalError as error:
+        # The attribute is missing where Python itself raises, as of text that is not UTF-8.
+        if getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_INTERRUPT:
+            raise StoreError(f"{path}: its schema has no end") from error
+        raise
+    finally:
+        connection.set_progress_handler(None, 0)
     if not schema:
         return 0
     if owner != APPLICATION:

@@ -1,6 +1,7 @@
 """The command ``warehouse report``: its output, its files and its errors."""
 
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from helpers.command_line import command, refusal
@@ -193,3 +194,18 @@ def test_time_and_energy_in_the_table_are_only_measured_ones(tmp_path: Path) -> 
         table = make_page(store, ()).table
     assert table.columns[4:7] == ("steps", "seconds", "joules")
     assert [row[4:7] for row in table.rows] == [("30.0", "none", "none"), ("30.0", "30.0", "60.0")]
+
+
+def test_a_layout_and_an_agent_whose_names_are_no_utf8_are_reported(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    hall = tmp_path / "hall\udcff.txt"
+    hall.write_text("#######\n#P...D#\n#######")
+    cases = [{}, {"layout": str(hall)}, {"agent": "a\udcff.py:Mine"}]
+    path = fill(tmp_path / "r.sqlite", [(case, outcomes("dw")) for case in cases])
+    code, out, _ = command(capsys, "report", path, "--figures", tmp_path, "--no-replays")
+    assert code == 0
+    assert "hall\\udcff.txt" in out
+    assert "a\\udcff.py:Mine" in path.with_suffix(".html").read_text(encoding="utf-8")
+    for picture in tmp_path.glob("*.svg"):
+        ElementTree.parse(picture)
