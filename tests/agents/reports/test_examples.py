@@ -10,11 +10,13 @@ import pytest
 from PIL import Image
 
 from agents.errors import StoreError
-from agents.experiments.case import FINGERPRINT, make_case
+from agents.experiments.case import FINGERPRINT, Case, make_case
+from agents.experiments.episodes import run_one as run_whole
 from agents.experiments.episodes import run_task
 from agents.experiments.store import Row, Store
 from agents.reports import examples
 from agents.reports.examples import Found, find_examples, replay
+from warehouse_core import Episode
 from warehouse_core.records.failure_modes import MODES
 
 WAITING = """class Waiting:
@@ -203,7 +205,16 @@ def test_an_episode_that_is_too_much_work_is_not_run(
     assert (example.sentence, example.gif) == (f"It is not run again: {why}.", b"")
 
 
-def test_an_episode_that_goes_on_for_longer_than_the_results_say_is_stopped() -> None:
+def test_an_episode_that_goes_on_for_longer_than_the_results_say_is_stopped(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    episodes = []
+
+    def run_one(case: Case, seed: int) -> Episode:
+        episodes.append(run_whole(case, seed))
+        return episodes[-1]
+
+    monkeypatch.setattr(examples, "run_one", run_one)
     case = {
         **make_case({}),
         "max_steps": 10**9,
@@ -212,6 +223,7 @@ def test_an_episode_that_goes_on_for_longer_than_the_results_say_is_stopped() ->
     }
     example = replay(Found("wandering", case, 0, 7, 1), run_own_code=True)
     assert "it has not ended after 7 steps, not wandering after 7" in example.sentence
+    assert episodes[0].steps == 8
 
 
 @pytest.mark.parametrize("has_fingerprint", [False, True])
