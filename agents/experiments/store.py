@@ -75,6 +75,7 @@ class Store:
 
     def __init__(self, path: str | Path, *, read_only: bool = False, mix: bool = False) -> None:
         self.path, self._mix = Path(path), mix
+        self._read_only, self._is_checked = read_only, False
         if read_only and not self.path.is_file():
             raise StoreError(f"{path}: there is no such file")
         if self.path.exists() and not self.path.is_file():  # SQLite would try, and leave a journal
@@ -232,8 +233,11 @@ class Store:
         Raises:
             StoreError: there is one.
         """
+        if self._is_checked:
+            return
         for case_id, seed in self.query(DAMAGED):
             raise StoreError(f"{self.path}: the row of case {case_id!r}, seed {seed!r} is damaged")
+        self._is_checked = self._read_only  # whose view does not change
 
     def query(self, statement: str, *values: Any) -> Iterator[tuple[Any, ...]]:
         """Yield the rows that a statement finds."""
