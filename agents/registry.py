@@ -112,6 +112,12 @@ def agent_file(name: str) -> Path | None:
     return Path(source) if source.endswith(".py") else None
 
 
+def agent_module(name: str) -> str | None:
+    """Return the module that an agent of a user is imported from, ``None`` for all others."""
+    source = _split(name)[0].rpartition(":")[0]
+    return source if is_own_code(name) and not source.endswith(".py") and source else None
+
+
 def _wanted(make: Callable[..., Agent], seed: int | None, layout: Layout) -> dict[str, Any]:
     """Return those of the two arguments that ``make`` takes, by name."""
     given = {"seed": seed, "layout": layout}
@@ -123,6 +129,8 @@ def _load_trained(word: str, file: str, seed: int | None, layout: Layout) -> Age
     if not file:
         raise AgentError(f"agent '{word}:' names no file; allowed: {word}:FILE")
     try:
+        if Path(file).exists() and not Path(file).is_file():  # a pipe may never have an end
+            raise AgentError(f"agent file {file}: it is a folder or a device, not a file")
         return load(Path(file), **_wanted(load, seed, layout))
     except OSError as error:
         raise AgentError(f"agent file {file}: {error.strerror or error}") from error

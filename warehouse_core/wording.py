@@ -19,3 +19,8 @@ def listed(parts: Iterable[object], word: str = "and") -> str:
 def printable(text: str) -> str:
     """Return text with a space for each character that is invisible or not allowed in SVG."""
     return "".join(character if character.isprintable() else " " for character in text)
+
+
+def encodable(text: str) -> str:
+    """Return text that can be written as UTF-8: names of files may have bytes that cannot."""
+    return text.encode(errors="backslashreplace").decode()

@@ -1,20 +1,32 @@
 """A case: a value for every parameter that applies, as a dict that can be written as JSON.
 
-It contains the tiles of its layout and a digest of its agent's file: a changed file is another
-case, and workers do not need the layout's file.
+It contains the tiles of its layout and a digest of its agent's code: changed code is another case,
+and workers do not need the layout's file.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any
 
 from agents.console.place import Stations, check_stations, usual_stations
-from agents.experiments.parameters import DEFAULT, PARAMETERS, PHYSICAL, RANDOM, Value, find, shown
-from agents.registry import agent_file, make_agent
+from agents.experiments.parameters import (
+    DEFAULT,
+    PARAMETERS,
+    PHYSICAL,
+    RANDOM,
+    Value,
+    checked,
+    find,
+    number,
+    shown,
+    text,
+)
+from agents.programs import fingerprint
+from agents.registry import agent_file, agent_module, make_agent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Agent, Layout, WarehouseEnv, random_layout
 from warehouse_core.motion.backends import Backend
@@ -23,12 +35,18 @@ from warehouse_core.world.named_layouts import find_layout
 Case = Mapping[str, Any]
 
 TILES, FINGERPRINT = "tiles", "fingerprint"
-"""Keys beside the parameters: the rows of the layout, and the digest of the agent's file."""
+"""Keys beside the parameters: the rows of the layout, and the digest of the agent's code."""
 
 IMPLIED = {"stations": str(Stations.DRAWN)}
 """Left out of a case as text, as in the files of version 0.1.0, which are read and resumed."""
 
-_layout = lru_cache(Layout)
+MAX_BRACKETS, MAX_KEYS = 1000, 100
+"""Limits on the text of a case; a name may have brackets."""
+
+PHYSICAL_NAME = re.compile(rf"({'|'.join(PHYSICAL)})\.[a-z_]{{1,50}}")
+
+_layout = lru_cache(2)(Layout)
+"""Few, because one may be large."""
 
 
 def make_case(values: Mapping[str, Value]) -> dict[str, Any]:
@@ -52,9 +70,9 @@ def make_case(values: Mapping[str, Value]) -> dict[str, Any]:
     env = make_env(case, seed=0)
     env.close()
     make_agent_for(case, 0, env.layout)
-    fingerprint = agent_fingerprint(case)
-    if fingerprint is not None:
-        case[FINGERPRINT] = fingerprint
+    digest = agent_fingerprint(case)
+    if digest is not None:
+        case[FINGERPRINT] = digest
     return case
 
 
@@ -71,6 +89,48 @@ def key_of(case: Case) -> str:
     return json.dumps(told, sort_keys=True, separators=(",", ":"))
 
 
+def read_case(written: str) -> Case:
+    """Return the case that ``key_of`` has written as text, checked as the values of a plan are.
+
+    Its backend need not be installed here, and its agent is not looked for.
+
+    Raises:
+        ValueError: it is not such a text, a key is missing or unknown, or a value is not allowed.
+    """
+    if sum(map(written.count, "[{")) > MAX_BRACKETS:
+        raise ValueError(f"there are more than MAX_BRACKETS = {MAX_BRACKETS} brackets")
+    case = json.loads(written)
+    if not isinstance(case, dict) or len(case) > MAX_KEYS:
+        raise ValueError(f"it must be a JSON object of at most MAX_KEYS = {MAX_KEYS} keys")
+    case = IMPLIED | case
+    for name, value in case.items():
+        checked(name, value, number() if PHYSICAL_NAME.fullmatch(name) else CHECKS.get(name))
+    needed = [name for name, each in PARAMETERS.items() if each.applies(case)]
+    needed += [] if case.get("layout") == RANDOM else [TILES]
+    if missing := [name for name in needed if name not in case]:
+        raise ValueError(f"it has no {missing[0]}")
+    return case
+
+
+def _tiles(value: Any) -> str:
+    try:
+        return str(_layout(tuple(value)))
+    except TypeError as error:
+        raise ValueError("a list of rows") from error
+
+
+def _digest(value: Any) -> str:
+    if not isinstance(value, str) or not re.fullmatch("[0-9a-f]{64}", value):
+        raise ValueError("64 hexadecimal digits")
+    return value
+
+
+CHECKS: dict[str, Callable[[Any], Value]] = {
+    TILES: _tiles, FINGERPRINT: _digest, "backend": text,
+}  # fmt: skip
+"""Of what is in a case and is no parameter, or need not be installed where a case is read."""
+
+
 def flags_of(case: Case) -> list[str]:
     """Return what is not the default in a case, as command-line flags."""
     return [
@@ -82,13 +142,8 @@ def flags_of(case: Case) -> list[str]:
 
 
 def agent_fingerprint(case: Case) -> str | None:
-    """Return the digest of the present file of a case's agent; ``None`` if it has no file.
-
-    Raises:
-        OSError: it cannot be read.
-    """
-    file = agent_file(case["agent"])
-    return None if file is None else hashlib.sha256(file.read_bytes()).hexdigest()
+    """Return the digest of the present code of a case's agent, see ``fingerprint``."""
+    return fingerprint(agent_file(case["agent"]), agent_module(case["agent"]))
 
 
 def layout_of(case: Case) -> Layout:

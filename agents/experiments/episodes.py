@@ -18,6 +18,7 @@ from agents.experiments.case import (
     make_env,
 )
 from agents.experiments.store import Row
+from agents.programs import program_for
 from agents.registry import agent_file
 from warehouse_core import Episode, record_episode
 from warehouse_core.records.failure_modes import diagnose
@@ -29,12 +30,14 @@ class Done(NamedTuple):
     Attributes:
         seconds: that it took.
         rows: of its episodes, up to the one that failed.
+        program: that ran them, see ``program_for``.
         failure: the message of the error of that one. It is text, because an exception of a user
             agent may not be picklable.
     """
 
     seconds: float
     rows: list[Row]
+    program: str
     failure: str | None = None
 
 
@@ -44,10 +47,11 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
     The rows depend only on the case and the seeds.
     """
     start, rows, failure = perf_counter(), list[Row](), None
+    program = program_for(case["backend"])
     try:
         check_fingerprint(case)
     except EpisodeError as error:
-        return Done(perf_counter() - start, rows, str(error))
+        return Done(perf_counter() - start, rows, program, str(error))
     try:
         for seed in seeds:
             rows.append(row_of(run_one(case, seed)))
@@ -57,7 +61,7 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
         own = isinstance(error, AgentError)  # its message says all
         reason = str(error) if own else reason_of(error, agent_file(case["agent"]))
         failure = f"seed {seeds[len(rows)]} with {flags}: {reason}"
-    return Done(perf_counter() - start, rows, failure)
+    return Done(perf_counter() - start, rows, program, failure)
 
 
 def run_one(case: Case, seed: int) -> Episode:
@@ -87,16 +91,23 @@ def row_of(episode: Episode) -> Row:
 
 
 def check_fingerprint(case: Case) -> None:
-    """Raise if the file of a case's agent is not the one that the case was made with.
+    """Raise if the code of a case's agent is not that which the case was made with.
 
     Raises:
-        EpisodeError: its file has changed, or cannot be read.
+        EpisodeError: a file has changed, or cannot be read.
     """
     if FINGERPRINT not in case:
         return
     try:
         is_same = agent_fingerprint(case) == case[FINGERPRINT]
+    except AgentError as error:
+        raise EpisodeError(str(error)) from error
     except OSError as error:
         raise EpisodeError(f"the file of agent {case['agent']!r}: {error.strerror}") from error
     if not is_same:
-        raise EpisodeError(f"the file of agent {case['agent']!r} has changed since the sweep began")
+        what = "module" if agent_file(case["agent"]) is None else "file"
+        again = "; restart the workers of a cluster" if what == "module" else ""
+        raise EpisodeError(
+            f"the {what} of agent {case['agent']!r}, or what it imports, has changed since the "
+            f"sweep began{again}"
+        )

@@ -1,6 +1,6 @@
 """The command ``warehouse export``: results as one CSV or Parquet table for other programs.
 
-A line is an episode: its settings, a column for each, and its outcome.
+A line is an episode: its settings, a column for each, its outcome, and the program that ran it.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from agents.experiments.case import TILES, Case
 from agents.experiments.store import Row, Store
 from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import atomic_path, check_suffix
+from warehouse_core.wording import encodable
 
 ROWS_END = "/"
 """Between the rows of a layout, so that an episode is one line of text."""
@@ -30,8 +31,11 @@ FORMULA = ("=", "+", "-", "@", "\t", "\r")
 LINES_AT_ONCE = 50_000
 """Of a Parquet file, so that a large table takes little memory."""
 
-FRACTIONS, WORDS = {"reward", "seconds", "joules"}, {"mode"}
+FRACTIONS, WORDS = {"reward", "seconds", "joules"}, {"mode", "program"}
 """The columns of a row that are not whole numbers."""
+
+RESULTS = (*Row._fields, "program")
+"""The columns after those of the settings."""
 
 Line = tuple[Any, ...]
 
@@ -50,7 +54,7 @@ def export(
 ) -> None:
     """Write the episodes of a sweep as a table.
 
-    Each line is an episode: its settings and its outcome, a column each.
+    Each line is an episode: its settings, its outcome and the program that ran it, a column each.
 
     Example: warehouse export results.sqlite results.csv
     """
@@ -63,7 +67,7 @@ def export(
 
 
 def columns_of(store: Store) -> dict[str, str]:
-    """Return the columns of the table and their types: the settings of all cases, then the row.
+    """Return the columns of the table and their types: the settings of all cases, then ``RESULTS``.
 
     Types are ``"str"``, ``"bool"``, ``"int"`` or ``"float"``.
 
@@ -76,24 +80,26 @@ def columns_of(store: Store) -> dict[str, str]:
             kind = type(_plain(case, name)).__name__
             if types.setdefault(name, kind) != kind:
                 raise StoreError(f"{store.path}: {name} has several types, one is {kind}")
-    for name in Row._fields:
+    for name in RESULTS:
         types[name] = "float" if name in FRACTIONS else "str" if name in WORDS else "int"
     return types
 
 
 def lines_of(store: Store, columns: dict[str, str]) -> Iterator[Line]:
     """Yield the lines of the table, case by case and seed by seed."""
-    settings = list(columns)[: -len(Row._fields)]
+    settings = list(columns)[: -len(RESULTS)]
     for case_id, case in store.cases().items():
         values = [_plain(case, name) for name in settings]
-        for row in store.rows(case_id):
-            yield (*values, *row)
+        for row, program in store.rows(case_id):
+            yield (*values, *row, program)
 
 
 def _plain(case: Case, name: str) -> Any:
     """Return a setting as one value; ``None`` if it does not apply to the case."""
     value = case.get(name)
-    return ROWS_END.join(value) if name == TILES and value is not None else value
+    if name == TILES and value is not None:
+        return ROWS_END.join(value)
+    return encodable(value) if isinstance(value, str) else value
 
 
 def _write_csv(path: Path, columns: dict[str, str], lines: Iterator[Line]) -> None:

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 from agents.console.place import Stations
 from agents.errors import ParameterError
 from warehouse_core.motion import backends
+from warehouse_core.wording import encodable
 from warehouse_core.world.generators import MAX_DENSITY
 
 Value = str | int | float | bool
@@ -26,6 +27,9 @@ DEFAULT, RANDOM = "default", "random"
 MAX_VALUE = 1_000_000_000
 
 MAX_NUMBER = sys.float_info.max
+
+MAX_TEXT = 10_000
+"""Characters of a name."""
 
 MAX_VIEW_RADIUS = 1000
 """In cells: a view takes memory even where there is nothing to see."""
@@ -82,9 +86,9 @@ def flag(value: Any) -> bool:
 
 
 def text(value: Any) -> str:
-    """Check that a value is text and not blank."""
-    if not isinstance(value, str) or not value.strip():
-        raise ValueError("a name")
+    """Check that a value is text, not blank and not too long."""
+    if not isinstance(value, str) or not value.strip() or len(value) > MAX_TEXT:
+        raise ValueError(f"a name of at most MAX_TEXT = {MAX_TEXT} characters")
     return value
 
 
@@ -179,23 +183,28 @@ def field_defaults(group: str) -> dict[str, float]:
     return {each.name: each.default for each in fields(kind) if isinstance(each.default, float)}
 
 
-def checked(name: str, value: Any) -> Value:
+def checked(name: str, value: Any, check: Callable[[Any], Value] | None = None) -> Value:
     """Return a value of a parameter as it is stored.
+
+    Args:
+        name: of the parameter.
+        value: to be checked.
+        check: used instead of that of the parameter.
 
     Raises:
         ParameterError: the value is not allowed; the message says what is.
     """
-    parameter = find(name)
+    check = check or find(name).check
     try:
-        return parameter.check(value)
+        return check(value)
     except ValueError as error:
         raise ParameterError(f"{name} is {value!r}; allowed: {error}") from None
 
 
 def shown(value: Value | None) -> str:
-    """Return a value as text for a reader."""
+    """Return a value as text that can be written."""
     if value is None:
         return "none"
     if isinstance(value, bool):
         return "on" if value else "off"
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{value:g}" if isinstance(value, float) else encodable(str(value))

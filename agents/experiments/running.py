@@ -68,8 +68,8 @@ def run_missing(plan: Plan, store: Store, executor: Executor, workers: int, repo
         # Failed tasks come last, because they end the run.
         failures = []
         for future in sorted(done, key=_has_failed):
-            case_id, (seconds, rows, failure) = running.pop(future), future.result()
-            store.add(case_id, rows)
+            case_id, (seconds, rows, program, failure) = running.pop(future), future.result()
+            store.add(case_id, rows, program)
             pace.learn(len(rows), seconds)
             report(rows)
             failures += [] if failure is None else [failure]

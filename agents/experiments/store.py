@@ -7,7 +7,6 @@ its case and its seed, so that no episode is stored twice.
 
 from __future__ import annotations
 
-import json
 import os
 import sqlite3
 from collections.abc import Iterable, Iterator, Sequence
@@ -16,38 +15,22 @@ from pathlib import Path
 from time import monotonic, sleep
 from typing import Any, NamedTuple
 
-from agents.console.place import Stations
 from agents.errors import StoreError
-from agents.experiments.case import IMPLIED, TILES, Case, key_of
-
-VERSION = 1
-"""Of the tables; stored in the file as its ``user_version``."""
-
-APPLICATION = 0x57617265
-"""The ``application_id`` of these files."""
+from agents.experiments.case import TILES, Case, flags_of, key_of, read_case
+from agents.experiments.tables import (
+    DAMAGED,
+    MAX_CASES,
+    MAX_LENGTH,
+    MAX_NAMED,
+    PROGRAM,
+    TABLES,
+    UNKNOWN,
+    VERSION,
+    version_of,
+)
 
 TIMEOUT = 30.0
 """Seconds to wait for another program that writes to the same file."""
-
-TABLES = f"""
-CREATE TABLE cases (id INTEGER PRIMARY KEY, settings TEXT NOT NULL UNIQUE);
-CREATE TABLE episodes (
-    case_id INTEGER NOT NULL REFERENCES cases,
-    seed INTEGER NOT NULL,
-    mode TEXT NOT NULL,
-    steps INTEGER NOT NULL,
-    needed INTEGER,
-    reward REAL NOT NULL,
-    battery_left INTEGER NOT NULL,
-    seconds REAL NOT NULL,
-    joules REAL NOT NULL,
-    row INTEGER NOT NULL,
-    col INTEGER NOT NULL,
-    PRIMARY KEY (case_id, seed)
-) WITHOUT ROWID;
-PRAGMA application_id = {APPLICATION};
-PRAGMA user_version = {VERSION};
-"""
 
 
 class Row(NamedTuple):
@@ -84,13 +67,15 @@ class Store:
     Args:
         path: of the file.
         read_only: create no file and write to none; one without write permission can be read.
+        mix: add episodes to cases that have those of another program.
 
     Raises:
-        StoreError: it cannot be opened, or is something else.
+        StoreError: it cannot be opened, is damaged, or is something else.
     """
 
-    def __init__(self, path: str | Path, *, read_only: bool = False) -> None:
-        self.path = Path(path)
+    def __init__(self, path: str | Path, *, read_only: bool = False, mix: bool = False) -> None:
+        self.path, self._mix = Path(path), mix
+        self._read_only, self._is_checked = read_only, False
         if read_only and not self.path.is_file():
             raise StoreError(f"{path}: there is no such file")
         if self.path.exists() and not self.path.is_file():  # SQLite would try, and leave a journal
@@ -101,6 +86,7 @@ class Store:
             self._connection = sqlite3.connect(
                 address, timeout=TIMEOUT, isolation_level=None, uri=closed
             )
+            self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_LENGTH)
             try:
                 self._prepare(read_only)
             except BaseException:
@@ -130,6 +116,7 @@ class Store:
                 "INSERT OR IGNORE INTO cases (settings) VALUES (?)",
                 [(key_of(case),) for case in cases],
             )
+            self._check_count()
 
     def count(self, case: Case, seeds: range) -> int:
         """Return how many episodes of a case with these seeds are stored."""
@@ -144,21 +131,73 @@ class Store:
         statement = "SELECT seed FROM episodes WHERE case_id = ? AND seed >= ? AND seed < ?"
         return {seed for (seed,) in self.query(statement, case_id, seeds.start, seeds.stop)}
 
-    def add(self, case_id: int, rows: Sequence[Row]) -> None:
+    def add(self, case_id: int, rows: Sequence[Row], program: str = UNKNOWN) -> None:
         """Write the episodes of a case, all or none; those that are stored already stay unchanged.
 
+        Args:
+            case_id: the number of the case.
+            rows: the episodes.
+            program: that ran them, see ``program_for``.
+
         Raises:
-            StoreError: the disk is full, or the file cannot be written or is no longer there.
+            StoreError: the disk is full, the file cannot be written or is no longer there, or the
+                case has episodes of another program, which are not to be mixed.
         """
         # SQLite would continue to write to a file that has been removed.
         if _identity(self.path) != self._identity:
             raise StoreError(f"{self.path}: it has been removed or replaced meanwhile")
-        places = ", ".join("?" * (1 + len(Row._fields)))
+        if not rows:
+            return
+        places = ", ".join("?" * (2 + len(Row._fields)))
         with self._transaction():
+            number = self._add_writer(case_id, program)
             self._connection.executemany(
                 f"INSERT OR IGNORE INTO episodes VALUES ({places})",
-                [(case_id, *row) for row in rows],
+                [(case_id, *row, number) for row in rows],
             )
+
+    def _add_writer(self, case_id: int, program: str) -> int:
+        """Return the number of a program, as one of those that have written episodes of a case."""
+        others = [name for name in self.programs(case_id) if name != program]
+        if others and not self._mix:
+            [(text,)] = self.query("SELECT settings FROM cases WHERE id = ?", case_id)
+            settings = ", ".join(flags_of(self._case(case_id, text))) or "the defaults"
+            raise StoreError(
+                f"{self.path}: the episodes with {settings} are of {' and '.join(others)}, and new "
+                f"ones would be of {program}; write to another file, or mix them with "
+                "--mix-programs"
+            )
+        self._connection.execute("INSERT OR IGNORE INTO programs (name) VALUES (?)", (program,))
+        [(number,)] = self.query("SELECT id FROM programs WHERE name = ?", program)
+        self._connection.execute("INSERT OR IGNORE INTO writers VALUES (?, ?)", (case_id, number))
+        return int(number)
+
+    def programs(self, case_id: int) -> list[str]:
+        """Return the programs that have written episodes of a case, in the order of their first."""
+        if self._version == 1:
+            found = self.query("SELECT 1 FROM episodes WHERE case_id = ? LIMIT 1", case_id)
+            return [UNKNOWN for _ in found]
+        statement = (
+            f"SELECT {PROGRAM} FROM writers JOIN programs ON id = program_id "
+            f"WHERE case_id = ? ORDER BY id LIMIT {MAX_NAMED}"
+        )
+        return [name for (name,) in self.query(statement, case_id)]
+
+    def mixed(self) -> list[int]:
+        """Return the numbers of the cases that have episodes of several programs."""
+        statement = "SELECT case_id FROM writers GROUP BY case_id HAVING count(*) > 1"
+        return [] if self._version == 1 else [number for (number,) in self.query(statement)]
+
+    def episodes(self) -> list[tuple[str, int]]:
+        """Return programs and how many episodes are of each, most first."""
+        if self._version == 1:
+            statement = f"SELECT '{UNKNOWN}', count(*) FROM episodes HAVING count(*)"
+        else:
+            statement = (
+                f"SELECT (SELECT {PROGRAM} FROM programs WHERE id = program_id), count(*) AS number"
+                f" FROM episodes GROUP BY program_id ORDER BY number DESC LIMIT {MAX_NAMED}"
+            )
+        return [(name or UNKNOWN, count) for name, count in self.query(statement)]
 
     def cases(self) -> dict[int, Case]:
         """Return every case by its number.
@@ -166,14 +205,39 @@ class Store:
         Raises:
             StoreError: a case that no sweep has written.
         """
-        found = list(self.query("SELECT id, settings FROM cases ORDER BY id"))
-        return {number: self._case(settings) for number, settings in found}
+        self._check_count()
+        found, layouts = dict[int, Case](), dict[tuple[str, ...], list[str]]()
+        for number, text in self.query("SELECT id, settings FROM cases ORDER BY id"):
+            case = self._case(number, text)
+            if TILES in case:  # kept once, because layouts may be large
+                case = {**case, TILES: layouts.setdefault(tuple(case[TILES]), case[TILES])}
+            found[number] = case
+        return found
 
-    def rows(self, case_id: int) -> Iterator[Row]:
-        """Yield the episodes of a case in the order of their seeds."""
+    def rows(self, case_id: int) -> Iterator[tuple[Row, str]]:
+        """Yield the episodes of a case and their programs in the order of their seeds."""
         names = ", ".join(Row._fields)
-        statement = f"SELECT {names} FROM episodes WHERE case_id = ? ORDER BY seed"
-        return map(Row._make, self.query(statement, case_id))
+        if self._version == 1:
+            statement = f"SELECT {names}, '{UNKNOWN}' FROM episodes WHERE case_id = ?"
+        else:
+            statement = (
+                f"SELECT {names}, (SELECT {PROGRAM} FROM programs WHERE id = program_id) "
+                "FROM episodes WHERE case_id = ?"
+            )
+        for *values, program in self.query(f"{statement} ORDER BY seed", case_id):
+            yield Row._make(values), program or UNKNOWN
+
+    def check_rows(self) -> None:
+        """Raise if there are rows that no sweep has written; reports rely on this.
+
+        Raises:
+            StoreError: there is one.
+        """
+        if self._is_checked:
+            return
+        for case_id, seed in self.query(DAMAGED):
+            raise StoreError(f"{self.path}: the row of case {case_id!r}, seed {seed!r} is damaged")
+        self._is_checked = self._read_only  # whose view does not change
 
     def query(self, statement: str, *values: Any) -> Iterator[tuple[Any, ...]]:
         """Yield the rows that a statement finds."""
@@ -181,15 +245,17 @@ class Store:
             # Not the cursor itself: left half read, it would fail when the file is closed.
             yield from map(tuple, self._connection.execute(statement, values))
 
-    def _case(self, text: str) -> Case:
+    def _case(self, number: int, text: str) -> Case:
         """Return a case that ``key_of`` has written, and raise for any other text."""
         try:
-            case = json.loads(text)
-            if isinstance(case, dict) and _is_case(case):
-                return IMPLIED | case
-        except (ValueError, TypeError, RecursionError):
-            pass
-        raise StoreError(f"{self.path}: it has an invalid case, {text!r}")
+            return read_case(text)
+        except (ValueError, TypeError, RecursionError) as error:
+            raise StoreError(f"{self.path}: case {number} is invalid: {error}") from error
+
+    def _check_count(self) -> None:
+        [(count,)] = self.query("SELECT count(*) FROM cases")
+        if count > MAX_CASES:
+            raise StoreError(f"{self.path}: {count} cases; MAX_CASES = {MAX_CASES} are allowed")
 
     def _is_closed(self) -> bool:
         """Return whether the file can only be read, and its folder does not allow new files.
@@ -215,12 +281,13 @@ class Store:
         connection = self._connection
         # In one transaction: another sweep may be creating the tables at this moment.
         with self._transaction("DEFERRED" if read_only else "IMMEDIATE"):
-            is_new = self._is_empty()
-            if is_new and not read_only:
-                for statement in TABLES.split(";"):
+            self._version = version_of(connection, self.path)
+            if not read_only:
+                for statement in "".join(TABLES[self._version :]).split(";"):
                     connection.execute(statement)
+                self._version = VERSION
         if read_only:
-            if is_new:
+            if not self._version:
                 raise StoreError(f"{self.path}: there are no results in it")
             connection.execute("PRAGMA query_only = ON")
             # One view of the file, whatever a sweep adds meanwhile.
@@ -228,18 +295,6 @@ class Store:
             return
         self._write_ahead()
         connection.execute("PRAGMA synchronous = FULL")
-
-    def _is_empty(self) -> bool:
-        """Return whether there are no tables, and raise if there are those of another program."""
-        [(owner, version, tables)] = self._connection.execute(
-            "SELECT application_id, user_version, (SELECT count(*) FROM sqlite_master) "
-            "FROM pragma_application_id, pragma_user_version"
-        )
-        if tables and owner != APPLICATION:
-            raise StoreError(f"{self.path}: it is a database, but not of results")
-        if tables and version != VERSION:
-            raise StoreError(f"{self.path}: its version is {version}; only {VERSION} can be read")
-        return not tables
 
     def _write_ahead(self) -> None:
         """Use a write-ahead log, so that others can read meanwhile."""
@@ -272,7 +327,7 @@ class Store:
         """Turn errors of SQLite into a ``StoreError`` with the name of the file."""
         try:
             yield
-        except sqlite3.Error as error:
+        except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter of a damaged schema
             raise StoreError(f"{self.path}: {error}") from error
 
 
@@ -283,24 +338,3 @@ def _identity(path: Path) -> tuple[int, int] | None:
     except FileNotFoundError:
         return None
     return found.st_dev, found.st_ino
-
-
-def _is_case(case: dict[str, object]) -> bool:
-    """Return whether a case has everything that other modules rely on."""
-    rows = case.get(TILES, ["#"])
-    names = ("agent", "layout", "backend")
-    return (
-        all(map(_is_parameter, case, case.values()))
-        and all(isinstance(case.get(name), str) for name in names)
-        and isinstance(rows, list)
-        and len(set(map(len, rows))) == 1
-        and case.get("stations", Stations.DRAWN) in list(Stations)
-    )
-
-
-def _is_parameter(name: str, value: object) -> bool:
-    if name == TILES:
-        return isinstance(value, list) and all(isinstance(row, str) for row in value)
-    if name in Row._fields or not isinstance(value, (str, int, float)):
-        return False
-    return not isinstance(value, int) or abs(value) < 2**63

@@ -23,7 +23,7 @@ from agents.experiments.running import Report, run_missing
 from agents.experiments.store import Row, Store
 from agents.experiments.workers import Check, Pool, cluster, deferred_interrupts, process_pool
 from warehouse_core.records.episode import DELIVERED
-from warehouse_core.wording import counted
+from warehouse_core.wording import counted, listed
 from warehouse_core.world.generators import MAX_DENSITY
 
 
@@ -135,6 +135,14 @@ def sweep(
             help="Run on the Dask cluster of this scheduler; needs the extra 'cluster'.",
         ),
     ] = None,
+    mix: Annotated[
+        bool,
+        typer.Option(
+            "--mix-programs",
+            help="Add to combinations that another version of this program, of NumPy or of pymunk "
+            "has begun.",
+        ),
+    ] = False,
 ) -> None:
     """Run every combination of settings.
 
@@ -147,7 +155,7 @@ def sweep(
     choices = given.choices | parse_flags(settings or [])
     first = (given.seed or 0) if seed is None else seed
     plan = make_plan(choices, episodes or given.episodes or EPISODES, first)
-    with deferred_interrupts() as check, Store(output) as store:
+    with deferred_interrupts() as check, Store(output, mix=mix) as store:
         store.add_cases(plan.cases)
         done = _done(plan, store)
         cases, each = counted(len(plan.cases), "combination"), counted(plan.episodes, "episode")
@@ -165,6 +173,8 @@ def sweep(
                 "resume"
             )
             raise typer.Abort from None  # typer would end without a message
+        finally:
+            _warn_of_mixed(store)
     episodes_done = f"{counted(plan.total, 'episode')} done"
     typer.echo(f"{episodes_done}; see the results with: warehouse report {output}")
 
@@ -185,6 +195,16 @@ def _given(file: Path | None, preset: str | None) -> PlanFile:
 def _done(plan: Plan, store: Store) -> int:
     """Return how many episodes of a plan are stored."""
     return sum(store.count(case, plan.seeds) for case in plan.cases)
+
+
+def _warn_of_mixed(store: Store) -> None:
+    mixed = store.mixed()
+    if mixed:
+        typer.echo(
+            f"warehouse: warning: {counted(len(mixed), 'combination')} with episodes of several "
+            f"programs, such as {listed(store.programs(mixed[0]))}",
+            err=True,
+        )
 
 
 def _run(plan: Plan, store: Store, missing: int, pool: Pool, check: Check) -> None:

@@ -11,7 +11,7 @@ from agents.evaluation.wording import mean, share
 from agents.experiments.parameters import shown
 from agents.experiments.store import Store
 from agents.reports.analysis.answers import answers
-from agents.reports.analysis.design import Design, make_design
+from agents.reports.analysis.design import Design, described, make_design
 from agents.reports.analysis.results import Experiment, Results
 from agents.reports.examples import Example
 from agents.reports.figures.pictures import pictures
@@ -21,6 +21,9 @@ from warehouse_core.wording import counted
 
 MAX_CASES = 200
 """In the table; the others are only in the file."""
+
+MAX_MIXED = 4
+"""Combinations that are named where their episodes are of several programs."""
 
 METHODS = (
     f"Ranges in brackets, whiskers and bands are {CONFIDENCE:.0%} intervals, Wilson's of shares "
@@ -41,7 +44,7 @@ def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
     design = make_design(experiment.cases)
     return Page(
         title=f"Report on {store.path.name}",
-        summary=_summary(experiment),
+        summary=_summary(experiment, design),
         methods=METHODS,
         answers=answers(experiment, design),
         pictures=tuple(pictures(experiment)),
@@ -51,12 +54,13 @@ def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
         made_with=(
             ("Python", platform.python_version()),
             *((name, version(name)) for name in MADE_WITH),
+            *((counted(number, "episode"), name) for name, number in store.episodes()),
         ),
     )
 
 
-def _summary(experiment: Experiment) -> str:
-    """Return the number of episodes, their seeds, and what is still missing."""
+def _summary(experiment: Experiment, design: Design) -> str:
+    """Return the number of episodes, their seeds and programs, and what is still missing."""
     everything = experiment.results(*experiment.cases)
     first, last = everything.seeds
     counts = [experiment.results(case_id).episodes for case_id in experiment.cases]
@@ -69,7 +73,21 @@ def _summary(experiment: Experiment) -> str:
         parts.append(f"{min(counts):,} to {max(counts):,} episodes each")
     if experiment.unbegun:
         parts.append(f"{counted(experiment.unbegun, 'further combination')} not yet begun")
+    programs = [name for name, _ in experiment.store.episodes()]
+    if len(programs) > 1:
+        parts.append(f"run by different programs: {'; '.join(programs)}")
+    mixed = [number for number in experiment.store.mixed() if number in experiment.cases]
+    if mixed:
+        names = [_name_of(number, design) for number in mixed[:MAX_MIXED]]
+        left = f" and {len(mixed) - len(names):,} more" if len(mixed) > len(names) else ""
+        parts.append(f"which are mixed in {'; '.join(names)}{left}")
     return ", ".join(parts)
+
+
+def _name_of(case_id: int, design: Design) -> str:
+    """Return what differs in a case, in words."""
+    labels = {each.name: design.labels[case_id][each.name] for each in design.factors}
+    return described(labels) or "all of them"
 
 
 def _settings(design: Design) -> Iterator[tuple[str, str]]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from agents.errors import AgentError, EpisodeError, reason_of
-from agents.experiments.case import Case
+from agents.experiments.case import TILES, Case
 from agents.experiments.episodes import check_fingerprint, run_one
 from agents.experiments.store import Store
 from agents.registry import agent_file, is_own_code
@@ -36,6 +37,12 @@ SELECT mode, case_id, steps, episodes, (
 
 MAX_STEPS = 200
 """Of a replay; of a longer episode the last steps are shown."""
+
+MAX_REPLAY_STEPS, MAX_CELLS = 10_000, 300_000
+"""Of an episode that is run again, and of its map."""
+
+MAX_WORK, PHYSICS_WORK = 20_000_000, 20_000
+"""The cells that an agent may look at in all its steps, and how many a step of physics counts."""
 
 MAX_PLAY_MS = 12_000
 """Of a replay."""
@@ -69,6 +76,7 @@ def find_examples(store: Store) -> list[Found]:
 
     Ties go to the first case, then to the smallest seed.
     """
+    store.check_rows()
     cases = store.cases()
     found = {
         mode: Found(mode, cases[case_id], seed, steps, episodes)
@@ -89,9 +97,13 @@ def replay(found: Found, *, run_own_code: bool) -> Example:
     """
     if is_own_code(found.case["agent"]) and not run_own_code:
         return Example(found, "Its agent is not part of this program; --replays runs it.", b"")
+    if (why := _too_much(found)) is not None:
+        return Example(found, f"It is not run again: {why}.", b"")
+    # It may go on for longer than the results say.
+    case = {**found.case, "max_steps": min(found.case["max_steps"], found.steps + 1)}
     try:
-        check_fingerprint(found.case)
-        episode = run_one(found.case, found.seed)
+        check_fingerprint(case)
+        episode = run_one(case, found.seed)
     except (Exception, SystemExit) as error:
         is_clear = isinstance(error, CLEAR_ERRORS)
         words = str(error) if is_clear else reason_of(error, agent_file(found.case["agent"]))
@@ -99,8 +111,11 @@ def replay(found: Found, *, run_own_code: bool) -> Example:
         return Example(found, f"It cannot be run again: {why}.", b"")
     diagnosis = diagnose(episode)
     if (diagnosis.mode, episode.steps) != (found.mode, found.steps):
+        now = f"{diagnosis.mode} after {episode.steps} steps"
+        if episode.steps > found.steps:
+            now = f"it has not ended after {found.steps} steps"
         sentence = (
-            f"Its outcome is different now: {diagnosis.mode} after {episode.steps} steps, not "
+            f"Its outcome is different now: {now}, not "
             f"{found.mode} after {found.steps}. The agent or a library has changed since the "
             "results were written."
         )
@@ -108,6 +123,26 @@ def replay(found: Found, *, run_own_code: bool) -> Example:
     left_out = max(episode.steps - MAX_STEPS, 0)
     only = f"; the replay shows the last {MAX_STEPS} of {episode.steps} steps" if left_out else ""
     return Example(found, f"{diagnosis.sentence}{only}", _gif(episode, left_out))
+
+
+def _too_much(found: Found) -> str | None:
+    """Return why an episode is too much work to be run again, ``None`` if it is not.
+
+    What limits it are numbers in the results, which may come from a stranger.
+    """
+    case = found.case
+    if TILES in case:
+        cells = len(case[TILES]) * len(case[TILES][0])
+    else:
+        cells = math.prod(map(int, case["size"].split("x")))
+    view = (2 * case["view_radius"] + 1) ** 2
+    if cells > MAX_CELLS:
+        return f"its map has {cells:,} cells, and at most {MAX_CELLS:,} are"
+    work = max(cells, view, 1 if case["backend"] == "grid" else PHYSICS_WORK)
+    limit = min(MAX_REPLAY_STEPS, MAX_WORK // work)
+    if found.steps > limit:
+        return f"it has {found.steps:,} steps; with its map, view and backend at most {limit:,} are"
+    return None
 
 
 def _gif(episode: Episode, left_out: int) -> bytes:

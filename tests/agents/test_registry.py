@@ -1,3 +1,4 @@
+import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ from agents.learning.policy_network import PolicyNetwork
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_learning import QAgent, QTable
 from agents.learning.q_table import save_table
-from agents.registry import TRAINED, is_own_code, make_agent
+from agents.registry import TRAINED, agent_module, is_own_code, make_agent
 from agents.search.agents import ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Layout, WarehouseEnv, record_episode
@@ -270,6 +271,22 @@ def test_own_code_is_what_is_not_in_this_package(name: str, own: bool) -> None:
     assert is_own_code(name) is own
 
 
+@pytest.mark.parametrize(
+    ("name", "module"),
+    [
+        ("robots.slow:Mine", "robots.slow"),
+        ("robots.slow:Mine:speed=2", "robots.slow"),
+        ("greedy:Mine", "greedy"),
+        ("greedy", None),
+        ("greedy:memory=3", None),
+        ("q:table.npz", None),
+        ("folder/mine.py:Mine", None),
+    ],
+)
+def test_the_module_of_an_agent_is_that_of_its_name(name: str, module: str | None) -> None:
+    assert agent_module(name) == module
+
+
 # Trained agents.
 
 
@@ -307,7 +324,10 @@ def test_a_trained_agent_needs_a_file(word: str, tmp_path: Path) -> None:
     assert refusal(f"{word}:") == f"agent '{word}:' names no file; allowed: {word}:FILE"
     missing = tmp_path / "missing.npz"
     assert refusal(f"{word}:{missing}") == f"agent file {missing}: No such file or directory"
-    assert refusal(f"{word}:{tmp_path}") == f"agent file {tmp_path}: Is a directory"
+    os.mkfifo(tmp_path / "pipe")
+    for other in (tmp_path, tmp_path / "pipe", Path(os.devnull)):
+        line = f"agent file {other}: it is a folder or a device, not a file"
+        assert refusal(f"{word}:{other}") == line
     assert f"no agent is called '{word}'" in refusal(word)
 
 

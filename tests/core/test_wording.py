@@ -2,7 +2,7 @@
 
 import pytest
 
-from warehouse_core.wording import counted, listed, printable
+from warehouse_core.wording import counted, encodable, listed, printable
 
 
 @pytest.mark.parametrize(
@@ -26,3 +26,8 @@ def test_only_one_thing_is_singular() -> None:
 
 def test_what_is_invisible_becomes_a_space() -> None:
     assert printable("a\x00b\u200bc \u00e9\n") == "a b c \u00e9 "
+
+
+def test_text_with_bytes_that_are_no_utf8_can_be_encoded_and_stays_different() -> None:
+    names = ["hall\udcff", "hall\udcfe", "Müller", "a\\b"]
+    assert [encodable(name) for name in names] == ["hall\\udcff", "hall\\udcfe", *names[2:]]

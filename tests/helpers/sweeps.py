@@ -10,7 +10,8 @@ from agents.experiments.plan import make_plan
 from agents.experiments.running import run_missing
 from agents.experiments.store import Row, Store
 
-TABLE = "SELECT settings, episodes.* FROM episodes JOIN cases ON id = case_id ORDER BY 1, 3"
+COLUMNS = ", ".join(Row._fields)
+TABLE = f"SELECT settings, {COLUMNS} FROM episodes JOIN cases ON id = case_id ORDER BY 1, 2"
 
 
 class Here(Executor):
@@ -36,7 +37,7 @@ def nothing(rows: Sequence[Row]) -> None:
 
 def table(path: Path) -> list[tuple[Any, ...]]:
     with Store(path, read_only=True) as store:
-        return [(found[0], *found[2:]) for found in store.query(TABLE)]
+        return list(store.query(TABLE))
 
 
 AGENT = """

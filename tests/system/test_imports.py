@@ -50,13 +50,14 @@ MAY_IMPORT = {
     "warehouse_physics/vector": "arena profile robot robot_spec walls",
     "warehouse_physics/motion": "arena disturbances robot robot_spec vector",
     "agents/errors": "",
+    "agents/programs": "errors",
     "agents/console": "errors",
     "agents/search": "",
     "agents/warehouse_agent_greedy": "",
     "agents/evaluation": "warehouse_agent_greedy",
     "agents/learning": "errors evaluation warehouse_agent_greedy",
     "agents/registry": "errors evaluation learning search warehouse_agent_greedy",
-    "agents/experiments": "console errors registry warehouse_agent_greedy",
+    "agents/experiments": "console errors programs registry warehouse_agent_greedy",
     "agents/run_episode": "console errors registry",
     "agents/commands": (
         "console errors evaluation learning registry run_episode search warehouse_agent_greedy"

@@ -137,7 +137,7 @@ def _labels(cases: Mapping[int, Case]) -> dict[int, Labels]:
         files = {(case[name], str(case.get(content))) for case in cases.values()}
         versions = Counter(file for file, _ in files)
         for case_id, case in cases.items():
-            mark = f" ({_mark(case[content])})" if versions[case[name]] > 1 else ""
+            mark = f" ({_mark(case.get(content))})" if versions[case[name]] > 1 else ""
             found[case_id][name] = f"{short[case[name]]}{mark}"
     _name_stations_with_layouts(found.values())
     return found

@@ -44,7 +44,7 @@ class Experiment:
 
     def __init__(self, store: Store) -> None:
         self.store = store
-        _check_rows(store)
+        store.check_rows()
         self._tallies: dict[int, list[Tally]] = {}
         for case_id, *tally in store.query(
             "SELECT case_id, mode, count(*), min(seed), max(seed) FROM episodes "
@@ -148,20 +148,3 @@ class Results:
                 for case_id in self.case_ids
             ]
         )
-
-
-def _check_rows(store: Store) -> None:
-    """Raise if there are rows that no sweep has written; all other code relies on this."""
-    kinds = {
-        "integer": ("seed", "steps", "battery_left", "row", "col"),
-        "real": ("reward", "seconds", "joules"),
-    }
-    wrong = [f"typeof({name}) != '{kind}'" for kind, names in kinds.items() for name in names]
-    wrong += [
-        "typeof(needed) NOT IN ('integer', 'null')",
-        f"mode NOT IN ({', '.join('?' * len(MODES))})",
-        "case_id NOT IN (SELECT id FROM cases)",
-    ]
-    statement = f"SELECT case_id, seed FROM episodes WHERE {' OR '.join(wrong)} LIMIT 1"
-    for case_id, seed in store.query(statement, *MODES):
-        raise StoreError(f"{store.path}: the row of case {case_id!r}, seed {seed!r} is damaged")

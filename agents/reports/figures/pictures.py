@@ -24,6 +24,9 @@ from warehouse_core.wording import counted, listed
 MAX_MAPS = 4
 """Heat maps, of the layouts with most episodes."""
 
+MAX_CELLS = 300_000
+"""Of a layout that has a heat map; in a larger one no cell could be seen."""
+
 
 STATIONS = {"drawn": "random in each episode", "kept": "those of the layout in every episode"}
 
@@ -114,7 +117,7 @@ def _maps(experiment: Experiment) -> Iterator[Picture]:
     """Yield a heat map for each layout and its stations, the one with most episodes first."""
     layouts: dict[tuple[tuple[str, ...], str], list[int]] = {}
     for case_id, case in experiment.cases.items():
-        if TILES in case:
+        if TILES in case and len(case[TILES]) * len(case[TILES][0]) <= MAX_CELLS:
             layouts.setdefault((tuple(case[TILES]), case["stations"]), []).append(case_id)
     most_first = sorted(layouts.items(), key=lambda each: -experiment.results(*each[1]).episodes)
     for number, ((rows, stations), ids) in enumerate(most_first[:MAX_MAPS], start=1):

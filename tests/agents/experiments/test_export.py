@@ -30,7 +30,8 @@ def row(seed: int, mode: str = "delivered", needed: int | None = 9) -> Row:
 def stored(path: Path, *cases: Any) -> Path:
     with Store(path) as store:
         for case in cases:
-            store.add(store.case_id(case), [row(3), row(1, "unreachable", None), row(2**62)])
+            rows = [row(3), row(1, "unreachable", None), row(2**62)]
+            store.add(store.case_id(case), rows, "warehouse-lab 1")
     return path
 
 
@@ -64,6 +65,7 @@ def test_each_line_is_an_episode_with_its_settings(results: Path) -> None:
     assert [line[TILES] for line in table] == ["/".join(DEFAULT_LAYOUT.rows)] * 6 + [None] * 3
     assert {line["needed"] for line in table} == {9, None}
     assert {line["joules"] for line in table} == {1 / 3}
+    assert {line["program"] for line in table} == {"warehouse-lab 1"}
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".CSV"])
@@ -112,15 +114,26 @@ def test_special_characters_in_names_are_preserved(
     assert set(column.to_pylist()) == {ODD_NAME}
 
 
+def test_bytes_of_a_name_that_are_no_utf8_are_escaped(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    names = ["hall\udcff.txt", "hall\udcfe.txt"]
+    results = stored(tmp_path / "r.sqlite", *({**make_case({}), "layout": n} for n in names))
+    for name in ("t.csv", "t.parquet"):
+        assert command(capsys, "export", results, tmp_path / name).code == 0
+    escaped = {"hall\\udcff.txt", "hall\\udcfe.txt"}
+    assert {line["layout"] for line in read_csv(tmp_path / "t.csv")} == escaped
+    assert set(parquet.read_table(tmp_path / "t.parquet")["layout"].to_pylist()) == escaped
+
+
 @pytest.mark.parametrize("name", ['=HYPERLINK("x")', "-1", "\t=1"])
 def test_names_that_look_like_formulas_are_escaped_in_csv(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, name: str
 ) -> None:
-    results = stored(tmp_path / "r.sqlite", {**make_case({}), "agent": name, f"{name}2": 3})
+    results = stored(tmp_path / "r.sqlite", {**make_case({}), "agent": name})
     assert command(capsys, "export", results, tmp_path / "t.csv").code == 0
     [line, *_] = read_csv(tmp_path / "t.csv")
     assert line["agent"] == f"'{name}"
-    assert line[f"'{name}2"] == "3"
     assert line["reward"] == str(-0.1 - 0.2), "a negative number is not escaped"
 
 
@@ -131,7 +144,7 @@ def test_results_without_episodes_are_an_empty_table(
     Store(results).close()
     for name in ("t.csv", "t.parquet"):
         assert command(capsys, "export", results, tmp_path / name).code == 0
-    assert (tmp_path / "t.csv").read_text().splitlines() == [",".join(Row._fields)]
+    assert (tmp_path / "t.csv").read_text().splitlines() == [",".join([*Row._fields, "program"])]
     assert parquet.read_table(tmp_path / "t.parquet").num_rows == 0
 
 

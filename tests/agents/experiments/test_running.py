@@ -15,6 +15,7 @@ from agents.experiments.plan import Plan, make_plan
 from agents.experiments.running import MAX_TASK_EPISODES, TASK_SECONDS, Pace, run_missing
 from agents.experiments.store import Row, Store
 from agents.experiments.workers import process_pool
+from agents.programs import program_for
 
 GLOBAL_STREAMS = """
 import random
@@ -191,6 +192,33 @@ def test_an_agent_whose_file_is_changed_or_removed_during_a_sweep_is_an_error(
         assert store.count(plan.cases[1], plan.seeds) == 0
 
 
+def test_an_agent_whose_import_is_changed_during_a_sweep_is_an_error(tmp_path: Path) -> None:
+    file, helper = tmp_path / "agent.py", tmp_path / "helper.py"
+    helper.write_text("WORD = 'N'\n")
+    file.write_text("from helper import WORD\n" + GLOBAL_STREAMS)
+    plan = make_plan({"agent": f"{file}:Own"}, 3, 0)
+    run(tmp_path / "r.sqlite", Here(), plan)
+    helper.write_text("WORD = 'S'\n")
+    more = Plan(plan.cases, 5, 0)
+    with pytest.raises(EpisodeError, match="or what it imports, has changed since the sweep"):
+        run(tmp_path / "r.sqlite", Here(), more)
+    assert make_plan({"agent": f"{file}:Own"}, 3, 0).cases != plan.cases
+
+
+def test_a_worker_of_another_program_is_an_error_and_its_rows_are_not_stored(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "r.sqlite"
+    before = run(path, Here(), make_plan({}, 3, 0))
+    # Only what runs the episodes is another program, not what stores them.
+    monkeypatch.setattr("agents.experiments.episodes.program_for", lambda backend: f"new {backend}")
+    with pytest.raises(StoreError, match="new ones would be of new grid; "):
+        run(path, Here(), make_plan({}, 5, 0))
+    assert table(path) == before
+    with Store(path, read_only=True) as store:
+        assert store.programs(1) == [program_for("grid")]
+
+
 def test_rows_finished_at_the_same_time_as_a_failure_are_kept(tmp_path: Path) -> None:
     path = tmp_path / "r.sqlite"
     with pytest.raises(ArithmeticError):
@@ -214,7 +242,7 @@ def test_rows_are_reported_once_after_they_are_stored(tmp_path: Path) -> None:
 def test_an_error_of_the_store_ends_the_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def full(store: Store, case_id: int, rows: Sequence[Row]) -> None:
+    def full(store: Store, case_id: int, rows: Sequence[Row], program: str) -> None:
         raise StoreError("full")
 
     monkeypatch.setattr(Store, "add", full)

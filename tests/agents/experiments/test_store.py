@@ -1,7 +1,6 @@
 """The results file: rows are stored once and kept, and other files are errors."""
 
 import gc
-import json
 import os
 import sqlite3
 from collections.abc import Callable
@@ -16,16 +15,25 @@ import pytest
 from helpers.command_line import ROOT, in_a_process
 
 from agents.errors import StoreError
-from agents.experiments.case import make_case
-from agents.experiments.store import APPLICATION, VERSION, Row, Store
+from agents.experiments.case import key_of, make_case
+from agents.experiments.store import Row, Store
+from agents.experiments.tables import APPLICATION, TABLES, UNKNOWN, VERSION
 
 CASE, OTHER = make_case({"battery": 20}), make_case({"battery": 30})
 EVERY = range(2**63 - 1)
-ALL = "SELECT * FROM episodes ORDER BY case_id, seed"
+ALL = f"SELECT case_id, {', '.join(Row._fields)} FROM episodes ORDER BY case_id, seed"
 
 
 def row(seed: int, mode: str = "delivered", needed: int | None = 9) -> Row:
     return Row(seed, mode, 10, needed, -0.1 - 0.2, 3, 10.5, 1 / 3, 4, 5)
+
+
+def change(path: Path, statement: str, *values: object) -> None:
+    """Change a file as no sweep does."""
+    connection = sqlite3.connect(path)
+    connection.execute(statement, values)
+    connection.commit()
+    connection.close()
 
 
 @pytest.fixture
@@ -104,9 +112,9 @@ def test_the_unfinished_transaction_of_a_killed_process_is_rolled_back(path: Pat
             store = Store(path)
             with store._transaction():
                 for number, each in enumerate((row(2), row(3)), start=1):
-                    places = ", ".join("?" * (1 + len(each)))
+                    places = ", ".join("?" * (2 + len(each)))
                     store._connection.execute(
-                        f"INSERT INTO episodes VALUES ({places})", (case_id, *each)
+                        f"INSERT INTO episodes VALUES ({places})", (case_id, *each, 0)
                     )
                     if number == 2:
                         os._exit(7)
@@ -143,7 +151,7 @@ def test_a_newer_version_is_an_error(path: Path) -> None:
     connection.close()
     with pytest.raises(StoreError) as caught:
         Store(path)
-    line = f"{path}: its version is {VERSION + 1}; only {VERSION} can be read"
+    line = f"{path}: its version is {VERSION + 1}; only 1 to {VERSION} can be read"
     assert str(caught.value) == line
 
 
@@ -363,31 +371,76 @@ def test_rows_may_be_discarded_before_all_are_read(path: Path) -> None:
     gc.collect()  # an exception here would fail the test
 
 
+PLAIN = make_case({})
+TREES = {"robot.mass": 1.0, "layout": "random", "size": "8x8", "density": 0.1}
 INVALID = {
-    "an agent that is a number": '{"agent": 5, "layout": "random", "backend": "grid"}',
-    "uneven rows": '{"agent": "greedy", "layout": "a", "backend": "grid", "tiles": ["##", "#"]}',
-    "unknown stations": '{"agent": "a", "layout": "random", "backend": "grid", '
-    '"stations": "moved"}',
-    "not JSON": "{",
-    "null": "null",
-    "a list as a value": json.dumps({"battery": [3]}),
-    "a number that is too large": json.dumps({"battery": 2**64}),
-    "the name of a result column": json.dumps({"seed": 3}),
-    "tiles that are not rows": json.dumps({"tiles": "P.D"}),
-    "deep nesting": 100_000 * "[",
-}
+    "an agent that is a number": ({"agent": 5}, "agent is 5; allowed: a name of at most"),
+    "an agent with a long name": ({"agent": 10_001 * "a"}, "agent is 'aaaa"),
+    "uneven rows": ({"tiles": ["##", "#"]}, "row 1 has 1 columns where row 0 has 2"),
+    "no rows": ({"tiles": []}, "the layout is empty"),
+    "tiles that are no rows": ({"tiles": [["#"]]}, "tiles is [['#']]; allowed: a list of rows"),
+    "no tiles": ({"tiles": None}, "it has no tiles"),
+    "unknown stations": ({"stations": "moved"}, "stations is 'moved'; allowed: drawn or kept"),
+    "a list as a value": ({"battery": [3]}, "battery is [3]; allowed: a whole number 1.."),
+    "many steps": ({"max_steps": 10**15}, f"max_steps is {10**15}; allowed: a whole number 1.."),
+    "a wide view": ({"view_radius": 10**4}, "view_radius is 10000; allowed: "),
+    "a large size": ({**TREES, "size": "99999x9"}, "size is '99999x9'; allowed: "),
+    "a mass that is no number": ({**TREES, "robot.mass": "heavy"}, "robot.mass is 'heavy'; "),
+    "an infinite mass": ({**TREES, "robot.mass": float("inf")}, "robot.mass is inf; allowed: "),
+    "the name of a result column": ({"seed": 3}, "no setting is called 'seed'"),
+    "a fingerprint of another kind": ({"fingerprint": "f"}, "fingerprint is 'f'; allowed: 64 "),
+    "no battery": ({"battery": None}, "it has no battery"),
+    "no layout": ({"layout": None}, "it has no layout"),
+    "many keys": ({f"robot.{'x' * n}": 1.0 for n in range(1, 50)} | {
+        f"disturbances.{'x' * n}": 1.0 for n in range(1, 50)}, "at most MAX_KEYS = 100 keys"),
+}  # fmt: skip
+TEXTS = {
+    "not JSON": ("{", "Expecting property name"),
+    "null": ("null", "it must be a JSON object"),
+    "deep nesting": (100_000 * "[", "there are more than MAX_BRACKETS = 1000 brackets"),
+    "many lists": ('{"a": [' + "[]," * 100_000, "there are more than MAX_BRACKETS"),
+} | {
+    name: (key_of({k: v for k, v in {**PLAIN, **change}.items() if v is not None}), reason)
+    for name, (change, reason) in INVALID.items()
+}  # fmt: skip
 
 
-@pytest.mark.parametrize("settings", INVALID.values(), ids=INVALID)
-def test_an_invalid_case_is_an_error(path: Path, settings: str) -> None:
+@pytest.mark.parametrize(("settings", "reason"), TEXTS.values(), ids=TEXTS)
+def test_an_invalid_case_is_an_error_with_the_reason(
+    path: Path, settings: str, reason: str
+) -> None:
     Store(path).close()
-    connection = sqlite3.connect(path)
-    connection.execute("INSERT INTO cases (settings) VALUES (?)", (settings,))
-    connection.commit()
-    connection.close()
+    change(path, "INSERT INTO cases (settings) VALUES (?)", settings)
     with Store(path, read_only=True) as store, pytest.raises(StoreError) as caught:
         store.cases()
-    assert str(caught.value).startswith(f"{path}: it has an invalid case, ")
+    assert str(caught.value).startswith(f"{path}: case 1 is invalid: ")
+    assert reason in str(caught.value)
+
+
+def test_a_case_with_a_backend_that_is_not_installed_here_is_read(path: Path) -> None:
+    case = {**PLAIN, "backend": "hover"}
+    with Store(path) as store:
+        number = store.case_id(case)
+        assert store.cases() == {number: case}
+
+
+def test_equal_layouts_are_kept_once(path: Path) -> None:
+    with Store(path) as store:
+        store.add_cases([CASE, OTHER])
+        first, second = store.cases().values()
+    assert first["tiles"] is second["tiles"]
+
+
+def test_too_many_cases_are_an_error_and_none_is_added(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("agents.experiments.store.MAX_CASES", 1)
+    with Store(path) as store:
+        with pytest.raises(StoreError) as caught:
+            store.add_cases([CASE, OTHER])
+        assert str(caught.value) == f"{path}: 2 cases; MAX_CASES = 1 are allowed"
+        assert store.cases() == {}
+        store.add_cases([CASE])
 
 
 def test_rows_in_a_write_ahead_log_that_cannot_be_read_are_an_error(
@@ -406,3 +459,77 @@ def test_a_name_that_sqlite_keeps_for_itself_is_a_file(
     monkeypatch.chdir(tmp_path)
     Store(":memory:").close()
     assert [path.name for path in tmp_path.iterdir()] == [":memory:"]
+
+
+# Programs.
+
+OLD, NEW = "warehouse-lab 1 (a), numpy 2", "warehouse-lab 1 (b), numpy 2"
+
+
+def version_1(path: Path) -> Path:
+    """Write a file as version 0.1.0 of this program did, with three episodes of a case."""
+    connection = sqlite3.connect(path)
+    connection.executescript(TABLES[0])
+    connection.execute("INSERT INTO cases (settings) VALUES (?)", (key_of(CASE),))
+    connection.execute("INSERT INTO cases (settings) VALUES (?)", (key_of(OTHER),))
+    places = ", ".join("?" * (1 + len(Row._fields)))
+    for seed in range(3):
+        connection.execute(f"INSERT INTO episodes VALUES ({places})", (1, *row(seed)))
+    connection.commit()
+    connection.close()
+    return path
+
+
+@pytest.mark.parametrize("mix", [False, True])
+def test_episodes_of_another_program_are_only_added_to_a_case_if_asked(
+    path: Path, mix: bool
+) -> None:
+    with Store(path) as store:
+        case_id, other = store.case_id(CASE), store.case_id(OTHER)
+        store.add(case_id, [row(1)], OLD)
+    with Store(path, mix=mix) as store:
+        store.add(other, [row(1)], NEW)
+        store.add(case_id, [], NEW)
+        if mix:
+            store.add(case_id, [row(2)], NEW)
+        else:
+            with pytest.raises(StoreError) as caught:
+                store.add(case_id, [row(2)], NEW)
+            assert str(caught.value) == (
+                f"{path}: the episodes with battery=20 are of {OLD}, and new ones would be of "
+                f"{NEW}; write to another file, or mix them with --mix-programs"
+            )
+        store.add(case_id, [row(3)], NEW if mix else OLD)
+        assert store.programs(case_id) == ([OLD, NEW] if mix else [OLD])
+        assert store.programs(other) == [NEW]
+        assert store.mixed() == ([case_id] if mix else [])
+        assert store.episodes() == ([(NEW, 3), (OLD, 1)] if mix else [(OLD, 2), (NEW, 1)])
+        written = {each.seed: program for each, program in store.rows(case_id)}
+        assert written == ({1: OLD, 2: NEW, 3: NEW} if mix else {1: OLD, 3: OLD})
+
+
+def test_a_file_of_version_1_is_read_unchanged(path: Path) -> None:
+    before = version_1(path).read_bytes()
+    with Store(path, read_only=True) as store:
+        assert store.cases() == {1: CASE, 2: OTHER}
+        assert list(store.rows(1)) == [(row(seed), UNKNOWN) for seed in range(3)]
+        assert (store.programs(1), store.programs(2)) == ([UNKNOWN], [])
+        assert (store.mixed(), store.episodes()) == ([], [(UNKNOWN, 3)])
+        store.check_rows()
+    assert path.read_bytes() == before
+
+
+def test_a_file_of_version_1_is_resumed_and_its_episodes_are_of_an_unknown_program(
+    path: Path,
+) -> None:
+    with Store(version_1(path)) as store:
+        assert store.seeds_done(store.case_id(CASE), EVERY) == {0, 1, 2}
+        with pytest.raises(StoreError, match=f"battery=20 are of {UNKNOWN}, and new ones"):
+            store.add(1, [row(3)], NEW)
+        store.add(2, [row(3)], NEW)
+        assert store.episodes() == [(UNKNOWN, 3), (NEW, 1)]
+    with Store(path, mix=True) as store:
+        store.add(1, [row(3)], NEW)
+        assert [program for _, program in store.rows(1)] == [UNKNOWN, UNKNOWN, UNKNOWN, NEW]
+    with Store(path, read_only=True) as store:
+        assert store.mixed() == [1]

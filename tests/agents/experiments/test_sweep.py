@@ -14,13 +14,16 @@ from typing import Any, ClassVar
 
 import pytest
 from helpers.command_line import ROOT, command, refusal
+from helpers.results_files import outcomes
 from helpers.sweeps import Here, check_is_usable, table, uninterrupted, words
 
 from agents.errors import StoreError
 from agents.experiments import sweep as sweep_command
+from agents.experiments.case import make_case
 from agents.experiments.parameters import PARAMETERS
 from agents.experiments.store import Store
 from agents.experiments.workers import KILLED
+from agents.programs import program_for
 
 
 @pytest.fixture
@@ -116,6 +119,24 @@ def test_a_sweep_counts_stored_episodes_and_adds_missing_ones(
     assert path.read_bytes() == before
     assert "5 episodes each, 12 done\n20 episodes" in command(capsys, *words(path, 5)).out
     assert table(path) == uninterrupted(tmp_path / "expected.sqlite", 5)
+
+
+def test_programs_are_mixed_only_with_the_option_and_a_warning(
+    capsys: pytest.CaptureFixture[str], path: Path
+) -> None:
+    with Store(path) as store:
+        store.add(store.case_id(make_case({})), [outcomes("d")[0]], "an older one")
+    more = ("sweep", "-n", 3, "-o", path, "--workers", 1)
+    line = refusal(capsys, *more)
+    assert line.startswith(f"{path}: the episodes with the defaults are of an older one, and new ")
+    assert line.endswith("or mix them with --mix-programs")
+    result = command(capsys, *more, "--mix-programs")
+    assert (result.code, result.err) == (
+        0,
+        "warehouse: warning: 1 combination with episodes of several programs, such as an older one "
+        f"and {program_for('grid')}\n",
+    )
+    assert len(table(path)) == 3
 
 
 def test_flags_and_options_override_the_plan_file(

@@ -1,6 +1,7 @@
 """One example of each outcome: which episode is chosen, and its replay."""
 
 import io
+import os
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -8,11 +9,14 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from agents.experiments.case import FINGERPRINT, make_case
+from agents.errors import StoreError
+from agents.experiments.case import FINGERPRINT, Case, make_case
+from agents.experiments.episodes import run_one as run_whole
 from agents.experiments.episodes import run_task
 from agents.experiments.store import Row, Store
 from agents.reports import examples
 from agents.reports.examples import Found, find_examples, replay
+from warehouse_core import Episode
 from warehouse_core.records.failure_modes import MODES
 
 WAITING = """class Waiting:
@@ -172,6 +176,72 @@ def test_an_agent_that_no_longer_works_has_no_replay(
     assert said in example.sentence
     assert example.sentence.endswith(".")
     assert "\n" not in example.sentence
+
+
+FORGED = {
+    "steps": ({}, 10_001, "it has 10,001 steps; with its map, view and backend at most 10,000 are"),
+    "map": ({"tiles": [1000 * "."] * 400}, 5, "its map has 400,000 cells, and at most 300,000 are"),
+    "size": (
+        {"layout": "random", "tiles": None, "size": "999x9999", "density": 0.1}, 5,
+        "its map has 9,989,001 cells, and at most 300,000 are",
+    ),
+    "view": (
+        {"view_radius": 1000}, 5, "it has 5 steps; with its map, view and backend at most 4 are"
+    ),
+    "physics": (
+        {"backend": "physics"}, 1001,
+        "it has 1,001 steps; with its map, view and backend at most 1,000 are",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("change", "steps", "why"), FORGED.values(), ids=FORGED)
+def test_an_episode_that_is_too_much_work_is_not_run(
+    monkeypatch: pytest.MonkeyPatch, change: dict[str, object], steps: int, why: str
+) -> None:
+    case = {k: v for k, v in {**make_case({}), **change}.items() if v is not None}
+    monkeypatch.delattr(examples, "run_one")
+    example = replay(Found("stalled", case, 0, steps, 1), run_own_code=True)
+    assert (example.sentence, example.gif) == (f"It is not run again: {why}.", b"")
+
+
+def test_an_episode_that_goes_on_for_longer_than_the_results_say_is_stopped(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    episodes = []
+
+    def run_one(case: Case, seed: int) -> Episode:
+        episodes.append(run_whole(case, seed))
+        return episodes[-1]
+
+    monkeypatch.setattr(examples, "run_one", run_one)
+    case = {
+        **make_case({}),
+        "max_steps": 10**9,
+        "battery": 10**9,
+        "tiles": ["####", "#PD#", "####"],
+    }
+    example = replay(Found("wandering", case, 0, 7, 1), run_own_code=True)
+    assert "it has not ended after 7 steps, not wandering after 7" in example.sentence
+    assert episodes[0].steps == 8
+
+
+@pytest.mark.parametrize("has_fingerprint", [False, True])
+@pytest.mark.parametrize("agent", ["q:{}/pipe", "ppo:{}/pipe", "q:/dev/zero", "{}/pipe.py:Mine"])
+def test_only_files_are_read_as_agents(tmp_path: Path, agent: str, has_fingerprint: bool) -> None:
+    for name in ("pipe", "pipe.py"):
+        os.mkfifo(tmp_path / name)
+    case = {**make_case({}), "agent": agent.format(tmp_path)}
+    if has_fingerprint:
+        case[FINGERPRINT] = "0" * 64
+    example = replay(Found("stalled", case, 0, 7, 1), run_own_code=True)
+    assert example.sentence.startswith("It cannot be run again: agent file ")
+
+
+def test_examples_are_found_only_among_rows_that_a_sweep_may_have_written(store: Store) -> None:
+    store.add(77, [row(0, "stalled", 9)])
+    with pytest.raises(StoreError, match="the row of case 77, seed 0 is damaged"):
+        find_examples(store)
 
 
 def test_a_user_agent_is_run_only_on_request(tmp_path: Path) -> None:

@@ -1,12 +1,14 @@
 """The command ``warehouse report``: its output, its files and its errors."""
 
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 from helpers.command_line import command, refusal
 from helpers.results_files import fill, outcomes
 from helpers.sweeps import Here, nothing
 
+from agents.experiments.case import make_case
 from agents.experiments.plan import make_plan
 from agents.experiments.running import run_missing
 from agents.experiments.store import Store
@@ -144,7 +146,7 @@ def test_the_page_lists_all_settings_and_versions(results: Path) -> None:
     assert settings["max_steps"] == "30"
     assert settings["battery"] == "200"
     assert {name for name, _ in page.made_with} == {
-        "Python", "warehouse-lab", "numpy", "scipy", "matplotlib",
+        "Python", "warehouse-lab", "numpy", "scipy", "matplotlib", "8 episodes",
     }  # fmt: skip
 
 
@@ -155,6 +157,20 @@ def test_the_summary_states_what_is_missing(tmp_path: Path) -> None:
             "5 episodes in 2 combinations of settings, seeds from 0 to 2, 2 to 3 episodes each, "
             "1 further combination not yet begun"
         )
+
+
+def test_the_report_names_the_programs_and_where_they_are_mixed(tmp_path: Path) -> None:
+    path = fill(tmp_path / "r.sqlite", [])
+    with Store(path, mix=True) as store:
+        for number, program in enumerate(("an older one", "a newer one", "a newer one")):
+            case = make_case(OFF if number == 2 else ON)
+            store.add(store.case_id(case), outcomes("dd", seed=2 * number), program)
+    with Store(path, read_only=True) as store:
+        page = make_page(store, ())
+    assert page.summary.endswith(
+        ", run by different programs: a newer one; an older one, which are mixed in escape on"
+    )
+    assert page.made_with[-2:] == (("4 episodes", "a newer one"), ("2 episodes", "an older one"))
 
 
 def test_the_table_states_gaps_in_the_seeds(tmp_path: Path) -> None:
@@ -178,3 +194,18 @@ def test_time_and_energy_in_the_table_are_only_measured_ones(tmp_path: Path) -> 
         table = make_page(store, ()).table
     assert table.columns[4:7] == ("steps", "seconds", "joules")
     assert [row[4:7] for row in table.rows] == [("30.0", "none", "none"), ("30.0", "30.0", "60.0")]
+
+
+def test_a_layout_and_an_agent_whose_names_are_no_utf8_are_reported(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    hall = tmp_path / "hall\udcff.txt"
+    hall.write_text("#######\n#P...D#\n#######")
+    cases = [{}, {"layout": str(hall)}, {"agent": "a\udcff.py:Mine"}]
+    path = fill(tmp_path / "r.sqlite", [(case, outcomes("dw")) for case in cases])
+    code, out, _ = command(capsys, "report", path, "--figures", tmp_path, "--no-replays")
+    assert code == 0
+    assert "hall\\udcff.txt" in out
+    assert "a\\udcff.py:Mine" in path.with_suffix(".html").read_text(encoding="utf-8")
+    for picture in tmp_path.glob("*.svg"):
+        ElementTree.parse(picture)

@@ -88,6 +88,15 @@ def test_files_of_the_same_name_with_different_contents_are_distinguished(tmp_pa
     assert all(str(value).startswith("hall.txt (") for value in factor.values)
 
 
+def test_agents_of_one_name_and_different_code_are_distinguished() -> None:
+    codes: list[dict[str, str]] = [{}, {"fingerprint": "0" * 64}, {"fingerprint": "1" * 64}]
+    cases = {n: {**make_case({}), "agent": "mine.py:Mine", **code} for n, code in enumerate(codes)}
+    [factor] = make_design(cases).factors
+    assert factor.name == "agent"
+    assert len(set(factor.values)) == 3
+    assert all(str(value).startswith("mine.py:Mine (") for value in factor.values)
+
+
 def test_folders_are_left_out_where_file_names_are_unique(tmp_path: Path) -> None:
     files = [tmp_path / "a" / "hall.txt", tmp_path / "b" / "hall.txt", tmp_path / "a" / "yard.txt"]
     for number, file in enumerate(files):

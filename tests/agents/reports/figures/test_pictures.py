@@ -11,6 +11,7 @@ from helpers.results_files import fill, outcomes, row
 from agents.experiments.store import Store
 from agents.reports.analysis.design import make_design
 from agents.reports.analysis.results import Experiment
+from agents.reports.figures import pictures as picture_module
 from agents.reports.figures import roles
 from agents.reports.figures.measure import measure_chart
 from agents.reports.figures.pictures import MAX_MAPS, Picture, pictures
@@ -57,6 +58,13 @@ def test_a_single_case_has_bars_and_a_map(tmp_path: Path) -> None:
 def test_without_failures_or_with_random_layouts_there_is_no_map(tmp_path: Path) -> None:
     cases = [({}, outcomes("dd")), ({"layout": "random"}, outcomes("ww"))]
     assert "stuck-1" not in drawn(tmp_path, cases)
+
+
+def test_a_layout_too_large_to_be_seen_has_no_map(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(picture_module, "MAX_CELLS", 83)
+    assert "stuck-1" not in drawn(tmp_path, [({}, outcomes("dw"))])
 
 
 def test_the_layouts_with_the_most_episodes_have_maps(tmp_path: Path) -> None:
