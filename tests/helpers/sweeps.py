@@ -30,7 +30,7 @@ class Here(Executor):
         return future
 
 
-def nothing(rows: Sequence[Row]) -> None:
+def nothing(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
     pass
 
 
@@ -57,10 +57,10 @@ class {name}:
 FLAGS = ["escape=on,off", "battery=20,60"]
 
 
-def words(output: Path, episodes: int) -> list[str]:
-    flags = [word for flag in FLAGS for word in ("--set", flag)]
-    sizes = ["-n", str(episodes), "--workers", "2", "--seed", "3"]
-    return ["sweep", *flags, *sizes, "-o", str(output)]
+def words(output: Path, episodes: int, flags: Sequence[str] = FLAGS, workers: int = 2) -> list[str]:
+    choices = [word for flag in flags for word in ("--set", flag)]
+    sizes = ["-n", str(episodes), "--workers", str(workers), "--seed", "3"]
+    return ["sweep", *choices, *sizes, "-o", str(output)]
 
 
 def uninterrupted(path: Path, episodes: int) -> list[Any]:

@@ -6,21 +6,20 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, ClassVar
 
 import pytest
-from helpers.command_line import ROOT, command, refusal
-from helpers.sweeps import Here, check_is_usable, table, uninterrupted, words
+from helpers.command_line import ROOT, command
+from helpers.sweeps import FLAGS, Here, check_is_usable, table, uninterrupted, words
 
 from agents.errors import StoreError
 from agents.experiments import sweep as sweep_command
 from agents.experiments.parameters import PARAMETERS
 from agents.experiments.store import Store
-from agents.experiments.workers import KILLED
 
 
 @pytest.fixture
@@ -55,11 +54,16 @@ class Sweep:
 
     started: ClassVar[list["Sweep"]] = []
 
-    def __init__(self, output: Path, episodes: int) -> None:
+    def __init__(self, output: Path, episodes: int, flags: Sequence[str] = FLAGS) -> None:
         self.started.append(self)
         self.output = output
         self.process = subprocess.Popen(
-            [sys.executable, "-c", "from agents.cli import main; main()", *words(output, episodes)],
+            [
+                sys.executable,
+                "-c",
+                "from agents.cli import main; main()",
+                *words(output, episodes, flags),
+            ],
             cwd=ROOT,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -195,9 +199,9 @@ def test_a_full_disk_is_a_one_line_error_and_finished_rows_are_kept(
     assert table(path) == uninterrupted(tmp_path / "expected.sqlite", 100)
 
 
-KILLER = """
+DEADLY = """
 import os, signal
-class Killer:
+class Deadly:
     def __init__(self, seed):
         self.seed = seed
 
@@ -205,26 +209,60 @@ class Killer:
         pass
 
     def act(self, observation):
-        if self.seed == 30:
+        if self.seed == 13:
             os.kill(os.getpid(), signal.SIGKILL)  # as a system that runs out of memory does
+        if self.seed == 14:
+            os._exit(3)
+        if self.seed == 15:
+            raise KeyError
         return "N"
 """
 
 
-def test_a_killed_worker_is_a_one_line_error_and_the_sweep_can_be_resumed(
+def test_agents_that_fail_or_end_their_process_are_named_and_the_others_go_on(
     capsys: pytest.CaptureFixture[str], path: Path, tmp_path: Path
 ) -> None:
     with TemporaryDirectory() as folder:
-        file = Path(folder) / "killer.py"
-        file.write_text(KILLER)
-        choice = ["--set", f"agent=greedy,{file}:Killer", "--set", "max_steps=5", "-o", path]
-        assert refusal(capsys, "sweep", *choice, "-n", 40, "--workers", 1) == KILLED
-        check_is_usable(path)
-        assert 40 <= len(table(path)) <= 70
-        assert (
-            "2 combinations, 30 episodes each, " in command(capsys, "sweep", *choice, "-n", 30).out
-        )
-    assert len(table(path)) == 70
+        file = Path(folder) / "deadly.py"
+        file.write_text(DEADLY)
+        choice = ["--set", f"agent={file}:Deadly,greedy", "--set", "max_steps=5", "-o", path]
+        result = command(capsys, "sweep", *choice, "-n", 20, "--workers", 2)
+    assert result.code == 1
+    flags = f"with agent={file}:Deadly, max_steps=5"
+    *failures, last = result.err.splitlines()
+    assert sorted(failures) == [
+        f"warehouse: seed 13 {flags}: its process was ended by SIGKILL, twice",
+        f"warehouse: seed 14 {flags}: its process ended with exit code 3, twice",
+        f"warehouse: seed 15, step 1, {flags}: KeyError (deadly.py, line 16)",
+    ]
+    assert last == (
+        "warehouse: 3 episodes failed, in 1 of 2 combinations; 37 of 40 episodes in "
+        f"{path}; run the same command again to run the others"
+    )
+    assert "done; see" not in result.out
+    check_is_usable(path)
+    assert len(table(path)) == 37
+
+
+THREADED = """
+import threading, time
+class Threaded:
+    def reset(self):
+        threading.Thread(target=time.sleep, args=(3600,)).start()
+
+    def act(self, observation):
+        return "N"
+"""
+
+
+def test_an_agent_that_leaves_threads_running_does_not_hold_up_the_end(path: Path) -> None:
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "threaded.py"
+        file.write_text(THREADED)
+        sweep = Sweep(path, 8, [f"agent={file}:Threaded"])
+        code, out, err = sweep.end()
+    assert (code, err) == (0, "")
+    assert "8 episodes done; see" in out
 
 
 def test_there_are_no_more_workers_than_episodes(
