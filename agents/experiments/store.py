@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import os
 import sqlite3
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic, sleep
@@ -26,8 +26,8 @@ VERSION = 1
 APPLICATION = 0x57617265
 """The ``application_id`` of these files."""
 
-TIMEOUT = 30.0
-"""Seconds to wait for another program that writes to the same file."""
+TIMEOUT, BUSY_SECONDS = 30.0, 0.1
+"""Seconds to wait for another program that writes to the same file, and between two checks."""
 
 TABLES = f"""
 CREATE TABLE cases (id INTEGER PRIMARY KEY, settings TEXT NOT NULL UNIQUE);
@@ -84,13 +84,20 @@ class Store:
     Args:
         path: of the file.
         read_only: create no file and write to none; one without write permission can be read.
+        check: is called while another program holds a lock; what it raises ends the wait.
 
     Raises:
         StoreError: it cannot be opened, or is something else.
     """
 
-    def __init__(self, path: str | Path, *, read_only: bool = False) -> None:
-        self.path = Path(path)
+    def __init__(
+        self,
+        path: str | Path,
+        *,
+        read_only: bool = False,
+        check: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.path, self._check = Path(path), check
         if read_only and not self.path.is_file():
             raise StoreError(f"{path}: there is no such file")
         if self.path.exists() and not self.path.is_file():  # SQLite would try, and leave a journal
@@ -99,7 +106,7 @@ class Store:
             closed, path = self._is_closed(), self.path.absolute()
             address = f"{path.as_uri()}?immutable=1" if closed else path
             self._connection = sqlite3.connect(
-                address, timeout=TIMEOUT, isolation_level=None, uri=closed
+                address, timeout=BUSY_SECONDS, isolation_level=None, uri=closed
             )
             try:
                 self._prepare(read_only)
@@ -179,7 +186,7 @@ class Store:
         """Yield the rows that a statement finds."""
         with self._errors_reported():
             # Not the cursor itself: left half read, it would fail when the file is closed.
-            yield from map(tuple, self._connection.execute(statement, values))
+            yield from map(tuple, self._execute(statement, *values))
 
     def _case(self, text: str) -> Case:
         """Return a case that ``key_of`` has written, and raise for any other text."""
@@ -226,12 +233,13 @@ class Store:
             # One view of the file, whatever a sweep adds meanwhile.
             connection.execute("BEGIN")
             return
-        self._write_ahead()
+        # Others can then read meanwhile.
+        self._execute("PRAGMA journal_mode = WAL")
         connection.execute("PRAGMA synchronous = FULL")
 
     def _is_empty(self) -> bool:
         """Return whether there are no tables, and raise if there are those of another program."""
-        [(owner, version, tables)] = self._connection.execute(
+        [(owner, version, tables)] = self._execute(
             "SELECT application_id, user_version, (SELECT count(*) FROM sqlite_master) "
             "FROM pragma_application_id, pragma_user_version"
         )
@@ -241,31 +249,30 @@ class Store:
             raise StoreError(f"{self.path}: its version is {version}; only {VERSION} can be read")
         return not tables
 
-    def _write_ahead(self) -> None:
-        """Use a write-ahead log, so that others can read meanwhile."""
+    def _execute(self, statement: str, *values: Any) -> sqlite3.Cursor:
+        """Execute a statement, and wait while another program holds a lock."""
         end = monotonic() + TIMEOUT
         while True:
             try:
-                self._connection.execute("PRAGMA journal_mode = WAL")
-                return
+                return self._connection.execute(statement, values)
             except sqlite3.OperationalError as error:
-                # For this statement SQLite itself does not wait for others.
-                if error.sqlite_errorcode != sqlite3.SQLITE_BUSY or monotonic() > end:
+                if error.sqlite_errorcode & 0xFF != sqlite3.SQLITE_BUSY or monotonic() > end:
                     raise
-                sleep(0.01)
+                self._check()
+                sleep(0.01)  # for some statements SQLite itself does not wait
 
     @contextmanager
     def _transaction(self, kind: str = "IMMEDIATE") -> Iterator[None]:
         with self._errors_reported():
-            self._connection.execute(f"BEGIN {kind}")
+            self._execute(f"BEGIN {kind}")
             try:
                 yield
+                self._execute("COMMIT")
             except BaseException:
                 # A full disk has ended the transaction already.
                 if self._connection.in_transaction:
                     self._connection.execute("ROLLBACK")
                 raise
-            self._connection.execute("COMMIT")
 
     @contextmanager
     def _errors_reported(self) -> Iterator[None]:

@@ -151,7 +151,7 @@ def sweep(
     choices = given.choices | parse_flags(settings or [])
     first = (given.seed or 0) if seed is None else seed
     plan = make_plan(choices, episodes or given.episodes or EPISODES, first)
-    with deferred_interrupts() as check, Store(output) as store:
+    with deferred_interrupts() as check, Store(output, check=check) as store:
         store.add_cases(plan.cases)
         done = _done(plan, store)
         cases, each = counted(len(plan.cases), "combination"), counted(plan.episodes, "episode")
