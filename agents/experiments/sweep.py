@@ -17,12 +17,13 @@ import typer
 from agents.console.main import print_error
 from agents.errors import EpisodeError, ParameterError
 from agents.experiments.choices import PlanFile, parse_flags, read_plan_file
+from agents.experiments.cluster import cluster
 from agents.experiments.parameters import MAX_VALUE, MAX_VIEW_RADIUS
 from agents.experiments.plan import MAX_EPISODES, Plan, make_plan
 from agents.experiments.presets import PRESETS
 from agents.experiments.running import Report, run_missing
 from agents.experiments.store import Row, Store
-from agents.experiments.workers import Check, Pool, cluster, deferred_interrupts, process_pool
+from agents.experiments.workers import Check, Pool, deferred_interrupts, process_pool
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted
 from warehouse_core.world.generators import MAX_DENSITY

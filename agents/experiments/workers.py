@@ -1,16 +1,15 @@
-"""Executors for episodes: processes of this machine or a Dask cluster, and their interrupts."""
+"""Processes of this machine that run episodes, and interrupts."""
 
 from __future__ import annotations
 
-import logging
 import multiprocessing
 import os
 import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor
-from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import partial
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
@@ -19,8 +18,7 @@ from types import FrameType
 from typing import Any, TypeVar
 
 from agents.console.main import print_error
-from agents.errors import ClusterError, WorkerError
-from warehouse_core.extras import install_command
+from agents.errors import WorkerError
 
 DEFERRED = (signal.SIGINT, signal.SIGTERM)
 
@@ -235,37 +233,3 @@ def ending_of(error: BaseException | None) -> str | None:
     if type(error).__name__ == "KilledWorker":  # of Dask, which may not be installed
         return "the Dask workers that ran it have ended"
     return None
-
-
-@contextmanager
-def cluster(address: str) -> Iterator[tuple[Executor, int]]:
-    """Yield the Dask cluster whose scheduler is at ``tcp://HOST:PORT``, and its threads.
-
-    Raises:
-        ClusterError: Dask is not installed, no scheduler answers, or the cluster fails.
-    """
-    try:
-        from distributed import Client, KilledWorker
-        from distributed.comm import CommClosedError
-    except ImportError:
-        raise ClusterError(f"a cluster needs Dask: {install_command('cluster')}") from None
-    with ExitStack() as stack:
-        # Dask would log tracebacks of errors that are reported in one line.
-        stack.callback(logging.disable, logging.root.manager.disable)
-        logging.disable()
-        try:
-            client = stack.enter_context(Client(address, timeout="10s"))
-        except (OSError, ValueError) as error:
-            raise ClusterError(f"no Dask scheduler answers at {address}: {error}") from error
-        threads = sum(client.nthreads().values())
-        if not threads:
-            raise ClusterError(f"the Dask scheduler at {address} has no workers")
-        client.subscribe_topic(TOPIC, lambda event: print_error(event[1]))
-        try:
-            yield client.get_executor(pure=False, retries=3), threads
-        except (CancelledError, KilledWorker, CommClosedError) as error:
-            why = str(error) or type(error).__name__
-            raise ClusterError(
-                f"the Dask cluster at {address} has failed: {why}; run the same command again "
-                "to resume"
-            ) from error

@@ -1,22 +1,19 @@
 """The command ``warehouse sweep``: finished episodes are kept however it ends, and it resumes."""
 
 import os
-import random
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, ClassVar
 
 import pytest
 from helpers.command_line import ROOT, command
-from helpers.sweeps import FLAGS, Here, check_is_usable, table, uninterrupted, words
+from helpers.sweeps import Here, Sweep, check_is_usable, kill_sweeps, table, uninterrupted, words
 
-from agents.errors import StoreError
 from agents.experiments import sweep as sweep_command
 from agents.experiments.parameters import PARAMETERS
 from agents.experiments.store import Store
@@ -47,63 +44,6 @@ from agents.cli import main
 if __name__ == "__main__":
     main()
 """
-
-
-class Sweep:
-    """A sweep in its own session."""
-
-    started: ClassVar[list["Sweep"]] = []
-
-    def __init__(self, output: Path, episodes: int, flags: Sequence[str] = FLAGS) -> None:
-        self.started.append(self)
-        self.output = output
-        self.process = subprocess.Popen(
-            [
-                sys.executable,
-                "-c",
-                "from agents.cli import main; main()",
-                *words(output, episodes, flags),
-            ],
-            cwd=ROOT,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            start_new_session=True,
-        )
-
-    def wait_for_rows(self) -> None:
-        """Wait until more rows have been stored."""
-        before, end = self._rows(), time.monotonic() + 60
-        while self._rows() == before and self.process.poll() is None:
-            assert time.monotonic() < end
-            time.sleep(0.02)
-
-    def end(self) -> tuple[int, str, str]:
-        """Wait until the sweep and all processes that it started have ended."""
-        out, err = self.process.communicate(timeout=60)
-        end = time.monotonic() + 10
-        while alive := in_session(self.process.pid):
-            assert time.monotonic() < end, f"{alive} are left"
-            time.sleep(0.02)
-        return self.process.returncode, out, err
-
-    def _rows(self) -> int:
-        with suppress(StoreError), Store(self.output, read_only=True) as store:
-            count: int = next(store.query("SELECT count(*) FROM episodes"))[0]
-            return count
-        return 0
-
-
-def in_session(session: int) -> list[str]:
-    """Return the running processes of a session."""
-    found = subprocess.run(
-        ["ps", "-s", str(session), "-o", "pid=,stat=,args="],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    lines = found.stdout.splitlines()
-    return [line for line in lines if not line.split()[1].startswith("Z")]
 
 
 def test_a_sweep_counts_stored_episodes_and_adds_missing_ones(
@@ -140,27 +80,14 @@ def test_flags_and_options_override_the_plan_file(
 def test_a_killed_sweep_loses_and_repeats_no_rows(
     path: Path, tmp_path: Path, kills: int, episodes: int
 ) -> None:
-    moments, killed, before = random.Random(1), 0, set[Any]()
-    for _ in range(kills):
-        sweep = Sweep(path, episodes)
-        if moments.random() < 0.75:
-            sweep.wait_for_rows()
-            time.sleep(moments.uniform(0, 0.3))
-        else:
-            time.sleep(moments.uniform(0, 1.2))
-        sweep.process.kill()
-        killed += sweep.end()[0] == -signal.SIGKILL
-        if path.exists():
-            check_is_usable(path)
-            now = set(table(path))
-            assert before <= now
-            before = now
+    killed = kill_sweeps(path, episodes, kills)
     assert killed >= kills * 2 // 3
+    before = table(path)
     assert before
-    code, out, err = (sweep := Sweep(path, episodes)).end()
+    sweep = Sweep(path, episodes)
+    code, out, err = sweep.end()
     assert (code, err) == (0, "")
     assert f" {len(before):,} done\n" in out
-    assert sweep.process.returncode == 0
     assert table(path) == uninterrupted(tmp_path / "expected.sqlite", episodes)
 
 
