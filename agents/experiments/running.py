@@ -114,7 +114,9 @@ class Queue:
         if not task.is_retry:
             self._suspects += [task._replace(seeds=[seed], is_retry=True) for seed in task.seeds]
             return []
-        return self._failed(task, f"{about(task.case, task.seeds[0])}: {ending}, twice")
+        return self._failed(
+            task, f"{about(task.case, task.seeds[0])}: {ending}; it was tried twice"
+        )
 
     def _failed(self, task: Task, message: str) -> list[str]:
         self.failed[task.case_id] += 1

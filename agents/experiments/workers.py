@@ -170,7 +170,8 @@ class _Process:
         assert code is not None, "it has ended"
         if code >= 0:
             return f"its process ended with exit code {code}"
-        return f"its process was ended by {signal.Signals(-code).name}"
+        why = ", perhaps because memory ran out" if code == -signal.SIGKILL else ""
+        return f"its process was ended by signal {-code} ({signal.strsignal(-code)}){why}"
 
 
 def _work(parent: Connection[Any, Any]) -> None:

@@ -17,7 +17,10 @@ from helpers.sweeps import FLAGS, Sweep, kill_sweeps, table, uninterrupted
 
 PYTHONS = os.environ.get("WAREHOUSE_PYTHONS", sys.executable).split(os.pathsep)
 KILLS, KILLED_EPISODES = 200, 12_000
-ALL_FLAGS, EPISODES = [*FLAGS, "backend=grid,physics"], 300
+ALL_FLAGS, EPISODES = [*FLAGS, "backend=grid,physics"], 100
+SECONDS = 600
+"""Of a sweep, at most."""
+
 WAYS = ("1 worker", "2 workers", "two sweeps at once", "Dask with a kill")
 
 
@@ -42,7 +45,7 @@ def test_kill_9(tmp_path, capsys) -> None:
     path = tmp_path / "r.sqlite"
     killed = kill_sweeps(path, KILLED_EPISODES, KILLS)
     left = len(table(path))
-    assert Sweep(path, KILLED_EPISODES).end()[0] == 0
+    assert Sweep(path, KILLED_EPISODES).end(SECONDS)[0] == 0
     expected = uninterrupted(tmp_path / "expected.sqlite", KILLED_EPISODES)
     lost, doubled, different = compared(path, expected)
     with capsys.disabled():
@@ -59,14 +62,14 @@ def run(way: str, path: Path, python: str) -> None:
             sweep = Sweep(path, EPISODES, ALL_FLAGS, "--cluster", address, python=python)
             sweep.wait_for_rows()
             processes[-1].kill()
-            assert sweep.end()[0] == 0
+            assert sweep.end(SECONDS)[0] == 0
         return
     count = 2 if way == "two sweeps at once" else 1
     workers = 2 if way == "2 workers" else 1
     sweeps = [
         Sweep(path, EPISODES, ALL_FLAGS, workers=workers, python=python) for _ in range(count)
     ]
-    assert [sweep.end()[0] for sweep in sweeps] == [0] * count
+    assert [sweep.end(SECONDS)[0] for sweep in sweeps] == [0] * count
 
 
 @pytest.mark.parametrize("python", PYTHONS, ids=version_of)

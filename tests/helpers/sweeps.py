@@ -115,9 +115,9 @@ class Sweep:
             assert time.monotonic() < end
             time.sleep(0.02)
 
-    def end(self) -> tuple[int, str, str]:
+    def end(self, seconds: float = 60) -> tuple[int, str, str]:
         """Wait until the sweep and all processes that it started have ended."""
-        out, err = self.process.communicate(timeout=600)
+        out, err = self.process.communicate(timeout=seconds)
         end = time.monotonic() + 10
         while alive := in_session(self.process.pid):
             assert time.monotonic() < end, f"{alive} are left"

@@ -123,7 +123,9 @@ def test_an_agent_that_ends_dask_workers_is_named_and_the_others_go_on(
     sweep = sweep_of(path, cluster[0], "__import__('os')._exit(1)")
     err = sweep.communicate(timeout=200)[1]
     about = rf"warehouse: seed 7 with agent={tmp_path}/r.py:Own, max_steps=5"
-    assert re.fullmatch(rf"{about}: the Dask workers that ran it have ended, twice\n{LAST}", err)
+    assert re.fullmatch(
+        rf"{about}: the Dask workers that ran it have ended; it was tried twice\n{LAST}", err
+    )
     assert len(table(path)) == 23
 
 
@@ -142,7 +144,7 @@ def test_a_sweep_does_not_wait_for_a_worker_that_an_earlier_one_has_left_occupie
     path = tmp_path / "r.sqlite"
     result = in_a_process(*MAIN, *words(path, 3), "--cluster", address, folder=ROOT)
     assert result.code == 0
-    assert "still ran a call of an ended client: re" in result.err
+    assert "was occupied by a call of an ended client: re" in result.err
     assert table(path) == uninterrupted(tmp_path / "expected.sqlite", 3)
 
 

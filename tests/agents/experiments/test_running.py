@@ -245,7 +245,7 @@ def test_a_seed_whose_worker_ends_twice_has_failed_and_the_others_go_on(tmp_path
     path, plan, executor = tmp_path / "r.sqlite", make_plan({}, 60, 0), Dying(seeds=(7, 41))
     messages = failures_of(path, executor, plan)
     assert sorted(messages) == [
-        f"seed {seed} with the defaults: it ended, twice" for seed in (41, 7)
+        f"seed {seed} with the defaults: it ended; it was tried twice" for seed in (41, 7)
     ]
     assert seeds_done(path, plan) == [set(range(60)) - {7, 41}]
     assert [len(task) for task in executor.tasks if 7 in task][-1] == 1

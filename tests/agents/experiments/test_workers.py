@@ -77,7 +77,7 @@ def test_an_error_in_the_block_kills_the_workers() -> None:
     ("end", "reason"),
     [
         (partial(os._exit, 3), "its process ended with exit code 3"),
-        (os.abort, "its process was ended by SIGABRT"),
+        (os.abort, "its process was ended by signal 6 (Aborted)"),
     ],
     ids=["an exit", "a fault"],
 )
