@@ -252,29 +252,39 @@ def test_a_seed_whose_worker_ends_twice_has_failed_and_the_others_go_on(tmp_path
 
 
 class Counting(ThreadPoolExecutor):
-    """Counts what runs beside each call; the workers of the first two end."""
+    """Counts what runs beside each call; a worker ends with the first two and with a large one."""
 
     def __init__(self) -> None:
         super().__init__(3)
         self.calls = list[tuple[list[int], int]]()
         self.futures = list[Future[Any]]()
+        self.suspects = set[int]()
 
     def submit(self, call: Callable[..., Any], /, *args: Any, **named: Any) -> Future[Any]:
         self.calls.append((args[1], sum(not future.done() for future in self.futures)))
-        if len(self.calls) > 2:
-            future = super().submit(call, *args, **named)
-        else:
-            future = Future()
+        if len(self.calls) <= 2 or len(args[1]) > MAX_SUSPECTS > len(self.suspects):
+            self.suspects |= {*args[1]}
+            future = Future[Any]()
             future.set_exception(WorkerError("it ended"))
+        else:
+            future = super().submit(call, *args, **named)
         self.futures.append(future)
         return future
 
 
-def test_seeds_whose_worker_has_ended_run_alone_after_the_others(tmp_path: Path) -> None:
+def test_seeds_whose_worker_has_ended_run_again_with_nothing_beside_them(tmp_path: Path) -> None:
     with Counting() as executor:
-        assert failures_of(tmp_path / "r.sqlite", executor, make_plan({}, 300, 0), 3) == []
-    assert sorted(executor.calls[-2:]) == [([0], 0), ([1], 0)]
-    assert len(executor.calls) > 6
+        assert failures_of(tmp_path / "r.sqlite", executor, make_plan({}, 3000, 0), 3) == []
+    first, again = set[int](), list[int]()
+    for number, (seeds, beside) in enumerate(executor.calls):
+        if first.isdisjoint(seeds):
+            first |= {*seeds}
+            continue
+        again += seeds
+        after = [count for _, count in executor.calls[number + 1 : number + 2]]
+        assert (len(seeds), beside, sum(after)) == (1, 0, 0)
+    assert sorted(again) == sorted(executor.suspects)
+    assert len(again) > MAX_SUSPECTS
 
 
 def test_a_case_that_always_fails_ends_after_a_few_and_the_others_go_on(tmp_path: Path) -> None:
