@@ -272,7 +272,10 @@ class Counting(ThreadPoolExecutor):
         return future
 
 
-def test_seeds_whose_worker_has_ended_run_again_with_nothing_beside_them(tmp_path: Path) -> None:
+def test_seeds_whose_worker_has_ended_run_again_with_nothing_beside_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("agents.experiments.running.TICK", 1e-4)  # shorter than an episode
     with Counting() as executor:
         assert failures_of(tmp_path / "r.sqlite", executor, make_plan({}, 3000, 0), 3) == []
     first, again = set[int](), list[int]()
