@@ -51,10 +51,15 @@ def main(app: typer.Typer, arguments: Sequence[str] | None = None) -> None:
     sys.exit(code)
 
 
-def _fail(message: str, code: int) -> int:
+def print_error(message: str) -> None:
+    """Print a message on standard error as one line of printable characters."""
     line = _in_a_line(message)
     if line:  # an exception may have no message
         typer.echo(f"warehouse: {line}", err=True)
+
+
+def _fail(message: str, code: int) -> int:
+    print_error(message)
     return code
 
 

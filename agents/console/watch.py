@@ -6,15 +6,14 @@ import inspect
 import math
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic
 
-import typer
-
+from agents.console.main import print_error
 from agents.errors import EpisodeError, EpisodeInterrupted, reason_of
-from warehouse_core import Agent, Episode, EpisodeRecorder, Observation
+from warehouse_core import Agent, EpisodeRecorder, Observation
 
 SLOW_SECONDS, LOOK_SECONDS = 5.0, 0.5
 """Seconds of a step before it is reported, and seconds between the checks."""
@@ -38,19 +37,22 @@ def run_watched(
         EpisodeInterrupted: Ctrl-C was pressed.
     """
     episode, file = recorder.episode, _source_of(agent)
+
+    def place() -> str:
+        return f"{recorder.place}, agent {name}"
+
+    def tell(seconds: float, line: str) -> None:
+        print_error(f"{place()} takes more than {seconds:g} s{line}; Ctrl-C ends it")
+
     try:
-        with _slow_steps_reported(episode, name, file):
+        with slow_reported(lambda: recorder.place, SLOW_SECONDS, file, tell):
             recorder.run(agent, observation)
     except KeyboardInterrupt as error:
         reason = reason_of(error, file).removeprefix("KeyboardInterrupt")
-        raise EpisodeInterrupted(f"in {_place(episode, name)}{reason}", episode) from error
+        raise EpisodeInterrupted(f"in {place()}{reason}", episode) from error
     except (Exception, SystemExit) as error:  # an agent may raise anything
-        message = f"seed {episode.seed}, {_place(episode, name)}: {reason_of(error, file)}"
+        message = f"seed {episode.seed}, {place()}: {reason_of(error, file)}"
         raise EpisodeError(message, episode) from error
-
-
-def _place(episode: Episode, name: str) -> str:
-    return f"step {episode.steps + 1}, agent {name}"
 
 
 def _source_of(agent: Agent) -> Path | None:
@@ -61,21 +63,31 @@ def _source_of(agent: Agent) -> Path | None:
 
 
 @contextmanager
-def _slow_steps_reported(episode: Episode, name: str, file: Path | None) -> Iterator[None]:
+def slow_reported(
+    part: Callable[[], object],
+    seconds: float,
+    file: Path | None,
+    tell: Callable[[float, str], None],
+) -> Iterator[None]:
+    """Report the parts of a block that take long, once each.
+
+    Args:
+        part: gives the part that this thread is in.
+        seconds: after which a part is reported.
+        file: of the agent.
+        tell: is called in another thread with ``seconds`` and the line of the file that is being
+            executed, in words.
+    """
     ended, thread = threading.Event(), threading.get_ident()
 
     def watch() -> None:
-        steps, since = 0, monotonic()
+        last, since = part(), monotonic()
         while not ended.wait(LOOK_SECONDS):
-            if episode.steps != steps:
-                steps, since = episode.steps, monotonic()
-            elif monotonic() - since > SLOW_SECONDS:
-                since = math.inf  # one report a step
-                typer.echo(
-                    f"warehouse: {_place(episode, name)} takes more than {SLOW_SECONDS:g} s"
-                    f"{_line_of(thread, file)}; Ctrl-C ends it",
-                    err=True,
-                )
+            if (now := part()) != last:
+                last, since = now, monotonic()
+            elif monotonic() - since > seconds:
+                since = math.inf  # one report a part
+                tell(seconds, _line_of(thread, file))
 
     watcher = threading.Thread(target=watch, daemon=True)
     watcher.start()

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import closing
+from functools import partial
 from time import perf_counter
 from typing import NamedTuple
 
 from agents.console.place import Stations, what_to_draw
+from agents.console.watch import slow_reported
 from agents.errors import AgentError, EpisodeError, reason_of
 from agents.experiments.case import (
     FINGERPRINT,
@@ -18,10 +20,14 @@ from agents.experiments.case import (
     make_env,
 )
 from agents.experiments.store import Row
+from agents.experiments.workers import teller
 from agents.programs import program_for
 from agents.registry import agent_file
-from warehouse_core import Episode, record_episode
+from warehouse_core import Episode, EpisodeRecorder
 from warehouse_core.records.failure_modes import diagnose
+
+SLOW_SECONDS = 10.0
+"""Seconds of an episode before it is reported."""
 
 
 class Done(NamedTuple):
@@ -41,10 +47,22 @@ class Done(NamedTuple):
     failure: str | None = None
 
 
+class _Present:
+    """The episode that a task is running, in words."""
+
+    def __init__(self, case: Case, seed: int) -> None:
+        self._case, self.seed = case, seed
+        self.recorder: EpisodeRecorder | None = None
+
+    def __str__(self) -> str:
+        place = "" if self.recorder is None else self.recorder.place
+        return about(self._case, self.seed, place)
+
+
 def run_task(case: Case, seeds: Sequence[int]) -> Done:
     """Run one episode for each seed, each in a new environment with a new agent, until one fails.
 
-    The rows depend only on the case and the seeds.
+    The rows depend only on the case and the seeds. An episode that takes long is reported.
     """
     start, rows, failure = perf_counter(), list[Row](), None
     program = program_for(case["backend"])
@@ -52,24 +70,41 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
         check_fingerprint(case)
     except EpisodeError as error:
         return Done(perf_counter() - start, rows, program, str(error))
+    present, file, tell = _Present(case, seeds[0]), agent_file(case["agent"]), teller()
+
+    def tell_slow(seconds: float, line: str) -> None:
+        tell(f"{present} has run for {seconds:g} s{line}")
+
     try:
-        for seed in seeds:
-            rows.append(row_of(run_one(case, seed)))
+        with slow_reported(lambda: present.seed, SLOW_SECONDS, file, tell_slow):
+            for seed in seeds:
+                present.seed, present.recorder = seed, None
+                rows.append(row_of(run_one(case, seed, partial(setattr, present, "recorder"))))
     # User agents may raise anything, even SystemExit.
     except BaseException as error:
-        flags = ", ".join(flags_of(case)) or "the defaults"
         own = isinstance(error, AgentError)  # its message says all
-        reason = str(error) if own else reason_of(error, agent_file(case["agent"]))
-        failure = f"seed {seeds[len(rows)]} with {flags}: {reason}"
+        failure = f"{present}: {error if own else reason_of(error, file)}"
     return Done(perf_counter() - start, rows, program, failure)
 
 
-def run_one(case: Case, seed: int) -> Episode:
-    """Run one episode of a case and return its record."""
+def about(case: Case, seed: int, place: str = "") -> str:
+    """Return an episode in words: its seed, a place in it, and what is not the default."""
+    flags = ", ".join(flags_of(case)) or "the defaults"
+    return f"seed {seed}{place and f', {place},'} with {flags}"
+
+
+def run_one(
+    case: Case, seed: int, watch: Callable[[EpisodeRecorder], object] = lambda recorder: None
+) -> Episode:
+    """Run one episode of a case and return its record; ``watch`` is given its recorder."""
     randomize = what_to_draw(Stations(case["stations"]))
     with closing(make_env(case, seed)) as env:
         agent = make_agent_for(case, seed, env.layout)
-        return record_episode(env, agent, seed=seed, randomize=randomize)
+        observation = env.reset(randomize, seed)
+        recorder = EpisodeRecorder(env, seed=seed, agent=type(agent).__name__)
+        watch(recorder)
+        recorder.run(agent, observation)
+        return recorder.episode
 
 
 def row_of(episode: Episode) -> Row:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 import sqlite3
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic, sleep
@@ -29,8 +29,8 @@ from agents.experiments.tables import (
     version_of,
 )
 
-TIMEOUT = 30.0
-"""Seconds to wait for another program that writes to the same file."""
+TIMEOUT, BUSY_SECONDS = 30.0, 0.1
+"""Seconds to wait for another program that writes to the same file, and between two checks."""
 
 
 class Row(NamedTuple):
@@ -68,13 +68,21 @@ class Store:
         path: of the file.
         read_only: create no file and write to none; one without write permission can be read.
         mix: add episodes to cases that have those of another program.
+        check: is called while another program holds a lock; what it raises ends the wait.
 
     Raises:
         StoreError: it cannot be opened, is damaged, or is something else.
     """
 
-    def __init__(self, path: str | Path, *, read_only: bool = False, mix: bool = False) -> None:
-        self.path, self._mix = Path(path), mix
+    def __init__(
+        self,
+        path: str | Path,
+        *,
+        read_only: bool = False,
+        mix: bool = False,
+        check: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.path, self._mix, self._check = Path(path), mix, check
         self._read_only, self._is_checked = read_only, False
         if read_only and not self.path.is_file():
             raise StoreError(f"{path}: there is no such file")
@@ -84,7 +92,7 @@ class Store:
             closed, path = self._is_closed(), self.path.absolute()
             address = f"{path.as_uri()}?immutable=1" if closed else path
             self._connection = sqlite3.connect(
-                address, timeout=TIMEOUT, isolation_level=None, uri=closed
+                address, timeout=BUSY_SECONDS, isolation_level=None, uri=closed
             )
             self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_LENGTH)
             try:
@@ -243,7 +251,7 @@ class Store:
         """Yield the rows that a statement finds."""
         with self._errors_reported():
             # Not the cursor itself: left half read, it would fail when the file is closed.
-            yield from map(tuple, self._connection.execute(statement, values))
+            yield from map(tuple, self._execute(statement, *values))
 
     def _case(self, number: int, text: str) -> Case:
         """Return a case that ``key_of`` has written, and raise for any other text."""
@@ -293,34 +301,34 @@ class Store:
             # One view of the file, whatever a sweep adds meanwhile.
             connection.execute("BEGIN")
             return
-        self._write_ahead()
+        # Others can then read meanwhile.
+        self._execute("PRAGMA journal_mode = WAL")
         connection.execute("PRAGMA synchronous = FULL")
 
-    def _write_ahead(self) -> None:
-        """Use a write-ahead log, so that others can read meanwhile."""
+    def _execute(self, statement: str, *values: Any) -> sqlite3.Cursor:
+        """Execute a statement, and wait while another program holds a lock."""
         end = monotonic() + TIMEOUT
         while True:
             try:
-                self._connection.execute("PRAGMA journal_mode = WAL")
-                return
+                return self._connection.execute(statement, values)
             except sqlite3.OperationalError as error:
-                # For this statement SQLite itself does not wait for others.
-                if error.sqlite_errorcode != sqlite3.SQLITE_BUSY or monotonic() > end:
+                if error.sqlite_errorcode & 0xFF != sqlite3.SQLITE_BUSY or monotonic() > end:
                     raise
-                sleep(0.01)
+                self._check()
+                sleep(0.01)  # for some statements SQLite itself does not wait
 
     @contextmanager
     def _transaction(self, kind: str = "IMMEDIATE") -> Iterator[None]:
         with self._errors_reported():
-            self._connection.execute(f"BEGIN {kind}")
+            self._execute(f"BEGIN {kind}")
             try:
                 yield
+                self._execute("COMMIT")
             except BaseException:
                 # A full disk has ended the transaction already.
                 if self._connection.in_transaction:
                     self._connection.execute("ROLLBACK")
                 raise
-            self._connection.execute("COMMIT")
 
     @contextmanager
     def _errors_reported(self) -> Iterator[None]:

@@ -14,14 +14,16 @@ from typing import Annotated
 
 import typer
 
-from agents.errors import ParameterError
+from agents.console.main import print_error
+from agents.errors import EpisodeError, ParameterError
 from agents.experiments.choices import PlanFile, parse_flags, read_plan_file
+from agents.experiments.cluster import cluster
 from agents.experiments.parameters import MAX_VALUE, MAX_VIEW_RADIUS
 from agents.experiments.plan import MAX_EPISODES, Plan, make_plan
 from agents.experiments.presets import PRESETS
 from agents.experiments.running import Report, run_missing
 from agents.experiments.store import Row, Store
-from agents.experiments.workers import Check, Pool, cluster, deferred_interrupts, process_pool
+from agents.experiments.workers import Check, Pool, deferred_interrupts, process_pool
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
 from warehouse_core.world.generators import MAX_DENSITY
@@ -32,11 +34,14 @@ def sweep_bar(episodes: int) -> Iterator[Report]:
     """Show a bar while the block runs, and yield the function that takes each stored row."""
     from agents.console.progress import progress_bar
 
-    modes = Counter[str]()
+    modes, told = Counter[str](), set[str]()
     with progress_bar(episodes) as advance:
 
-        def report(rows: Sequence[Row]) -> None:
+        def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
             modes.update(row.mode for row in rows)
+            for failure in {*failures} - told:
+                told.add(failure)  # one for a whole case comes with each seed
+                print_error(failure)
             if rows:
                 share = modes[DELIVERED] / modes.total()
                 advance(modes.total(), f"{share:.0%} delivered")
@@ -155,17 +160,17 @@ def sweep(
     choices = given.choices | parse_flags(settings or [])
     first = (given.seed or 0) if seed is None else seed
     plan = make_plan(choices, episodes or given.episodes or EPISODES, first)
-    with deferred_interrupts() as check, Store(output, mix=mix) as store:
+    with deferred_interrupts() as check, Store(output, mix=mix, check=check) as store:
         store.add_cases(plan.cases)
         done = _done(plan, store)
         cases, each = counted(len(plan.cases), "combination"), counted(plan.episodes, "episode")
         typer.echo(f"{cases}, {each} each, {done:,} done")
-        missing = plan.total - done
+        missing, failed = plan.total - done, Counter[int]()
         count = min(workers or os.cpu_count() or 1, missing)
         try:
             if missing:
                 pool = process_pool(count) if address is None else cluster(address)
-                _run(plan, store, missing, pool, check)
+                failed = _run(plan, store, missing, pool, check)
         except KeyboardInterrupt:
             done = _done(plan, store)
             typer.echo(
@@ -175,6 +180,12 @@ def sweep(
             raise typer.Abort from None  # typer would end without a message
         finally:
             _warn_of_mixed(store)
+        if failed:
+            raise EpisodeError(
+                f"{counted(failed.total(), 'episode')} failed, in {len(failed)} of {cases}; "
+                f"{_done(plan, store):,} of {plan.total:,} episodes in {output}; run the same "
+                "command again to run the others"
+            )
     episodes_done = f"{counted(plan.total, 'episode')} done"
     typer.echo(f"{episodes_done}; see the results with: warehouse report {output}")
 
@@ -207,11 +218,11 @@ def _warn_of_mixed(store: Store) -> None:
         )
 
 
-def _run(plan: Plan, store: Store, missing: int, pool: Pool, check: Check) -> None:
+def _run(plan: Plan, store: Store, missing: int, pool: Pool, check: Check) -> Counter[int]:
     with pool as (executor, count), sweep_bar(missing) as show:
 
-        def report(rows: Sequence[Row]) -> None:
-            show(rows)
+        def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
+            show(rows, failures)
             check()
 
-        run_missing(plan, store, executor, count, report)
+        return run_missing(plan, store, executor, count, report)

@@ -1,37 +1,43 @@
-"""Executors for episodes: processes of this machine or a Dask cluster, and their interrupts."""
+"""Processes of this machine that run episodes, and interrupts."""
 
 from __future__ import annotations
 
-import logging
 import multiprocessing
 import os
 import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from contextlib import AbstractContextManager, contextmanager, suppress
+from functools import partial
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+from queue import SimpleQueue
 from types import FrameType
+from typing import Any, TypeVar
 
-from agents.errors import ClusterError, WorkerError
-from warehouse_core.extras import install_command
+from agents.console.main import print_error
+from agents.errors import WorkerError
 
 DEFERRED = (signal.SIGINT, signal.SIGTERM)
 
-MAX_PROCESSES = 61 if sys.platform == "win32" else 1024
-"""Of a pool; Windows can wait for no more at once."""
+ENDING_SECONDS = 5.0
+"""For a process whose connection has ended."""
 
-KILLED = (
-    "a worker process was killed, perhaps because memory ran out; use fewer --workers, and run the "
-    "same command again to resume"
-)
+TOPIC = "warehouse sweep"
+"""Of the events that Dask workers send to their client."""
 
 Check = Callable[[], None]
 """Raises ``KeyboardInterrupt`` if a deferred signal has come."""
 
 Pool = AbstractContextManager[tuple[Executor, int]]
 """Gives an executor, and how many calls it runs at once."""
+
+T = TypeVar("T")
+
+_parent: Connection[Any, Any] | None = None
+"""In a worker process: to the process that has started it."""
 
 
 @contextmanager
@@ -77,37 +83,112 @@ def blocked_interrupts() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-@contextmanager
-def process_pool(count: int) -> Iterator[tuple[Executor, int]]:
-    """Yield a pool of ``count`` processes of this machine, and their number.
+class Processes(ThreadPoolExecutor):
+    """Run each call in one of ``count`` processes of this machine, which start when needed.
 
-    If the block raises, they are killed at once.
-
-    Raises:
-        WorkerError: one of them was killed by something else.
+    A thread for each process waits for its answers. A process that ends is an error of its own
+    call alone, and is replaced; in a ``ProcessPoolExecutor`` it is an error of every call.
     """
-    count = min(count, MAX_PROCESSES)
-    # Spawned on every system: a fork of a process that has threads may hang.
-    context = multiprocessing.get_context("spawn")
-    others = set(multiprocessing.active_children())
-    with ProcessPoolExecutor(count, mp_context=context, initializer=_start_worker) as pool:
+
+    def __init__(self, count: int) -> None:
+        super().__init__(count)
+        self._processes = [_Process() for _ in range(count)]
+        self._idle = SimpleQueue[_Process]()
+        for process in self._processes:
+            self._idle.put(process)
+
+    def submit(self, call: Callable[..., T], /, *args: Any, **named: Any) -> Future[T]:
+        """Run a call; its future has a ``WorkerError`` if the process ends meanwhile."""
+        return super().submit(self._run, partial(call, *args, **named))
+
+    def close(self) -> None:
+        """Cancel the calls that wait, and kill the processes, whatever they have left running."""
+        self.shutdown(wait=False, cancel_futures=True)
+        for process in self._processes:
+            process.close()
+        self.shutdown()
+
+    def _run(self, call: Callable[[], T]) -> T:
+        process = self._idle.get()
         try:
-            with blocked_interrupts():
-                for _ in range(count):  # each call starts a process
-                    pool.submit(os.getpid)
-            yield pool, count
-        except BaseException as error:
-            for process in set(multiprocessing.active_children()) - others:
-                process.kill()
-            if isinstance(error, BrokenProcessPool):
-                raise WorkerError(KILLED) from error
-            raise
+            result: T = process.run(call)
+            return result
+        finally:
+            self._idle.put(process)
 
 
-def _start_worker() -> None:
-    """Ignore interrupts, and end with the parent process in whatever way it ends."""
+class _Process:
+    """A process that runs calls, and is started again for the next call when it has ended."""
+
+    def __init__(self) -> None:
+        self._lock, self._is_closed = threading.Lock(), False
+        self._process: BaseProcess | None = None
+
+    def run(self, call: Callable[[], Any]) -> Any:
+        """Return what a call returns, and print what it tells."""
+        if self._process is None:
+            self._start()
+        try:
+            self._connection.send(call)
+            while isinstance(answer := self._connection.recv(), str):
+                print_error(answer)
+        except (EOFError, OSError):
+            raise WorkerError(self._reason()) from None
+        result, error = answer
+        if error is not None:
+            raise error
+        return result
+
+    def close(self) -> None:
+        """Kill the process, and start no other."""
+        with self._lock:
+            self._is_closed = True
+            if self._process is not None:
+                self._process.kill()
+                self._process.join()
+
+    def _start(self) -> None:
+        # Spawned on every system: a fork of a process that has threads may hang.
+        context = multiprocessing.get_context("spawn")
+        with self._lock, blocked_interrupts():
+            if self._is_closed:
+                raise WorkerError("the sweep has ended")
+            self._connection, theirs = context.Pipe()
+            process = context.Process(target=_work, args=(theirs,))
+            process.start()
+            self._process = process
+            theirs.close()  # the end of the process is then the end of the connection
+
+    def _reason(self) -> str:
+        """Return how the process has ended."""
+        with self._lock:
+            assert self._process is not None, "it has run a call"
+            self._process.join(ENDING_SECONDS)
+            self._process.kill()  # if an agent has only closed its files
+            self._process.join()
+            code, self._process = self._process.exitcode, None
+        assert code is not None, "it has ended"
+        if code >= 0:
+            return f"its process ended with exit code {code}"
+        why = ", perhaps because memory ran out" if code == -signal.SIGKILL else ""
+        return f"its process was ended by signal {-code} ({signal.strsignal(-code)}){why}"
+
+
+def _work(parent: Connection[Any, Any]) -> None:
+    """Run the calls that come from the parent process, and end with it in whatever way it ends."""
+    global _parent
+    _parent = parent
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
+    with suppress(EOFError, OSError):
+        while True:
+            call = parent.recv()
+            result, error = None, None
+            try:
+                result = call()
+            except Exception as raised:
+                error = raised
+            parent.send((result, error))
 
 
 def _end_with_parent() -> None:
@@ -117,34 +198,39 @@ def _end_with_parent() -> None:
     os._exit(1)
 
 
-@contextmanager
-def cluster(address: str) -> Iterator[tuple[Executor, int]]:
-    """Yield the Dask cluster whose scheduler is at ``tcp://HOST:PORT``, and its threads.
+def teller() -> Callable[[str], None]:
+    """Return a function that prints a line on standard error of the process that waits for a call.
 
-    Raises:
-        ClusterError: Dask is not installed, no scheduler answers, or the cluster fails.
+    It is to be called in the thread of that call.
     """
+    if _parent is not None:
+        return _parent.send
+    if "distributed" in sys.modules:
+        from distributed import get_worker
+
+        with suppress(ValueError):  # this is no Dask worker
+            worker = get_worker()
+            return partial(worker.log_event, TOPIC)
+    return print_error
+
+
+@contextmanager
+def process_pool(count: int) -> Iterator[tuple[Executor, int]]:
+    """Yield an executor of ``count`` processes of this machine, and their number.
+
+    At the end of the block they are killed at once, whatever their calls have left running.
+    """
+    pool = Processes(count)
     try:
-        from distributed import Client, KilledWorker
-        from distributed.comm import CommClosedError
-    except ImportError:
-        raise ClusterError(f"a cluster needs Dask: {install_command('cluster')}") from None
-    with ExitStack() as stack:
-        # Dask would log tracebacks of errors that are reported in one line.
-        stack.callback(logging.disable, logging.root.manager.disable)
-        logging.disable()
-        try:
-            client = stack.enter_context(Client(address, timeout="10s"))
-        except (OSError, ValueError) as error:
-            raise ClusterError(f"no Dask scheduler answers at {address}: {error}") from error
-        threads = sum(client.nthreads().values())
-        if not threads:
-            raise ClusterError(f"the Dask scheduler at {address} has no workers")
-        try:
-            yield client.get_executor(pure=False, retries=3), threads
-        except (CancelledError, KilledWorker, CommClosedError) as error:
-            why = str(error) or type(error).__name__
-            raise ClusterError(
-                f"the Dask cluster at {address} has failed: {why}; run the same command again "
-                "to resume"
-            ) from error
+        yield pool, count
+    finally:
+        pool.close()
+
+
+def ending_of(error: BaseException | None) -> str | None:
+    """Return how the worker of a call has ended, if that is the error of the call."""
+    if isinstance(error, WorkerError):
+        return str(error)
+    if type(error).__name__ == "KilledWorker":  # of Dask, which may not be installed
+        return "the Dask workers that ran it have ended"
+    return None

@@ -1,14 +1,22 @@
 """Helpers for tests of sweeps: their command, their rows, and an executor without workers."""
 
+import random
+import signal
+import subprocess
+import sys
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
+from agents.errors import StoreError
 from agents.experiments.choices import parse_flags
 from agents.experiments.plan import make_plan
 from agents.experiments.running import run_missing
 from agents.experiments.store import Row, Store
+from helpers.command_line import ROOT
 
 COLUMNS = ", ".join(Row._fields)
 TABLE = f"SELECT settings, {COLUMNS} FROM episodes JOIN cases ON id = case_id ORDER BY 1, 2"
@@ -31,7 +39,7 @@ class Here(Executor):
         return future
 
 
-def nothing(rows: Sequence[Row]) -> None:
+def nothing(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
     pass
 
 
@@ -58,18 +66,103 @@ class {name}:
 FLAGS = ["escape=on,off", "battery=20,60"]
 
 
-def words(output: Path, episodes: int) -> list[str]:
-    flags = [word for flag in FLAGS for word in ("--set", flag)]
-    sizes = ["-n", str(episodes), "--workers", "2", "--seed", "3"]
-    return ["sweep", *flags, *sizes, "-o", str(output)]
+def words(output: Path, episodes: int, flags: Sequence[str] = FLAGS, workers: int = 2) -> list[str]:
+    choices = [word for flag in flags for word in ("--set", flag)]
+    sizes = ["-n", str(episodes), "--workers", str(workers), "--seed", "3"]
+    return ["sweep", *choices, *sizes, "-o", str(output)]
 
 
-def uninterrupted(path: Path, episodes: int) -> list[Any]:
+def uninterrupted(path: Path, episodes: int, flags: Sequence[str] = FLAGS) -> list[Any]:
     with Store(path) as store:
-        run_missing(make_plan(parse_flags(FLAGS), episodes, 3), store, Here(), 1, nothing)
+        run_missing(make_plan(parse_flags(flags), episodes, 3), store, Here(), 1, nothing)
     return table(path)
 
 
 def check_is_usable(path: Path) -> None:
     with Store(path, read_only=True) as store:
         assert list(store.query("PRAGMA integrity_check")) == [("ok",)]
+
+
+class Sweep:
+    """A sweep in its own session."""
+
+    started: ClassVar[list["Sweep"]] = []
+
+    def __init__(
+        self,
+        output: Path,
+        episodes: int,
+        flags: Sequence[str] = FLAGS,
+        *options: str,
+        workers: int = 2,
+        python: str = sys.executable,
+    ) -> None:
+        self.started.append(self)
+        self.output = output
+        command = words(output, episodes, flags, workers)
+        self.process = subprocess.Popen(
+            [python, "-c", "from agents.cli import main; main()", *command, *options],
+            cwd=ROOT,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+
+    def wait_for_rows(self) -> None:
+        """Wait until more rows have been stored."""
+        before, end = self._rows(), time.monotonic() + 60
+        while self._rows() == before and self.process.poll() is None:
+            assert time.monotonic() < end
+            time.sleep(0.02)
+
+    def end(self, seconds: float = 60) -> tuple[int, str, str]:
+        """Wait until the sweep and all processes that it started have ended."""
+        out, err = self.process.communicate(timeout=seconds)
+        end = time.monotonic() + 10
+        while alive := in_session(self.process.pid):
+            assert time.monotonic() < end, f"{alive} are left"
+            time.sleep(0.02)
+        return self.process.returncode, out, err
+
+    def _rows(self) -> int:
+        with suppress(StoreError), Store(self.output, read_only=True) as store:
+            count: int = next(store.query("SELECT count(*) FROM episodes"))[0]
+            return count
+        return 0
+
+
+def in_session(session: int) -> list[str]:
+    """Return the running processes of a session."""
+    found = subprocess.run(
+        ["ps", "-s", str(session), "-o", "pid=,stat=,args="],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    lines = found.stdout.splitlines()
+    return [line for line in lines if not line.split()[1].startswith("Z")]
+
+
+def kill_sweeps(path: Path, episodes: int, kills: int) -> int:
+    """Start sweeps and kill each; return how many were running.
+
+    Raises:
+        AssertionError: the file is damaged, or rows are lost or changed.
+    """
+    moments, killed, before = random.Random(1), 0, set[Any]()
+    for _ in range(kills):
+        sweep = Sweep(path, episodes)
+        if moments.random() < 0.75:
+            sweep.wait_for_rows()
+            time.sleep(moments.uniform(0, 0.3))
+        else:
+            time.sleep(moments.uniform(0, 1.2))
+        sweep.process.kill()
+        killed += sweep.end()[0] == -signal.SIGKILL
+        if path.exists():
+            check_is_usable(path)
+            now = set(table(path))
+            assert before <= now
+            before = now
+    return killed

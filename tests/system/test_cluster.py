@@ -1,6 +1,5 @@
 """A sweep on a Dask cluster gives the same rows as on this machine, even if a worker is killed."""
 
-import os
 import re
 import signal
 import subprocess
@@ -11,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from helpers.command_line import ROOT, in_a_process, refusal
+from helpers.dask_cluster import Cluster, dask_cluster, start_worker
 from helpers.sweeps import AGENT, check_is_usable, table, uninterrupted, words
 
 pytestmark = pytest.mark.cluster
@@ -18,50 +18,17 @@ EPISODES = 3000
 MAIN = ["-c", "from agents.cli import main; main()"]
 
 
-def start(log: Path, *arguments: str) -> subprocess.Popen[bytes]:
-    with log.open("wb") as file:
-        return subprocess.Popen(
-            [sys.executable, "-m", *arguments],
-            cwd=ROOT,
-            stdout=file,
-            stderr=file,
-            start_new_session=True,
-        )
+@pytest.fixture(params=["--no-nanny"])
+def cluster(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Cluster]:
+    """Yield a cluster with two workers."""
+    with dask_cluster(tmp_path, request.param) as started:
+        yield started
 
 
-def wait_for(log: Path, pattern: str) -> str:
-    end = time.monotonic() + 60
-    while not (found := re.search(pattern, log.read_text())):
-        assert time.monotonic() < end, log.read_text()
-        time.sleep(0.05)
-    return found[0]
-
-
-Cluster = tuple[str, list[subprocess.Popen[bytes]]]
-"""The address of a scheduler, its process, and those of its workers."""
-
-
-@pytest.fixture
-def cluster(tmp_path: Path) -> Iterator[Cluster]:
-    """Yield the address of a scheduler on this machine, and its two workers."""
-    log = tmp_path / "scheduler.log"
-    own = ("--host", "127.0.0.1", "--no-dashboard")
-    processes = [start(log, "distributed.cli.dask_scheduler", *own, "--port", "0")]
-    try:
-        address = wait_for(log, r"tcp://127\.0\.0\.1:\d+")
-        for number in range(2):
-            log = tmp_path / f"worker{number}.log"
-            own = ("--no-nanny", "--nthreads", "1", "--no-dashboard", "--host", "127.0.0.1")
-            folder = ("--local-directory", str(tmp_path / f"w{number}"))
-            processes.append(start(log, "distributed.cli.dask_worker", address, *own, *folder))
-        for number in range(2):
-            wait_for(tmp_path / f"worker{number}.log", "Registered to")
-        yield address, processes
-    finally:
-        for process in processes:
-            if process.poll() is None:
-                os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
+with_nannies = pytest.mark.parametrize("cluster", ["--nanny"], indirect=True)
+with_and_without_nannies = pytest.mark.parametrize(
+    "cluster", ["--nanny", "--no-nanny"], indirect=True
+)
 
 
 def start_sweep(path: Path, episodes: int, address: str) -> subprocess.Popen[str]:
@@ -110,14 +77,93 @@ def test_a_killed_scheduler_is_one_line_and_the_file_stays_usable(
     assert table(path)
 
 
-def test_an_agent_that_fails_on_a_cluster_is_one_line(cluster: Cluster, tmp_path: Path) -> None:
-    file, path = tmp_path / "agent.py", tmp_path / "r.sqlite"
-    file.write_text(AGENT.format(name="Own", begin="pass", act="if self.seed == 7: raise KeyError"))
-    choice = ["--set", f"agent={file}:Own", "-n", "20", "-o", str(path), "--cluster", cluster[0]]
-    result = in_a_process(*MAIN, "sweep", *choice, folder=ROOT)
-    assert result.code == 1
-    assert result.err == f"warehouse: seed 7 with agent={file}:Own: KeyError (agent.py, line 11)\n"
+def sweep_of(path: Path, address: str, act: str) -> subprocess.Popen[str]:
+    """Start a sweep of an agent and of the greedy one; with seed 7 the agent runs this code."""
+    file = path.with_suffix(".py")
+    file.write_text(AGENT.format(name="Own", begin="pass", act=f"if self.seed == 7: {act}"))
+    choice = ["--set", f"agent={file}:Own,greedy", "--set", "max_steps=5", "-n", "12"]
+    return subprocess.Popen(
+        [sys.executable, *MAIN, "sweep", *choice, "-o", str(path), "--cluster", address],
+        cwd=ROOT,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def read_until(sweep: subprocess.Popen[str], pattern: str) -> str:
+    """Read the messages of a sweep until one has a pattern."""
+    assert sweep.stderr is not None
+    for line in sweep.stderr:
+        if re.search(pattern, line):
+            return line
+    raise AssertionError(f"no message with {pattern}")
+
+
+LAST = r"warehouse: 1 episode failed, in 1 of 2 combinations; 23 of 24 episodes in .*\n"
+
+
+def test_an_agent_that_fails_on_a_cluster_is_named_and_the_others_go_on(
+    cluster: Cluster, tmp_path: Path
+) -> None:
+    path = tmp_path / "r.sqlite"
+    sweep = sweep_of(path, cluster[0], "raise KeyError")
+    err = sweep.communicate(timeout=60)[1]
+    about = rf"warehouse: seed 7, step 1, with agent={tmp_path}/r.py:Own, max_steps=5"
+    assert re.fullmatch(rf"{about}: KeyError \(r.py, line 11\)\n{LAST}", err)
+    assert sweep.returncode == 1
     check_is_usable(path)
+    assert len(table(path)) == 23
+
+
+@with_nannies
+def test_an_agent_that_ends_dask_workers_is_named_and_the_others_go_on(
+    cluster: Cluster, tmp_path: Path
+) -> None:
+    path = tmp_path / "r.sqlite"
+    sweep = sweep_of(path, cluster[0], "__import__('os')._exit(1)")
+    err = sweep.communicate(timeout=200)[1]
+    about = rf"warehouse: seed 7 with agent={tmp_path}/r.py:Own, max_steps=5"
+    assert re.fullmatch(
+        rf"{about}: the Dask workers that ran it have ended; it was tried twice\n{LAST}", err
+    )
+    assert len(table(path)) == 23
+
+
+@with_and_without_nannies
+def test_a_sweep_does_not_wait_for_a_worker_that_an_earlier_one_has_left_occupied(
+    cluster: Cluster, tmp_path: Path
+) -> None:
+    address, _ = cluster
+    act = "__import__('time').sleep(3600)"
+    hanging = sweep_of(tmp_path / "hanging.sqlite", address, act)
+    line = read_until(hanging, "has run for 10 s")
+    assert line.startswith("warehouse: seed 7, step 1, with agent=")
+    hanging.send_signal(signal.SIGINT)
+    assert hanging.communicate(timeout=30)[1] == "warehouse: interrupted\n"
+    assert hanging.returncode == 130
+    path = tmp_path / "r.sqlite"
+    result = in_a_process(*MAIN, *words(path, 3), "--cluster", address, folder=ROOT)
+    assert result.code == 0
+    assert "was occupied by a call of an ended client: re" in result.err
+    assert table(path) == uninterrupted(tmp_path / "expected.sqlite", 3)
+
+
+def test_that_there_are_no_workers_is_said_and_the_sweep_goes_on_with_new_ones(
+    cluster: Cluster, tmp_path: Path
+) -> None:
+    address, processes = cluster
+    path = tmp_path / "r.sqlite"
+    sweep = start_sweep(path, EPISODES, address)
+    killed, frozen = processes[1:]
+    killed.kill()
+    frozen.send_signal(signal.SIGSTOP)
+    line = read_until(sweep, "no workers for 10 s")
+    assert f"'dask worker {address}'" in line
+    frozen.kill()
+    processes.append(start_worker(tmp_path, 2, address))
+    assert sweep.communicate(timeout=120)[1] == ""
+    assert sweep.returncode == 0
+    assert table(path) == uninterrupted(tmp_path / "expected.sqlite", EPISODES)
 
 
 def test_no_scheduler_is_one_line_and_exit_code_1(tmp_path: Path) -> None:

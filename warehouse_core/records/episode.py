@@ -169,12 +169,21 @@ class EpisodeRecorder:
     """Steps an environment and records it; for environments that are driven by hand.
 
     It starts from the current state of the environment, which should be that after ``reset``.
+
+    Attributes:
+        episode: the record so far.
     """
 
     def __init__(self, env: WarehouseEnv, *, seed: int | None = None, agent: str = "") -> None:
         self._env = env
         self.episode = Episode(env.layout, env.settings, seed, agent)
+        self._is_acting = False
         self._keep_frame(0.0)
+
+    @property
+    def place(self) -> str:
+        """Where ``run`` is, in words: ``"reset"``, or the step such as ``"step 3"``."""
+        return f"step {self.episode.steps + 1}" if self._is_acting else "reset"
 
     @property
     def ended(self) -> bool:
@@ -202,6 +211,7 @@ class EpisodeRecorder:
             observation: the present one.
         """
         agent.reset()
+        self._is_acting = True
         while not self.ended:
             action = agent.act(observation)
             observation = self.step(action, reason=str(getattr(agent, "reason", "")))

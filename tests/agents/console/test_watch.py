@@ -51,22 +51,30 @@ def agent_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, small_pictures: 
 
 
 @pytest.mark.parametrize(
-    ("name", "steps", "reason"),
+    ("name", "place", "reason"),
     [
-        ("Fails", 2, "ValueError: too far (mine.py, line 12)"),
-        ("Leaves", 2, "SystemExit: 3 (mine.py, line 16)"),
-        ("Silent", 2, "TypeError: action None is NoneType; allowed: one of N, E, S, W, WAIT"),
-        ("NeverStarts", 0, "AttributeError: 'NeverStarts' object has no attribute 'missing' (m"),
+        ("Fails", "step 3", "ValueError: too far (mine.py, line 12)"),
+        ("Leaves", "step 3", "SystemExit: 3 (mine.py, line 16)"),
+        (
+            "Silent",
+            "step 3",
+            "TypeError: action None is NoneType; allowed: one of N, E, S, W, WAIT",
+        ),
+        (
+            "NeverStarts",
+            "reset",
+            "AttributeError: 'NeverStarts' object has no attribute 'missing' (m",
+        ),
     ],
 )
-def test_a_failure_names_seed_step_agent_and_line_and_keeps_the_record(
-    name: str, steps: int, reason: str
+def test_a_failure_names_seed_place_agent_and_line_and_keeps_the_record(
+    name: str, place: str, reason: str
 ) -> None:
     with pytest.raises(EpisodeError) as failed:
         run_episode(f"mine.py:{name}", seed=4)
-    assert str(failed.value).startswith(f"seed 4, step {steps + 1}, agent mine.py:{name}: {reason}")
+    assert str(failed.value).startswith(f"seed 4, {place}, agent mine.py:{name}: {reason}")
     assert failed.value.episode is not None
-    assert failed.value.episode.actions == ["N"] * steps
+    assert failed.value.episode.actions == ["N"] * (2 if place == "step 3" else 0)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
 """Running missing episodes gives the same rows with any executor and in any order."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -9,10 +9,17 @@ from typing import Any
 import pytest
 from helpers.sweeps import AGENT, Here, nothing, table
 
-from agents.errors import EpisodeError, StoreError
+from agents.errors import StoreError, WorkerError
 from agents.experiments.episodes import run_task
 from agents.experiments.plan import Plan, make_plan
-from agents.experiments.running import MAX_TASK_EPISODES, TASK_SECONDS, Pace, run_missing
+from agents.experiments.running import (
+    MAX_FAILURES,
+    MAX_SUSPECTS,
+    MAX_TASK_EPISODES,
+    TASK_SECONDS,
+    Pace,
+    run_missing,
+)
 from agents.experiments.store import Row, Store
 from agents.experiments.workers import process_pool
 from agents.programs import program_for
@@ -55,6 +62,25 @@ def run(path: Path, executor: Executor, plan: Plan = PLAN, workers: int = 2) -> 
     with Store(path) as store:
         run_missing(plan, store, executor, workers, nothing)
     return table(path)
+
+
+def failures_of(path: Path, executor: Executor, plan: Plan, workers: int = 1) -> list[str]:
+    """Run a plan and return the messages of failures."""
+    messages: list[str] = []
+
+    def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
+        messages.extend(failures)
+
+    with Store(path) as store:
+        failed = run_missing(plan, store, executor, workers, report)
+    assert failed.total() == len(messages)
+    return messages
+
+
+def seeds_done(path: Path, plan: Plan) -> list[set[int]]:
+    """Return the seeds that are stored, for each case of a plan."""
+    with Store(path) as store:
+        return [store.seeds_done(store.case_id(case), plan.seeds) for case in plan.cases]
 
 
 @pytest.fixture(scope="module")
@@ -149,30 +175,139 @@ def plan_of(folder: Path, begin: str = "pass", act: str = "pass") -> Plan:
 @pytest.mark.parametrize(
     ("begin", "act", "reason"),
     [
-        ("pass", "raise KeyError('lost')", r"KeyError: 'lost' \(agent.py, line 11\)"),
-        ("raise ValueError('no')", "pass", r"agent '.*' cannot be made: ValueError: no \(.*4\)"),
-        ("pass", "raise SystemExit(0)", r"SystemExit: 0 \(agent.py, line 11\)"),
-        ("pass", "raise KeyboardInterrupt", r"KeyboardInterrupt \(agent.py, line 11\)"),
-        ("pass", "return None", r"TypeError: action None .*"),
+        ("pass", "raise KeyError('lost')", r".*: KeyError: 'lost' \(agent.py, line 11\)"),
+        ("raise ValueError('no')", "pass", r" with .*: agent '.*' cannot be made: .*: no \(.*4\)"),
+        ("pass", "raise SystemExit(0)", r", step 1, with .*: SystemExit: 0 \(agent.py, line 11\)"),
+        ("pass", "raise KeyboardInterrupt", r".*: KeyboardInterrupt \(agent.py, line 11\)"),
+        ("pass", "return None", r".*: TypeError: action None .*"),
+        ("self.reset = None", "pass", r", reset, with .*: TypeError: 'NoneType' .*"),
     ],
-    ids=["acting", "being made", "an exit", "an interrupt", "an invalid action"],
+    ids=["acting", "being made", "an exit", "an interrupt", "an invalid action", "a reset"],
 )  # fmt: skip
-def test_an_agent_that_fails_is_reported_with_its_case_and_seed_and_other_rows_are_kept(
+def test_an_agent_that_fails_is_reported_with_its_case_seed_and_step_and_the_others_go_on(
     tmp_path: Path, begin: str, act: str, reason: str
 ) -> None:
     path, plan = tmp_path / "r.sqlite", plan_of(tmp_path, begin, act)
-    with pytest.raises(EpisodeError) as caught:
-        run(path, Here(), plan, workers=1)
-    about = re.escape(f"seed 7 with agent={tmp_path}/agent.py:Own, max_steps=5: ")
-    assert re.fullmatch(about + reason, str(caught.value))
-    with Store(path, read_only=True) as store:
-        assert [store.count(case, plan.seeds) for case in plan.cases] == [10, 7]
+    [message] = failures_of(path, Here(), plan)
+    assert re.fullmatch(f"seed 7{reason}", message)
+    assert f" with agent={tmp_path}/agent.py:Own, max_steps=5: " in message
+    assert seeds_done(path, plan) == [set(range(10)), set(range(10)) - {7}]
 
 
 def test_an_error_that_cannot_be_pickled_is_reported_too(tmp_path: Path) -> None:
     plan = plan_of(tmp_path, act="raise type('Odd', (Exception,), {})(lambda: 1)")
-    with process_pool(1) as (executor, _), pytest.raises(EpisodeError, match="Odd: <function "):
-        run(tmp_path / "r.sqlite", executor, plan, 1)
+    with process_pool(1) as (executor, _):
+        [message] = failures_of(tmp_path / "r.sqlite", executor, plan)
+    assert "Odd: <function " in message
+
+
+def test_an_episode_that_takes_long_is_reported_once_with_its_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("agents.experiments.episodes.SLOW_SECONDS", 0.2)
+    monkeypatch.setattr("agents.console.watch.LOOK_SECONDS", 0.01)
+    plan = plan_of(tmp_path, act="__import__('time').sleep(0.5)")
+    run(tmp_path / "r.sqlite", Here(), plan)
+    assert capsys.readouterr().err == (
+        f"warehouse: seed 7, step 1, with agent={tmp_path}/agent.py:Own, max_steps=5 has run for "
+        "0.2 s (agent.py, line 11)\n"
+    )
+
+
+class Dying(Here):
+    """A worker ends with each of some calls, counted from 0, or whenever it runs one of some seeds.
+
+    As on a cluster, all that wait for the same worker have the error.
+    """
+
+    def __init__(self, calls: Collection[int] = (), seeds: Collection[int] = ()) -> None:
+        super().__init__()
+        self.calls, self.deadly = calls, seeds
+        self.tasks: list[list[int]] = []
+
+    def submit(self, call: Callable[..., Any], /, *args: Any, **named: Any) -> Future[Any]:
+        self.tasks.append(args[1])
+        if len(self.tasks) - 1 not in self.calls and not set(args[1]) & set(self.deadly):
+            return super().submit(call, *args, **named)
+        future = Future[Any]()
+        future.set_exception(WorkerError("it ended"))
+        return future
+
+
+def test_a_worker_that_ends_once_loses_nothing_and_is_no_failure(
+    tmp_path: Path, expected: list[Any]
+) -> None:
+    path = tmp_path / "r.sqlite"
+    assert failures_of(path, Dying(calls=(0, 3)), PLAN) == []
+    assert table(path) == expected
+
+
+def test_a_seed_whose_worker_ends_twice_has_failed_and_the_others_go_on(tmp_path: Path) -> None:
+    path, plan, executor = tmp_path / "r.sqlite", make_plan({}, 60, 0), Dying(seeds=(7, 41))
+    messages = failures_of(path, executor, plan)
+    assert sorted(messages) == [
+        f"seed {seed} with the defaults: it ended; it was tried twice" for seed in (41, 7)
+    ]
+    assert seeds_done(path, plan) == [set(range(60)) - {7, 41}]
+    assert [len(task) for task in executor.tasks if 7 in task][-1] == 1
+
+
+class Counting(ThreadPoolExecutor):
+    """Counts what runs beside each call; a worker ends with the first two and with a large one."""
+
+    def __init__(self) -> None:
+        super().__init__(3)
+        self.calls = list[tuple[list[int], int]]()
+        self.futures = list[Future[Any]]()
+        self.suspects = set[int]()
+
+    def submit(self, call: Callable[..., Any], /, *args: Any, **named: Any) -> Future[Any]:
+        self.calls.append((args[1], sum(not future.done() for future in self.futures)))
+        if len(self.calls) <= 2 or len(args[1]) > MAX_SUSPECTS > len(self.suspects):
+            self.suspects |= {*args[1]}
+            future = Future[Any]()
+            future.set_exception(WorkerError("it ended"))
+        else:
+            future = super().submit(call, *args, **named)
+        self.futures.append(future)
+        return future
+
+
+def test_seeds_whose_worker_has_ended_run_again_with_nothing_beside_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("agents.experiments.running.TICK", 1e-4)  # shorter than an episode
+    with Counting() as executor:
+        assert failures_of(tmp_path / "r.sqlite", executor, make_plan({}, 3000, 0), 3) == []
+    first, again = set[int](), list[int]()
+    for number, (seeds, beside) in enumerate(executor.calls):
+        if first.isdisjoint(seeds):
+            first |= {*seeds}
+            continue
+        again += seeds
+        after = [count for _, count in executor.calls[number + 1 : number + 2]]
+        assert (len(seeds), beside, sum(after)) == (1, 0, 0)
+    assert sorted(again) == sorted(executor.suspects)
+    assert len(again) > MAX_SUSPECTS
+
+
+def test_a_case_that_always_fails_ends_after_a_few_and_the_others_go_on(tmp_path: Path) -> None:
+    path, file = tmp_path / "r.sqlite", tmp_path / "agent.py"
+    file.write_text(AGENT.format(name="Own", begin="pass", act="raise KeyError"))
+    plan = make_plan({"agent": [f"{file}:Own", "greedy"], "max_steps": 5}, 1000, 0)
+    messages = failures_of(path, Here(), plan)
+    assert len(messages) == MAX_FAILURES
+    assert messages[-1].endswith(
+        f"; its other seeds are left out after MAX_FAILURES = {MAX_FAILURES}"
+    )
+    assert [len(done) for done in seeds_done(path, plan)] == [0, 1000]
+
+
+def test_workers_that_always_end_are_soon_failures(tmp_path: Path) -> None:
+    executor = Dying(seeds=range(10**6))
+    messages = failures_of(tmp_path / "r.sqlite", executor, make_plan({}, 10**6, 0))
+    assert len(messages) == MAX_FAILURES
+    assert len(executor.tasks) <= 2 * (MAX_FAILURES + MAX_SUSPECTS)
 
 
 @pytest.mark.parametrize("is_changed", [True, False])
@@ -186,10 +321,9 @@ def test_an_agent_whose_file_is_changed_or_removed_during_a_sweep_is_an_error(
     else:
         file.unlink()
     why = "has changed since the sweep began" if is_changed else "No such file"
-    with pytest.raises(EpisodeError, match=why):
-        run(path, Here(), plan)
-    with Store(path, read_only=True) as store:
-        assert store.count(plan.cases[1], plan.seeds) == 0
+    messages = failures_of(path, Here(), plan)
+    assert all(why in message for message in messages)
+    assert seeds_done(path, plan) == [set(range(10)), set()]
 
 
 def test_an_agent_whose_import_is_changed_during_a_sweep_is_an_error(tmp_path: Path) -> None:
@@ -231,7 +365,7 @@ def test_rows_are_reported_once_after_they_are_stored(tmp_path: Path) -> None:
     plan = make_plan({}, 20, 0)
     with Store(tmp_path / "r.sqlite") as store, ThreadPoolExecutor(2) as executor:
 
-        def report(rows: Sequence[Row]) -> None:
+        def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
             reported.extend(row.seed for row in rows)
             assert store.count(plan.cases[0], plan.seeds) == len(reported)
 
@@ -253,7 +387,7 @@ def test_an_error_of_the_store_ends_the_run(
 def test_processes_end_without_warnings_while_tasks_are_waiting(tmp_path: Path) -> None:
     stored = set[int]()
 
-    def report(rows: Sequence[Row]) -> None:
+    def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
         stored.update(row.seed for row in rows)
         if 6 in stored and not rows:
             raise KeyboardInterrupt

@@ -323,6 +323,34 @@ def test_tables_that_another_sweep_creates_during_the_check_are_accepted(
     assert rivals
 
 
+@pytest.mark.parametrize("is_open", [False, True], ids=["opening", "adding"])
+def test_the_wait_for_another_writer_ends_with_what_the_check_raises(
+    path: Path, is_open: bool
+) -> None:
+    checks = iter([None, None, KeyboardInterrupt])
+
+    def check() -> None:
+        if error := next(checks):
+            raise error
+
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+    other = sqlite3.connect(path, isolation_level=None)
+    if is_open:
+        with Store(path, check=check) as store:
+            other.execute("BEGIN IMMEDIATE")
+            with pytest.raises(KeyboardInterrupt):
+                store.add(case_id, [row(1)])
+            other.execute("ROLLBACK")
+            store.add(case_id, [row(2)])
+            assert store.seeds_done(case_id, EVERY) == {2}
+    else:
+        other.execute("BEGIN IMMEDIATE")
+        with pytest.raises(KeyboardInterrupt):
+            Store(path, check=check)
+    other.close()
+
+
 @pytest.mark.parametrize("code", [sqlite3.SQLITE_BUSY, sqlite3.SQLITE_IOERR])
 def test_only_a_busy_database_is_tried_again(
     path: Path, monkeypatch: pytest.MonkeyPatch, code: int

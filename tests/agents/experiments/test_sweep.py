@@ -1,7 +1,6 @@
 """The command ``warehouse sweep``: finished episodes are kept however it ends, and it resumes."""
 
 import os
-import random
 import signal
 import subprocess
 import sys
@@ -10,19 +9,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, ClassVar
 
 import pytest
 from helpers.command_line import ROOT, command, refusal
 from helpers.results_files import outcomes
-from helpers.sweeps import Here, check_is_usable, table, uninterrupted, words
+from helpers.sweeps import Here, Sweep, check_is_usable, kill_sweeps, table, uninterrupted, words
 
-from agents.errors import StoreError
 from agents.experiments import sweep as sweep_command
 from agents.experiments.case import make_case
 from agents.experiments.parameters import PARAMETERS
 from agents.experiments.store import Store
-from agents.experiments.workers import KILLED
 from agents.programs import program_for
 
 
@@ -51,58 +47,6 @@ from agents.cli import main
 if __name__ == "__main__":
     main()
 """
-
-
-class Sweep:
-    """A sweep in its own session."""
-
-    started: ClassVar[list["Sweep"]] = []
-
-    def __init__(self, output: Path, episodes: int) -> None:
-        self.started.append(self)
-        self.output = output
-        self.process = subprocess.Popen(
-            [sys.executable, "-c", "from agents.cli import main; main()", *words(output, episodes)],
-            cwd=ROOT,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            start_new_session=True,
-        )
-
-    def wait_for_rows(self) -> None:
-        """Wait until more rows have been stored."""
-        before, end = self._rows(), time.monotonic() + 60
-        while self._rows() == before and self.process.poll() is None:
-            assert time.monotonic() < end
-            time.sleep(0.02)
-
-    def end(self) -> tuple[int, str, str]:
-        """Wait until the sweep and all processes that it started have ended."""
-        out, err = self.process.communicate(timeout=60)
-        end = time.monotonic() + 10
-        while alive := in_session(self.process.pid):
-            assert time.monotonic() < end, f"{alive} are left"
-            time.sleep(0.02)
-        return self.process.returncode, out, err
-
-    def _rows(self) -> int:
-        with suppress(StoreError), Store(self.output, read_only=True) as store:
-            count: int = next(store.query("SELECT count(*) FROM episodes"))[0]
-            return count
-        return 0
-
-
-def in_session(session: int) -> list[str]:
-    """Return the running processes of a session."""
-    found = subprocess.run(
-        ["ps", "-s", str(session), "-o", "pid=,stat=,args="],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    lines = found.stdout.splitlines()
-    return [line for line in lines if not line.split()[1].startswith("Z")]
 
 
 def test_a_sweep_counts_stored_episodes_and_adds_missing_ones(
@@ -157,27 +101,14 @@ def test_flags_and_options_override_the_plan_file(
 def test_a_killed_sweep_loses_and_repeats_no_rows(
     path: Path, tmp_path: Path, kills: int, episodes: int
 ) -> None:
-    moments, killed, before = random.Random(1), 0, set[Any]()
-    for _ in range(kills):
-        sweep = Sweep(path, episodes)
-        if moments.random() < 0.75:
-            sweep.wait_for_rows()
-            time.sleep(moments.uniform(0, 0.3))
-        else:
-            time.sleep(moments.uniform(0, 1.2))
-        sweep.process.kill()
-        killed += sweep.end()[0] == -signal.SIGKILL
-        if path.exists():
-            check_is_usable(path)
-            now = set(table(path))
-            assert before <= now
-            before = now
+    killed = kill_sweeps(path, episodes, kills)
     assert killed >= kills * 2 // 3
+    before = table(path)
     assert before
-    code, out, err = (sweep := Sweep(path, episodes)).end()
+    sweep = Sweep(path, episodes)
+    code, out, err = sweep.end()
     assert (code, err) == (0, "")
     assert f" {len(before):,} done\n" in out
-    assert sweep.process.returncode == 0
     assert table(path) == uninterrupted(tmp_path / "expected.sqlite", episodes)
 
 
@@ -216,9 +147,9 @@ def test_a_full_disk_is_a_one_line_error_and_finished_rows_are_kept(
     assert table(path) == uninterrupted(tmp_path / "expected.sqlite", 100)
 
 
-KILLER = """
+DEADLY = """
 import os, signal
-class Killer:
+class Deadly:
     def __init__(self, seed):
         self.seed = seed
 
@@ -226,26 +157,61 @@ class Killer:
         pass
 
     def act(self, observation):
-        if self.seed == 30:
+        if self.seed == 13:
             os.kill(os.getpid(), signal.SIGKILL)  # as a system that runs out of memory does
+        if self.seed == 14:
+            os._exit(3)
+        if self.seed == 15:
+            raise KeyError
         return "N"
 """
 
 
-def test_a_killed_worker_is_a_one_line_error_and_the_sweep_can_be_resumed(
+def test_agents_that_fail_or_end_their_process_are_named_and_the_others_go_on(
     capsys: pytest.CaptureFixture[str], path: Path, tmp_path: Path
 ) -> None:
     with TemporaryDirectory() as folder:
-        file = Path(folder) / "killer.py"
-        file.write_text(KILLER)
-        choice = ["--set", f"agent=greedy,{file}:Killer", "--set", "max_steps=5", "-o", path]
-        assert refusal(capsys, "sweep", *choice, "-n", 40, "--workers", 1) == KILLED
-        check_is_usable(path)
-        assert 40 <= len(table(path)) <= 70
-        assert (
-            "2 combinations, 30 episodes each, " in command(capsys, "sweep", *choice, "-n", 30).out
-        )
-    assert len(table(path)) == 70
+        file = Path(folder) / "deadly.py"
+        file.write_text(DEADLY)
+        choice = ["--set", f"agent={file}:Deadly,greedy", "--set", "max_steps=5", "-o", path]
+        result = command(capsys, "sweep", *choice, "-n", 20, "--workers", 2)
+    assert result.code == 1
+    flags = f"with agent={file}:Deadly, max_steps=5"
+    *failures, last = result.err.splitlines()
+    assert sorted(failures) == [
+        f"warehouse: seed 13 {flags}: its process was ended by signal 9 (Killed), "
+        "perhaps because memory ran out; it was tried twice",
+        f"warehouse: seed 14 {flags}: its process ended with exit code 3; it was tried twice",
+        f"warehouse: seed 15, step 1, {flags}: KeyError (deadly.py, line 16)",
+    ]
+    assert last == (
+        "warehouse: 3 episodes failed, in 1 of 2 combinations; 37 of 40 episodes in "
+        f"{path}; run the same command again to run the others"
+    )
+    assert "done; see" not in result.out
+    check_is_usable(path)
+    assert len(table(path)) == 37
+
+
+THREADED = """
+import threading, time
+class Threaded:
+    def reset(self):
+        threading.Thread(target=time.sleep, args=(3600,)).start()
+
+    def act(self, observation):
+        return "N"
+"""
+
+
+def test_an_agent_that_leaves_threads_running_does_not_hold_up_the_end(path: Path) -> None:
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "threaded.py"
+        file.write_text(THREADED)
+        sweep = Sweep(path, 8, [f"agent={file}:Threaded"])
+        code, out, err = sweep.end()
+    assert (code, err) == (0, "")
+    assert "8 episodes done; see" in out
 
 
 def test_there_are_no_more_workers_than_episodes(

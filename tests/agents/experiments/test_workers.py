@@ -1,32 +1,40 @@
-"""Worker processes end with their parent, and a killed worker is an error."""
+"""Worker processes end with their parent, and one that ends is an error of its call alone."""
 
 import multiprocessing
 import os
 import signal
 import subprocess
 import sys
+import threading
 import time
+from collections.abc import Callable
 from concurrent.futures import Executor
+from functools import partial
 
 import pytest
 from helpers.command_line import ROOT
 
 from agents.errors import WorkerError
-from agents.experiments import workers
-from agents.experiments.workers import KILLED, process_pool
+from agents.experiments.workers import process_pool, teller
 
 ORPHAN_MAKER = """
 import os, time
 from agents.experiments.workers import process_pool
 if __name__ == "__main__":
     with process_pool(2) as (executor, count):
-        print(*{executor.submit(os.getpid).result() for _ in range(50)}, flush=True)
+        print(executor.submit(os.getpid).result(), flush=True)
         time.sleep(60)
 """
 
 
+def pid() -> int:
+    time.sleep(0.5)
+    return os.getpid()
+
+
 def pids(executor: Executor) -> set[int]:
-    return {executor.submit(os.getpid).result() for _ in range(50)}
+    futures = [executor.submit(pid) for _ in range(2)]
+    return {future.result() for future in futures}
 
 
 def wait_until_gone(numbers: set[int]) -> None:
@@ -48,33 +56,75 @@ def test_workers_are_other_processes_that_ignore_interrupts_and_end_with_the_blo
     with process_pool(2) as (executor, count):
         assert count == 2
         found = pids(executor)
-        assert 1 <= len(found) <= 2
-        assert os.getpid() not in found
-        assert len(multiprocessing.active_children()) == 2
-        for process in multiprocessing.active_children():
-            assert process.pid is not None
-            os.kill(process.pid, signal.SIGINT)
-        assert pids(executor) <= {each.pid for each in multiprocessing.active_children()}
-        assert len(multiprocessing.active_children()) == 2
-    wait_until_gone(found)
+        assert len(found) == 2
+        assert found == {each.pid for each in multiprocessing.active_children()}
+        for number in found:
+            os.kill(number, signal.SIGINT)
+        assert pids(executor) == found
+    assert not any(map(is_running, found))
 
 
 def test_an_error_in_the_block_kills_the_workers() -> None:
-    with pytest.raises(ArithmeticError), process_pool(1) as (executor, _):  # noqa: PT012
+    with pytest.raises(ArithmeticError), process_pool(2) as (executor, _):  # noqa: PT012
         found = pids(executor)
-        executor.submit(time.sleep, 60)
+        waiting = [executor.submit(time.sleep, 60) for _ in range(5)]
         raise ArithmeticError
-    wait_until_gone(found)
+    assert not any(map(is_running, found))
+    assert all(future.done() for future in waiting)
 
 
-def test_a_killed_worker_is_an_error() -> None:
-    with pytest.raises(WorkerError) as caught, process_pool(2) as (executor, _):  # noqa: PT012
-        [*found] = pids(executor)
-        sleep = executor.submit(time.sleep, 60)
-        os.kill(found[0], signal.SIGKILL)
-        sleep.result()
-    assert str(caught.value) == KILLED
-    wait_until_gone(set(found))
+@pytest.mark.parametrize(
+    ("end", "reason"),
+    [
+        (partial(os._exit, 3), "its process ended with exit code 3"),
+        (os.abort, "its process was ended by signal 6 (Aborted)"),
+    ],
+    ids=["an exit", "a fault"],
+)
+def test_a_worker_that_ends_is_an_error_of_its_call_alone(
+    end: Callable[[], None], reason: str
+) -> None:
+    with process_pool(2) as (executor, _):
+        before = pids(executor)
+        other, ending = executor.submit(pid), executor.submit(end)
+        with pytest.raises(WorkerError) as caught:
+            ending.result()
+        assert str(caught.value) == reason
+        assert other.result() in before
+        after = pids(executor)
+        assert len(after) == 2
+        assert len(after & before) == 1
+
+
+def leave_a_thread() -> int:
+    threading.Thread(target=time.sleep, args=(60,)).start()
+    return os.getpid()
+
+
+def test_workers_end_with_the_block_whatever_threads_they_have() -> None:
+    with process_pool(1) as (executor, _):
+        found = executor.submit(leave_a_thread).result()
+    assert not is_running(found)
+
+
+def tell(text: str) -> None:
+    teller()(text)
+
+
+def test_what_a_call_tells_is_printed_by_the_process_that_waits(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with process_pool(1) as (executor, _):
+        executor.submit(tell, "it takes\nlong").result()
+    assert capsys.readouterr().err == "warehouse: it takes long\n"
+
+
+def test_an_exception_of_a_call_is_raised_and_the_worker_goes_on() -> None:
+    with process_pool(1) as (executor, _):
+        before = executor.submit(os.getpid).result()
+        with pytest.raises(ZeroDivisionError):
+            executor.submit(divmod, 1, 0).result()
+        assert executor.submit(os.getpid).result() == before
 
 
 def test_workers_end_when_their_parent_is_killed() -> None:
@@ -86,11 +136,3 @@ def test_workers_end_when_their_parent_is_killed() -> None:
         assert found
         parent.kill()
     wait_until_gone(found)
-
-
-def test_the_number_of_workers_is_at_most_max_processes(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(workers, "MAX_PROCESSES", 1)
-    with process_pool(2) as (_, count):
-        assert count == 1

@@ -1,0 +1,91 @@
+"""Rows of sweeps that are killed, and of sweeps with several workers, programs and interpreters.
+
+``WAREHOUSE_PYTHONS`` names the interpreters, separated as in ``PATH``; the package must be
+installed for each with the extras ``physics`` and ``cluster``. Default: the running one.
+"""
+
+import hashlib
+import os
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from helpers.dask_cluster import dask_cluster
+from helpers.sweeps import FLAGS, Sweep, kill_sweeps, table, uninterrupted
+
+PYTHONS = os.environ.get("WAREHOUSE_PYTHONS", sys.executable).split(os.pathsep)
+KILLS, KILLED_EPISODES = 200, 12_000
+ALL_FLAGS, EPISODES = [*FLAGS, "backend=grid,physics"], 100
+SECONDS = 600
+"""Of a sweep, at most."""
+
+WAYS = ("1 worker", "2 workers", "two sweeps at once", "Dask with a kill")
+
+
+def version_of(python: str) -> str:
+    words = [python, "-c", "import platform; print(platform.python_version())"]
+    return subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip()
+
+
+def compared(path: Path, expected: list) -> tuple[int, int, int]:
+    """Return how many rows are lost, doubled and different."""
+    found, wanted = table(path), dict(keyed(expected))
+    counts = Counter(key for key, _ in keyed(found))
+    differing = sum(wanted[key] != row for key, row in keyed(found))
+    return len(wanted.keys() - counts.keys()), counts.total() - len(counts), differing
+
+
+def keyed(rows: list) -> list:
+    return [(row[:2], row) for row in rows]
+
+
+def test_kill_9(tmp_path, capsys) -> None:
+    path = tmp_path / "r.sqlite"
+    killed = kill_sweeps(path, KILLED_EPISODES, KILLS)
+    left = len(table(path))
+    assert Sweep(path, KILLED_EPISODES).end(SECONDS)[0] == 0
+    expected = uninterrupted(tmp_path / "expected.sqlite", KILLED_EPISODES)
+    lost, doubled, different = compared(path, expected)
+    with capsys.disabled():
+        print(
+            f"\nkill -9, {KILLS} times, {killed} of them while it ran, the last at {left:,} of "
+            f"{len(expected):,} rows: {lost} lost, {doubled} doubled, {different} different"
+        )
+    assert (lost, doubled, different) == (0, 0, 0)
+
+
+def run(way: str, path: Path, python: str) -> None:
+    if way == "Dask with a kill":
+        with dask_cluster(path.parent, "--no-nanny", python=python) as (address, processes):
+            sweep = Sweep(path, EPISODES, ALL_FLAGS, "--cluster", address, python=python)
+            sweep.wait_for_rows()
+            processes[-1].kill()
+            assert sweep.end(SECONDS)[0] == 0
+        return
+    count = 2 if way == "two sweeps at once" else 1
+    workers = 2 if way == "2 workers" else 1
+    sweeps = [
+        Sweep(path, EPISODES, ALL_FLAGS, workers=workers, python=python) for _ in range(count)
+    ]
+    assert [sweep.end(SECONDS)[0] for sweep in sweeps] == [0] * count
+
+
+@pytest.mark.parametrize("python", PYTHONS, ids=version_of)
+def test_rows_of_workers_programs_and_interpreters(tmp_path, capsys, python: str) -> None:
+    """All have to be those of one process of the running interpreter."""
+    expected = uninterrupted(tmp_path / "expected.sqlite", EPISODES, ALL_FLAGS)
+    for number, way in enumerate(WAYS):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        run(way, folder / "r.sqlite", python)
+        found = compared(folder / "r.sqlite", expected)
+        digest = hashlib.sha256(repr(table(folder / "r.sqlite")).encode()).hexdigest()[:12]
+        with capsys.disabled():
+            lost, doubled, different = found
+            print(
+                f"\nPython {version_of(python)}, {way}: {len(expected):,} rows, {lost} lost, "
+                f"{doubled} doubled, {different} different, digest {digest}"
+            )
+        assert found == (0, 0, 0)
