@@ -19,7 +19,7 @@ from warehouse_core.errors import RecordError
 from warehouse_core.files.npz import Arrays, Schema
 from warehouse_core.motion.base import Contact, Outcome
 from warehouse_core.task.settings import Settings
-from warehouse_core.world.layout import MAX_CELLS, Layout
+from warehouse_core.world.layout import MAX_CELLS, Layout, check_size
 
 FORMAT = "warehouse-lab episode 1"
 
@@ -108,6 +108,7 @@ def _read_layout(tiles: NDArray[np.uint8]) -> Layout:
     # Checked first: rows without columns take no room in a file, but could be very many.
     if not 0 < tiles.size <= MAX_CELLS:
         raise RecordError(f"layout: {tiles.shape} tiles; there must be 1..{MAX_CELLS}")
+    check_size(*tiles.shape)
     return Layout([row.tobytes().decode("ascii") for row in tiles])
 
 
