@@ -111,7 +111,7 @@ def test_a_reward_that_is_not_finite_raises(
     arrays: Arrays, load_changed: Load, value: float
 ) -> None:
     rewards = changed_at(arrays["rewards"], 7, value)
-    assert "a reward is not finite" in refused(load_changed, rewards=rewards)
+    assert "rewards has a number outside" in refused(load_changed, rewards=rewards)
 
 
 @pytest.mark.parametrize("name", ["cells", "loaded", "battery", "rewards", "reasons", "actions"])
