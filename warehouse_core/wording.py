@@ -17,5 +17,15 @@ def listed(parts: Iterable[object], word: str = "and") -> str:
 
 
 def printable(text: str) -> str:
-    """Return text with a space for each character that is invisible or not allowed in SVG."""
-    return "".join(character if character.isprintable() else " " for character in text)
+    r"""Return text in one line of visible characters, as a terminal, a page or an SVG may show it.
+
+    Blanks and line ends become spaces, and every other invisible character its escape in Python,
+    such as ``\x1b``, so that different names stay different.
+    """
+    return text if text.isprintable() else "".join(map(_visible, text))
+
+
+def _visible(character: str) -> str:
+    if character.isprintable():
+        return character
+    return " " if character.isspace() else ascii(character)[1:-1]

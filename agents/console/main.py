@@ -10,6 +10,7 @@ from typing import Any
 import typer
 from typer.exceptions import TyperException
 
+from agents.console.terminal import say
 from warehouse_core.errors import WarehouseError
 
 USER_ERROR, INTERRUPTED = 1, 130
@@ -41,7 +42,7 @@ def main(app: typer.Typer, arguments: Sequence[str] | None = None) -> None:
     except TyperException as error:
         message, code = error.format_message(), error.exit_code
         if message.startswith("Usage:"):  # the whole help, where a command is missing
-            typer.echo(message, err=True)
+            say(message, error=True)
         else:
             _fail(message, code)
     except EXPECTED as error:
@@ -52,18 +53,12 @@ def main(app: typer.Typer, arguments: Sequence[str] | None = None) -> None:
 
 
 def _fail(message: str, code: int) -> int:
-    line = _in_a_line(message)
-    if line:  # an exception may have no message
-        typer.echo(f"warehouse: {line}", err=True)
-    return code
-
-
-def _in_a_line(message: str) -> str:
-    """Return a message as one line of printable characters."""
     line = " ".join(message.split())
     if len(line) > MAX_LENGTH:
         line = f"{line[:MAX_LENGTH]}..."
-    return "".join(each if each.isprintable() else ascii(each)[1:-1] for each in line)
+    if line:  # an exception may have no message
+        say(f"warehouse: {line}", error=True)
+    return code
 
 
 def _describe(error: Exception) -> str:

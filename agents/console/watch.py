@@ -11,8 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic
 
-import typer
-
+from agents.console.terminal import say
 from agents.errors import EpisodeError, EpisodeInterrupted, reason_of
 from warehouse_core import Agent, Episode, EpisodeRecorder, Observation
 
@@ -71,10 +70,10 @@ def _slow_steps_reported(episode: Episode, name: str, file: Path | None) -> Iter
                 steps, since = episode.steps, monotonic()
             elif monotonic() - since > SLOW_SECONDS:
                 since = math.inf  # one report a step
-                typer.echo(
+                say(
                     f"warehouse: {_place(episode, name)} takes more than {SLOW_SECONDS:g} s"
                     f"{_line_of(thread, file)}; Ctrl-C ends it",
-                    err=True,
+                    error=True,
                 )
 
     watcher = threading.Thread(target=watch, daemon=True)

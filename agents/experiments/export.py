@@ -13,6 +13,7 @@ from typing import Annotated, Any
 
 import typer
 
+from agents.console.terminal import say
 from agents.errors import StoreError
 from agents.experiments.case import TILES, Case
 from agents.experiments.store import Row, Store
@@ -59,7 +60,7 @@ def export(
     with Store(results, read_only=True) as store, atomic_path(table) as part:
         columns = columns_of(store)
         writers[suffix](part, columns, lines_of(store, columns))
-    typer.echo(f"saved {table}")
+    say(f"saved {table}")
 
 
 def columns_of(store: Store) -> dict[str, str]:

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 from agents.console.place import Stations
 from agents.errors import ParameterError
 from warehouse_core.motion import backends
+from warehouse_core.wording import printable
 from warehouse_core.world.generators import MAX_DENSITY
 
 Value = str | int | float | bool
@@ -198,4 +199,4 @@ def shown(value: Value | None) -> str:
         return "none"
     if isinstance(value, bool):
         return "on" if value else "off"
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    return f"{value:g}" if isinstance(value, float) else printable(str(value))

@@ -14,6 +14,7 @@ from typing import Annotated
 
 import typer
 
+from agents.console.terminal import say
 from agents.errors import ParameterError
 from agents.experiments.choices import PlanFile, parse_flags, read_plan_file
 from agents.experiments.parameters import MAX_VALUE, MAX_VIEW_RADIUS
@@ -151,7 +152,7 @@ def sweep(
         store.add_cases(plan.cases)
         done = _done(plan, store)
         cases, each = counted(len(plan.cases), "combination"), counted(plan.episodes, "episode")
-        typer.echo(f"{cases}, {each} each, {done:,} done")
+        say(f"{cases}, {each} each, {done:,} done")
         missing = plan.total - done
         count = min(workers or os.cpu_count() or 1, missing)
         try:
@@ -160,13 +161,13 @@ def sweep(
                 _run(plan, store, missing, pool, check)
         except KeyboardInterrupt:
             done = _done(plan, store)
-            typer.echo(
+            say(
                 f"{done:,} of {plan.total:,} episodes in {output}; run the same command again to "
                 "resume"
             )
             raise typer.Abort from None  # typer would end without a message
     episodes_done = f"{counted(plan.total, 'episode')} done"
-    typer.echo(f"{episodes_done}; see the results with: warehouse report {output}")
+    say(f"{episodes_done}; see the results with: warehouse report {output}")
 
 
 def _given(file: Path | None, preset: str | None) -> PlanFile:

@@ -24,5 +24,6 @@ def test_only_one_thing_is_singular() -> None:
     ]
 
 
-def test_what_is_invisible_becomes_a_space() -> None:
-    assert printable("a\x00b\u200bc \u00e9\n") == "a b c \u00e9 "
+def test_blanks_become_spaces_and_what_is_invisible_its_escape() -> None:
+    text = "a\x00b\u200bc\u202ed\ud800 \u00e9\n\tf\u3000"
+    assert printable(text) == r"a\x00b\u200bc\u202ed\ud800 " + "\u00e9  f "

@@ -63,7 +63,8 @@ MAY_IMPORT = {
     ),
     "agents/reports/analysis": "errors evaluation experiments",
     "agents/reports/figures": "errors evaluation experiments reports/analysis",
-    "agents/reports": "errors evaluation experiments registry reports/analysis reports/figures",
+    "agents/reports": "console errors evaluation experiments registry reports/analysis "
+    "reports/figures",
     "agents/cli": "commands console experiments reports run_episode",
     "agents/__main__": "cli",
 }
