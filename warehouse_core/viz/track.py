@@ -155,7 +155,7 @@ def track_of_episode(episode: Episode, frame_seconds: float | None = FRAME_SECON
     )
     if episode.outcome != UNFINISHED:
         diagnosis = diagnose(episode)
-        track.ending, frames[-1].caption = diagnosis.mode, diagnosis.sentence
+        track.ending, frames[-1].caption = diagnosis.mode, printable(diagnosis.sentence)
     return track
 
 
