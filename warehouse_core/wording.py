@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Iterable
 
 
@@ -14,6 +15,14 @@ def listed(parts: Iterable[object], word: str = "and") -> str:
     """Return parts as a list, ``a, b and c``."""
     *others, last = map(str, parts)
     return f"{', '.join(others)} {word} {last}" if others else last
+
+
+def brief(value: object) -> str:
+    """Return a short ``repr`` of any value, even of one that has none, as a very large number."""
+    try:
+        return reprlib.repr(value)
+    except Exception:  # that of a user's class may raise anything
+        return f"<{type(value).__name__}>"
 
 
 def printable(text: str) -> str:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from warehouse_core.wording import counted, listed, printable
+from warehouse_core.wording import brief, counted, listed, printable
 
 
 @pytest.mark.parametrize(
@@ -22,6 +22,19 @@ def test_only_one_thing_is_singular() -> None:
         "1 seed",
         "12,345 seeds",
     ]
+
+
+def test_any_value_has_a_short_form() -> None:
+    values = ("N", 1.5, 10**5000, [[[10**5000]]])
+    assert [brief(value) for value in values] == ["'N'", "1.5", "<int>", "<list>"]
+
+
+def test_a_long_or_deep_value_is_cut() -> None:
+    deep: list[object] = []
+    for _ in range(100_000):
+        deep = [deep]
+    assert len(brief(deep)) < 100
+    assert len(brief("x" * 10**6)) == 30
 
 
 def test_blanks_become_spaces_and_what_is_invisible_its_escape() -> None:

@@ -25,7 +25,7 @@ MAY_IMPORT = {
     "warehouse_core/extras": "",
     "warehouse_core/wording": "",
     "warehouse_core/files": "errors",
-    "warehouse_core/world": "errors files",
+    "warehouse_core/world": "errors files wording",
     "warehouse_core/task": "errors world",
     "warehouse_core/motion": "arguments errors extras world",
     "warehouse_core/render": "arguments errors task world",
