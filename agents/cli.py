@@ -19,6 +19,7 @@ from agents.commands.train import train_ppo, train_q
 from agents.console import main as console
 from agents.console.options import IntervalOption, SaveOption, ShowOption, SpeedOption
 from agents.console.output import replay_or_save
+from agents.console.terminal import say
 from agents.experiments.export import export
 from agents.experiments.sweep import sweep
 from agents.reports.report import report
@@ -72,7 +73,7 @@ def _print_version(wanted: bool) -> None:
     if wanted:
         from importlib.metadata import version  # takes long to import
 
-        typer.echo(f"warehouse-lab {version('warehouse-lab')}")
+        say(f"warehouse-lab {version('warehouse-lab')}")
         raise typer.Exit
 
 

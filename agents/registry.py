@@ -93,7 +93,7 @@ def _options(name: str, kind: Callable[..., Agent], text: str) -> dict[str, Any]
             )
         try:
             found[key] = ast.literal_eval(value)
-        except (ValueError, SyntaxError):
+        except (ValueError, SyntaxError, RecursionError, MemoryError):  # too deep for the parser
             found[key] = value
     return found
 
@@ -126,8 +126,8 @@ def _wanted(make: Callable[..., Agent], seed: int | None, layout: Layout) -> dic
 
 def _load_trained(word: str, file: str, seed: int | None, layout: Layout) -> Agent:
     load = TRAINED[word]
-    if not file:
-        raise AgentError(f"agent '{word}:' names no file; allowed: {word}:FILE")
+    if not file or "\0" in file:
+        raise AgentError(f"agent {f'{word}:{file}'!r} names no file; allowed: {word}:FILE")
     try:
         if Path(file).exists() and not Path(file).is_file():  # a pipe may never have an end
             raise AgentError(f"agent file {file}: it is a folder or a device, not a file")

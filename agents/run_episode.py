@@ -30,6 +30,7 @@ from agents.console.options import (
     load_place,
 )
 from agents.console.output import replay_or_save
+from agents.console.terminal import say
 from agents.console.watch import run_watched
 from agents.errors import EpisodeError, EpisodeInterrupted
 from agents.registry import make_agent
@@ -92,14 +93,14 @@ def report_episode(episode: Episode, stations: str = "") -> None:
     """Print the outcome of an episode, and whether its stations are drawn or kept."""
     settings = episode.settings
     source = f", stations {stations}" if stations else ""
-    typer.echo(f"{episode.agent} on the {settings.backend} backend, seed {episode.seed}{source}")
+    say(f"{episode.agent} on the {settings.backend} backend, seed {episode.seed}{source}")
     diagnosis = diagnose(episode)
     mode = "" if diagnosis.mode == episode.outcome else f"{diagnosis.mode}: "
-    typer.echo(f"outcome         {episode.outcome}")
-    typer.echo(f"diagnosis       {mode}{diagnosis.sentence}")
-    typer.echo(f"total reward    {episode.total_reward:.2f}")
-    typer.echo(f"final battery   {episode.battery[-1]} of {settings.battery}")
-    typer.echo(f"episode length  {episode.steps} of at most {settings.max_steps} steps")
+    say(f"outcome         {episode.outcome}")
+    say(f"diagnosis       {mode}{diagnosis.sentence}")
+    say(f"total reward    {episode.total_reward:.2f}")
+    say(f"final battery   {episode.battery[-1]} of {settings.battery}")
+    say(f"episode length  {episode.steps} of at most {settings.max_steps} steps")
 
 
 def run(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Iterable
 
 
@@ -16,11 +17,24 @@ def listed(parts: Iterable[object], word: str = "and") -> str:
     return f"{', '.join(others)} {word} {last}" if others else last
 
 
+def brief(value: object) -> str:
+    """Return a short ``repr`` of any value, even of one that has none, as a very large number."""
+    try:
+        return reprlib.repr(value)
+    except Exception:  # that of a user's class may raise anything
+        return f"<{type(value).__name__}>"
+
+
 def printable(text: str) -> str:
-    """Return text with a space for each character that is invisible or not allowed in SVG."""
-    return "".join(character if character.isprintable() else " " for character in text)
+    r"""Return text in one line of visible characters, as a terminal, a page or an SVG may show it.
+
+    Blanks and line ends become spaces, and every other invisible character its escape in Python,
+    such as ``\x1b``, so that different names stay different.
+    """
+    return text if text.isprintable() else "".join(map(_visible, text))
 
 
-def encodable(text: str) -> str:
-    """Return text that can be written as UTF-8: names of files may have bytes that cannot."""
-    return text.encode(errors="backslashreplace").decode()
+def _visible(character: str) -> str:
+    if character.isprintable():
+        return character
+    return " " if character.isspace() else ascii(character)[1:-1]

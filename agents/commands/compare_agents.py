@@ -21,6 +21,7 @@ from agents.console.options import (
     load_place,
 )
 from agents.console.table import Table, print_table
+from agents.console.terminal import say
 from agents.console.watch import run_watched
 from agents.errors import EpisodeInterrupted
 from agents.evaluation.scores import EXPLANATION, MEASURES, Measure, Scores, Task, evaluate
@@ -102,9 +103,9 @@ def compare_agents(
         _save(scores, title, save)
     for table in scores_tables(scores, title):
         print_table(table)
-    typer.echo(fill(EXPLANATION, get_terminal_size().columns))
+    say(fill(EXPLANATION, get_terminal_size().columns))
     if save is not None:
-        typer.echo(f"saved {save}")
+        say(f"saved {save}")
 
 
 def evaluate_watched(name: str, shown: str, task: Task, seeds: Sequence[int]) -> Scores:

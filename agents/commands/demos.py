@@ -9,6 +9,7 @@ import typer
 
 from agents.console.options import SaveReplayOption, ShowOption
 from agents.console.output import show_or_save
+from agents.console.terminal import say
 from agents.run_episode import run_episode
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (
@@ -164,7 +165,7 @@ def demo(
         raise typer.BadParameter(f"no demo is called {name!r}; allowed: {', '.join(DEMOS)}")
     load_backend("physics")
     shown = DEMOS[name]()
-    typer.echo(shown.said)
+    say(shown.said)
 
     def make_replay(window: bool) -> Replay:
         from warehouse_core.viz.replay import replay_of_track

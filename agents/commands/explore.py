@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import typer
-
 from agents.console.options import (
     BackendOption,
     BatteryOption,
@@ -20,6 +18,7 @@ from agents.console.options import (
     load_place,
 )
 from agents.console.output import show_or_save
+from agents.console.terminal import say
 from agents.run_episode import draw_seed, report_episode
 from agents.search.agents import ExploringAgent
 from warehouse_core import Episode, WarehouseEnv
@@ -78,11 +77,11 @@ def report_exploring(episode: Episode, history: list[Insight], plans: int) -> No
     layout = episode.layout
     seen = sum(len(insight.seen) for insight in history)
     [fewest] = fewest_steps(layout, (episode.cells[0], episode.loaded[0]))
-    typer.echo(f"cells seen      {seen} of {layout.height * layout.width}")
-    typer.echo(f"plans made      {plans}")
+    say(f"cells seen      {seen} of {layout.height * layout.width}")
+    say(f"plans made      {plans}")
     if fewest is None:
-        typer.echo("fewest steps    none: no way leads to the delivery")
+        say("fewest steps    none: no way leads to the delivery")
     elif episode.outcome == DELIVERED:
-        typer.echo(f"fewest steps    {fewest}; it took {episode.steps / fewest:.2f} times as many")
+        say(f"fewest steps    {fewest}; it took {episode.steps / fewest:.2f} times as many")
     else:
-        typer.echo(f"fewest steps    {fewest}")
+        say(f"fewest steps    {fewest}")

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from agents.console.options import load_layout
+from agents.console.terminal import say
 from warehouse_core import Layout, LayoutError, random_layout, shelf_layout
 from warehouse_core.world.generators import benchmark_warehouse
 from warehouse_core.world.map_files import load_map, save_layout
@@ -119,7 +120,7 @@ def check(file: Annotated[Path, typer.Argument(help="A layout file.")]) -> None:
                 f"the pickup at row {first[0]}, column {first[1]}"
             )
     cut_off = len(layout.open_cells) - len(reached)
-    typer.echo(
+    say(
         f"{file}: {layout.height} x {layout.width}, {len(layout.open_cells)} open cells "
         f"({cut_off} of them cut off), pickups: {len(layout.pickups)}, "
         f"dropoffs: {len(layout.dropoffs)}; an item can be delivered"
@@ -134,7 +135,7 @@ def list_layouts() -> None:
     """
     for name in NAMES:
         layout = named_layout(name)
-        typer.echo(f"{name}, {layout.height} x {layout.width}\n{layout}\n")
+        say(f"{name}, {layout.height} x {layout.width}\n{layout}\n")
 
 
 @app.command("print")
@@ -145,12 +146,12 @@ def print_layout(
 
     Example: warehouse layout print trap
     """
-    typer.echo(load_layout(file))
+    say(load_layout(file))
 
 
 def _print_or_save(layout: Layout, output: Path | None) -> None:
     if output is None:
-        typer.echo(layout)
+        say(layout)
     else:
         save_layout(layout, output)
-        typer.echo(f"saved {output}")
+        say(f"saved {output}")

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import typer
-
 from agents.console.options import (
     BackendOption,
     BatteryOption,
@@ -20,6 +18,7 @@ from agents.console.options import (
 )
 from agents.console.output import replay_or_save, unused
 from agents.console.place import Place
+from agents.console.terminal import say
 from agents.run_episode import draw_seed, report_episode
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.errors import NoDisplayError
@@ -123,7 +122,7 @@ class Driver:
 
 def report_game(games: Sequence[Episode], place: Place) -> None:
     """Print the outcome of the last of some games, and its number."""
-    typer.echo(f"game {len(games)}")
+    say(f"game {len(games)}")
     report_episode(games[-1], place.stations)
 
 

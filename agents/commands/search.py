@@ -19,6 +19,7 @@ from agents.console.options import (
 )
 from agents.console.output import show_or_save
 from agents.console.table import Table, print_table
+from agents.console.terminal import say
 from agents.search.algorithms import (
     MAX_WEIGHT,
     Heuristic,
@@ -169,7 +170,7 @@ def search(
     title = f"Search from {begin} to {end}, heuristic: {heuristic}"
     print_table(search_table(values, found, title))
     if not found[0].found:
-        typer.echo(f"no path leads from {begin} to {end}")
+        say(f"no path leads from {begin} to {end}")
 
     def make_replay(window: bool) -> Replay:
         from agents.search.picture import search_replay

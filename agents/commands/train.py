@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-import typer
 from numpy.typing import NDArray
 
 from agents.console.options import (
@@ -25,6 +24,7 @@ from agents.console.options import (
     load_layout,
 )
 from agents.console.table import Table, print_table
+from agents.console.terminal import say
 from agents.errors import AgentError
 from agents.evaluation.scores import MakeAgent, Scores, Task, evaluate
 from agents.learning.q_learning import QAgent, QTable, learn
@@ -194,7 +194,7 @@ class Training:
     ) -> None:
         steps = points[-1].steps
         of = "" if steps >= self.steps else f" of {self.steps:,}"
-        typer.echo(f"{steps:,}{of} steps in {seconds:.1f} s, seed {self.seed}")
+        say(f"{steps:,}{of} steps in {seconds:.1f} s, seed {self.seed}")
 
         def draw(path: Path) -> None:
             from agents.learning.curve import save_learning_curve
@@ -205,7 +205,7 @@ class Training:
         for suffix, write in {**writers, CURVE_SUFFIX: draw}.items():
             target = self.output.with_suffix(suffix)
             write(target)
-            typer.echo(f"saved {target}")
+            say(f"saved {target}")
 
 
 def _percent(share: float) -> str:

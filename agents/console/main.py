@@ -10,12 +10,10 @@ from typing import Any
 import typer
 from typer.exceptions import TyperException
 
+from agents.console.terminal import print_error, say
 from warehouse_core.errors import WarehouseError
 
 USER_ERROR, INTERRUPTED = 1, 130
-
-MAX_LENGTH = 2000
-"""Characters of an error message, which may quote a value as long as a file."""
 
 EXPECTED = (WarehouseError, OSError)
 """Errors that a user may cause. Any other error is a bug and keeps its traceback."""
@@ -41,7 +39,7 @@ def main(app: typer.Typer, arguments: Sequence[str] | None = None) -> None:
     except TyperException as error:
         message, code = error.format_message(), error.exit_code
         if message.startswith("Usage:"):  # the whole help, where a command is missing
-            typer.echo(message, err=True)
+            say(message, error=True)
         else:
             _fail(message, code)
     except EXPECTED as error:
@@ -51,24 +49,9 @@ def main(app: typer.Typer, arguments: Sequence[str] | None = None) -> None:
     sys.exit(code)
 
 
-def print_error(message: str) -> None:
-    """Print a message on standard error as one line of printable characters."""
-    line = _in_a_line(message)
-    if line:  # an exception may have no message
-        typer.echo(f"warehouse: {line}", err=True)
-
-
 def _fail(message: str, code: int) -> int:
     print_error(message)
     return code
-
-
-def _in_a_line(message: str) -> str:
-    """Return a message as one line of printable characters."""
-    line = " ".join(message.split())
-    if len(line) > MAX_LENGTH:
-        line = f"{line[:MAX_LENGTH]}..."
-    return "".join(each if each.isprintable() else ascii(each)[1:-1] for each in line)
 
 
 def _describe(error: Exception) -> str:

@@ -7,9 +7,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
-
 from agents.console.options import RECORD_SUFFIX
+from agents.console.terminal import say
 from warehouse_core import Episode
 from warehouse_core.render.window import has_display
 from warehouse_core.viz.track import INTERVAL_MS
@@ -53,11 +52,11 @@ def show_or_save(
         return
     replay = make_replay(has_display())
     if replay is not None and replay.window:
-        typer.echo("space pauses, left and right step, q closes the window")
+        say("space pauses, left and right step, q closes the window")
         replay.show()
         return
     consequence = "" if targets else ", so the replay goes to a file"
-    typer.echo(f"there is no display to open a window on{consequence}")
+    say(f"there is no display to open a window on{consequence}")
     if not targets:
         _save(make_replay, unused(Path(fallback)), episode)
 
@@ -78,7 +77,7 @@ def _save(make_replay: MakeReplay, target: Path, episode: Episode | None) -> Non
         replay = make_replay(False)
         assert replay is not None, "matplotlib is installed with this package"
         replay.save(target)
-    typer.echo(f"saved {target}")
+    say(f"saved {target}")
 
 
 def _replay_of(episode: Episode, interval_ms: float, speed: float) -> MakeReplay:

@@ -18,6 +18,8 @@ from rich.progress import (
 )
 from rich.text import Text
 
+from warehouse_core.wording import printable
+
 Item = TypeVar("Item")
 
 
@@ -37,7 +39,7 @@ class _RateColumn(ProgressColumn):
 def progress_bar(total: int, label: str = "") -> Iterator[Advance]:
     """Show a bar while the block runs, and yield the function that updates it."""
     columns = (
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),  # it may be the name of an agent
         BarColumn(),
         MofNCompleteColumn(),
         _RateColumn(),
@@ -49,7 +51,7 @@ def progress_bar(total: int, label: str = "") -> Iterator[Advance]:
         yield _show_nothing
         return
     with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task(label, total=total, news="")
+        task = bar.add_task(printable(label), total=total, news="")
 
         def advance(completed: int, news: str = "") -> None:
             bar.update(task, completed=completed, news=news)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import typer
+from agents.console.terminal import printable_lines, say
 
 
 class Table(NamedTuple):
@@ -29,6 +29,7 @@ def print_table(table: Table) -> None:
     import rich.table  # here, because it takes long to import
     from rich.console import Console
 
+    table = table._replace(rows=[tuple(map(printable_lines, row)) for row in table.rows])
     # Without markup: names and messages may have square brackets.
     console = Console(markup=False, highlight=False)
     drawn = rich.table.Table(title=table.title or None, caption=table.caption or None)
@@ -51,7 +52,7 @@ def print_table(table: Table) -> None:
                 for title, cell in zip(table.header[1:], cells, strict=True)
             ),
         ]
-    typer.echo("\n".join(line for line in [*lines, table.caption] if line.strip()))
+    say("\n".join(line for line in [*lines, table.caption] if line.strip()))
 
 
 def _widths(columns: Sequence[Sequence[str]], room: int) -> list[int]:

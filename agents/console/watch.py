@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic
 
-from agents.console.main import print_error
+from agents.console.terminal import print_error
 from agents.errors import EpisodeError, EpisodeInterrupted, reason_of
 from warehouse_core import Agent, EpisodeRecorder, Observation
 

@@ -13,6 +13,7 @@ from agents.evaluation.scores import MEASURES, Measure, Scores
 from warehouse_core.render.palette import BATTERY, INK, WARNING
 from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.figure import SceneFigure, make_figure
+from warehouse_core.wording import printable
 
 WIDTH, HEIGHT, ROW_HEIGHT, DPI = 10.0, 2.7, 0.4, 120
 """In inches, the height without and of the rows of agents, and dots per inch."""
@@ -29,7 +30,7 @@ ROOM = 1.4
 
 def scores_figure(scores: Mapping[str, Scores], title: str, caption: str = "") -> SceneFigure:
     """Draw the agents' scores, with 95% intervals."""
-    names = [_fitting(name) for name in scores]
+    names = [_fitting(printable(name)) for name in scores]
     height = HEIGHT + ROW_HEIGHT * len(names)
     figure = make_figure((WIDTH, height), DPI)
     grid = figure.subplots(2, 3, sharey=True)

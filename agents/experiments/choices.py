@@ -19,6 +19,7 @@ A plan file has these keys, all of them optional::
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -27,8 +28,17 @@ from typing import Any, NamedTuple
 from agents.errors import ParameterError
 from agents.experiments.parameters import PHYSICAL, find
 
-MAX_BYTES = 1_000_000
-"""Of a plan file."""
+MAX_BYTES = 100_000
+"""Limit on a plan file. The time to parse TOML grows with the square of a key's depth, so that is
+limited too, and so is a line, in which a key must end."""
+
+MAX_LINE = 2_000
+"""Limit on the bytes of a line of a plan file."""
+
+MAX_DEPTH = 10
+"""Limit on the parts of a key, ``robot.mass`` has two; a name may have as many dots in a row."""
+
+_DEEP = re.compile(rf"""(?<![\w-])((?:[\w-]++|"[^"]*+"|'[^']*+')[ \t]*+\.[ \t]*+){{{MAX_DEPTH}}}""")
 
 WORDS: dict[str, bool] = {"on": True, "off": False, "true": True, "false": False}
 
@@ -59,9 +69,20 @@ def read_plan_file(path: Path) -> PlanFile:
     if len(data) > MAX_BYTES:
         raise ParameterError(f"{path}: it is longer than MAX_BYTES = {MAX_BYTES}")
     try:
+        _check_lines(data)
         return _parse(tomllib.loads(data.decode("utf-8-sig")))
     except (ValueError, RecursionError) as error:
         raise ParameterError(f"{path}: {error}") from error
+
+
+def _check_lines(data: bytes) -> None:
+    for number, line in enumerate(data.split(b"\n"), start=1):
+        if len(line) > MAX_LINE:
+            raise ParameterError(f"line {number} is longer than MAX_LINE = {MAX_LINE} bytes")
+        if _DEEP.search(line.decode(errors="replace")):
+            raise ParameterError(
+                f"line {number} has a key of more than MAX_DEPTH = {MAX_DEPTH} parts"
+            )
 
 
 def _parse(content: Mapping[str, Any]) -> PlanFile:

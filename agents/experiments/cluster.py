@@ -12,7 +12,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from time import monotonic, sleep, time
 from typing import TYPE_CHECKING, Any
 
-from agents.console.main import print_error
+from agents.console.terminal import print_error
 from agents.errors import ClusterError
 from agents.experiments.workers import TOPIC
 from warehouse_core.extras import install_command

@@ -13,12 +13,13 @@ from typing import Annotated, Any
 
 import typer
 
+from agents.console.terminal import say
 from agents.errors import StoreError
 from agents.experiments.case import TILES, Case
 from agents.experiments.store import Row, Store
 from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import atomic_path, check_suffix
-from warehouse_core.wording import encodable
+from warehouse_core.wording import printable
 
 ROWS_END = "/"
 """Between the rows of a layout, so that an episode is one line of text."""
@@ -63,7 +64,7 @@ def export(
     with Store(results, read_only=True) as store, atomic_path(table) as part:
         columns = columns_of(store)
         writers[suffix](part, columns, lines_of(store, columns))
-    typer.echo(f"saved {table}")
+    say(f"saved {table}")
 
 
 def columns_of(store: Store) -> dict[str, str]:
@@ -99,7 +100,7 @@ def _plain(case: Case, name: str) -> Any:
     value = case.get(name)
     if name == TILES and value is not None:
         return ROWS_END.join(value)
-    return encodable(value) if isinstance(value, str) else value
+    return printable(value) if isinstance(value, str) else value
 
 
 def _write_csv(path: Path, columns: dict[str, str], lines: Iterator[Line]) -> None:

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from agents.console.place import Stations
 from agents.errors import ParameterError
 from warehouse_core.motion import backends
-from warehouse_core.wording import encodable
+from warehouse_core.wording import printable
 from warehouse_core.world.generators import MAX_DENSITY
 
 Value = str | int | float | bool
@@ -207,4 +207,4 @@ def shown(value: Value | None) -> str:
         return "none"
     if isinstance(value, bool):
         return "on" if value else "off"
-    return f"{value:g}" if isinstance(value, float) else encodable(str(value))
+    return f"{value:g}" if isinstance(value, float) else printable(str(value))

@@ -14,13 +14,12 @@ from typing import Annotated
 
 import typer
 
-from agents.console.main import print_error
+from agents.console.terminal import print_error, say
 from agents.errors import EpisodeError, ParameterError
 from agents.experiments.choices import PlanFile, parse_flags, read_plan_file
 from agents.experiments.cluster import cluster
 from agents.experiments.parameters import MAX_VALUE, MAX_VIEW_RADIUS
 from agents.experiments.plan import MAX_EPISODES, Plan, make_plan
-from agents.experiments.presets import PRESETS
 from agents.experiments.running import Report, run_missing
 from agents.experiments.store import Row, Store
 from agents.experiments.workers import Check, Pool, deferred_interrupts, process_pool
@@ -48,6 +47,12 @@ def sweep_bar(episodes: int) -> Iterator[Report]:
 
         yield report
 
+
+PRESETS = {
+    name: Path(__file__).parent / "presets" / f"{name}.toml"
+    for name in ("escape", "battery", "obstacles", "size", "backends")
+}
+"""Plan files of the chapter's questions, each under a minute on two cores."""
 
 EPISODES = 100
 """Of each combination, by default."""
@@ -164,7 +169,7 @@ def sweep(
         store.add_cases(plan.cases)
         done = _done(plan, store)
         cases, each = counted(len(plan.cases), "combination"), counted(plan.episodes, "episode")
-        typer.echo(f"{cases}, {each} each, {done:,} done")
+        say(f"{cases}, {each} each, {done:,} done")
         missing, failed = plan.total - done, Counter[int]()
         count = min(workers or os.cpu_count() or 1, missing)
         try:
@@ -173,7 +178,7 @@ def sweep(
                 failed = _run(plan, store, missing, pool, check)
         except KeyboardInterrupt:
             done = _done(plan, store)
-            typer.echo(
+            say(
                 f"{done:,} of {plan.total:,} episodes in {output}; run the same command again to "
                 "resume"
             )
@@ -187,7 +192,7 @@ def sweep(
                 "command again to run the others"
             )
     episodes_done = f"{counted(plan.total, 'episode')} done"
-    typer.echo(f"{episodes_done}; see the results with: warehouse report {output}")
+    say(f"{episodes_done}; see the results with: warehouse report {output}")
 
 
 def _given(file: Path | None, preset: str | None) -> PlanFile:
@@ -200,7 +205,7 @@ def _given(file: Path | None, preset: str | None) -> PlanFile:
         return PlanFile({})
     if preset not in PRESETS:
         raise ParameterError(f"no preset is called {preset!r}; allowed: {', '.join(PRESETS)}")
-    return PRESETS[preset]
+    return read_plan_file(PRESETS[preset])
 
 
 def _done(plan: Plan, store: Store) -> int:
@@ -211,10 +216,9 @@ def _done(plan: Plan, store: Store) -> int:
 def _warn_of_mixed(store: Store) -> None:
     mixed = store.mixed()
     if mixed:
-        typer.echo(
-            f"warehouse: warning: {counted(len(mixed), 'combination')} with episodes of several "
-            f"programs, such as {listed(store.programs(mixed[0]))}",
-            err=True,
+        print_error(
+            f"warning: {counted(len(mixed), 'combination')} with episodes of several programs, "
+            f"such as {listed(store.programs(mixed[0]))}"
         )
 
 

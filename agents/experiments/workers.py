@@ -17,7 +17,7 @@ from queue import SimpleQueue
 from types import FrameType
 from typing import Any, TypeVar
 
-from agents.console.main import print_error
+from agents.console.terminal import print_error
 from agents.errors import WorkerError
 
 DEFERRED = (signal.SIGINT, signal.SIGTERM)

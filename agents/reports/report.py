@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from agents.console.terminal import say
 from agents.errors import StoreError
 from agents.experiments.store import Store
 from warehouse_core.files.atomic import atomic_path, check_suffix, check_target
@@ -74,9 +75,9 @@ def report(
             with atomic_path(figures / f"{picture.name}.svg") as part:
                 part.write_bytes(picture.svg)
         saved.append(f"saved {counted(len(page.pictures), 'figure')} in {figures}")
-    typer.echo(page.summary)
+    say(page.summary)
     for answer in page.answers:
-        typer.echo(f"\n{typer.style(answer.question, bold=True)}")
+        say(f"\n{answer.question}", bold=True)
         for sentence in answer.sentences:
-            typer.echo(sentence)
-    typer.echo("\n" + "\n".join(saved))
+            say(sentence)
+    say("\n" + "\n".join(saved))

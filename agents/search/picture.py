@@ -14,6 +14,7 @@ from warehouse_core.render.palette import COLORS, INK, WARNING
 from warehouse_core.viz.axes import box_in
 from warehouse_core.viz.figure import DPI, SceneFigure, make_figure, make_window
 from warehouse_core.viz.replay import Replay
+from warehouse_core.wording import printable
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import WALL, Cell
 
@@ -77,7 +78,7 @@ class _SearchScene:
             self._panels.append(SearchPanel(self.root, axes, points, layout, ends, course))
         common: dict[str, Any] = {"parse_math": False, "va": "center", "color": INK}
         left, top = MARGIN / plan.width, 1 - 20 / plan.height
-        self.root.text(left, top, title, fontsize=11, fontweight="bold", **common)
+        self.root.text(left, top, printable(title), fontsize=11, fontweight="bold", **common)
         self._counter = self.root.text(left, 1 - 42 / plan.height, "", fontsize=9, **common)
         self.root.add_mover(self._counter)
         draw_legend(self.root)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from warehouse_core.wording import counted, encodable, listed, printable
+from warehouse_core.wording import brief, counted, listed, printable
 
 
 @pytest.mark.parametrize(
@@ -24,10 +24,19 @@ def test_only_one_thing_is_singular() -> None:
     ]
 
 
-def test_what_is_invisible_becomes_a_space() -> None:
-    assert printable("a\x00b\u200bc \u00e9\n") == "a b c \u00e9 "
+def test_any_value_has_a_short_form() -> None:
+    values = ("N", 1.5, 10**5000, [[[10**5000]]])
+    assert [brief(value) for value in values] == ["'N'", "1.5", "<int>", "<list>"]
 
 
-def test_text_with_bytes_that_are_no_utf8_can_be_encoded_and_stays_different() -> None:
-    names = ["hall\udcff", "hall\udcfe", "Müller", "a\\b"]
-    assert [encodable(name) for name in names] == ["hall\\udcff", "hall\\udcfe", *names[2:]]
+def test_a_long_or_deep_value_is_cut() -> None:
+    deep: list[object] = []
+    for _ in range(100_000):
+        deep = [deep]
+    assert len(brief(deep)) < 100
+    assert len(brief("x" * 10**6)) == 30
+
+
+def test_blanks_become_spaces_and_what_is_invisible_its_escape() -> None:
+    text = "a\x00b\u200bc\u202ed\ud800 \u00e9\n\tf\u3000"
+    assert printable(text) == r"a\x00b\u200bc\u202ed\ud800 " + "\u00e9  f "

@@ -21,7 +21,24 @@ HOSTILE = (
     "$\\frac{",
     "{{7*7}} {% raw %} {# gone #}",
     "javascript:alert(1)",
+    "data:text/html,<script>alert(1)</script>",
+    "]]><svg onload=alert(1)>",
+    "</svg><script>alert(1)</script>",
+    "<![CDATA[<script>alert(1)</script>]]>",
+    "<!--#exec cmd='id'--!><iframe srcdoc='<script>alert(1)</script>'>",
+    "<?xml-stylesheet href='javascript:alert(1)'?><!DOCTYPE x [<!ENTITY e SYSTEM 'file:///etc'>]>",
+    "&lt;script&gt;&#60;script&#x3e;&e;&\x00amp;",
+    "<a href=' java\nscript:alert(1)'>x</a><base href='javascript:/'>",
+    "<math><mi xlink:href='javascript:alert(1)'><form action=javascript:alert(1)><button>",
+    "\x00<scr\x00ipt>alert(1)</script\x0b>",
+    "a\x1b]0;owned\x07\x1b[2J\x9b31mb\r\x08\x7f",
+    "\u202e\u2066<script>\u2069\u200f\u061c",
+    "\ud800<\udfff\ufffe\uffff\ufdd0",
+    "--\x2d-->\u2028\u2029\x85<script>--",
+    "$x$ $\\includegraphics{a}$ %s {0} \\N{DIGIT ONE}",
 )
+"""Markup, scripts, event handlers, URLs, ends of comments and CDATA, entities, templates, control
+characters, bidi marks, NUL, lone surrogates and what is no character."""
 
 SVG = (
     b'<svg xmlns="http://www.w3.org/2000/svg" width="300" height="100">'

@@ -25,7 +25,7 @@ MAY_IMPORT = {
     "warehouse_core/extras": "",
     "warehouse_core/wording": "",
     "warehouse_core/files": "errors",
-    "warehouse_core/world": "errors files",
+    "warehouse_core/world": "errors files wording",
     "warehouse_core/task": "errors world",
     "warehouse_core/motion": "arguments errors extras world",
     "warehouse_core/render": "arguments errors task world",
@@ -64,7 +64,8 @@ MAY_IMPORT = {
     ),
     "agents/reports/analysis": "errors evaluation experiments",
     "agents/reports/figures": "errors evaluation experiments reports/analysis",
-    "agents/reports": "errors evaluation experiments registry reports/analysis reports/figures",
+    "agents/reports": "console errors evaluation experiments registry reports/analysis "
+    "reports/figures",
     "agents/cli": "commands console experiments reports run_episode",
     "agents/__main__": "cli",
 }

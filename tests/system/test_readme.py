@@ -11,7 +11,7 @@ from helpers.command_line import without_display
 from agents import cli
 from agents.commands import bench, train
 from agents.console.main import main
-from agents.experiments.presets import PRESETS
+from agents.experiments.sweep import PRESETS
 from agents.learning import training
 from warehouse_core.viz.replay import Replay
 

@@ -144,11 +144,14 @@ class Episode:
         """Write the record to a ``.npz`` file, whole or not at all.
 
         Raises:
-            RecordError: it is larger than ``npz.MAX_BYTES``.
+            RecordError: it is larger than ``npz.MAX_BYTES``, or ``load`` would not return it.
             OSError: the file cannot be written.
         """
-        fields = {name: getattr(self, name) for name in self.__slots__}
-        write_arrays(path, pack_fields(fields), EPISODE_SCHEMA)
+        try:
+            arrays = pack_fields({name: getattr(self, name) for name in self.__slots__})
+        except ValueError as error:
+            raise RecordError(f"{path}: {error}") from error
+        write_arrays(path, arrays, EPISODE_SCHEMA)
 
     @staticmethod
     def load(path: str | Path) -> Episode:

@@ -8,6 +8,7 @@ motions are concatenated.
 from __future__ import annotations
 
 import json
+import operator
 from collections.abc import Hashable, Sequence
 from dataclasses import asdict
 from typing import Any, TypeVar
@@ -19,9 +20,12 @@ from warehouse_core.errors import RecordError
 from warehouse_core.files.npz import Arrays, Schema
 from warehouse_core.motion.base import Contact, Outcome
 from warehouse_core.task.settings import Settings
-from warehouse_core.world.layout import MAX_CELLS, Layout
+from warehouse_core.world.layout import MAX_CELLS, Layout, check_size
 
 FORMAT = "warehouse-lab episode 1"
+
+MAX_NUMBER = 1e12
+"""Limit on the size of a reward, time, energy, impulse or coordinate, so that sums are finite."""
 
 MOTION_SCHEMA: Schema = {
     "motion_cells": ("<i4", 2),
@@ -54,7 +58,39 @@ Word = TypeVar("Word", bound=Hashable)
 
 
 def pack_fields(fields: Fields) -> Arrays:
-    """Return the arrays of ``EPISODE_SCHEMA`` for the fields of an episode."""
+    """Return the arrays of ``EPISODE_SCHEMA`` for the fields of an episode.
+
+    Raises:
+        RecordError: ``unpack_fields`` would not return these fields.
+    """
+    try:
+        packed = _packed(fields)
+        arrays = {
+            name: _typed(name, packed[name], dtype, dimensions)
+            for name, (dtype, dimensions) in EPISODE_SCHEMA.items()
+        }
+        loaded = unpack_fields(arrays)
+        changed = [name for name, value in fields.items() if loaded[name] != value]
+    except RecordError:
+        raise
+    except (TypeError, ValueError, AttributeError, OverflowError) as error:
+        raise RecordError(f"the fields cannot be stored: {error}") from error
+    if changed:
+        raise RecordError(f"{changed[0]} would be loaded with other values or types")
+    return arrays
+
+
+def _typed(name: str, array: NDArray[Any], dtype: str, dimensions: int) -> NDArray[Any]:
+    """Return an array in the type of the schema, which must not change its values."""
+    if array.dtype.kind in "biuf" and array.ndim == dimensions:
+        with np.errstate(all="ignore"):
+            typed = array.astype(dtype)
+        if np.array_equal(typed, array, equal_nan=True):
+            return typed
+    raise RecordError(f"{name} cannot be stored as {np.dtype(dtype)} with {dimensions} dimensions")
+
+
+def _packed(fields: Fields) -> Arrays:
     action_words, actions = encode_words(fields["actions"])
     reason_words, reasons = encode_words(fields["reasons"])
     motion_arrays, counterparts = pack_motions(fields["motions"])
@@ -108,6 +144,7 @@ def _read_layout(tiles: NDArray[np.uint8]) -> Layout:
     # Checked first: rows without columns take no room in a file, but could be very many.
     if not 0 < tiles.size <= MAX_CELLS:
         raise RecordError(f"layout: {tiles.shape} tiles; there must be 1..{MAX_CELLS}")
+    check_size(*tiles.shape)
     return Layout([row.tobytes().decode("ascii") for row in tiles])
 
 
@@ -136,8 +173,15 @@ def _check_columns(arrays: Arrays, steps: int) -> None:
             raise RecordError(f"{name}: {len(arrays[name])} entries for {steps} steps")
     if len(arrays["reasons"]) != steps:
         raise RecordError(f"reasons: {len(arrays['reasons'])} entries for {steps} steps")
-    if arrays["cells"].shape[1] != 2 or not np.isfinite(arrays["rewards"]).all():
-        raise RecordError("cells are no (row, column) pairs, or a reward is not finite")
+    if arrays["cells"].shape[1] != 2:
+        raise RecordError("cells are no (row, column) pairs")
+    _check_numbers(arrays, "rewards")
+
+
+def _check_numbers(arrays: Arrays, *names: str) -> None:
+    for name in names:
+        if not (np.abs(arrays[name]) <= MAX_NUMBER).all():  # NaN neither
+            raise RecordError(f"{name} has a number outside {-MAX_NUMBER:g}..{MAX_NUMBER:g}")
 
 
 def encode_words(words: Sequence[Word]) -> tuple[list[Word], NDArray[np.int32]]:
@@ -164,7 +208,7 @@ def pack_motions(motions: Sequence[Outcome]) -> tuple[Arrays, list[str]]:
     counterparts, codes = encode_words([contact.counterpart for contact in contacts])
     arrays: Arrays = {
         "motion_cells": np.array([motion.cell for motion in motions]).reshape(-1, 2),
-        "motion_blocked": np.array([motion.blocked for motion in motions], dtype=bool),
+        "motion_blocked": np.array([motion.blocked for motion in motions]),
         "motion_seconds": np.array([motion.seconds for motion in motions]),
         "motion_joules": np.array([motion.joules for motion in motions]),
         "path": np.concatenate([np.empty((0, 4)), *(motion.path for motion in motions)]),
@@ -227,16 +271,24 @@ def _check_motions(arrays: Arrays, steps: int) -> None:
             raise RecordError(f"{name}: {found}; there must be {expected}")
     if steps and (arrays["path_lengths"].min() < 2 or arrays["contact_counts"].min() < 0):
         raise RecordError("a path has fewer than two rows, or a count is negative")
-    for name in ("motion_seconds", "motion_joules", "path", "contacts"):
-        if not np.isfinite(arrays[name]).all():
-            raise RecordError(f"{name} holds a number that is not finite")
+    _check_numbers(arrays, "motion_seconds", "motion_joules", "path", "contacts")
     if min(arrays["motion_seconds"].min(initial=1), arrays["motion_joules"].min(initial=1)) <= 0:
         raise RecordError("a motion took no time or no energy")
 
 
 def pack_header(header: dict[str, Any]) -> NDArray[np.uint8]:
-    """Return a header as the bytes of JSON text."""
-    return np.frombuffer(json.dumps(header).encode("utf-8"), dtype=np.uint8)
+    """Return a header as the bytes of JSON text.
+
+    Raises:
+        RecordError: a value cannot be written as JSON.
+    """
+    texts = []
+    for name, value in header.items():
+        try:
+            texts.append(f"{json.dumps(name)}: {json.dumps(value, default=operator.index)}")
+        except (TypeError, ValueError, RecursionError) as error:
+            raise RecordError(f"{name} cannot be written as JSON: {error}") from error
+    return np.frombuffer(f"{{{', '.join(texts)}}}".encode(), dtype=np.uint8)
 
 
 def unpack_header(data: NDArray[np.uint8], name: str) -> dict[str, Any]:

@@ -28,7 +28,6 @@ length.
 
 from __future__ import annotations
 
-import reprlib
 from collections import Counter
 from collections.abc import Sequence
 from operator import ne
@@ -41,7 +40,7 @@ from warehouse_core.records.episode import (
     UNFINISHED,
     Episode,
 )
-from warehouse_core.wording import counted, listed
+from warehouse_core.wording import brief, counted, listed
 from warehouse_core.world.actions import (
     DISPLACEMENTS,
     DROP,
@@ -233,7 +232,7 @@ def _ineffective(episode: Episode, least: float) -> tuple[int, str] | None:
     ):
         index = action_index(action)
         if before == after and (index in IDLE or motion.blocked):
-            detail = reprlib.repr(action) if index == INVALID else f"at {before[0]}"
+            detail = brief(action) if index == INVALID else f"at {before[0]}"
             found[IDLE.get(index, BUMP)][detail] += 1
     alone = [kind for kind, details in found.items() if details.total() >= least][:1]
     kinds = alone or [kind for kind, details in found.items() if details]

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warehouse_core.arguments import real_number
+from warehouse_core.errors import RecordError
 from warehouse_core.motion.base import Contact, Outcome
 from warehouse_core.records.episode import UNFINISHED, Episode
 from warehouse_core.records.failure_modes import diagnose
@@ -24,6 +25,9 @@ FRAME_SECONDS = 0.2
 
 FLASH_SECONDS = 0.6
 """Simulated seconds for which a hit is shown."""
+
+MAX_FRAMES = 100_000
+"""Limit on the frames of continuous motions, whose number follows from their duration."""
 
 INTERVAL_MS = 150
 """Milliseconds between frames of a replay."""
@@ -126,6 +130,7 @@ def track_of_episode(episode: Episode, frame_seconds: float | None = FRAME_SECON
 
     Raises:
         ValueError: ``frame_seconds`` is not a positive finite number.
+        RecordError: continuous motions take more than ``MAX_FRAMES`` frames.
     """
     if frame_seconds is not None:
         real_number("frame_seconds", frame_seconds, above=True)
@@ -135,6 +140,11 @@ def track_of_episode(episode: Episode, frame_seconds: float | None = FRAME_SECON
     size = episode.settings.cell_size
     is_continuous = any(len(motion.path) > 2 for motion in episode.motions)
     if is_continuous and frame_seconds is not None:
+        if episode.seconds > MAX_FRAMES * frame_seconds:
+            raise RecordError(
+                f"the motions take {episode.seconds:g} s; with a frame every {frame_seconds:g} s "
+                f"that is more than MAX_FRAMES = {MAX_FRAMES}"
+            )
         for motion, loaded, caption in zip(
             episode.motions, episode.loaded[1:], captions, strict=True
         ):
@@ -155,7 +165,7 @@ def track_of_episode(episode: Episode, frame_seconds: float | None = FRAME_SECON
     )
     if episode.outcome != UNFINISHED:
         diagnosis = diagnose(episode)
-        track.ending, frames[-1].caption = diagnosis.mode, diagnosis.sentence
+        track.ending, frames[-1].caption = diagnosis.mode, printable(diagnosis.sentence)
     return track
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import operator
 from typing import Any, SupportsIndex
 
+from warehouse_core.wording import brief
 from warehouse_core.world.tiles import MOVE_DELTAS, Cell
 
 ACTIONS = ("N", "E", "S", "W", "WAIT", "PICK", "DROP")
@@ -39,8 +40,8 @@ def action_index(action: str | SupportsIndex) -> int:
         number = operator.index(action)
     except TypeError:
         raise TypeError(
-            f"action {action!r} is {type(action).__name__}; allowed: one of {', '.join(ACTIONS)} "
-            f"or its index 0..{INVALID - 1}"
+            f"action {brief(action)} is {type(action).__name__}; "
+            f"allowed: one of {', '.join(ACTIONS)} or its index 0..{INVALID - 1}"
         ) from None
     return number if 0 <= number < INVALID else INVALID
 
@@ -56,8 +57,9 @@ def valid_action(action: Any) -> int:
         index = operator.index(action)
     except TypeError:
         raise TypeError(
-            f"action {action!r} is {type(action).__name__}; allowed: an integer 0..{INVALID - 1}"
+            f"action {brief(action)} is {type(action).__name__}; "
+            f"allowed: an integer 0..{INVALID - 1}"
         ) from None
     if not 0 <= index < INVALID:
-        raise ValueError(f"action {index} is out of range; allowed: 0..{INVALID - 1}")
+        raise ValueError(f"action {brief(index)} is out of range; allowed: 0..{INVALID - 1}")
     return index

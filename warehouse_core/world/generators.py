@@ -9,7 +9,7 @@ from __future__ import annotations
 import random
 
 from warehouse_core.errors import LayoutError
-from warehouse_core.world.layout import CHAPTER_START, MAX_CELLS, Layout
+from warehouse_core.world.layout import CHAPTER_START, Layout, check_size
 from warehouse_core.world.tiles import EMPTY, WALL
 
 MAX_DENSITY = 0.4
@@ -33,11 +33,9 @@ def random_layout(height: int, width: int, density: float, seed: int) -> Layout:
     Raises:
         LayoutError: a size or density that is not allowed.
     """
-    if min(height, width) < 4 or height * width > MAX_CELLS:
-        raise LayoutError(
-            f"the size is {height} x {width}; it must be at least 4 x 4 "
-            f"and have at most MAX_CELLS = {MAX_CELLS} cells"
-        )
+    if min(height, width) < 4:
+        raise LayoutError(f"the size is {height} x {width}; it must be at least 4 x 4")
+    check_size(height, width)
     if not 0 <= density <= MAX_DENSITY:
         raise LayoutError(f"density is {density}; it must be 0..{MAX_DENSITY}")
     stream = random.Random(seed)
@@ -126,8 +124,7 @@ def _blocks(sizes: dict[str, int], left: int, right: int) -> Layout:
     rows, columns, length, depth, aisle = sizes.values()
     width = left + columns * (length + aisle) - aisle + right + 2
     height = rows * (depth + aisle) + aisle + 2
-    if height * width > MAX_CELLS:
-        raise LayoutError(f"{height} x {width} cells are more than MAX_CELLS = {MAX_CELLS}")
+    check_size(height, width)
     blocks = (EMPTY * aisle).join([WALL * length] * columns)
     shelves = f"{WALL}{EMPTY * left}{blocks}{EMPTY * right}{WALL}"
     lane = f"{WALL}{EMPTY * (width - 2)}{WALL}"

@@ -34,6 +34,9 @@ CHAPTER_START: Cell = (1, 1)
 MAX_CELLS = 16_000_000
 """Limit on the cells of a layout; longer text is rejected before it is parsed."""
 
+MAX_ROWS = 100_000
+"""Limit on the rows of a layout: each is a string of its own, however short."""
+
 
 @dataclass(frozen=True, slots=True, init=False)
 class Layout:
@@ -43,7 +46,8 @@ class Layout:
         rows: equally long strings of ``#`` wall, ``.`` empty, ``P`` pickup, ``D`` dropoff.
 
     Raises:
-        LayoutError: no rows, a ragged row, an unknown character, or more than ``MAX_CELLS`` cells.
+        LayoutError: no rows, a ragged row, an unknown character, more than ``MAX_CELLS`` cells, or
+            more than ``MAX_ROWS`` rows.
         TypeError: ``rows`` is not a sequence of strings.
 
     Source: the chapter's exercise. All other fields are computed from ``rows``.
@@ -89,6 +93,7 @@ class Layout:
         """
         if len(text) > 2 * MAX_CELLS:
             raise LayoutError(f"layout text is longer than MAX_CELLS = {MAX_CELLS} cells allow")
+        _check_rows(text.count("\n"))
         lines = dedent(text).strip("\n").split("\n")
         return cls([line.rstrip() for line in lines])
 
@@ -223,17 +228,33 @@ def check_open(layout: Layout, cell: Cell, name: str) -> None:
         raise LayoutError(f"{name} {layout.describe(cell)}; it must be an open cell")
 
 
+def check_size(height: int, width: int) -> None:
+    """Raise if a layout of this size would be too large.
+
+    Raises:
+        LayoutError: more than ``MAX_ROWS`` rows or ``MAX_CELLS`` cells.
+    """
+    _check_rows(height)
+    if height * width > MAX_CELLS:
+        raise LayoutError(f"{height} x {width} cells are more than MAX_CELLS = {MAX_CELLS}")
+
+
+def _check_rows(height: int) -> None:
+    if height > MAX_ROWS:
+        raise LayoutError(f"{height} rows are more than MAX_ROWS = {MAX_ROWS}")
+
+
 def _checked_rows(rows: Sequence[str]) -> tuple[str, ...]:
     if isinstance(rows, str) or not isinstance(rows, Sequence):
         raise TypeError(f"a layout is a list of strings, not {type(rows).__name__}")
+    _check_rows(len(rows))
     for index, row in enumerate(rows):
         if not isinstance(row, str):
             raise TypeError(f"row {index} of the layout is {type(row).__name__}, not a string")
     if not rows or not rows[0]:
         raise LayoutError("the layout is empty; it needs at least one row with one cell")
     width = len(rows[0])
-    if len(rows) * width > MAX_CELLS:
-        raise LayoutError(f"{len(rows)} x {width} cells are more than MAX_CELLS = {MAX_CELLS}")
+    check_size(len(rows), width)
     for index, row in enumerate(rows):
         if not set(row) <= TILES.keys():
             column, tile = next(each for each in enumerate(row) if each[1] not in TILES)

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from warehouse_core.errors import LayoutError
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.world.layout import MAX_CELLS, Layout
+from warehouse_core.world.layout import Layout, check_size
 from warehouse_core.world.text_lines import MAX_LINE, error_at, expect, read_line, whole_number_at
 from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP, WALL
 
@@ -72,8 +72,8 @@ def save_layout(layout: Layout, path: str | Path) -> None:
 def load_map(path: str | os.PathLike[str], *, robot_runners: bool = False) -> Layout:
     """Read a ``.map``. Only the dialect has stations: ``E`` is a pickup, ``S`` a dropoff.
 
-    A map of more than ``MAX_CELLS`` is rejected by its header. Of any other map at most
-    ``MAX_BLANKS`` bytes a row are read in addition to its cells.
+    A map that is too large is rejected by its header. Of any other map at most ``MAX_BLANKS`` bytes
+    a row are read in addition to its cells.
 
     Args:
         path: the file.
@@ -122,8 +122,10 @@ def _read_header(file: BufferedReader) -> tuple[int, int]:
         column = size.start(2) + 1
         sizes[size[1]] = whole_number_at(size[2], size[1], 1, number, column)
     height, width = sizes["height"], sizes["width"]
-    if height * width > MAX_CELLS:
-        raise error_at(3, column, f"{height} x {width} cells are more than MAX_CELLS = {MAX_CELLS}")
+    try:
+        check_size(height, width)
+    except LayoutError as error:
+        raise error_at(3, column, str(error)) from error
     expect(read_line(file, 4), 4, "map")
     return height, width
 

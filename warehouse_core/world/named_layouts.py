@@ -105,6 +105,8 @@ def find_layout(name: str | os.PathLike[str]) -> Layout:
         OSError: the file cannot be read.
     """
     path = Path(name)
+    if "\0" in str(name):
+        raise LayoutError(f"no layout is called {str(name)!r}: a name has no null character")
     if path.is_file() or path.suffix or len(path.parts) != 1:
         return load_layout(path)
     return named_layout(str(name))

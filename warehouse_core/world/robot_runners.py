@@ -16,11 +16,14 @@ from pathlib import Path
 
 from warehouse_core.errors import LayoutError
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.text_lines import error_at, read_line, whole_number_at
+from warehouse_core.world.text_lines import error_at, read_lines, whole_number_at
 from warehouse_core.world.tiles import Cell
 
-MAX_ENTRIES = 1_000_000
-"""Limit on the tasks or robots of a file."""
+MAX_LOCATIONS = 1_000_000
+"""Limit on the locations of a file, of which each task or robot has at least one."""
+
+MAX_LINES = 2 * MAX_LOCATIONS
+"""Limit on the lines of a file, comments and empty lines included."""
 
 
 def load_agents(path: str | Path, layout: Layout) -> list[Cell]:
@@ -32,7 +35,7 @@ def load_agents(path: str | Path, layout: Layout) -> list[Cell]:
 
     Raises:
         LayoutError: the file has another format, a location is not an open cell of the layout, or
-            there are more than ``MAX_ENTRIES``; the message starts with the file's name.
+            there are more than ``MAX_LOCATIONS``; the message starts with the file's name.
         OSError: the file cannot be read.
     """
     return [cell for [cell] in _load(path, layout, "robots", 1)]
@@ -68,41 +71,48 @@ def _read(
     lines = _lines(file)
     number, text = next(lines)
     count = whole_number_at(text, f"number of {entries}", 0, number, 1)
-    if count > MAX_ENTRIES:
-        raise error_at(number, 1, f"{count} {entries} are more than MAX_ENTRIES = {MAX_ENTRIES}")
+    _check_number(count, entries, number)
+    known: dict[str, Cell] = {}
+    locations = 0
     for _ in range(count):
         number, text = next(lines)
         if not text:
             raise error_at(number, 1, f"the file ends here; its number of {entries} is {count}")
-        cells = tuple(_cells(text, number, layout))
-        if most is not None and len(cells) > most:
-            raise error_at(number, 1, f"{len(cells)} locations where there must be {most}")
-        yield cells
+        fields = text.split(",")
+        locations += len(fields)
+        _check_number(locations, "locations", number)
+        if most is not None and len(fields) > most:
+            raise error_at(number, 1, f"{len(fields)} locations where there must be {most}")
+        for place, field in enumerate(fields):
+            if field not in known:
+                column = len(",".join(["", *fields[:place]])) + 1
+                known[field] = _cell(field, number, column, layout)
+        yield tuple(map(known.__getitem__, fields))
     number, text = next(lines)
     if text:
         raise error_at(number, 1, f"the file goes on here; its number of {entries} is {count}")
 
 
+def _check_number(count: int, entries: str, line: int) -> None:
+    if count > MAX_LOCATIONS:
+        raise error_at(line, 1, f"{count} {entries} are more than MAX_LOCATIONS = {MAX_LOCATIONS}")
+
+
 def _lines(file: BufferedReader) -> Iterator[tuple[int, str]]:
     """Yield the number and the text of each line with content, and of the end of the file, ""."""
-    number = 1
-    while file.peek(1):
-        line = read_line(file, number)
-        if line and not line.startswith("#"):
+    number = 0
+    for number, line in read_lines(file, 1, "MAX_LINES", MAX_LINES):
+        if line[0] != "#":
             yield number, line
-        number += 1
-    yield number, ""
+    yield number + 1, ""
 
 
-def _cells(text: str, number: int, layout: Layout) -> Iterator[Cell]:
-    """Yield the cells of a line of locations separated by commas."""
-    column = 1
-    for field in text.split(","):
-        place = column + len(field) - len(field.lstrip())
-        location = whole_number_at(field.strip(), "location", 0, number, place)
-        row, col = cell = divmod(location, layout.width)
-        if not layout.is_open(cell):
-            message = f"location {location}, {layout.describe(cell)}; it must be an open cell"
-            raise error_at(number, place, message)
-        yield row, col
-        column += len(field) + 1
+def _cell(field: str, line: int, column: int, layout: Layout) -> Cell:
+    """Return the cell of a location, the field of a line that starts at a column."""
+    column += len(field) - len(field.lstrip())
+    location = whole_number_at(field.strip(), "location", 0, line, column)
+    row, col = cell = divmod(location, layout.width)
+    if not layout.is_open(cell):
+        message = f"location {location}, {layout.describe(cell)}; it must be an open cell"
+        raise error_at(line, column, message)
+    return row, col

@@ -10,14 +10,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
-from io import BufferedReader
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 from warehouse_core.errors import LayoutError
 from warehouse_core.world.layout import Layout, check_open
-from warehouse_core.world.text_lines import error_at, expect, read_line, whole_number_at
+from warehouse_core.world.text_lines import error_at, expect, read_line, read_lines, whole_number_at
 from warehouse_core.world.tiles import Cell
 
 MAX_SCENARIOS = 100_000
@@ -67,7 +66,8 @@ def load_scenarios(path: str | Path) -> list[Scenario]:
     with Path(path).open("rb") as file:
         try:
             expect(read_line(file, 1), 1, "version 1", "version 1.0")
-            return list(_read_scenarios(file))
+            lines = read_lines(file, 2, "MAX_SCENARIOS", MAX_SCENARIOS)
+            return [_scenario(line, number) for number, line in lines]
         except LayoutError as error:
             raise LayoutError(f"{path}: {error}") from error
 
@@ -89,46 +89,33 @@ def check_scenarios(layout: Layout, scenarios: Sequence[Scenario]) -> None:
             check_open(layout, cell, f"scenario {number}: {name}")
 
 
-def _read_scenarios(file: BufferedReader) -> Iterator[Scenario]:
-    number = 2
-    while file.peek(1):
-        if number > MAX_SCENARIOS + 1:
-            raise error_at(number, 1, f"more than MAX_SCENARIOS = {MAX_SCENARIOS} lines")
-        line = read_line(file, number)
-        if line:
-            yield _scenario(line, number)
-        number += 1
-
-
 def _scenario(line: str, number: int) -> Scenario:
-    fields = list(re.finditer(r"\S+", line))
+    fields = line.split()
     if len(fields) != len(_FIELDS):
-        too_many = fields[len(_FIELDS) :]
-        raise error_at(
-            number,
-            too_many[0].start() + 1 if too_many else len(line) + 1,
-            f"{len(fields)} columns where there must be {len(_FIELDS)}: {' '.join(_FIELDS)}",
-        )
-    found = dict(zip(_FIELDS, fields, strict=True))
-    bucket = _number_in(found, "bucket", number, 0)
-    width, height = (_number_in(found, name, number, 1) for name in ("width", "height"))
-    start_x, goal_x = (_number_in(found, name, number, 0, width) for name in ("start_x", "goal_x"))
-    start_y, goal_y = (_number_in(found, name, number, 0, height) for name in ("start_y", "goal_y"))
-    field = found["optimal_length"]
-    length = float(field[0]) if _LENGTH.fullmatch(field[0]) else math.inf
+        names = " ".join(_FIELDS)
+        message = f"{len(fields)} columns where there must be {len(_FIELDS)}: {names}"
+        raise error_at(number, _column(line, len(_FIELDS)), message)
+
+    def whole(field: int, minimum: int, size: float = math.inf) -> int:
+        """Return the number in a field, at least ``minimum`` and less than ``size``."""
+        text, name = fields[field], _FIELDS[field]
+        if text.isascii() and text.isdecimal() and minimum <= int(text) < size:
+            return int(text)
+        column = _column(line, field)
+        value = whole_number_at(text, name, minimum, number, column)
+        message = f"{name} is {value}; it must be less than the map's {size}"
+        raise error_at(number, column, message)
+
+    bucket, width, height = whole(0, 0), whole(2, 1), whole(3, 1)
+    start, goal = ((whole(y, 0, height), whole(x, 0, width)) for x, y in ((4, 5), (6, 7)))
+    length = float(fields[8]) if _LENGTH.fullmatch(fields[8]) else math.inf
     if not math.isfinite(length):
-        message = f"optimal_length is {field[0]!r}; it must be a number, at least 0"
-        raise error_at(number, field.start() + 1, message)
-    start, goal = (start_y, start_x), (goal_y, goal_x)
-    return Scenario(bucket, found["map"][0], width, height, start, goal, length)
+        message = f"optimal_length is {fields[8]!r}; it must be a number, at least 0"
+        raise error_at(number, _column(line, 8), message)
+    return Scenario(bucket, fields[1], width, height, start, goal, length)
 
 
-def _number_in(
-    found: dict[str, re.Match[str]], name: str, line: int, minimum: int, size: float = math.inf
-) -> int:
-    """Return a whole number of a scenario, at least ``minimum`` and less than ``size``."""
-    column = found[name].start() + 1
-    number = whole_number_at(found[name][0], name, minimum, line, column)
-    if number >= size:
-        raise error_at(line, column, f"{name} is {number}; it must be less than the map's {size}")
-    return number
+def _column(line: str, field: int) -> int:
+    """Return the column where a field starts, or that after the line."""
+    starts = [found.start() for found in re.finditer(r"\S+", line)]
+    return [*starts, len(line)][min(field, len(starts))] + 1

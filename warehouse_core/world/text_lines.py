@@ -6,6 +6,7 @@ Lines and columns are counted from 1, as editors do; columns are bytes.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from io import BufferedReader
 
 from warehouse_core.errors import LayoutError
@@ -27,7 +28,34 @@ def read_line(file: BufferedReader, number: int) -> str:
     Raises:
         LayoutError: it is longer than ``MAX_LINE``, or not UTF-8.
     """
-    data = file.readline(MAX_LINE + 1)
+    return _decoded(file.readline(MAX_LINE + 1), number)
+
+
+def read_lines(
+    file: BufferedReader, number: int, limit: str, most: int
+) -> Iterator[tuple[int, str]]:
+    """Yield number and text of each further line that is not blank, as ``read_line`` returns it.
+
+    Args:
+        file: of the lines.
+        number: of the first of them.
+        limit: the name of ``most`` in errors.
+        most: limit on the lines, blank ones included.
+
+    Raises:
+        LayoutError: there are more lines, or as for ``read_line``.
+    """
+    end = number + most
+    while data := file.readline(MAX_LINE + 1):
+        if number == end:
+            raise error_at(number, 1, f"more than {limit} = {most} lines")
+        line = _decoded(data, number)
+        if line:
+            yield number, line
+        number += 1
+
+
+def _decoded(data: bytes, number: int) -> str:
     if len(data) > MAX_LINE:
         raise error_at(number, MAX_LINE + 1, f"the line is longer than MAX_LINE = {MAX_LINE} bytes")
     try:

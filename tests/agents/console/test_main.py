@@ -8,7 +8,7 @@ import pytest
 import typer
 from helpers.command_line import Result, command
 
-from agents.console.main import MAX_LENGTH
+from agents.console.terminal import MAX_LENGTH
 from agents.errors import AgentError
 from warehouse_core import LayoutError
 

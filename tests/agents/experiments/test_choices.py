@@ -29,7 +29,12 @@ INVALID = {
     "a list in a list": (to("battery = [[3]]"), "battery"),
     "a date": (to("agent = 2020-01-01"), "agent"),
     "nan": (to("density = nan"), "density"),
-    "a number with too many digits": (to("battery = " + 5000 * "9"), "digits"),
+    "a number with many digits": (to("battery = " + 1000 * "9"), "battery"),
+    "a long line": (to("battery = " + 5000 * "9"), "line 2 is longer than MAX_LINE = 2000 bytes"),
+    "a deep key": (to(10 * "a." + "b = 3"), "line 2 has a key of more than MAX_DEPTH = 10 parts"),
+    "a deep table": (f"[{10 * 'a.'}b]", "line 1 has a key of more than MAX_DEPTH = 10 parts"),
+    "a deep key in quotes": (to(10 * "'a b' . " + "b = 3"), "MAX_DEPTH"),
+    "a key that is not too deep": (to(9 * "a." + "b = 3"), "no setting is called 'a'"),
     "a size that is too big": (to("layout = 'random'\nsize = '9999x9999'"), "9999"),
     "an unknown agent": (to("agent = 'nobody'"), "nobody"),
     "a null character in a file name": (to('layout = "a\\u0000b"'), "no layout is called"),
@@ -53,7 +58,7 @@ INVALID = {
     "too many episodes": ("episodes = 100000001", "episodes"),
     "a negative seed": ("seed = -1", "seed"),
     "a huge seed": (f"seed = {10**25}", "seed"),
-    "deep nesting": (to("battery = " + 5000 * "[" + 5000 * "]"), "recursion"),
+    "deep nesting": (to("battery = " + 1900 * "[\n" + 1900 * "]\n"), "recursion"),
     "not TOML": ("battery: 3", "line 1"),
 }
 

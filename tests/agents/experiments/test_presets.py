@@ -6,18 +6,19 @@ import pytest
 from helpers.command_line import command, refusal
 from helpers.sweeps import Here, nothing
 
+from agents.experiments.choices import read_plan_file
 from agents.experiments.parameters import PARAMETERS
 from agents.experiments.plan import make_plan
-from agents.experiments.presets import PRESETS
 from agents.experiments.running import run_missing
 from agents.experiments.store import Store
+from agents.experiments.sweep import PRESETS
 
 over_presets = pytest.mark.parametrize("name", PRESETS)
 
 
 @over_presets
 def test_a_preset_is_a_plan_that_varies_a_parameter_with_a_question(name: str) -> None:
-    preset = PRESETS[name]
+    preset = read_plan_file(PRESETS[name])
     plan = make_plan(preset.choices, preset.episodes, 0)
     assert len(plan.cases) > 1
     values = {name: {case[name] for case in plan.cases if name in case} for name in preset.choices}
@@ -28,7 +29,7 @@ def test_a_preset_is_a_plan_that_varies_a_parameter_with_a_question(name: str) -
 
 @over_presets
 def test_a_preset_can_be_run(tmp_path: Path, name: str) -> None:
-    plan = make_plan(PRESETS[name].choices, 1, 0)
+    plan = make_plan(read_plan_file(PRESETS[name]).choices, 1, 0)
     with Store(tmp_path / "r.sqlite") as store:
         run_missing(plan, store, Here(), 1, nothing)
         assert [store.count(case, plan.seeds) for case in plan.cases] == [1] * len(plan.cases)
@@ -37,7 +38,10 @@ def test_a_preset_can_be_run(tmp_path: Path, name: str) -> None:
 def test_the_preset_sets_the_number_of_episodes_unless_another_is_given(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(PRESETS, "escape", PRESETS["escape"]._replace(episodes=3))
+    text = PRESETS["escape"].read_text().replace("episodes = 2000", "episodes = 3")
+    plan = tmp_path / "plan.toml"
+    plan.write_text(text)
+    monkeypatch.setitem(PRESETS, "escape", plan)
     words = ["--preset", "escape", "--set", "memory=5", "--workers", 1]
     printed = command(capsys, "sweep", *words, "-o", tmp_path / "r.sqlite").out
     assert printed.startswith("2 combinations, 3 episodes each, 0 done\n")

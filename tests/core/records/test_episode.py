@@ -1,6 +1,10 @@
 import copy
+import dataclasses
 import math
+import re
 import tempfile
+from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +25,7 @@ from warehouse_core import (
     replay_episode,
 )
 from warehouse_core.files import npz as safe_npz_module
+from warehouse_core.motion.base import Outcome
 from warehouse_core.motion.grid import GridMotion
 from warehouse_core.world.actions import ACTIONS
 
@@ -43,6 +48,28 @@ class Script:
 def on_line(*actions: Any, **limits: int) -> Episode:
     env = WarehouseEnv(LINE, start_pos=(0, 0), **limits)
     return record_episode(env, Script(*actions), seed=5, randomize=False)
+
+
+ABSURD = (
+    10**5000, 2**63, -(2**31) - 1, 2**53 + 1, 1.5, 1e300, math.nan, math.inf, True, None, "",
+    "\udcff", "x" * 10_000, b"N", [], [1], {}, (), (0, 0), (0.5, 0), (0, 0, 0), object(),
+    np.int64(1), np.float32(0.1), np.bool_(True), np.zeros((2, 4)), np.longdouble("0.1"),
+)  # fmt: skip
+
+
+def with_absurd(name: str, value: Any) -> Iterator[Episode]:
+    """Yield a record with a field replaced, or its first entry or a part of that, if it has any."""
+    original = on_line("PICK", "E", "W", "W", max_steps=4)
+    first = getattr(original, name)
+    if isinstance(first, list):
+        yield dataclasses.replace(original, **{name: [value, *first[1:]]})
+        first = first[0]
+    for part in getattr(first, "_fields", getattr(first, "__slots__", ())):
+        change = dataclasses.replace if dataclasses.is_dataclass(first) else Outcome._replace
+        changed = change(first, **{part: value})
+        whole = [changed, *original.motions[1:]] if name == "motions" else changed
+        yield dataclasses.replace(original, **{name: whole})
+    yield dataclasses.replace(original, **{name: value})
 
 
 DELIVERY = ("PICK", "E", "e", 1, np.int64(1), "DROP")
@@ -223,6 +250,53 @@ def test_any_actions_load_as_they_were_saved(actions: list[str | int], seed: int
     with tempfile.TemporaryDirectory() as folder:
         recorder.episode.save(Path(folder) / "any.npz")
         assert Episode.load(Path(folder) / "any.npz") == recorder.episode
+
+
+@pytest.mark.parametrize("name", [name for name in Episode.__slots__ if name != "layout"])
+def test_a_record_of_any_values_loads_as_it_was_saved_or_raises(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "any.npz"
+    refused = 0
+    for episode in chain.from_iterable(with_absurd(name, value) for value in ABSURD):
+        try:
+            episode.save(path)
+        except RecordError:
+            assert list(tmp_path.iterdir()) == []
+            refused += 1
+        else:
+            assert Episode.load(path) == episode
+            path.unlink()
+    assert refused
+
+
+def test_an_action_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    with pytest.raises(RecordError, match=r"any\.npz: actions cannot be written as JSON: Exceeds"):
+        next(with_absurd("actions", 10**5000)).save(tmp_path / "any.npz")
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("cells", (2**31, 0), "cells cannot be stored as int32 with 2 dimensions"),
+        ("loaded", 2, "loaded cannot be stored as bool with 1 dimensions"),
+        ("battery", 2**63, "battery cannot be stored as int64"),
+        ("rewards", 10**400, "rewards cannot be stored as float64"),
+        ("rewards", "1", "rewards cannot be stored as float64"),
+        ("rewards", math.nan, "rewards has a number outside -1e+12..1e+12"),
+        ("seed", 1.5, "seed is 1.5; it must be int"),
+        ("seed", object(), "seed cannot be written as JSON"),
+        ("reasons", 5, "reasons must be a list of words"),
+    ],
+)
+def test_a_value_that_would_change_is_named(
+    tmp_path: Path, name: str, value: Any, message: str
+) -> None:
+    with pytest.raises(RecordError, match=re.escape(message)):
+        next(with_absurd(name, value)).save(tmp_path / "any.npz")
+
+
+def test_a_seed_of_numpy_is_saved(tmp_path: Path) -> None:
+    record_episode(WarehouseEnv(), GreedyAgent(0), seed=np.int64(3)).save(tmp_path / "any.npz")
+    assert Episode.load(tmp_path / "any.npz").seed == 3
 
 
 def test_a_record_without_a_step_loads_as_it_was_saved(tmp_path: Path) -> None:

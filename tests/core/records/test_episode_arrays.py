@@ -9,7 +9,7 @@ import pytest
 from warehouse_core import Episode, RecordError
 from warehouse_core.files.npz import Arrays
 from warehouse_core.records.episode_arrays import EPISODE_SCHEMA, pack_fields, unpack_fields
-from warehouse_core.world.layout import MAX_CELLS
+from warehouse_core.world.layout import MAX_CELLS, MAX_ROWS
 
 Load = Callable[..., Episode]
 
@@ -111,7 +111,7 @@ def test_a_reward_that_is_not_finite_raises(
     arrays: Arrays, load_changed: Load, value: float
 ) -> None:
     rewards = changed_at(arrays["rewards"], 7, value)
-    assert "a reward is not finite" in refused(load_changed, rewards=rewards)
+    assert "rewards has a number outside" in refused(load_changed, rewards=rewards)
 
 
 @pytest.mark.parametrize("name", ["cells", "loaded", "battery", "rewards", "reasons", "actions"])
@@ -179,6 +179,14 @@ def test_a_layout_above_the_limit_raises_before_its_rows_are_made(
     layout = np.full((MAX_CELLS + 1, 1), ord("."), dtype=np.uint8)
     with little_memory():
         assert f"there must be 1..{MAX_CELLS}" in refused(load_changed, layout=layout)
+
+
+def test_a_layout_of_very_many_rows_raises_before_they_are_made(
+    load_changed: Load, little_memory: Callable[[], AbstractContextManager[None]]
+) -> None:
+    layout = np.full((MAX_ROWS + 1, 1), ord("?"), dtype=np.uint8)
+    with little_memory():
+        assert f"more than MAX_ROWS = {MAX_ROWS}" in refused(load_changed, layout=layout)
 
 
 # The arrays of the file.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from helpers.pictures import HOSTILE_NAMES, ROOM, named, short_episode
 
-from warehouse_core import Layout, WarehouseEnv
+from warehouse_core import Layout, RecordError, WarehouseEnv
 from warehouse_core.motion.base import Contact
 from warehouse_core.viz.track import (
     METRICS,
@@ -121,6 +121,15 @@ def test_titles_and_captions_can_be_printed(name: str) -> None:
 def test_printable_text_is_not_changed() -> None:
     name = "Größe $x$ <b> 日本 & \"'"
     assert track_of_episode(named(name)).frames[1].caption == f"{name} ({name})"
+
+
+def test_motions_of_too_many_frames_raise() -> None:
+    episode = short_episode()
+    path = np.linspace((0, 1.5, 1.5, 0), (1e12, 1.5, 1.5, 0), 3)
+    episode.motions[0] = episode.motions[0]._replace(seconds=1e12, path=path)
+    with pytest.raises(RecordError, match="more than MAX_FRAMES = 100000"):
+        track_of_episode(episode)
+    assert len(track_of_episode(episode, frame_seconds=1e12)) == 7
 
 
 # Tracks of frames.

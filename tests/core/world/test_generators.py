@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from warehouse_core import Layout, LayoutError, WarehouseEnv, random_layout, shelf_layout
-from warehouse_core.world import generators as generator_module
+from warehouse_core.world import layout as layout_module
 from warehouse_core.world.generators import MAX_DENSITY, benchmark_warehouse
 
 sizes = st.integers(4, 16)
@@ -86,7 +86,7 @@ def test_a_random_layout_that_is_too_small_raises(height: int, width: int) -> No
 
 
 def test_a_random_layout_that_is_too_large_raises(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(generator_module, "MAX_CELLS", 30)
+    monkeypatch.setattr(layout_module, "MAX_CELLS", 30)
     assert random_layout(5, 6, 0.1, seed=0).width == 6
     with pytest.raises(LayoutError, match="MAX_CELLS = 30"):
         random_layout(6, 6, 0.1, seed=0)
@@ -199,8 +199,8 @@ def test_a_benchmark_warehouse_that_is_too_large_raises_before_it_is_built(
 ) -> None:
     with pytest.raises(LayoutError, match="cells are more than MAX_CELLS = 16000000"):
         benchmark_warehouse(10**12, 1, 1, 1, 1)
-    monkeypatch.setattr(generator_module, "MAX_CELLS", 45)
+    monkeypatch.setattr(layout_module, "MAX_CELLS", 45)
     assert benchmark_warehouse(1, 1, 2, 1, 1).height == 5
-    monkeypatch.setattr(generator_module, "MAX_CELLS", 44)
+    monkeypatch.setattr(layout_module, "MAX_CELLS", 44)
     with pytest.raises(LayoutError, match="5 x 9 cells are more than MAX_CELLS = 44"):
         benchmark_warehouse(1, 1, 2, 1, 1)

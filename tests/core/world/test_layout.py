@@ -1,7 +1,10 @@
 import copy
 import pickle
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -9,7 +12,7 @@ from hypothesis import strategies as st
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError
 from warehouse_core.world import layout as layout_module
-from warehouse_core.world.layout import check_open
+from warehouse_core.world.layout import MAX_ROWS, check_open
 from warehouse_core.world.tiles import ALLOWED_TILES
 
 FIELDS = ("rows", "height", "width", "pickups", "dropoffs")
@@ -139,6 +142,15 @@ def test_a_layout_above_the_limit_raises(monkeypatch: pytest.MonkeyPatch, tmp_pa
     path.write_text("." * 1000)
     with pytest.raises(LayoutError, match=r"large\.txt.*MAX_CELLS = 6"):
         Layout.load(path)
+
+
+@pytest.mark.parametrize("make", [Layout.from_text, str.splitlines])
+def test_a_layout_of_very_many_rows_raises_before_they_are_looked_at(
+    make: Callable[[str], Any], little_memory: Callable[[], AbstractContextManager[None]]
+) -> None:
+    rows = (MAX_ROWS + 1) * "?\n"
+    with little_memory(), pytest.raises(LayoutError, match=f"more than MAX_ROWS = {MAX_ROWS}"):
+        Layout(make(rows))
 
 
 def test_indentation_and_outer_blank_lines_of_text_are_dropped() -> None:

@@ -8,8 +8,8 @@ from helpers.map_files import grids, refusal
 from hypothesis import given, settings
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError
-from warehouse_core.world import map_files as map_files_module
-from warehouse_core.world.layout import MAX_CELLS
+from warehouse_core.world import layout as layout_module
+from warehouse_core.world.layout import MAX_CELLS, MAX_ROWS
 from warehouse_core.world.map_files import (
     MAX_BLANKS,
     load_layout,
@@ -136,24 +136,30 @@ def test_empty_lines_at_the_end_have_a_limit(hall: Path) -> None:
     assert message == "line 22, column 1: MAX_BLANKS = 16 or more empty lines at the end"
 
 
-@pytest.mark.parametrize(("height", "width"), [(1, MAX_CELLS + 1), (10**50, 10**50)])
+@pytest.mark.parametrize(
+    ("height", "width", "limit"),
+    [
+        (1, MAX_CELLS + 1, f"1 x {MAX_CELLS + 1} cells are more than MAX_CELLS = {MAX_CELLS}"),
+        (10**50, 10**50, f"{10**50} rows are more than MAX_ROWS = {MAX_ROWS}"),
+    ],
+)
 def test_a_map_that_is_too_large_raises_after_its_header(
     hall: Path,
     height: int,
     width: int,
+    limit: str,
     little_memory: Callable[[], AbstractContextManager[None]],
 ) -> None:
     with little_memory():
         message = refused(hall, f"type octile\nheight {height}\nwidth {width}\nnonsense\n")
-    cells = f"{height} x {width} cells are more than MAX_CELLS = {MAX_CELLS}"
-    assert message == f"line 3, column 7: {cells}"
+    assert message == f"line 3, column 7: {limit}"
 
 
 def test_a_map_of_exactly_the_limit_is_read(hall: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     hall.write_text(f"{HEADER}...\n...\n")
-    monkeypatch.setattr(map_files_module, "MAX_CELLS", 6)
+    monkeypatch.setattr(layout_module, "MAX_CELLS", 6)
     assert load_map(hall).width == 3
-    monkeypatch.setattr(map_files_module, "MAX_CELLS", 5)
+    monkeypatch.setattr(layout_module, "MAX_CELLS", 5)
     with pytest.raises(LayoutError, match="2 x 3 cells are more than MAX_CELLS = 5"):
         load_map(hall)
 

@@ -75,12 +75,21 @@ def test_a_robot_has_one_start(file: Path) -> None:
     assert message == "line 3, column 1: the file ends here; its number of robots is 2"
 
 
-def test_too_many_tasks_raise_before_they_are_read(
-    file: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("4\nno location\n", "line 1, column 1: 4 tasks are more than MAX_LOCATIONS = 3"),
+        ("2\n1,2\n1,2\nx\n", "line 3, column 1: 4 locations are more than MAX_LOCATIONS = 3"),
+        (5 * "#\n" + "\n", "line 6, column 1: more than MAX_LINES = 5 lines"),
+    ],
+    ids=["tasks", "locations", "lines"],
+)
+def test_too_many_of_anything_raise_before_the_rest_is_read(
+    file: Path, monkeypatch: pytest.MonkeyPatch, text: str, message: str
 ) -> None:
-    monkeypatch.setattr(robot_runners, "MAX_ENTRIES", 2)
-    message = "line 1, column 1: 3 tasks are more than MAX_ENTRIES = 2"
-    assert refused(file, "3\nno location\n") == message
+    monkeypatch.setattr(robot_runners, "MAX_LOCATIONS", 3)
+    monkeypatch.setattr(robot_runners, "MAX_LINES", 5)
+    assert refused(file, text) == message
 
 
 @pytest.mark.parametrize("load", [load_agents, load_tasks])

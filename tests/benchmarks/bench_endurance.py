@@ -1,0 +1,81 @@
+"""Steps with malformed actions, and the memory of very many steps.
+
+``STEPS_SHARE=0.1`` takes a tenth of all steps.
+"""
+
+import os
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+import pytest
+from helpers.malformed import MAKERS, step_malformed
+
+from warehouse_core import BatchEnv, WarehouseEnv
+
+SHARE = float(os.environ.get("STEPS_SHARE", "1"))
+TENTHS = 10
+MAX_GROWTH = 8 * 2**20
+"""Bytes between the second tenth, when all caches are filled, and the last."""
+
+
+@pytest.mark.parametrize(
+    ("name", "steps"),
+    [("WarehouseEnv", 4_000_000), ("BatchEnv", 2_000_000), ("Warehouse-v0", 4_000_000)],
+)
+def test_malformed_actions_raise_only_documented_errors(
+    name: str, steps: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert name in MAKERS
+    tally = step_malformed(name, round(steps * SHARE), seed=1)
+    with capsys.disabled():
+        print(
+            f"\n{name}: {tally.steps:,} malformed actions, {tally.refused:,} refused with "
+            f"documented errors, {tally.taken:,} taken as invalid; state compared "
+            f"{tally.compared:,} times, 0 changes"
+        )
+
+
+def resident() -> int:
+    """Return the bytes of memory that this process uses now."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def in_batch(steps: int) -> None:
+    env, stream = BatchEnv(1000), np.random.default_rng(0)
+    env.reset(seed=1)
+    actions = stream.integers(0, 7, (100, 1000))
+    for number in range(steps // 1000):
+        env.step(actions[number % 100])
+    env.close()
+
+
+def alone(steps: int, backend: str) -> None:
+    env, stream = WarehouseEnv(backend=backend), np.random.default_rng(0)
+    actions = stream.integers(0, 7, 1000).tolist()
+    env.reset(seed=1)
+    for number in range(steps):
+        if any(env.step(actions[number % 1000])[2:4]):
+            env.reset(randomize=True, seed=number)
+    env.close()
+
+
+@pytest.mark.parametrize(
+    ("name", "steps", "work"),
+    [
+        ("BatchEnv", 200_000_000, in_batch),
+        ("grid", 1_000_000, lambda steps: alone(steps, "grid")),
+        ("physics", 100_000, lambda steps: alone(steps, "physics")),
+    ],
+)
+def test_memory_does_not_grow(name, steps, work, capsys) -> None:
+    sizes, start = [], perf_counter()
+    for _ in range(TENTHS):
+        work(round(steps * SHARE / TENTHS))
+        sizes.append(resident())
+    with capsys.disabled():
+        print(
+            f"\n{name}: {round(steps * SHARE):,} steps in {perf_counter() - start:.0f} s, MB at "
+            f"tenths: {' '.join(f'{size / 2**20:.1f}' for size in sizes)}"
+        )
+    assert sizes[-1] - sizes[1] <= MAX_GROWTH

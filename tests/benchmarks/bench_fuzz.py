@@ -1,0 +1,40 @@
+"""A million changed inputs of all formats that are read; each format in a process of its own."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from helpers.fuzz import MAX_BYTES, MAX_SECONDS, Report
+
+INPUTS = {
+    "layout": 170_000, "map": 120_000, "LoRR map": 80_000, "scen": 120_000, "tasks": 100_000,
+    "agents": 80_000, "plan": 80_000, "flags": 80_000, "names": 60_000, "given layout": 60_000,
+    "episode": 20_000, "q-table": 15_000, "ppo": 15_000,
+}  # fmt: skip
+"""Together 10^6; ``FUZZ_SHARE=0.1`` runs a tenth of each, and ``FUZZ_SEED`` other ones."""
+
+SHARE, SEED = float(os.environ.get("FUZZ_SHARE", "1")), os.environ.get("FUZZ_SEED", "1")
+TESTS = Path(__file__).parents[1]
+
+
+@pytest.mark.parametrize("name", INPUTS)
+def test_only_documented_errors(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "helpers.fuzz", name, str(round(INPUTS[name] * SHARE)), SEED],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(TESTS), str(TESTS.parent)])},
+        stdout=subprocess.PIPE,
+        check=True,
+        text=True,
+    )
+    report = Report(*json.loads(done.stdout))
+    with capsys.disabled():
+        print(
+            f"\n{name}: {report.inputs:,} inputs, {report.accepted:,} accepted, "
+            f"{report.refused:,} refused, worst {report.worst_seconds:.3f} s, "
+            f"{report.worst_bytes / 2**20:.0f} MB"
+        )
+    assert report.worst_seconds <= MAX_SECONDS
+    assert report.worst_bytes <= MAX_BYTES

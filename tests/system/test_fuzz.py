@@ -1,0 +1,11 @@
+"""Changed inputs of every format end with documented errors; ``bench_fuzz.py`` reads a million."""
+
+import pytest
+from helpers.fuzz import formats, fuzz
+
+
+@pytest.mark.parametrize("name", formats())
+def test_changed_inputs_are_read_or_refused(name: str) -> None:
+    report = fuzz(name, 150, seed=2)
+    assert report.accepted > 0
+    assert report.refused > report.accepted
