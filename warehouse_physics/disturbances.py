@@ -65,13 +65,19 @@ class Disturbances:
 
 
 class FloorConditions:
-    """Drag, grip and random numbers of one episode with these disturbances and this seed."""
+    """Drag, grip and random numbers of one episode with these disturbances and this seed.
+
+    Attributes:
+        patience: of the disturbances.
+        varies: whether drag or grip differ from cell to cell.
+    """
 
     def __init__(self, disturbances: Disturbances, seed: int) -> None:
         self._disturbances = disturbances
         self._seed = seed
         self._noise = random.Random(seed)
         self.patience = disturbances.patience
+        self.varies = bool(disturbances.drag_spread or disturbances.slippery)
 
     def drag_factor(self, cell: Cell) -> float:
         """Return the drag of a cell as a share of the nominal; it depends on seed and cell only."""

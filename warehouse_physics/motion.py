@@ -12,6 +12,7 @@ from warehouse_core.arguments import whole_number
 from warehouse_core.motion.base import check_moves, check_starts
 from warehouse_physics.arena import Arena
 from warehouse_physics.disturbances import Disturbances, FloorConditions
+from warehouse_physics.exclusive import exclusive
 from warehouse_physics.robot import MAX_SUBSTEPS, NEVER, Robot
 from warehouse_physics.robot_spec import RobotSpec
 from warehouse_physics.vector.motion import RigidBodyBatch
@@ -42,6 +43,8 @@ class RigidBodyMotion:
         TypeError: ``path_every`` is not an integer.
     """
 
+    is_busy = False
+
     def __init__(
         self,
         spec: RobotSpec | None = None,
@@ -70,8 +73,13 @@ class RigidBodyMotion:
             )
         self._arena = Arena(layout, cells, self.spec, floor)
 
+    @exclusive
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
-        """Carry out one action for each robot; see ``Motion.advance``."""
+        """Carry out one action for each robot; see ``Motion.advance``.
+
+        Raises:
+            RuntimeError: before ``reset``, or while another call is running.
+        """
         if self._arena is None:
             raise RuntimeError("advance() needs a reset() before it")
         robots = self._arena.robots

@@ -18,6 +18,7 @@ from warehouse_core.motion.base import Contact, centre_of
 from warehouse_physics.disturbances import FloorConditions
 from warehouse_physics.profile import braking, plan_profile
 from warehouse_physics.robot_spec import ARRIVED, RobotSpec
+from warehouse_physics.stepping import arbiters_of
 
 Position = tuple[float, float]
 
@@ -228,8 +229,7 @@ class Robot:
 
     def _touching(self) -> list[Robot]:
         """Return the robots that touch this one, in order."""
-        bodies: set[pymunk.Body] = set()
-        self.body.each_arbiter(lambda arbiter: bodies.update(arbiter.bodies))
+        bodies = {body for arbiter in arbiters_of(self.body) for body in arbiter.bodies}
         bodies.discard(self.body)
         return [robot for body, robot in self._robots.items() if body in bodies]
 

@@ -127,14 +127,16 @@ def targets_of(cells: list[Cell], moves: list[Cell]) -> list[Cell]:
     ]
 
 
-def fleet_keeps_the_table(spec: RobotSpec, robots: int, seed: int, actions: int) -> None:
-    """Move a fleet at random in a small hall, half of it loaded; seed 0 is the chapter's layout.
+def fleet_keeps_the_table(
+    spec: RobotSpec, robots: int, seed: int, actions: int, size: tuple[int, int] = (6, 8)
+) -> None:
+    """Move a fleet at random in a hall, half of it loaded; seed 0 is the chapter's layout.
 
     Raises:
         AssertionError: a robot ended in another cell than ``find_stops`` says.
     """
     stream = random.Random(100 * seed + robots)
-    layout = random_layout(6, 8, 0.15, seed=seed) if seed else DEFAULT_LAYOUT
+    layout = random_layout(*size, 0.15, seed=seed) if seed else DEFAULT_LAYOUT
     cells = [layout.open_cell(i) for i in stream.sample(range(len(layout.open_cells)), robots)]
     motion = RigidBodyMotion(spec, record_path=False)
     motion.reset(layout, cells, 0)

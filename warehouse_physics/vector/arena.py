@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pymunk
@@ -19,6 +19,7 @@ from warehouse_physics.arena import SLOP, add_walls
 from warehouse_physics.profile import Floats
 from warehouse_physics.robot import ROBOT, WALL, Position
 from warehouse_physics.robot_spec import RobotSpec
+from warehouse_physics.stepping import Stepper
 from warehouse_physics.vector.body_arrays import BodyArrays
 from warehouse_physics.walls import Box, wall_boxes
 
@@ -41,17 +42,21 @@ class Hit(NamedTuple):
 class VectorArena:
     """``B`` warehouses in one space; positions are relative to the corner of each.
 
+    Args:
+        spec: of the robots.
+        layouts: the warehouses.
+        corners: ``[B, 2]`` metres, their positions in the space; see ``corners_of``.
+
     Attributes:
         robots: their bodies.
         drives: the joint that drives each robot; its ``max_force`` limits the force in N.
     """
 
-    def __init__(self, spec: RobotSpec, layouts: Sequence[Layout]) -> None:
+    def __init__(self, spec: RobotSpec, layouts: Sequence[Layout], corners: Floats) -> None:
         self.space = pymunk.Space()
         self.space.iterations = ITERATIONS
         self.space.collision_slop = SLOP
-        self._step = spec.time_step
-        self._corners = _corners(layouts, spec.cell_size)
+        self._corners = corners
         self._build_walls(layouts, spec.cell_size)
         # The control bodies are in a space of their own that is never stepped: joints use their
         # velocities, and their positions do not matter.
@@ -62,8 +67,7 @@ class VectorArena:
         for row in range(len(layouts)):
             self._row[self._add_robot(spec)] = row
         self._bodies, self._controls = BodyArrays(self.space), BodyArrays(self._panel)
-        self._hits: list[Hit] = []
-        self.space.on_collision(ROBOT, WALL, begin=self._note_hit)
+        self._stepper = Stepper(self.space, spec.time_step, self._note_hit, [(ROBOT, WALL)])
 
     def place(self, row: int, position: Position) -> None:
         """Put a robot at rest at a position, for a new episode.
@@ -85,13 +89,7 @@ class VectorArena:
 
     def run(self, now: int, until: int) -> tuple[int, list[Hit]]:
         """Step from substep ``now`` to ``until`` or the first hits; return when, and the hits."""
-        step, dt, hits = self.space.step, self._step, self._hits
-        for substep in range(now + 1, until + 1):
-            step(dt)
-            if hits:
-                self._hits = []
-                return substep, hits
-        return until, []
+        return self._stepper.run(now, until)
 
     def _build_walls(self, layouts: Sequence[Layout], size: float) -> None:
         known: dict[int, list[Box]] = {}
@@ -117,13 +115,12 @@ class VectorArena:
         self.drives.append(drive)
         return shape
 
-    def _note_hit(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
-        """Record a hit as it begins, before the solver changes any velocity."""
+    def _note_hit(self, arbiter: pymunk.Arbiter) -> Hit:
         row = self._row[arbiter.shapes[0]]
-        self._hits.append(Hit(row, -arbiter.normal, self.robots[row].velocity))
+        return Hit(row, -arbiter.normal, self.robots[row].velocity)
 
 
-def _corners(layouts: Sequence[Layout], cell_size: float) -> Floats:
+def corners_of(layouts: Sequence[Layout], cell_size: float) -> Floats:
     """Return the position in the space of the corner of each layout, ``[B, 2]`` in metres.
 
     Layouts are in rows and columns, not in one line, to keep the numbers small and so exact.

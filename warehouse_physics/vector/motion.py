@@ -11,9 +11,13 @@ from warehouse_core import Layout, LayoutError
 from warehouse_core.motion.base import centre_of
 from warehouse_core.motion.vector import BatchOutcome, Flags, Integers
 from warehouse_core.world.actions import DISPLACEMENTS
+from warehouse_physics.exclusive import exclusive
 from warehouse_physics.robot_spec import RobotSpec
-from warehouse_physics.vector.arena import VectorArena
+from warehouse_physics.vector.arena import VectorArena, corners_of
 from warehouse_physics.vector.robots import VectorRobots
+
+ROWS_OF_A_SPACE = 256
+"""Rows whose robots are in one space; with thousands a substep takes longer for each of them."""
 
 _WAYS = np.array([(right, down) for down, right in DISPLACEMENTS], np.float64)
 
@@ -21,12 +25,15 @@ _WAYS = np.array([(right, down) for down, right in DISPLACEMENTS], np.float64)
 class RigidBodyBatch:
     """Moves one robot in each of ``B`` layouts as a disc with mass; see ``BatchMotion``.
 
-    All robots are in one space, too far apart to touch. An action takes as many substeps as its
-    slowest robot needs; ``seconds`` and ``joules`` are those of each robot alone.
+    Up to ``ROWS_OF_A_SPACE`` robots are in one space, too far apart to touch. An action takes as
+    many substeps as the slowest of them needs; ``seconds`` and ``joules`` are those of each robot
+    alone.
 
     Raises:
         ValueError: no layouts.
     """
+
+    is_busy = False
 
     def __init__(self, spec: RobotSpec, layouts: Sequence[Layout]) -> None:
         if not layouts:
@@ -35,8 +42,17 @@ class RigidBodyBatch:
         self._layouts = tuple(layouts)
         self._widths = np.array([layout.width for layout in layouts])
         self._is_placed = np.zeros(len(layouts), np.bool_)
-        self._robots: VectorRobots | None = VectorRobots(spec, VectorArena(spec, self._layouts))
+        corners = corners_of(self._layouts, spec.cell_size)
+        self._slices = [
+            slice(first, first + ROWS_OF_A_SPACE)
+            for first in range(0, len(layouts), ROWS_OF_A_SPACE)
+        ]
+        self._parts: list[VectorRobots] | None = [
+            VectorRobots(spec, VectorArena(spec, self._layouts[rows], corners[rows]))
+            for rows in self._slices
+        ]
 
+    @exclusive
     def place(self, rows: Integers, cells: Integers) -> None:
         """Put some of the robots at rest in a cell; see ``BatchMotion.place``.
 
@@ -44,45 +60,51 @@ class RigidBodyBatch:
             LayoutError: a cell is a wall or off the grid; nothing has changed.
             ValueError: not one cell for each row, or a row that does not exist or is given
                 twice; nothing has changed.
-            RuntimeError: after ``close``.
+            RuntimeError: after ``close``, or while another call is running.
         """
-        arena = self._in_use("place").arena
+        parts = self._in_use("place")
         rows = self._checked_rows(rows)
         cells = _checked_vector("cells", cells, len(rows))
         starts = [self._start(*each) for each in zip(rows.tolist(), cells.tolist(), strict=True)]
         for row, start in zip(rows.tolist(), starts, strict=True):
-            arena.place(row, start)
+            part, row_of_part = divmod(row, ROWS_OF_A_SPACE)
+            parts[part].arena.place(row_of_part, start)
         self._is_placed[rows] = True
 
+    @exclusive
     def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
         """Carry out one action for each robot; see ``BatchMotion.advance``.
 
         Raises:
             ValueError: not one action and one load for each row, or an action that does not
                 exist; nothing has changed.
-            RuntimeError: before every row has been placed, or after ``close``.
+            RuntimeError: before every row has been placed, after ``close``, or while another call
+                is running.
         """
-        robots = self._in_use("advance")
+        parts = self._in_use("advance")
         if not self._is_placed.all():
             missing = int(np.argmin(self._is_placed))
             raise RuntimeError(f"advance() needs a place() of every row; row {missing} had none")
         actions = self._checked_actions(actions)
         loaded = _checked_vector("loaded", loaded, len(self._layouts), kinds="b")
-        robots.drive(_WAYS[actions], loaded)
-        moved = robots.substeps > 0
-        seconds = np.where(moved, robots.substeps * self.spec.time_step, self.spec.dwell)
-        joules = robots.work / self.spec.drivetrain_efficiency + self.spec.idle_power * seconds
-        cols, rows = robots.cells().T
-        return BatchOutcome(rows * self._widths + cols, robots.gave_up.copy(), seconds, joules)
+        for robots, rows in zip(parts, self._slices, strict=True):
+            robots.drive(_WAYS[actions[rows]], loaded[rows])
+        substeps = np.concatenate([robots.substeps for robots in parts])
+        seconds = np.where(substeps > 0, substeps * self.spec.time_step, self.spec.dwell)
+        work = np.concatenate([robots.work for robots in parts])
+        joules = work / self.spec.drivetrain_efficiency + self.spec.idle_power * seconds
+        cols, lines = np.concatenate([robots.cells() for robots in parts]).T
+        gave_up = np.concatenate([robots.gave_up for robots in parts])
+        return BatchOutcome(lines * self._widths + cols, gave_up, seconds, joules)
 
     def close(self) -> None:
         """Release the arena; see ``BatchMotion.close``."""
-        self._robots = None
+        self._parts = None
 
-    def _in_use(self, call: str) -> VectorRobots:
-        if self._robots is None:
+    def _in_use(self, call: str) -> list[VectorRobots]:
+        if self._parts is None:
             raise RuntimeError(f"{call}() after close()")
-        return self._robots
+        return self._parts
 
     def _start(self, row: int, cell: int) -> tuple[float, float]:
         """Return the position of the middle of a cell in metres."""

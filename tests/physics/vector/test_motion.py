@@ -15,9 +15,10 @@ from hypothesis import strategies as st
 
 from warehouse_core import Layout, LayoutError
 from warehouse_core.motion.vector import Batchable, BatchOutcome
-from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
+from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec, stepping
 from warehouse_physics.profile import braking, brakings, plan_profile, plan_profiles
 from warehouse_physics.robot import WALL
+from warehouse_physics.vector import motion as vector_motion
 from warehouse_physics.vector import robots as vector_robots
 from warehouse_physics.vector.arena import Hit
 from warehouse_physics.vector.body_arrays import BodyArrays
@@ -54,6 +55,23 @@ def advance(batch: RigidBodyBatch, *actions: int, loaded: bool = False) -> Batch
 def test_each_row_equals_a_single_motion(spec: RobotSpec) -> None:
     blocked = rows_differ(spec, rows=12, steps=25)
     assert blocked > 12 * 25 / 8, "too few hits to compare"
+
+
+def test_rows_in_several_spaces_have_the_bits_of_one_space(monkeypatch) -> None:
+    stream = random.Random(6)
+    layouts = some_layouts(11, stream)
+    drawn = np.random.default_rng(6)
+    moves = [(drawn.integers(0, 8, 11), drawn.random(11) < 0.5) for _ in range(30)]
+    outcomes = []
+    for rows in (256, 4):
+        monkeypatch.setattr(vector_motion, "ROWS_OF_A_SPACE", rows)
+        batch = batch_in(layouts)
+        assert len(batch._parts) == math.ceil(11 / rows)
+        each = [batch.advance(*move) for move in moves[:15]]
+        batch.place(np.array([9, 3]), np.array([layouts[row].open_cells[-1] for row in (9, 3)]))
+        each += [batch.advance(*move) for move in moves[15:]]
+        outcomes.append([column.tobytes() for outcome in each for column in outcome])
+    assert outcomes[0] == outcomes[1]
 
 
 def test_a_row_does_not_depend_on_the_other_rows() -> None:
@@ -93,7 +111,7 @@ def test_an_outcome_does_not_change_later() -> None:
 def test_an_action_that_takes_too_long_ends_and_the_robot_stops(monkeypatch) -> None:
     monkeypatch.setattr(vector_robots, "MAX_SUBSTEPS", 30)
     batch = batch_in([CORRIDOR, LEDGE])
-    arena = batch._robots.arena
+    arena = batch._parts[0].arena
     # It ends with the first event after MAX_SUBSTEPS, the hit of the second robot.
     assert advance(batch, EAST, EAST).seconds == pytest.approx([34 / 60] * 2)
     assert arena.look()[1][0, 0] > 0.5
@@ -105,7 +123,7 @@ def test_a_robot_with_weak_brakes_equals_a_single_motion() -> None:
     spec = RobotSpec(floor_drag=0.0)
     batch, singles = batch_in([HALL], spec), Singles(spec, [HALL])
     singles.place(0, 0)
-    batch._robots._braking_forces *= 0.6
+    batch._parts[0]._braking_forces *= 0.6
     singles.motions[0]._arena.robots[0]._braking_force *= 0.6
     for action in (EAST, SOUTH, EAST, EAST):
         outcome, expected = advance(batch, action), singles.advance([action], [False])
@@ -116,19 +134,19 @@ def test_a_robot_with_weak_brakes_equals_a_single_motion() -> None:
 
 def test_a_robot_at_rest_ignores_contacts_while_others_drive() -> None:
     batch = batch_in([LEDGE, HALL])
-    batch._robots.arena.robots[0].position += (0.2, 0.0)
+    batch._parts[0].arena.robots[0].position += (0.2, 0.0)
     outcome = advance(batch, WAIT, EAST)
     assert (outcome.blocked[0], outcome.seconds[0]) == (False, RobotSpec().dwell)
-    batch._robots._meet([Hit(1, (-1.0, 0.0), (0.0, 0.0))], 200)
-    assert not batch._robots.gave_up[1]
+    batch._parts[0]._meet([Hit(1, (-1.0, 0.0), (0.0, 0.0))], 200)
+    assert not batch._parts[0].gave_up[1]
 
 
 def test_a_robot_is_placed_at_rest() -> None:
     batch = batch_in([HALL, HALL])
-    batch._robots.arena.robots[0].velocity = (1.0, 1.0)
+    batch._parts[0].arena.robots[0].velocity = (1.0, 1.0)
     batch.place(np.array([0]), np.array([6]))
     advance(batch, WAIT, EAST)
-    assert batch._robots.arena.look()[0][0].tolist() == [1.5, 1.5]
+    assert batch._parts[0].arena.look()[0][0].tolist() == [1.5, 1.5]
 
 
 # Outcomes follow the bodies, not the grid.
@@ -138,7 +156,7 @@ def test_without_the_shapes_of_the_walls_robots_drive_through() -> None:
     batch = batch_in([Layout(["..#.."])] * 2)
     advance(batch, EAST, EAST)
     assert advance(batch, EAST, EAST).blocked.all()
-    space = batch._robots.arena.space
+    space = batch._parts[0].arena.space
     walls = [shape for shape in space.shapes if shape.collision_type == WALL]
     # The first row has the first shapes: four around its grid and one within.
     space.remove(walls[4])
@@ -149,14 +167,14 @@ def test_without_the_shapes_of_the_walls_robots_drive_through() -> None:
 
 def test_the_outcome_follows_a_body_that_was_moved_by_hand() -> None:
     batch = batch_in([HALL, HALL])
-    body = batch._robots.arena.robots[1]
+    body = batch._parts[0].arena.robots[1]
     body.position += (2.0, 1.0)
     assert advance(batch, EAST, EAST).cells.tolist() == [1, 5 + 3]
 
 
 def test_robots_are_moved_by_finite_force_only(monkeypatch) -> None:
     batch = batch_in([HALL, LEDGE])
-    arena = batch._robots.arena
+    arena = batch._parts[0].arena
     step, seen = arena.space.step, []
 
     def step_and_look(dt: float) -> None:
@@ -164,6 +182,7 @@ def test_robots_are_moved_by_finite_force_only(monkeypatch) -> None:
         seen.append(np.concatenate([arena.look()[0], arena.look()[1]], axis=1))
 
     monkeypatch.setattr(arena.space, "step", step_and_look)
+    monkeypatch.setattr(stepping, "IS_KNOWN", False)  # so that this step is called
     for action in (EAST, SOUTH, WEST):
         advance(batch, action, action)
     states = np.array(seen)
@@ -179,17 +198,17 @@ def test_after_many_bumps_robots_are_in_the_middle_of_their_cells() -> None:
     for step in range(20):
         outcome = advance(batch, *((row + step) % 4 for row in range(4)), loaded=step % 3 == 0)
         assert outcome.blocked.all()
-    positions, velocities = batch._robots.arena.look()
+    positions, velocities = batch._parts[0].arena.look()
     assert np.abs(positions - 0.5).max() < 1e-3
     assert np.abs(velocities).max() < 1e-6
 
 
 def test_a_touch_beside_the_path_does_not_block() -> None:
     batch = batch_in([CORRIDOR], RobotSpec(radius=0.499))
-    body = batch._robots.arena.robots[0]
+    body = batch._parts[0].arena.robots[0]
     hits = []
-    noted = batch._robots._meet
-    batch._robots._meet = lambda found, now: (hits.extend(found), noted(found, now))
+    noted = batch._parts[0]._meet
+    batch._parts[0]._meet = lambda found, now: (hits.extend(found), noted(found, now))
     for cell in range(1, 11):
         body.position += (0.0, 0.003)
         outcome = advance(batch, EAST)

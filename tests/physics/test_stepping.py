@@ -1,0 +1,240 @@
+"""Chipmunk's own step against pymunk's, and errors in callbacks."""
+
+import _thread
+import random
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from functools import partial
+from operator import call
+from types import SimpleNamespace
+
+import numpy as np
+import pymunk
+import pytest
+from helpers.rigid_bodies import EAST, LEDGE, STEPS, WEST, batch_in, motion_in, move
+
+from warehouse_core import Layout, Outcome, random_layout
+from warehouse_physics import Disturbances, RigidBodyMotion, stepping
+
+HALL = Layout(["...."] * 3)
+MOVES = 60
+
+over_versions = pytest.mark.parametrize("known", [True, False], ids=["known", "later"])
+
+
+@pytest.fixture
+def known(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> bool:
+    """Whether the version of pymunk is one whose private parts are used."""
+    monkeypatch.setattr(stepping, "IS_KNOWN", request.param and stepping.IS_KNOWN)
+    return stepping.IS_KNOWN
+
+
+def wander(robots: int, disturbances: Disturbances | None = None) -> list[Outcome]:
+    """Move at random, half of the time loaded."""
+    layout, stream = random_layout(6, 7, 0.2, seed=4), random.Random(robots)
+    motion = RigidBodyMotion(disturbances=disturbances)
+    motion.reset(layout, [layout.open_cell(rank) for rank in range(robots)], 1)
+    return [
+        outcome
+        for _ in range(MOVES)
+        for outcome in motion.advance(
+            stream.choices(STEPS, k=robots), [stream.random() < 0.5 for _ in range(robots)]
+        )
+    ]
+
+
+def bits(outcomes: list[Outcome]) -> list[object]:
+    return [(each._replace(path=None), each.path.tobytes()) for each in outcomes]
+
+
+# The same steps, with Chipmunk's own function and with pymunk's.
+
+
+@pytest.mark.parametrize("robots", [1, 4])
+@pytest.mark.parametrize("disturbances", [None, Disturbances(0.1, [(1, 1)], drag_spread=0.5)])
+def test_pymunks_own_step_gives_the_same_bits(robots, disturbances, monkeypatch) -> None:
+    fast = wander(robots, disturbances)
+    assert any(outcome.contacts for outcome in fast)
+    monkeypatch.setattr(stepping, "IS_KNOWN", False)
+    assert bits(wander(robots, disturbances)) == bits(fast)
+
+
+def test_pymunks_own_step_gives_the_same_bits_in_a_batch(monkeypatch) -> None:
+    batches = [batch_in([HALL, LEDGE] * 3) for _ in range(2)]
+    stream = np.random.default_rng(0)
+    for _ in range(MOVES):
+        arguments = stream.integers(0, 8, 6), stream.random(6) < 0.5
+        outcomes = []
+        for batch, known in zip(batches, (True, False), strict=True):
+            monkeypatch.setattr(stepping, "IS_KNOWN", known)
+            outcomes.append(b"".join(column.tobytes() for column in batch.advance(*arguments)))
+        assert outcomes[0] == outcomes[1]
+
+
+def test_only_the_first_action_uses_pymunks_own_step(monkeypatch) -> None:
+    """It finds bodies that were added since the last step."""
+    motion, steps = motion_in(HALL, (1, 1)), []
+    move(motion, EAST)
+    monkeypatch.setattr(motion._arena.space, "step", steps.append)
+    assert move(motion, WEST).cell == (1, 1)
+    assert steps == []
+
+
+@over_versions
+def test_what_a_callback_adds_or_removes_waits_for_the_end_of_the_steps(known) -> None:
+    motion = motion_in(LEDGE, (0, 0))
+    move(motion, EAST)
+    space, added = motion._arena.space, pymunk.Body(1.0, 1.0)
+    wall = next(shape for shape in space.shapes if isinstance(shape, pymunk.Poly))
+    hits, seen = motion._arena._stepper._hits, []
+    note = hits._note
+
+    def meddle(arbiter: pymunk.Arbiter) -> object:
+        if not seen:
+            space.add(added)
+            space.remove(wall)
+        seen.append((added in space.bodies, wall in space.shapes))
+        return note(arbiter)
+
+    hits._note = meddle
+    move(motion, WEST)
+    assert seen[0] == (False, True)
+    assert (added in space.bodies, wall in space.shapes) == (True, False)
+
+
+# Errors and interrupts in callbacks.
+
+
+def break_notes(motion: RigidBodyMotion, fail: Callable[[], object]) -> None:
+    motion._arena._stepper._hits._note = lambda arbiter: fail()
+
+
+def interrupt() -> None:
+    signal.raise_signal(signal.SIGINT)
+
+
+def divide_by_zero() -> None:
+    _ = 1 / 0
+
+
+@over_versions
+@pytest.mark.usefixtures("known")
+@pytest.mark.parametrize(
+    ("fail", "error"),
+    [(divide_by_zero, ZeroDivisionError), (interrupt, KeyboardInterrupt), (sys.exit, SystemExit)],
+)
+def test_an_error_while_a_hit_is_noted_ends_the_action(fail, error) -> None:
+    motion = motion_in(LEDGE, (0, 0))
+    note = motion._arena._stepper._hits._note
+    break_notes(motion, fail)
+    with pytest.raises(error):
+        move(motion, EAST)
+    motion._arena._stepper._hits._note = note
+    assert len(move(motion, WEST).contacts) == 1
+
+
+def test_an_error_while_a_hit_is_noted_ends_the_action_of_a_batch() -> None:
+    batch = batch_in([HALL, LEDGE])
+    batch._parts[0].arena._stepper._hits._note = lambda arbiter: divide_by_zero()
+    with pytest.raises(ZeroDivisionError):
+        batch.advance(np.array([1, 1]), np.zeros(2, bool))
+
+
+def test_an_interrupt_right_before_a_callback_ends_the_action(monkeypatch) -> None:
+    """It is raised in pymunk's own callback, before any code of this package runs."""
+    contact = move(motion_in(LEDGE, (0, 0)), EAST).contacts[0]
+    hit, run, noted = round(contact.seconds * 60), stepping.Stepper._run, []
+
+    def run_with_interrupt(self, step, now, until):
+        numbers = iter(range(now + 1, until + 1))
+
+        def step_with_interrupt() -> None:
+            # ``map`` and ``call`` are in C, so that no Python runs between the two.
+            both = (_thread.interrupt_main, step) if next(numbers) == hit else (step,)
+            list(map(call, both))
+
+        return run(self, step_with_interrupt, now, until)
+
+    motion = motion_in(LEDGE, (0, 0))
+    break_notes(motion, lambda: noted.append(1))
+    monkeypatch.setattr(stepping.Stepper, "_run", run_with_interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        move(motion, EAST)
+    assert noted == []
+
+
+def test_an_interrupt_while_arbiters_are_listed_is_raised(monkeypatch) -> None:
+    space, body = pymunk.Space(), pymunk.Body(1.0, 1.0)
+    space.add(body, pymunk.Circle(body, 1.0), pymunk.Circle(space.static_body, 1.0))
+    space.step(0.1)
+    assert len(stepping.arbiters_of(body)) == 1
+    lib = pymunk.body.lib
+
+    def list_after_interrupt(*arguments: object) -> None:
+        list(map(call, (_thread.interrupt_main, partial(lib.cpBodyEachArbiter, *arguments))))
+
+    function = lib.ext_cpBodyArbiterIteratorFunc
+    parts = {"ext_cpBodyArbiterIteratorFunc": function, "cpBodyEachArbiter": list_after_interrupt}
+    with monkeypatch.context() as patch:
+        patch.setattr(pymunk.body, "lib", SimpleNamespace(**parts))
+        with pytest.raises(KeyboardInterrupt):
+            stepping.arbiters_of(body)
+
+
+def test_errors_in_callbacks_of_other_spaces_are_printed_as_before(monkeypatch) -> None:
+    printed = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda each: printed.append(each.exc_type))
+    space, body = pymunk.Space(), pymunk.Body(1.0, 1.0)
+    space.add(body, pymunk.Circle(body, 1.0), pymunk.Circle(space.static_body, 1.0))
+    space.on_collision(0, 0, begin=lambda *arguments: divide_by_zero())
+    space.step(0.1)
+    assert set(printed) == {ZeroDivisionError}
+
+
+# Calls that overlap.
+
+
+def test_an_action_inside_an_action_raises() -> None:
+    motion = motion_in(LEDGE, (0, 0))
+    note = motion._arena._stepper._hits._note
+    break_notes(motion, lambda: move(motion, WEST))
+    with pytest.raises(RuntimeError, match=r"^advance\(\) while another call .* of its own$"):
+        move(motion, EAST)
+    motion._arena._stepper._hits._note = note
+    assert move(motion, WEST).contacts
+
+
+def test_a_motion_in_several_threads_raises_and_goes_on() -> None:
+    motion, batch = motion_in(HALL, (1, 1)), batch_in([HALL] * 2)
+    calls = [
+        lambda: motion.advance([EAST], [False]),
+        lambda: batch.advance(np.array([1, 1]), np.zeros(2, bool)),
+    ]
+    errors: list[str] = []
+
+    def repeat(action: Callable[[], object]) -> None:
+        for _ in range(MOVES):
+            try:
+                action()
+            except RuntimeError as error:
+                errors.append(str(error))
+
+    threads = [threading.Thread(target=repeat, args=[each]) for each in calls * 3]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert errors
+    assert {error.split(" while ")[0] for error in errors} == {"advance()"}
+    assert motion.advance([WEST], [False])[0].cell == (1, 2)
+
+
+def test_robots_cannot_be_placed_during_an_action_of_a_batch() -> None:
+    batch = batch_in([LEDGE])
+    place = partial(batch.place, np.array([0]), np.array([0]))
+    batch._parts[0].arena._stepper._hits._note = lambda arbiter: place()
+    with pytest.raises(RuntimeError, match=r"^place\(\) while another call"):
+        batch.advance(np.array([1]), np.zeros(1, bool))
+    place()

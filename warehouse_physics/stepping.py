@@ -1,0 +1,150 @@
+"""Substeps of a space up to the first hit; no error of a callback is lost.
+
+Two things are done here with private parts of pymunk, whose versions 7.1 to 7.3 have them in the
+same form. With a later version its public calls do.
+
+Half of the time of ``Space.step`` passes in Python, for objects that were added or removed since
+the last step. Where there are none, Chipmunk's own function is called instead.
+
+Chipmunk calls Python through cffi, which prints the errors of a callback and drops them. An
+interrupt may arrive as pymunk's own callback begins, before any code of this package runs. So
+cffi is asked to hand errors over, and they are raised after the call. With a later version of
+pymunk that holds for errors in the functions of this package only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from types import TracebackType
+from typing import Any, Generic, TypeVar
+
+import pymunk
+
+Hit = TypeVar("Hit")
+
+IS_KNOWN = pymunk.version.startswith(("7.1.", "7.2.", "7.3."))
+"""Whether this version of pymunk has the private parts that are used here."""
+
+
+class Kept(list[Any]):
+    """What callbacks found, and their errors."""
+
+    def take(self) -> list[Any]:
+        """Return what was found, and forget it.
+
+        Raises:
+            BaseException: the first error of a callback.
+        """
+        found = self.copy()
+        self.clear()
+        for each in found:
+            if isinstance(each, BaseException):
+                raise each
+        return found
+
+
+class Hits(Kept):
+    """Hits that have begun, each as ``note`` describes it."""
+
+    def __init__(self, note: Callable[[pymunk.Arbiter], object]) -> None:
+        super().__init__()
+        self._note = note
+
+    def begin(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
+        """Keep a hit before the solver changes any velocity."""
+        try:
+            self.append(self._note(arbiter))
+        except BaseException as error:
+            self.append(error)
+
+
+class Stepper(Generic[Hit]):
+    """Steps a space.
+
+    Args:
+        space: to step.
+        time_step: of a substep, in seconds.
+        note: called as a hit begins; returns what is to be known of it later.
+        pairs: collision types whose hits are noted.
+    """
+
+    def __init__(
+        self,
+        space: pymunk.Space,
+        time_step: float,
+        note: Callable[[pymunk.Arbiter], Hit],
+        pairs: list[tuple[int, int]],
+    ) -> None:
+        self._space, self._time_step, self._hits = space, time_step, Hits(note)
+        for pair in pairs:
+            space.on_collision(*pair, begin=self._hits.begin)
+
+    def run(self, now: int, until: int) -> tuple[int, list[Hit]]:
+        """Step from substep ``now`` to ``until`` or the first hits; return when, and the hits.
+
+        Raises:
+            BaseException: an error, or an interrupt, while a hit was noted.
+        """
+        space = self._space
+        if not IS_KNOWN or _has_changes(space):
+            return self._run(partial(space.step, self._time_step), now, until)
+        # A callback that adds or removes something has to wait, as in a step of pymunk.
+        space._locked = True
+        try:
+            return self._run(partial(lib.cpSpaceStep, space._space, self._time_step), now, until)
+        finally:
+            space._locked = False
+
+    def _run(self, step: Callable[[], None], now: int, until: int) -> tuple[int, list[Hit]]:
+        hits = self._hits
+        hits.clear()  # An interrupt may have ended the last run after a hit.
+        for substep in range(now + 1, until + 1):
+            step()
+            if hits:
+                return substep, hits.take()
+        return until, []
+
+
+def arbiters_of(body: pymunk.Body) -> list[pymunk.Arbiter]:
+    """Return the arbiters of the shapes that touch a body, valid until the next step.
+
+    Raises:
+        BaseException: an interrupt.
+    """
+    found = Kept()
+    body.each_arbiter(found.append)
+    return found.take()
+
+
+def _has_changes(space: pymunk.Space) -> bool:
+    """Return whether a step of pymunk would do more than call Chipmunk's own."""
+    return bool(
+        space._bodies_to_check
+        or space._removed_shapes
+        or space._add_later
+        or space._remove_later
+        or space._post_step_callbacks
+    )
+
+
+if IS_KNOWN:
+    # Functions, not their module: while the interpreter ends they are needed to free spaces.
+    from pymunk._callbacks import ext_cpBodyArbiterIteratorFunc, ext_cpCollisionBeginFunc
+    from pymunk._chipmunk_cffi import ffi, lib
+
+    def _hand_over(kind: type[BaseException], error: BaseException, trace: TracebackType) -> None:
+        """Append the error of a callback to what the callback keeps.
+
+        Raises:
+            BaseException: the error, if the callback is not of this package; cffi prints it.
+        """
+        data = ffi.from_handle(trace.tb_frame.f_locals["data"])
+        callback = data[1] if isinstance(data, tuple) else data.begin
+        kept = getattr(callback, "__self__", None)
+        if not isinstance(kept, Kept):
+            raise error
+        kept.append(error)
+
+    for _called in (ext_cpBodyArbiterIteratorFunc, ext_cpCollisionBeginFunc):
+        ffi.def_extern(_called.__name__, onerror=_hand_over)(_called)
