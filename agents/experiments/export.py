@@ -19,7 +19,6 @@ from agents.experiments.case import TILES, Case
 from agents.experiments.store import Row, Store
 from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import atomic_path, check_suffix
-from warehouse_core.wording import printable
 
 ROWS_END = "/"
 """Between the rows of a layout, so that an episode is one line of text."""
@@ -100,7 +99,9 @@ def _plain(case: Case, name: str) -> Any:
     value = case.get(name)
     if name == TILES and value is not None:
         return ROWS_END.join(value)
-    return printable(value) if isinstance(value, str) else value
+    if isinstance(value, str):  # the name of a file may have bytes that are no text
+        return value.encode(errors="backslashreplace").decode()
+    return value
 
 
 def _write_csv(path: Path, columns: dict[str, str], lines: Iterator[Line]) -> None:
