@@ -4,8 +4,8 @@
 """
 
 import os
+from collections.abc import Callable
 from pathlib import Path
-from time import perf_counter
 
 import numpy as np
 import pytest
@@ -24,16 +24,15 @@ MAX_GROWTH = 8 * 2**20
     [("WarehouseEnv", 4_000_000), ("BatchEnv", 2_000_000), ("Warehouse-v0", 4_000_000)],
 )
 def test_malformed_actions_raise_only_documented_errors(
-    name: str, steps: int, capsys: pytest.CaptureFixture[str]
+    name: str, steps: int, measured: Callable[[str, object], None]
 ) -> None:
     assert name in MAKERS
     tally = step_malformed(name, round(steps * SHARE), seed=1)
-    with capsys.disabled():
-        print(
-            f"\n{name}: {tally.steps:,} malformed actions, {tally.refused:,} refused with "
-            f"documented errors, {tally.taken:,} taken as invalid; state compared "
-            f"{tally.compared:,} times, 0 changes"
-        )
+    measured(
+        f"malformed actions, {name}",
+        f"{tally.steps:,}: {tally.refused:,} refused with documented errors, {tally.taken:,} taken "
+        f"as invalid; state compared {tally.compared:,} times, 0 changes",
+    )
 
 
 def resident() -> int:
@@ -68,14 +67,13 @@ def alone(steps: int, backend: str) -> None:
         ("physics", 100_000, lambda steps: alone(steps, "physics")),
     ],
 )
-def test_memory_does_not_grow(name, steps, work, capsys) -> None:
-    sizes, start = [], perf_counter()
+def test_memory_does_not_grow(name, steps, work, measured) -> None:
+    sizes = []
     for _ in range(TENTHS):
         work(round(steps * SHARE / TENTHS))
         sizes.append(resident())
-    with capsys.disabled():
-        print(
-            f"\n{name}: {round(steps * SHARE):,} steps in {perf_counter() - start:.0f} s, MB at "
-            f"tenths: {' '.join(f'{size / 2**20:.1f}' for size in sizes)}"
-        )
+    measured(
+        f"memory of {round(steps * SHARE):,} steps, {name}",
+        f"{sizes[1] / 2**20:.1f} MB after two tenths, {sizes[-1] / 2**20:.1f} MB at the end",
+    )
     assert sizes[-1] - sizes[1] <= MAX_GROWTH

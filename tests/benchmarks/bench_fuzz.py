@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -21,7 +22,7 @@ TESTS = Path(__file__).parents[1]
 
 
 @pytest.mark.parametrize("name", INPUTS)
-def test_only_documented_errors(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_only_documented_errors(name: str, measured: Callable[[str, object], None]) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "helpers.fuzz", name, str(round(INPUTS[name] * SHARE)), SEED],
         env=os.environ | {"PYTHONPATH": os.pathsep.join([str(TESTS), str(TESTS.parent)])},
@@ -30,11 +31,11 @@ def test_only_documented_errors(name: str, capsys: pytest.CaptureFixture[str]) -
         text=True,
     )
     report = Report(*json.loads(done.stdout))
-    with capsys.disabled():
-        print(
-            f"\n{name}: {report.inputs:,} inputs, {report.accepted:,} accepted, "
-            f"{report.refused:,} refused, worst {report.worst_seconds:.3f} s, "
-            f"{report.worst_bytes / 2**20:.0f} MB"
-        )
+    measured(
+        f"changed inputs of the format {name}",
+        f"{report.inputs:,}: {report.accepted:,} accepted, {report.refused:,} refused with "
+        f"documented errors, at most {report.worst_seconds:.3f} s and "
+        f"{report.worst_bytes / 2**20:.0f} MB",
+    )
     assert report.worst_seconds <= MAX_SECONDS
     assert report.worst_bytes <= MAX_BYTES

@@ -8,11 +8,10 @@ import random
 import resource
 import signal
 from collections import Counter
+from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 from time import perf_counter
-
-import pytest
 
 from agents.experiments.case import make_case
 from agents.experiments.episodes import run_task
@@ -70,7 +69,7 @@ def changed(data: bytes, stream: random.Random) -> bytes:
 
 
 def test_damaged_files_are_read_or_refused_in_a_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, measured: Callable[[str, object], None]
 ) -> None:
     path = tmp_path / "r.sqlite"
     with closing(Store(path)) as store:
@@ -98,8 +97,10 @@ def test_damaged_files_are_read_or_refused_in_a_line(
                 signal.alarm(0)
             slowest = max(slowest, perf_counter() - begin)
     mebibytes = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
-    with capsys.disabled():
-        print(f"\n{ROUNDS:,} damaged files: {dict(ends)}")
-        print(f"the slowest took {slowest:.2f} s, memory grew by {mebibytes:.0f} MiB")
+    found = ", ".join(f"{count:,} {end}" for end, count in ends.items())
+    measured(
+        f"{ROUNDS:,} damaged files of results",
+        f"{found}; at most {slowest:.2f} s and {mebibytes:.0f} MiB more",
+    )
     assert slowest <= MAX_SECONDS
     assert mebibytes <= MAX_MIB

@@ -1,6 +1,7 @@
 """Names with markup, scripts and control characters, in every page and picture that is written."""
 
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,7 @@ from helpers.pages import HOSTILE
 
 @pytest.mark.filterwarnings("ignore:Glyph")  # matplotlib says when a font lacks a character
 def test_no_name_is_run_and_every_svg_is_well_formed(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, measured: Callable[[str, object], None]
 ) -> None:
     plain = tmp_path / "plain"
     plain.mkdir()
@@ -27,9 +28,8 @@ def test_no_name_is_run_and_every_svg_is_well_formed(
             found = executable_nodes(folder / file)
             more += sum((Counter(found) - Counter(nodes)).values())
             kinds[Path(file).suffix] += 1
-    with capsys.disabled():
-        print(
-            f"\n{len(names)} names in {len(expected)} kinds of documents: {kinds['.html']} pages, "
-            f"{kinds['.svg']} SVGs, all well-formed; {more} executable nodes"
-        )
+    measured(
+        f"{len(names)} names with markup, scripts and control characters",
+        f"{kinds['.html']} pages, {kinds['.svg']} SVGs, all well-formed; {more} executable nodes",
+    )
     assert more == 0

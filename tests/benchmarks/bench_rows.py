@@ -41,18 +41,18 @@ def keyed(rows: list) -> list:
     return [(row[:2], row) for row in rows]
 
 
-def test_kill_9(tmp_path, capsys) -> None:
+def test_kill_9(tmp_path, measured) -> None:
     path = tmp_path / "r.sqlite"
     killed = kill_sweeps(path, KILLED_EPISODES, KILLS)
     left = len(table(path))
     assert Sweep(path, KILLED_EPISODES).end(SECONDS)[0] == 0
     expected = uninterrupted(tmp_path / "expected.sqlite", KILLED_EPISODES)
     lost, doubled, different = compared(path, expected)
-    with capsys.disabled():
-        print(
-            f"\nkill -9, {KILLS} times, {killed} of them while it ran, the last at {left:,} of "
-            f"{len(expected):,} rows: {lost} lost, {doubled} doubled, {different} different"
-        )
+    measured(
+        f"a sweep that is killed with -9, {KILLS} times",
+        f"{killed} of them while it ran, the last at {left:,} of {len(expected):,} rows: {lost} "
+        f"lost, {doubled} doubled, {different} different",
+    )
     assert (lost, doubled, different) == (0, 0, 0)
 
 
@@ -73,7 +73,7 @@ def run(way: str, path: Path, python: str) -> None:
 
 
 @pytest.mark.parametrize("python", PYTHONS, ids=version_of)
-def test_rows_of_workers_programs_and_interpreters(tmp_path, capsys, python: str) -> None:
+def test_rows_of_workers_programs_and_interpreters(tmp_path, measured, python: str) -> None:
     """All have to be those of one process of the running interpreter."""
     expected = uninterrupted(tmp_path / "expected.sqlite", EPISODES, ALL_FLAGS)
     for number, way in enumerate(WAYS):
@@ -82,10 +82,10 @@ def test_rows_of_workers_programs_and_interpreters(tmp_path, capsys, python: str
         run(way, folder / "r.sqlite", python)
         found = compared(folder / "r.sqlite", expected)
         digest = hashlib.sha256(repr(table(folder / "r.sqlite")).encode()).hexdigest()[:12]
-        with capsys.disabled():
-            lost, doubled, different = found
-            print(
-                f"\nPython {version_of(python)}, {way}: {len(expected):,} rows, {lost} lost, "
-                f"{doubled} doubled, {different} different, digest {digest}"
-            )
+        lost, doubled, different = found
+        measured(
+            f"rows of a sweep, Python {version_of(python)}, {way}",
+            f"{len(expected):,}: {lost} lost, {doubled} doubled, {different} different, digest "
+            f"{digest}",
+        )
         assert found == (0, 0, 0)
