@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -11,7 +12,7 @@ from warehouse_core import Cell, Layout
 from warehouse_core.motion.base import WALL_CONTACT, Contact, robot_contact
 from warehouse_physics.disturbances import FloorConditions
 from warehouse_physics.robot import ROBOT, WALL, Position, Robot, Touch
-from warehouse_physics.robot_spec import RobotSpec
+from warehouse_physics.robot_spec import ARRIVED, RobotSpec
 from warehouse_physics.walls import Box, wall_boxes
 
 ITERATIONS = 5
@@ -34,7 +35,8 @@ class Arena:
         floor: FloorConditions | None = None,
     ) -> None:
         self.space = pymunk.Space()
-        self.space.iterations = ITERATIONS if len(cells) == 1 else MULTI_ROBOT_ITERATIONS
+        usual = ITERATIONS if len(cells) == 1 else MULTI_ROBOT_ITERATIONS
+        self.space.iterations = max(usual, iterations_for_drag(spec))
         self.space.collision_slop = SLOP
         self._step = spec.time_step
         add_walls(self.space, wall_boxes(layout), spec.cell_size)
@@ -71,11 +73,11 @@ class Arena:
         )
 
     def _report_hits(self, now: int) -> None:
-        """Pass the hits of this substep to the robots, once their impulses are known."""
+        """Pass the hits of this substep to the robots, with the velocities after them."""
         hits = self._hits.copy()
         self._hits.clear()
         for (one, two), normal, point, velocities in hits:
-            impulse = _impulse_between(one, two)
+            impulse = _impulse_of(one, two, normal.dot(velocities[0] - velocities[1]))
             for body, other, sign, velocity in (
                 (one, two, -1.0, velocities[0]),
                 (two, one, 1.0, velocities[1]),
@@ -86,6 +88,17 @@ class Arena:
                     contact = Contact(now * self._step, impulse, (point[0], point[1]), name)
                     push = sign * normal[0], sign * normal[1]
                     robot.meet(now, Touch(met, push, velocity), contact)
+
+
+def iterations_for_drag(spec: RobotSpec) -> int:
+    """Return the solver rounds that a robot of this kind needs for its drag.
+
+    The drag of the floor and the motor, which has to overcome it, each grow by what the other did,
+    up to the momentum of the commanded speed in a round. The lowest one is that of a correction
+    over ``ARRIVED``.
+    """
+    slowest = math.sqrt(spec.attainable_acceleration(loaded=True) * ARRIVED * spec.cell_size)
+    return 3 + math.ceil(spec.floor_deceleration * spec.time_step / slowest)
 
 
 def add_walls(
@@ -101,13 +114,13 @@ def add_walls(
         space.add(shape)
 
 
-def _impulse_between(body: pymunk.Body, other: pymunk.Body) -> float:
-    """Return the impulse in N·s with which two bodies met in the last substep."""
-    found = [0.0]
+def _impulse_of(body: pymunk.Body, other: pymunk.Body, speed: float) -> float:
+    """Return the impulse in N·s of a hit between two bodies that approach with ``speed``.
 
-    def look(arbiter: pymunk.Arbiter) -> None:
-        if set(arbiter.bodies) == {body, other}:
-            found.append(arbiter.total_impulse.length)
-
-    body.each_arbiter(look)
-    return max(found)
+    They do not bounce, so the hit takes all of that speed from their reduced mass. What the solver
+    counts has more in it: the push of motors, of robots behind them, and after a touch within the
+    last substeps also that of the earlier touch.
+    """
+    is_wall = other.body_type == pymunk.Body.STATIC
+    mass = body.mass if is_wall else body.mass * other.mass / (body.mass + other.mass)
+    return max(mass * speed, 0.0)

@@ -106,7 +106,14 @@ def test_a_robot_with_weak_brakes_equals_a_single_motion() -> None:
     batch, singles = batch_in([HALL], spec), Singles(spec, [HALL])
     singles.place(0, 0)
     batch._robots._braking_forces *= 0.6
-    singles.motions[0]._arena.robots[0]._braking_force *= 0.6
+    robot = singles.motions[0]._arena.robots[0]
+    drive = robot.drive
+
+    def drive_with_weak_brakes(*arguments) -> None:
+        drive(*arguments)
+        robot._braking_force *= 0.6
+
+    robot.drive = drive_with_weak_brakes
     for action in (EAST, SOUTH, EAST, EAST):
         outcome, expected = advance(batch, action), singles.advance([action], [False])
         assert outcome.cells.tolist() == expected.cells.tolist()
