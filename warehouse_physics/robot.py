@@ -173,7 +173,7 @@ class Robot:
         """Start the phase that is due at substep ``now``."""
         self.look()
         if self.phase == GO:
-            self._count_work(self.body.velocity)
+            self._count_work(self.body.velocity, self._drag_lead)
             self._brake(now, self._braking)
             return
         action, speed = self.action, math.hypot(*self.body.velocity)
@@ -267,7 +267,7 @@ class Robot:
         cell = self.cell
         if self._uneven is not None and cell != self._on:
             if self.phase == GO:
-                self._count_work(self.body.velocity)
+                self._count_work(self.body.velocity, 0.0)
             self._on = cell
             self._drag = self._nominal_drag * self._uneven.drag_factor(cell)
             self._floor.max_force = self._drag
@@ -316,19 +316,25 @@ class Robot:
             force = min(force, limit)
         self._motor.max_force = force
 
-    def _count_work(self, velocity: Position) -> None:
-        """Add the work of the motor since the last count: kinetic energy gained, plus drag."""
+    def _count_work(self, velocity: Position, lead: float) -> None:
+        """Add the work of the motor since the last count: kinetic energy gained, plus drag.
+
+        Drag is counted over the way, and over ``lead`` seconds more at ``velocity``.
+        """
         energy = 0.5 * self._mass * (velocity[0] ** 2 + velocity[1] ** 2)
         way = math.dist(self._start, self.position)
+        if lead:
+            way += lead * math.hypot(*velocity)
         self.action.work += max(0.0, energy - self._energy + self._drag * way)
         self._start, self._energy = self.position, energy
 
     def _count_impact(self, before: Position) -> None:
         """Add the work up to a hit in this substep, and of the push of the motor in the hit.
 
-        The motor still pushes with its force, at the mean of the velocities before and after.
+        The motor still pushes with its force, at the mean of the velocities before and after. Its
+        work before that is up to half a substep ago.
         """
-        self._count_work(before)
+        self._count_work(before, -self._spec.time_step / 2)
         after, command = self.body.velocity, self._control.velocity
         forward = (before[0] + after.x) * command.x + (before[1] + after.y) * command.y
         if forward > 0:
@@ -346,6 +352,7 @@ class Robot:
         """Set the load, and the acceleration in m/s² to drive with."""
         self._loaded, self._pace = loaded, pace
         self._drag = self._nominal_drag = self._spec.drag_force(loaded)
+        self._drag_lead = self._spec.drag_lead(loaded)
         self.body.mass = self._mass = self._spec.total_mass(loaded)
         self.body.moment = pymunk.moment_for_circle(self._mass, 0.0, self._spec.radius)
         self._braking_force = max(self._mass * pace - self._nominal_drag, 0.0)

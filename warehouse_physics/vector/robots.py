@@ -33,6 +33,7 @@ class VectorRobots:
         loads = (False, True)
         self._masses = np.array([spec.total_mass(load) for load in loads])
         self._drags = np.array([spec.drag_force(load) for load in loads])
+        self._drag_leads = np.array([spec.drag_lead(load) for load in loads])
         self._paces = np.array([spec.attainable_acceleration(load) for load in loads])
         self._decelerations = np.maximum(self._paces, spec.floor_deceleration)
         # The floor helps to brake; it brakes alone where its drag exceeds the force needed.
@@ -86,7 +87,7 @@ class VectorRobots:
         is_going = self._phase[due] == GO
         gone, braked = due[is_going], due[~is_going]
         if len(gone):
-            self._count_work(gone, self._velocities[gone])
+            self._count_work(gone, self._velocities[gone], self._drag_leads[self._loaded[gone]])
             self._brake(gone, now, self._braking[gone])
         if len(braked):
             speeds = lengths_of(self._velocities[braked])
@@ -155,11 +156,11 @@ class VectorRobots:
             for row, force in zip(rows[changed].tolist(), wanted[changed].tolist(), strict=True):
                 self.arena.drives[row].max_force = force
 
-    def _count_work(self, rows: Integers, velocities: Floats) -> None:
+    def _count_work(self, rows: Integers, velocities: Floats, leads: Floats | float) -> None:
         """Add the work of the motors since the last count: kinetic energy gained, plus drag."""
         loaded = self._loaded[rows]
         energy = 0.5 * self._masses[loaded] * (velocities**2).sum(axis=1)
-        way = lengths_of(self._positions[rows] - self._start[rows])
+        way = lengths_of(self._positions[rows] - self._start[rows]) + leads * lengths_of(velocities)
         gained = energy - self._energy[rows] + self._drags[loaded] * way
         self.work[rows] += np.maximum(gained, 0.0)
         self._start[rows], self._energy[rows] = self._positions[rows], energy
@@ -169,7 +170,7 @@ class VectorRobots:
 
         The joint that drives a robot exerts the push of its motor less the drag of the floor.
         """
-        self._count_work(rows, before)
+        self._count_work(rows, before, -self._spec.time_step / 2)
         loaded, after = self._loaded[rows], self._velocities[rows]
         joints = np.array([self.arena.drives[row].impulse for row in rows.tolist()])
         pushes = joints + self._drags[loaded] * self._spec.time_step
