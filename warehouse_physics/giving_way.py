@@ -15,7 +15,7 @@ into its cell. Everybody else is held until all robots are at rest. Then, in one
 3. A robot that would come too close to another waits. If only one of two can go while the other
    stands, that one goes: round a corner the follower has to leave before the one ahead comes back.
 4. If nobody can go, all push: bodies without friction slide off each other, since each way leads
-   to another cell.
+   to another cell. Where that does not help, each pushes alone in turn while the others brake.
 
 When all are at rest again this is repeated, until each robot is at its target.
 """
@@ -39,7 +39,7 @@ class GivingWay:
     """Moves on the robots of one action that are held; made after all have begun it."""
 
     def __init__(self, robots: Sequence[Robot], spec: RobotSpec) -> None:
-        self._robots, self._spec = robots, spec
+        self._robots, self._spec, self._pushes = robots, spec, 0
         self._drivers: dict[Cell, list[Robot]] = defaultdict(list)
         for robot in robots:
             if robot.action.goal != robot.action.home:
@@ -62,7 +62,8 @@ class GivingWay:
                 ways[robot] = robot.waypoint()
             elif robot.phase != REST:
                 robot.rest(now)
-        self._drive(self._compatible(ways) or ways, now)
+        if ways:
+            self._drive(self._compatible(ways) or self._pushing(ways), now)
         return bool(ways)
 
     def _tell_all(self) -> None:
@@ -93,6 +94,12 @@ class GivingWay:
                     break
         return going
 
+    def _pushing(self, ways: Ways) -> Ways:
+        """Return the ways of robots that push: of all, then of each alone, and so on."""
+        turn, is_alone = divmod(self._pushes, 2)
+        self._pushes += 1
+        return dict([list(ways.items())[turn % len(ways)]]) if is_alone else ways
+
     def _clash(self, robot: Robot, other: Robot, going: Ways) -> bool:
         """Return whether two robots come too close when those in ``going`` drive together."""
         before = apart(robot.position, other.position)
@@ -119,6 +126,6 @@ class GivingWay:
 
     def _drive(self, ways: Ways, now: int) -> None:
         lengths = {robot: math.dist(robot.position, way) for robot, way in ways.items()}
-        longest = max(lengths.values(), default=0.0)
+        longest = max(lengths.values())
         for robot, way in ways.items():
             robot.drive(now, way, lengths[robot] / longest)

@@ -76,8 +76,8 @@ class RigidBodyMotion:
         widest = MAX_FLEET_RADIUS * self.cell_size
         if len(cells) > 1 and self.spec.radius > widest:
             raise ValueError(
-                f"radius is {self.spec.radius!r}; for {len(cells)} robots in cells of "
-                f"{self.cell_size!r} it must be at most {widest!r}, or they touch at corners"
+                f"radius is {self.spec.radius!r}; with cell_size {self.cell_size!r} it must be at "
+                f"most {widest!r} for {len(cells)} robots, which pass each other at corners"
             )
         floor = None
         if self.disturbances.any:

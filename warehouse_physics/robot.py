@@ -232,7 +232,7 @@ class Robot:
         self.look()
         if self.phase == GO:
             self._count_impact(touch.velocity)
-        if self._is_hindered_by(touch):
+        if self._is_hindered_by(touch, contact.point):
             self.give_up()
             self.halt(now)
         elif self.phase != GO:
@@ -273,10 +273,11 @@ class Robot:
             self._floor.max_force = self._drag
             self._push(self._force)
 
-    def _is_hindered_by(self, touch: Touch) -> bool:
-        """Return whether a hit is in the way.
+    def _is_hindered_by(self, touch: Touch, point: Position) -> bool:
+        """Return whether a hit at a point is in the way.
 
-        A wall is, if it pushes against the way rather than across it. Another robot is, if it
+        A wall is, if it reaches into the lane on this side of the goal and pushes against the way
+        rather than across it. Another robot is, if it
         drives to the same cell or stays there, meets this one head-on, or has to go back to where
         this one drives. Any other robot was pushed there, and does not stay.
         """
@@ -290,7 +291,9 @@ class Robot:
         down, right = goal[0] - home[0], goal[1] - home[1]
         along = touch.push[0] * right + touch.push[1] * down
         across = touch.push[0] * down - touch.push[1] * right
-        return -along > abs(across)
+        x, y = apart(point, self.action.target)
+        is_in_lane = abs(x * down - y * right) < self._spec.cell_size / 2
+        return is_in_lane and x * right + y * down < 0 and -along > abs(across)
 
     def _brake(self, now: int, substeps: int) -> None:
         self._control.velocity = (0.0, 0.0)

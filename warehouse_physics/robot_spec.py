@@ -19,10 +19,11 @@ MAX_VALUE = 1e9
 ARRIVED = 1e-3
 """Share of a cell within which a robot has arrived at its target."""
 
-MAX_FLEET_RADIUS = 0.35
-"""Share of a cell that the radius of one of several robots may have. Two that follow each other
-round a corner come within ``sqrt(1 / 2)`` of a cell, less ``2 * sqrt(2) * ARRIVED`` as each may be
-off the middle by that much on both axes: half of it is 0.352."""
+MAX_FLEET_RADIUS = 0.4
+"""Share of a cell that the radius ``r`` of one of several robots may have. Two that follow each
+other round a corner come within ``sqrt(1 / 2)`` of a cell on their lines. Wider ones push each
+other outward, up to the walls: then they are ``sqrt(2) * (1 - r)`` apart, which is ``2 * r`` at
+0.414."""
 
 MARGIN = 1e-6
 """Share by which a body is smaller than its robot."""
@@ -40,8 +41,8 @@ class RobotSpec:
 
     Attributes:
         radius: of the round body, metres. Two robots that turn the same corner one after the
-            other come within 0.707 of a cell, so several robots may have up to
-            ``MAX_FLEET_RADIUS`` of a cell.
+            other come within 0.707 of a cell, so with more than 0.35 of a cell they touch; with
+            more than ``MAX_FLEET_RADIUS`` of it they do not get past, and there can be only one.
         mass: without a load, kg; about 70 for a MiR100.
         payload_mass: of an item, kg.
         top_speed: m/s; near people 1 to 1.5 m/s (MiR100: 1.5).
