@@ -34,11 +34,17 @@ SPECS = {
     "fast": RobotSpec.fast(),
     "small cells": RobotSpec(cell_size=0.5, radius=0.17, acceleration=2.0, motor_force=200.0),
     "tight": RobotSpec(radius=0.499),
+    "wide": RobotSpec(radius=0.45),
+    "exact": RobotSpec(acceleration=4.0, motor_force=400.0),
+    "exact and small": RobotSpec(
+        cell_size=0.5, radius=0.2, top_speed=3.0, acceleration=4.0, motor_force=400.0
+    ),
     "dragged": RobotSpec(floor_drag=0.05, acceleration=0.45),
     "violent": RobotSpec(top_speed=10.5, acceleration=1e6, motor_force=1e9),
 }
-"""One that barely fits its cell, one that the floor brakes harder than its drive does, and one
-that hits walls as hard as possible."""
+"""Among them one that barely fits its cell, two of round numbers that reach a wall exactly at the
+end of a substep, one that the floor brakes harder than its drive does, and one that hits walls as
+hard as possible."""
 
 over_specs = pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS.keys())
 
