@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Substeps = NDArray[np.int64]
 
-_SLACK = 1e-6
+_SLACK = 1e-4
 """Of a substep; a quotient that is whole but for what the solver leaves is not rounded up. So the
 top speed may be exceeded by as little."""
 
