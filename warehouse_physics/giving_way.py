@@ -9,13 +9,12 @@ into its cell. Everybody else is held until all robots are at rest. Then, in one
    length, a jam and a ring turn back together.
 2. All that are not where they belong drive there in straight lines, at the same time, with speeds
    and accelerations in proportion to their ways. The way from one robot to another then changes
-   along a straight line too, from what it is to what it will be, and it is plain geometry whether
-   they come closer than two radii; those that touch may part. Queues do not: a gap only grows to
+   along a straight line too, from what it is to what it will be: in a queue a gap only grows, to
    the one cell that it becomes.
-3. A robot that would come too close to another waits. If only one of two can go while the other
-   stands, that one goes: round a corner the follower has to leave before the one ahead comes back.
-4. If nobody can go, all push: bodies without friction slide off each other, since each way leads
-   to another cell. Where that does not help, each pushes alone in turn while the others brake.
+3. Round a corner two may come too close, and push. The one ahead, which comes back, pushes its
+   follower where that drives anyway, and bodies without friction slide off each other.
+4. Where all together get stuck, one alone does not: every other time one of them drives, in turn,
+   while the others brake.
 
 When all are at rest again this is repeated, until each robot is at its target.
 """
@@ -23,23 +22,18 @@ When all are at rest again this is repeated, until each robot is at its target.
 from __future__ import annotations
 
 import math
-from collections import defaultdict, deque
+from collections import defaultdict
 from collections.abc import Sequence
-from itertools import product
 
 from warehouse_core import Cell
-from warehouse_physics.robot import REST, Position, Robot, apart, comes_closer
-from warehouse_physics.robot_spec import RobotSpec
-
-Ways = dict[Robot, Position]
-"""Where each of some robots drives next, in metres."""
+from warehouse_physics.robot import REST, Robot
 
 
 class GivingWay:
     """Moves on the robots of one action that are held; made after all have begun it."""
 
-    def __init__(self, robots: Sequence[Robot], spec: RobotSpec) -> None:
-        self._robots, self._spec, self._pushes = robots, spec, 0
+    def __init__(self, robots: Sequence[Robot]) -> None:
+        self._robots, self._rounds = robots, 0
         self._drivers: dict[Cell, list[Robot]] = defaultdict(list)
         for robot in robots:
             if robot.action.goal != robot.action.home:
@@ -55,16 +49,15 @@ class GivingWay:
         if moving:
             return True
         self._tell_all()
-        ways: Ways = {}
+        away = []
         for robot in self._robots:
             robot.look()
             if now < robot.action.deadline and not robot.has_arrived():
-                ways[robot] = robot.waypoint()
+                away.append(robot)
             elif robot.phase != REST:
                 robot.rest(now)
-        if ways:
-            self._drive(self._compatible(ways) or self._pushing(ways), now)
-        return bool(ways)
+        self._drive(self._next_of(away), now)
+        return bool(away)
 
     def _tell_all(self) -> None:
         """Make all give up that are stopped by those that have."""
@@ -77,55 +70,15 @@ class GivingWay:
                         robot.give_up()
                         stopped.append(robot)
 
-    def _compatible(self, ways: Ways) -> Ways:
-        """Return the ways that can be driven together, while all other robots stand."""
-        going, unchecked = dict(ways), deque(ways)
-        near = self._neighbours(ways)
-        while unchecked:
-            robot = unchecked.popleft()
-            for other in near[robot] if robot in going else ():
-                if not self._clash(robot, other, going):
-                    continue
-                alone = {robot: going[robot]}
-                loser = other if other in going and not self._clash(robot, other, alone) else robot
-                del going[loser]
-                unchecked.extend(near[loser])
-                if loser is robot:
-                    break
-        return going
+    def _next_of(self, away: list[Robot]) -> list[Robot]:
+        """Return all robots, or every other time one of them in turn."""
+        turn, is_alone = divmod(self._rounds, 2)
+        self._rounds += 1
+        return [away[turn % len(away)]] if is_alone and away else away
 
-    def _pushing(self, ways: Ways) -> Ways:
-        """Return the ways of robots that push: of all, then of each alone, and so on."""
-        turn, is_alone = divmod(self._pushes, 2)
-        self._pushes += 1
-        return dict([list(ways.items())[turn % len(ways)]]) if is_alone else ways
-
-    def _clash(self, robot: Robot, other: Robot, going: Ways) -> bool:
-        """Return whether two robots come too close when those in ``going`` drive together."""
-        before = apart(robot.position, other.position)
-        after = apart(going[robot], going.get(other, other.position))
-        return comes_closer(before, after, 2 * self._spec.radius)
-
-    def _neighbours(self, ways: Ways) -> dict[Robot, list[Robot]]:
-        """Return for each robot those that may come near enough to touch it."""
-        size, spread = self._spec.cell_size, 0.0
-        for robot, way in ways.items():
-            spread = max(spread, math.dist(robot.position, way))
-        reach = math.ceil((2 * self._spec.radius + 2 * spread) / size)
-        offsets = list(product(range(-reach, reach + 1), repeat=2))
-        robots_in: dict[Cell, list[Robot]] = defaultdict(list)
-        for robot in self._robots:
-            robots_in[robot.cell].append(robot)
-        near: dict[Robot, list[Robot]] = {}
-        for robot in ways:
-            row, col = robot.cell
-            cells = [(row + down, col + right) for down, right in offsets]
-            found = [other for cell in cells for other in robots_in.get(cell, ())]
-            near[robot] = [other for other in found if other is not robot]
-        return near
-
-    def _drive(self, ways: Ways, now: int) -> None:
-        lengths = {robot: math.dist(robot.position, way) for robot, way in ways.items()}
-        longest = max(lengths.values())
-        for robot, way in ways.items():
-            robot.drive(now, way, lengths[robot] / longest)
+    def _drive(self, robots: Sequence[Robot], now: int) -> None:
+        waypoints = [robot.waypoint() for robot in robots]
+        lengths = list(map(math.dist, (robot.position for robot in robots), waypoints))
+        longest = max(lengths, default=0.0)
+        for robot, waypoint, length in zip(robots, waypoints, lengths, strict=True):
+            robot.drive(now, waypoint, length / longest)

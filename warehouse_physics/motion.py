@@ -121,7 +121,7 @@ class RigidBodyMotion:
         """Run until all robots are at rest, and return the number of substeps."""
         now = 0
         robots = arena.robots
-        giving_way = GivingWay(robots, self.spec) if len(robots) > 1 else None
+        giving_way = GivingWay(robots) if len(robots) > 1 else None
         limit = MAX_SUBSTEPS + (len(robots) - 1) * MAX_MOVE_SUBSTEPS
         while now < limit:
             until = min([robot.until for robot in robots])

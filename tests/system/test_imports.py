@@ -47,7 +47,7 @@ MAY_IMPORT = {
     "warehouse_physics/disturbances": "robot_spec",
     "warehouse_physics/robot": "disturbances profile robot_spec",
     "warehouse_physics/arena": "disturbances robot robot_spec walls",
-    "warehouse_physics/giving_way": "robot robot_spec",
+    "warehouse_physics/giving_way": "robot",
     "warehouse_physics/vector": "arena profile robot robot_spec walls",
     "warehouse_physics/motion": "arena disturbances giving_way robot robot_spec vector",
     "agents/errors": "",
