@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
@@ -11,8 +12,8 @@ from warehouse_core import Cell, Layout
 from warehouse_core.motion.base import WALL_CONTACT, Contact, robot_contact
 from warehouse_physics.disturbances import FloorConditions
 from warehouse_physics.robot import ROBOT, WALL, Position, Robot, Touch
-from warehouse_physics.robot_spec import RobotSpec
-from warehouse_physics.stepping import Stepper, arbiters_of
+from warehouse_physics.robot_spec import ARRIVED, RobotSpec
+from warehouse_physics.stepping import Stepper
 from warehouse_physics.walls import Box, wall_boxes
 
 ITERATIONS = 5
@@ -26,9 +27,9 @@ class Hit(NamedTuple):
     """Two bodies that have begun to touch, and their velocities in m/s right before."""
 
     bodies: tuple[pymunk.Body, pymunk.Body]
-    normal: Position
-    point: Position
-    velocities: tuple[Position, Position]
+    normal: pymunk.Vec2d
+    point: pymunk.Vec2d
+    velocities: tuple[pymunk.Vec2d, pymunk.Vec2d]
 
 
 class Arena:
@@ -42,7 +43,7 @@ class Arena:
         floor: FloorConditions | None = None,
     ) -> None:
         self.space = pymunk.Space()
-        self.space.iterations = ITERATIONS
+        self.space.iterations = max(ITERATIONS, iterations_for_drag(spec))
         self.space.collision_slop = SLOP
         self._step = spec.time_step
         add_walls(self.space, wall_boxes(layout), spec.cell_size)
@@ -65,9 +66,9 @@ class Arena:
         return now
 
     def _report_hits(self, hits: list[Hit], now: int) -> None:
-        """Pass the hits of this substep to the robots, once their impulses are known."""
+        """Pass the hits of this substep to the robots, with the velocities after them."""
         for (one, two), normal, point, velocities in hits:
-            impulse = _impulse_between(one, two)
+            impulse = _impulse_of(one, two, normal.dot(velocities[0] - velocities[1]))
             for body, other, sign, velocity in (
                 (one, two, -1.0, velocities[0]),
                 (two, one, 1.0, velocities[1]),
@@ -78,6 +79,17 @@ class Arena:
                     contact = Contact(now * self._step, impulse, (point[0], point[1]), name)
                     push = sign * normal[0], sign * normal[1]
                     robot.meet(now, Touch(met, push, velocity), contact)
+
+
+def iterations_for_drag(spec: RobotSpec) -> int:
+    """Return the solver rounds that a robot of this kind needs for its drag.
+
+    The drag of the floor and the motor, which has to overcome it, each grow by what the other did,
+    up to the momentum of the commanded speed in a round. The lowest one is that of a correction
+    over ``ARRIVED``.
+    """
+    slowest = math.sqrt(spec.attainable_acceleration(loaded=True) * ARRIVED * spec.cell_size)
+    return 3 + math.ceil(spec.floor_deceleration * spec.time_step / slowest)
 
 
 def add_walls(
@@ -100,8 +112,13 @@ def _note_hit(arbiter: pymunk.Arbiter) -> Hit:
     return Hit(bodies, points.normal, points.points[0].point_a, velocities)
 
 
-def _impulse_between(body: pymunk.Body, other: pymunk.Body) -> float:
-    """Return the impulse in N·s with which two bodies met in the last substep."""
-    between = {body, other}
-    touching = [arbiter for arbiter in arbiters_of(body) if set(arbiter.bodies) == between]
-    return max([arbiter.total_impulse.length for arbiter in touching], default=0.0)
+def _impulse_of(body: pymunk.Body, other: pymunk.Body, speed: float) -> float:
+    """Return the impulse in N·s of a hit between two bodies that approach with ``speed``.
+
+    They do not bounce, so the hit takes all of that speed from their reduced mass. What the solver
+    counts has more in it: the push of motors, of robots behind them, and after a touch within the
+    last substeps also that of the earlier touch.
+    """
+    is_wall = other.body_type == pymunk.Body.STATIC
+    mass = body.mass if is_wall else body.mass * other.mass / (body.mass + other.mass)
+    return max(mass * speed, 0.0)

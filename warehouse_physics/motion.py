@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
+from typing import TypeVar
 
 import numpy as np
 
@@ -13,11 +14,13 @@ from warehouse_core.motion.base import check_moves, check_starts
 from warehouse_physics.arena import Arena
 from warehouse_physics.disturbances import Disturbances, FloorConditions
 from warehouse_physics.exclusive import exclusive
-from warehouse_physics.robot import MAX_SUBSTEPS, NEVER, Robot
-from warehouse_physics.robot_spec import RobotSpec
+from warehouse_physics.giving_way import GivingWay
+from warehouse_physics.robot import MAX_SUBSTEPS, NEVER, REST, Robot
+from warehouse_physics.robot_spec import MAX_FLEET_RADIUS, MAX_MOVE_SUBSTEPS, RobotSpec
 from warehouse_physics.vector.motion import RigidBodyBatch
 
 Row = tuple[float, float, float, float]
+Part = TypeVar("Part", RobotSpec, Disturbances)
 
 PATH_EVERY = 10
 """Substeps between rows of a path."""
@@ -30,7 +33,8 @@ class RigidBodyMotion:
 
     Nothing is looked up in the grid: ``cell`` is the cell under the body, and a robot is blocked
     because Chipmunk reports that it touched something. It then drives back to the middle of its
-    cell. All robots accelerate like the slowest of them, such as a loaded one.
+    cell; see ``giving_way.py`` for several that are in each other's way. All robots accelerate like
+    the slowest of them, such as a loaded one. Each has its own ``seconds``, until it is at rest.
 
     Args:
         spec: of the robots.
@@ -40,7 +44,8 @@ class RigidBodyMotion:
 
     Raises:
         ValueError: ``path_every`` is below 1.
-        TypeError: ``path_every`` is not an integer.
+        TypeError: ``path_every`` is not an integer, ``spec`` no ``RobotSpec``, or ``disturbances``
+            no ``Disturbances``.
     """
 
     is_busy = False
@@ -53,18 +58,30 @@ class RigidBodyMotion:
         record_path: bool = True,
         path_every: int = PATH_EVERY,
     ) -> None:
+        if isinstance(path_every, bool):
+            raise TypeError(f"path_every is {path_every}; it must be an integer")
         every = whole_number("path_every", path_every, minimum=1)
         self._path_every = every if record_path else MAX_SUBSTEPS
-        self.spec = spec or RobotSpec()
-        self.disturbances = disturbances or Disturbances()
+        self.spec = _instance("spec", spec, RobotSpec)
+        self.disturbances = _instance("disturbances", disturbances, Disturbances)
         self.cell_size = self.spec.cell_size
         self._record_path = record_path
         self._paces = [self.spec.attainable_acceleration(loaded) for loaded in (False, True)]
         self._arena: Arena | None = None
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
-        """Build a new arena with robots at rest; see ``Motion.reset``."""
+        """Build a new arena with robots at rest; see ``Motion.reset``.
+
+        Raises:
+            ValueError: several robots with a radius above ``MAX_FLEET_RADIUS`` of a cell.
+        """
         check_starts(layout, cells)
+        widest = MAX_FLEET_RADIUS * self.cell_size
+        if len(cells) > 1 and self.spec.radius > widest:
+            raise ValueError(
+                f"radius is {self.spec.radius!r}; with cell_size {self.cell_size!r} it must be at "
+                f"most {widest!r} for {len(cells)} robots, which pass each other at corners"
+            )
         floor = None
         if self.disturbances.any:
             # Without a seed use Python's global random numbers, as the chapter does.
@@ -90,8 +107,7 @@ class RigidBodyMotion:
             robot.begin(displacement, load, pace)
         paths = [[self._row(0.0, robot)] for robot in robots]
         substeps = self._drive(self._arena, paths)
-        seconds = substeps * self.spec.time_step if substeps else self.spec.dwell
-        return [self._outcome(*each, seconds) for each in zip(robots, paths, strict=True)]
+        return [self._outcome(*each, substeps) for each in zip(robots, paths, strict=True)]
 
     def batch(self, layouts: Sequence[Layout]) -> RigidBodyBatch:
         """Return a motion for one robot in each of these layouts; see ``Batchable``.
@@ -113,29 +129,52 @@ class RigidBodyMotion:
         """Run until all robots are at rest, and return the number of substeps."""
         now = 0
         robots = arena.robots
-        while now < MAX_SUBSTEPS and (until := min([robot.until for robot in robots])) < NEVER:
+        giving_way = GivingWay(robots) if len(robots) > 1 else None
+        limit = MAX_SUBSTEPS + (len(robots) - 1) * MAX_MOVE_SUBSTEPS
+        while now < limit:
+            until = min([robot.until for robot in robots])
+            if until == NEVER:
+                if giving_way is None or not giving_way.move_on(now):
+                    break
+                continue
             now = arena.run(now, min(until, now + self._path_every))
             if self._record_path:
                 seconds = now * self.spec.time_step
                 for robot, path in zip(robots, paths, strict=True):
-                    robot.look()
-                    path.append(self._row(seconds, robot))
+                    if robot.phase != REST:
+                        robot.look()
+                        path.append(self._row(seconds, robot))
             for robot in robots:
                 if robot.until <= now:
                     robot.next_phase(now)
         return now
 
-    def _outcome(self, robot: Robot, path: list[Row], seconds: float) -> Outcome:
+    def _outcome(self, robot: Robot, path: list[Row], substeps: int) -> Outcome:
         robot.look()
+        action, cut_off = robot.action, robot.phase != REST
+        if cut_off:
+            robot.halt(substeps)
+        seconds = (substeps if cut_off else action.rested) * self.spec.time_step
+        if action.goal == action.home:
+            seconds = max(seconds, self.spec.dwell)
         if path[-1][0] < seconds:
             path.append(self._row(seconds, robot))
         rows = np.array(path)
         rows.flags.writeable = False
-        action = robot.action
         joules = action.work / self.spec.drivetrain_efficiency + self.spec.idle_power * seconds
-        return Outcome(robot.cell, action.gave_up, seconds, joules, rows, tuple(action.contacts))
+        cell, blocked, contacts = robot.cell, robot.is_blocked(), tuple(action.contacts)
+        return Outcome(cell, blocked, seconds, joules, rows, contacts, cut_off)
 
     @staticmethod
     def _row(seconds: float, robot: Robot) -> Row:
         x, y = robot.position
         return seconds, x, y, robot.body.angle
+
+
+def _instance(name: str, value: Part | None, kind: type[Part]) -> Part:
+    """Return an argument that must be of a kind, or a default one."""
+    if value is None:
+        return kind()
+    if not isinstance(value, kind):
+        raise TypeError(f"{name} is {value!r}; it must be a {kind.__name__}")
+    return value

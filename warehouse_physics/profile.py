@@ -1,10 +1,15 @@
 """Velocity profiles from rest to rest, as two commands: go, then brake.
 
 Chipmunk moves positions before it changes velocities. Let a robot at rest be commanded the speed
-``v`` for ``n`` substeps of ``dt`` and then 0, and let its motor change its speed by at most
-``a * dt`` in a substep. It then speeds up and slows down by the same steps, and the distance lost
-while it speeds up is gained while it slows down. It ends at rest exactly ``n * dt * v`` farther,
-whatever ``a`` is, as long as ``v <= n * a * dt``. So ``n`` is chosen first, and ``v`` follows.
+``v`` for ``n`` substeps of ``dt`` and then 0, and let its speed change by at most ``a * dt`` in a
+substep on the way up and ``b * dt`` on the way down. With ``a = b`` the distance lost while it
+speeds up is gained while it slows down: it ends at rest exactly ``n * dt * v`` farther, as long as
+``v <= n * a * dt``. So ``n`` is chosen first, and ``v`` follows.
+
+Where the drag of the floor alone exceeds the attainable acceleration, ``b`` is larger and less is
+gained than lost, by nearly ``k * v * v`` with ``k = (1 / a - 1 / b) / 2``. Again ``n`` is chosen
+first, for the highest speed possible; ``v`` is the root of a quadratic equation, and then exact by
+Newton's method, because the distance is linear between speeds of whole substeps.
 
 The second half of this module does the same for ``N`` robots at once.
 """
@@ -12,7 +17,7 @@ The second half of this module does the same for ``N`` robots at once.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +25,13 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Substeps = NDArray[np.int64]
 
-_SLACK = 1e-9
-"""Of a substep; a quotient that is whole but for rounding is not rounded up."""
+_SLACK = 1e-4
+"""Of a substep; a quotient that is whole but for what the solver leaves is not rounded up. So the
+top speed may be exceeded by as little."""
+
+_ROUNDS = 8
+"""Of Newton's method. After 6 the distance is exact but for rounding, at a thousand substeps and
+any rates too."""
 
 
 class Profile(NamedTuple):
@@ -42,10 +52,19 @@ def plan_profile(
     top_speed: float,
     acceleration: float,
     time_step: float,
+    drag: float = 0.0,
 ) -> Profile:
-    """Return the fastest profile from rest at ``start`` to rest at ``target``, in metres."""
+    """Return the fastest profile from rest at ``start`` to rest at ``target``, in metres.
+
+    The robot brakes at ``acceleration``, or at ``drag`` if the floor alone brakes harder.
+    """
     dx, dy = target[0] - start[0], target[1] - start[1]
     length = math.hypot(dx, dy)
+    if drag > acceleration and length > 0:
+        speeds, goes = _hard_stops(length, top_speed, acceleration, drag, time_step)
+        go, seconds = int(goes), length / float(speeds)
+        brake = braking(float(speeds), drag, time_step)
+        return Profile((dx / seconds, dy / seconds), go, brake)
     seconds = max(length / top_speed, math.sqrt(length / acceleration))
     go = max(1, math.ceil(seconds / time_step - _SLACK))
     seconds = go * time_step
@@ -54,13 +73,13 @@ def plan_profile(
     )
 
 
-def braking(speed: float, acceleration: float, time_step: float) -> int:
+def braking(speed: float, deceleration: float, time_step: float) -> int:
     """Return the substeps until a robot that brakes from ``speed`` stands still."""
-    return max(1, math.ceil(speed / (acceleration * time_step) - _SLACK))
+    return max(1, math.ceil(speed / (deceleration * time_step) - _SLACK))
 
 
 def plan_profiles(
-    ways: Floats, top_speed: float, accelerations: Floats, time_step: float
+    ways: Floats, top_speed: float, accelerations: Floats, time_step: float, drag: float = 0.0
 ) -> tuple[Floats, Substeps, Substeps]:
     """Return the fastest profiles from rest to rest over ``ways``, ``[N, 2]`` in metres.
 
@@ -71,13 +90,18 @@ def plan_profiles(
     seconds = np.maximum(lengths / top_speed, np.sqrt(lengths / accelerations))
     go = _whole(seconds / time_step)
     seconds = go * time_step
-    brake = brakings(lengths / seconds, accelerations, time_step)
+    hard = (drag > accelerations) & (lengths > 0)
+    if hard.any():
+        limits = top_speed, accelerations[hard], drag, time_step
+        speeds, go[hard] = _hard_stops(lengths[hard], *limits)
+        seconds[hard] = lengths[hard] / speeds
+    brake = brakings(lengths / seconds, np.maximum(accelerations, drag), time_step)
     return ways / seconds[:, None], go, brake
 
 
-def brakings(speeds: Floats, accelerations: Floats, time_step: float) -> Substeps:
+def brakings(speeds: Floats, decelerations: Floats, time_step: float) -> Substeps:
     """Return the substeps ``[N]`` until robots that brake from ``speeds`` stand still."""
-    return _whole(speeds / (accelerations * time_step))
+    return _whole(speeds / (decelerations * time_step))
 
 
 def lengths_of(vectors: Floats) -> Floats:
@@ -87,3 +111,23 @@ def lengths_of(vectors: Floats) -> Floats:
 
 def _whole(substeps: Floats) -> Substeps:
     return np.maximum(np.ceil(substeps - _SLACK), 1).astype(np.int64)
+
+
+def _hard_stops(lengths: Any, top: float, rates: Any, drag: float, dt: float) -> tuple[Any, Any]:
+    """Return the speeds and substeps to go of robots that brake at ``drag``, above their rates."""
+    k = (1 / rates - 1 / drag) / 2
+    peaks = np.minimum(top, np.sqrt(2 * rates * lengths / (1 + rates / drag)))
+    go = _whole((lengths / peaks + k * peaks) / dt)
+    seconds = go * dt
+    speeds = 2 * lengths / (seconds + np.sqrt(np.maximum(seconds**2 - 4 * k * lengths, 0)))
+    for _ in range(_ROUNDS):
+        (lost, up), (gained, down) = _lag(speeds, rates, dt), _lag(speeds, drag, dt)
+        missing = lengths - (seconds * speeds - lost + gained)
+        speeds = np.minimum(speeds + missing / (dt * (go - up + down)), seconds * rates)
+    return speeds, go
+
+
+def _lag(speeds: Any, rate: Any, dt: float) -> tuple[Any, Any]:
+    """Return the distance lost while robots reach a speed, and in how many substeps."""
+    substeps = np.ceil(speeds / (rate * dt) - _SLACK)
+    return dt * substeps * (speeds - rate * dt * (substeps - 1) / 2), substeps

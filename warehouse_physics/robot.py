@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import sys
 from dataclasses import dataclass, field
+from itertools import product
 from typing import NamedTuple
 
 import pymunk
@@ -18,41 +19,30 @@ from warehouse_core.motion.base import Contact, centre_of
 from warehouse_physics.disturbances import FloorConditions
 from warehouse_physics.profile import braking, plan_profile
 from warehouse_physics.robot_spec import ARRIVED, RobotSpec
-from warehouse_physics.stepping import arbiters_of
 
 Position = tuple[float, float]
 
 ROBOT, WALL = 1, 2
 """Collision types."""
 
-MAX_TURN_RATE, MAX_TURN_ACCELERATION = math.pi, 60.0
-"""Of the heading, in rad/s and rad/s²; the heading of a disc does not change where it goes."""
+TURN_RATE, TURN_ACCELERATION = math.pi, 60.0
+"""Limits of the heading in rad/s and rad/s² for a free move of ``TURN_SECONDS``; a robot that moves
+``k`` times as fast turns ``k`` times as fast. The heading of a disc does not change where it goes.
+"""
 
-AT_REST = 1e-9
-"""Speed in m/s below which a robot stands still."""
+TURN_SECONDS = 2.0
 
-AGAINST = 0.3
-"""Share of a push that must be against the direction of travel to block a robot."""
+AT_REST = 1e-6
+"""Speed in m/s below which a robot stands still; less than the solver may leave after a hit."""
 
-PAUSE = 0.5
-"""Seconds that a robot on its way back waits for one that follows it and must go back first."""
-
-MAX_WAITS = 20
-
-MAX_RETURNS = 8
-"""Profiles of a way back after which a stuck robot tries the other direction every other time."""
-
-FITTING = 0.9
-"""Share of the free width beside a robot in its lane that it may use."""
-
-REST, GO, BRAKE = range(3)
-"""What a drive is doing."""
+REST, GO, BRAKE, HELD = range(4)
+"""What a drive is doing; a robot that is held waits for others at rest, see ``giving_way.py``."""
 
 NEVER = sys.maxsize
 """The substep at which a robot at rest has something to do."""
 
 MAX_SUBSTEPS = 10_000
-"""Substeps after which an action ends, wherever the robots are."""
+"""Substeps after which an action of one robot ends, wherever it is."""
 
 
 class Touch(NamedTuple):
@@ -77,8 +67,9 @@ class Action:
         target: middle of ``goal``, or of ``home`` after the robot gave up, in metres.
         deadline: substep after which no new attempt is made.
         gave_up: something was in the way.
-        waits: times that the robot gave way on its way back.
-        returns: profiles of the way back.
+        is_followed: another robot drives to ``home``.
+        has_met: it touched another robot.
+        rested: substep at which it came to rest.
         contacts: hits so far.
         work: of the motor so far, in joules.
     """
@@ -88,8 +79,9 @@ class Action:
     target: Position
     deadline: float = math.inf
     gave_up: bool = False
-    waits: int = 0
-    returns: int = 0
+    is_followed: bool = False
+    has_met: bool = False
+    rested: int = 0
     contacts: list[Contact] = field(default_factory=list)
     work: float = 0.0
 
@@ -106,6 +98,7 @@ class Robot:
 
     Attributes:
         number: of the robot in its arena.
+        position: of its middle at the last look, in metres.
         action: the last one begun.
     """
 
@@ -119,26 +112,28 @@ class Robot:
     ) -> None:
         self._spec, self._uneven = spec, floor
         self.body = pymunk.Body(1.0, 1.0)  # the load sets its mass and moment
-        self.number, self._robots = len(robots), robots
+        self.number = len(robots)
         robots[self.body] = self
         self.body.position = centre = centre_of(cell, spec.cell_size)
-        shape = pymunk.Circle(self.body, spec.radius)
+        shape = pymunk.Circle(self.body, spec.body_radius)
         shape.collision_type = ROBOT
         self._control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
         self._floor = pymunk.PivotJoint(space.static_body, self.body, (0, 0), (0, 0))
         self._motor = pymunk.PivotJoint(self.body, self._control, (0, 0), (0, 0))
         self._steering = pymunk.GearJoint(self.body, self._control, 0.0, 1.0)
         self._floor.max_bias = self._motor.max_bias = 0.0
-        self._steering.max_bias = MAX_TURN_RATE
+        quickness = TURN_SECONDS / spec.move_seconds(loaded=False)
+        self._steering.max_bias = TURN_RATE * quickness
+        self._steering.error_bias **= quickness  # the error that is left after a second
+        self._turn_acceleration = TURN_ACCELERATION * quickness**2
         # The motor comes after the floor, so that its impulse is the last in each solver round.
         space.add(self.body, shape, self._control, self._floor, self._motor, self._steering)
         self.action = Action(cell, cell, centre)
         self._heading = 0.0
         self.look()
-        # Of the present profile: where work was last counted, the kinetic energy there, whether
-        # it leads back, and for how many substeps to brake at its end.
-        self._start, self._energy = self.position, 0.0
-        self._returning, self._braking = False, 0
+        # Of the present profile: where work was last counted, the kinetic energy there, and for
+        # how many substeps to brake at its end.
+        self._start, self._energy, self._braking = self.position, 0.0, 0
         self._on = cell
         self._load(False, spec.acceleration)
         self._brake(0, 0)
@@ -172,43 +167,99 @@ class Robot:
         self.action = Action(home, goal, centre_of(goal, self._spec.cell_size), deadline)
         if goal != home:
             self._turn_towards(displacement)
-            self._go(0)
+            self.drive(0, self.action.target)
 
     def next_phase(self, now: int) -> None:
         """Start the phase that is due at substep ``now``."""
         self.look()
         if self.phase == GO:
-            self._count_work(self.body.velocity)
+            self._count_work(self.body.velocity, self._drag_lead)
             self._brake(now, self._braking)
             return
-        speed = math.hypot(*self.body.velocity)
+        action, speed = self.action, math.hypot(*self.body.velocity)
         if speed > AT_REST:
             self._brake(now, self._braking_from(speed))
-        elif now >= self.action.deadline or self._has_arrived():
-            self.phase, self.until = REST, NEVER
-        elif self.action.gave_up and self._must_wait(now):
-            self._give_way(now)
+        elif now >= action.deadline or self.has_arrived():
+            self.rest(now)
+        elif action.has_met or (action.gave_up and action.is_followed):
+            self.phase, self.until = HELD, NEVER
         else:
-            self._go(now)
+            self.drive(now, self.waypoint())
+
+    def drive(self, now: int, waypoint: Position, share: float = 1.0) -> None:
+        """Drive to a position, with a share of the usual speed and acceleration."""
+        spec, pace = self._spec, self._pace * share
+        self._start, self._energy = self.position, 0.0
+        limits = spec.top_speed * share, pace, spec.time_step, spec.floor_deceleration
+        profile = plan_profile(self._start, waypoint, *limits)
+        if self._uneven is not None:
+            profile = profile.scaled(self._uneven.speed_factor())
+        self._control.velocity = profile.velocity
+        # The floor brakes too; the motor does the rest, so that the pace is the same both ways
+        # where the floor alone does not brake harder.
+        self._braking_force = max(self._mass * pace - self._nominal_drag, 0.0)
+        self._push(self._mass * pace + self._nominal_drag)
+        self.phase, self.until, self._braking = GO, now + profile.go, profile.brake
+
+    def rest(self, now: int) -> None:
+        """End the action at substep ``now``, at rest."""
+        self.phase, self.until, self.action.rested = REST, NEVER, now
+
+    def waypoint(self) -> Position:
+        """Return the next position to drive to on the way to the target.
+
+        That is the target, unless a wall beside its cell could be in the way of a robot that was
+        pushed aside. Then it first drives the shorter way along one axis: it is beside its lane,
+        further from the target than from the middle of the lane, and on the way to that middle it
+        comes closer to no wall.
+        """
+        (x, y), (to_x, to_y) = self.position, self.action.target
+        half = self._spec.cell_size / 2
+        aside = min(abs(x - to_x), abs(y - to_y))
+        if aside <= half - self._spec.radius:
+            return to_x, to_y
+        for corner in product((to_x - half, to_x + half), (to_y - half, to_y + half)):
+            before, after = apart(self.position, corner), apart((to_x, to_y), corner)
+            if comes_closer(before, after, self._spec.radius):
+                return (to_x, y) if abs(x - to_x) == aside else (x, to_y)
+        return to_x, to_y
 
     def meet(self, now: int, touch: Touch, contact: Contact) -> None:
         """Record a hit at substep ``now``, and give up if it is in the way."""
-        self.action.contacts.append(contact)
+        if contact.impulse > 0:  # not if they touch side on and already part
+            self.action.contacts.append(contact)
+        self.action.has_met |= touch.other is not None
         self.look()
         if self.phase == GO:
-            self._count_work(touch.velocity)
-        if self._is_hindered_by(touch):
-            self.give_up(now)
+            self._count_impact(touch.velocity)
+        if self._is_hindered_by(touch, contact.point):
+            self.give_up()
+            self.halt(now)
         elif self.phase != GO:
-            self._brake(now, self._braking_from(self.body.velocity.length))
-        elif self._returning and touch.other is not None and touch.other.follows(self):
-            self._give_way(now)
+            self.halt(now)
 
-    def give_up(self, now: int) -> None:
-        """Brake at substep ``now``, then drive back to where the action began."""
+    def give_up(self) -> None:
+        """Make the cell in which the action began the target."""
         self.action.gave_up = True
         self.action.target = centre_of(self.action.home, self._spec.cell_size)
+
+    def halt(self, now: int) -> None:
+        """Brake at substep ``now`` until it stands still."""
         self._brake(now, self._braking_from(self.body.velocity.length))
+
+    def is_blocked(self) -> bool:
+        """Return whether something stopped it on its way to another cell, at the last look."""
+        action, cell = self.action, self.cell
+        is_short = bool(action.contacts) and not self.has_arrived()
+        return cell != action.goal != action.home and (action.gave_up or is_short)
+
+    def is_moving(self) -> bool:
+        """Return whether the body moves, also if another robot pushes it."""
+        return bool(self.body.velocity.length > AT_REST)
+
+    def has_arrived(self) -> bool:
+        """Return whether it was at its target at the last look."""
+        return math.dist(self.position, self.action.target) <= ARRIVED * self._spec.cell_size
 
     def feel_floor(self) -> None:
         """Update drag and grip where the floor differs from cell to cell."""
@@ -216,89 +267,33 @@ class Robot:
         cell = self.cell
         if self._uneven is not None and cell != self._on:
             if self.phase == GO:
-                self._count_work(self.body.velocity)
+                self._count_work(self.body.velocity, 0.0)
             self._on = cell
             self._drag = self._nominal_drag * self._uneven.drag_factor(cell)
             self._floor.max_force = self._drag
             self._push(self._force)
 
-    def follows(self, other: Robot) -> bool:
-        """Return whether this robot drives to the cell that ``other`` left, not head-on."""
-        mine, theirs = self.action, other.action
-        return mine.goal == theirs.home != mine.home != theirs.goal
+    def _is_hindered_by(self, touch: Touch, point: Position) -> bool:
+        """Return whether a hit at a point is in the way.
 
-    def _touching(self) -> list[Robot]:
-        """Return the robots that touch this one, in order."""
-        bodies = {body for arbiter in arbiters_of(self.body) for body in arbiter.bodies}
-        bodies.discard(self.body)
-        return [robot for body, robot in self._robots.items() if body in bodies]
-
-    def _must_wait(self, now: int) -> bool:
-        """Make touching robots that follow this one give up, and let them go back first.
-
-        They may have touched it before it had to go back. Robots in a ring would wait for each
-        other forever, hence the limit.
+        A wall is, if it reaches into the lane on this side of the goal and pushes against the way
+        rather than across it. Another robot is, if it drives to the same cell or stays there, meets
+        this one head-on, or has to go back to where this one drives. Any other robot was pushed
+        there, and does not stay.
         """
-        followers = [robot for robot in self._touching() if robot.follows(self)]
-        for robot in followers:
-            if not robot.action.gave_up:
-                robot.give_up(now)
-        self.action.waits += 1
-        return bool(followers) and self.action.waits <= MAX_WAITS
-
-    def _give_way(self, now: int) -> None:
-        """Stand without brakes for a while, so that another robot can push past."""
-        self._brake(now, round(PAUSE / self._spec.time_step))
-        self._push(0.0)
-
-    def _is_hindered_by(self, touch: Touch) -> bool:
-        """Return whether a hit is against the way, or with a robot that returns to its cell."""
         home, goal = self.action.home, self.action.goal
         if self.action.gave_up or goal == home:
             return False
-        other = touch.other
-        if other is not None and other.action.gave_up:
-            if self.follows(other):
-                return True
-            # Pushed aside by a third robot, it returns to where it is not in the way.
-            if goal not in (other.action.home, other.action.goal):
-                return False
+        if touch.other is not None:
+            other = touch.other.action
+            is_on_the_way = other.gave_up or other.goal == home
+            return other.goal == goal or (other.home == goal and is_on_the_way)
         down, right = goal[0] - home[0], goal[1] - home[1]
-        return touch.push[0] * right + touch.push[1] * down < -AGAINST
-
-    def _go(self, now: int) -> None:
-        spec, action = self._spec, self.action
-        self._start, self._energy = self.position, 0.0
-        self._returning = action.gave_up or action.goal == action.home
-        limits = spec.top_speed, self._pace, spec.time_step
-        profile = plan_profile(self._start, self._waypoint(), *limits)
-        if self._uneven is not None:
-            profile = profile.scaled(self._uneven.speed_factor())
-        self._control.velocity = profile.velocity
-        self._push(self._going_force)
-        self.phase, self.until, self._braking = GO, now + profile.go, profile.brake
-
-    def _waypoint(self) -> Position:
-        """Return the next position to drive to.
-
-        On the straight way back, a robot that was pushed aside would hit the corner of a wall. If
-        it fits between the walls it first drives back beside its line, otherwise back to its line.
-        """
-        action = self.action
-        if not action.gave_up:
-            return action.target
-        (x, y), (home_x, home_y) = self.position, action.target
-        vertical = action.goal[1] == action.home[1]
-        to_line, along = ((home_x, y), (x, home_y)) if vertical else ((x, home_y), (home_x, y))
-        size = self._spec.cell_size
-        aside, away = math.dist((x, y), to_line), math.dist((x, y), along)
-        if min(aside, away) <= ARRIVED * size:
-            return action.target
-        fits = aside < FITTING * (size / 2 - self._spec.radius)
-        action.returns += 1
-        if action.returns > MAX_RETURNS and action.returns % 2:
-            fits = not fits
-        return along if fits else to_line
+        along = touch.push[0] * right + touch.push[1] * down
+        across = touch.push[0] * down - touch.push[1] * right
+        x, y = apart(point, self.action.target)
+        is_in_lane = abs(x * down - y * right) < self._spec.cell_size / 2
+        return is_in_lane and x * right + y * down < 0 and -along > abs(across)
 
     def _brake(self, now: int, substeps: int) -> None:
         self._control.velocity = (0.0, 0.0)
@@ -306,7 +301,8 @@ class Robot:
         self.phase, self.until = BRAKE, now + substeps
 
     def _braking_from(self, speed: float) -> int:
-        return braking(speed, self._pace, self._spec.time_step)
+        deceleration = max(self._pace, self._spec.floor_deceleration)
+        return braking(speed, deceleration, self._spec.time_step)
 
     def _turn_towards(self, displacement: Cell) -> None:
         """Turn the heading the shorter way round while driving; the way back does not turn it."""
@@ -323,20 +319,35 @@ class Robot:
             force = min(force, limit)
         self._motor.max_force = force
 
-    def _count_work(self, velocity: Position) -> None:
-        """Add the work of the motor since the last count: kinetic energy gained, plus drag."""
+    def _count_work(self, velocity: Position, lead: float) -> None:
+        """Add the work of the motor since the last count: kinetic energy gained, plus drag.
+
+        Drag is counted over the way, and over ``lead`` seconds more at ``velocity``.
+        """
         energy = 0.5 * self._mass * (velocity[0] ** 2 + velocity[1] ** 2)
         way = math.dist(self._start, self.position)
+        if lead:
+            way += lead * math.hypot(*velocity)
         self.action.work += max(0.0, energy - self._energy + self._drag * way)
         self._start, self._energy = self.position, energy
 
-    def _has_arrived(self) -> bool:
-        return math.dist(self.position, self.action.target) <= ARRIVED * self._spec.cell_size
+    def _count_impact(self, before: Position) -> None:
+        """Add the work up to a hit in this substep, and of the push of the motor in the hit.
+
+        The motor still pushes with its force, at the mean of the velocities before and after. Its
+        work before that is up to half a substep ago.
+        """
+        self._count_work(before, -self._spec.time_step / 2)
+        after, command = self.body.velocity, self._control.velocity
+        forward = (before[0] + after.x) * command.x + (before[1] + after.y) * command.y
+        if forward > 0:
+            self.action.work += self._motor.impulse * forward / (2 * command.length)
+        self._energy = 0.5 * self._mass * after.dot(after)
 
     def _deadline(self, floor: FloorConditions) -> float:
         """Return the substep after which no new attempt is made."""
         spec = self._spec
-        limits = spec.top_speed, self._pace, spec.time_step
+        limits = spec.top_speed, self._pace, spec.time_step, spec.floor_deceleration
         profile = plan_profile((0, 0), (spec.cell_size, 0), *limits)
         return floor.patience * (profile.go + profile.brake)
 
@@ -344,12 +355,29 @@ class Robot:
         """Set the load, and the acceleration in m/s² to drive with."""
         self._loaded, self._pace = loaded, pace
         self._drag = self._nominal_drag = self._spec.drag_force(loaded)
+        self._drag_lead = self._spec.drag_lead(loaded)
         self.body.mass = self._mass = self._spec.total_mass(loaded)
         self.body.moment = pymunk.moment_for_circle(self._mass, 0.0, self._spec.radius)
-        # The floor brakes too; the motor does the rest, so that the pace is the same both ways.
-        self._going_force = self._mass * pace + self._nominal_drag
         self._braking_force = max(self._mass * pace - self._nominal_drag, 0.0)
         if self._uneven is not None:
             self._drag *= self._uneven.drag_factor(self._on)
         self._floor.max_force = self._drag
-        self._steering.max_force = self.body.moment * MAX_TURN_ACCELERATION
+        self._steering.max_force = self.body.moment * self._turn_acceleration
+
+
+def apart(position: Position, other: Position) -> Position:
+    """Return the way to a position from another."""
+    return position[0] - other[0], position[1] - other[1]
+
+
+def comes_closer(before: Position, after: Position, reach: float) -> bool:
+    """Return whether a straight way comes closer to the origin than ``reach``.
+
+    One that starts closer may lead away from there.
+    """
+    way = apart(after, before)
+    towards = -(before[0] * way[0] + before[1] * way[1])
+    if towards <= 0:
+        return False
+    done = min(1.0, towards / (way[0] ** 2 + way[1] ** 2))
+    return math.hypot(before[0] + done * way[0], before[1] + done * way[1]) < reach

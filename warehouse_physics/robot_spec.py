@@ -19,6 +19,18 @@ MAX_VALUE = 1e9
 ARRIVED = 1e-3
 """Share of a cell within which a robot has arrived at its target."""
 
+MAX_FLEET_RADIUS = 0.4
+"""Share of a cell that the radius ``r`` of one of several robots may have. Two that follow each
+other round a corner come within ``sqrt(1 / 2)`` of a cell on their lines. Wider ones push each
+other outward, up to the walls: then they are ``sqrt(2) * (1 - r)`` apart, which is ``2 * r`` at
+0.414."""
+
+MARGIN = 1e-6
+"""Share by which a body is smaller than its robot."""
+
+NEGLIGIBLE = 0.005
+"""Share of the work of a move that need not be counted."""
+
 MAX_MOVE_SUBSTEPS = 2_000
 """Substeps that a free move may take, 33 s at 1/60 s."""
 
@@ -29,13 +41,15 @@ class RobotSpec:
 
     Attributes:
         radius: of the round body, metres. Two robots that turn the same corner one after the
-            other come within 0.707 of a cell, so with more than 0.35 of a cell they touch.
+            other come within 0.707 of a cell, so with more than 0.35 of a cell they touch; with
+            more than ``MAX_FLEET_RADIUS`` of it they do not get past, and there can be only one.
         mass: without a load, kg; about 70 for a MiR100.
         payload_mass: of an item, kg.
         top_speed: m/s; near people 1 to 1.5 m/s (MiR100: 1.5).
         acceleration: nominal, also for braking, m/s².
         motor_force: N. Where it is too small for a load, the acceleration is lower.
-        floor_drag: rolling force over weight; 0.01 to 0.02 for a hard tyre on concrete.
+        floor_drag: rolling force over weight; 0.01 to 0.02 for a hard tyre on concrete. Where
+            it brakes harder than the robot accelerates, robots stop by it alone.
         drivetrain_efficiency: work at the wheel over energy from the battery, above 0, up to 1.
         idle_power: of computer and sensors, W.
         dwell: duration of waiting, picking and dropping, seconds.
@@ -89,8 +103,7 @@ class RobotSpec:
                 f"{self.drag_force(loaded=True)!r}"
             )
         # The longest free move is that of a loaded robot.
-        speed = min(self.top_speed, math.sqrt(pace * self.cell_size))
-        substeps = (self.cell_size / speed + speed / pace) / self.time_step
+        substeps = self.move_seconds(loaded=True) / self.time_step
         if substeps > MAX_MOVE_SUBSTEPS:
             raise ValueError(
                 f"time_step is {self.time_step!r}; the loaded robot would take {substeps:.4g} of "
@@ -102,6 +115,15 @@ class RobotSpec:
         """Return the default robot with the fast substep."""
         return replace(cls(), time_step=FAST_STEP)
 
+    @property
+    def body_radius(self) -> float:
+        """The radius of the body in the space, in metres: slightly smaller than ``radius``.
+
+        With round numbers a touch would often fall exactly on a substep, and rounding would decide
+        in which one it is noticed.
+        """
+        return self.radius * (1 - MARGIN)
+
     def total_mass(self, loaded: bool) -> float:
         """Return the mass in kg with or without an item."""
         return self.mass + (self.payload_mass if loaded else 0.0)
@@ -109,6 +131,29 @@ class RobotSpec:
     def drag_force(self, loaded: bool) -> float:
         """Return the drag of the floor on a moving robot in N."""
         return self.floor_drag * self.total_mass(loaded) * GRAVITY
+
+    def move_seconds(self, loaded: bool) -> float:
+        """Return the nominal duration of a free move over one cell in seconds."""
+        pace = self.attainable_acceleration(loaded)
+        brake = max(pace, self.floor_deceleration)
+        speed = min(self.top_speed, math.sqrt(2 * pace * self.cell_size / (1 + pace / brake)))
+        return self.cell_size / speed + speed / pace * (1 + pace / brake) / 2
+
+    def drag_lead(self, loaded: bool) -> float:
+        """Return for how long drag works on the final speed after the way it is counted over, in s.
+
+        Positions move before velocities change, so the way lags by half a substep. Where that is
+        less than ``NEGLIGIBLE`` of the work of a free move it is left out.
+        """
+        pace, drag = self.attainable_acceleration(loaded), self.floor_deceleration
+        speed = min(self.top_speed, math.sqrt(pace * self.cell_size))
+        lag = self.time_step / 2
+        return lag if 2 * drag * lag > NEGLIGIBLE * (1 + drag / pace) * speed else 0.0
+
+    @property
+    def floor_deceleration(self) -> float:
+        """How fast a robot that rolls freely slows down, in m/s², loaded or not."""
+        return self.floor_drag * GRAVITY
 
     def attainable_acceleration(self, loaded: bool) -> float:
         """Return the nominal acceleration or, if that is less, what the motor can reach, in m/s².

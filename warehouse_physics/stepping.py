@@ -27,25 +27,8 @@ IS_KNOWN = pymunk.version.startswith(("7.1.", "7.2.", "7.3."))
 """Whether this version of pymunk has the private parts that are used here."""
 
 
-class Kept(list[Any]):
-    """What callbacks found, and their errors."""
-
-    def take(self) -> list[Any]:
-        """Return what was found, and forget it.
-
-        Raises:
-            BaseException: the first error of a callback.
-        """
-        found = self.copy()
-        self.clear()
-        for each in found:
-            if isinstance(each, BaseException):
-                raise each
-        return found
-
-
-class Hits(Kept):
-    """Hits that have begun, each as ``note`` describes it."""
+class Hits(list[Any]):
+    """Hits that have begun, each as ``note`` describes it, and the errors of describing them."""
 
     def __init__(self, note: Callable[[pymunk.Arbiter], object]) -> None:
         super().__init__()
@@ -57,6 +40,19 @@ class Hits(Kept):
             self.append(self._note(arbiter))
         except BaseException as error:
             self.append(error)
+
+    def take(self) -> list[Any]:
+        """Return the hits, and forget them.
+
+        Raises:
+            BaseException: the first error.
+        """
+        found = self.copy()
+        self.clear()
+        for each in found:
+            if isinstance(each, BaseException):
+                raise each
+        return found
 
 
 class Stepper(Generic[Hit]):
@@ -106,17 +102,6 @@ class Stepper(Generic[Hit]):
         return until, []
 
 
-def arbiters_of(body: pymunk.Body) -> list[pymunk.Arbiter]:
-    """Return the arbiters of the shapes that touch a body, valid until the next step.
-
-    Raises:
-        BaseException: an interrupt.
-    """
-    found = Kept()
-    body.each_arbiter(found.append)
-    return found.take()
-
-
 def _has_changes(space: pymunk.Space) -> bool:
     """Return whether a step of pymunk would do more than call Chipmunk's own."""
     return bool(
@@ -129,22 +114,20 @@ def _has_changes(space: pymunk.Space) -> bool:
 
 
 if IS_KNOWN:
-    # Functions, not their module: while the interpreter ends they are needed to free spaces.
-    from pymunk._callbacks import ext_cpBodyArbiterIteratorFunc, ext_cpCollisionBeginFunc
+    # The function, not its module: while the interpreter ends that is needed to free spaces.
+    from pymunk._callbacks import ext_cpCollisionBeginFunc
     from pymunk._chipmunk_cffi import ffi, lib
 
     def _hand_over(kind: type[BaseException], error: BaseException, trace: TracebackType) -> None:
-        """Append the error of a callback to what the callback keeps.
+        """Append the error of a callback to the hits that it keeps.
 
         Raises:
             BaseException: the error, if the callback is not of this package; cffi prints it.
         """
-        data = ffi.from_handle(trace.tb_frame.f_locals["data"])
-        callback = data[1] if isinstance(data, tuple) else data.begin
-        kept = getattr(callback, "__self__", None)
-        if not isinstance(kept, Kept):
+        handler = ffi.from_handle(trace.tb_frame.f_locals["data"])
+        hits = getattr(handler.begin, "__self__", None)
+        if not isinstance(hits, Hits):
             raise error
-        kept.append(error)
+        hits.append(error)
 
-    for _called in (ext_cpBodyArbiterIteratorFunc, ext_cpCollisionBeginFunc):
-        ffi.def_extern(_called.__name__, onerror=_hand_over)(_called)
+    ffi.def_extern(ext_cpCollisionBeginFunc.__name__, onerror=_hand_over)(ext_cpCollisionBeginFunc)

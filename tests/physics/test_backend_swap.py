@@ -6,7 +6,7 @@ import pytest
 from helpers.rigid_bodies import steps_differ
 from helpers.traces import TRACES, assert_as_recorded, env_of
 
-from warehouse_core import DEFAULT_LAYOUT, WarehouseEnv
+from warehouse_core import DEFAULT_LAYOUT, Episode, WarehouseEnv, record_episode
 from warehouse_core.conformance import run_conformance
 from warehouse_physics import RigidBodyMotion, RobotSpec
 from warehouse_physics.robot_spec import FAST_STEP
@@ -19,6 +19,7 @@ TRACE_STRIDE = 5
 """One in so many of the recorded episodes is replayed."""
 
 SMALL_AND_FAST = RobotSpec(cell_size=0.5, radius=0.17, time_step=FAST_STEP)
+WIDE_AND_BRISK = RobotSpec(cell_size=0.5, radius=0.2, top_speed=3, acceleration=4, motor_force=400)
 
 over_specs = pytest.mark.parametrize("spec", [RobotSpec(), RobotSpec.fast()], ids=["1/60", "1/30"])
 
@@ -26,6 +27,16 @@ over_specs = pytest.mark.parametrize("spec", [RobotSpec(), RobotSpec.fast()], id
 @pytest.mark.parametrize("trace", TRACES[::TRACE_STRIDE])
 def test_recorded_episodes_are_reproduced(trace: dict[str, Any]) -> None:
     assert_as_recorded(env_of(trace, RigidBodyMotion(record_path=False)), trace)
+
+
+class Waiting:
+    """Always waits."""
+
+    def reset(self) -> None:
+        pass
+
+    def act(self, observation: object) -> str:
+        return "WAIT"
 
 
 @over_specs
@@ -40,6 +51,14 @@ def test_the_types_of_the_five_values_are_the_same() -> None:
         assert list(map(type, one)) == list(map(type, other))
         types = {name: type(value) for name, value in one[0].items()}
         assert {name: type(value) for name, value in other[0].items()} == types
+
+
+def test_an_episode_without_idle_power_can_be_saved_and_loaded(tmp_path) -> None:
+    env = WarehouseEnv(max_steps=5, backend=RigidBodyMotion(RobotSpec(idle_power=0)))
+    episode = record_episode(env, Waiting())
+    assert episode.joules == 0
+    episode.save(tmp_path / "still.npz")
+    assert Episode.load(tmp_path / "still.npz") == episode
 
 
 def test_a_robot_moved_by_hand_continues_from_its_new_cell() -> None:
@@ -57,8 +76,9 @@ def test_a_robot_moved_by_hand_continues_from_its_new_cell() -> None:
     [
         RigidBodyMotion,
         lambda: RigidBodyMotion(SMALL_AND_FAST, record_path=False),
+        lambda: RigidBodyMotion(WIDE_AND_BRISK),
     ],
-    ids=["default", "small cells, 1/30 s, no paths"],
+    ids=["default", "small cells, 1/30 s, no paths", "wide and brisk"],
 )
 def test_the_backend_passes_every_conformance_check(make_motion) -> None:
     run_conformance(make_motion).raise_for_failures()

@@ -205,6 +205,32 @@ def test_noise_scales_the_speed_by_0_to_2() -> None:
     assert sum(factors) / len(factors) == pytest.approx(1, abs=0.05)
 
 
+def test_disturbed_robots_are_at_rest_at_the_end_and_never_blocked_at_their_goal() -> None:
+    """Robots that touched before an action began, and are pushed in it, are still braked."""
+    goals = 0
+    for seed in range(12):
+        stream = random.Random(seed)
+        slick = Disturbances(
+            actuation_noise=0.3, slippery=stream.sample(sorted(ALL_CELLS), 20), drag_spread=0.9
+        )
+        motion = RigidBodyMotion(disturbances=slick)
+        motion.reset(HALL, stream.sample(sorted(ALL_CELLS), 20), seed)
+        for _ in range(6):
+            moves = stream.choices(STEPS, k=20)
+            homes = (
+                [math.floor(robot.body.position.y) for robot in motion._arena.robots],
+                [math.floor(robot.body.position.x) for robot in motion._arena.robots],
+            )
+            outcomes = motion.advance(moves, [False] * 20)
+            for robot, outcome in enumerate(outcomes):
+                assert motion._arena.robots[robot].body.velocity.length < 1e-5
+                down, right = moves[robot]
+                goal = homes[0][robot] + down, homes[1][robot] + right
+                assert not (outcome.blocked and outcome.cell == goal)
+                goals += outcome.cell == goal
+    assert goals > 12 * 6 * 20 / 4
+
+
 # Stalls.
 
 

@@ -191,6 +191,26 @@ def test_the_heading_turns_the_shorter_way_to_the_direction_of_the_move() -> Non
         assert turned == pytest.approx(heading * math.pi, abs=0.02)
 
 
+@pytest.mark.parametrize("kilograms", [160, 200, 340])
+def test_a_robot_that_the_floor_brakes_stops_once(kilograms: float) -> None:
+    spec = RobotSpec(payload_mass=kilograms)
+    assert spec.floor_deceleration > spec.attainable_acceleration(loaded=True)
+    outcome = free_move(spec, loaded=True, path_every=1)
+    assert outcome.seconds == pytest.approx(spec.move_seconds(loaded=True), rel=0.01)
+    assert math.dist(outcome.path[-1, 1:3], (4.5, 3.5)) < 1e-5
+    assert np.hypot(*velocities(outcome).T)[1:-1].min() > 0
+
+
+@pytest.mark.parametrize("acceleration", [0.3, 4.0, 30.0])
+def test_robots_of_any_pace_head_where_they_go_at_the_end_of_a_move(acceleration) -> None:
+    spec = RobotSpec(acceleration=acceleration, motor_force=5000, top_speed=5)
+    motion = motion_in(HALL, (3, 3), spec)
+    for displacement, heading in ((WEST, 1.0), (EAST, 0.0), (SOUTH, 0.5), (NORTH, -0.5)):
+        turned = move(motion, displacement).path[-1, 3]
+        off = math.remainder(turned - heading * math.pi, math.tau)
+        assert abs(off) < 0.05
+
+
 def test_waiting_takes_the_dwell_and_costs_idle_power() -> None:
     outcome = free_move(RobotSpec(dwell=2.5, idle_power=8.0), STAY)
     assert (outcome.cell, outcome.blocked, outcome.seconds) == ((3, 3), False, 2.5)
@@ -399,9 +419,24 @@ def test_outcomes_after_a_reset_equal_those_of_a_new_motion() -> None:
 # Invalid calls.
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"spec": "x"}, "spec is 'x'; it must be a RobotSpec"),
+        ({"spec": ""}, "spec is ''; it must be a RobotSpec"),
+        ({"disturbances": 3}, "disturbances is 3; it must be a Disturbances"),
+        ({"path_every": True}, "path_every is True; it must be an integer"),
+        ({"path_every": math.nan}, "path_every is nan; it must be an integer"),
+    ],
+)
+def test_invalid_arguments_raise_at_construction(arguments, message: str) -> None:
+    with pytest.raises(TypeError, match=f"^{message}$"):
+        RigidBodyMotion(**arguments)
+
+
 def test_invalid_starts_raise_and_change_nothing() -> None:
     motion = motion_in(HALL, (3, 3))
-    for cells in ([(9, 9)], [(1, 1), (1, 1)]):
+    for cells in ([], [(9, 9)], [(1, 1), (1, 1)]):
         with pytest.raises(LayoutError):
             motion.reset(HALL, cells, 0)
     assert move(motion, EAST).cell == (3, 4)

@@ -18,15 +18,17 @@ time_steps = st.sampled_from([1 / 240, 1 / 120, 1 / 60, 1 / 30, 0.1])
 
 
 def drive(
-    profile: Profile, acceleration: float, time_step: float
+    profile: Profile, acceleration: float, time_step: float, drag: float = 0.0
 ) -> tuple[list[float], list[float]]:
     """Return the positions along the profile and the speeds after each substep, from rest at 0."""
+    rates = acceleration, max(acceleration, drag)
     position = speed = 0.0
     positions, speeds = [position], [speed]
-    for command, substeps in ((math.hypot(*profile.velocity), profile.go), (0.0, profile.brake)):
+    legs = ((math.hypot(*profile.velocity), profile.go), (0.0, profile.brake))
+    for (command, substeps), rate in zip(legs, rates, strict=True):
         for _ in range(substeps):
             position += speed * time_step
-            change = acceleration * time_step
+            change = rate * time_step
             speed += min(max(command - speed, -change), change)
             positions.append(position)
             speeds.append(speed)
@@ -69,6 +71,24 @@ def test_no_profile_has_fewer_substeps(start, length, angle, speed, pace, step) 
         too_fast = hurried > speed * (1 - 1e-6)
         too_sudden = hurried > (profile.go - 1) * pace * step * (1 - 1e-6)
         assert too_fast or too_sudden
+
+
+@settings(max_examples=60)
+@given(places, lengths, angles, speeds, st.floats(0.05, 5.0), st.floats(1.0, 500.0), time_steps)
+def test_a_robot_that_the_floor_brakes_ends_at_rest_at_its_target(
+    start, length, angle, speed, pace, harder, step
+) -> None:
+    drag, pace = pace * harder, min(pace, speed / step)
+    profile = profile_over(start, length, angle, speed, pace, step, drag)
+    positions, reached = drive(profile, pace, step, drag)
+    assert positions[-1] == pytest.approx(length, rel=1e-6, abs=1e-9)
+    assert abs(reached[-1]) <= 1e-5 * speed
+    assert max(reached) <= speed * (1 + 1e-6)
+    if profile.go > 2:
+        # The distance with two substeps less, at the highest speed, is shorter.
+        fastest = min(speed, (profile.go - 2) * pace * step)
+        hurried = Profile((fastest, 0.0), profile.go - 2, braking(fastest, drag, step))
+        assert drive(hurried, pace, step, drag)[0][-1] < length
 
 
 def test_one_cell_at_one_metre_a_second_takes_two_seconds() -> None:

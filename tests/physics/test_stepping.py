@@ -8,7 +8,6 @@ import threading
 from collections.abc import Callable
 from functools import partial
 from operator import call
-from types import SimpleNamespace
 
 import numpy as np
 import pymunk
@@ -163,24 +162,6 @@ def test_an_interrupt_right_before_a_callback_ends_the_action(monkeypatch) -> No
     with pytest.raises(KeyboardInterrupt):
         move(motion, EAST)
     assert noted == []
-
-
-def test_an_interrupt_while_arbiters_are_listed_is_raised(monkeypatch) -> None:
-    space, body = pymunk.Space(), pymunk.Body(1.0, 1.0)
-    space.add(body, pymunk.Circle(body, 1.0), pymunk.Circle(space.static_body, 1.0))
-    space.step(0.1)
-    assert len(stepping.arbiters_of(body)) == 1
-    lib = pymunk.body.lib
-
-    def list_after_interrupt(*arguments: object) -> None:
-        list(map(call, (_thread.interrupt_main, partial(lib.cpBodyEachArbiter, *arguments))))
-
-    function = lib.ext_cpBodyArbiterIteratorFunc
-    parts = {"ext_cpBodyArbiterIteratorFunc": function, "cpBodyEachArbiter": list_after_interrupt}
-    with monkeypatch.context() as patch:
-        patch.setattr(pymunk.body, "lib", SimpleNamespace(**parts))
-        with pytest.raises(KeyboardInterrupt):
-            stepping.arbiters_of(body)
 
 
 def test_errors_in_callbacks_of_other_spaces_are_printed_as_before(monkeypatch) -> None:

@@ -35,7 +35,9 @@ class Contact(NamedTuple):
 
     Attributes:
         seconds: time of the hit, from the start of the motion.
-        impulse: in N·s, positive.
+        impulse: in N·s, positive: the speed at which the two approached right before, times the
+            mass of the robot, or of two robots their reduced mass. Their motors' push during and
+            after the hit is not in it, nor that of others who touch them.
         point: position ``(x, y)`` in metres.
         counterpart: ``"wall"`` or ``"robot 3"``.
     """
@@ -56,7 +58,10 @@ class Outcome(NamedTuple):
         joules: its cost.
         path: ``[K, 4]`` float64, read-only, ``K >= 2``: time from the start of the motion in
             seconds, x, y, heading. The first row is the start, the last row the end.
-        contacts: every hit, in order of time; never empty when ``blocked``.
+        contacts: every hit, in order of time. Not empty when ``blocked``, unless the robot that
+            had been in the next cell came back and this one gave way before they touched.
+        cut_off: the action took too long and ended before the robot was at rest where it had to
+            be; its values are those at that moment.
     """
 
     cell: Cell
@@ -65,11 +70,11 @@ class Outcome(NamedTuple):
     joules: float
     path: NDArray[np.float64]
     contacts: tuple[Contact, ...] = ()
+    cut_off: bool = False
 
     def copy(self) -> Outcome:
         """Return the same outcome with a copy of its path."""
-        cell, blocked, seconds, joules, path, contacts = self
-        return Outcome(cell, blocked, seconds, joules, path.copy(), contacts)
+        return self._replace(path=self.path.copy())
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Outcome):
@@ -85,7 +90,9 @@ class Outcome(NamedTuple):
         return not self == other
 
     def __hash__(self) -> int:
-        return hash((self.cell, self.blocked, self.seconds, self.joules, self.contacts))
+        return hash(
+            (self.cell, self.blocked, self.seconds, self.joules, self.contacts, self.cut_off)
+        )
 
 
 @runtime_checkable
@@ -104,7 +111,8 @@ class Motion(Protocol):
             seed: for the backend's random numbers; ``None`` lets the backend choose.
 
         Raises:
-            LayoutError: a cell is a wall, off the grid, or given twice; nothing has changed.
+            LayoutError: a cell is a wall, off the grid, or given twice, or there is none; nothing
+                has changed.
         """
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -137,8 +145,10 @@ def check_starts(layout: Layout, cells: Sequence[Cell]) -> None:
     """Raise if robots cannot be put on these cells; for backends to call in ``reset``.
 
     Raises:
-        LayoutError: naming the robot and the cell.
+        LayoutError: naming the robot and the cell; or there are no cells.
     """
+    if not cells:
+        raise LayoutError("no robots: cells is empty; it needs a cell for each robot")
     for robot, cell in enumerate(cells):
         check_open(layout, cell, f"robot {robot}:")
         if cell in cells[:robot]:

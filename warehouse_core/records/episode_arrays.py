@@ -101,6 +101,8 @@ def _packed(fields: Fields) -> Arrays:
         "reasons": reason_words,
         "counterparts": counterparts,
     } | {name: fields[name] for name in ("seed", "agent", "terminated", "truncated")}
+    cut_off = [step for step, motion in enumerate(fields["motions"]) if motion.cut_off]
+    header |= {"cut_off": cut_off} if cut_off else {}
     layout: Layout = fields["layout"]
     tiles = np.frombuffer("".join(layout.rows).encode("ascii"), dtype=np.uint8)
     return {
@@ -119,8 +121,8 @@ def unpack_fields(arrays: Arrays) -> Fields:
     Raises:
         ValueError: they do not; it may be a ``RecordError`` or a ``LayoutError``.
     """
-    header = _read_header(arrays)
     steps = len(arrays["actions"])
+    header = _read_header(arrays, steps)
     _check_columns(arrays, steps)
     fields: Fields = {
         "layout": _read_layout(arrays["layout"]),
@@ -132,6 +134,8 @@ def unpack_fields(arrays: Arrays) -> Fields:
     }
     fields |= {name: header[name] for name in ("seed", "agent", "terminated", "truncated")}
     fields |= {name: arrays[name].tolist() for name in ("loaded", "battery", "rewards")}
+    for step in header["cut_off"]:
+        fields["motions"][step] = fields["motions"][step]._replace(cut_off=True)
     for cell in (fields["settings"].start_pos, *fields["cells"]):
         if not fields["layout"].is_open(cell):
             raise RecordError(f"no robot can be where {fields['layout'].describe(cell)}")
@@ -148,7 +152,7 @@ def _read_layout(tiles: NDArray[np.uint8]) -> Layout:
     return Layout([row.tobytes().decode("ascii") for row in tiles])
 
 
-def _read_header(arrays: Arrays) -> dict[str, Any]:
+def _read_header(arrays: Arrays, steps: int) -> dict[str, Any]:
     header = unpack_header(arrays["header"], FORMAT)
     allowed: dict[str, tuple[type, ...]] = {
         "seed": (int, type(None)),
@@ -164,7 +168,12 @@ def _read_header(arrays: Arrays) -> dict[str, Any]:
         entries = header.get(name)
         if not isinstance(entries, list) or not {type(entry) for entry in entries} <= kinds:
             raise RecordError(f"{name} must be a list of words")
-    return header | {"settings": header.get("settings")}
+    cut_off = header.get("cut_off", [])
+    if not isinstance(cut_off, list) or not all(
+        type(step) is int and 0 <= step < steps for step in cut_off
+    ):
+        raise RecordError(f"cut_off must be a list of steps from 0 to {steps - 1}")
+    return header | {"settings": header.get("settings"), "cut_off": cut_off}
 
 
 def _check_columns(arrays: Arrays, steps: int) -> None:
@@ -272,8 +281,8 @@ def _check_motions(arrays: Arrays, steps: int) -> None:
     if steps and (arrays["path_lengths"].min() < 2 or arrays["contact_counts"].min() < 0):
         raise RecordError("a path has fewer than two rows, or a count is negative")
     _check_numbers(arrays, "motion_seconds", "motion_joules", "path", "contacts")
-    if min(arrays["motion_seconds"].min(initial=1), arrays["motion_joules"].min(initial=1)) <= 0:
-        raise RecordError("a motion took no time or no energy")
+    if arrays["motion_seconds"].min(initial=1) <= 0 or arrays["motion_joules"].min(initial=0) < 0:
+        raise RecordError("a motion took no time, or less than no energy")
 
 
 def pack_header(header: dict[str, Any]) -> NDArray[np.uint8]:

@@ -195,7 +195,7 @@ def frames_along(
         frame_seconds: simulated time between two frames.
         caption: of each frame.
     """
-    seconds, joules = motions[0].seconds, motions[0].joules
+    seconds, joules = max(motion.seconds for motion in motions), motions[0].joules
     count = max(1, round(seconds / frame_seconds))
     times = [seconds * frame / count for frame in range(count + 1)]
     paths = [

@@ -103,7 +103,7 @@ class VectorArena:
     def _add_robot(self, spec: RobotSpec) -> pymunk.Shape:
         # A body with an infinite moment never turns.
         body = pymunk.Body(spec.mass, math.inf)
-        shape = pymunk.Circle(body, spec.radius)
+        shape = pymunk.Circle(body, spec.body_radius)
         shape.collision_type = ROBOT
         control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
         drive = pymunk.PivotJoint(body, control, (0, 0), (0, 0))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.motion.vector import Flags, Integers, Rows
 from warehouse_physics.profile import Floats, Substeps, brakings, lengths_of, plan_profiles
-from warehouse_physics.robot import AGAINST, AT_REST, BRAKE, GO, MAX_SUBSTEPS, NEVER, REST
+from warehouse_physics.robot import AT_REST, BRAKE, GO, MAX_SUBSTEPS, NEVER, REST
 from warehouse_physics.robot_spec import ARRIVED, RobotSpec
 from warehouse_physics.vector.arena import Hit, VectorArena
 
@@ -33,7 +33,9 @@ class VectorRobots:
         loads = (False, True)
         self._masses = np.array([spec.total_mass(load) for load in loads])
         self._drags = np.array([spec.drag_force(load) for load in loads])
+        self._drag_leads = np.array([spec.drag_lead(load) for load in loads])
         self._paces = np.array([spec.attainable_acceleration(load) for load in loads])
+        self._decelerations = np.maximum(self._paces, spec.floor_deceleration)
         # The floor helps to brake; it brakes alone where its drag exceeds the force needed.
         self._going_forces = self._masses * self._paces
         self._braking_forces = np.maximum(self._going_forces, self._drags)
@@ -43,7 +45,7 @@ class VectorRobots:
         self._phase = np.full(robots, REST)
         self._until: Substeps = np.full(robots, NEVER, np.int64)
         self._braking: Substeps = np.zeros(robots, np.int64)
-        self._start = np.zeros((robots, 2))
+        self._start, self._energy = np.zeros((robots, 2)), np.zeros(robots)
         self.gave_up = np.zeros(robots, np.bool_)
         self.work = np.zeros(robots)
         self.substeps: Substeps = np.zeros(robots, np.int64)
@@ -85,7 +87,7 @@ class VectorRobots:
         is_going = self._phase[due] == GO
         gone, braked = due[is_going], due[~is_going]
         if len(gone):
-            self._count_work(gone, self._velocities[gone])
+            self._count_work(gone, self._velocities[gone], self._drag_leads[self._loaded[gone]])
             self._brake(gone, now, self._braking[gone])
         if len(braked):
             speeds = lengths_of(self._velocities[braked])
@@ -106,11 +108,12 @@ class VectorRobots:
         rows = np.array([hit.row for hit in hits])
         pushes = np.array([hit.push for hit in hits])
         velocities = np.array([hit.velocity for hit in hits])
-        is_against = (pushes * self._ways[rows]).sum(axis=1) < -AGAINST
-        is_hindered = is_against & (self._phase[rows] != REST)
-        rows, velocities = rows[is_hindered], velocities[is_hindered]
         is_going = self._phase[rows] == GO
-        self._count_work(rows[is_going], velocities[is_going])
+        self._count_impact(rows[is_going], velocities[is_going])
+        along = (pushes * self._ways[rows]).sum(axis=1)
+        across = (pushes * self._ways[rows][:, ::-1] * (1, -1)).sum(axis=1)
+        is_hindered = (-along > abs(across)) & (self._phase[rows] != REST)
+        rows = rows[is_hindered]
         self.gave_up[rows] = True
         self._target[rows] = (self._home[rows] + 0.5) * self._spec.cell_size
         self._brake_from(rows, now, lengths_of(self._velocities[rows]))
@@ -120,16 +123,18 @@ class VectorRobots:
             return
         spec = self._spec
         self._start[rows] = start = self._positions[rows]
+        self._energy[rows] = 0.0
         pace = self._paces[self._loaded[rows]]
         ways = self._target[rows] - start
-        velocities, go, brake = plan_profiles(ways, spec.top_speed, pace, spec.time_step)
+        limits = spec.top_speed, pace, spec.time_step, spec.floor_deceleration
+        velocities, go, brake = plan_profiles(ways, *limits)
         self._commands[rows] = velocities
         self._push(rows, self._going_forces)
         self._phase[rows], self._until[rows], self._braking[rows] = GO, now + go, brake
 
     def _brake_from(self, rows: Integers, now: int, speeds: Floats) -> None:
-        pace = self._paces[self._loaded[rows]]
-        self._brake(rows, now, brakings(speeds, pace, self._spec.time_step))
+        decelerations = self._decelerations[self._loaded[rows]]
+        self._brake(rows, now, brakings(speeds, decelerations, self._spec.time_step))
 
     def _brake(self, rows: Integers, now: int, substeps: Substeps) -> None:
         self._commands[rows] = 0.0
@@ -151,12 +156,28 @@ class VectorRobots:
             for row, force in zip(rows[changed].tolist(), wanted[changed].tolist(), strict=True):
                 self.arena.drives[row].max_force = force
 
-    def _count_work(self, rows: Integers, velocities: Floats) -> None:
-        """Add the work of the motors in this profile: kinetic energy gained, plus drag."""
+    def _count_work(self, rows: Integers, velocities: Floats, leads: Floats | float) -> None:
+        """Add the work of the motors since the last count: kinetic energy gained, plus drag."""
         loaded = self._loaded[rows]
         energy = 0.5 * self._masses[loaded] * (velocities**2).sum(axis=1)
-        way = lengths_of(self._positions[rows] - self._start[rows])
-        self.work[rows] += energy + self._drags[loaded] * way
+        way = lengths_of(self._positions[rows] - self._start[rows]) + leads * lengths_of(velocities)
+        gained = energy - self._energy[rows] + self._drags[loaded] * way
+        self.work[rows] += np.maximum(gained, 0.0)
+        self._start[rows], self._energy[rows] = self._positions[rows], energy
+
+    def _count_impact(self, rows: Integers, before: Floats) -> None:
+        """Add the work up to hits in this substep, and of the pushes of the motors in them.
+
+        The joint that drives a robot exerts the push of its motor less the drag of the floor.
+        """
+        self._count_work(rows, before, -self._spec.time_step / 2)
+        loaded, after = self._loaded[rows], self._velocities[rows]
+        joints = np.array([self.arena.drives[row].impulse for row in rows.tolist()])
+        pushes = joints + self._drags[loaded] * self._spec.time_step
+        commands = self._commands[rows]
+        forward = ((before + after) * commands).sum(axis=1) / lengths_of(commands)
+        self.work[rows] += np.maximum(pushes * forward / 2, 0.0)
+        self._energy[rows] = 0.5 * self._masses[loaded] * (after**2).sum(axis=1)
 
     def _rest(self, rows: Rows, now: int) -> None:
         self._phase[rows], self._until[rows], self.substeps[rows] = REST, NEVER, now

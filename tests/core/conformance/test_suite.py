@@ -95,7 +95,7 @@ ALTERATIONS: dict[str, list[Callable[[Outcome], Outcome]]] = {
         lambda outcome: outcome._replace(blocked=np.bool_(outcome.blocked)),
         lambda outcome: outcome._replace(seconds=1),
         lambda outcome: outcome._replace(seconds=0.0),
-        lambda outcome: outcome._replace(joules=0.0),
+        lambda outcome: outcome._replace(joules=-1.0),
         lambda outcome: outcome._replace(joules=math.nan),
         lambda outcome: outcome._replace(joules=math.inf),
     ],

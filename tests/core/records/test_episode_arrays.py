@@ -42,6 +42,16 @@ def test_fields_load_as_they_were_packed(episode: Episode) -> None:
     assert unpack_fields(typed) == fields
 
 
+def test_a_motion_that_was_cut_off_loads_as_such(episode: Episode) -> None:
+    fields = {name: getattr(episode, name) for name in episode.__slots__}
+    motions = [
+        motion._replace(cut_off=step in (1, 4)) for step, motion in enumerate(episode.motions)
+    ]
+    arrays = pack_fields(fields | {"motions": motions})
+    typed = {name: arrays[name].astype(dtype) for name, (dtype, _) in EPISODE_SCHEMA.items()}
+    assert unpack_fields(typed)["motions"] == motions
+
+
 def test_the_file_can_be_read_with_numpy_and_json_alone(arrays: Arrays, episode: Episode) -> None:
     header = header_of(arrays)
     assert header["format"] == "warehouse-lab episode 1"
@@ -85,6 +95,14 @@ def test_a_header_with_an_invalid_value_raises(
     assert name in refused(load_changed, header=as_text(header | {name: value}))
     del header[name]
     assert name in refused(load_changed, header=as_text(header))
+
+
+@pytest.mark.parametrize("value", [0, ["0"], [True], [-1], [10**6]])
+def test_a_step_that_does_not_exist_cannot_be_cut_off(
+    arrays: Arrays, load_changed: Load, value: object
+) -> None:
+    header = header_of(arrays) | {"cut_off": value}
+    assert "cut_off must be a list of steps" in refused(load_changed, header=as_text(header))
 
 
 @pytest.mark.parametrize("value", [float("nan"), 0.0])

@@ -35,11 +35,17 @@ SPECS = {
     "fast": RobotSpec.fast(),
     "small cells": RobotSpec(cell_size=0.5, radius=0.17, acceleration=2.0, motor_force=200.0),
     "tight": RobotSpec(radius=0.499),
+    "wide": RobotSpec(radius=0.45),
+    "exact": RobotSpec(acceleration=4.0, motor_force=400.0),
+    "exact and small": RobotSpec(
+        cell_size=0.5, radius=0.2, top_speed=3.0, acceleration=4.0, motor_force=400.0
+    ),
     "dragged": RobotSpec(floor_drag=0.05, acceleration=0.45),
     "violent": RobotSpec(top_speed=10.5, acceleration=1e6, motor_force=1e9),
 }
-"""One that barely fits its cell, one that the floor brakes harder than its drive does, and one
-that hits walls as hard as possible."""
+"""Among them one that barely fits its cell, two of round numbers that reach a wall exactly at the
+end of a substep, one that the floor brakes harder than its drive does, and one that hits walls as
+hard as possible."""
 
 over_specs = pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS.keys())
 
@@ -124,7 +130,14 @@ def test_a_robot_with_weak_brakes_equals_a_single_motion() -> None:
     batch, singles = batch_in([HALL], spec), Singles(spec, [HALL])
     singles.place(0, 0)
     batch._parts[0]._braking_forces *= 0.6
-    singles.motions[0]._arena.robots[0]._braking_force *= 0.6
+    robot = singles.motions[0]._arena.robots[0]
+    drive = robot.drive
+
+    def drive_with_weak_brakes(*arguments) -> None:
+        drive(*arguments)
+        robot._braking_force *= 0.6
+
+    robot.drive = drive_with_weak_brakes
     for action in (EAST, SOUTH, EAST, EAST):
         outcome, expected = advance(batch, action), singles.advance([action], [False])
         assert outcome.cells.tolist() == expected.cells.tolist()

@@ -1,0 +1,245 @@
+"""Rigid bodies held against what they must do: random robots, jams, queues, and a second book."""
+
+import math
+import random
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from helpers.rigid_bodies import STAY, STEPS, targets_of
+from warehouse_core import Cell, Layout, Outcome, random_layout
+from warehouse_core.motion.traffic import find_stops
+from warehouse_core.world.actions import DISPLACEMENTS
+from warehouse_physics import RigidBodyMotion, RobotSpec
+
+PAYLOADS = (0.0, 20.0, 40.0, 90.0, 200.0, 340.0)
+ROWS = 4
+JOULES_TOLERANCE = 1e-5
+"""Relative, between a batch and single motions: their solvers leave other speeds across the way."""
+
+
+def random_spec(stream: random.Random, *, is_round: bool, widest: float = 0.499) -> RobotSpec:
+    """Return an accepted robot: of round numbers, or of any."""
+    draw = stream.choice
+    while True:
+        size = draw([0.3, 0.5, 1.0, 1.0, 2.0, 3.7]) if is_round else stream.uniform(0.3, 4)
+        widths = [share for share in (0.1, 0.2, 0.3, 0.35, 0.4, 0.45, 0.49) if share <= widest]
+        share = draw(widths) if is_round else stream.uniform(0.05, widest)
+        values = {
+            "mass": draw([10, 50, 200]) if is_round else 10 ** stream.uniform(1, 3),
+            "payload_mass": draw([0, 20, 100, 340]) if is_round else 10 ** stream.uniform(0, 3),
+            "top_speed": draw([0.5, 1, 2, 3]) if is_round else 10 ** stream.uniform(-0.7, 1),
+            "acceleration": draw([0.5, 1, 2, 4]) if is_round else 10 ** stream.uniform(-1, 1.3),
+            "motor_force": draw([60, 400, 4000]) if is_round else 10 ** stream.uniform(1.5, 4.5),
+            "floor_drag": draw([0, 0.015, 0.05, 0.2, 10 ** stream.uniform(-2, -0.3)]),
+            "time_step": draw([1 / 120, 1 / 60, 1 / 30]),
+        }
+        try:
+            return RobotSpec(cell_size=size, radius=share * size, **values)
+        except ValueError:
+            continue
+
+
+class Tally(NamedTuple):
+    """How many moves were made, and how many of them by a robot that the floor brakes alone."""
+
+    moves: int
+    braked_by_floor: int
+
+
+def random_robots_move_as_the_grid(moves: int, seed: int = 0) -> Tally:
+    """Move random robots alone and in a batch, a hundred moves each.
+
+    Raises:
+        AssertionError: one ended in another cell than on the grid, or off its middle; or a batch
+            differs from single motions.
+    """
+    made = braked = 0
+    while made < moves:
+        stream = random.Random(seed)
+        spec = random_spec(stream, is_round=bool(seed % 2))
+        layout = random_layout(5, 6, 0.25, seed=seed % 50)
+        made += _compare(spec, layout, stream, steps=25)
+        is_braked = spec.floor_deceleration > spec.attainable_acceleration(loaded=True)
+        braked += 25 * ROWS * is_braked
+        seed += 1
+    return Tally(made, braked)
+
+
+def _compare(spec: RobotSpec, layout: Layout, stream: random.Random, steps: int) -> int:
+    singles = [RigidBodyMotion(spec, record_path=False) for _ in range(ROWS)]
+    cells = [layout.open_cell(stream.randrange(len(layout.open_cells))) for _ in singles]
+    batch = RigidBodyMotion(spec).batch([layout] * ROWS)
+    batch.place(np.arange(ROWS), np.array([row * layout.width + col for row, col in cells]))
+    for single, cell in zip(singles, cells, strict=True):
+        single.reset(layout, [cell], 0)
+    for _ in range(steps):
+        actions, loaded = stream.choices(range(4), k=ROWS), stream.choices([False, True], k=ROWS)
+        together = batch.advance(np.array(actions), np.array(loaded))
+        for row, single in enumerate(singles):
+            move = DISPLACEMENTS[actions[row]]
+            target = targets_of([cells[row]], [move])[0]
+            is_open = layout.is_open(target)
+            cells[row] = end = target if is_open else cells[row]
+            outcome = single.advance([move], [loaded[row]])[0]
+            assert outcome[:2] == (end, not is_open), spec
+            middle = (end[1] + 0.5) * spec.cell_size, (end[0] + 0.5) * spec.cell_size
+            assert math.dist(outcome.path[-1, 1:3], middle) <= 1.001e-3 * spec.cell_size, spec
+            assert divmod(int(together.cells[row]), layout.width) == end, spec
+            assert together.blocked[row] == outcome.blocked, spec
+            assert together.seconds[row] == pytest.approx(outcome.seconds, rel=1e-9), spec
+            assert together.joules[row] == pytest.approx(outcome.joules, rel=JOULES_TOLERANCE), spec
+    return steps * ROWS
+
+
+def jams(seed: int, actions: int) -> Iterator[list[tuple[Outcome, Cell, bool]]]:
+    """Yield the outcomes of a heavily loaded crowd, with the cells and stops of the table.
+
+    A fifth to all of the open cells hold robots, and most of them move.
+    """
+    stream = random.Random(seed)
+    layout = random_layout(
+        stream.randint(4, 9), stream.randint(4, 10), stream.uniform(0, 0.35), seed=seed
+    )
+    count = max(2, int(stream.uniform(0.2, 1) * len(layout.open_cells)))
+    cells = [layout.open_cell(i) for i in stream.sample(range(len(layout.open_cells)), count)]
+    payload = stream.choice(PAYLOADS)
+    spec = RobotSpec(
+        payload_mass=payload,
+        motor_force=max(60.0, 1.5 * payload),
+        time_step=stream.choice([1 / 60, 1 / 30]),
+    )
+    motion = RigidBodyMotion(spec, record_path=False)
+    motion.reset(layout, cells, 0)
+    for _ in range(actions):
+        moves = stream.choices(STEPS, [1, 5, 5, 5, 5], k=count)
+        targets = targets_of(cells, moves)
+        stops = find_stops(layout, cells, targets)
+        outcomes = motion.advance(moves, stream.choices([False, True], k=count))
+        pairs = zip(cells, targets, stops, strict=True)
+        cells = [cell if stop is not None else target for cell, target, stop in pairs]
+        is_stopped = [stop is not None for stop in stops]
+        yield list(zip(outcomes, cells, is_stopped, strict=True))
+
+
+def differences_in_jams(moves: int, seed: int = 0) -> tuple[int, int, int]:
+    """Return how many robots moved, ended otherwise than by the table, and were cut off."""
+    made = wrong = cut_off = 0
+    while made < moves:
+        for action in jams(seed, actions=10):
+            differ = [it[:2] != (cell, stopped) for it, cell, stopped in action]
+            made, wrong = made + len(action), wrong + sum(differ)
+            cut_off += sum(outcome.cut_off for outcome, _, _ in action)
+            if any(differ):
+                break
+        seed += 1
+    return made, wrong, cut_off
+
+
+def queue(layout: Layout, cells: list[Cell], loaded: bool = False) -> list[Outcome]:
+    """Let each robot drive into the cell of the next; the last one waits."""
+    moves = [(b[0] - a[0], b[1] - a[1]) for a, b in pairwise(cells)]
+    motion = RigidBodyMotion(record_path=False)
+    motion.reset(layout, cells, 0)
+    return list(motion.advance([*moves, STAY], [loaded] * len(cells)))
+
+
+def straight_queue(robots: int) -> tuple[Layout, list[Cell]]:
+    """Return a corridor and the cells of a queue that fills it."""
+    return Layout(["." * robots]), [(0, col) for col in range(robots)]
+
+
+def winding_queue(robots: int) -> tuple[Layout, list[Cell]]:
+    """Return a hall and the cells of a queue that turns at every robot."""
+    side = robots // 2 + 1
+    cells = [(number // 2, (number + 1) // 2) for number in range(robots)]
+    return Layout(["." * side] * side), cells
+
+
+class Book:
+    """The work of the motors and the hits of robots, from what a space does in each substep.
+
+    It knows nothing of phases or profiles. Each motor that is commanded a velocity works by its
+    impulse times the mean velocity along the command. Two bodies that begin to overlap had the
+    impulse of their reduced mass and the speed at which they approached.
+    """
+
+    def __init__(self, motion: RigidBodyMotion) -> None:
+        self._robots = motion._arena.robots
+        self._reach = 2 * motion.spec.body_radius
+        self._step = motion._arena.space.step
+        motion._arena.space.step = self._step_and_book
+        self.clear()
+
+    def clear(self) -> None:
+        """Begin the book of an action."""
+        self.work = [0.0] * len(self._robots)
+        self.hits: list[list[float]] = [[] for _ in self._robots]
+
+    def _step_and_book(self, dt: float) -> None:
+        robots, touching = self._robots, self._touching()
+        before = [robot.body.velocity for robot in robots]
+        commands = [robot._control.velocity for robot in robots]
+        self._step(dt)
+        for number, (robot, command) in enumerate(zip(robots, commands, strict=True)):
+            if command.length > 0:
+                mean = (before[number] + robot.body.velocity) / 2
+                along = mean.dot(command) / command.length
+                self.work[number] += max(0.0, robot._motor.impulse * along)
+        for one, two in self._touching() - touching:
+            bodies = robots[one].body, robots[two].body
+            normal = (bodies[1].position - bodies[0].position).normalized()
+            speed = (before[one] - before[two]).dot(normal)
+            impulse = speed / (1 / bodies[0].mass + 1 / bodies[1].mass)
+            if impulse > 0:
+                self.hits[one].append(impulse)
+                self.hits[two].append(impulse)
+
+    def _touching(self) -> set[tuple[int, int]]:
+        places = [robot.body.position for robot in self._robots]
+        return {
+            (one, two)
+            for two in range(len(places))
+            for one in range(two)
+            if (places[two] - places[one]).length < self._reach
+        }
+
+
+class BookErrors(NamedTuple):
+    """Relative errors against the second book: joules of each move, impulses of hits of robots."""
+
+    joules: list[float]
+    impulses: list[float]
+
+
+def errors_of_the_books(moves: int, robots: int, seed: int = 0) -> BookErrors:
+    """Compare outcomes of random robots, alone or several, with a second book.
+
+    Raises:
+        AssertionError: the outcomes have other hits.
+    """
+    errors = BookErrors([], [])
+    while len(errors.joules) < moves:
+        stream = random.Random(seed)
+        spec = random_spec(stream, is_round=bool(seed % 2), widest=0.35 if robots > 1 else 0.45)
+        layout = random_layout(6, 6, 0.1, seed=seed % 50)
+        ranks = stream.sample(range(len(layout.open_cells)), robots)
+        motion = RigidBodyMotion(spec, record_path=False)
+        motion.reset(layout, [layout.open_cell(rank) for rank in ranks], 0)
+        book = Book(motion)
+        for _ in range(10):
+            book.clear()
+            steps = stream.choices(STEPS, [1, 3, 3, 3, 3], k=robots)
+            outcomes = motion.advance(steps, stream.choices([False, True], k=robots))
+            for outcome, work, hits in zip(outcomes, book.work, book.hits, strict=True):
+                joules = work / spec.drivetrain_efficiency + spec.idle_power * outcome.seconds
+                errors.joules.append(abs(outcome.joules / joules - 1))
+                noted = [it.impulse for it in outcome.contacts if it.counterpart != "wall"]
+                assert len(noted) == len(hits), spec
+                pairs = zip(sorted(noted), sorted(hits), strict=True)
+                errors.impulses.extend(abs(ours / theirs - 1) for ours, theirs in pairs)
+        seed += 1
+    return errors

@@ -1,0 +1,68 @@
+"""Joules and impulses against a second book, which looks at every substep."""
+
+import pytest
+from helpers.physics_truth import Book, errors_of_the_books, random_robots_move_as_the_grid
+from helpers.rigid_bodies import EAST, LEDGE, MOVES, motion_in, move
+
+from warehouse_physics import RobotSpec, stepping
+
+BOOKED_MOVES = 250
+COMPARED_MOVES = 1_000
+"""The benchmarks make more."""
+
+SPECS = {
+    "default": RobotSpec(),
+    "brisk": RobotSpec(acceleration=4, motor_force=400),
+    "weak": RobotSpec(motor_force=15, payload_mass=0),
+    "wide": RobotSpec(radius=0.45, acceleration=2, motor_force=200),
+    "dragged": RobotSpec(floor_drag=0.2, motor_force=170),
+}
+over_specs = pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS.keys())
+
+
+@pytest.fixture(autouse=True)
+def public_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let each substep call ``space.step``, where the book is kept."""
+    monkeypatch.setattr(stepping, "IS_KNOWN", False)
+
+
+@over_specs
+def test_the_joules_of_a_bump_are_those_of_the_book(spec: RobotSpec) -> None:
+    motion = motion_in(LEDGE, (0, 0), spec)
+    book = Book(motion)
+    for displacement in MOVES:
+        book.clear()
+        outcome = move(motion, displacement)
+        joules = book.work[0] / spec.drivetrain_efficiency + spec.idle_power * outcome.seconds
+        assert outcome.joules == pytest.approx(joules, rel=0.01)
+
+
+@over_specs
+def test_the_impulse_of_a_bump_is_the_momentum_that_it_takes(spec: RobotSpec) -> None:
+    motion = motion_in(LEDGE, (0, 0), spec)
+    body, space = motion._arena.robots[0].body, motion._arena.space
+    speeds, step = [0.0], space.step
+
+    def step_and_note(dt: float) -> None:
+        step(dt)
+        speeds.append(body.velocity.x)
+
+    space.step = step_and_note
+    hit = move(motion, EAST).contacts[0]
+    number = round(hit.seconds / spec.time_step)
+    taken = spec.mass * (speeds[number - 1] - speeds[number])
+    assert hit.impulse == pytest.approx(taken, rel=0.01)
+
+
+@pytest.mark.parametrize("robots", [1, 6])
+def test_random_robots_keep_both_books(robots: int) -> None:
+    errors = errors_of_the_books(BOOKED_MOVES, robots)
+    assert max(errors.joules) < 0.01
+    if robots > 1:
+        assert len(errors.impulses) > BOOKED_MOVES / 10
+        assert max(errors.impulses) < 0.01
+
+
+def test_random_robots_move_as_on_the_grid_alone_and_in_a_batch() -> None:
+    tally = random_robots_move_as_the_grid(COMPARED_MOVES)
+    assert tally.braked_by_floor > 0

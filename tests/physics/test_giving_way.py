@@ -1,0 +1,107 @@
+"""Jams, queues and rings of robots that stop each other, and actions that are cut off."""
+
+import math
+
+import pytest
+from helpers.physics_truth import differences_in_jams, queue, straight_queue, winding_queue
+from helpers.rigid_bodies import EAST, NORTH, SOUTH, STAY, WEST
+
+from warehouse_core import Layout
+from warehouse_physics import RigidBodyMotion, RobotSpec
+from warehouse_physics import motion as rigid_body_motion
+from warehouse_physics.robot import comes_closer
+
+MOVES = 1_500
+"""Robot moves in jams; the benchmarks make more."""
+
+
+def test_heavily_loaded_jams_end_as_the_table_says() -> None:
+    made, wrong, cut_off = differences_in_jams(MOVES)
+    assert made >= MOVES
+    assert (wrong, cut_off) == (0, 0)
+
+
+@pytest.mark.parametrize("kilograms", [20, 38, 40, 90, 340])
+@pytest.mark.parametrize("time_step", [1 / 60, 1 / 30])
+def test_four_robots_in_a_passage_get_back_to_their_cells(kilograms, time_step) -> None:
+    """The light robot 0 comes between the loaded ones 1 and 3, and is in the way of both."""
+    spec = RobotSpec(
+        payload_mass=kilograms, time_step=time_step, motor_force=max(60, 1.2 * kilograms)
+    )
+    motion = RigidBodyMotion(spec)
+    cells = [(2, 2), (1, 3), (1, 5), (1, 2)]
+    motion.reset(Layout(["######", "......", "##.###"]), cells, 0)
+    outcomes = motion.advance([NORTH, EAST, WEST, EAST], [False, True, True, True])
+    assert [outcome.cell for outcome in outcomes] == cells
+    assert all(outcome.blocked and not outcome.cut_off for outcome in outcomes)
+
+
+@pytest.mark.parametrize("make_queue", [straight_queue, winding_queue])
+def test_a_blocked_queue_of_160_goes_back_as_fast_as_a_short_one(make_queue) -> None:
+    short, long = (make_queue(robots) for robots in (16, 160))
+    outcomes = queue(*long)
+    assert [outcome.cell for outcome in outcomes] == long[1]
+    assert [outcome.blocked for outcome in outcomes] == [True] * 159 + [False]
+    assert not any(outcome.cut_off for outcome in outcomes)
+    slowest = max(outcome.seconds for outcome in queue(*short))
+    assert max(outcome.seconds for outcome in outcomes) == pytest.approx(slowest, rel=0.2)
+
+
+def test_a_robot_may_give_way_before_it_touches_anything() -> None:
+    first, *_, last = queue(*straight_queue(16))
+    assert (first.blocked, first.contacts) == (True, ())
+    assert (last.blocked, len(last.contacts)) == (False, 1)
+
+
+def test_a_robot_that_only_a_wall_stopped_does_not_wait_for_others() -> None:
+    """Robot 0 is stopped by the wall; robot 1 drives away beside it."""
+    motion = RigidBodyMotion()
+    motion.reset(Layout(["....", "...."]), [(0, 0), (1, 0)], 0)
+    stopped, free = motion.advance([NORTH, EAST], [False, False])
+    alone = RigidBodyMotion()
+    alone.reset(Layout(["....", "...."]), [(0, 0)], 0)
+    assert stopped.seconds == alone.advance([NORTH], [False])[0].seconds < free.seconds
+
+
+def test_wide_robots_push_each_other_round_a_ring() -> None:
+    ring = [(0, 0), (0, 1), (1, 1), (1, 0)]
+    motion = RigidBodyMotion(RobotSpec(radius=0.4))
+    motion.reset(Layout(["..", ".."]), ring, 0)
+    outcomes = motion.advance([EAST, SOUTH, WEST, NORTH], [False] * 4)
+    assert [outcome.cell for outcome in outcomes] == [*ring[1:], ring[0]]
+    assert not any(outcome.blocked for outcome in outcomes)
+    assert all(outcome.contacts for outcome in outcomes)
+
+
+def test_robots_too_wide_to_pass_at_corners_are_refused_when_there_are_several() -> None:
+    spec = RobotSpec(radius=0.201, cell_size=0.5)
+    motion = RigidBodyMotion(spec)
+    motion.reset(Layout([".."]), [(0, 0)], 0)
+    with pytest.raises(ValueError, match=r"^radius is 0\.201; .* at most 0\.2 for 2"):
+        motion.reset(Layout([".."]), [(0, 0), (0, 1)], 0)
+    assert motion.advance([EAST], [False])[0].cell == (0, 1)
+
+
+def test_an_action_that_takes_too_long_is_cut_off_and_says_so(monkeypatch) -> None:
+    monkeypatch.setattr(rigid_body_motion, "MAX_SUBSTEPS", 30)
+    monkeypatch.setattr(rigid_body_motion, "MAX_MOVE_SUBSTEPS", 10)
+    motion = RigidBodyMotion(path_every=1)
+    motion.reset(Layout(["....", "...."]), [(0, 0), (1, 3)], 0)
+    driving, waiting = motion.advance([EAST, STAY], [False, False])
+    assert (driving.cut_off, waiting.cut_off) == (True, False)
+    assert driving.seconds == driving.path[-1, 0] == pytest.approx(40 / 60)
+    assert driving.cell == (0, 0)
+    # It brakes in the next action, and goes back to the middle of the cell that it is in.
+    monkeypatch.undo()
+    stopped = motion.advance([STAY, STAY], [False, False])[0]
+    assert (stopped.cut_off, stopped.blocked) == (False, False)
+    assert math.dist(stopped.path[-1, 1:3], (stopped.cell[1] + 0.5, 0.5)) < 1e-3
+
+
+def test_a_straight_way_comes_closer_if_it_leads_past_the_other() -> None:
+    assert comes_closer((-2.0, 0.5), (2.0, 0.5), 0.7)
+    assert not comes_closer((-2.0, 0.8), (2.0, 0.8), 0.7)
+    assert not comes_closer((-2.0, 0.0), (-1.0, 0.0), 0.7), "it stops before"
+    assert comes_closer((-2.0, 0.0), (-0.6, 0.0), 0.7)
+    assert not comes_closer((-0.6, 0.0), (-1.0, 0.0), 0.7), "those that touch may part"
+    assert comes_closer((-0.6, 0.0), (0.0, 1.0), 0.7)
