@@ -126,7 +126,7 @@ def _track_of(
 def _matplotlib_is_installed() -> bool:
     try:
         import matplotlib  # noqa: F401 - only asked for
-    except ImportError:
+    except ImportError:  # pragma: no cover - tested in a process of its own
         print("matplotlib is not installed, so nothing is drawn: pip install matplotlib")
         return False
     return True

@@ -113,7 +113,7 @@ def _has_changes(space: pymunk.Space) -> bool:
     )
 
 
-if IS_KNOWN:
+if IS_KNOWN:  # pragma: no branch - a later pymunk
     # The function, not its module: while the interpreter ends that is needed to free spaces.
     from pymunk._callbacks import ext_cpCollisionBeginFunc
     from pymunk._chipmunk_cffi import ffi, lib

@@ -218,6 +218,11 @@ def test_render_shows_the_robot_on_top() -> None:
     )
 
 
+def test_the_motion_that_is_given_makes_the_moves() -> None:
+    motion = GridMotion()
+    assert WarehouseEnv(backend=motion).motion is motion
+
+
 def test_last_motion_is_the_outcome_of_the_backend() -> None:
     env = WarehouseEnv(["..#"], start_pos=(0, 0))
     assert env.last_motion is None

@@ -37,7 +37,7 @@ def has_display() -> bool:
     return toolkit is not None
 
 
-class PictureWindow:
+class PictureWindow:  # pragma: no cover - opened by tests/system/test_picture_window.py
     """A window for pictures. Once closed, by the program or by hand, it stays closed.
 
     Pyplot does not know it: ``plt.plot`` does not draw into it, ``plt.show`` does not wait for it,

@@ -136,10 +136,10 @@ def make_window(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:
     figure = plt.figure(figsize=size, dpi=dpi, FigureClass=SceneFigure)
     assert isinstance(figure, SceneFigure)
     manager = figure.canvas.manager
-    if manager is not None:
-        manager.set_window_title("Warehouse")
-        if manager.key_press_handler_id is not None:
-            figure.canvas.mpl_disconnect(manager.key_press_handler_id)
+    assert manager is not None, "pyplot gives each figure one"
+    manager.set_window_title("Warehouse")
+    if manager.key_press_handler_id is not None:  # pragma: no branch - with a tool manager
+        figure.canvas.mpl_disconnect(manager.key_press_handler_id)
     return figure
 
 

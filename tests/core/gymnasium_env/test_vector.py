@@ -282,6 +282,10 @@ def test_invalid_calls_raise_the_errors_of_gymnasium() -> None:
     assert pickle.dumps(batch) == before
 
 
+def test_a_batch_whose_construction_failed_can_be_closed() -> None:
+    WarehouseVectorEnv.__new__(WarehouseVectorEnv).close_extras()
+
+
 def test_both_environments_have_the_same_arguments_in_the_same_order() -> None:
     single, batch = (
         list(inspect.signature(kind).parameters)

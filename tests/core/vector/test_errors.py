@@ -172,6 +172,12 @@ def test_without_autoreset_a_step_raises_until_ended_rows_are_reset() -> None:
             r"start_pos\[2\] .* column 99",
         ),
         ({"start_pos": [(1, 1), (2, 1)]}, ValueError, r"start_pos has the shape \(2, 2\); allowed"),
+        (
+            {"start_pos": [(1, 1), (1,), (1,)]},
+            ValueError,
+            r"start_pos has the shape \(3,\); allowed",
+        ),
+        ({"layout": {"rows": ROOM}}, TypeError, "layout is .*; it must be a Layout, or one for"),
         ({"start_pos": (1.0, 1.0)}, TypeError, r"start_pos is .* two integers"),
         ({"backend": "boat"}, BackendError, "no backend is called 'boat'"),
     ],
