@@ -168,6 +168,10 @@ def _load_module(source: str) -> ModuleType:
             raise AgentError(
                 f"cannot import agent module {source!r}: {error}{_hint(Path.cwd())}"
             ) from error
+        except (Exception, SystemExit) as error:  # too many parts, or the code of a user
+            raise AgentError(
+                f"cannot import agent module {source!r}: {reason_of(error)}"
+            ) from error
     path = Path(source)
     if not path.is_file():
         raise AgentError(f"agent file {source} does not exist")

@@ -172,6 +172,16 @@ def test_a_failed_import_is_named(agent_file: Path) -> None:
     assert "no_such_module_anywhere" in message
 
 
+def test_a_module_that_raises_or_has_too_many_parts_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "raises_on_import.py").write_text("1 / 0\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    message = refusal("raises_on_import:Mine")
+    assert message.startswith("cannot import agent module 'raises_on_import': ZeroDivisionError: ")
+    assert "RecursionError" in refusal(f"{'no.' * 2000}module:Mine")
+
+
 def test_a_missing_module_is_named() -> None:
     assert refusal("no_such_module_anywhere:Mine") == (
         "cannot import agent module 'no_such_module_anywhere': "
