@@ -73,7 +73,9 @@ def _summary(experiment: Experiment, design: Design) -> str:
         parts.append(f"{min(counts):,} to {max(counts):,} episodes each")
     if experiment.unbegun:
         parts.append(f"{counted(experiment.unbegun, 'further combination')} not yet begun")
-    programs = [name for name, _ in experiment.store.episodes()]
+    names = [name for name, _ in experiment.store.episodes()]
+    # The same program names more libraries where a case uses them.
+    programs = [name for name in names if not any(each.startswith(f"{name}, ") for each in names)]
     if len(programs) > 1:
         parts.append(f"run by different programs: {'; '.join(programs)}")
     mixed = [number for number in experiment.store.mixed() if number in experiment.cases]

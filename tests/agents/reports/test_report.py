@@ -12,6 +12,7 @@ from agents.experiments.case import make_case
 from agents.experiments.plan import make_plan
 from agents.experiments.running import run_missing
 from agents.experiments.store import Store
+from agents.programs import program_for
 from agents.reports import contents, report
 from agents.reports.contents import make_page
 
@@ -171,6 +172,20 @@ def test_the_report_names_the_programs_and_where_they_are_mixed(tmp_path: Path) 
         ", run by different programs: a newer one; an older one, which are mixed in escape on"
     )
     assert page.made_with[-2:] == (("4 episodes", "a newer one"), ("2 episodes", "an older one"))
+
+
+def test_a_program_with_the_libraries_of_a_backend_is_no_other(tmp_path: Path) -> None:
+    path = fill(tmp_path / "r.sqlite", [])
+    with Store(path) as store:
+        for backend in ("grid", "physics"):
+            case = make_case({"backend": backend})
+            store.add(store.case_id(case), outcomes("d"), program_for(backend))
+    with Store(path, read_only=True) as store:
+        page = make_page(store, ())
+    assert "programs" not in page.summary
+    assert set(page.made_with[-2:]) == {
+        ("1 episode", program_for(backend)) for backend in ("grid", "physics")
+    }
 
 
 def test_the_table_states_gaps_in_the_seeds(tmp_path: Path) -> None:
