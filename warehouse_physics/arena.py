@@ -17,7 +17,7 @@ from warehouse_physics.stepping import Stepper
 from warehouse_physics.walls import Box, wall_boxes
 
 ITERATIONS = 5
-"""Solver rounds in a substep. With more, fleets end in the same cells, but take longer."""
+"""Solver rounds in a substep of one robot."""
 
 SLOP = 0.001
 """Metres that bodies may overlap. Chipmunk's default of 0.1 is meant for pixels."""
@@ -43,7 +43,8 @@ class Arena:
         floor: FloorConditions | None = None,
     ) -> None:
         self.space = pymunk.Space()
-        self.space.iterations = max(ITERATIONS, iterations_for_drag(spec))
+        usual = ITERATIONS if len(cells) == 1 else iterations_for_jams(spec)
+        self.space.iterations = max(usual, iterations_for_drag(spec))
         self.space.collision_slop = SLOP
         self._step = spec.time_step
         add_walls(self.space, wall_boxes(layout), spec.cell_size)
@@ -79,6 +80,15 @@ class Arena:
                     contact = Contact(now * self._step, impulse, (point[0], point[1]), name)
                     push = sign * normal[0], sign * normal[1]
                     robot.meet(now, Touch(met, push, velocity), contact)
+
+
+def iterations_for_jams(spec: RobotSpec) -> int:
+    """Return the solver rounds that several robots of this kind need, 5 for the default one.
+
+    Robots that push each other converge the more slowly the more their masses differ: with 5 rounds
+    for all, about one of 20,000 robots in jams with heavy loads stays stuck.
+    """
+    return 3 + math.ceil(spec.total_mass(loaded=True) / spec.mass)
 
 
 def iterations_for_drag(spec: RobotSpec) -> int:

@@ -120,7 +120,7 @@ def record(folder: Path) -> coverage.CoverageData:
     return found
 
 
-def tests_of(mutant: Mutant, data: coverage.CoverageData) -> list[str]:
+def reaching(mutant: Mutant, data: coverage.CoverageData) -> list[str]:
     """Return the tests that reach a mutant's line, those of its own module first.
 
     A line that only an import or another process reaches has all tests of its folder.
@@ -171,7 +171,7 @@ def test_nearly_all_mutants_are_noticed(tmp_path, measured) -> None:
     def try_one(mutant: Mutant) -> bool:
         copy = copies.get()
         try:
-            return is_noticed(mutant, tests_of(mutant, data), copy)
+            return is_noticed(mutant, reaching(mutant, data), copy)
         finally:
             copies.put(copy)
 
