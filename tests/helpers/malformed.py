@@ -64,7 +64,7 @@ MALFORMED: tuple[Any, ...] = (
     float("nan"), float("inf"), None, -1, 7, 10**5000, -(10**5000), 2**63, 1j, [], ["N"], [0] * 100,
     (), (0, 1), {}, {"N": 0}, {0}, object(), type, len, range(3), slice(1), Ellipsis, Hostile(),
     Unprintable(), Wrong(), Liar("fly"), np.float64(1), np.float32("nan"), np.int64(-1),
-    np.uint64(2**64 - 1), np.bool_(True), np.str_("fly"), np.bytes_(b"N"), np.datetime64("2020"),
+    np.uint64(2**64 - 1), np.str_("fly"), np.bytes_(b"N"), np.datetime64("2020"),
     np.array(9), np.array([0, 1]), np.array("N"), np.array([None]), np.zeros((0,)),
     np.zeros((2, 2), int), np.ma.masked, deep(), memoryview(b"N"), iter([0]), Exception("N"),
     np.dtype("i4"), np.void(b"N"),
