@@ -184,6 +184,19 @@ def test_the_extremes_of_the_other_combinations_are_stated(tmp_path: Path) -> No
     )
 
 
+def test_the_extremes_of_the_other_changes_are_stated(tmp_path: Path) -> None:
+    cases = [
+        ({"view_radius": radius, "battery": battery}, outcomes("d" * share + "w" * (10 - share)))
+        for radius, shares in ((2, (1, 5, 9)), (3, (2, 2, 5)), (4, (2, 2, 3)))
+        for battery, share in zip((20, 40, 60), shares, strict=True)
+    ]
+    sentences = [line for answer in answered(tmp_path, cases) for line in answer.sentences]
+    assert (
+        "In the other 2 combinations success changes by between +10.0 points (view_radius 4, from "
+        "20 to 60) and +30.0 points (view_radius 3, from 20 to 60)."
+    ) in sentences
+
+
 def test_a_single_case_has_an_answer(tmp_path: Path) -> None:
     [answer] = answered(tmp_path, [({}, outcomes("dddw"))])
     assert answer.question == "How does it do?"
