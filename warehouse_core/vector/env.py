@@ -16,7 +16,7 @@ from warehouse_core.task.encoding import MAX_STEPS, Arrays
 from warehouse_core.task.starts import what_is_drawn
 from warehouse_core.task.state import WarehouseState
 from warehouse_core.vector.floor import VectorFloor
-from warehouse_core.vector.rules import judge_all
+from warehouse_core.vector.robots import VectorRobots
 from warehouse_core.vector.starts import VectorStarts
 from warehouse_core.world.actions import ACTIONS, WAIT
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
@@ -100,9 +100,8 @@ class BatchEnv:
         self.layouts = LayoutSet(_one_each(layout, self.num_envs))
         self._start = VectorStarts(self.layouts, start_pos, drawn)
         self._floor = VectorFloor(self.layouts, self.view_radius, moving_stations=drawn.stations)
-        self._motion = make_batch_motion(backend, self.layouts.rows)
-        self._cells = np.zeros(self.num_envs, np.intp)
-        self._has_item = np.zeros(self.num_envs, np.bool_)
+        motion = make_batch_motion(backend, self.layouts.rows)
+        self._robots = VectorRobots(self._floor, motion, self.num_envs)
         self._steps = np.zeros(self.num_envs, np.int32)
         self._ended = np.zeros(self.num_envs, np.bool_)
         self._started = False
@@ -136,7 +135,7 @@ class BatchEnv:
         self._start.seed(rows, [seeds[row] for row in rows.tolist()])
         self._begin(rows)
         self._started = True
-        return self._observe(ALL), {"action_mask": self._masks(), "_action_mask": chosen}
+        return self._observe(ALL), {"action_mask": self._robots.masks(), "_action_mask": chosen}
 
     def step(self, actions: ArrayLike) -> BatchStep:
         """Carry out one action in each row.
@@ -159,10 +158,7 @@ class BatchEnv:
         chosen = self._checked_actions(actions)
         fresh = self._restart_ended()
         chosen[fresh] = WAIT  # their step only starts an episode
-        outcome = self._motion.advance(chosen, self._has_item)
-        self._cells = outcome.cells
-        on = self._floor.stations(self._cells)
-        rewards, self._has_item, terminated = judge_all(chosen, on, self._has_item, outcome.blocked)
+        outcome, rewards, terminated = self._robots.step(chosen)
         self._steps += 1
         self._steps[fresh] = 0
         truncated = self._steps >= self._last_step
@@ -174,7 +170,7 @@ class BatchEnv:
         info = {"motion": motion, "_motion": moved}
         if self.autoreset_mode == SAME_STEP and self._ended.any():
             self._end_episodes(info)
-        info |= {"action_mask": self._masks(), "_action_mask": np.ones_like(terminated)}
+        info |= {"action_mask": self._robots.masks(), "_action_mask": np.ones_like(terminated)}
         return self._observe(ALL), rewards, terminated, truncated, info
 
     def action_masks(self) -> NDArray[np.int8]:
@@ -185,7 +181,7 @@ class BatchEnv:
         """
         if not self._started:
             raise EndedError("action_masks() needs a reset() before it")
-        return self._masks()
+        return self._robots.masks()
 
     def row(self, row: int) -> tuple[Layout, WarehouseState]:
         """Return the layout and the state of one row.
@@ -198,25 +194,20 @@ class BatchEnv:
         layout = self.layouts.kinds[self.layouts.kind[row]]
         if self._drawn.stations:
             layout = layout.with_stations(*map(tuple, self._floor.station_places[:, row].tolist()))
-        robot, steps = divmod(int(self._cells[row]), layout.width), int(self._steps[row])
-        has_item = bool(self._has_item[row])
+        robot, steps = divmod(int(self._robots.cells[row]), layout.width), int(self._steps[row])
+        has_item = bool(self._robots.has_item[row])
         return layout, WarehouseState(robot, has_item, self.max_battery - steps, steps)
 
     def close(self) -> None:
         """Close the motion backend."""
-        self._motion.close()
-
-    def _masks(self) -> NDArray[np.int8]:
-        return self._floor.masks(self._cells, self._has_item)
+        self._robots.motion.close()
 
     def _begin(self, rows: Integers) -> None:
         """Start an episode in some rows."""
         pickups, dropoffs, robots = self._start.draw(rows)
         self._floor.put_stations(rows, pickups, dropoffs)
-        self._motion.place(rows, robots)
-        self._cells[rows] = robots
-        self._has_item[rows] = self._ended[rows] = False
-        self._steps[rows] = 0
+        self._robots.place(rows, robots)
+        self._ended[rows], self._steps[rows] = False, 0
 
     def _restart_ended(self) -> Integers:
         """Restart the rows that have ended, in the next-step mode, and return their numbers."""
@@ -237,7 +228,7 @@ class BatchEnv:
             "motion": {key: values.copy() for key, values in info["motion"].items()}
             | {f"_{key}": ended.copy() for key in info["motion"]},
             "_motion": ended.copy(),
-            "action_mask": self._masks(),
+            "action_mask": self._robots.masks(),
             "_action_mask": ended.copy(),
         }
         observed: dict[str, Any] = {**self._observe(rows)}
@@ -252,19 +243,8 @@ class BatchEnv:
         }
 
     def _observe(self, rows: Rows) -> Arrays:
-        floor, cells, has_item = self._floor, self._cells[rows], self._has_item[rows]
         steps = self._steps[rows][:, None]
-        robots = floor.places(rows, cells)
-        pickups, dropoffs = floor.station_places[:, rows]
-        return {
-            "local_grid": floor.windows(rows, cells, has_item, robots),
-            "robot_pos": robots,
-            "has_item": has_item.astype(np.int64),
-            "battery": self.max_battery - steps,
-            "steps": steps.copy(),
-            "pickup_pos": pickups.copy(),
-            "dropoff_pos": dropoffs.copy(),
-        }
+        return self._robots.observe(rows, self.max_battery - steps, steps.copy())
 
     def _checked_actions(self, actions: ArrayLike) -> NDArray[np.intp]:
         """Return a checked copy of the actions."""

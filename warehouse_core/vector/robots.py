@@ -1,0 +1,80 @@
+"""Robots as arrays: one step of the rules for all of them, and what they observe.
+
+A batch has one robot on each of its floors, a fleet several on one floor or more.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.motion.vector import BatchMotion, BatchOutcome, Flags, Integers, Rows
+from warehouse_core.task.encoding import Arrays
+from warehouse_core.vector.floor import VectorFloor
+from warehouse_core.vector.rules import judge_all
+
+
+class VectorRobots:
+    """``N`` robots, moved together and judged by the rules of ``task/rules.py``.
+
+    Args:
+        floor: what they stand on, for ``N`` rows.
+        motion: of ``N`` robots.
+        count: ``N``.
+
+    Attributes:
+        cells: ``[N]``, numbered within their layouts.
+        has_item: ``[N]`` bool.
+    """
+
+    def __init__(self, floor: VectorFloor, motion: BatchMotion, count: int) -> None:
+        self.floor, self.motion = floor, motion
+        self.cells = np.zeros(count, np.intp)
+        self.has_item = np.zeros(count, np.bool_)
+
+    def place(self, rows: Integers, cells: Integers) -> None:
+        """Put some of the robots in their cells, without an item; see ``BatchMotion.place``."""
+        self.motion.place(rows, cells)
+        self.cells[rows] = cells
+        self.has_item[rows] = False
+
+    def step(self, actions: Integers) -> tuple[BatchOutcome, NDArray[np.float64], Flags]:
+        """Carry out one action for each robot.
+
+        Args:
+            actions: ``[N]`` intp, 0 to 6.
+
+        Returns:
+            The outcome of the motion, ``[N]`` float64 rewards, and ``[N]`` bool, whether the robot
+            has delivered its item.
+        """
+        outcome = self.motion.advance(actions, self.has_item)
+        self.cells = outcome.cells
+        on = self.floor.stations(self.cells)
+        rewards, self.has_item, delivered = judge_all(actions, on, self.has_item, outcome.blocked)
+        return outcome, rewards, delivered
+
+    def masks(self) -> NDArray[np.int8]:
+        """Return ``[N, 7]`` int8: 1 for each action that does something now."""
+        return self.floor.masks(self.cells, self.has_item)
+
+    def observe(self, rows: Rows, battery: Integers, steps: Integers) -> Arrays:
+        """Return fresh arrays of what some of the robots observe.
+
+        Args:
+            rows: of these robots.
+            battery: ``[N, 1]`` int32, units left of each of them.
+            steps: ``[N, 1]`` int32, steps taken.
+        """
+        floor, cells, has_item = self.floor, self.cells[rows], self.has_item[rows]
+        places = floor.places(rows, cells)
+        pickups, dropoffs = floor.station_places[:, rows]
+        return {
+            "local_grid": floor.windows(rows, cells, has_item, places),
+            "robot_pos": places,
+            "has_item": has_item.astype(np.int64),
+            "battery": battery,
+            "steps": steps,
+            "pickup_pos": pickups.copy(),
+            "dropoff_pos": dropoffs.copy(),
+        }
