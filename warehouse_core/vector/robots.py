@@ -13,6 +13,8 @@ from warehouse_core.task.encoding import Arrays
 from warehouse_core.vector.floor import VectorFloor
 from warehouse_core.vector.rules import judge_all
 
+Counts = NDArray[np.int32]
+
 
 class VectorRobots:
     """``N`` robots, moved together and judged by the rules of ``task/rules.py``.
@@ -58,7 +60,7 @@ class VectorRobots:
         """Return ``[N, 7]`` int8: 1 for each action that does something now."""
         return self.floor.masks(self.cells, self.has_item)
 
-    def observe(self, rows: Rows, battery: Integers, steps: Integers) -> Arrays:
+    def observe(self, rows: Rows, battery: Counts, steps: Counts) -> Arrays:
         """Return fresh arrays of what some of the robots observe.
 
         Args:
