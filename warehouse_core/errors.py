@@ -4,6 +4,7 @@
 
     WarehouseError
     |-- LayoutError     (ValueError)    a layout, a cell in it, or a map file
+    |-- OrderError      (ValueError)    an order of a fleet, or a file of orders
     |-- BackendError    (ValueError)    a motion backend by name
     |-- RecordError     (ValueError)    a file that is not a readable record
     |-- FormatError     (ValueError)    a file format for a picture or an animation
@@ -21,6 +22,10 @@ class WarehouseError(Exception):
 
 class LayoutError(WarehouseError, ValueError):
     """An invalid layout, a cell that cannot be used in it, or an invalid map file."""
+
+
+class OrderError(WarehouseError, ValueError):
+    """An order that cannot be carried out in its layout, or an invalid file of orders."""
 
 
 class BackendError(WarehouseError, ValueError):

@@ -88,13 +88,18 @@ class VectorFloor:
         self, rows: Rows, cells: Integers, has_item: Flags, robots: Integers
     ) -> NDArray[np.uint8]:
         """Return fresh windows of the robots, whose places are ``robots``; ``[N, K * K]`` codes."""
+        windows = self._around(rows, cells, robots)
+        windows[:, self._centre] = np.where(
+            has_item, CELL_CODES[ROBOT_LOADED], CELL_CODES[ROBOT_EMPTY]
+        )
+        return windows
+
+    def _around(self, rows: Rows, cells: Integers, robots: Integers) -> NDArray[np.uint8]:
+        """Return the windows without the robots in their middle."""
         windows = self._windows.take(self._base[rows] + cells, axis=0)
         if self._moving and self._radius:
             for tile, stations in zip((PICKUP, DROPOFF), self.station_places, strict=True):
                 self._mark(windows, CELL_CODES[tile], stations[rows], robots)
-        windows[:, self._centre] = np.where(
-            has_item, CELL_CODES[ROBOT_LOADED], CELL_CODES[ROBOT_EMPTY]
-        )
         return windows
 
     def _mark(

@@ -12,13 +12,24 @@ from warehouse_core.task.rules import judge, useful_actions
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.tiles import CELL_CODES, DROPOFF, EMPTY, PICKUP
 
-STATION_KINDS = (EMPTY, PICKUP, DROPOFF)
-"""What a robot can stand on; a batch uses the index."""
+STATION_KINDS = (EMPTY, PICKUP, DROPOFF, PICKUP + DROPOFF)
+"""What a robot can stand on; a batch uses the index.
+
+Of a cell that is both, as orders can make it, a robot uses the pickup if it holds no item, and the
+dropoff if it does.
+"""
 
 _BOTH = (False, True)
+
+
+def _tile(kind: str, has_item: bool) -> str:
+    """Return what a kind of station is to a robot."""
+    return kind[-1] if has_item else kind[0]
+
+
 _VERDICTS = [
-    judge(action, tile, has_item, blocked)
-    for action, tile, has_item, blocked in product(range(len(ACTIONS)), STATION_KINDS, _BOTH, _BOTH)
+    judge(action, _tile(kind, has_item), has_item, blocked)
+    for action, kind, has_item, blocked in product(range(len(ACTIONS)), STATION_KINDS, _BOTH, _BOTH)
 ]
 _REWARDS = np.array([verdict.reward for verdict in _VERDICTS])
 _HAS_ITEM = np.array([verdict.has_item for verdict in _VERDICTS])
@@ -29,8 +40,11 @@ _MASK_BYTES = 8
 
 _MASKS = np.array(
     [
-        [*useful_actions(sides, tile, has_item), *[False] * (_MASK_BYTES - len(ACTIONS))]
-        for sides, tile, has_item in product(product(_BOTH, repeat=4), STATION_KINDS, _BOTH)
+        [
+            *useful_actions(sides, _tile(kind, has_item), has_item),
+            *[False] * (_MASK_BYTES - len(ACTIONS)),
+        ]
+        for sides, kind, has_item in product(product(_BOTH, repeat=4), STATION_KINDS, _BOTH)
     ],
     np.int8,
 ).view(np.uint64)[:, 0]

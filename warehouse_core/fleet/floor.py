@@ -1,0 +1,85 @@
+"""The floors of fleets: where open orders wait, and the others that a robot sees."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.motion.vector import Flags, Integers, Rows
+from warehouse_core.vector.floor import VectorFloor
+from warehouse_core.world.tables import LayoutSet, places_table
+from warehouse_core.world.tiles import CELL_CODES, OTHER_EMPTY, OTHER_LOADED, PERSON, PICKUP
+
+NOTHING = 0
+"""No code on top of a tile; it is also that of an empty cell."""
+
+
+class FleetFloor(VectorFloor):
+    """A ``VectorFloor`` for ``B`` floors with ``R`` robots on each.
+
+    What is on top of the tiles stands in one array, in which the floors lie end to end, each with
+    a margin of ``radius`` cells. A *spot* is an index in it.
+
+    Args:
+        layouts: of the ``B`` floors.
+        robots: ``R``.
+        radius: cells seen in each direction.
+        has_orders: stations are those of orders; otherwise they are the tiles of the layouts.
+    """
+
+    def __init__(self, layouts: LayoutSet, robots: int, radius: int, *, has_orders: bool) -> None:
+        super().__init__(layouts.repeated(robots), radius, moving_stations=has_orders)
+        kinds = layouts.kinds
+        strides = [kind.width + 2 * radius for kind in kinds]
+        sizes = [(kind.height + 2 * radius) * stride for kind, stride in zip(kinds, strides, strict=True)]
+        ends = np.cumsum(layouts.of_rows(sizes))
+        self._corner = np.concatenate([[0], ends[:-1]])
+        self._kind_base, self._robots = layouts.base, robots
+        self._spots = np.concatenate([
+            places_table([kind]) @ [stride, 1] + radius * (stride + 1)
+            for kind, stride in zip(kinds, strides, strict=True)
+        ])
+        side = np.arange(-radius, radius + 1)
+        self._offsets = np.array([(side[:, None] * stride + side).ravel() for stride in strides])
+        self._kind = np.repeat(layouts.kind, robots)
+        self._waiting = np.full(ends[-1], NOTHING, np.uint8)
+        self._on_top = self._waiting.copy()
+        self._covered: Integers = np.zeros(0, np.intp)
+
+    def set_waiting(self, floor: int, cell: int, is_waiting: bool) -> None:
+        """Set whether an open order waits at a cell of a floor."""
+        spot = self._corner[floor] + self._spots[self._kind_base[floor] + cell]
+        self._waiting[spot] = self._on_top[spot] = CELL_CODES[PICKUP] if is_waiting else NOTHING
+
+    def stations(self, cells: Integers) -> Integers:
+        """Return what the robots stand on; see ``VectorFloor``. Open orders wait for all."""
+        on = super().stations(cells)
+        if self._moving:
+            on = on | (self._waiting.take(self._spots_of(cells)) != NOTHING)
+        return on
+
+    def show(self, cells: Integers, has_item: Flags, people: Integers) -> None:
+        """Put robots and people where they are now.
+
+        Args:
+            cells: ``[B * R]``, of the robots.
+            has_item: ``[B * R]``, whether they hold an item.
+            people: ``[B, P]``, their cells.
+        """
+        self._on_top[self._covered] = self._waiting.take(self._covered)
+        robots = self._spots_of(cells)
+        persons = self._corner[:, None] + self._spots.take(self._kind_base[:, None] + people)
+        self._covered = np.concatenate([robots, persons.ravel()])
+        codes = np.array([CELL_CODES[OTHER_EMPTY], CELL_CODES[OTHER_LOADED]], np.uint8)
+        self._on_top[robots] = codes.take(has_item)
+        self._on_top[persons] = CELL_CODES[PERSON]
+
+    def _spots_of(self, cells: Integers) -> Integers:
+        return np.repeat(self._corner, self._robots) + self._spots.take(self._base + cells)
+
+    def _around(self, rows: Rows, cells: Integers, robots: Integers) -> NDArray[np.uint8]:
+        windows = super()._around(rows, cells, robots)
+        corner = np.repeat(self._corner, self._robots)[rows]
+        spots = corner + self._spots.take(self._base[rows] + cells)
+        around = self._on_top.take(spots[:, None] + self._offsets.take(self._kind[rows], axis=0))
+        return np.maximum(windows, around, out=windows)

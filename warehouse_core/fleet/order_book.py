@@ -1,0 +1,195 @@
+"""The orders of one fleet during an episode: which are waiting, and which robot has which."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from heapq import heappop, heappush
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.errors import OrderError
+from warehouse_core.fleet.orders import OPEN, Order, OrderArrays
+
+NONE = -1
+"""No order, robot or step."""
+
+NEVER = np.iinfo(np.int64).max
+
+
+class OrderBook:
+    """``K`` orders of ``R`` robots.
+
+    An order that has been released and not taken *waits*: for one robot, or, if it is open, for
+    whoever picks it first. A robot has at most one order, which it is to take or carries.
+
+    Args:
+        orders: of the episode.
+        robots: ``R``.
+        width: columns of the layout.
+
+    Attributes:
+        order_of: ``[R]`` the order of each robot, or ``NONE``.
+        taken_by, taken, delivered: ``[K]`` robot and steps, or ``NONE``.
+        waiting_at: number of open orders at each cell.
+        changed: the robots whose order has changed, and the cells where the number of open orders
+            has; the reader clears both.
+    """
+
+    def __init__(self, orders: OrderArrays, robots: int, width: int) -> None:
+        self.orders, self._width = orders, width
+        self.order_of = np.full(robots, NONE)
+        self.taken_by, self.taken, self.delivered = np.full((3, len(orders.released)), NONE)
+        self.waiting_at: Counter[int] = Counter()
+        self.changed: tuple[set[int], set[int]] = (set(), set())
+        self.undelivered = len(orders.released)
+        self._released = 0
+        self._open: dict[int, None] = {}  # in order of release
+        self._due_at: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
+        self._reserved: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
+
+    @property
+    def next_release(self) -> int:
+        """The step at which the next order appears, or ``NEVER``."""
+        released = self.orders.released
+        return int(released[self._released]) if self._released < len(released) else NEVER
+
+    @property
+    def open_orders(self) -> list[int]:
+        """The open orders, in order of release."""
+        return list(self._open)
+
+    @property
+    def has_open_orders(self) -> bool:
+        """Whether an open order waits."""
+        return bool(self._open)
+
+    def release(self, step: int) -> None:
+        """Let all orders appear that are released up to this step."""
+        while self.next_release <= step:
+            order = self._released
+            self._released += 1
+            self._offer(order)
+
+    def take(self, robot: int, cell: int, step: int) -> bool:
+        """Give a robot at ``cell`` its order, or else the open one there that is due first.
+
+        Returns:
+            Whether there was one. A robot that takes another order gives its own back.
+        """
+        order = int(self.order_of[robot])
+        if order == NONE or self.orders.pickup[order] != cell:
+            first = self._due_first(cell)
+            if first == NONE:
+                return False
+            if order != NONE:
+                self._offer(order)
+            self._close(first)
+            self._give(robot, first)
+            order = first
+        self.taken_by[order], self.taken[order] = robot, step
+        self.changed[0].add(robot)
+        return True
+
+    def deliver(self, robot: int, step: int) -> int:
+        """Book the delivery of what a robot carries, and return the order."""
+        order = int(self.order_of[robot])
+        self.delivered[order] = step
+        self.undelivered -= 1
+        self._give(robot, NONE)
+        self._take_reserved(robot)
+        return order
+
+    def assign(self, robot: int, order: int | None) -> None:
+        """Let an order wait for one robot only, or with ``None`` give that of the robot back.
+
+        Raises:
+            OrderError: the robot carries an item, or the order does not wait, or for another robot.
+        """
+        had = int(self.order_of[robot])
+        if had != NONE and self.taken[had] != NONE:
+            raise OrderError(f"robot {robot} carries order {had}; it must deliver it first")
+        if order == had or (order is None and had == NONE):
+            return
+        if order is not None and order not in self._open:
+            raise OrderError(
+                f"order {order} cannot be assigned to robot {robot}: {self._state(order)}"
+            )
+        if order is not None:
+            self._close(order)
+        self._give(robot, NONE if order is None else order)
+        if had != NONE:
+            self._offer(had)
+
+    def dispatch(self, robots: NDArray[np.intp], cells: NDArray[np.intp]) -> None:
+        """Assign the oldest open orders, each to the nearest of some robots without an order.
+
+        Args:
+            robots: ``[N]`` numbers.
+            cells: ``[N]`` where they are.
+        """
+        rows, cols = np.divmod(cells, self._width)
+        free = np.ones(len(robots), np.bool_)
+        for order in list(islice(self._open, len(robots))):
+            row, col = divmod(int(self.orders.pickup[order]), self._width)
+            distance = np.where(free, abs(rows - row) + abs(cols - col), np.iinfo(np.intp).max)
+            nearest = int(np.argmin(distance))
+            free[nearest] = False
+            self.assign(int(robots[nearest]), order)
+
+    def records(self) -> list[Order]:
+        """Return the orders that have been released, in order of release."""
+        return [self._record(order) for order in range(self._released)]
+
+    def _record(self, order: int) -> Order:
+        columns = *self.orders, self.taken_by, self.taken, self.delivered
+        released, due, pickup, dropoff, *rest = (int(column[order]) for column in columns)
+        robot, taken_by, taken, delivered = (None if each == NONE else each for each in rest)
+        cells = divmod(pickup, self._width), divmod(dropoff, self._width)
+        return Order(released, due, *cells, robot, taken_by, taken, delivered)
+
+    def _offer(self, order: int) -> None:
+        """Let an order wait for the robot that it is reserved for, or for all."""
+        robot, due = int(self.orders.robot[order]), int(self.orders.due[order])
+        cell = int(self.orders.pickup[order])
+        if robot == OPEN:
+            self._open[order] = None
+            heappush(self._due_at[cell], (due, order))
+            self._count(cell, 1)
+            return
+        heappush(self._reserved[robot], (due, order))
+        if self.order_of[robot] == NONE:
+            self._take_reserved(robot)
+
+    def _take_reserved(self, robot: int) -> None:
+        if self._reserved[robot]:
+            self._give(robot, heappop(self._reserved[robot])[1])
+
+    def _due_first(self, cell: int) -> int:
+        """Return the open order at a cell that is due first, or ``NONE``."""
+        waiting = self._due_at[cell]
+        while waiting and waiting[0][1] not in self._open:
+            heappop(waiting)
+        return waiting[0][1] if waiting else NONE
+
+    def _close(self, order: int) -> None:
+        """Take an order from the open ones; its place in the heap is dropped later."""
+        del self._open[order]
+        self._count(int(self.orders.pickup[order]), -1)
+
+    def _count(self, cell: int, more: int) -> None:
+        self.waiting_at[cell] += more
+        self.changed[1].add(cell)
+
+    def _give(self, robot: int, order: int) -> None:
+        self.order_of[robot] = order
+        self.changed[0].add(robot)
+
+    def _state(self, order: int) -> str:
+        if not 0 <= order < self._released:
+            return f"{self._released} orders have been released"
+        if self.taken[order] != NONE:
+            return f"robot {self.taken_by[order]} has taken it"
+        robot = int(self.orders.robot[order])
+        return f"it waits for robot {np.argmax(self.order_of == order) if robot == OPEN else robot}"

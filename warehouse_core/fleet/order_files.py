@@ -1,0 +1,72 @@
+"""Files of orders: comma-separated values with a header.
+
+The columns are ``released``, ``due``, ``pickup_row``, ``pickup_col``, ``dropoff_row``,
+``dropoff_col`` and ``robot``, which is empty for an open order. Lines are counted from 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from warehouse_core.errors import LayoutError, OrderError
+from warehouse_core.files.atomic import atomic_path
+from warehouse_core.fleet.orders import MAX_ORDERS, Order
+from warehouse_core.world.text_lines import (
+    error_at,
+    expect,
+    read_line,
+    read_lines,
+    whole_number_at,
+)
+
+COLUMNS = (
+    "released", "due", "pickup_row", "pickup_col", "dropoff_row", "dropoff_col", "robot"
+)  # fmt: skip
+
+
+def load_orders(path: str | Path) -> list[Order]:
+    """Read orders from a file.
+
+    Raises:
+        OrderError: the file has another format, or more than ``MAX_ORDERS`` lines; the message
+            names file, line and column.
+        OSError: the file cannot be read.
+    """
+    with Path(path).open("rb") as file:
+        try:
+            expect(read_line(file, 1), 1, ",".join(COLUMNS))
+            lines = read_lines(file, 2, "MAX_ORDERS", MAX_ORDERS)
+            return [_order(line, number) for number, line in lines]
+        except LayoutError as error:
+            raise OrderError(f"{path}: {error}") from error
+
+
+def save_orders(path: str | Path, orders: Iterable[Order]) -> None:
+    """Write orders to a file, whole or not at all; what has become of them is not written.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    lines = [",".join(COLUMNS)]
+    for order in orders:
+        cells = *order.pickup, *order.dropoff
+        robot = "" if order.robot is None else order.robot
+        lines.append(",".join(map(str, (order.released, order.due, *cells, robot))))
+    with atomic_path(path) as part:
+        part.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+
+
+def _order(line: str, number: int) -> Order:
+    fields = line.split(",")
+    if len(fields) != len(COLUMNS):
+        message = f"{len(fields)} columns where there must be {len(COLUMNS)}: {', '.join(COLUMNS)}"
+        raise error_at(number, min(len(fields), len(COLUMNS) + 1), message)
+    values = [
+        whole_number_at(text.strip(), name, 0, number, column)
+        for column, (text, name) in enumerate(zip(fields, COLUMNS, strict=True), 1)
+        if text.strip() or name != "robot"
+    ]
+    released, due, *cells = values[:6]
+    robot = values[6] if len(values) > 6 else None
+    return Order(released, due, (cells[0], cells[1]), (cells[2], cells[3]), robot)

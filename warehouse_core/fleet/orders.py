@@ -1,0 +1,251 @@
+"""Orders, and the streams that they are drawn from.
+
+An *order* is one item to be brought from a pickup to a dropoff. Times are in steps; in a step that
+takes its nominal second a rate of 0.1 orders a step is 360 an hour.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.arguments import as_cell, real_number, whole_number
+from warehouse_core.errors import LayoutError, OrderError
+from warehouse_core.task.encoding import MAX_STEPS
+from warehouse_core.world.layout import Layout, check_open
+from warehouse_core.world.tiles import Cell
+
+MAX_ORDERS = 1_000_000
+"""Limit on the orders of an episode."""
+
+OPEN = -1
+"""The robot of an order that any robot may take."""
+
+
+class Order(NamedTuple):
+    """One item to be brought from a pickup to a dropoff, and what has become of it.
+
+    Attributes:
+        released: step at which it appears.
+        due: step by which it must be delivered to be on time, at least ``released``.
+        pickup: open cell where the item waits.
+        dropoff: another open cell, where it is due.
+        robot: the only robot that may take it; ``None`` leaves the order open to all.
+        taken_by: the robot that has taken it, or ``None``.
+        taken: step at which it was taken, or ``None``.
+        delivered: step at which it was delivered, or ``None``.
+    """
+
+    released: int
+    due: int
+    pickup: Cell
+    dropoff: Cell
+    robot: int | None = None
+    taken_by: int | None = None
+    taken: int | None = None
+    delivered: int | None = None
+
+
+@dataclass(frozen=True)
+class OrderStream:
+    """A Poisson process of orders between the pickups and dropoffs of a layout.
+
+    Several streams follow one another in time: each lasts until the next one starts.
+
+    Args:
+        rate: mean number of orders released in a step, finite and at least 0.
+        due: fewest and most steps from release to due time, drawn uniformly.
+        pickup_weights: how often each pickup of the layout is drawn, in row-major order, relative
+            to the others; ``None`` draws all equally often.
+        dropoff_weights: the same for the dropoffs.
+        start: first step of this stream.
+
+    Raises:
+        ValueError: a value that is not allowed.
+        TypeError: a value of another type.
+    """
+
+    rate: float = 0.1
+    due: tuple[int, int] = (50, 150)
+    pickup_weights: tuple[float, ...] | None = None
+    dropoff_weights: tuple[float, ...] | None = None
+    start: int = 0
+
+    def __post_init__(self) -> None:
+        real_number("rate", self.rate)
+        whole_number("start", self.start, 0, MAX_STEPS)
+        fewest, most = as_cell("due", self.due)
+        if not 0 <= fewest <= most <= MAX_STEPS:
+            raise ValueError(
+                f"due is {self.due}; it must be fewest and most steps after the release, "
+                f"0 <= fewest <= most <= {MAX_STEPS}"
+            )
+        for name in ("pickup_weights", "dropoff_weights"):
+            _check_weights(name, getattr(self, name))
+
+
+Orders = float | OrderStream | Sequence[OrderStream] | Sequence[Order]
+"""What a fleet accepts as its orders; a number is the rate of an ``OrderStream``."""
+
+
+class OrderArrays(NamedTuple):
+    """``K`` orders as ``[K]`` intp arrays, in order of release; cells are ``row * W + col``."""
+
+    released: NDArray[np.intp]
+    due: NDArray[np.intp]
+    pickup: NDArray[np.intp]
+    dropoff: NDArray[np.intp]
+    robot: NDArray[np.intp]
+
+
+class ListedOrders:
+    """Orders that are known in advance, the same in every episode.
+
+    Args:
+        orders: at least one; what has become of them is ignored.
+        layout: where they are carried out.
+        robots: number of robots.
+
+    Raises:
+        OrderError: an order that cannot be carried out, named by its number from 0.
+        TypeError: a value of another type.
+    """
+
+    ends = True
+
+    def __init__(self, orders: Sequence[Order], layout: Layout, robots: int) -> None:
+        if len(orders) > MAX_ORDERS:
+            raise OrderError(f"{len(orders)} orders are more than MAX_ORDERS = {MAX_ORDERS}")
+        for number, order in enumerate(orders):
+            _check_order(f"order {number}", order, layout, robots)
+        rows = [
+            (
+                order.released,
+                order.due,
+                order.pickup[0] * layout.width + order.pickup[1],
+                order.dropoff[0] * layout.width + order.dropoff[1],
+                OPEN if order.robot is None else order.robot,
+            )
+            for order in sorted(orders, key=lambda order: order.released)
+        ]
+        self._arrays = OrderArrays(*np.array(rows, np.intp).T)
+
+    def draw(self, stream: np.random.Generator) -> OrderArrays:
+        """Return the orders; no random number is drawn."""
+        return self._arrays
+
+
+class DrawnOrders:
+    """Orders drawn from streams for each episode.
+
+    Args:
+        streams: at least one, in order of their starts.
+        layout: must have a pickup and a dropoff.
+        steps: of an episode; only orders released before its last step are drawn.
+
+    Raises:
+        LayoutError: a layout without a pickup or a dropoff.
+        OrderError: streams out of order, weights that do not fit the layout, or a rate that leads
+            to more than ``MAX_ORDERS``.
+    """
+
+    ends = False
+
+    def __init__(self, streams: Sequence[OrderStream], layout: Layout, steps: int) -> None:
+        starts = [stream.start for stream in streams]
+        if starts != sorted(set(starts)):
+            raise OrderError(f"the streams start at {starts}; each must start after the one before")
+        self._starts = np.minimum(starts, steps)
+        self._ends = np.array([*self._starts[1:], steps])
+        self._means = (self._ends - self._starts) * [stream.rate for stream in streams]
+        if self._means.sum() > MAX_ORDERS:
+            rates = ", ".join(str(stream.rate) for stream in streams)
+            raise OrderError(
+                f"the rate {rates} leads to about {self._means.sum():.0f} orders in {steps} steps; "
+                f"MAX_ORDERS = {MAX_ORDERS} are allowed"
+            )
+        self._due = np.array([stream.due for stream in streams])
+        self._pickups, self._dropoffs = (
+            _Stations(
+                kind, cells, [getattr(stream, f"{kind}_weights") for stream in streams], layout
+            )
+            for kind, cells in (("pickup", layout.pickups), ("dropoff", layout.dropoffs))
+        )
+
+    def draw(self, stream: np.random.Generator) -> OrderArrays:
+        """Return the orders of one episode."""
+        # Given their number, the times of a Poisson process are independent and uniform.
+        phase = np.repeat(np.arange(len(self._means)), stream.poisson(self._means))
+        released = np.sort(stream.integers(self._starts[phase], self._ends[phase]))
+        fewest, most = self._due[phase].T
+        due = released + stream.integers(fewest, most, endpoint=True)
+        pickup, dropoff = (
+            stations.draw(phase, stream.random(len(phase)))
+            for stations in (self._pickups, self._dropoffs)
+        )
+        return OrderArrays(released, due, pickup, dropoff, np.full(len(phase), OPEN))
+
+
+class _Stations:
+    """The pickups or the dropoffs of a layout, drawn by the weights of ``streams`` streams."""
+
+    def __init__(
+        self,
+        kind: str,
+        cells: Sequence[Cell],
+        weights: Sequence[Sequence[float] | None],
+        layout: Layout,
+    ) -> None:
+        if not cells:
+            raise LayoutError(f"the layout has no {kind}; orders are drawn from its stations")
+        self._cells = np.array([row * layout.width + col for row, col in cells])
+        for each in weights:
+            if each is not None and len(each) != len(cells):
+                raise OrderError(
+                    f"{len(each)} {kind}_weights for the layout's {len(cells)} {kind}s; one of "
+                    "each is needed"
+                )
+        shares = np.array(
+            [np.ones(len(cells)) if each is None else each for each in weights], np.float64
+        )
+        # One line from 0 to the number of streams: each stream has the part from i to i + 1.
+        sums = np.cumsum(shares, axis=1)
+        sums /= sums[:, -1:]
+        self._sums = (sums + np.arange(len(sums))[:, None]).ravel()
+
+    def draw(self, phase: NDArray[np.intp], uniforms: NDArray[np.float64]) -> NDArray[np.intp]:
+        """Return a cell for each phase and uniform random number."""
+        place = np.searchsorted(self._sums, phase + uniforms, side="right")
+        found: NDArray[np.intp] = self._cells[place % len(self._cells)]
+        return found
+
+
+def _check_weights(name: str, weights: Sequence[float] | None) -> None:
+    if weights is None:
+        return
+    for number, weight in enumerate(weights):
+        real_number(f"{name}[{number}]", weight)
+    if not sum(weights) > 0:
+        raise ValueError(f"{name} is {weights}; one of them must be above 0")
+
+
+def _check_order(name: str, order: Order, layout: Layout, robots: int) -> None:
+    """Raise if an order cannot be carried out."""
+    for kind in ("pickup", "dropoff"):
+        try:
+            check_open(layout, as_cell(kind, getattr(order, kind)), kind)
+        except LayoutError as error:
+            raise OrderError(f"{name}: {error}") from error
+    if order.pickup == order.dropoff:
+        raise OrderError(f"{name}: pickup and dropoff are both {order.pickup}")
+    if not 0 <= order.released <= order.due <= MAX_STEPS:
+        raise OrderError(
+            f"{name}: released at {order.released} and due at {order.due}; needed: "
+            f"0 <= released <= due <= {MAX_STEPS}"
+        )
+    if order.robot is not None and not 0 <= order.robot < robots:
+        raise OrderError(f"{name}: robot {order.robot}; allowed: 0..{robots - 1}, or none")
