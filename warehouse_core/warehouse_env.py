@@ -16,9 +16,21 @@ from warehouse_core.task.starts import check_room, what_is_drawn
 from warehouse_core.task.state import Observation, WarehouseState
 from warehouse_core.world.actions import ACTIONS, DISPLACEMENTS, INVALID, action_index
 from warehouse_core.world.layout import CHAPTER_START, DEFAULT_LAYOUT, Layout, check_open
-from warehouse_core.world.tiles import MOVE_DELTAS, ROBOT_EMPTY, ROBOT_LOADED, TILES, Cell
+from warehouse_core.world.tiles import (
+    CHARGER,
+    MOVE_DELTAS,
+    ROBOT_EMPTY,
+    ROBOT_LOADED,
+    TILES,
+    Cell,
+)
 
 LEGEND = TILES | {ROBOT_EMPTY: "robot (empty)", ROBOT_LOADED: "robot (loaded)"}
+
+
+def legend(has_chargers: bool) -> dict[str, str]:
+    """Return the meaning of each character of a picture; chargers only where there are any."""
+    return {sign: meaning for sign, meaning in LEGEND.items() if has_chargers or sign != CHARGER}
 
 
 class WarehouseEnv:
@@ -52,7 +64,7 @@ class WarehouseEnv:
     Both may be true. Later steps are allowed, as in the chapter.
 
     Args:
-        grid: equally long strings of ``#.PD``, or a ``Layout``; ``None`` is the chapter's 7 x 12.
+        grid: equally long strings of ``#.PDC``, or a ``Layout``; ``None`` is the chapter's 7 x 12.
         start_pos: cell of the robot after ``reset()`` without ``randomize``; ``None`` is the
             layout's ``usual_start()``.
         max_steps: steps until the episode is truncated, at least 1.
@@ -145,7 +157,7 @@ class WarehouseEnv:
         """Start an episode: no item, full battery, no steps taken.
 
         Args:
-            randomize: ``True`` to draw pickup, dropoff and start uniformly from the open cells, in
+            randomize: ``True`` to draw pickup, dropoff and start uniformly from the empty cells, in
                 this order; ``"stations"`` or ``"start"`` to draw only those. A new pickup and
                 dropoff replace the old ones for later resets too.
             seed: for ``random.Random(seed)``, from which the cells are drawn; ``None`` draws from
@@ -153,7 +165,7 @@ class WarehouseEnv:
                 before, so the same seed gives the same layout only after the same stations.
 
         Raises:
-            LayoutError: stations are to be drawn from fewer than two open cells.
+            LayoutError: fewer than two open cells without a charger, and stations are to be drawn.
             ValueError: ``randomize`` is another word.
             TypeError: ``seed`` is not an integer. Nothing has changed after any of these.
         """
@@ -162,11 +174,12 @@ class WarehouseEnv:
         layout, start = self.layout, self._start_pos
         if randomize:
             stream = random if seed is None else random.Random(seed)
-            stations = layout.station_ranks()
+            chargers = layout.ranks(layout.chargers)
+            stations = layout.ranks(layout.pickups + layout.dropoffs)
             if drawn.stations:
-                layout, stations = self._draw_stations(stream, stations)
+                layout, stations = self._draw_stations(stream, stations + chargers)
             if drawn.start:
-                start = self._draw_start(stream, stations)
+                start = self._draw_start(stream, stations + chargers)
         return self._begin(layout, start, seed)
 
     def reset_to(
@@ -252,7 +265,8 @@ class WarehouseEnv:
 
     def render_with_legend(self) -> str:
         """Return ``render()`` followed by a line for each character."""
-        lines = "\n".join(f"{character} = {meaning}" for character, meaning in LEGEND.items())
+        signs = legend(bool(self.layout.chargers))
+        lines = "\n".join(f"{character} = {meaning}" for character, meaning in signs.items())
         return f"{self.render()}\n\nLegend:\n{lines}"
 
     def close(self) -> None:
@@ -287,27 +301,28 @@ class WarehouseEnv:
         self._placed = cell
         self.last_motion = None
 
-    def _draw_stations(self, stream: Any, old: list[int]) -> tuple[Layout, list[int]]:
+    def _draw_stations(self, stream: Any, taken: list[int]) -> tuple[Layout, list[int]]:
         """Return the layout with random pickup and dropoff, from the cells that are empty before.
 
-        ``old`` are the ranks of the present stations; those of the new ones are returned too. With
-        fewer than two empty cells there are no new ones, as in the chapter's recorded episodes.
+        ``taken`` are the ranks of the present stations and chargers; those of the new stations are
+        returned too. With fewer than two empty cells there are none, as in the chapter's recorded
+        episodes.
         """
         check_room(self.layout)
         count = len(self.layout.open_cells)
         new: list[int] = []
-        if count - len(old) >= 2:
+        if count - len(taken) >= 2:
             for _ in range(2):
-                new.append(_draw(stream, count, without=old + new))
+                new.append(_draw(stream, count, without=taken + new))
         pickup, dropoff = map(self.layout.open_cell, new) if new else (None, None)
         return self.layout.with_stations(pickup, dropoff), new
 
-    def _draw_start(self, stream: Any, stations: list[int]) -> Cell:
-        """Return a random cell without a station, the usual start if there is none."""
+    def _draw_start(self, stream: Any, taken: list[int]) -> Cell:
+        """Return a random empty cell, the usual start if there is none."""
         count = len(self.layout.open_cells)
-        if count <= len(stations):
+        if count <= len(taken):
             return self._start_pos
-        return self.layout.open_cell(_draw(stream, count, without=stations))
+        return self.layout.open_cell(_draw(stream, count, without=taken))
 
 
 def _draw(stream: Any, count: int, without: list[int]) -> int:

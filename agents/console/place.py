@@ -6,7 +6,7 @@ from enum import StrEnum
 from typing import NamedTuple
 
 from warehouse_core import Cell, Layout, LayoutError
-from warehouse_core.task.starts import START, STATIONS
+from warehouse_core.task.starts import START, STATIONS, empty_cells
 
 
 class Stations(StrEnum):
@@ -57,7 +57,7 @@ def check_stations(layout: Layout, stations: Stations, name: object, to_draw: st
         LayoutError: there is no station of a kind, or no room to draw them.
     """
     if stations is Stations.DRAWN:
-        empty = len(layout.open_cells) - len(layout.pickups + layout.dropoffs)
+        empty = len(empty_cells(layout))
         if empty < 2:
             raise LayoutError(
                 f"{name}: pickup and dropoff are drawn from the empty cells; allowed: two or more, "

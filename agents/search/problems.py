@@ -15,7 +15,7 @@ from functools import lru_cache
 from agents.search.algorithms import Problem
 from agents.search.costs import ONE_EACH, ActionCosts
 from warehouse_core.world.layout import Layout, check_open
-from warehouse_core.world.tiles import DROPOFF, EMPTY, MOVE_DELTAS, PICKUP, Cell, moved
+from warehouse_core.world.tiles import MOVE_DELTAS, NO_STATIONS, Cell, moved
 
 Moves = tuple[tuple[str, Cell, float], ...]
 """The result of EXPAND for a cell: each open move, the cell that it leads to, and 1.0 step."""
@@ -56,7 +56,7 @@ class MoveTable(dict[Cell, Moves]):
 
 def move_table(layout: Layout) -> MoveTable:
     """Return the move table of a layout; layouts with the same walls share one."""
-    return _table(tuple(row.replace(PICKUP, EMPTY).replace(DROPOFF, EMPTY) for row in layout.rows))
+    return _table(tuple(row.translate(NO_STATIONS) for row in layout.rows))
 
 
 @lru_cache(maxsize=8)

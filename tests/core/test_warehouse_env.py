@@ -218,6 +218,13 @@ def test_render_shows_the_robot_on_top() -> None:
     )
 
 
+def test_the_legend_explains_chargers_where_there_are_any() -> None:
+    env = WarehouseEnv(["#C.D"], start_pos=(0, 2))
+    assert "\nD = dropoff\nC = charger\nR = robot (empty)\n" in env.render_with_legend()
+    env.reset_to(Layout(["#..D"]))
+    assert "charger" not in env.render_with_legend()
+
+
 def test_the_motion_that_is_given_makes_the_moves() -> None:
     motion = GridMotion()
     assert WarehouseEnv(backend=motion).motion is motion

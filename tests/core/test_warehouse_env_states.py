@@ -28,6 +28,9 @@ GRIDS = [
     ["PD"],
     [".#."],
     ["P"],
+    ["P.C.", "CD..", "..C#"],
+    ["CP.D"],
+    ["C.C."],
 ]  # fmt: skip
 WORDS = ["N", "E", "S", "W", "WAIT", "PICK", "DROP"]
 DIRECTIONS = {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}

@@ -24,10 +24,12 @@ SHOP = Layout(["P.D", "D#P", "..P"])
 EMPTY = Layout(["....", ".##."])
 CORRIDOR = Layout(["P....D"])
 ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
+CHARGED = Layout(["P.C", ".#.", "CDP"])
 
 MIXED = [
     *(random_layout(4 + size, 9 - size, 0.3, seed=size) for size in range(5)),
     *(TWO_CELLS, SHOP, EMPTY, CORRIDOR, SHOP, ROOM, DEFAULT_LAYOUT, FULL),
+    *(CHARGED, Layout(["C.C", "#C."])),
 ]
 """Layouts of different sizes, some twice, with none, one or several stations."""
 
@@ -42,6 +44,7 @@ def drawn(
 ) -> tuple[Layout, Cell]:
     """Draw pickup, dropoff and start, one after the other, from the cells that are left."""
     left = [layout.open_cell(index) for index in range(len(layout.open_cells))]
+    left = [cell for cell in left if cell not in layout.chargers]
     places = stream.random(4)
     if randomize == "start":
         left = [cell for cell in left if cell not in layout.pickups + layout.dropoffs]

@@ -13,7 +13,7 @@ from warehouse_core import LayoutError
 @st.composite
 def grids(draw: st.DrawFn) -> list[str]:
     width = draw(st.integers(1, 7))
-    return draw(st.lists(st.text("#.PD", min_size=width, max_size=width), min_size=1, max_size=7))
+    return draw(st.lists(st.text("#.PDC", min_size=width, max_size=width), min_size=1, max_size=7))
 
 
 def refusal(load: Callable[[Path], Any], file: Path, data: str | bytes) -> str:

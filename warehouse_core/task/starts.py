@@ -53,31 +53,36 @@ def check_room(layout: Layout) -> None:
     """Raise if a layout has no room for pickup and dropoff.
 
     Raises:
-        LayoutError: it has fewer open cells than ``MIN_OPEN_CELLS``.
+        LayoutError: it has fewer open cells without a charger than ``MIN_OPEN_CELLS``.
     """
-    if len(layout.open_cells) < MIN_OPEN_CELLS:
+    room = _room(layout)
+    if room < MIN_OPEN_CELLS:
+        beside = " beside its chargers" if layout.chargers else ""
         raise LayoutError(
-            f"randomize needs two open cells for pickup and dropoff; "
-            f"the layout has {len(layout.open_cells)}"
+            f"randomize needs two open cells for pickup and dropoff; the layout has {room}{beside}"
         )
 
 
 def has_start(layout: Layout, drawn: Drawn) -> bool:
     """Return whether the stations leave a cell to draw a start from."""
-    stations = MIN_OPEN_CELLS if drawn.stations else len(layout.station_ranks())
-    return len(layout.open_cells) > stations
+    stations = MIN_OPEN_CELLS if drawn.stations else len(layout.pickups + layout.dropoffs)
+    return _room(layout) > stations
+
+
+def _room(layout: Layout) -> int:
+    return len(layout.open_cells) - len(layout.chargers)
 
 
 def draw_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArray[np.intp]:
-    """Draw three different open cells, each uniformly from those not drawn yet.
+    """Draw three different cells, each uniformly from those not drawn yet.
 
     Args:
         uniforms: ``[..., DRAWS]``, in [0, 1); the first three are used.
-        counts: ``[...]``, numbers of open cells, at least ``MIN_OPEN_CELLS``.
+        counts: ``[...]``, numbers of ``station_cells``, at least ``MIN_OPEN_CELLS``.
 
     Returns:
-        ``[..., 3]`` the pickup, the dropoff and the start, as indices among the open cells. The
-        start is ``NO_RANK`` if there are only two.
+        ``[..., 3]`` the pickup, the dropoff and the start, as indices among the
+        ``station_cells``. The start is ``NO_RANK`` if there are only two.
     """
     left = np.asarray(counts)[..., None] - np.arange(3)
     ranks: NDArray[Any] = (uniforms[..., :3] * left).astype(np.intp)
@@ -91,7 +96,7 @@ def draw_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArray[np.i
 
 
 def draw_start_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArray[np.intp]:
-    """Draw a cell uniformly from those without a station, which are kept.
+    """Draw a cell uniformly from the empty ones; the stations are kept.
 
     Args:
         uniforms: ``[..., DRAWS]``, in [0, 1); the number of the start is used.
@@ -105,9 +110,19 @@ def draw_start_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArra
     return np.where(choices > 0, ranks, NO_RANK)
 
 
+def station_cells(layout: Layout) -> NDArray[np.intp]:
+    """Return where stations may be drawn: the open cells without a charger, in ascending order.
+
+    Cells are ``row * W + col``.
+    """
+    cells = layout.open_cells
+    return np.delete(cells, layout.ranks(layout.chargers)) if layout.chargers else cells
+
+
 def empty_cells(layout: Layout) -> NDArray[np.intp]:
-    """Return the open cells without a station, as ``row * W + col`` in ascending order."""
-    return np.delete(layout.open_cells, layout.station_ranks())
+    """Return the open cells without a station or a charger, likewise."""
+    marked = layout.pickups + layout.dropoffs + layout.chargers
+    return np.delete(layout.open_cells, layout.ranks(marked))
 
 
 def motion_seed(uniforms: NDArray[np.float64]) -> int:
@@ -126,13 +141,16 @@ def draw_episode(
         drawn: what is drawn. A start is not if the stations leave no cell.
     """
     if drawn.stations:
-        pickup, dropoff, start = draw_ranks(uniforms, len(layout.open_cells)).tolist()
-        cells = layout.open_cells
-        layout = layout.with_stations(layout.open_cell(pickup), layout.open_cell(dropoff))
+        cells = station_cells(layout)
+        pickup, dropoff, start = draw_ranks(uniforms, len(cells)).tolist()
+        layout = layout.with_stations(*(_cell(layout, cells[rank]) for rank in (pickup, dropoff)))
     elif drawn.start:
         cells = empty_cells(layout)
         start = int(draw_start_ranks(uniforms, len(cells)))
     if not drawn.start or start == NO_RANK:
         return layout, None
-    row, col = divmod(int(cells[start]), layout.width)
-    return layout, (row, col)
+    return layout, _cell(layout, cells[start])
+
+
+def _cell(layout: Layout, number: np.intp) -> Cell:
+    return divmod(int(number), layout.width)

@@ -17,6 +17,7 @@ from warehouse_core.task.starts import (
     draw_ranks,
     draw_start_ranks,
     empty_cells,
+    station_cells,
 )
 from warehouse_core.vector.floor import NO_CELL
 from warehouse_core.world.layout import check_open
@@ -41,8 +42,8 @@ class VectorStarts:
         self._fixed = np.stack(
             [*_first_stations(layouts).T, robots[:, 0] * layouts.width + robots[:, 1]]
         )
-        # A station is drawn from all open cells, a start from those that stations leave.
-        cells = [k.open_cells if drawn.stations else empty_cells(k) for k in layouts.kinds]
+        # A station is drawn from all cells without a charger, a start from those it leaves.
+        cells = [station_cells(k) if drawn.stations else empty_cells(k) for k in layouts.kinds]
         counts = [len(each) for each in cells]
         self._counts = layouts.of_rows(counts)
         self._cells = np.concatenate(cells)

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from textwrap import dedent
@@ -18,9 +18,11 @@ from warehouse_core.errors import LayoutError
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.world.tiles import (
     ALLOWED_TILES,
+    CHARGER,
     DROPOFF,
     EMPTY,
     MOVE_DELTAS,
+    NO_STATIONS,
     PICKUP,
     TILES,
     WALL,
@@ -43,7 +45,8 @@ class Layout:
     """An ``H`` x ``W`` grid of tiles.
 
     Args:
-        rows: equally long strings of ``#`` wall, ``.`` empty, ``P`` pickup, ``D`` dropoff.
+        rows: equally long strings of ``#`` wall, ``.`` empty, ``P`` pickup, ``D`` dropoff and
+            ``C`` charger.
 
     Raises:
         LayoutError: no rows, a ragged row, an unknown character, more than ``MAX_CELLS`` cells, or
@@ -58,6 +61,7 @@ class Layout:
     width: int = field(init=False, compare=False)
     pickups: tuple[Cell, ...] = field(init=False, compare=False)
     dropoffs: tuple[Cell, ...] = field(init=False, compare=False)
+    chargers: tuple[Cell, ...] = field(init=False, compare=False)
     open_cells: NDArray[np.intp] = field(init=False, compare=False)
     """Every cell that is not a wall, as ``row * W + col`` in ascending order, read-only."""
 
@@ -67,20 +71,20 @@ class Layout:
         open_cells = np.flatnonzero(tiles != ord(WALL))
         open_cells.setflags(write=False)
         width = len(checked[0])
-        pickups, dropoffs = (
+        marked = (
             tuple(divmod(index, width) for index in np.flatnonzero(tiles == ord(tile)).tolist())
-            for tile in (PICKUP, DROPOFF)
+            for tile in (PICKUP, DROPOFF, CHARGER)
         )
-        self._fill(checked, pickups, dropoffs, open_cells)
+        self._fill(checked, marked, open_cells)
 
     def _fill(
         self,
         rows: tuple[str, ...],
-        pickups: tuple[Cell, ...],
-        dropoffs: tuple[Cell, ...],
+        marked: Iterable[tuple[Cell, ...]],
         open_cells: NDArray[np.intp],
     ) -> None:
-        values = (rows, len(rows), len(rows[0]), pickups, dropoffs, open_cells)
+        """Set all fields; ``marked`` are the pickups, the dropoffs and the chargers."""
+        values = (rows, len(rows), len(rows[0]), *marked, open_cells)
         for name, value in zip(self.__slots__, values, strict=True):
             object.__setattr__(self, name, value)
 
@@ -126,9 +130,13 @@ class Layout:
         return f"<Layout {self.summary()}>"
 
     def summary(self) -> str:
-        """Return size and stations, ``7 x 12, pickup (1, 3), dropoff (5, 6)`` or ``2 dropoffs``."""
+        """Return size and stations, ``7 x 12, pickup (1, 3), dropoff (5, 6)`` or ``2 dropoffs``.
+
+        Chargers are named if there are any.
+        """
         pickups, dropoffs = _counted("pickup", self.pickups), _counted("dropoff", self.dropoffs)
-        return f"{self.height} x {self.width}, {pickups}, {dropoffs}"
+        chargers = f", {_counted('charger', self.chargers)}" if self.chargers else ""
+        return f"{self.height} x {self.width}, {pickups}, {dropoffs}{chargers}"
 
     def __deepcopy__(self, memo: object) -> Layout:
         return self  # immutable; a copied array would be writable
@@ -162,10 +170,10 @@ class Layout:
             raise LayoutError("the layout has no open cell; a robot needs one to start on")
         return self.open_cell(0)
 
-    def station_ranks(self) -> list[int]:
-        """Return the indices, among the open cells, of all pickups and dropoffs."""
-        flat = [row * self.width + col for row, col in self.pickups + self.dropoffs]
-        return [int(rank) for rank in np.searchsorted(self.open_cells, flat)]
+    def ranks(self, cells: Iterable[Cell]) -> list[int]:
+        """Return the indices of open cells among the open cells."""
+        flat = [row * self.width + col for row, col in cells]
+        return np.searchsorted(self.open_cells, flat).tolist() if flat else []
 
     def describe(self, cell: Cell) -> str:
         """Describe what is at ``cell``, on or off the grid, for an error message."""
@@ -190,25 +198,48 @@ class Layout:
         return reached
 
     def with_stations(self, pickup: Cell | None, dropoff: Cell | None) -> Layout:
-        """Return the same walls with these stations in place of all others.
+        """Return the same walls and chargers with these stations in place of all others.
+
+        Raises:
+            LayoutError: as for ``with_tiles``.
+        """
+        pickups, dropoffs = (() if cell is None else (cell,) for cell in (pickup, dropoff))
+        return self.with_tiles(pickups, dropoffs, self.chargers)
+
+    def with_chargers(self, cells: Iterable[Cell]) -> Layout:
+        """Return the same walls and stations with these chargers in place of all others.
+
+        Raises:
+            LayoutError: as for ``with_tiles``.
+        """
+        return self.with_tiles(self.pickups, self.dropoffs, cells)
+
+    def with_tiles(
+        self, pickups: Iterable[Cell], dropoffs: Iterable[Cell], chargers: Iterable[Cell]
+    ) -> Layout:
+        """Return the same walls with these stations and chargers in place of all others.
 
         Both layouts share ``open_cells`` (the same object), so that a cache that depends on the
         walls alone can be kept.
 
         Raises:
-            LayoutError: a station is not on an open cell.
+            LayoutError: one of the cells is not open, or is given for two tiles.
         """
         rows = list(self.rows)
-        for row in {row for row, _ in self.pickups + self.dropoffs}:
-            rows[row] = rows[row].replace(PICKUP, EMPTY).replace(DROPOFF, EMPTY)
-        for cell, tile in ((pickup, PICKUP), (dropoff, DROPOFF)):
-            if cell is not None:
-                check_open(self, cell, TILES[tile])
-                row, col = cell
+        for row in {row for row, _ in self.pickups + self.dropoffs + self.chargers}:
+            rows[row] = rows[row].translate(NO_STATIONS)
+        marked = tuple(tuple(sorted(set(cells))) for cells in (pickups, dropoffs, chargers))
+        for cells, tile in zip(marked, (PICKUP, DROPOFF, CHARGER), strict=True):
+            for row, col in cells:
+                check_open(self, (row, col), TILES[tile])
+                if (present := rows[row][col]) != EMPTY:
+                    raise LayoutError(
+                        f"row {row}, column {col} is to be {TILES[present]} and {TILES[tile]}; "
+                        "a cell has one tile"
+                    )
                 rows[row] = f"{rows[row][:col]}{tile}{rows[row][col + 1 :]}"
         layout = object.__new__(Layout)
-        pickups, dropoffs = (() if cell is None else (cell,) for cell in (pickup, dropoff))
-        layout._fill(tuple(rows), pickups, dropoffs, self.open_cells)
+        layout._fill(tuple(rows), marked, self.open_cells)
         return layout
 
 

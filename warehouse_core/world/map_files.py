@@ -20,7 +20,7 @@ from warehouse_core.errors import LayoutError
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.world.layout import Layout, check_size
 from warehouse_core.world.text_lines import MAX_LINE, error_at, expect, read_line, whole_number_at
-from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP, WALL
+from warehouse_core.world.tiles import DROPOFF, EMPTY, NO_STATIONS, PICKUP, WALL
 
 SUFFIX = ".map"
 
@@ -44,7 +44,7 @@ _BLANK = b" \t\r\n"
 
 _SIZE = re.compile(r"(\w+)\s+(\S+)")
 
-_TO_MAP = str.maketrans({WALL: "@", PICKUP: ".", DROPOFF: "."})
+_TO_MAP = NO_STATIONS | str.maketrans({WALL: "@"})
 
 
 def load_layout(path: str | os.PathLike[str]) -> Layout:
@@ -58,7 +58,7 @@ def load_layout(path: str | os.PathLike[str]) -> Layout:
 
 
 def save_layout(layout: Layout, path: str | Path) -> None:
-    """Write a layout in the format of the suffix; in a ``.map`` its stations become floor.
+    """Write a layout in the format of the suffix; a ``.map`` has floor for its ``P``, ``D``, ``C``.
 
     Raises:
         OSError: the file cannot be written.
@@ -97,7 +97,7 @@ def load_map(path: str | os.PathLike[str], *, robot_runners: bool = False) -> La
 
 
 def save_map(layout: Layout, path: str | Path) -> None:
-    """Write a layout as a ``.map``, atomically, its stations as floor.
+    """Write a layout as a ``.map``, atomically, its stations and chargers as floor.
 
     Raises:
         OSError: the file cannot be written.

@@ -9,11 +9,16 @@ import re
 
 Cell = tuple[int, int]
 
-WALL, EMPTY, PICKUP, DROPOFF = "#", ".", "P", "D"
+WALL, EMPTY, PICKUP, DROPOFF, CHARGER = "#", ".", "P", "D", "C"
 
-TILES = {WALL: "wall", EMPTY: "empty", PICKUP: "pickup", DROPOFF: "dropoff"}
+TILES = {
+    WALL: "wall", EMPTY: "empty", PICKUP: "pickup", DROPOFF: "dropoff", CHARGER: "charger",
+}  # fmt: skip
 
 ALLOWED_TILES = ", ".join(f"{tile} ({name})" for tile, name in TILES.items())
+
+NO_STATIONS = str.maketrans(dict.fromkeys((PICKUP, DROPOFF, CHARGER), EMPTY))
+"""For ``str.translate``: floor in place of stations and chargers."""
 
 MOVE_DELTAS: dict[str, Cell] = {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
 
@@ -35,11 +40,19 @@ def runs_of(tile: str, row: str) -> list[tuple[int, int]]:
 
 ROBOT_EMPTY, ROBOT_LOADED = "R", "r"
 
+OTHER_EMPTY, OTHER_LOADED, PERSON = "O", "o", "H"
+"""What else a robot of a fleet sees: other robots and people."""
+
 CELL_CODES = {
     character: code
-    for code, character in enumerate((EMPTY, WALL, PICKUP, DROPOFF, ROBOT_EMPTY, ROBOT_LOADED))
-}
-"""The code of each character of a window in an array."""
+    for code, character in enumerate(
+        (
+            EMPTY, WALL, PICKUP, DROPOFF, ROBOT_EMPTY, ROBOT_LOADED,
+            CHARGER, OTHER_EMPTY, OTHER_LOADED, PERSON,
+        )
+    )
+}  # fmt: skip
+"""The code of each character of a window in an array; others and people have the largest."""
 
 CODE_OF_BYTE = bytes(CELL_CODES.get(chr(byte), 255) for byte in range(256))
 """The same codes as a table for ``bytes.translate``."""

@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 
 from warehouse_core import Layout, LayoutError
-from warehouse_core.task.starts import DRAWS, NO_RANK, check_room, draw_ranks, motion_seed
+from warehouse_core.task.starts import (
+    DRAWS,
+    NO_RANK,
+    Drawn,
+    check_room,
+    draw_episode,
+    draw_ranks,
+    has_start,
+    motion_seed,
+)
 
 BELOW_ONE = 1 - 2**-53
 """The largest random number."""
@@ -71,3 +80,33 @@ def test_a_layout_needs_room_for_pickup_and_dropoff() -> None:
     check_room(Layout(["P#D"]))
     with pytest.raises(LayoutError, match=r"needs two open cells .*; the layout has 1"):
         check_room(Layout(["P##"]))
+    with pytest.raises(LayoutError, match=r"needs two open .*; the layout has 1 beside its charg"):
+        check_room(Layout(["P#CC"]))
+
+
+@pytest.mark.parametrize("drawn", [Drawn(True, True), Drawn(False, True)])
+def test_nothing_is_drawn_onto_a_charger(drawn: Drawn) -> None:
+    before = Layout(["CP.C", ".CD.", "C.C."])
+    empty = {cell for cell in product(range(3), range(4)) if before.rows[cell[0]][cell[1]] == "."}
+    starts = set()
+    for uniforms in np.random.default_rng(0).random((300, DRAWS)):
+        layout, start = draw_episode(before, uniforms, drawn)
+        assert layout.chargers == before.chargers
+        assert layout.rows[start[0]][start[1]] == "."
+        starts.add(start)
+    assert starts == empty | set((before.pickups + before.dropoffs) * drawn.stations)
+
+
+@pytest.mark.parametrize(
+    ("rows", "drawn", "expected"),
+    [
+        (["..C"], Drawn(True, True), False),
+        (["...C"], Drawn(True, True), True),
+        (["PD.C"], Drawn(False, True), True),
+        (["PDC"], Drawn(False, True), False),
+    ],
+)
+def test_a_start_needs_a_cell_beside_stations_and_chargers(
+    rows: list[str], drawn: Drawn, expected: bool
+) -> None:
+    assert has_start(Layout(rows), drawn) is expected

@@ -15,13 +15,13 @@ from warehouse_core.world import layout as layout_module
 from warehouse_core.world.layout import MAX_ROWS, check_open
 from warehouse_core.world.tiles import ALLOWED_TILES
 
-FIELDS = ("rows", "height", "width", "pickups", "dropoffs")
+FIELDS = ("rows", "height", "width", "pickups", "dropoffs", "chargers")
 
 
 @st.composite
 def grids(draw: st.DrawFn) -> list[str]:
     width = draw(st.integers(1, 7))
-    return draw(st.lists(st.text("#.PD", min_size=width, max_size=width), min_size=1, max_size=7))
+    return draw(st.lists(st.text("#.PDC", min_size=width, max_size=width), min_size=1, max_size=7))
 
 
 def cells_of(rows: list[str], tiles: str) -> list[tuple[int, int]]:
@@ -56,10 +56,11 @@ def test_every_field_follows_from_the_rows(rows: list[str]) -> None:
     assert (layout.height, layout.width) == (len(rows), len(rows[0]))
     assert layout.pickups == tuple(cells_of(rows, "P"))
     assert layout.dropoffs == tuple(cells_of(rows, "D"))
-    open_cells = cells_of(rows, ".PD")
+    assert layout.chargers == tuple(cells_of(rows, "C"))
+    open_cells = cells_of(rows, ".PDC")
     assert [layout.open_cell(index) for index in range(len(layout.open_cells))] == open_cells
-    stations = [layout.open_cell(rank) for rank in layout.station_ranks()]
-    assert sorted(stations) == cells_of(rows, "PD")
+    for cells in (layout.pickups, layout.dropoffs, layout.chargers):
+        assert [layout.open_cell(rank) for rank in layout.ranks(cells)] == [*cells]
     for row, col in product(range(-2, layout.height + 2), range(-2, layout.width + 2)):
         assert layout.is_open((row, col)) == ((row, col) in open_cells)
     assert Layout.from_text(str(layout)) == layout
@@ -70,6 +71,8 @@ def test_every_field_follows_from_the_rows(rows: list[str]) -> None:
     [
         (["P.", ".D", "##"], "3 x 2, pickup (0, 0), dropoff (1, 1)"),
         (["PP."], "1 x 3, 2 pickups, no dropoffs"),
+        (["PC."], "1 x 3, pickup (0, 0), no dropoffs, charger (0, 1)"),
+        (["PCC"], "1 x 3, pickup (0, 0), no dropoffs, 2 chargers"),
     ],
 )
 def test_the_repr_gives_size_and_stations(rows: list[str], text: str) -> None:
@@ -77,9 +80,10 @@ def test_the_repr_gives_size_and_stations(rows: list[str], text: str) -> None:
 
 
 def test_a_cell_is_described_by_its_place_and_its_tile() -> None:
-    layout = Layout(["#.", "PD"])
+    layout = Layout(["#.", "PC"])
     assert layout.describe((0, 0)) == "row 0, column 0 is wall"
     assert layout.describe((1, 0)) == "row 1, column 0 is pickup"
+    assert layout.describe((1, 1)) == "row 1, column 1 is charger"
     off = "row 2, column -1 is off the grid (rows 0..1, columns 0..1)"
     assert layout.describe((2, -1)) == off
     check_open(layout, (0, 1), "start")
@@ -115,7 +119,7 @@ def test_an_invalid_layout_raises_with_its_place(rows: list[str], message: str) 
 def test_the_error_of_an_unknown_tile_lists_the_allowed_ones() -> None:
     with pytest.raises(LayoutError) as caught:
         Layout(["x"])
-    assert ALLOWED_TILES == "# (wall), . (empty), P (pickup), D (dropoff)"
+    assert ALLOWED_TILES == "# (wall), . (empty), P (pickup), D (dropoff), C (charger)"
     assert ALLOWED_TILES in str(caught.value)
 
 
@@ -228,7 +232,7 @@ def test_a_copy_is_equal_in_every_field(clone: object) -> None:
 @given(grids(), st.data())
 def test_new_stations_replace_all_others(rows: list[str], data: st.DataObject) -> None:
     before = Layout(rows)
-    spots = st.none() | st.sampled_from(cells_of(rows, ".PD") or [None])
+    spots = st.none() | st.sampled_from(cells_of(rows, ".PD") or [None])  # no charger
     pickup, dropoff = data.draw(spots), data.draw(spots)
     if pickup == dropoff:
         dropoff = None
@@ -239,7 +243,35 @@ def test_new_stations_replace_all_others(rows: list[str], data: st.DataObject) -
     assert after.open_cells.tolist() == fresh.open_cells.tolist()
     assert after.pickups == (() if pickup is None else (pickup,))
     assert after.dropoffs == (() if dropoff is None else (dropoff,))
+    assert after.chargers == before.chargers
     assert before == Layout(rows)
+
+
+@settings(max_examples=50)
+@given(grids(), st.data())
+def test_new_chargers_replace_all_others_and_leave_the_stations(
+    rows: list[str], data: st.DataObject
+) -> None:
+    before = Layout(rows)
+    cells = data.draw(st.lists(st.sampled_from(cells_of(rows, ".C") or [None]), max_size=4))
+    after = before.with_chargers(cell for cell in cells if cell is not None)
+    fresh = Layout(after.rows)
+    assert all(getattr(after, name) == getattr(fresh, name) for name in FIELDS)
+    assert after.open_cells is before.open_cells
+    assert after.chargers == tuple(sorted(set(cells) - {None}))
+    assert (after.pickups, after.dropoffs) == (before.pickups, before.dropoffs)
+
+
+def test_a_cell_with_two_tiles_raises() -> None:
+    layout = Layout(["P.DC"])
+    with pytest.raises(LayoutError, match="row 0, column 2 is to be dropoff and charger; a cell"):
+        layout.with_chargers([(0, 1), (0, 2)])
+    with pytest.raises(LayoutError, match="row 0, column 3 is to be pickup and charger"):
+        layout.with_stations((0, 3), None)
+    with pytest.raises(LayoutError, match="row 0, column 1 is to be pickup and dropoff"):
+        layout.with_stations((0, 1), (0, 1))
+    with pytest.raises(LayoutError, match="charger row 0, column 4 is off the grid"):
+        layout.with_chargers([(0, 4)])
 
 
 @pytest.mark.parametrize("cell", [(0, 0), (-1, 1)])

@@ -1,4 +1,14 @@
-from warehouse_core.world.tiles import CELL_CODES, CODE_OF_BYTE, manhattan_distance, moved, runs_of
+from warehouse_core.world.tiles import (
+    CELL_CODES,
+    CODE_OF_BYTE,
+    OTHER_EMPTY,
+    OTHER_LOADED,
+    PERSON,
+    TILES,
+    manhattan_distance,
+    moved,
+    runs_of,
+)
 
 
 def test_a_cell_is_moved_by_rows_and_columns() -> None:
@@ -15,6 +25,11 @@ def test_runs_are_given_by_their_first_column_and_their_end() -> None:
 
 
 def test_the_codes_are_the_same_in_both_tables() -> None:
-    assert "".join(CELL_CODES) == ".#PDRr"
-    assert list("".join(CELL_CODES).encode().translate(CODE_OF_BYTE)) == list(range(6))
+    assert "".join(CELL_CODES) == ".#PDRrCOoH"
+    assert list("".join(CELL_CODES).encode().translate(CODE_OF_BYTE)) == list(range(10))
     assert CODE_OF_BYTE[ord("?")] == 255
+
+
+def test_others_and_people_have_larger_codes_than_every_tile() -> None:
+    largest = max(CELL_CODES[tile] for tile in TILES)
+    assert all(CELL_CODES[other] > largest for other in (OTHER_EMPTY, OTHER_LOADED, PERSON))
