@@ -31,14 +31,19 @@ class FleetFloor(VectorFloor):
         super().__init__(layouts.repeated(robots), radius, moving_stations=has_orders)
         kinds = layouts.kinds
         strides = [kind.width + 2 * radius for kind in kinds]
-        sizes = [(kind.height + 2 * radius) * stride for kind, stride in zip(kinds, strides, strict=True)]
+        sizes = [
+            (kind.height + 2 * radius) * stride for kind, stride in zip(kinds, strides, strict=True)
+        ]
         ends = np.cumsum(layouts.of_rows(sizes))
         self._corner = np.concatenate([[0], ends[:-1]])
-        self._kind_base, self._robots = layouts.base, robots
-        self._spots = np.concatenate([
-            places_table([kind]) @ [stride, 1] + radius * (stride + 1)
-            for kind, stride in zip(kinds, strides, strict=True)
-        ])
+        self._corner_of = np.repeat(self._corner, robots)
+        self._floor_base = layouts.base
+        self._spots = np.concatenate(
+            [
+                places_table([kind]) @ [stride, 1] + radius * (stride + 1)
+                for kind, stride in zip(kinds, strides, strict=True)
+            ]
+        )
         side = np.arange(-radius, radius + 1)
         self._offsets = np.array([(side[:, None] * stride + side).ravel() for stride in strides])
         self._kind = np.repeat(layouts.kind, robots)
@@ -48,7 +53,7 @@ class FleetFloor(VectorFloor):
 
     def set_waiting(self, floor: int, cell: int, is_waiting: bool) -> None:
         """Set whether an open order waits at a cell of a floor."""
-        spot = self._corner[floor] + self._spots[self._kind_base[floor] + cell]
+        spot = self._corner[floor] + self._spots[self._floor_base[floor] + cell]
         self._waiting[spot] = self._on_top[spot] = CELL_CODES[PICKUP] if is_waiting else NOTHING
 
     def stations(self, cells: Integers) -> Integers:
@@ -68,18 +73,17 @@ class FleetFloor(VectorFloor):
         """
         self._on_top[self._covered] = self._waiting.take(self._covered)
         robots = self._spots_of(cells)
-        persons = self._corner[:, None] + self._spots.take(self._kind_base[:, None] + people)
+        persons = self._corner[:, None] + self._spots.take(self._floor_base[:, None] + people)
         self._covered = np.concatenate([robots, persons.ravel()])
         codes = np.array([CELL_CODES[OTHER_EMPTY], CELL_CODES[OTHER_LOADED]], np.uint8)
         self._on_top[robots] = codes.take(has_item)
         self._on_top[persons] = CELL_CODES[PERSON]
 
     def _spots_of(self, cells: Integers) -> Integers:
-        return np.repeat(self._corner, self._robots) + self._spots.take(self._base + cells)
+        return self._corner_of + self._spots.take(self._base + cells)
 
     def _around(self, rows: Rows, cells: Integers, robots: Integers) -> NDArray[np.uint8]:
         windows = super()._around(rows, cells, robots)
-        corner = np.repeat(self._corner, self._robots)[rows]
-        spots = corner + self._spots.take(self._base[rows] + cells)
+        spots = self._corner_of[rows] + self._spots.take(self._base[rows] + cells)
         around = self._on_top.take(spots[:, None] + self._offsets.take(self._kind[rows], axis=0))
         return np.maximum(windows, around, out=windows)

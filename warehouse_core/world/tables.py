@@ -50,6 +50,10 @@ class LayoutSet:
         bare = [kind.with_stations(None, None) for kind in self.kinds]
         return LayoutSet([bare[kind] for kind in self.kind])
 
+    def repeated(self, times: int) -> LayoutSet:
+        """Return each row that many times, one after the other."""
+        return LayoutSet([row for row in self.rows for _ in range(times)])
+
     def of_rows(self, values: ArrayLike) -> NDArray[np.intp]:
         """Return for each row the value of its layout."""
         return np.asarray(values, np.intp)[self.kind]

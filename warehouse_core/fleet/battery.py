@@ -1,0 +1,68 @@
+"""The batteries of a fleet, in steps or in joules."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.arguments import whole_number
+from warehouse_core.motion.grid import nominal_joules
+from warehouse_core.motion.vector import Flags
+from warehouse_core.task.encoding import MAX_STEPS
+
+STEPS, JOULES = "steps", "joules"
+UNITS = (STEPS, JOULES)
+
+CHARGE = 10
+"""Steps of driving that one step on a charger adds."""
+
+
+@dataclass(frozen=True)
+class Battery:
+    """The battery of each robot of a fleet.
+
+    Args:
+        capacity: units of a full charge, at least 1.
+        unit: ``"steps"``: every step costs one; ``"joules"``: what its motion cost.
+        charge: units that a step of waiting on a charger adds; ``None`` is ``CHARGE`` steps, or in
+            joules the nominal cost of as many moves.
+
+    Raises:
+        ValueError: a value that is not allowed.
+        TypeError: ``capacity`` or ``charge`` is not an integer.
+    """
+
+    capacity: int = 200
+    unit: str = STEPS
+    charge: int | None = None
+
+    def __post_init__(self) -> None:
+        whole_number("battery", self.capacity, 1, MAX_STEPS)
+        if self.unit not in UNITS:
+            raise ValueError(f"unit is {self.unit!r}; allowed: {', '.join(UNITS)}")
+        if self.charge is not None:
+            whole_number("charge", self.charge, 1, MAX_STEPS)
+
+    def step_cost(self, cell_size: float) -> float:
+        """Return what a move costs nominally."""
+        return 1.0 if self.unit == STEPS else nominal_joules(cell_size, moving=True)
+
+    def step_charge(self, cell_size: float) -> float:
+        """Return what a step of waiting on a charger adds."""
+        return CHARGE * self.step_cost(cell_size) if self.charge is None else self.charge
+
+    def after(
+        self, left: NDArray[np.float64], joules: NDArray[np.float64], charging: Flags, charge: float
+    ) -> NDArray[np.float64]:
+        """Return what is left after a step.
+
+        Args:
+            left: ``[N]`` units before it.
+            joules: ``[N]``, what the motion of the step cost.
+            charging: ``[N]``, whether the robot waited on a charger.
+            charge: as ``step_charge`` returns it.
+        """
+        cost = 1.0 if self.unit == STEPS else joules
+        return np.minimum(left - cost + charge * charging, self.capacity)

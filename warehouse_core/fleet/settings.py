@@ -1,0 +1,77 @@
+"""The settings of a fleet, checked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from warehouse_core.arguments import real_number, whole_number
+from warehouse_core.fleet.battery import Battery
+from warehouse_core.fleet.orders import Order, OrderStream
+from warehouse_core.fleet.people import People
+from warehouse_core.task.encoding import MAX_STEPS
+from warehouse_core.world.tiles import Cell
+
+MAX_BODIES = 100_000
+"""Limit on the robots and people of a floor together."""
+
+
+@dataclass(frozen=True)
+class FleetSettings:
+    """The arguments of ``FleetEnv`` that are neither its layout nor its backend; see there.
+
+    ``orders`` are streams, or orders, or ``None``; ``starts`` cells, or ``None``.
+
+    Raises:
+        ValueError: a value that is not allowed.
+        TypeError: a value of another type.
+    """
+
+    robots: int
+    orders: tuple[OrderStream, ...] | tuple[Order, ...] | None
+    starts: tuple[Cell, ...] | None
+    max_steps: int
+    battery: Battery
+    view_radius: int
+    people: People
+    dispatch: bool
+    late_penalty: float
+    team_reward: bool
+
+    def __post_init__(self) -> None:
+        whole_number("robots", self.robots, 1, MAX_BODIES)
+        whole_number("robots and people", self.bodies, 1, MAX_BODIES)
+        whole_number("max_steps", self.max_steps, 1, MAX_STEPS)
+        whole_number("view_radius", self.view_radius, 0)
+        real_number("late_penalty", self.late_penalty)
+        if self.starts is not None and len(self.starts) != self.robots:
+            raise ValueError(f"{len(self.starts)} starts for {self.robots} robots; each needs one")
+
+    @property
+    def bodies(self) -> int:
+        """Number of robots and people on a floor."""
+        return self.robots + self.people.count
+
+
+def as_orders(orders: object) -> tuple[OrderStream, ...] | tuple[Order, ...] | None:
+    """Return orders given as a rate, a stream, or a sequence of streams or of orders.
+
+    Raises:
+        ValueError: an empty sequence, or a rate that is not allowed.
+        TypeError: they are none of these.
+    """
+    if orders is None:
+        return None
+    if isinstance(orders, (int, float)) and not isinstance(orders, bool):
+        return (OrderStream(orders),)
+    if isinstance(orders, OrderStream):
+        return (orders,)
+    given = (
+        tuple(orders) if isinstance(orders, (list, tuple)) and not isinstance(orders, Order) else ()
+    )
+    for kind in (OrderStream, Order):
+        if given and all(isinstance(each, kind) for each in given):
+            return given
+    raise TypeError(
+        f"orders are {orders!r:.200}; allowed: a rate, an OrderStream, or a list of OrderStream "
+        "or of Order, with at least one"
+    )
