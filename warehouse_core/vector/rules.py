@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.motion.vector import Flags, Integers
-from warehouse_core.task.rules import judge, useful_actions
+from warehouse_core.task.rules import CHARGE, judge, useful_actions
 from warehouse_core.world.actions import ACTIONS
-from warehouse_core.world.tiles import CELL_CODES, DROPOFF, EMPTY, PICKUP
+from warehouse_core.world.tiles import CELL_CODES, CHARGER, DROPOFF, EMPTY, PICKUP
 
-STATION_KINDS = (EMPTY, PICKUP, DROPOFF)
+STATION_KINDS = (EMPTY, PICKUP, DROPOFF, CHARGER)
 """What a robot can stand on; a batch uses the index."""
 
 _BOTH = (False, True)
@@ -23,6 +23,8 @@ _VERDICTS = [
 _REWARDS = np.array([verdict.reward for verdict in _VERDICTS])
 _HAS_ITEM = np.array([verdict.has_item for verdict in _VERDICTS])
 _DELIVERED = np.array([verdict.delivered for verdict in _VERDICTS])
+_CHARGES = np.array([verdict.charges for verdict in _VERDICTS[::4]])
+"""By action and tile alone."""
 
 _MASK_BYTES = 8
 """Size of a mask with padding: looking up eight bytes at once is much faster than seven."""
@@ -52,6 +54,16 @@ def judge_all(
     """
     index = ((actions * len(STATION_KINDS) + stations) * 2 + has_item) * 2 + blocked
     return _REWARDS.take(index), _HAS_ITEM.take(index), _DELIVERED.take(index)
+
+
+def spend_and_charge(
+    battery: NDArray[np.int32], max_battery: int, actions: Integers, stations: Integers
+) -> None:
+    """Change the battery units of ``B`` robots, ``[B]``, by one step; see ``rules.charged``."""
+    battery -= 1
+    charges = _CHARGES.take(actions * len(STATION_KINDS) + stations)
+    # Not the lower of full and charged, because that sum can exceed 32 bits.
+    battery += charges * np.minimum(max_battery - battery, CHARGE)
 
 
 def station_numbers(tiles: NDArray[np.uint8]) -> NDArray[np.intp]:
