@@ -9,7 +9,7 @@ from typing import Any, ClassVar, SupportsIndex
 from warehouse_core.arguments import as_cell, whole_number
 from warehouse_core.motion.backends import Backend, make_motion
 from warehouse_core.motion.base import Motion, Outcome
-from warehouse_core.task.rules import is_truncated, judge
+from warehouse_core.task.rules import charged, is_truncated, judge
 from warehouse_core.task.settings import Settings
 from warehouse_core.task.sight import Sight
 from warehouse_core.task.starts import check_room, what_is_drawn
@@ -39,14 +39,15 @@ class WarehouseEnv:
     ## Description
 
     A robot in a grid of walls picks up an item at a pickup and delivers it to a dropoff. It sees
-    the cells around it, and its battery loses one unit in every step.
+    the cells around it, and its battery loses one unit in every step. On a charger, a tile that
+    the chapter does not have, waiting charges the battery.
 
     ## Actions
 
     | Index      | Word       | Action                                     |
     | ---------- | ---------- | ------------------------------------------ |
     | 0, 1, 2, 3 | N, E, S, W | move one cell north, east, south or west   |
-    | 4          | WAIT       | stay                                       |
+    | 4          | WAIT       | stay; charge the battery, on a charger     |
     | 5          | PICK       | take the item, on a pickup without an item |
     | 6          | DROP       | deliver the item, on a dropoff with it     |
 
@@ -233,9 +234,11 @@ class WarehouseEnv:
         outcome = self._motion.advance((DISPLACEMENTS[index],), (has_item,))[0]
         row, col = self._placed = state.robot_pos = outcome.cell
         tile = self.layout.rows[row][col]
-        reward, state.has_item, delivered = judge(index, tile, has_item, outcome.blocked)
+        reward, state.has_item, delivered, charges = judge(index, tile, has_item, outcome.blocked)
         state.steps += 1
         state.battery -= 1
+        if charges:
+            state.battery = charged(state.battery, self.max_battery)
         self.last_motion = outcome
         return reward, delivered, is_truncated(state.steps, self.max_steps, state.battery)
 

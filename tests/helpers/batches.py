@@ -24,14 +24,18 @@ SHOP = Layout(["P.D", "D#P", "..P"])
 EMPTY = Layout(["....", ".##."])
 CORRIDOR = Layout(["P....D"])
 ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
-CHARGED = Layout(["P.C", ".#.", "CDP"])
 
 MIXED = [
     *(random_layout(4 + size, 9 - size, 0.3, seed=size) for size in range(5)),
     *(TWO_CELLS, SHOP, EMPTY, CORRIDOR, SHOP, ROOM, DEFAULT_LAYOUT, FULL),
-    *(CHARGED, Layout(["C.C", "#C."])),
 ]
 """Layouts of different sizes, some twice, with none, one or several stations."""
+
+CHARGED = [
+    *(Layout(["P.C", ".#.", "CDP"]), Layout(["C.C", "#C."]), Layout(["C..C", "P#D."])),
+    *(Layout(["PCCD"]), ROOM, Layout(["CC", "CC"])),
+]
+"""Layouts with chargers and one without; the last has no room for anything else."""
 
 MOTION = ("blocked", "seconds", "joules")
 
@@ -94,6 +98,8 @@ class Single:
         mask, chance = self.mask(), stream.random()
         if chance < 0.6 and (mask[PICK] or mask[DROP]):
             return PICK if mask[PICK] else DROP
+        if chance < 0.8 and state.robot_pos in layout.chargers:
+            return WAIT
         targets = layout.dropoffs if state.has_item else layout.pickups
         if chance > 0.6 or not targets:
             return int(stream.integers(7))

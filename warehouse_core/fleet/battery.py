@@ -4,19 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from warehouse_core.arguments import whole_number
 from warehouse_core.motion.grid import nominal_joules
-from warehouse_core.motion.vector import Flags
 from warehouse_core.task.encoding import MAX_STEPS
+from warehouse_core.task.rules import CHARGE
 
 STEPS, JOULES = "steps", "joules"
 UNITS = (STEPS, JOULES)
-
-CHARGE = 10
-"""Steps of driving that one step on a charger adds."""
 
 
 @dataclass(frozen=True)
@@ -52,17 +46,3 @@ class Battery:
     def step_charge(self, cell_size: float) -> float:
         """Return what a step of waiting on a charger adds."""
         return CHARGE * self.step_cost(cell_size) if self.charge is None else self.charge
-
-    def after(
-        self, left: NDArray[np.float64], joules: NDArray[np.float64], charging: Flags, charge: float
-    ) -> NDArray[np.float64]:
-        """Return what is left after a step.
-
-        Args:
-            left: ``[N]`` units before it.
-            joules: ``[N]``, what the motion of the step cost.
-            charging: ``[N]``, whether the robot waited on a charger.
-            charge: as ``step_charge`` returns it.
-        """
-        cost = 1.0 if self.unit == STEPS else joules
-        return np.minimum(left - cost + charge * charging, self.capacity)

@@ -6,7 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.motion.vector import Flags, Integers, Rows
+from warehouse_core.task.encoding import NOWHERE
 from warehouse_core.vector.floor import VectorFloor
+from warehouse_core.world.distances import nearest
+from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import LayoutSet, places_table
 from warehouse_core.world.tiles import CELL_CODES, OTHER_EMPTY, OTHER_LOADED, PERSON, PICKUP
 
@@ -47,6 +50,7 @@ class FleetFloor(VectorFloor):
         side = np.arange(-radius, radius + 1)
         self._offsets = np.array([(side[:, None] * stride + side).ravel() for stride in strides])
         self._kind = np.repeat(layouts.kind, robots)
+        self._chargers = np.concatenate([_nearest_chargers(kind) for kind in kinds])
         self._waiting = np.full(ends[-1], NOTHING, np.uint8)
         self._on_top = self._waiting.copy()
         self._covered: Integers = np.zeros(0, np.intp)
@@ -79,11 +83,25 @@ class FleetFloor(VectorFloor):
         self._on_top[robots] = codes.take(has_item)
         self._on_top[persons] = CELL_CODES[PERSON]
 
+    def nearest_chargers(self, rows: Rows, cells: Integers) -> NDArray[np.int32]:
+        """Return row and column of the charger nearest to each cell, or ``NOWHERE``; ``[N, 2]``."""
+        return self._chargers.take(self._base[rows] + cells, axis=0)
+
     def _spots_of(self, cells: Integers) -> Integers:
-        return self._corner_of + self._spots.take(self._base + cells)
+        spots: Integers = self._corner_of + self._spots.take(self._base + cells)
+        return spots
 
     def _around(self, rows: Rows, cells: Integers, robots: Integers) -> NDArray[np.uint8]:
         windows = super()._around(rows, cells, robots)
         spots = self._corner_of[rows] + self._spots.take(self._base[rows] + cells)
         around = self._on_top.take(spots[:, None] + self._offsets.take(self._kind[rows], axis=0))
-        return np.maximum(windows, around, out=windows)
+        np.maximum(windows, around, out=windows)
+        return windows
+
+
+def _nearest_chargers(layout: Layout) -> NDArray[np.int32]:
+    """Return row and column of the nearest charger of every cell, ``[H * W, 2]``."""
+    cells = nearest(layout, layout.chargers).ravel()
+    places = np.stack(np.divmod(cells, layout.width), axis=-1).astype(np.int32)
+    places[cells < 0] = NOWHERE
+    return places

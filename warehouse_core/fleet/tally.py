@@ -68,33 +68,44 @@ class Tally:
         self._counts = np.zeros((ENDED + 1, floors * robots), np.int64)
         self._joules = np.zeros(floors * robots)
         self._seconds = np.zeros(floors)
-        self.deliveries = np.zeros(floors, np.int64)
+        self._deliveries = np.zeros(floors, np.int64)
 
     def clear(self, floors: Integers) -> None:
         """Start again on some floors."""
         rows = (floors[:, None] * self._robots + np.arange(self._robots)).ravel()
         self._counts[:, rows], self._joules[rows] = 0, 0.0
-        self._seconds[floors], self.deliveries[floors] = 0.0, 0
+        self._seconds[floors], self._deliveries[floors] = 0.0, 0
 
-    def add(self, actions: Integers, outcome: BatchOutcome, charging: Flags, active: Flags) -> None:
+    def add(
+        self,
+        actions: Integers,
+        outcome: BatchOutcome,
+        charging: Flags,
+        delivered: Flags,
+        active: Flags,
+    ) -> None:
         """Count one step of all robots.
 
         Args:
             actions: ``[N]``, 0 to 6.
             outcome: of their motion.
             charging: ``[N]``, whether they waited on a charger.
+            delivered: ``[N]``, whether they delivered an item.
             active: ``[N]``, whether they had not ended before.
         """
         did = np.where(actions < WAIT, MOVED, np.where(actions == WAIT, WAITED, HANDLED))
         did[charging] = CHARGED
         blocked = np.flatnonzero(outcome.blocked)
-        by = BY_WALL if outcome.stopped_by is None else _counterpart(
-            outcome.stopped_by[blocked], self._robots
+        by = (
+            BY_WALL
+            if outcome.stopped_by is None
+            else _counterpart(outcome.stopped_by[blocked], self._robots)
         )
         did[blocked] = by
         did[~active] = ENDED
         self._counts[did, self._rows] += 1
         self._joules += outcome.joules
+        self._deliveries += delivered.reshape(-1, self._robots).sum(axis=1)
         self._seconds += outcome.seconds.reshape(-1, self._robots).max(axis=1)
 
     def counts(self, floor: int) -> NDArray[np.int64]:
@@ -115,7 +126,7 @@ class Tally:
         done = self.counts(floor).sum(axis=1).tolist()
         seconds = float(self._seconds[floor])
         rows = slice(floor * self._robots, (floor + 1) * self._robots)
-        joules, delivered = float(self._joules[rows].sum()), int(self.deliveries[floor])
+        joules, delivered = float(self._joules[rows].sum()), int(self._deliveries[floor])
         late = [
             max(order.delivered - order.due, 0)
             for order in orders or ()

@@ -1,19 +1,22 @@
-"""The rules of the warehouse: the rewards, and when an episode ends.
+"""The rules of the warehouse: the rewards, the battery, and when an episode ends.
 
 Nothing here moves a robot. A motion backend reports where the robot is and whether something
-stopped it; these pure functions compute the reward, whether the robot holds an item, and whether
-the episode ends. They are the same for every backend.
+stopped it; these pure functions compute the reward, whether the robot holds an item, how its
+battery charges, and whether the episode ends. They are the same for every backend.
 
 | action              | effect                            | reward, added to `STEP_REWARD` |
 | ------------------- | --------------------------------- | ------------------------------ |
 | N E S W             | the robot moves                   | 0                              |
 | N E S W, blocked    | the robot stays                   | `BLOCKED_REWARD`               |
 | WAIT                | none                              | `WAIT_REWARD`                  |
+| WAIT on a C         | the battery gains `CHARGE` units  | `WAIT_REWARD`                  |
 | PICK on a P, empty  | the robot takes the item          | `PICK_REWARD`                  |
 | DROP on a D, loaded | the item is delivered; terminated | `DROP_REWARD`                  |
 | any other           | none                              | `MISTAKE_REWARD`               |
 
-Source: the chapter's exercise (Russell and Norvig, 4th ed., ch. 2).
+Every step first costs one unit of the battery, which then gains no more than makes it full.
+
+Source: the chapter's exercise (Russell and Norvig, 4th ed., ch. 2), except for the charger.
 """
 
 from __future__ import annotations
@@ -22,7 +25,7 @@ from functools import cache
 from typing import NamedTuple
 
 from warehouse_core.world.actions import DROP, PICK, WAIT
-from warehouse_core.world.tiles import DROPOFF, PICKUP
+from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP
 
 STEP_REWARD = -0.1
 BLOCKED_REWARD = -1.0
@@ -31,6 +34,9 @@ PICK_REWARD = 5.0
 DROP_REWARD = 10.0
 MISTAKE_REWARD = -0.5
 
+CHARGE = 10
+"""Battery units that a step on a charger adds."""
+
 
 class Verdict(NamedTuple):
     """The reward and effect of one step."""
@@ -38,6 +44,7 @@ class Verdict(NamedTuple):
     reward: float
     has_item: bool
     delivered: bool
+    charges: bool = False
 
 
 @cache
@@ -53,7 +60,7 @@ def judge(action: int, tile: str, has_item: bool, blocked: bool) -> Verdict:
     if action < WAIT:
         return Verdict(STEP_REWARD + (BLOCKED_REWARD if blocked else 0.0), has_item, False)
     if action == WAIT:
-        return Verdict(STEP_REWARD + WAIT_REWARD, has_item, False)
+        return Verdict(STEP_REWARD + WAIT_REWARD, has_item, False, tile == CHARGER)
     if action == PICK and tile == PICKUP and not has_item:
         return Verdict(STEP_REWARD + PICK_REWARD, True, False)
     if action == DROP and tile == DROPOFF and has_item:
@@ -72,6 +79,11 @@ def useful_actions(open_sides: tuple[bool, ...], tile: str, has_item: bool) -> t
     """
     picks = judge(PICK, tile, has_item, False).has_item != has_item
     return (*open_sides, True, picks, judge(DROP, tile, has_item, False).delivered)
+
+
+def charged(battery: int, max_battery: int) -> int:
+    """Return the battery units after a step that charges; the step's own cost is deducted."""
+    return min(max_battery, battery + CHARGE)
 
 
 def is_truncated(steps: int, max_steps: int, battery: int) -> bool:

@@ -17,6 +17,7 @@ from warehouse_core.task.starts import what_is_drawn
 from warehouse_core.task.state import WarehouseState
 from warehouse_core.vector.floor import VectorFloor
 from warehouse_core.vector.robots import VectorRobots
+from warehouse_core.vector.rules import spend_and_charge
 from warehouse_core.vector.starts import VectorStarts
 from warehouse_core.world.actions import ACTIONS, WAIT
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
@@ -60,7 +61,8 @@ class BatchEnv:
         start_pos: start of robots that is not drawn, one for all rows or ``B`` of them; ``None``
             is the usual start of each layout.
         max_steps: limit of an episode, 1 to ``MAX_STEPS``.
-        battery: units of a full charge, 1 to ``MAX_STEPS``; every step costs one.
+        battery: units of a full charge, 1 to ``MAX_STEPS``; every step costs one, and waiting on
+            a charger charges.
         view_radius: cells seen in each direction; with 0 a robot sees only itself.
         randomize: what is drawn for each episode: ``True`` for pickup, dropoff and start, or
             ``"stations"`` or ``"start"`` for one of the two.
@@ -105,7 +107,8 @@ class BatchEnv:
         self._steps = np.zeros(self.num_envs, np.int32)
         self._ended = np.zeros(self.num_envs, np.bool_)
         self._started = False
-        # A step costs one unit of battery, so the lower of the two limits ends an episode.
+        # Without chargers the battery follows from the steps, and needs no array.
+        self._battery = np.zeros(self.num_envs, np.int32) if self._floor.has_chargers else None
         self._last_step = min(self.max_steps, self.max_battery)
 
     @property
@@ -158,10 +161,10 @@ class BatchEnv:
         chosen = self._checked_actions(actions)
         fresh = self._restart_ended()
         chosen[fresh] = WAIT  # their step only starts an episode
-        outcome, rewards, terminated = self._robots.step(chosen)
+        outcome, rewards, terminated, charging = self._robots.step(chosen)
         self._steps += 1
         self._steps[fresh] = 0
-        truncated = self._steps >= self._last_step
+        truncated = self._truncated(charging, fresh)
         rewards[fresh] = outcome.seconds[fresh] = outcome.joules[fresh] = 0.0
         self._ended = terminated | truncated
         moved = np.ones_like(terminated)
@@ -195,12 +198,26 @@ class BatchEnv:
         if self._drawn.stations:
             layout = layout.with_stations(*map(tuple, self._floor.station_places[:, row].tolist()))
         robot, steps = divmod(int(self._robots.cells[row]), layout.width), int(self._steps[row])
-        has_item = bool(self._robots.has_item[row])
-        return layout, WarehouseState(robot, has_item, self.max_battery - steps, steps)
+        has_item, battery = bool(self._robots.has_item[row]), int(self._units(np.array([row]))[0])
+        return layout, WarehouseState(robot, has_item, battery, steps)
 
     def close(self) -> None:
         """Close the motion backend."""
         self._robots.motion.close()
+
+    def _truncated(self, charging: Flags | None, fresh: Integers) -> Flags:
+        """Use and charge the batteries; return which rows are truncated, see ``is_truncated``."""
+        if self._battery is None or charging is None:
+            return self._steps >= self._last_step
+        spend_and_charge(self._battery, self.max_battery, charging)
+        self._battery[fresh] = self.max_battery
+        return (self._steps >= self.max_steps) | (self._battery <= 0)
+
+    def _units(self, rows: Rows) -> NDArray[np.int32]:
+        """Return the battery units of some rows, a new array."""
+        if self._battery is None:
+            return self.max_battery - self._steps[rows]
+        return self._battery[rows].copy()
 
     def _begin(self, rows: Integers) -> None:
         """Start an episode in some rows."""
@@ -208,6 +225,8 @@ class BatchEnv:
         self._floor.put_stations(rows, pickups, dropoffs)
         self._robots.place(rows, robots)
         self._ended[rows], self._steps[rows] = False, 0
+        if self._battery is not None:
+            self._battery[rows] = self.max_battery
 
     def _restart_ended(self) -> Integers:
         """Restart the rows that have ended, in the next-step mode, and return their numbers."""
@@ -244,7 +263,7 @@ class BatchEnv:
 
     def _observe(self, rows: Rows) -> Arrays:
         steps = self._steps[rows][:, None]
-        return self._robots.observe(rows, self.max_battery - steps, steps.copy())
+        return self._robots.observe(rows, self._units(rows)[:, None], steps.copy())
 
     def _checked_actions(self, actions: ArrayLike) -> NDArray[np.intp]:
         """Return a checked copy of the actions."""

@@ -34,6 +34,7 @@ class VectorFloor:
             row, instead of those of the layouts.
 
     Attributes:
+        has_chargers: whether any layout has one.
         station_places: ``[2, B, 2]``, row and column of the first pickups and dropoffs.
     """
 
@@ -42,6 +43,7 @@ class VectorFloor:
             layouts = layouts.without_stations()
         kinds, rows = layouts.kinds, len(layouts.kind)
         self._base, self._moving, self._radius = layouts.base, moving_stations, radius
+        self.has_chargers = any(kind.chargers for kind in kinds)
         self._windows = windows_table(kinds, radius)
         self._places = places_table(kinds)
         self._sides = sides_number(sides_table(kinds))
@@ -74,6 +76,8 @@ class VectorFloor:
             return self._stations.take(self._base + cells)
         pickups, dropoffs = self._station_cells
         on: Integers = (cells == pickups) + 2 * (cells == dropoffs)
+        if self.has_chargers:  # all that is left in these layouts, and never below a station
+            on += self._stations.take(self._base + cells)
         return on
 
     def masks(self, cells: Integers, has_item: Flags) -> NDArray[np.int8]:

@@ -5,15 +5,34 @@ A batch has one robot on each of its floors, a fleet several on one floor or mor
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.motion.vector import BatchMotion, BatchOutcome, Flags, Integers, Rows
 from warehouse_core.task.encoding import Arrays
 from warehouse_core.vector.floor import VectorFloor
-from warehouse_core.vector.rules import judge_all
+from warehouse_core.vector.rules import charging, judge_all
 
 Counts = NDArray[np.int32]
+
+
+class VectorStep(NamedTuple):
+    """One step of ``N`` robots; the arrays belong to the caller.
+
+    Attributes:
+        outcome: of the motion.
+        rewards: ``[N]`` float64.
+        delivered: ``[N]`` bool, whether the robot has delivered its item.
+        charging: ``[N]`` bool, whether the robot charges; ``None`` if no floor has a charger.
+    """
+
+    outcome: BatchOutcome
+    rewards: NDArray[np.float64]
+    delivered: Flags
+    charging: Flags | None
 
 
 class VectorRobots:
@@ -34,27 +53,26 @@ class VectorRobots:
         self.cells = np.zeros(count, np.intp)
         self.has_item = np.zeros(count, np.bool_)
 
-    def place(self, rows: Integers, cells: Integers) -> None:
+    def place(
+        self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
+    ) -> None:
         """Put some of the robots in their cells, without an item; see ``BatchMotion.place``."""
-        self.motion.place(rows, cells)
+        self.motion.place(rows, cells, seeds)
         self.cells[rows] = cells
         self.has_item[rows] = False
 
-    def step(self, actions: Integers) -> tuple[BatchOutcome, NDArray[np.float64], Flags]:
+    def step(self, actions: Integers) -> VectorStep:
         """Carry out one action for each robot.
 
         Args:
             actions: ``[N]`` intp, 0 to 6.
-
-        Returns:
-            The outcome of the motion, ``[N]`` float64 rewards, and ``[N]`` bool, whether the robot
-            has delivered its item.
         """
         outcome = self.motion.advance(actions, self.has_item)
         self.cells = outcome.cells
         on = self.floor.stations(self.cells)
         rewards, self.has_item, delivered = judge_all(actions, on, self.has_item, outcome.blocked)
-        return outcome, rewards, delivered
+        charges = charging(actions, on) if self.floor.has_chargers else None
+        return VectorStep(outcome, rewards, delivered, charges)
 
     def masks(self) -> NDArray[np.int8]:
         """Return ``[N, 7]`` int8: 1 for each action that does something now."""

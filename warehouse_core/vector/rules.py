@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.motion.vector import Flags, Integers
-from warehouse_core.task.rules import judge, useful_actions
+from warehouse_core.task.rules import CHARGE, judge, useful_actions
 from warehouse_core.world.actions import ACTIONS
-from warehouse_core.world.tiles import CELL_CODES, DROPOFF, EMPTY, PICKUP
+from warehouse_core.world.tiles import CELL_CODES, CHARGER, DROPOFF, EMPTY, PICKUP
 
-STATION_KINDS = (EMPTY, PICKUP, DROPOFF, PICKUP + DROPOFF)
+STATION_KINDS = (EMPTY, PICKUP, DROPOFF, PICKUP + DROPOFF, CHARGER)
 """What a robot can stand on; a batch uses the index.
 
 Of a cell that is both, as orders can make it, a robot uses the pickup if it holds no item, and the
@@ -34,6 +35,8 @@ _VERDICTS = [
 _REWARDS = np.array([verdict.reward for verdict in _VERDICTS])
 _HAS_ITEM = np.array([verdict.has_item for verdict in _VERDICTS])
 _DELIVERED = np.array([verdict.delivered for verdict in _VERDICTS])
+_CHARGES = np.array([verdict.charges for verdict in _VERDICTS[::4]])
+"""By action and tile alone."""
 
 _MASK_BYTES = 8
 """Size of a mask with padding: looking up eight bytes at once is much faster than seven."""
@@ -66,6 +69,32 @@ def judge_all(
     """
     index = ((actions * len(STATION_KINDS) + stations) * 2 + has_item) * 2 + blocked
     return _REWARDS.take(index), _HAS_ITEM.take(index), _DELIVERED.take(index)
+
+
+def charging(actions: Integers, stations: Integers) -> Flags:
+    """Return whether ``[B]`` robots charge in a step; see ``rules.judge``."""
+    return _CHARGES.take(actions * len(STATION_KINDS) + stations)
+
+
+def spend_and_charge(
+    battery: NDArray[Any],
+    capacity: int,
+    charging: Flags,
+    cost: float | NDArray[np.float64] = 1,
+    charge: float = CHARGE,
+) -> None:
+    """Change the units that ``[B]`` robots have left, in place, by one step.
+
+    Args:
+        battery: ``[B]`` units left.
+        capacity: units of a full charge.
+        charging: ``[B]``, whether the robot charges.
+        cost: units that the step costs, for all or for each.
+        charge: units that a robot gains by charging, up to a full charge.
+    """
+    battery -= cost
+    # Not the lower of full and charged, because that sum can exceed 32 bits.
+    battery += charging * np.minimum(capacity - battery, charge)
 
 
 def station_numbers(tiles: NDArray[np.uint8]) -> NDArray[np.intp]:

@@ -20,20 +20,40 @@ def distances(layout: Layout, cells: Collection[Cell]) -> Distances:
     Raises:
         LayoutError: one of ``cells`` is not open.
     """
+    return _nearest(layout, cells)[0]
+
+
+def nearest(layout: Layout, cells: Collection[Cell]) -> NDArray[np.intp]:
+    """Return the nearest of ``cells`` by moves, ``[H, W]`` as ``row * W + col``; -1 without a path.
+
+    Raises:
+        LayoutError: one of ``cells`` is not open.
+    """
+    return _nearest(layout, cells)[1]
+
+
+def _nearest(layout: Layout, cells: Collection[Cell]) -> tuple[Distances, NDArray[np.intp]]:
+    """Return for each cell the moves to the nearest of ``cells``, and which one that is."""
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import dijkstra
 
     for cell in cells:
         check_open(layout, cell, "cell")
-    found = np.full(layout.height * layout.width, np.inf)
+    moves = np.full(layout.height * layout.width, np.inf)
+    which = np.full(layout.height * layout.width, -1, np.intp)
     if cells:
         count = len(layout.open_cells)
         targets, ends = _neighbours(layout)
         graph = csr_array((np.ones(len(targets), np.int8), targets, ends), shape=(count, count))
         flat = [row * layout.width + col for row, col in cells]
         sources = np.searchsorted(layout.open_cells, flat)
-        found[layout.open_cells] = dijkstra(graph, indices=sources, unweighted=True, min_only=True)
-    return found.reshape(layout.height, layout.width)
+        found, _, source = dijkstra(
+            graph, indices=sources, unweighted=True, min_only=True, return_predecessors=True
+        )
+        moves[layout.open_cells] = found
+        which[layout.open_cells] = np.where(source < 0, -1, layout.open_cells[source])
+    shape = layout.height, layout.width
+    return moves.reshape(shape), which.reshape(shape)
 
 
 def _neighbours(layout: Layout) -> tuple[np.ndarray, np.ndarray]:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.batches import (
+    CHARGED,
     CORRIDOR,
     DISABLED,
     DROP,
@@ -24,16 +25,20 @@ from helpers.batches import (
     some_batch,
 )
 
+from warehouse_core import DEFAULT_LAYOUT, Layout
+from warehouse_core.task.encoding import MAX_STEPS
 from warehouse_core.vector.env import BatchEnv
 
 
 class Walk:
     """A batch and a single warehouse for each row, stepped with the same actions."""
 
-    def __init__(self, mode: str, randomize: bool | str, seed: int, **limits: int) -> None:
+    def __init__(
+        self, mode: str, randomize: bool | str, seed: int, layouts: list[Layout], **limits: int
+    ) -> None:
         self.mode, self.seen = mode, Counter[str]()
-        self.batch = some_batch(mode, randomize=randomize, **limits)
-        self.rows = [Single(layout, randomize, **limits) for layout in MIXED]
+        self.batch = some_batch(mode, layouts, randomize=randomize, **limits)
+        self.rows = [Single(layout, randomize, **limits) for layout in layouts]
         for number, row in enumerate(self.rows):
             row.begin(seed + number)
         self.compare(*self.batch.reset(seed))
@@ -68,10 +73,12 @@ class Walk:
             assert not info["_motion"][index]
             self.seen["fresh"] += 1
             return 0.0, False, False
+        units = row.env.state.battery
         verdict = row.step(action)
         _, delivered, truncated = verdict
         blocked, *_ = moved = row.motion()
         self.seen.update({"delivered": delivered, "truncated": truncated, "blocked": blocked})
+        self.seen["charged"] += row.env.state.battery > units
         source = info
         if row.ended and self.mode == SAME_STEP:
             source = info["final_info"]
@@ -80,6 +87,17 @@ class Walk:
         assert info["_motion"][index] == (source is info)
         assert moved == tuple(source["motion"][key][index] for key in MOTION)
         return verdict
+
+    def go(self, steps: int = 90) -> None:
+        """Take random steps, and reset rows now and then."""
+        stream = np.random.default_rng(9)
+        for number in range(steps):
+            chosen = np.array([row.ended for row in self.rows])
+            if self.mode != DISABLED:
+                chosen |= stream.random(len(chosen)) < 0.3
+            if chosen.any() and (self.mode == DISABLED or number % 15 == 14):
+                self.reset(chosen)
+            self.step([row.choose(stream) for row in self.rows])
 
     def check_keys(self, info: dict[str, Any], ended: np.ndarray) -> None:
         """Check the keys of info and the flags of the rows that they apply to."""
@@ -114,18 +132,50 @@ class Walk:
 def test_every_row_equals_a_single_warehouse(mode: str, randomize: bool | str, radius: int) -> None:
     """With bumps, deliveries, truncations and resets of some rows."""
     limits = {"max_steps": 23, "battery": 31 - 5 * radius, "view_radius": radius}
-    walk, stream = Walk(mode, randomize, seed=radius, **limits), np.random.default_rng(9)
-    for number in range(90):
-        chosen = np.array([row.ended for row in walk.rows])
-        if mode != DISABLED:
-            chosen |= stream.random(len(chosen)) < 0.3
-        if chosen.any() and (mode == DISABLED or number % 15 == 14):
-            walk.reset(chosen)
-        walk.step([row.choose(stream) for row in walk.rows])
+    walk = Walk(mode, randomize, radius, MIXED, **limits)
+    walk.go()
     assert walk.seen["blocked"] > 50
     assert walk.seen["delivered"] > 10
     assert walk.seen["truncated"] > 10
     assert (walk.seen["fresh"] > 20) == (mode == NEXT_STEP)
+    assert not walk.seen["charged"]
+
+
+@pytest.mark.parametrize(
+    ("mode", "randomize", "radius"),
+    [
+        (NEXT_STEP, False, 0),
+        (NEXT_STEP, True, 2),
+        (SAME_STEP, "start", 1),
+        (DISABLED, "stations", 1),
+    ],
+)
+def test_every_row_with_chargers_equals_a_single_warehouse(
+    mode: str, randomize: bool | str, radius: int
+) -> None:
+    """Batteries last from one step, which a charger still saves, to longer than any episode."""
+    layouts = CHARGED if randomize in (False, "start") else CHARGED[:-1]
+    for battery in (1, 5, 12, 60):
+        limits = {"max_steps": 23, "battery": battery, "view_radius": radius}
+        walk = Walk(mode, randomize, radius, [*layouts, DEFAULT_LAYOUT], **limits)
+        walk.go(60)
+        assert (walk.seen["charged"] > 10) == (battery > 1)
+        assert walk.seen["truncated"] > 3
+
+
+def test_a_nearly_full_battery_of_the_largest_size_charges() -> None:
+    batch = BatchEnv(1, Layout(["PCD"]), (0, 1), battery=MAX_STEPS, randomize=False)
+    batch.reset()
+    assert batch.step([PICK])[0]["battery"].tolist() == [[MAX_STEPS - 1]]
+    assert batch.step([WAIT])[0]["battery"].tolist() == [[MAX_STEPS]]
+    assert batch.row(-1)[1].battery == MAX_STEPS
+
+
+def test_observed_batteries_do_not_change_later() -> None:
+    batch = BatchEnv(1, Layout(["PCD"]), (0, 1), battery=9, randomize=False)
+    arrays, _ = batch.reset()
+    batch.step([PICK])
+    assert arrays["battery"].tolist() == [[9]]
 
 
 @pytest.mark.parametrize(("max_steps", "battery"), [(3, 9), (9, 3), (1, 1)])

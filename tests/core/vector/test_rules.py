@@ -6,25 +6,44 @@ import pytest
 from warehouse_core.task.rules import judge, useful_actions
 from warehouse_core.vector.rules import (
     STATION_KINDS,
+    charging,
     judge_all,
     masks,
     sides_number,
+    spend_and_charge,
     station_numbers,
 )
 
 NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
-EMPTY, PICKUP, DROPOFF = range(3)
+EMPTY, PICKUP, DROPOFF, BOTH, CHARGER = range(5)
 NO, YES = False, True
 
 
+def tile(station: int, has_item: bool) -> str:
+    """Return what a station is to a robot."""
+    return (
+        "D" if station == BOTH and has_item else "P" if station == BOTH else STATION_KINDS[station]
+    )
+
+
 def test_verdicts_equal_those_of_the_rules() -> None:
-    cases = list(product(range(7), range(3), (NO, YES), (NO, YES)))
+    cases = list(product(range(7), range(5), (NO, YES), (NO, YES)))
     actions, stations, has_item, blocked = (np.array(column) for column in zip(*cases, strict=True))
     rewards, holds, delivered = judge_all(actions, stations, has_item, blocked)
     assert (rewards.dtype, holds.dtype, delivered.dtype) == (float, bool, bool)
     for row, (action, station, has, stopped) in enumerate(cases):
-        expected = judge(action, STATION_KINDS[station], has, stopped)
-        assert (rewards[row], holds[row], delivered[row]) == expected
+        expected = judge(action, tile(station, has), has, stopped)
+        assert (rewards[row], holds[row], delivered[row]) == expected[:3]
+
+
+def test_batteries_change_like_a_single_one() -> None:
+    cases = list(product(range(7), range(5), (-4, 0, 1, 6, 11, 12)))
+    actions, stations, units = (np.array(column) for column in zip(*cases, strict=True))
+    battery = units.astype(np.int32)
+    spend_and_charge(battery, 12, charging(actions, stations))
+    for found, (action, station, before) in zip(battery.tolist(), cases, strict=True):
+        charges = (action, station) == (WAIT, CHARGER)
+        assert found == (min(12, before + 9) if charges else before - 1)
 
 
 def test_some_verdicts() -> None:
@@ -51,20 +70,21 @@ def test_sides_are_numbered_north_first() -> None:
     assert sides_number(sides).tolist() == [8, 1, 15, 0, 6]
 
 
-def test_only_pickup_and_dropoff_are_stations() -> None:
-    floor, wall, pickup, dropoff = range(4)
-    tiles = np.array([pickup, floor, dropoff, wall, pickup], np.uint8)
-    assert station_numbers(tiles).tolist() == [PICKUP, EMPTY, DROPOFF, EMPTY, PICKUP]
+def test_pickups_dropoffs_and_chargers_are_stations() -> None:
+    floor, wall, pickup, dropoff, robot, _, charger = range(7)
+    tiles = np.array([pickup, floor, dropoff, wall, charger, robot, pickup], np.uint8)
+    expected = [PICKUP, EMPTY, DROPOFF, EMPTY, CHARGER, EMPTY, PICKUP]
+    assert station_numbers(tiles).tolist() == expected
 
 
 def test_masks_are_the_useful_actions() -> None:
-    cases = list(product(range(16), range(3), (NO, YES)))
+    cases = list(product(range(16), range(5), (NO, YES)))
     sides, stations, has_item = (np.array(column) for column in zip(*cases, strict=True))
     found = masks(sides.astype(np.uint8), stations, has_item)
-    assert (found.shape, found.dtype) == ((96, 7), np.int8)
+    assert (found.shape, found.dtype) == ((160, 7), np.int8)
     for row, (number, station, has) in enumerate(cases):
         open_sides = tuple(bool(number & bit) for bit in (8, 4, 2, 1))
-        expected = useful_actions(open_sides, STATION_KINDS[station], has)
+        expected = useful_actions(open_sides, tile(station, has), has)
         assert found[row].tolist() == list(expected)
     by_hand = masks(np.array([9, 0, 15]), np.array([PICKUP, DROPOFF, DROPOFF]), np.array([0, 1, 0]))
     assert by_hand.tolist() == [

@@ -4,7 +4,9 @@ from collections import Counter
 from typing import Any
 
 import numpy as np
+import pytest
 from helpers.batches import (
+    CHARGED,
     CORRIDOR,
     DISABLED,
     MIXED,
@@ -23,11 +25,12 @@ from warehouse_core.vector.env import BatchEnv
 
 
 @over_starts
+@pytest.mark.parametrize("layouts", [MIXED, CHARGED[:-1]])
 def test_rows_start_like_single_environments_with_consecutive_seeds(
-    randomize: bool | str,
+    randomize: bool | str, layouts: list[Layout]
 ) -> None:
-    batch = some_batch(randomize=randomize)
-    singles = [WarehouseGymnasiumEnv(layout, randomize=randomize) for layout in MIXED]
+    batch = some_batch(layouts=layouts, randomize=randomize)
+    singles = [WarehouseGymnasiumEnv(layout, randomize=randomize) for layout in layouts]
     for seed in (7, None, None, 2**40, None):
         arrays, _ = batch.reset(seed)
         for row, env in enumerate(singles):

@@ -1,0 +1,331 @@
+"""A fleet of robots in one warehouse, with orders, chargers and people."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from typing import Any, SupportsIndex
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.arguments import whole_number
+from warehouse_core.errors import EndedError
+from warehouse_core.fleet.battery import Battery
+from warehouse_core.fleet.fleets import Fleets
+from warehouse_core.fleet.observation import FleetArrays, FleetObservation, observation_of
+from warehouse_core.fleet.orders import Order, Orders
+from warehouse_core.fleet.people import People
+from warehouse_core.fleet.settings import FleetSettings, as_orders
+from warehouse_core.fleet.tally import FleetMeasures
+from warehouse_core.motion.backends import Backend, make_fleet_motion
+from warehouse_core.motion.base import Outcome
+from warehouse_core.motion.vector import Flags
+from warehouse_core.task.rules import CHARGE
+from warehouse_core.world.actions import DROP, INVALID, PICK, WAIT, action_index
+from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
+from warehouse_core.world.tiles import Cell
+
+FloorOne = np.zeros(1, np.intp)
+
+Action = str | SupportsIndex
+Actions = Sequence[Action] | NDArray[Any] | Mapping[int, Action]
+FleetStepResult = tuple[FleetArrays, NDArray[np.float64], Flags, Flags, dict[str, Any]]
+
+
+class FleetEnv:
+    """``R`` robots that bring items from pickups to dropoffs in one warehouse.
+
+    ## Description
+
+    Each robot is that of ``WarehouseEnv``, by the same rules and the same backends; several get in
+    each other's way by the table of ``motion/traffic.py``. An order only decides what a cell is to
+    a robot: a pickup where an order waits for it, a dropoff where its item is due. Without orders
+    each robot has the task of the chapter, and a fleet of one equals ``WarehouseEnv``.
+
+    A step, in this order: robots that have ended wait; the robots and people move; the rules judge
+    each robot where it is then; picks and deliveries are booked; the step costs battery, and those
+    who wait on a charger charge; orders released now appear and are assigned; robots end.
+
+    ## Actions
+
+    Those of ``WarehouseEnv`` for each robot.
+
+    ## Observations
+
+    ``FleetArrays`` with a leading ``R``; ``observe(robot)`` is one of them as a dictionary.
+
+    ## Rewards
+
+    The table of ``task/rules.py`` for each robot, less ``late_penalty`` for each step by which a
+    delivery is late.
+
+    ## Ends
+
+    Without orders, a robot is terminated by its delivery; with a list of orders, all robots are when
+    all are delivered. A robot is truncated when its battery is empty, all when ``max_steps`` are
+    taken. A robot that has ended stays where it is, in the way of others.
+
+    Args:
+        layout: ``None`` is the chapter's.
+        robots: ``R``, at least 1.
+        backend: name, class or instance of the motion that carries out the moves.
+        orders: a rate of orders a step, an ``OrderStream`` or several, or a list of ``Order``; see
+            ``load_orders`` for files. ``None``: each robot delivers one item, as in the chapter.
+        starts: a cell for each robot; ``None`` is the usual start of a lone robot, and draws those
+            of several from the empty cells.
+        max_steps: limit of an episode, at least 1.
+        battery: units of a full charge, of which a step costs one; or a ``Battery``.
+        view_radius: cells seen in each direction, at least 0.
+        people: how many walk on the floor; or ``People``.
+        dispatch: assign each open order, the oldest first, to the nearest robot without one. If
+            not, open orders are for whoever picks them first, or for ``assign``.
+        late_penalty: reward lost for each step by which a delivery is late, at least 0.
+        team_reward: give each robot the mean of all rewards.
+        seed: of the first reset without one.
+
+    Raises:
+        ValueError: an invalid argument; also as ``LayoutError``, ``OrderError``, ``BackendError``.
+        TypeError: an argument of another type.
+    """
+
+    def __init__(
+        self,
+        layout: Layout | Sequence[str] | None = None,
+        robots: int = 2,
+        *,
+        backend: Backend = "grid",
+        orders: Orders | None = None,
+        starts: Sequence[Cell] | None = None,
+        max_steps: int = 200,
+        battery: int | Battery = 200,
+        view_radius: int = 2,
+        people: int | People = 0,
+        dispatch: bool = True,
+        late_penalty: float = 0.0,
+        team_reward: bool = False,
+        seed: int | None = None,
+    ) -> None:
+        if layout is None:
+            layout = DEFAULT_LAYOUT
+        self.layout = layout if isinstance(layout, Layout) else Layout(layout)
+        self.settings = FleetSettings(
+            robots=robots,
+            orders=as_orders(orders),
+            starts=None if starts is None else tuple(starts),
+            max_steps=max_steps,
+            battery=battery if isinstance(battery, Battery) else Battery(battery),
+            view_radius=view_radius,
+            people=people if isinstance(people, People) else People(people),
+            dispatch=dispatch,
+            late_penalty=late_penalty,
+            team_reward=team_reward,
+        )
+        self._motion, cell_size = make_fleet_motion(backend, self.layout, self.settings.bodies)
+        self._fleets = Fleets([self.layout], self.settings, self._motion, cell_size)
+        self._warn_of_supply(cell_size)
+        self.seed = None if seed is None else whole_number("seed", seed, 0)
+        self._started = False
+
+    def __repr__(self) -> str:
+        return f"<FleetEnv {self.settings.robots} robots, {self.layout.summary()}>"
+
+    def reset(self, seed: int | None = None) -> tuple[FleetArrays, dict[str, Any]]:
+        """Start an episode.
+
+        Args:
+            seed: for all random numbers: starts, orders, people and the motion; without one they
+                continue.
+
+        Returns:
+            The observations, and info with ``action_mask``, see ``step``.
+
+        Raises:
+            ValueError: a negative seed; nothing has changed.
+            TypeError: a seed that is not an integer.
+        """
+        if seed is None:
+            seed, self.seed = self.seed, None
+        else:
+            seed, self.seed = whole_number("seed", seed, 0), None
+        self._fleets.reset(FloorOne, [seed])
+        self._started = True
+        return self._fleets.observe(), {"action_mask": self._fleets.robots.masks()}
+
+    def step(self, actions: Actions) -> FleetStepResult:
+        """Carry out one action for each robot.
+
+        Args:
+            actions: ``R`` words or indices, as a sequence, an array, or a mapping from the robot's
+                number. A mapping may leave out robots that have ended. An unknown word or an index
+                out of range is an invalid action, which costs a step, as in the chapter.
+
+        Returns:
+            Observations, ``[R]`` float64 rewards, ``[R]`` bool terminated and truncated, and info:
+            ``action_mask`` ``[R, 7]`` int8, ``invalid_action`` ``[R]`` bool, and ``motion`` with
+            ``blocked``, ``stopped_by`` (see ``BatchOutcome``), ``seconds`` and ``joules``. All
+            arrays are fresh.
+
+        Raises:
+            ValueError: a number of actions that is not ``R``, an action for a robot that does not
+                exist or none for one that does; nothing has changed.
+            TypeError: an action that is neither a word nor an integer.
+            EndedError: before the first reset, or when all robots have ended.
+        """
+        if not self._started or self._fleets.ended.all():
+            problem = "all robots have ended" if self._started else "there is no episode yet"
+            raise EndedError(f"step() needs a reset() before it: {problem}")
+        chosen = self._indices(actions)
+        is_invalid = chosen == INVALID
+        if is_invalid.any():
+            # The same verdict: the mistake that the robot cannot help making.
+            mistakes = np.where(self._fleets.robots.has_item, PICK, DROP)
+            chosen = np.where(is_invalid, mistakes, chosen)
+        outcome, rewards, terminated, truncated = self._fleets.step(chosen)
+        motion = {name: getattr(outcome, name) for name in MOTION_KEYS}
+        info = {
+            "action_mask": self._fleets.robots.masks(),
+            "invalid_action": is_invalid,
+            "motion": motion,
+        }
+        return self._fleets.observe(), rewards, terminated, truncated, info
+
+    def observe(self, robot: int) -> FleetObservation:
+        """Return what one robot observes now, as a new dictionary.
+
+        Raises:
+            ValueError: there is no such robot.
+            EndedError: before the first reset.
+        """
+        self._check_started("observe")
+        row = whole_number("robot", robot, 0, self.settings.robots - 1)
+        return observation_of(self._fleets.observe(np.array([row])), 0)
+
+    def assign(self, robot: int, order: int | None) -> None:
+        """Let an open order wait for one robot only; ``None`` makes that of the robot open again.
+
+        Args:
+            robot: its number.
+            order: its index in ``orders``.
+
+        Raises:
+            OrderError: the robot carries an item, or the order does not wait for it or for all.
+            ValueError: there is no such robot, or the fleet has no orders.
+            EndedError: before the first reset.
+        """
+        self._check_started("assign")
+        robot = whole_number("robot", robot, 0, self.settings.robots - 1)
+        if self._fleets.orders is None:
+            raise ValueError(f"order {order} for robot {robot}: this fleet has no orders")
+        self._fleets.orders.assign(0, robot, None if order is None else int(order))
+
+    @property
+    def orders(self) -> list[Order]:
+        """The orders released so far in this episode, and what has become of them."""
+        orders = self._fleets.orders
+        return orders.books[0].records() if orders else []
+
+    @property
+    def open_orders(self) -> list[int]:
+        """The indices of the orders that wait for any robot, in order of release."""
+        orders = self._fleets.orders
+        return orders.books[0].open_orders if orders else []
+
+    @property
+    def order_of(self) -> list[int | None]:
+        """For each robot the index of the order that it is to take or carries, or ``None``."""
+        orders = self._fleets.orders
+        if orders is None:
+            return [None] * self.settings.robots
+        return [None if order < 0 else order for order in orders.books[0].order_of.tolist()]
+
+    @property
+    def cells(self) -> list[Cell]:
+        """Where each robot is."""
+        return [divmod(cell, self.layout.width) for cell in self._fleets.robots.cells.tolist()]
+
+    @property
+    def loaded(self) -> list[bool]:
+        """Whether each robot holds an item."""
+        loaded: list[bool] = self._fleets.robots.has_item.tolist()
+        return loaded
+
+    @property
+    def battery(self) -> list[float]:
+        """Battery units that each robot has left."""
+        units: list[float] = self._fleets.battery.tolist()
+        return units
+
+    @property
+    def people(self) -> list[Cell]:
+        """Where each person is."""
+        cells = self._fleets.crowd.cells[0].tolist()
+        return [divmod(cell, self.layout.width) for cell in cells]
+
+    @property
+    def steps(self) -> int:
+        """Joint steps taken in this episode."""
+        return int(self._fleets.steps[0])
+
+    @property
+    def last_motion(self) -> Sequence[Outcome]:
+        """What the robots, and then the people, did in the last step.
+
+        Raises:
+            RuntimeError: no step has been taken since the reset.
+        """
+        return self._motion.outcomes(0)
+
+    @property
+    def measures(self) -> FleetMeasures:
+        """How well the fleet has done in this episode."""
+        return self._fleets.measures(0)
+
+    def close(self) -> None:
+        """Close the motion backend."""
+        self._fleets.close()
+
+    def _check_started(self, method: str) -> None:
+        if not self._started:
+            raise EndedError(f"{method}() needs a reset() before it")
+
+    def _indices(self, actions: Actions) -> NDArray[np.intp]:
+        """Return the indices of the actions, ``INVALID`` for those that are not allowed."""
+        robots = self.settings.robots
+        if isinstance(actions, Mapping):
+            actions = self._listed(actions)
+        if isinstance(actions, np.ndarray) and actions.dtype.kind in "iu":
+            given = actions.astype(np.intp)
+            given[(given < 0) | (given >= INVALID)] = INVALID
+        else:
+            given = np.array([action_index(action) for action in actions], np.intp)
+        if given.shape != (robots,):
+            raise ValueError(f"actions of the shape {given.shape} for {robots} robots; one each")
+        return given
+
+    def _listed(self, actions: Mapping[int, Action]) -> list[Action]:
+        """Return the actions of all robots in order; those that have ended may be left out."""
+        robots, ended = self.settings.robots, self._fleets.ended
+        unknown = [robot for robot in actions if robot not in range(robots)]
+        if unknown:
+            raise ValueError(f"an action for robot {unknown[0]!r}; allowed: 0..{robots - 1}")
+        missing = [robot for robot in range(robots) if robot not in actions and not ended[robot]]
+        if missing:
+            raise ValueError(f"no action for robot {missing[0]}; each that has not ended needs one")
+        return [actions.get(robot, WAIT) for robot in range(robots)]
+
+    def _warn_of_supply(self, cell_size: float) -> None:
+        """Warn if the batteries do not last, and the chargers supply less than the robots use."""
+        battery, robots = self.settings.battery, self.settings.robots
+        cost, chargers = battery.step_cost(cell_size), len(self.layout.chargers)
+        supply = chargers * battery.step_charge(cell_size)
+        if self.settings.max_steps * cost > battery.capacity and supply < robots * cost:
+            warnings.warn(
+                f"{chargers} chargers supply {supply:g} {battery.unit} a step and {robots} robots "
+                f"use {robots * cost:g}; batteries of {battery.capacity} do not last for "
+                f"{self.settings.max_steps} steps, so that robots will stop in the way of others",
+                stacklevel=3,
+            )
+
+
+MOTION_KEYS = ("blocked", "stopped_by", "seconds", "joules")

@@ -1,0 +1,243 @@
+"""``B`` fleets of ``R`` robots as one structure of arrays, stepped together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.fleet.battery import STEPS
+from warehouse_core.fleet.floor import FleetFloor
+from warehouse_core.fleet.motion import FleetMotion
+from warehouse_core.fleet.people import Crowd
+from warehouse_core.fleet.settings import FleetSettings
+from warehouse_core.fleet.starts import FleetStarts
+from warehouse_core.fleet.tally import FleetMeasures, Tally
+from warehouse_core.fleet.vector_orders import VectorOrders
+from warehouse_core.motion.vector import BatchMotion, BatchOutcome, Flags, Integers, Rows
+from warehouse_core.task.encoding import Arrays
+from warehouse_core.task.rules import judge
+from warehouse_core.vector.floor import NO_CELL
+from warehouse_core.vector.robots import VectorRobots
+from warehouse_core.vector.rules import spend_and_charge
+from warehouse_core.world.actions import PICK, WAIT
+from warehouse_core.world.layout import Layout
+from warehouse_core.world.tables import LayoutSet
+from warehouse_core.world.tiles import EMPTY
+
+ALL = slice(None)
+
+TAKEN = judge(PICK, EMPTY, False, False)
+"""The verdict on a robot whose item another one has just taken."""
+
+
+class FleetArrays(Arrays, total=False):
+    """The observations of ``N`` robots: ``Arrays``, and two keys more.
+
+    Attributes:
+        due: ``[N, 1]`` int32, the step by which the robot's order is due, or -1; with orders only.
+        charger_pos: ``[N, 2]`` int32, the nearest charger; with chargers only.
+    """
+
+    due: NDArray[np.int32]
+    charger_pos: NDArray[np.int32]
+
+
+class FleetStep(NamedTuple):
+    """One step of ``N`` robots.
+
+    Attributes:
+        outcome: of the motion.
+        rewards: ``[N]`` float64.
+        terminated: ``[N]`` bool, whether the robot's task is done.
+        truncated: ``[N]`` bool, whether its battery or the steps are used up.
+    """
+
+    outcome: BatchOutcome
+    rewards: NDArray[np.float64]
+    terminated: Flags
+    truncated: Flags
+
+
+class Fleets:
+    """``B`` fleets, each on a floor of its own; ``N = B * R`` robots, floor by floor.
+
+    Args:
+        layouts: ``B``.
+        settings: of all fleets.
+        motion: of ``R + P`` bodies on each floor, see ``BatchMotion``.
+        cell_size: side of a cell in metres, for what a step costs.
+
+    Attributes:
+        orders: ``None`` without orders.
+        robots: their cells and loads.
+        crowd: the people.
+        tally: what has been done.
+        battery: ``[N]`` float64 units left.
+        steps: ``[B]`` taken.
+        terminated: ``[N]``, whether the task of the robot is done.
+        truncated: ``[N]``, whether its battery or the steps are used up.
+
+    Raises:
+        LayoutError: robots or people that have no room, or stations that are missing.
+        OrderError: orders that cannot be carried out.
+    """
+
+    def __init__(
+        self,
+        layouts: Sequence[Layout],
+        settings: FleetSettings,
+        motion: BatchMotion,
+        cell_size: float,
+    ) -> None:
+        self.layouts, self.settings = LayoutSet(layouts), settings
+        floors, rows = len(layouts), len(layouts) * settings.robots
+        has_orders = settings.orders is not None
+        self._floor = FleetFloor(
+            self.layouts, settings.robots, settings.view_radius, has_orders=has_orders
+        )
+        self.orders = VectorOrders(self.layouts, settings, self._floor) if has_orders else None
+        self._starts = [FleetStarts(kind, settings) for kind in self.layouts.kinds]
+        self.crowd = Crowd(settings.people, self.layouts)
+        if settings.people.count:
+            motion = FleetMotion(motion, settings.robots, self.crowd)
+        self.robots = VectorRobots(self._floor, motion, rows)
+        self.tally = Tally(floors, settings.robots)
+        self._streams = [np.random.default_rng() for _ in layouts]
+        self._charge = settings.battery.step_charge(cell_size)
+        self.battery = np.zeros(rows)
+        self.steps = np.zeros(floors, np.int32)
+        self.terminated, self.truncated = np.zeros((2, rows), np.bool_)
+        if not has_orders:
+            self._put_first_stations()
+
+    @property
+    def ended(self) -> Flags:
+        """``[N]``, whether the robot has ended: it waits, and stays in the way."""
+        return self.terminated | self.truncated
+
+    def reset(self, floors: Integers, seeds: Sequence[int | None]) -> None:
+        """Start an episode on some floors.
+
+        Args:
+            floors: ``[F]``, all different.
+            seeds: ``F``; a floor without one continues its stream.
+        """
+        cells, motion_seeds = [], []
+        for floor, seed in zip(floors.tolist(), seeds, strict=True):
+            if seed is not None:
+                self._streams[floor] = np.random.default_rng(seed)
+            starts, orders, people, motion = self._streams[floor].spawn(4)
+            robots, persons = self._starts[self.layouts.kind[floor]].draw(starts)
+            cells.append(robots)
+            self.crowd.enter(floor, persons, people)
+            motion_seeds.append(int(motion.integers(2**32)))
+            if self.orders:
+                self.orders.begin(floor, orders)
+        rows = self.rows_of(floors)
+        self.robots.place(rows, np.concatenate(cells), motion_seeds)
+        self.battery[rows] = self.settings.battery.capacity
+        self.terminated[rows] = self.truncated[rows] = False
+        self.steps[floors] = 0
+        self.tally.clear(floors)
+        self._release()
+
+    def step(self, actions: Integers) -> FleetStep:
+        """Carry out one action for each robot; those that have ended wait.
+
+        Args:
+            actions: ``[N]`` intp, 0 to 6.
+        """
+        active, had_item = ~self.ended, self.robots.has_item
+        chosen = np.where(active, actions, WAIT)
+        outcome, rewards, delivered, charging = self.robots.step(chosen)
+        charging = np.zeros_like(active) if charging is None else charging & active
+        rewards *= active
+        self.steps += 1
+        if self.orders:
+            self._book(self.orders, had_item, delivered, rewards)
+        self._use_batteries(outcome, charging, active)
+        self.tally.add(chosen, outcome, charging, delivered, active)
+        self._release()
+        self._end(delivered)
+        if self.settings.team_reward:
+            teams = rewards.reshape(-1, self.settings.robots)
+            teams[:] = teams.mean(axis=1, keepdims=True)
+        return FleetStep(outcome, rewards, self.terminated.copy(), self.truncated.copy())
+
+    def observe(self, rows: Rows = ALL) -> FleetArrays:
+        """Return fresh arrays of what some of the robots observe."""
+        self._floor.show(self.robots.cells, self.robots.has_item, self.crowd.cells)
+        steps = np.repeat(self.steps, self.settings.robots)[rows]
+        battery = np.floor(self.battery[rows]).astype(np.int32)
+        found: FleetArrays = {**self.robots.observe(rows, battery[:, None], steps[:, None])}
+        if self.orders:
+            found["due"] = self.orders.due[rows][:, None]
+        if self._floor.has_chargers:
+            found["charger_pos"] = self._floor.nearest_chargers(rows, self.robots.cells[rows])
+        return found
+
+    def measures(self, floor: int) -> FleetMeasures:
+        """Return the measures of the present episode on a floor."""
+        rows = self.rows_of(np.array([floor]))
+        orders = self.orders.books[floor].records() if self.orders else None
+        stranded = int((self.battery[rows] <= 0).sum())
+        return self.tally.measures(floor, int(self.steps[floor]), orders, stranded)
+
+    def rows_of(self, floors: Integers) -> NDArray[np.intp]:
+        """Return the rows of all robots on some floors."""
+        robots = self.settings.robots
+        return (floors[:, None] * robots + np.arange(robots)).ravel()
+
+    def close(self) -> None:
+        """Close the motion backend."""
+        self.robots.motion.close()
+
+    def _book(
+        self,
+        orders: VectorOrders,
+        had_item: Flags,
+        delivered: Flags,
+        rewards: NDArray[np.float64],
+    ) -> None:
+        """Book picks and deliveries, in the order of the robots."""
+        has_item, robots = self.robots.has_item, self.settings.robots
+        for row in np.flatnonzero(has_item & ~had_item).tolist():
+            step = int(self.steps[row // robots])
+            if not orders.take(row, int(self.robots.cells[row]), step):
+                has_item[row], rewards[row] = False, TAKEN.reward
+        for row in np.flatnonzero(delivered).tolist():
+            late = orders.deliver(row, int(self.steps[row // robots]))
+            rewards[row] -= self.settings.late_penalty * late
+
+    def _use_batteries(self, outcome: BatchOutcome, charging: Flags, active: Flags) -> None:
+        battery = self.settings.battery
+        cost = active if battery.unit == STEPS else outcome.joules * active
+        spend_and_charge(self.battery, battery.capacity, charging, cost, self._charge)
+
+    def _release(self) -> None:
+        if self.orders:
+            self.orders.release(self.steps, self.robots.cells, ~self.ended)
+
+    def _end(self, delivered: Flags) -> None:
+        """Set which robots have ended, and give back what stranded ones were to take."""
+        active, robots = ~self.ended, self.settings.robots
+        done = np.repeat(self.orders.all_delivered(), robots) if self.orders else delivered
+        is_empty = self.battery <= 0
+        is_over = np.repeat(self.steps >= self.settings.max_steps, robots)
+        self.terminated |= active & done
+        self.truncated |= active & (is_empty | is_over)
+        if self.orders and is_empty.any():
+            self.orders.strand(np.flatnonzero(active & is_empty))
+
+    def _put_first_stations(self) -> None:
+        """Let all robots observe the first stations of their layout, as in the chapter."""
+        for floor, kind in enumerate(self.layouts.kind.tolist()):
+            layout, rows = self.layouts.kinds[kind], self.rows_of(np.array([floor]))
+            cells = [
+                next((row * layout.width + col for row, col in stations), NO_CELL)
+                for stations in (layout.pickups, layout.dropoffs)
+            ]
+            self._floor.put_stations(rows, *(np.full(len(rows), cell) for cell in cells))

@@ -1,0 +1,148 @@
+"""The orders of ``B`` fleets, and the stations that they make of cells."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.fleet.floor import FleetFloor
+from warehouse_core.fleet.order_book import NEVER, NONE, OrderBook
+from warehouse_core.fleet.orders import DrawnOrders, ListedOrders, OrderStream
+from warehouse_core.fleet.settings import FleetSettings
+from warehouse_core.motion.vector import Flags, Integers
+from warehouse_core.vector.floor import NO_CELL
+from warehouse_core.world.layout import Layout
+from warehouse_core.world.tables import LayoutSet
+
+
+class VectorOrders:
+    """An ``OrderBook`` for each of ``B`` floors, and what it means to their ``N`` robots.
+
+    A cell is a pickup to a robot where an order waits for it, and a dropoff where its order is due.
+
+    Args:
+        layouts: of the floors.
+        settings: with orders.
+        floor: whose stations are set.
+
+    Attributes:
+        books: ``B``, of the present episodes.
+        due: ``[N]`` int32, the step by which the robot's order is due, or ``NONE``.
+
+    Raises:
+        LayoutError: a layout without the stations that orders are drawn from.
+        OrderError: orders that cannot be carried out.
+    """
+
+    def __init__(self, layouts: LayoutSet, settings: FleetSettings, floor: FleetFloor) -> None:
+        floors, self._robots = len(layouts.kind), settings.robots
+        self._layouts, self._floor, self._dispatches = layouts, floor, settings.dispatch
+        self._sources = [_source(kind, settings) for kind in layouts.kinds]
+        self.books: list[OrderBook] = []
+        for kind in layouts.kind.tolist():
+            empty = self._sources[kind].draw(np.random.default_rng(0))
+            self.books.append(OrderBook(empty, settings.robots, layouts.kinds[kind].width))
+        self._next_release = np.full(floors, NEVER)
+        self.due = np.full(floors * settings.robots, NONE, np.int32)
+        self._is_idle = np.ones((floors, settings.robots), np.bool_)
+        self._has_open = np.zeros(floors, np.bool_)
+
+    def begin(self, floor: int, stream: np.random.Generator) -> None:
+        """Draw the orders of a new episode on a floor."""
+        for cell in self.books[floor].waiting_at:
+            self._floor.set_waiting(floor, cell, False)
+        kind = self._layouts.kind[floor]
+        orders = self._sources[kind].draw(stream)
+        book = OrderBook(orders, self._robots, self._layouts.kinds[kind].width)
+        book.changed[0].update(range(self._robots))
+        self.books[floor] = book
+        self._update(floor)
+
+    def release(self, steps: Integers, cells: Integers, able: Flags) -> None:
+        """Let orders appear and, if it is so set, assign open orders to robots without one.
+
+        Args:
+            steps: ``[B]`` taken.
+            cells: ``[N]``, where the robots are.
+            able: ``[N]``, whether they have not ended.
+        """
+        for floor in np.flatnonzero(self._next_release <= steps).tolist():
+            self.books[floor].release(int(steps[floor]))
+            self._update(floor)
+        if not self._dispatches or not self._has_open.any():
+            return
+        free = self._is_idle & able.reshape(self._is_idle.shape)
+        for floor in np.flatnonzero(free.any(axis=1) & self._has_open).tolist():
+            robots = np.flatnonzero(free[floor])
+            self.books[floor].dispatch(robots, cells[floor * self._robots + robots])
+            self._update(floor)
+
+    def take(self, row: int, cell: int, step: int) -> bool:
+        """Give a robot the order that waits for it where it is; return whether there was one."""
+        floor, robot = divmod(row, self._robots)
+        is_taken = self.books[floor].take(robot, cell, step)
+        self._update(floor)
+        return is_taken
+
+    def deliver(self, row: int, step: int) -> int:
+        """Book the delivery of what a robot carries; return by how many steps it is late."""
+        floor, robot = divmod(row, self._robots)
+        book = self.books[floor]
+        order = book.deliver(robot, step)
+        self._update(floor)
+        return max(step - int(book.orders.due[order]), 0)
+
+    def assign(self, floor: int, robot: int, order: int | None) -> None:
+        """Let an order wait for one robot only; see ``OrderBook.assign``."""
+        self.books[floor].assign(robot, order)
+        self._update(floor)
+
+    def strand(self, rows: Integers) -> None:
+        """Give back the orders that wait for robots which cannot take them any more."""
+        for row in rows.tolist():
+            floor, robot = divmod(row, self._robots)
+            book = self.books[floor]
+            order = int(book.order_of[robot])
+            if order != NONE and book.taken[order] == NONE:
+                self.assign(floor, robot, None)
+
+    def all_delivered(self) -> NDArray[np.bool_]:
+        """Return ``[B]``, whether all orders of a list are delivered; a stream has no end."""
+        return np.array(
+            [
+                self._sources[kind].ends and book.undelivered == 0
+                for kind, book in zip(self._layouts.kind.tolist(), self.books, strict=True)
+            ]
+        )
+
+    def _update(self, floor: int) -> None:
+        """Bring stations and arrays up to date with what has changed in a book."""
+        book = self.books[floor]
+        robots, cells = book.changed
+        for cell in cells:
+            self._floor.set_waiting(floor, cell, book.waiting_at[cell] > 0)
+        for robot in robots:
+            self._set_order(floor * self._robots + robot, book, int(book.order_of[robot]))
+            self._is_idle[floor, robot] = book.order_of[robot] == NONE
+        robots.clear()
+        cells.clear()
+        self._has_open[floor] = book.has_open_orders
+        self._next_release[floor] = book.next_release
+
+    def _set_order(self, row: int, book: OrderBook, order: int) -> None:
+        pickup = dropoff = NO_CELL
+        self.due[row] = NONE
+        if order != NONE:
+            self.due[row], dropoff = book.orders.due[order], int(book.orders.dropoff[order])
+            if book.taken[order] == NONE:
+                pickup = int(book.orders.pickup[order])
+        self._floor.put_stations(np.array([row]), np.array([pickup]), np.array([dropoff]))
+
+
+def _source(layout: Layout, settings: FleetSettings) -> DrawnOrders | ListedOrders:
+    orders = settings.orders or ()
+    streams = [order for order in orders if isinstance(order, OrderStream)]
+    if streams:
+        return DrawnOrders(streams, layout, settings.max_steps)
+    listed = [order for order in orders if not isinstance(order, OrderStream)]
+    return ListedOrders(listed, layout, settings.robots)
