@@ -7,12 +7,15 @@ distribution; ``grid`` and ``physics`` are registered in the same way as third-p
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import cache
 from typing import TYPE_CHECKING
 
+from warehouse_core.arguments import whole_number
 from warehouse_core.errors import BackendError
 from warehouse_core.extras import pip_install, requirements_of
 from warehouse_core.motion.base import Motion
+from warehouse_core.motion.motion_batch import MotionBatch
 from warehouse_core.motion.vector import Batchable, BatchMotion
 from warehouse_core.world.layout import Layout
 
@@ -43,19 +46,46 @@ def make_motion(backend: Backend) -> Motion:
     )
 
 
-def make_batch_motion(backend: Backend, layouts: Sequence[Layout]) -> BatchMotion:
-    """Return a batch motion of a backend, for one robot in each of these layouts.
+def make_batch_motion(backend: Backend, layouts: Sequence[Layout], robots: int = 1) -> BatchMotion:
+    """Return a batch motion of a backend, for so many robots in each of these layouts.
+
+    If the backend cannot move several robots in each layout by arrays, they are moved by a motion
+    for each layout; see ``make_separate_motions``.
 
     Raises:
-        BackendError: as for ``make_motion``, or the backend has no ``batch``.
+        BackendError: as for ``make_motion``; or the backend has no ``batch`` for one robot; or as
+            for ``make_separate_motions``.
         TypeError: as for ``make_motion``.
+        ValueError: ``robots`` is below 1, or the settings of the motion do not allow a batch.
     """
-    motion = make_motion(backend)
+    robots, motion = whole_number("robots", robots, minimum=1), make_motion(backend)
+    if robots > 1:
+        if isinstance(motion, Batchable):
+            with suppress(ValueError):
+                return motion.batch(layouts, robots)
+        return make_separate_motions(backend, layouts, robots)
     if not isinstance(motion, Batchable):
         raise BackendError(
             f"backend {backend!r} cannot move a batch; it would need a method batch(layouts)"
         )
     return motion.batch(layouts)
+
+
+def make_separate_motions(
+    backend: Backend, layouts: Sequence[Layout], robots: int = 1
+) -> MotionBatch:
+    """Return a batch motion that is made of a motion of the backend for each of these layouts.
+
+    Raises:
+        BackendError: as for ``make_motion``, or an instance for several layouts.
+        TypeError: as for ``make_motion``.
+    """
+    if len(layouts) > 1 and not isinstance(backend, (str, type)):
+        raise BackendError(
+            f"backend {backend!r} is a single motion, for one layout; {len(layouts)} layouts need "
+            "the name or the class of a backend"
+        )
+    return MotionBatch([make_motion(backend) for _ in layouts], layouts, robots)
 
 
 def backend_names() -> list[str]:

@@ -149,10 +149,12 @@ def check_starts(layout: Layout, cells: Sequence[Cell]) -> None:
     """
     if not cells:
         raise LayoutError("no robots: cells is empty; it needs a cell for each robot")
+    robot_in: dict[Cell, int] = {}
     for robot, cell in enumerate(cells):
         check_open(layout, cell, f"robot {robot}:")
-        if cell in cells[:robot]:
-            raise LayoutError(f"robots {cells.index(cell)} and {robot} are both given {cell}")
+        first = robot_in.setdefault(cell, robot)
+        if first != robot:
+            raise LayoutError(f"robots {first} and {robot} are both given {cell}")
 
 
 _ALLOWED = frozenset(DISPLACEMENTS)

@@ -24,10 +24,11 @@ from warehouse_core.motion.base import (
     robot_contact,
 )
 from warehouse_core.motion.traffic import Stop, find_stops
-from warehouse_core.motion.vector import BatchOutcome, Flags, Integers
+from warehouse_core.motion.vector import NOTHING, BatchOutcome, Flags, Integers
+from warehouse_core.motion.vector_traffic import VectorTraffic
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tables import LayoutSet, sides_table
+from warehouse_core.world.tables import LayoutSet, sides_table, size_of
 from warehouse_core.world.tiles import EMPTY, MOVE_DELTAS, Cell, moved
 
 NOMINAL_KG = 50.0
@@ -38,6 +39,9 @@ ROLLING_RESISTANCE = 0.015
 GRAVITY = 9.81
 
 STAY, EAST = (0, 0), (0, 1)
+NOT_MOVED = -1
+"""In place of the cell before the last action: none since the robot was placed."""
+
 ANGLES = {delta: math.atan2(*delta) for delta in MOVE_DELTAS.values()}
 """Heading in radians of a move; atan2 takes y (rows, downward) before x."""
 
@@ -106,9 +110,11 @@ class GridMotion:
         """Forget the robots; see ``Motion.close``."""
         self._cells, self._headings, self._lone = [], [], {}
 
-    def batch(self, layouts: Sequence[Layout]) -> GridBatch:
-        """Return a motion for one robot in each of these layouts; see ``vector.py``."""
-        return GridBatch(layouts, self.cell_size)
+    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> GridBatch:
+        """Return a motion for so many robots in each of these layouts; see ``vector.py``."""
+        if robots == 1:
+            return GridBatch(layouts, self.cell_size)
+        return GridFleetBatch(layouts, self.cell_size, robots)
 
     def _advance_all(
         self, displacements: Sequence[Cell], loaded: Sequence[bool]
@@ -189,17 +195,19 @@ class GridBatch:
     See ``BatchMotion``.
     """
 
-    def __init__(self, layouts: Sequence[Layout], cell_size: float) -> None:
+    def __init__(self, layouts: Sequence[Layout], cell_size: float, robots: int = 1) -> None:
         self._closed = False
-        rows = LayoutSet(layouts)
-        self._cells = np.zeros(len(layouts), np.int32)
-        self._base = rows.base * len(DISPLACEMENTS)
-        self._next = np.concatenate([_next_cells(layout) for layout in rows.kinds])
-        self._seconds = np.full(len(layouts), NOMINAL_SECONDS)
+        self._layouts, count = LayoutSet(layouts), len(layouts) * robots
+        self._cells: Integers = np.zeros(count, np.int32)
+        self._base = np.repeat(self._layouts.base, robots) * len(DISPLACEMENTS)
+        self._next = np.concatenate([_next_cells(layout) for layout in self._layouts.kinds])
+        self._seconds = np.full(count, NOMINAL_SECONDS)
         self._joules = np.full(len(DISPLACEMENTS), nominal_joules(cell_size, moving=False))
         self._joules[:WAIT] = nominal_joules(cell_size, moving=True)
 
-    def place(self, rows: Integers, cells: Integers) -> None:
+    def place(
+        self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
+    ) -> None:
         """Put some of the robots in their cells; see ``BatchMotion.place``."""
         self._cells[rows] = cells
 
@@ -213,9 +221,63 @@ class GridBatch:
         joules = self._joules.take(actions)
         return BatchOutcome(self._cells.astype(np.intp), blocked, self._seconds.copy(), joules)
 
+    def outcomes(self, floor: int) -> Sequence[Outcome]:
+        """Raise ``NotImplementedError``: a batch of lone robots does not record headings."""
+        raise NotImplementedError("a batch of lone robots does not record headings")
+
     def close(self) -> None:
         """Make ``advance`` raise from now on; see ``BatchMotion.close``."""
         self._closed = True
+
+
+class GridFleetBatch(GridBatch):
+    """Moves ``R`` robots in each of ``B`` layouts by the table in ``traffic.py``.
+
+    See ``BatchMotion``.
+    """
+
+    def __init__(self, layouts: Sequence[Layout], cell_size: float, robots: int) -> None:
+        super().__init__(layouts, cell_size, robots)
+        self._robots, self._motion = robots, GridMotion(cell_size)
+        ends = np.cumsum(self._layouts.of_rows([size_of(kind) for kind in self._layouts.kinds]))
+        self._floor = np.repeat([0, *ends[:-1].tolist()], robots)
+        self._traffic = VectorTraffic(int(ends[-1]), len(layouts), robots)
+        self._before = np.full_like(self._cells, NOT_MOVED)
+        self._headings = np.full(len(self._cells), DISPLACEMENTS.index(EAST))
+        self._moving = self._cells > 0
+
+    def place(
+        self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
+    ) -> None:
+        """Put the robots of some floors in their cells; see ``BatchMotion.place``."""
+        super().place(rows, cells)
+        self._before[rows] = NOT_MOVED
+        self._headings[rows] = DISPLACEMENTS.index(EAST)
+
+    def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
+        """Move every robot by one action; see ``BatchMotion.advance``."""
+        self._before, self._moving = self._cells, actions < WAIT
+        self._headings = np.where(self._moving, actions, self._headings)
+        wanted = super().advance(actions, loaded)
+        starts, targets = self._floor + self._before, self._floor + wanted.cells
+        stops = self._traffic.find_stops(starts, targets, wanted.blocked)
+        blocked = stops != NOTHING
+        cells = np.where(blocked, self._before, wanted.cells)
+        self._cells = cells.astype(np.int32)
+        return wanted._replace(cells=cells, blocked=blocked, stopped_by=stops)
+
+    def outcomes(self, floor: int) -> Sequence[Outcome]:
+        """Return what the last ``advance`` did on one floor; see ``BatchMotion.outcomes``."""
+        rows = slice(floor * self._robots, (floor + 1) * self._robots)
+        starts, moving = self._before[rows].tolist(), self._moving[rows].tolist()
+        if NOT_MOVED in starts:
+            raise RuntimeError(f"outcomes() needs an advance() after the place() of floor {floor}")
+        layout = self._layouts.kinds[self._layouts.kind[floor]]
+        self._motion.reset(layout, [divmod(cell, layout.width) for cell in starts], None)
+        headings = [DISPLACEMENTS[heading] for heading in self._headings[rows].tolist()]
+        self._motion._headings = headings
+        moves = [way if moves else STAY for way, moves in zip(headings, moving, strict=True)]
+        return self._motion.advance(moves, moving)
 
 
 def _next_cells(layout: Layout) -> Integers:

@@ -41,19 +41,26 @@ def find_stops(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -
     """
     stops: list[Stop] = [None if layout.is_open(target) else WALL_CONTACT for target in targets]
     robot_in = {cell: robot for robot, cell in enumerate(cells)}
-    movers = [i for i, stop in enumerate(stops) if stop is None and targets[i] != cells[i]]
-    for i in movers:
-        rivals = (j for j in movers if j != i and targets[j] == targets[i])
-        ahead = robot_in.get(targets[i])
-        head_on = None if ahead is None or targets[ahead] != cells[i] else ahead
-        stops[i] = next(rivals, head_on)
-    stopped = True
-    while stopped:
-        stopped = False
-        for i in movers:
-            ahead = robot_in.get(targets[i])
-            if stops[i] is not None or ahead is None:
-                continue
-            if stops[ahead] is not None or targets[ahead] == cells[ahead]:
-                stops[i], stopped = ahead, True
+    movers_to: dict[Cell, list[int]] = {}
+    for robot, target in enumerate(targets):
+        if stops[robot] is None and target != cells[robot]:
+            movers_to.setdefault(target, []).append(robot)
+    followers: dict[int, int] = {}
+    for target, (first, *others) in movers_to.items():
+        ahead = robot_in.get(target)
+        if others:
+            stops[first] = others[0]
+            for robot in others:
+                stops[robot] = first
+        elif ahead is not None and targets[ahead] == cells[first]:
+            stops[first] = ahead
+        elif ahead is not None:
+            followers[ahead] = first
+    staying = [i for i, stop in enumerate(stops) if stop is not None or targets[i] == cells[i]]
+    while staying:
+        ahead = staying.pop()
+        if ahead in followers:
+            behind = followers.pop(ahead)
+            stops[behind] = ahead
+            staying.append(behind)
     return stops

@@ -1,10 +1,11 @@
-"""The interface of a batch motion: one robot in each of ``B`` warehouses, moved together.
+"""The interface of a batch motion: ``R`` robots in each of ``B`` warehouses, moved together.
 
-A motion with a method ``batch(layouts)`` makes one and can be the backend of ``BatchEnv``. Row
+A motion with a method ``batch(layouts)`` makes one and can be the backend of ``BatchEnv``. Floor
 ``b`` of the batch equals a separate motion in ``layouts[b]``, in ``cell`` and ``blocked``.
 
-Here the cell of a robot is a single number, ``row * W + col``, where ``W`` is the width of its
-layout.
+The arrays have a row for each of the ``N = B * R`` robots, floor by floor: robot ``r`` of floor
+``b`` is row ``b * R + r``. Here the cell of a robot is a single number, ``row * W + col``, where
+``W`` is the width of its layout.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from warehouse_core.motion.base import Outcome
 from warehouse_core.world.layout import Layout
 
 Integers = NDArray[np.integer]
@@ -22,44 +24,62 @@ Flags = NDArray[np.bool_]
 Rows = Integers | slice
 """Rows of a batch: an array of indices, or a slice."""
 
+NOTHING, WALL = -1, -2
+"""What stops a robot, if not the robot with a number from 0 on its floor."""
+
 
 class BatchOutcome(NamedTuple):
-    """The outcome of one action in each warehouse; the arrays belong to the caller.
+    """The outcome of one action of each robot; the arrays belong to the caller.
 
     Attributes:
-        cells: ``[B]`` intp, where the robots are now.
-        blocked: ``[B]`` bool, whether something stopped the robot on its way to another cell.
-        seconds: ``[B]`` float64, duration of each action.
-        joules: ``[B]`` float64, cost of each action.
+        cells: ``[N]`` intp, where the robots are now.
+        blocked: ``[N]`` bool, whether something stopped the robot on its way to another cell.
+        seconds: ``[N]`` float64, duration of each action.
+        joules: ``[N]`` float64, cost of each action.
+        stopped_by: ``[N]`` intp, what stopped the robot: ``NOTHING``, ``WALL``, or the number of
+            another robot on its floor. ``None`` if robots are alone and only walls block them.
     """
 
     cells: NDArray[np.intp]
     blocked: Flags
     seconds: NDArray[np.float64]
     joules: NDArray[np.float64]
+    stopped_by: NDArray[np.intp] | None = None
 
 
 class BatchMotion(Protocol):
-    """Moves ``B`` robots, each alone in its layout."""
+    """Moves ``R`` robots in each of ``B`` layouts."""
 
-    def place(self, rows: Integers, cells: Integers) -> None:
-        """Put some of the robots at rest in the middle of their cells, heading east.
+    def place(
+        self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
+    ) -> None:
+        """Put the robots of some floors at rest in the middle of their cells, heading east.
 
         Args:
-            rows: ``[N]``, the robots, all different.
-            cells: ``[N]``, for each of them an open cell of its layout. A backend need not check
-                either.
+            rows: ``[F * R]``, all robots of ``F`` different floors, those of a floor in order.
+            cells: ``[F * R]``, for each of them an open cell of its layout, on a floor all
+                different. A backend need not check either.
+            seeds: ``F``, for the backend's random numbers on each of these floors; ``None`` lets
+                the backend choose.
         """
 
     def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
         """Carry out one action for each robot; all must have been placed.
 
         Args:
-            actions: ``[B]``, indices into ``DISPLACEMENTS``.
-            loaded: ``[B]``, whether the robot carries an item.
+            actions: ``[N]``, indices into ``DISPLACEMENTS``.
+            loaded: ``[N]``, whether the robot carries an item.
 
         Raises:
             RuntimeError: after ``close``.
+        """
+
+    def outcomes(self, floor: int) -> Sequence[Outcome]:
+        """Return what the last ``advance`` did on one floor, with paths and contacts.
+
+        Raises:
+            RuntimeError: the robots of the floor have not moved since they were placed.
+            NotImplementedError: a batch of lone robots may not record them.
         """
 
     def close(self) -> None:
@@ -70,9 +90,9 @@ class BatchMotion(Protocol):
 class Batchable(Protocol):
     """A motion that can make a batch motion."""
 
-    def batch(self, layouts: Sequence[Layout]) -> BatchMotion:
-        """Return a motion for one robot in each of these layouts.
+    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> BatchMotion:
+        """Return a motion for so many robots in each of these layouts.
 
         Raises:
-            ValueError: the settings of this motion do not allow a batch.
+            ValueError: the settings of this motion do not allow a batch, or not of so many robots.
         """

@@ -76,7 +76,7 @@ def test_rows_in_several_spaces_have_the_bits_of_one_space(monkeypatch) -> None:
         each = [batch.advance(*move) for move in moves[:15]]
         batch.place(np.array([9, 3]), np.array([layouts[row].open_cells[-1] for row in (9, 3)]))
         each += [batch.advance(*move) for move in moves[15:]]
-        outcomes.append([column.tobytes() for outcome in each for column in outcome])
+        outcomes.append([column.tobytes() for outcome in each for column in outcome[:4]])
     assert outcomes[0] == outcomes[1]
 
 
@@ -107,7 +107,7 @@ def test_each_row_has_its_own_seconds() -> None:
 
 def test_an_outcome_does_not_change_later() -> None:
     batch = batch_in([LEDGE, HALL])
-    first = advance(batch, EAST, EAST)
+    first = advance(batch, EAST, EAST)[:4]
     kept = [column.copy() for column in first]
     advance(batch, WAIT, SOUTH, loaded=True)
     assert all(map(np.array_equal, first, kept))
@@ -241,7 +241,7 @@ layouts = [random_layout(4 + seed % 5, 9 - seed % 3, 0.2, seed=seed) for seed in
 batch, stream, digest = RigidBodyMotion().batch(layouts), np.random.default_rng(3), hashlib.sha256()
 batch.place(np.arange(16), np.array([layout.open_cells[-1] for layout in layouts]))
 for _ in range(20):
-    for column in batch.advance(stream.integers(0, 8, 16), stream.random(16) < 0.5):
+    for column in batch.advance(stream.integers(0, 8, 16), stream.random(16) < 0.5)[:4]:
         digest.update(column.tobytes())
 print(digest.hexdigest())
 """

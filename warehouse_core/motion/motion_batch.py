@@ -1,0 +1,132 @@
+"""A batch motion that is made of single motions, one for each floor; it serves any backend."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.motion.base import Motion, Outcome, check_starts, robot_contact
+from warehouse_core.motion.vector import NOTHING, WALL, BatchOutcome, Flags, Integers
+from warehouse_core.world.actions import DISPLACEMENTS
+from warehouse_core.world.layout import Layout
+from warehouse_core.world.tiles import Cell, moved
+
+
+class MotionBatch:
+    """Moves ``R`` robots in each of ``B`` layouts by a motion for each; see ``BatchMotion``.
+
+    ``stopped_by`` is the counterpart of the first contact of a blocked robot, or without a contact
+    the robot that is in the cell it was on its way to. What is not a robot counts as a wall.
+
+    Args:
+        motions: ``B`` different motions, which this one closes.
+        layouts: ``B``.
+        robots: ``R``.
+    """
+
+    def __init__(self, motions: Sequence[Motion], layouts: Sequence[Layout], robots: int) -> None:
+        self._motions, self._layouts, self._robots = motions, layouts, robots
+        self._cells: list[list[Cell]] = [[] for _ in layouts]
+        self._outcomes: list[Sequence[Outcome]] = [() for _ in layouts]
+        self._number_of = {robot_contact(robot): robot for robot in range(robots)}
+
+    def place(
+        self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
+    ) -> None:
+        """Put the robots of some floors in their cells; see ``BatchMotion.place``.
+
+        Raises:
+            LayoutError: a cell is a wall, off the grid, or given twice on a floor; nothing has
+                changed.
+            ValueError: the rows are not all robots of different floors in order, or there is
+                another number of cells or seeds; nothing has changed.
+        """
+        floors = self._whole_floors(rows)
+        seeds = [None] * len(floors) if seeds is None else seeds
+        if (len(cells), len(seeds)) != (len(rows), len(floors)):
+            raise ValueError(
+                f"{len(cells)} cells and {len(seeds)} seeds for {len(rows)} rows of "
+                f"{len(floors)} floors; each row needs a cell, and each floor a seed"
+            )
+        layouts = [self._layouts[floor] for floor in floors]
+        starts = [
+            [divmod(cell, layout.width) for cell in each]
+            for layout, each in zip(layouts, self._by_floor(cells).tolist(), strict=True)
+        ]
+        for layout, each in zip(layouts, starts, strict=True):
+            check_starts(layout, each)
+        for floor, layout, each, seed in zip(floors, layouts, starts, seeds, strict=True):
+            self._motions[floor].reset(layout, each, seed)
+            self._cells[floor], self._outcomes[floor] = each, ()
+
+    def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
+        """Carry out one action for each robot; see ``BatchMotion.advance``.
+
+        Raises:
+            RuntimeError: before every floor has been placed, or after ``close``.
+        """
+        if not all(self._cells):
+            raise RuntimeError("advance() needs a place() of every floor before it")
+        stopped_by: list[int] = []
+        pairs = zip(self._by_floor(actions).tolist(), self._by_floor(loaded).tolist(), strict=True)
+        for floor, (chosen, loads) in enumerate(pairs):
+            moves = [DISPLACEMENTS[action] for action in chosen]
+            outcomes = self._motions[floor].advance(moves, loads)
+            stopped_by += self._stoppers(map(moved, self._cells[floor], moves), outcomes)
+            self._outcomes[floor] = outcomes
+            self._cells[floor] = [outcome.cell for outcome in outcomes]
+        rows = [
+            (row * layout.width + col, *others)
+            for layout, outcomes in zip(self._layouts, self._outcomes, strict=True)
+            for (row, col), *others in (outcome[:4] for outcome in outcomes)
+        ]
+        cells, blocked, seconds, joules = zip(*rows, strict=True)
+        return BatchOutcome(
+            np.array(cells, np.intp),
+            np.array(blocked, np.bool_),
+            np.array(seconds, np.float64),
+            np.array(joules, np.float64),
+            np.array(stopped_by, np.intp),
+        )
+
+    def outcomes(self, floor: int) -> Sequence[Outcome]:
+        """Return what the last ``advance`` did on one floor; see ``BatchMotion.outcomes``."""
+        if not self._outcomes[floor]:
+            raise RuntimeError(f"outcomes() needs an advance() after the place() of floor {floor}")
+        return self._outcomes[floor]
+
+    def close(self) -> None:
+        """Close all motions; see ``BatchMotion.close``."""
+        for motion in self._motions:
+            motion.close()
+        self._cells = [[] for _ in self._layouts]
+
+    def _by_floor(self, values: NDArray[Any]) -> NDArray[Any]:
+        return np.reshape(values, (-1, self._robots))
+
+    def _whole_floors(self, rows: Integers) -> list[int]:
+        """Return the floors that the rows are all robots of."""
+        floors = np.asarray(rows)[:: self._robots] // self._robots
+        whole = floors[:, None] * self._robots + np.arange(self._robots)
+        found: list[int] = floors.tolist()
+        is_known = set(found) <= set(range(len(self._layouts)))
+        if not is_known or len(set(found)) < len(found) or not np.array_equal(whole.ravel(), rows):
+            raise ValueError(
+                f"rows are {rows}; they must be all robots of different floors in order, "
+                f"{self._robots} on each of floors 0..{len(self._layouts) - 1}"
+            )
+        return found
+
+    def _stoppers(self, targets: Iterable[Cell], outcomes: Sequence[Outcome]) -> Iterator[int]:
+        """Yield what stopped each robot on its way to its target."""
+        robot_in = {outcome.cell: robot for robot, outcome in enumerate(outcomes)}
+        for target, outcome in zip(targets, outcomes, strict=True):
+            if not outcome.blocked:
+                yield NOTHING
+            elif outcome.contacts:
+                yield self._number_of.get(outcome.contacts[0].counterpart, WALL)
+            else:
+                yield robot_in.get(target, WALL)
