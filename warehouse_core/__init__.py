@@ -1,8 +1,16 @@
 """A grid warehouse for rational agents, with a motion backend that can be swapped."""
 
-from warehouse_core.errors import BackendError, LayoutError, RecordError, WarehouseError
+from warehouse_core.errors import (
+    BackendError,
+    LayoutError,
+    OrderError,
+    RecordError,
+    WarehouseError,
+)
+from warehouse_core.fleet.env import FleetEnv
 from warehouse_core.motion.base import Contact, Motion, Outcome
 from warehouse_core.motion.grid import GridMotion
+from warehouse_core.orders.order import Order, OrderStream
 from warehouse_core.records.episode import (
     Agent,
     Episode,
@@ -28,11 +36,15 @@ __all__ = [
     "Contact",
     "Episode",
     "EpisodeRecorder",
+    "FleetEnv",
     "GridMotion",
     "Layout",
     "LayoutError",
     "Motion",
     "Observation",
+    "Order",
+    "OrderError",
+    "OrderStream",
     "Outcome",
     "RecordError",
     "Settings",

@@ -14,23 +14,30 @@ from warehouse_core.errors import EndedError
 from warehouse_core.fleet.battery import Battery
 from warehouse_core.fleet.fleets import Fleets
 from warehouse_core.fleet.observation import FleetArrays, FleetObservation, observation_of
-from warehouse_core.fleet.orders import Order, Orders
 from warehouse_core.fleet.people import People
 from warehouse_core.fleet.settings import FleetSettings, as_orders
 from warehouse_core.fleet.tally import FleetMeasures
-from warehouse_core.motion.backends import Backend, make_fleet_motion
+from warehouse_core.motion.backends import (
+    Backend,
+    make_batch_motion,
+    make_motion,
+    make_separate_motions,
+)
 from warehouse_core.motion.base import Outcome
 from warehouse_core.motion.vector import Flags
-from warehouse_core.task.rules import CHARGE
+from warehouse_core.orders.order import Order, Orders
 from warehouse_core.world.actions import DROP, INVALID, PICK, WAIT, action_index
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
 from warehouse_core.world.tiles import Cell
 
-FloorOne = np.zeros(1, np.intp)
+FIRST = np.zeros(1, np.intp)
+"""The only floor."""
 
 Action = str | SupportsIndex
 Actions = Sequence[Action] | NDArray[Any] | Mapping[int, Action]
 FleetStepResult = tuple[FleetArrays, NDArray[np.float64], Flags, Flags, dict[str, Any]]
+
+MOTION_KEYS = ("blocked", "stopped_by", "seconds", "joules")
 
 
 class FleetEnv:
@@ -62,9 +69,9 @@ class FleetEnv:
 
     ## Ends
 
-    Without orders, a robot is terminated by its delivery; with a list of orders, all robots are when
-    all are delivered. A robot is truncated when its battery is empty, all when ``max_steps`` are
-    taken. A robot that has ended stays where it is, in the way of others.
+    Without orders, a robot is terminated by its delivery; with a list of orders, all robots are
+    when all are delivered. A robot is truncated when its battery is empty, all when ``max_steps``
+    are taken. A robot that has ended stays where it is, in the way of others.
 
     Args:
         layout: ``None`` is the chapter's.
@@ -121,9 +128,11 @@ class FleetEnv:
             late_penalty=late_penalty,
             team_reward=team_reward,
         )
-        self._motion, cell_size = make_fleet_motion(backend, self.layout, self.settings.bodies)
-        self._fleets = Fleets([self.layout], self.settings, self._motion, cell_size)
-        self._warn_of_supply(cell_size)
+        motion, bodies = make_motion(backend), self.settings.bodies
+        make = make_batch_motion if bodies > 1 else make_separate_motions
+        self._motion = make(motion, [self.layout], bodies)
+        self._fleets = Fleets([self.layout], self.settings, self._motion, motion.cell_size)
+        self._warn_of_supply(motion.cell_size)
         self.seed = None if seed is None else whole_number("seed", seed, 0)
         self._started = False
 
@@ -148,7 +157,7 @@ class FleetEnv:
             seed, self.seed = self.seed, None
         else:
             seed, self.seed = whole_number("seed", seed, 0), None
-        self._fleets.reset(FloorOne, [seed])
+        self._fleets.reset(FIRST, [seed])
         self._started = True
         return self._fleets.observe(), {"action_mask": self._fleets.robots.masks()}
 
@@ -318,6 +327,8 @@ class FleetEnv:
         """Warn if the batteries do not last, and the chargers supply less than the robots use."""
         battery, robots = self.settings.battery, self.settings.robots
         cost, chargers = battery.step_cost(cell_size), len(self.layout.chargers)
+        if self.settings.orders is None and not chargers:
+            return  # the task of the chapter, which ends with the battery
         supply = chargers * battery.step_charge(cell_size)
         if self.settings.max_steps * cost > battery.capacity and supply < robots * cost:
             warnings.warn(
@@ -326,6 +337,3 @@ class FleetEnv:
                 f"{self.settings.max_steps} steps, so that robots will stop in the way of others",
                 stacklevel=3,
             )
-
-
-MOTION_KEYS = ("blocked", "stopped_by", "seconds", "joules")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from warehouse_core.fleet.battery import STEPS
 from warehouse_core.fleet.floor import FleetFloor
 from warehouse_core.fleet.motion import FleetMotion
+from warehouse_core.fleet.observation import FleetArrays
 from warehouse_core.fleet.people import Crowd
 from warehouse_core.fleet.settings import FleetSettings
 from warehouse_core.fleet.starts import FleetStarts
 from warehouse_core.fleet.tally import FleetMeasures, Tally
 from warehouse_core.fleet.vector_orders import VectorOrders
 from warehouse_core.motion.vector import BatchMotion, BatchOutcome, Flags, Integers, Rows
-from warehouse_core.task.encoding import Arrays
 from warehouse_core.task.rules import judge
 from warehouse_core.vector.floor import NO_CELL
 from warehouse_core.vector.robots import VectorRobots
@@ -31,18 +31,6 @@ ALL = slice(None)
 
 TAKEN = judge(PICK, EMPTY, False, False)
 """The verdict on a robot whose item another one has just taken."""
-
-
-class FleetArrays(Arrays, total=False):
-    """The observations of ``N`` robots: ``Arrays``, and two keys more.
-
-    Attributes:
-        due: ``[N, 1]`` int32, the step by which the robot's order is due, or -1; with orders only.
-        charger_pos: ``[N, 2]`` int32, the nearest charger; with chargers only.
-    """
-
-    due: NDArray[np.int32]
-    charger_pos: NDArray[np.int32]
 
 
 class FleetStep(NamedTuple):
@@ -172,7 +160,8 @@ class Fleets:
         self._floor.show(self.robots.cells, self.robots.has_item, self.crowd.cells)
         steps = np.repeat(self.steps, self.settings.robots)[rows]
         battery = np.floor(self.battery[rows]).astype(np.int32)
-        found: FleetArrays = {**self.robots.observe(rows, battery[:, None], steps[:, None])}
+        arrays = self.robots.observe(rows, battery[:, None], steps[:, None])
+        found = cast(FleetArrays, arrays)
         if self.orders:
             found["due"] = self.orders.due[rows][:, None]
         if self._floor.has_chargers:
@@ -214,7 +203,7 @@ class Fleets:
 
     def _use_batteries(self, outcome: BatchOutcome, charging: Flags, active: Flags) -> None:
         battery = self.settings.battery
-        cost = active if battery.unit == STEPS else outcome.joules * active
+        cost = np.where(active, 1.0 if battery.unit == STEPS else outcome.joules, 0.0)
         spend_and_charge(self.battery, battery.capacity, charging, cost, self._charge)
 
     def _release(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,8 @@ from numpy.typing import NDArray
 from warehouse_core.fleet.people import Crowd
 from warehouse_core.motion.base import Outcome
 from warehouse_core.motion.vector import BatchMotion, BatchOutcome, Flags, Integers
+
+Kind = TypeVar("Kind", bound=np.generic)
 
 
 class FleetMotion:
@@ -40,9 +43,14 @@ class FleetMotion:
         outcome = self._motion.advance(
             self._joined(actions, people), self._joined(loaded, np.zeros_like(people, np.bool_))
         )
-        values = [np.reshape(each, (-1, self._bodies)) for each in outcome]
-        self._crowd.cells = values[0][:, self._robots :]
-        return BatchOutcome(*(np.ravel(each[:, : self._robots]) for each in values))
+        self._crowd.move(outcome.cells.reshape(-1, self._bodies)[:, self._robots :])
+        return BatchOutcome(
+            self._of_robots(outcome.cells),
+            self._of_robots(outcome.blocked),
+            self._of_robots(outcome.seconds),
+            self._of_robots(outcome.joules),
+            None if outcome.stopped_by is None else self._of_robots(outcome.stopped_by),
+        )
 
     def outcomes(self, floor: int) -> Sequence[Outcome]:
         """Return what the robots of a floor, and then its people, did; see ``BatchMotion``."""
@@ -52,6 +60,10 @@ class FleetMotion:
         """Close the motion of robots and people; see ``BatchMotion.close``."""
         self._motion.close()
 
-    def _joined(self, robots: NDArray, people: NDArray) -> NDArray:
+    def _joined(self, robots: NDArray[Any], people: NDArray[Any]) -> NDArray[Any]:
         """Return values of robots ``[F * R]`` and people ``[F, P]`` as those of all bodies."""
         return np.hstack([np.reshape(robots, (len(people), -1)), people]).ravel()
+
+    def _of_robots(self, bodies: NDArray[Kind]) -> NDArray[Kind]:
+        """Return the values of the robots ``[N]``, given those of all bodies."""
+        return bodies.reshape(-1, self._bodies)[:, : self._robots].ravel()

@@ -76,6 +76,7 @@ class Crowd:
         self.cells = np.zeros(shape, np.intp)
         self._pause, self._walks_to_stations = people.pause, people.habit == STATIONS
         self._last, self._goals = np.full(shape, WAIT), np.zeros(shape, np.intp)
+        self._moves, self._is_blocked = np.zeros((2, *shape), np.bool_)
         self._streams = [np.random.default_rng(0)] * shape[0]
         self._base = layouts.base[:, None]
         self._sides = sides_table(layouts.kinds)
@@ -84,7 +85,8 @@ class Crowd:
 
     def enter(self, floor: int, cells: Integers, stream: np.random.Generator) -> None:
         """Put the people of a floor in their cells; they draw from ``stream`` from now on."""
-        self.cells[floor], self._last[floor], self._streams[floor] = cells, WAIT, stream
+        self.cells[floor], self._last[floor], self._is_blocked[floor] = cells, WAIT, False
+        self._streams[floor] = stream
         if self._walks_to_stations:
             self._goals[floor] = self._ways.goals(floor, stream.random(len(cells)))
 
@@ -94,15 +96,23 @@ class Crowd:
             [stream.random((self.cells.shape[1], NUMBERS)) for stream in self._streams]
         )
         weights = self._to_stations(uniforms[..., -1]) if self._walks_to_stations else self._ahead()
-        weights = weights * self._sides.take(self._base + self.cells, axis=0)
+        # Who could not move turns any way, and so out of the way of robots that wait.
+        weights = np.where(self._is_blocked[..., None], ASIDE, weights)
+        weights *= self._sides.take(self._base + self.cells, axis=0)
         with np.errstate(divide="ignore"):
             # The least of exponential times is that of each direction in proportion to its weight.
             times = -np.log1p(-uniforms[..., :WAIT]) / weights
         actions: NDArray[np.intp] = np.argmin(times, axis=-1)
         still = (uniforms[..., WAIT] < self._pause) | ~weights.any(axis=-1)
         actions[still] = WAIT
+        self._moves = ~still
         self._last = np.where(still, self._last, actions)
         return actions
+
+    def move(self, cells: Integers) -> None:
+        """Note where they are after a step."""
+        self._is_blocked = self._moves & (cells == self.cells)
+        self.cells = cells.astype(np.intp)
 
     def _ahead(self) -> NDArray[np.float64]:
         """Return the weights of the directions for those who walk along aisles."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from warehouse_core.arguments import real_number, whole_number
 from warehouse_core.fleet.battery import Battery
-from warehouse_core.fleet.orders import Order, OrderStream
 from warehouse_core.fleet.people import People
+from warehouse_core.orders.order import Order, OrderStream
 from warehouse_core.task.encoding import MAX_STEPS
 from warehouse_core.world.tiles import Cell
 

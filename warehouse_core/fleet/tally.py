@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.fleet.orders import Order
 from warehouse_core.motion.vector import WALL, BatchOutcome, Flags, Integers
+from warehouse_core.orders.order import Order
 from warehouse_core.world.actions import WAIT
 
 MOVED, WAITED, CHARGED, BY_WALL, BY_ROBOT, BY_PERSON, HANDLED, ENDED = range(8)

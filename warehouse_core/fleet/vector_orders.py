@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.fleet.floor import FleetFloor
-from warehouse_core.fleet.order_book import NEVER, NONE, OrderBook
-from warehouse_core.fleet.orders import DrawnOrders, ListedOrders, OrderStream
 from warehouse_core.fleet.settings import FleetSettings
 from warehouse_core.motion.vector import Flags, Integers
+from warehouse_core.orders.book import NEVER, NONE, OrderBook
+from warehouse_core.orders.order import Order, OrderStream
+from warehouse_core.orders.sources import DrawnOrders, ListedOrders
 from warehouse_core.vector.floor import NO_CELL
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import LayoutSet
@@ -144,5 +145,5 @@ def _source(layout: Layout, settings: FleetSettings) -> DrawnOrders | ListedOrde
     streams = [order for order in orders if isinstance(order, OrderStream)]
     if streams:
         return DrawnOrders(streams, layout, settings.max_steps)
-    listed = [order for order in orders if not isinstance(order, OrderStream)]
+    listed = [order for order in orders if isinstance(order, Order)]
     return ListedOrders(listed, layout, settings.robots)

@@ -51,7 +51,9 @@ def _nearest(layout: Layout, cells: Collection[Cell]) -> tuple[Distances, NDArra
             graph, indices=sources, unweighted=True, min_only=True, return_predecessors=True
         )
         moves[layout.open_cells] = found
-        which[layout.open_cells] = np.where(source < 0, -1, layout.open_cells[source])
+        which[layout.open_cells] = np.where(
+            found < np.inf, layout.open_cells.take(source, mode="clip"), -1
+        )
     shape = layout.height, layout.width
     return moves.reshape(shape), which.reshape(shape)
 

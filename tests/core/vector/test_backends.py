@@ -27,7 +27,7 @@ class Sticky(GridMotion):
         self.grid = super().batch(layouts)
         return self
 
-    def place(self, rows: Any, cells: Any) -> None:
+    def place(self, rows: Any, cells: Any, seeds: Any = None) -> None:
         self.calls.append(("place", rows.tolist(), cells.tolist()))
         self.grid.place(rows, cells)
 

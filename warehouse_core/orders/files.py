@@ -11,7 +11,7 @@ from pathlib import Path
 
 from warehouse_core.errors import LayoutError, OrderError
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.fleet.orders import MAX_ORDERS, Order
+from warehouse_core.orders.order import MAX_ORDERS, Order
 from warehouse_core.world.text_lines import (
     error_at,
     expect,

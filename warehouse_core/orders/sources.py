@@ -1,105 +1,18 @@
-"""Orders, and the streams that they are drawn from.
-
-An *order* is one item to be brought from a pickup to a dropoff. Times are in steps; in a step that
-takes its nominal second a rate of 0.1 orders a step is 360 an hour.
-"""
+"""Where the orders of an episode come from: a list, or streams that they are drawn from."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.arguments import as_cell, real_number, whole_number
+from warehouse_core.arguments import as_cell
 from warehouse_core.errors import LayoutError, OrderError
+from warehouse_core.orders.order import MAX_ORDERS, OPEN, Order, OrderArrays, OrderStream
 from warehouse_core.task.encoding import MAX_STEPS
 from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.tiles import Cell
-
-MAX_ORDERS = 1_000_000
-"""Limit on the orders of an episode."""
-
-OPEN = -1
-"""The robot of an order that any robot may take."""
-
-
-class Order(NamedTuple):
-    """One item to be brought from a pickup to a dropoff, and what has become of it.
-
-    Attributes:
-        released: step at which it appears.
-        due: step by which it must be delivered to be on time, at least ``released``.
-        pickup: open cell where the item waits.
-        dropoff: another open cell, where it is due.
-        robot: the only robot that may take it; ``None`` leaves the order open to all.
-        taken_by: the robot that has taken it, or ``None``.
-        taken: step at which it was taken, or ``None``.
-        delivered: step at which it was delivered, or ``None``.
-    """
-
-    released: int
-    due: int
-    pickup: Cell
-    dropoff: Cell
-    robot: int | None = None
-    taken_by: int | None = None
-    taken: int | None = None
-    delivered: int | None = None
-
-
-@dataclass(frozen=True)
-class OrderStream:
-    """A Poisson process of orders between the pickups and dropoffs of a layout.
-
-    Several streams follow one another in time: each lasts until the next one starts.
-
-    Args:
-        rate: mean number of orders released in a step, finite and at least 0.
-        due: fewest and most steps from release to due time, drawn uniformly.
-        pickup_weights: how often each pickup of the layout is drawn, in row-major order, relative
-            to the others; ``None`` draws all equally often.
-        dropoff_weights: the same for the dropoffs.
-        start: first step of this stream.
-
-    Raises:
-        ValueError: a value that is not allowed.
-        TypeError: a value of another type.
-    """
-
-    rate: float = 0.1
-    due: tuple[int, int] = (50, 150)
-    pickup_weights: tuple[float, ...] | None = None
-    dropoff_weights: tuple[float, ...] | None = None
-    start: int = 0
-
-    def __post_init__(self) -> None:
-        real_number("rate", self.rate)
-        whole_number("start", self.start, 0, MAX_STEPS)
-        fewest, most = as_cell("due", self.due)
-        if not 0 <= fewest <= most <= MAX_STEPS:
-            raise ValueError(
-                f"due is {self.due}; it must be fewest and most steps after the release, "
-                f"0 <= fewest <= most <= {MAX_STEPS}"
-            )
-        for name in ("pickup_weights", "dropoff_weights"):
-            _check_weights(name, getattr(self, name))
-
-
-Orders = float | OrderStream | Sequence[OrderStream] | Sequence[Order]
-"""What a fleet accepts as its orders; a number is the rate of an ``OrderStream``."""
-
-
-class OrderArrays(NamedTuple):
-    """``K`` orders as ``[K]`` intp arrays, in order of release; cells are ``row * W + col``."""
-
-    released: NDArray[np.intp]
-    due: NDArray[np.intp]
-    pickup: NDArray[np.intp]
-    dropoff: NDArray[np.intp]
-    robot: NDArray[np.intp]
 
 
 class ListedOrders:
@@ -222,15 +135,6 @@ class _Stations:
         place = np.searchsorted(self._sums, phase + uniforms, side="right")
         found: NDArray[np.intp] = self._cells[place % len(self._cells)]
         return found
-
-
-def _check_weights(name: str, weights: Sequence[float] | None) -> None:
-    if weights is None:
-        return
-    for number, weight in enumerate(weights):
-        real_number(f"{name}[{number}]", weight)
-    if not sum(weights) > 0:
-        raise ValueError(f"{name} is {weights}; one of them must be above 0")
 
 
 def _check_order(name: str, order: Order, layout: Layout, robots: int) -> None:

@@ -7,10 +7,10 @@ from heapq import heappop, heappush
 from itertools import islice
 
 import numpy as np
-from numpy.typing import NDArray
 
 from warehouse_core.errors import OrderError
-from warehouse_core.fleet.orders import OPEN, Order, OrderArrays
+from warehouse_core.motion.vector import Integers
+from warehouse_core.orders.order import OPEN, Order, OrderArrays
 
 NONE = -1
 """No order, robot or step."""
@@ -122,7 +122,7 @@ class OrderBook:
         if had != NONE:
             self._offer(had)
 
-    def dispatch(self, robots: NDArray[np.intp], cells: NDArray[np.intp]) -> None:
+    def dispatch(self, robots: Integers, cells: Integers) -> None:
         """Assign the oldest open orders, each to the nearest of some robots without an order.
 
         Args:
