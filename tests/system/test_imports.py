@@ -80,8 +80,9 @@ EXPORTS = {
     "warehouse_core": """
         DEFAULT_LAYOUT Agent BackendError BatchEnv Cell Contact Episode EpisodeRecorder
         FleetEnv GridMotion Layout LayoutError Motion Observation Order OrderError
-        OrderStream Outcome RecordError Settings WarehouseEnv WarehouseError WarehouseState random_layout record_episode
-        replay_animation replay_episode save_frames_to_svg shelf_layout
+        OrderStream Outcome RecordError Settings WarehouseEnv WarehouseError
+        WarehouseState random_layout record_episode replay_animation replay_episode
+        save_frames_to_svg shelf_layout
     """,
     "warehouse_core.conformance": "Report run_conformance",
     "warehouse_core.fleet": "Battery FleetEnv FleetMeasures FleetObservation People",
