@@ -4,10 +4,12 @@ import random
 from collections import Counter
 
 import numpy as np
+from numpy.typing import NDArray
 
 from warehouse_core import Cell, Layout
-from warehouse_core.motion.grid import GridMotion
+from warehouse_core.motion.grid import GridFleetBatch, GridMotion
 from warehouse_core.motion.traffic import Stop, find_stops
+from warehouse_core.motion.vector import NOTHING, WALL
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.tiles import moved
 
@@ -54,6 +56,20 @@ def _line_of_its_own(
 
 def _robot_in(cell: Cell, cells: list[Cell]) -> int | None:
     return cells.index(cell) if cell in cells else None
+
+
+def array_stops(layout: Layout, cells: list[Cell], moves: list[Cell]) -> list[Stop]:
+    """Return what stops each robot, by the arrays of a batch."""
+    robots = len(cells)
+    batch = GridFleetBatch([layout], 1.0, robots)
+    batch.place(np.arange(robots), np.array([row * layout.width + col for row, col in cells]))
+    actions = np.array([DISPLACEMENTS.index(move) for move in moves])
+    return named(batch.advance(actions, np.zeros(robots, np.bool_)).stopped_by)
+
+
+def named(stopped_by: NDArray[np.intp]) -> list[Stop]:
+    """Return the stops of a batch as those of ``find_stops``."""
+    return [{NOTHING: None, WALL: "wall"}.get(stop, stop) for stop in stopped_by.tolist()]
 
 
 def some_floors(stream: random.Random) -> list[Layout]:
@@ -118,7 +134,7 @@ def check_crowds(moves: int, seed: int = 0) -> Counter[str]:
                 table = [table_line(robot, layout, cells, targets) for robot in range(robots)]
                 expected = [stop for _, stop in table]
                 assert find_stops(layout, cells, targets) == expected
-                assert found.tolist() == [{None: -1, "wall": -2}.get(s, s) for s in expected]
+                assert named(found) == expected
                 lines.update(line for line, _ in table)
             starts = outcome.cells.reshape(FLOORS, -1).tolist()
     return lines
