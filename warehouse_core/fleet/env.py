@@ -91,6 +91,11 @@ class FleetEnv:
         team_reward: give each robot the mean of all rewards.
         seed: of the first reset without one.
 
+    Attributes:
+        layout: as given.
+        settings: the arguments that follow it.
+        cell_size: side of a cell in metres.
+
     Raises:
         ValueError: an invalid argument; also as ``LayoutError``, ``OrderError``, ``BackendError``.
         TypeError: an argument of another type.
@@ -131,8 +136,9 @@ class FleetEnv:
         motion, bodies = make_motion(backend), self.settings.bodies
         make = make_batch_motion if bodies > 1 else make_separate_motions
         self._motion = make(motion, [self.layout], bodies)
-        self._fleets = Fleets([self.layout], self.settings, self._motion, motion.cell_size)
-        self._warn_of_supply(motion.cell_size)
+        self.cell_size = motion.cell_size
+        self._fleets = Fleets([self.layout], self.settings, self._motion, self.cell_size)
+        self._warn_of_supply(self.cell_size)
         self.seed = None if seed is None else whole_number("seed", seed, 0)
         self._started = False
 
@@ -209,6 +215,16 @@ class FleetEnv:
         self._check_started("observe")
         row = whole_number("robot", robot, 0, self.settings.robots - 1)
         return observation_of(self._fleets.observe(np.array([row])), 0)
+
+    def observations(self) -> list[FleetObservation]:
+        """Return what each robot observes now, faster than ``observe`` of one after the other.
+
+        Raises:
+            EndedError: before the first reset.
+        """
+        self._check_started("observations")
+        arrays = self._fleets.observe()
+        return [observation_of(arrays, row) for row in range(self.settings.robots)]
 
     def assign(self, robot: int, order: int | None) -> None:
         """Let an open order wait for one robot only; ``None`` makes that of the robot open again.
