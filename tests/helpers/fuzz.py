@@ -42,7 +42,8 @@ DOCUMENTED = (WarehouseError, OSError)
 TOKENS = (
     b"\n", b"\r\n", b"\t", b" ", b"\x00", b"\x1b[2J", b"\xef\xbb\xbf", b"\xff", b"\xed\xa0\x80",
     b"#", b".", b"@", b"P", b"D", b"=", b",", b":", b"(", b"[", b"{", b"]", b"}", b"'", b'"', b"-",
-    b"\\", b"a.", b"[[", b"'''", "\u0663".encode(), "\u202e".encode(), b"C", b"null", b"true", b"NaN",
+    b"\\", b"a.", b"[[", b"'''", "\u0663".encode(), "\u202e".encode(), b"null", b"true", b"NaN",
+    b"C",
 )  # fmt: skip
 
 NUMBERS = (
