@@ -1,33 +1,12 @@
-"""What directs a fleet: one agent for all robots, or an agent of the chapter for each."""
+"""Robots of a fleet each of which is directed by an agent of the chapter."""
 
 from __future__ import annotations
 
 import random
 from collections.abc import Sequence
-from typing import Protocol, SupportsIndex
 
 from agents.fleet.pilot import Pilot, Site
 from warehouse_core import Agent, FleetEnv
-
-Action = str | SupportsIndex
-
-
-class FleetAgent(Protocol):
-    """What ``run_shift`` needs of an agent that directs all robots.
-
-    It may also have a sequence ``reasons``, a string for each robot that explains its last action.
-    """
-
-    def reset(self) -> None:
-        """Forget the last episode."""
-
-    def act(self, env: FleetEnv) -> Sequence[Action]:
-        """Return the next action of each robot.
-
-        Args:
-            env: to be looked at and not stepped: ``observations()``, ``cells``, ``battery``,
-                ``orders``, ``open_orders``, ``order_of``; ``assign`` gives an order to a robot.
-        """
 
 
 class Team:
