@@ -80,8 +80,8 @@ EXPORTS = {
     "warehouse_core": """
         DEFAULT_LAYOUT Agent BackendError BatchEnv Cell Contact Episode EpisodeRecorder
         FleetEnv FleetEpisode GridMotion Layout LayoutError Motion Observation Order
-        OrderError OrderStream Outcome RecordError Settings WarehouseEnv WarehouseError
-        WarehouseState random_layout record_episode record_fleet_episode
+        OrderError OrderQueue OrderStream Outcome RecordError Settings WarehouseEnv
+        WarehouseError WarehouseState random_layout record_episode record_fleet_episode
         replay_animation replay_episode replay_fleet_episode save_frames_to_svg
         shelf_layout
     """,
@@ -95,7 +95,7 @@ EXPORTS = {
         BatchMotion BatchOutcome Batchable Contact Motion Outcome backend_names
         load_backend make_motion
     """,
-    "warehouse_core.orders": "Order OrderStream load_orders save_orders",
+    "warehouse_core.orders": "Order OrderQueue OrderStream load_orders save_orders",
     "warehouse_core.records": """
         MODES Agent Diagnosis Episode EpisodeRecorder FleetAgent FleetEpisode
         FleetRecorder diagnose record_episode record_fleet_episode replay_episode

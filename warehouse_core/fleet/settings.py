@@ -8,7 +8,7 @@ from typing import Any
 from warehouse_core.arguments import as_cell, real_number, whole_number
 from warehouse_core.fleet.battery import Battery
 from warehouse_core.fleet.people import People
-from warehouse_core.orders.order import Order, OrderStream
+from warehouse_core.orders.order import Order, OrderQueue, OrderStream
 from warehouse_core.task.encoding import MAX_STEPS
 from warehouse_core.world.tiles import Cell
 
@@ -20,7 +20,7 @@ MAX_BODIES = 100_000
 class FleetSettings:
     """The arguments of ``FleetEnv`` that are neither its layout nor its backend; see there.
 
-    ``orders`` are streams, or orders, or ``None``; ``starts`` cells, or ``None``.
+    ``orders`` are streams, orders, a queue, or ``None``; ``starts`` cells, or ``None``.
 
     Raises:
         ValueError: a value that is not allowed.
@@ -28,7 +28,7 @@ class FleetSettings:
     """
 
     robots: int
-    orders: tuple[OrderStream, ...] | tuple[Order, ...] | None
+    orders: tuple[OrderStream, ...] | tuple[Order, ...] | OrderQueue | None
     starts: tuple[Cell, ...] | None
     max_steps: int
     battery: Battery
@@ -66,7 +66,7 @@ class FleetSettings:
                 "battery": Battery(**values["battery"]),
                 "people": People(**values["people"]),
                 "starts": None if starts is None else tuple(as_cell("start", c) for c in starts),
-                "orders": None if orders is None else as_orders([_order(each) for each in orders]),
+                "orders": as_orders(_orders(orders)),
             }
             return cls(**values | read)
         except (TypeError, KeyError) as error:
@@ -78,15 +78,17 @@ class FleetSettings:
         return self.robots + self.people.count
 
 
-def as_orders(orders: object) -> tuple[OrderStream, ...] | tuple[Order, ...] | None:
-    """Return orders given as a rate, a stream, or a sequence of streams or of orders.
+def as_orders(
+    orders: object,
+) -> tuple[OrderStream, ...] | tuple[Order, ...] | OrderQueue | None:
+    """Return orders given as a rate, a stream, a queue, or a sequence of streams or of orders.
 
     Raises:
         ValueError: an empty sequence, or a rate that is not allowed.
         TypeError: they are none of these.
     """
-    if orders is None:
-        return None
+    if orders is None or isinstance(orders, OrderQueue):
+        return orders
     if isinstance(orders, (int, float)) and not isinstance(orders, bool):
         return (OrderStream(orders),)
     if isinstance(orders, OrderStream):
@@ -98,21 +100,32 @@ def as_orders(orders: object) -> tuple[OrderStream, ...] | tuple[Order, ...] | N
         if given and all(isinstance(each, kind) for each in given):
             return given
     raise TypeError(
-        f"orders are {orders!r:.200}; allowed: a rate, an OrderStream, or a list of OrderStream "
-        "or of Order, with at least one"
+        f"orders are {orders!r:.200}; allowed: a rate, an OrderStream, an OrderQueue, or a list of "
+        "OrderStream or of Order, with at least one"
     )
 
 
-def _order(values: Any) -> OrderStream | Order:
-    """Return an order or a stream, given as ``asdict`` returns them, or as lists.
+def _orders(values: Any) -> Any:
+    """Return what ``as_orders`` takes, given as ``asdict`` or JSON returns it.
 
     Raises:
-        TypeError: the values are not those of one.
+        TypeError: the values are not those of orders.
     """
+    if values is None:
+        return None
     if isinstance(values, dict):
-        lists = {name: tuple(each) for name, each in values.items() if isinstance(each, list)}
-        return OrderStream(**values | lists)
-    released, due, pickup, dropoff, *rest = values
+        return OrderQueue(**_with_tuples(values))
+    return [
+        OrderStream(**_with_tuples(each)) if isinstance(each, dict) else _order(*each)
+        for each in values
+    ]
+
+
+def _with_tuples(values: dict[str, Any]) -> dict[str, Any]:
+    return {name: tuple(each) if isinstance(each, list) else each for name, each in values.items()}
+
+
+def _order(released: Any, due: Any, pickup: Any, dropoff: Any, *rest: Any) -> Order:
     return Order(
         whole_number("released", released),
         whole_number("due", due),
