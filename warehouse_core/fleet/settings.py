@@ -66,7 +66,7 @@ class FleetSettings:
                 "battery": Battery(**values["battery"]),
                 "people": People(**values["people"]),
                 "starts": None if starts is None else tuple(as_cell("start", c) for c in starts),
-                "orders": None if orders is None else as_orders([_order(each) for each in orders]),
+                "orders": as_orders(_orders(orders)),
             }
             return cls(**values | read)
         except (TypeError, KeyError) as error:
@@ -105,16 +105,27 @@ def as_orders(
     )
 
 
-def _order(values: Any) -> OrderStream | Order:
-    """Return an order or a stream, given as ``asdict`` returns them, or as lists.
+def _orders(values: Any) -> Any:
+    """Return what ``as_orders`` takes, given as ``asdict`` or JSON returns it.
 
     Raises:
-        TypeError: the values are not those of one.
+        TypeError: the values are not those of orders.
     """
+    if values is None:
+        return None
     if isinstance(values, dict):
-        lists = {name: tuple(each) for name, each in values.items() if isinstance(each, list)}
-        return OrderStream(**values | lists)
-    released, due, pickup, dropoff, *rest = values
+        return OrderQueue(**_with_tuples(values))
+    return [
+        OrderStream(**_with_tuples(each)) if isinstance(each, dict) else _order(*each)
+        for each in values
+    ]
+
+
+def _with_tuples(values: dict[str, Any]) -> dict[str, Any]:
+    return {name: tuple(each) if isinstance(each, list) else each for name, each in values.items()}
+
+
+def _order(released: Any, due: Any, pickup: Any, dropoff: Any, *rest: Any) -> Order:
     return Order(
         whole_number("released", released),
         whole_number("due", due),
