@@ -24,7 +24,8 @@ from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_table import load_agent
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core import DEFAULT_LAYOUT, Agent, FleetAgent, Layout, RecordError
+from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, RecordError
+from warehouse_core.records.fleet_episode import FleetAgent
 from warehouse_core.world.tiles import NO_STATIONS
 
 AGENTS: dict[str, Callable[..., Agent]] = {
@@ -80,9 +81,7 @@ def make_team(
     return Team(_make_agents(name, seeds, walls), seed)
 
 
-def make_planner(
-    name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT
-) -> FleetAgent:
+def make_planner(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT) -> FleetAgent:
     """Return an agent that directs all robots of a fleet, by name.
 
     Args:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from agents.console.watch import watched
 from agents.fleet.team import Team
-from warehouse_core import FleetAgent, FleetEnv, FleetEpisode, FleetRecorder
+from warehouse_core import FleetEnv, FleetEpisode
+from warehouse_core.records.fleet_episode import FleetAgent, FleetRecorder
 
 
 def run_shift(env: FleetEnv, agent: FleetAgent, name: str, seed: int) -> FleetEpisode:
