@@ -271,14 +271,19 @@ def fleet(
         f"{counted(robots, 'robot')} ({director}) on layout {layout.stem}, backend {backend}, "
         f"{f'seed {first}' if shifts == 1 else f'seeds {first} to {first + shifts - 1}'}"
     )
-    done = list[FleetEpisode]()
+    measures, records = list[FleetMeasures](), list[FleetEpisode]()
+
+    def keep(episode: FleetEpisode) -> None:
+        measures.append(episode.measures)
+        if not records:  # all of them would take much memory
+            records.append(episode)
 
     def finish(show: bool | None, note: str = "") -> None:
-        report_shifts([episode.measures for episode in done], robots, title + note)
-        replay_or_save(done[0], save, show, speed=speed)
+        report_shifts(measures, robots, title + note)
+        replay_or_save(records[0], save, show, speed=speed)
 
     try:
-        run_shifts(run, range(first, first + shifts), done)
+        run_shifts(run, range(first, first + shifts), keep)
     except EpisodeError:
         finish(show, ", not finished")
         raise
@@ -289,21 +294,23 @@ def fleet(
 
 
 def run_shifts(
-    run: Callable[[int], FleetEpisode], seeds: Sequence[int], done: list[FleetEpisode]
+    run: Callable[[int], FleetEpisode],
+    seeds: Sequence[int],
+    keep: Callable[[FleetEpisode], None],
 ) -> None:
-    """Run a shift for each seed, and add their records to ``done``.
+    """Run a shift for each seed, and ``keep`` each record, the unfinished one of an error too.
 
     Raises:
-        EpisodeError: an agent failed; the record so far has been added.
-        EpisodeInterrupted: Ctrl-C was pressed; likewise.
+        EpisodeError: an agent failed.
+        EpisodeInterrupted: Ctrl-C was pressed.
         typer.BadParameter: the fleet cannot be made.
     """
     try:
         with warnings_printed():
             for seed in tracked(seeds):
-                done.append(run(seed))
+                keep(run(seed))
     except (EpisodeError, EpisodeInterrupted) as error:
-        done.append(error.episode)
+        keep(error.episode)
         raise
     except WarehouseError:
         raise
@@ -336,6 +343,15 @@ def report_shifts(measures: Sequence[FleetMeasures], robots: int, title: str) ->
     """Print the measures of shifts, those of several as means with 95% intervals."""
     print_table(measures_table(measures, title))
     say(fill(verdict(measures, robots), get_terminal_size().columns))
+
+
+def report_fleet(episode: FleetEpisode) -> None:
+    """Print the measures of a record."""
+    title = (
+        f"{counted(episode.robots, 'robot')} ({episode.agent}), backend {episode.backend}, "
+        f"seed {episode.seed}"
+    )
+    report_shifts([episode.measures], episode.robots, title)
 
 
 def measures_table(measures: Sequence[FleetMeasures], title: str) -> Table:
