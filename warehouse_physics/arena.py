@@ -22,6 +22,10 @@ ITERATIONS = 5
 SLOP = 0.001
 """Metres that bodies may overlap. Chipmunk's default of 0.1 is meant for pixels."""
 
+BIAS = 0.0
+"""Share of an overlap that is left after a second, where a robot is alone. All of it is corrected
+while the robot still brakes; over several substeps, as by default, it adds to the way back."""
+
 
 class Hit(NamedTuple):
     """Two bodies that have begun to touch, and their velocities in m/s right before."""
@@ -42,8 +46,12 @@ class Arena:
         spec: RobotSpec,
         floor: FloorConditions | None = None,
     ) -> None:
+        self.space = pymunk.Space()
         usual = ITERATIONS if len(cells) == 1 else iterations_for_jams(spec)
-        self.space = new_space(max(usual, iterations_for_drag(spec)))
+        self.space.iterations = max(usual, iterations_for_drag(spec))
+        self.space.collision_slop = SLOP
+        if len(cells) == 1:
+            self.space.collision_bias = BIAS
         self._step = spec.time_step
         add_walls(self.space, wall_boxes(layout), spec.cell_size)
         self._robot_of: dict[pymunk.Body, Robot] = {}
@@ -78,17 +86,6 @@ class Arena:
                     contact = Contact(now * self._step, impulse, (point[0], point[1]), name)
                     push = sign * normal[0], sign * normal[1]
                     robot.meet(now, Touch(met, push, velocity), contact)
-
-
-def new_space(iterations: int) -> pymunk.Space:
-    """Return an empty space with this number of solver rounds in a substep.
-
-    Bodies that overlap are moved apart within a substep, while they still brake. Over several, as
-    by default, that would add to the way of a robot that drives back.
-    """
-    space = pymunk.Space()
-    space.iterations, space.collision_slop, space.collision_bias = iterations, SLOP, 0.0
-    return space
 
 
 def iterations_for_jams(spec: RobotSpec) -> int:
