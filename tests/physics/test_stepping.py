@@ -134,6 +134,14 @@ def test_an_error_while_a_hit_is_noted_ends_the_action(fail, error) -> None:
     assert len(move(motion, WEST).contacts) == 1
 
 
+def test_an_error_while_a_hit_is_noted_is_kept_though_cffi_drops_those_of_callbacks() -> None:
+    hits = stepping.Hits(lambda arbiter: divide_by_zero())
+    hits.begin(None, None, None)
+    with pytest.raises(ZeroDivisionError):
+        hits.take()
+    assert hits.take() == []
+
+
 def test_an_error_while_a_hit_is_noted_ends_the_action_of_a_batch() -> None:
     batch = batch_in([HALL, LEDGE])
     batch._parts[0].arena._stepper._hits._note = lambda arbiter: divide_by_zero()
