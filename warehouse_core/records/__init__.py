@@ -8,6 +8,13 @@ from warehouse_core.records.episode import (
     replay_episode,
 )
 from warehouse_core.records.failure_modes import MODES, Diagnosis, diagnose
+from warehouse_core.records.fleet_episode import (
+    FleetAgent,
+    FleetEpisode,
+    FleetRecorder,
+    record_fleet_episode,
+    replay_fleet_episode,
+)
 
 __all__ = [
     "MODES",
@@ -15,7 +22,12 @@ __all__ = [
     "Diagnosis",
     "Episode",
     "EpisodeRecorder",
+    "FleetAgent",
+    "FleetEpisode",
+    "FleetRecorder",
     "diagnose",
     "record_episode",
+    "record_fleet_episode",
     "replay_episode",
+    "replay_fleet_episode",
 ]

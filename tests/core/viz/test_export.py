@@ -449,7 +449,7 @@ def test_an_interrupt_before_the_first_frame_is_not_hidden(
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("warehouse_core.viz.gif_writer.GifWriter.grab_frame", interrupted)
+    monkeypatch.setattr("warehouse_core.viz.export.gif_writer.GifWriter.grab_frame", interrupted)
     with pytest.raises(KeyboardInterrupt):
         replay_animation(short_episode()).save(tmp_path / "film.gif")
     assert list(tmp_path.iterdir()) == []
