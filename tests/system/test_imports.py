@@ -97,9 +97,9 @@ EXPORTS = {
     """,
     "warehouse_core.orders": "Order OrderQueue OrderStream load_orders save_orders",
     "warehouse_core.records": """
-        MODES Agent Diagnosis Episode EpisodeRecorder FleetAgent FleetEpisode
-        FleetRecorder diagnose record_episode record_fleet_episode replay_episode
-        replay_fleet_episode
+        FLEET_MODES MODES Agent Diagnosis Episode EpisodeRecorder FleetAgent
+        FleetDiagnosis FleetEpisode FleetRecorder diagnose diagnose_fleet record_episode
+        record_fleet_episode replay_episode replay_fleet_episode
     """,
     "warehouse_core.render": """
         ObservationImage PictureWindow TilePainter has_display tile_pixels_for
