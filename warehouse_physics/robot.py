@@ -233,7 +233,7 @@ class Robot:
         self.action.has_met |= touch.other is not None
         self.look()
         if self.phase == GO and self.action.last_hit < now:
-            self._count_impact(touch.velocity)
+            self._count_impact(touch)
         self.action.last_hit = now
         if self._is_hindered_by(touch, contact.point):
             self.give_up()
@@ -339,18 +339,19 @@ class Robot:
         self._start = x + lead * right, y + lead * down
         self._energy = 0.5 * self._mass * (right * right + down * down)
 
-    def _count_impact(self, before: Position) -> None:
+    def _count_impact(self, touch: Touch) -> None:
         """Add the work up to a hit in this substep, and of the push of the motor in the hit.
 
-        The motor pushes towards the commanded velocity, at the mean of those before and after the
-        hit. Its work before that is up to half a substep ago.
+        The motor pushes towards the commanded velocity, or against the hit if it holds that, at
+        the mean of the velocities before and after. Its work before that is up to half a substep
+        ago.
         """
-        self._count_work(before, -self._lead)
-        after, command = self.body.velocity, self._control.velocity
-        aim = command - after
+        self._count_work(touch.velocity, -self._lead)
+        after = self.body.velocity
+        aim = self._control.velocity - after
         if aim.length < AT_REST:
-            aim = command
-        forward = aim.normalized().dot(after + before) / 2
+            aim = -pymunk.Vec2d(*touch.push)
+        forward = aim.normalized().dot(after + touch.velocity) / 2
         self.action.work += max(0.0, self._motor.impulse * forward)
         self._count_from(after, self._lead)
 
