@@ -68,7 +68,7 @@ def test_pymunks_own_step_gives_the_same_bits_in_a_batch(monkeypatch) -> None:
         outcomes = []
         for batch, known in zip(batches, (True, False), strict=True):
             monkeypatch.setattr(stepping, "IS_KNOWN", known)
-            outcomes.append(b"".join(column.tobytes() for column in batch.advance(*arguments)))
+            outcomes.append(b"".join(column.tobytes() for column in batch.advance(*arguments)[:4]))
         assert outcomes[0] == outcomes[1]
 
 
