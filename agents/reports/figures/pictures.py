@@ -14,7 +14,7 @@ from agents.experiments.case import TILES
 from agents.experiments.parameters import shown
 from agents.reports.analysis.design import Design, make_design
 from agents.reports.analysis.results import Experiment, Results
-from agents.reports.figures.heat_map import heat_map, stuck_cells
+from agents.reports.figures.heat_map import stuck_cells, stuck_heat_map
 from agents.reports.figures.measure import Measure, measure_chart, measured
 from agents.reports.figures.modes import modes_chart
 from agents.reports.figures.roles import lines_of, roles_of
@@ -131,7 +131,7 @@ def _maps(experiment: Experiment) -> Iterator[Picture]:
             "each failure mode, by the cell where they were stuck or ended"
             f"{_numbers(experiment, ids)}. Pickup and dropoff are {STATIONS[stations]}."
         )
-        yield Picture(f"stuck-{number}", caption, _svg(heat_map(rows, stuck, episodes)))
+        yield Picture(f"stuck-{number}", caption, _svg(stuck_heat_map(rows, stuck, episodes)))
 
 
 def _svg(figure: Figure) -> bytes:

@@ -30,8 +30,8 @@ from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import WarehouseEnv, record_episode
 from warehouse_core.errors import FormatError
 from warehouse_core.render.palette import COLORS
-from warehouse_core.viz import export
 from warehouse_core.viz.export import FORMATS, progress_bar
+from warehouse_core.viz.export import formats as export
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.replay import Replay
 from warehouse_core.warehouse_viz import replay_animation
