@@ -222,6 +222,16 @@ class FleetEnv:
         row = whole_number("robot", robot, 0, self.settings.robots - 1)
         return observation_of(self._fleets.observe(np.array([row])), 0)
 
+    def observations(self) -> list[FleetObservation]:
+        """Return what each robot observes now, faster than ``observe`` of one after the other.
+
+        Raises:
+            EndedError: before the first reset.
+        """
+        self._check_started("observations")
+        arrays = self._fleets.observe()
+        return [observation_of(arrays, row) for row in range(self.settings.robots)]
+
     def assign(self, robot: int, order: int | None) -> None:
         """Let an open order wait for one robot only; ``None`` makes that of the robot open again.
 

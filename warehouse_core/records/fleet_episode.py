@@ -181,6 +181,7 @@ class FleetRecorder:
 
     Attributes:
         ended: whether all robots have ended.
+        place: where ``run`` is, in words: ``"reset"``, or the step such as ``"step 3"``.
     """
 
     def __init__(self, env: FleetEnv, *, seed: int | None = None, agent: str = "") -> None:
@@ -193,7 +194,7 @@ class FleetRecorder:
             END_COLUMNS, np.zeros(env.settings.robots, np.bool_)
         )
         self._motions: list[tuple[Outcome, ...]] = []
-        self.ended = False
+        self.ended, self.place = False, "reset"
         env.reset(seed=self._seed)
         self._keep_frame()
 
@@ -209,6 +210,13 @@ class FleetRecorder:
         self._ends = {"terminated": terminated, "truncated": truncated}
         self.ended = bool((terminated | truncated).all())
         self._keep_frame()
+
+    def run(self, agent: FleetAgent) -> None:
+        """Reset an agent and let it act until the episode is over."""
+        agent.reset()
+        while not self.ended:
+            self.place = f"step {self._env.steps + 1}"
+            self.step(agent.act(self._env))
 
     @property
     def episode(self) -> FleetEpisode:
@@ -265,9 +273,7 @@ def record_fleet_episode(
         The record, which ends when all robots have.
     """
     recorder = FleetRecorder(env, seed=seed, agent=type(agent).__name__)
-    agent.reset()
-    while not recorder.ended:
-        recorder.step(agent.act(env))
+    recorder.run(agent)
     return recorder.episode
 
 
