@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from heapq import heappop, heappush
-from itertools import islice
 
 import numpy as np
 
@@ -45,7 +44,7 @@ class OrderBook:
         self.changed: tuple[set[int], set[int]] = (set(), set())
         self.undelivered = len(orders.released)
         self._released = 0
-        self._open: dict[int, None] = {}  # in order of release
+        self._is_open = np.zeros(len(orders.released), np.bool_)
         self._due_at: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
         self._reserved: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
 
@@ -58,12 +57,13 @@ class OrderBook:
     @property
     def open_orders(self) -> list[int]:
         """The open orders, in order of release."""
-        return list(self._open)
+        found: list[int] = np.flatnonzero(self._is_open).tolist()
+        return found
 
     @property
     def has_open_orders(self) -> bool:
         """Whether an open order waits."""
-        return bool(self._open)
+        return bool(self._is_open.any())
 
     def release(self, step: int) -> None:
         """Let all orders appear that are released up to this step."""
@@ -112,7 +112,7 @@ class OrderBook:
             raise OrderError(f"robot {robot} carries order {had}; it must deliver it first")
         if order == had or (order is None and had == NONE):
             return
-        if order is not None and order not in self._open:
+        if order is not None and not (0 <= order < self._released and self._is_open[order]):
             raise OrderError(
                 f"order {order} cannot be assigned to robot {robot}: {self._state(order)}"
             )
@@ -131,7 +131,7 @@ class OrderBook:
         """
         rows, cols = np.divmod(cells, self._width)
         free = np.ones(len(robots), np.bool_)
-        for order in list(islice(self._open, len(robots))):
+        for order in self.open_orders[: len(robots)]:
             row, col = divmod(int(self.orders.pickup[order]), self._width)
             distance = np.where(free, abs(rows - row) + abs(cols - col), np.iinfo(np.intp).max)
             nearest = int(np.argmin(distance))
@@ -154,7 +154,7 @@ class OrderBook:
         robot, due = int(self.orders.robot[order]), int(self.orders.due[order])
         cell = int(self.orders.pickup[order])
         if robot == OPEN:
-            self._open[order] = None
+            self._is_open[order] = True
             heappush(self._due_at[cell], (due, order))
             self._count(cell, 1)
             return
@@ -169,13 +169,13 @@ class OrderBook:
     def _due_first(self, cell: int) -> int:
         """Return the open order at a cell that is due first, or ``NONE``."""
         waiting = self._due_at[cell]
-        while waiting and waiting[0][1] not in self._open:
+        while waiting and not self._is_open[waiting[0][1]]:
             heappop(waiting)
         return waiting[0][1] if waiting else NONE
 
     def _close(self, order: int) -> None:
         """Take an order from the open ones; its place in the heap is dropped later."""
-        del self._open[order]
+        self._is_open[order] = False
         self._count(int(self.orders.pickup[order]), -1)
 
     def _count(self, cell: int, more: int) -> None:
