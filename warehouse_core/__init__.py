@@ -10,7 +10,7 @@ from warehouse_core.errors import (
 from warehouse_core.fleet.env import FleetEnv
 from warehouse_core.motion.base import Contact, Motion, Outcome
 from warehouse_core.motion.grid import GridMotion
-from warehouse_core.orders.order import Order, OrderStream
+from warehouse_core.orders.order import Order, OrderQueue, OrderStream
 from warehouse_core.records.episode import (
     Agent,
     Episode,
@@ -44,6 +44,7 @@ __all__ = [
     "Observation",
     "Order",
     "OrderError",
+    "OrderQueue",
     "OrderStream",
     "Outcome",
     "RecordError",

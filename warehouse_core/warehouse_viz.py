@@ -108,7 +108,7 @@ def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: fl
                 save_svg(scene.root, part, dpi)
             report(frame, None)
     legend = make_figure(LEGEND_INCHES)
-    draw_legend(legend)
+    draw_legend(legend, has_chargers=track.has_chargers)
     with atomic_path(folder / "legend.svg") as part:
         save_svg(legend, part, dpi)
 

@@ -14,8 +14,13 @@ from warehouse_core import Layout, LayoutError, random_layout, shelf_layout
 from warehouse_core.world.generators import benchmark_warehouse
 from warehouse_core.world.map_files import load_map, save_layout
 from warehouse_core.world.named_layouts import NAMES, named_layout
+from warehouse_core.world.tiles import TILES
 
-app = typer.Typer(no_args_is_help=True, help="Generate, import, check and print layouts.")
+app = typer.Typer(
+    no_args_is_help=True,
+    help="Generate, import, check and print layouts. "
+    f"They are rows of {', '.join(f'{tile} {name}' for tile, name in TILES.items())}.",
+)
 
 BENCHMARK = re.compile("-".join([r"(\d{1,9})"] * 5), re.ASCII)
 """Sizes with more digits are always too large."""
@@ -27,7 +32,7 @@ OutputOption = Annotated[
         "--output",
         "-o",
         metavar="FILE",
-        help="Write the layout to this file; a .map has MovingAI's format and no stations.",
+        help="Write the layout to this file; a .map has MovingAI's format, no P, D or C.",
     ),
 ]
 
@@ -54,14 +59,18 @@ def shelves(
     length: Annotated[int, typer.Option(help="Cells of a block from left to right.")] = 4,
     depth: Annotated[int, typer.Option(help="Cells of a block from top to bottom.")] = 1,
     aisle: Annotated[int, typer.Option(help="Cells between blocks.")] = 1,
+    pickups: Annotated[int, typer.Option(help="Pickups P, above shelves.")] = 1,
+    dropoffs: Annotated[int, typer.Option(help="Dropoffs D, on the bottom aisle.")] = 1,
+    chargers: Annotated[int, typer.Option(help="Chargers C, at the left and right border.")] = 0,
     seed: SeedOption = 0,
     output: OutputOption = None,
 ) -> None:
     """Generate a warehouse of shelf blocks and aisles.
 
-    Example: warehouse layout shelves --rows 3 --aisle 2 -o shelves.txt
+    Example: warehouse layout shelves --rows 3 --aisle 2 --chargers 4 -o shelves.txt
     """
-    _print_or_save(shelf_layout(rows, columns, length, depth, aisle, seed), output)
+    stations = {"pickups": pickups, "dropoffs": dropoffs, "chargers": chargers}
+    _print_or_save(shelf_layout(rows, columns, length, depth, aisle, seed, **stations), output)
 
 
 @app.command()
@@ -103,7 +112,7 @@ def import_map(
 
 @app.command()
 def check(file: Annotated[Path, typer.Argument(help="A layout file.")]) -> None:
-    """Check that an item can be delivered in a layout.
+    """Check that an item can be delivered, and every charger be reached, in a layout.
 
     Example: warehouse layout check hall.txt
     """
@@ -113,17 +122,18 @@ def check(file: Annotated[Path, typer.Argument(help="A layout file.")]) -> None:
             raise LayoutError(f"{file}: there is no {name}")
     first = layout.pickups[0]
     reached = layout.reachable_from(first)
-    for station in layout.pickups + layout.dropoffs:
+    for station in layout.pickups + layout.dropoffs + layout.chargers:
         if station not in reached:
             raise LayoutError(
                 f"{file}: {layout.describe(station)}, which cannot be reached from "
                 f"the pickup at row {first[0]}, column {first[1]}"
             )
+    chargers = f", chargers: {len(layout.chargers)}" if layout.chargers else ""
     cut_off = len(layout.open_cells) - len(reached)
     say(
         f"{file}: {layout.height} x {layout.width}, {len(layout.open_cells)} open cells "
         f"({cut_off} of them cut off), pickups: {len(layout.pickups)}, "
-        f"dropoffs: {len(layout.dropoffs)}; an item can be delivered"
+        f"dropoffs: {len(layout.dropoffs)}{chargers}; an item can be delivered"
     )
 
 

@@ -84,7 +84,7 @@ LayoutOption = Annotated[
     typer.Option(
         "--layout",
         metavar="FILE",
-        help="Layout file (rows of # . P D, or a MovingAI .map), or a name: "
+        help="Layout file (rows of # . P D C, or a MovingAI .map), or a name: "
         f"{', '.join(NAMES)}. Default: that of the chapter.",
     ),
 ]

@@ -12,7 +12,7 @@ from warehouse_core import Episode, EpisodeRecorder, Layout, WarehouseEnv
 from warehouse_core.render.atlas import UNSEEN
 from warehouse_core.viz.robot_view import ROBOT_RADIUS
 from warehouse_core.viz.track import Point, Rows, Track, step_captions, track_of_episode
-from warehouse_core.world.tiles import DROPOFF, PICKUP, Cell
+from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, Cell
 
 GAP = ROBOT_RADIUS + 0.05
 """In cells, from the middle of the robot to the first dot of its plan."""
@@ -70,11 +70,12 @@ def believed_tiles(layout: Layout, history: Sequence[Insight]) -> list[Rows]:
     sensed |= dict.fromkeys(layout.dropoffs[:1], DROPOFF)
     for (row, col), tile in sensed.items():
         grid[row][col] = tile
+    known = dict.fromkeys(layout.chargers, CHARGER) | sensed
     rows: Rows = tuple(map("".join, grid))
     found = []
     for insight in history:
         for (row, col), tile in insight.seen.items():
-            grid[row][col] = sensed.get((row, col), tile)
+            grid[row][col] = known.get((row, col), tile)
         if insight.seen:
             rows = tuple(map("".join, grid))
         found.append(rows)

@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 from helpers.pictures import pixels, replay_of, short_episode, texts
 from matplotlib.animation import FuncAnimation
+from matplotlib.colors import to_hex
 
 from warehouse_core import WarehouseEnv
+from warehouse_core.render.palette import COLORS
 from warehouse_core.viz import figure as figures
 from warehouse_core.warehouse_viz import replay_animation, save_frames_to_svg
 
@@ -222,6 +224,15 @@ def test_a_file_shows_its_frame_and_no_legend(tmp_path: Path) -> None:
         assert words in files["legend.svg"]
     for words in (b"R  robot (empty)", b"r  robot (loaded)"):
         assert words in files["legend.svg"]
+    assert b"charger" not in files["legend.svg"]
+
+
+def test_files_show_chargers_and_their_legend_explains_them(tmp_path: Path) -> None:
+    save_frames_to_svg([["R..", "..."], ["R.C", "..."]], tmp_path)
+    files = contents(tmp_path)
+    assert b"C  charger" in files["legend.svg"]
+    color = to_hex(COLORS["C"]).encode()
+    assert [color in files[name] for name in FRAME_FILES[:2]] == [False, True]
 
 
 def test_files_of_other_names_are_left_alone_and_of_these_names_replaced(tmp_path: Path) -> None:

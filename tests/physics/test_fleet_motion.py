@@ -17,10 +17,12 @@ from helpers.rigid_bodies import (
     targets_of,
 )
 
-from warehouse_core import Cell, Layout, Outcome
+from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, Outcome, random_layout
+from warehouse_core.motion.backends import make_batch_motion
 from warehouse_core.motion.base import WALL_CONTACT, robot_contact
 from warehouse_core.motion.traffic import find_stops
-from warehouse_physics import RigidBodyMotion, RobotSpec
+from warehouse_core.motion.vector import NOTHING, WALL
+from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
 
 ACTIONS = 40
 """Random actions of each fleet; the benchmarks make more."""
@@ -204,3 +206,34 @@ def test_a_robot_that_is_pushed_out_of_its_cell_is_reported_where_it_is() -> Non
     outcomes = motion.advance([EAST, STAY], [False, False])
     assert [outcome.cell for outcome in outcomes] == [(2, 3), (4, 4)]
     assert not outcomes[0].blocked
+
+
+@pytest.mark.parametrize("robots", [2, 3, 5, 10])
+def test_a_batch_of_fleets_equals_the_grid(robots: int) -> None:
+    """What stops a robot too, but for those stopped by several: bodies touch one of them first."""
+    layouts = [DEFAULT_LAYOUT, *(random_layout(6, 8, 0.15, seed=seed) for seed in range(3))]
+    batches = [make_batch_motion(name, layouts, robots) for name in ("physics", "grid")]
+    stream, same, blocked = np.random.default_rng(robots), 0, 0
+    cells = np.concatenate([stream.permutation(it.open_cells)[:robots] for it in layouts])
+    for batch in batches:
+        batch.place(np.arange(len(cells)), cells, seeds=range(len(layouts)))
+    for _ in range(125):
+        move = stream.integers(0, 6, len(cells)), stream.random(len(cells)) < 0.5
+        bodies, grid = (batch.advance(*move) for batch in batches)
+        assert bodies.cells.tolist() == grid.cells.tolist()
+        assert bodies.blocked.tolist() == grid.blocked.tolist()
+        assert ((bodies.stopped_by == NOTHING) == ~grid.blocked).all()
+        assert ((bodies.stopped_by == WALL) == (grid.stopped_by == WALL)).all()
+        same += (bodies.stopped_by == grid.stopped_by)[grid.blocked].sum()
+        blocked += grid.blocked.sum()
+    assert same > 0.9 * blocked
+
+
+def test_a_batch_of_disturbed_fleets_repeats_with_its_seeds() -> None:
+    motion = RigidBodyMotion(disturbances=Disturbances(actuation_noise=0.1))
+    ends = []
+    for seed in (4, 4, 5):
+        batch = make_batch_motion(motion, [HALL], 3)
+        batch.place(np.arange(3), np.array([0, 7, 14]), seeds=[seed])
+        ends.append(batch.advance(np.array([1, 2, 1]), np.zeros(3, np.bool_)).seconds.tolist())
+    assert ends[0] == ends[1] != ends[2]

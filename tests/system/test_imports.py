@@ -80,7 +80,7 @@ EXPORTS = {
     "warehouse_core": """
         DEFAULT_LAYOUT Agent BackendError BatchEnv Cell Contact Episode EpisodeRecorder
         FleetEnv GridMotion Layout LayoutError Motion Observation Order OrderError
-        OrderStream Outcome RecordError Settings WarehouseEnv WarehouseError
+        OrderQueue OrderStream Outcome RecordError Settings WarehouseEnv WarehouseError
         WarehouseState random_layout record_episode replay_animation replay_episode
         save_frames_to_svg shelf_layout
     """,
@@ -94,7 +94,7 @@ EXPORTS = {
         BatchMotion BatchOutcome Batchable Contact Motion Outcome backend_names
         load_backend make_motion
     """,
-    "warehouse_core.orders": "Order OrderStream load_orders save_orders",
+    "warehouse_core.orders": "Order OrderQueue OrderStream load_orders save_orders",
     "warehouse_core.records": """
         MODES Agent Diagnosis Episode EpisodeRecorder diagnose record_episode
         replay_episode

@@ -1,6 +1,7 @@
 """Checks of a batch against single motions.
 
-A motion without a method ``batch``, or whose ``batch`` raises ValueError, passes them.
+A motion without a method ``batch``, or whose ``batch`` raises ValueError, passes them; one that
+raises ValueError for several robots passes the check of fleets.
 """
 
 from __future__ import annotations
@@ -11,8 +12,8 @@ from contextlib import ExitStack, closing
 import numpy as np
 
 from warehouse_core.conformance.trials import MAZE, MakeMotion, expect, expect_error
-from warehouse_core.motion.base import Motion
-from warehouse_core.motion.vector import Batchable, BatchMotion
+from warehouse_core.motion.base import Motion, Outcome
+from warehouse_core.motion.vector import NOTHING, WALL, Batchable, BatchMotion, BatchOutcome
 from warehouse_core.world.actions import ACTIONS, DISPLACEMENTS
 from warehouse_core.world.layout import Layout
 
@@ -21,21 +22,31 @@ TOLERANCE = 1e-6
 """Of seconds and joules, relative; terms may be summed in another order."""
 
 LAYOUTS = [MAZE, Layout(["#.#.", "....", "..#."]), MAZE, Layout(["."]), Layout(["......"]), MAZE]
+FLEET_LAYOUTS, FLEET_ROBOTS = [MAZE, Layout(["#.#.", "....", "..#."]), MAZE], 4
 
 
 def check_a_batch_moves_as_single_motions_do(make_motion: MakeMotion) -> None:
     """Each row of a batch has the cell, `blocked`, `seconds` and `joules` of a single motion."""
     with ExitStack() as open_motions:
-        batch = _batch_of(make_motion, open_motions)
+        batch = _batch_of(make_motion, open_motions, LAYOUTS)
         if batch is not None:
             singles = [open_motions.enter_context(closing(make_motion())) for _ in LAYOUTS]
-            _walk_side_by_side(batch, singles, random.Random(0))
+            _walk_side_by_side(batch, singles, random.Random(0), LAYOUTS)
+
+
+def check_a_batch_of_fleets_moves_as_single_motions_do(make_motion: MakeMotion) -> None:
+    """So does each of several robots on a floor, and `stopped_by` names what blocked it."""
+    with ExitStack() as open_motions:
+        batch = _batch_of(make_motion, open_motions, FLEET_LAYOUTS, FLEET_ROBOTS)
+        if batch is not None:
+            singles = [open_motions.enter_context(closing(make_motion())) for _ in FLEET_LAYOUTS]
+            _walk_side_by_side(batch, singles, random.Random(1), FLEET_LAYOUTS, FLEET_ROBOTS)
 
 
 def check_a_closed_batch_does_not_move(make_motion: MakeMotion) -> None:
     """Advancing a batch after a close raises RuntimeError; closing twice is allowed."""
     with ExitStack() as open_motions:
-        batch = _batch_of(make_motion, open_motions)
+        batch = _batch_of(make_motion, open_motions, LAYOUTS)
         if batch is not None:
             for row, layout in enumerate(LAYOUTS):
                 batch.place(np.array([row]), layout.open_cells[:1])
@@ -45,45 +56,83 @@ def check_a_closed_batch_does_not_move(make_motion: MakeMotion) -> None:
             batch.close()
 
 
-VECTOR_CHECKS = (check_a_batch_moves_as_single_motions_do, check_a_closed_batch_does_not_move)
+VECTOR_CHECKS = (
+    check_a_batch_moves_as_single_motions_do,
+    check_a_batch_of_fleets_moves_as_single_motions_do,
+    check_a_closed_batch_does_not_move,
+)
 
 
-def _batch_of(make_motion: MakeMotion, open_motions: ExitStack) -> BatchMotion | None:
-    """Return a batch in ``LAYOUTS``, or ``None`` if the motion has none."""
+def _batch_of(
+    make_motion: MakeMotion, open_motions: ExitStack, layouts: list[Layout], robots: int = 1
+) -> BatchMotion | None:
+    """Return a batch in these layouts, or ``None`` if the motion has none for so many robots."""
     motion = open_motions.enter_context(closing(make_motion()))
     if not isinstance(motion, Batchable):
         return None
     try:
-        return open_motions.enter_context(closing(motion.batch(LAYOUTS)))
+        batch = motion.batch(layouts) if robots == 1 else motion.batch(layouts, robots)
     except ValueError:
         return None
+    return open_motions.enter_context(closing(batch))
 
 
-def _walk_side_by_side(batch: BatchMotion, singles: list[Motion], stream: random.Random) -> None:
-    """Make the same random moves on both, and place some robots elsewhere at times."""
-    fresh = list(range(len(LAYOUTS)))
+def _walk_side_by_side(
+    batch: BatchMotion,
+    singles: list[Motion],
+    stream: random.Random,
+    layouts: list[Layout],
+    robots: int = 1,
+) -> None:
+    """Make the same random moves on both, and place the robots of some floors anew at times."""
+    fresh = list(range(len(layouts)))
     for _ in range(MOVES):
-        for row in fresh:
-            cell = int(stream.choice(LAYOUTS[row].open_cells))
-            batch.place(np.array([row]), np.array([cell]))
-            singles[row].reset(LAYOUTS[row], [divmod(cell, LAYOUTS[row].width)], 0)
-        actions = [stream.randrange(len(ACTIONS)) for _ in singles]
-        loaded = [stream.random() < 0.5 for _ in singles]
+        for floor in fresh:
+            layout = layouts[floor]
+            cells = stream.sample(layout.open_cells.tolist(), robots)
+            batch.place(np.arange(floor * robots, (floor + 1) * robots), np.array(cells))
+            singles[floor].reset(layout, [divmod(cell, layout.width) for cell in cells], 0)
+        actions = [stream.randrange(len(ACTIONS)) for _ in range(len(layouts) * robots)]
+        loaded = [stream.random() < 0.5 for _ in actions]
         outcome = batch.advance(np.array(actions), np.array(loaded))
-        for row, single in enumerate(singles):
-            expected = single.advance([DISPLACEMENTS[actions[row]]], [loaded[row]])[0]
-            end = divmod(int(outcome.cells[row]), LAYOUTS[row].width)
-            where = f"row {row} of a batch, action {ACTIONS[actions[row]]}: "
-            expect(
-                end == expected.cell and bool(outcome.blocked[row]) == expected.blocked,
-                f"{where}it ended in {end}, blocked {outcome.blocked[row]}; "
-                f"alone in {expected.cell}, blocked {expected.blocked}",
-            )
-            seconds, joules = outcome.seconds[row], outcome.joules[row]
-            got, wanted = np.array([seconds, joules]), np.array(expected[2:4])
-            expect(
-                bool((abs(got - wanted) <= TOLERANCE * wanted).all()),
-                f"{where}it took {seconds} s and {joules} J; "
-                f"alone {expected.seconds} s and {expected.joules} J",
-            )
-        fresh = [row for row in range(len(LAYOUTS)) if stream.random() < 0.1]
+        for floor, single in enumerate(singles):
+            rows = range(floor * robots, (floor + 1) * robots)
+            moves = [DISPLACEMENTS[actions[row]] for row in rows]
+            each = single.advance(moves, [loaded[row] for row in rows])
+            for row, expected in zip(rows, each, strict=True):
+                where = f"row {row} of a batch, action {ACTIONS[actions[row]]}"
+                _expect_equal(outcome, row, layouts[floor], expected, where)
+                if robots > 1:
+                    _expect_stop(outcome, row, robots, where)
+                    again = batch.outcomes(floor)[row % robots]
+                    expect(again[:2] == expected[:2], f"{where}: outcomes() gives {again[:2]}")
+        fresh = [floor for floor in range(len(layouts)) if stream.random() < 0.1]
+
+
+def _expect_equal(
+    outcome: BatchOutcome, row: int, layout: Layout, expected: Outcome, where: str
+) -> None:
+    """Expect in a row of a batch what a single motion returned."""
+    end = divmod(int(outcome.cells[row]), layout.width)
+    expect(
+        end == expected.cell and bool(outcome.blocked[row]) == expected.blocked,
+        f"{where}: it ended in {end}, blocked {outcome.blocked[row]}; "
+        f"alone in {expected.cell}, blocked {expected.blocked}",
+    )
+    seconds, joules = outcome.seconds[row], outcome.joules[row]
+    got, wanted = np.array([seconds, joules]), np.array(expected[2:4])
+    expect(
+        bool((abs(got - wanted) <= TOLERANCE * wanted).all()),
+        f"{where}: it took {seconds} s and {joules} J; "
+        f"alone {expected.seconds} s and {expected.joules} J",
+    )
+
+
+def _expect_stop(outcome: BatchOutcome, row: int, robots: int, where: str) -> None:
+    """Expect that a wall or another robot of the floor stopped a robot if it was blocked."""
+    stop = None if outcome.stopped_by is None else int(outcome.stopped_by[row])
+    others = {*range(robots), WALL} - {row % robots}
+    expect(
+        stop in (others if outcome.blocked[row] else {NOTHING}),
+        f"{where}: blocked {outcome.blocked[row]}, stopped by {stop}",
+    )

@@ -77,8 +77,9 @@ class FleetEnv:
         layout: ``None`` is the chapter's.
         robots: ``R``, at least 1.
         backend: name, class or instance of the motion that carries out the moves.
-        orders: a rate of orders a step, an ``OrderStream`` or several, or a list of ``Order``; see
-            ``load_orders`` for files. ``None``: each robot delivers one item, as in the chapter.
+        orders: a rate of orders a step, an ``OrderStream`` or several, an ``OrderQueue``, or a list
+            of ``Order``; see ``load_orders`` for files. ``None``: each robot delivers one item, as
+            in the chapter.
         starts: a cell for each robot; ``None`` is the usual start of a lone robot, and draws those
             of several from the empty cells.
         max_steps: limit of an episode, at least 1.

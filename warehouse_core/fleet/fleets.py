@@ -142,7 +142,7 @@ class Fleets:
         chosen = np.where(active, actions, WAIT)
         outcome, rewards, delivered, charging = self.robots.step(chosen)
         charging = np.zeros_like(active) if charging is None else charging & active
-        rewards *= active
+        rewards[~active] = 0.0
         self.steps += 1
         if self.orders:
             self._book(self.orders, had_item, delivered, rewards)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from warehouse_core.arguments import real_number, whole_number
 from warehouse_core.fleet.battery import Battery
 from warehouse_core.fleet.people import People
-from warehouse_core.orders.order import Order, OrderStream
+from warehouse_core.orders.order import Order, OrderQueue, OrderStream
 from warehouse_core.task.encoding import MAX_STEPS
 from warehouse_core.world.tiles import Cell
 
@@ -19,7 +19,7 @@ MAX_BODIES = 100_000
 class FleetSettings:
     """The arguments of ``FleetEnv`` that are neither its layout nor its backend; see there.
 
-    ``orders`` are streams, or orders, or ``None``; ``starts`` cells, or ``None``.
+    ``orders`` are streams, orders, a queue, or ``None``; ``starts`` cells, or ``None``.
 
     Raises:
         ValueError: a value that is not allowed.
@@ -27,7 +27,7 @@ class FleetSettings:
     """
 
     robots: int
-    orders: tuple[OrderStream, ...] | tuple[Order, ...] | None
+    orders: tuple[OrderStream, ...] | tuple[Order, ...] | OrderQueue | None
     starts: tuple[Cell, ...] | None
     max_steps: int
     battery: Battery
@@ -52,15 +52,17 @@ class FleetSettings:
         return self.robots + self.people.count
 
 
-def as_orders(orders: object) -> tuple[OrderStream, ...] | tuple[Order, ...] | None:
-    """Return orders given as a rate, a stream, or a sequence of streams or of orders.
+def as_orders(
+    orders: object,
+) -> tuple[OrderStream, ...] | tuple[Order, ...] | OrderQueue | None:
+    """Return orders given as a rate, a stream, a queue, or a sequence of streams or of orders.
 
     Raises:
         ValueError: an empty sequence, or a rate that is not allowed.
         TypeError: they are none of these.
     """
-    if orders is None:
-        return None
+    if orders is None or isinstance(orders, OrderQueue):
+        return orders
     if isinstance(orders, (int, float)) and not isinstance(orders, bool):
         return (OrderStream(orders),)
     if isinstance(orders, OrderStream):
@@ -72,6 +74,6 @@ def as_orders(orders: object) -> tuple[OrderStream, ...] | tuple[Order, ...] | N
         if given and all(isinstance(each, kind) for each in given):
             return given
     raise TypeError(
-        f"orders are {orders!r:.200}; allowed: a rate, an OrderStream, or a list of OrderStream "
-        "or of Order, with at least one"
+        f"orders are {orders!r:.200}; allowed: a rate, an OrderStream, an OrderQueue, or a list of "
+        "OrderStream or of Order, with at least one"
     )

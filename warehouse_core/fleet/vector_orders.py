@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,8 +11,8 @@ from warehouse_core.fleet.floor import FleetFloor
 from warehouse_core.fleet.settings import FleetSettings
 from warehouse_core.motion.vector import Flags, Integers
 from warehouse_core.orders.book import NEVER, NONE, OrderBook
-from warehouse_core.orders.order import Order, OrderStream
-from warehouse_core.orders.sources import DrawnOrders, ListedOrders
+from warehouse_core.orders.order import Order, OrderQueue, OrderStream
+from warehouse_core.orders.sources import DrawnOrders, ListedOrders, QueuedOrders
 from warehouse_core.vector.floor import NO_CELL
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import LayoutSet
@@ -39,10 +41,8 @@ class VectorOrders:
         floors, self._robots = len(layouts.kind), settings.robots
         self._layouts, self._floor, self._dispatches = layouts, floor, settings.dispatch
         self._sources = [_source(kind, settings) for kind in layouts.kinds]
-        self.books: list[OrderBook] = []
-        for kind in layouts.kind.tolist():
-            empty = self._sources[kind].draw(np.random.default_rng(0))
-            self.books.append(OrderBook(empty, settings.robots, layouts.kinds[kind].width))
+        streams = [np.random.default_rng(0)] * floors
+        self.books = [self._new_book(*each) for each in enumerate(streams)]
         self._next_release = np.full(floors, NEVER)
         self.due = np.full(floors * settings.robots, NONE, np.int32)
         self._is_idle = np.ones((floors, settings.robots), np.bool_)
@@ -52,11 +52,8 @@ class VectorOrders:
         """Draw the orders of a new episode on a floor."""
         for cell in self.books[floor].waiting_at:
             self._floor.set_waiting(floor, cell, False)
-        kind = self._layouts.kind[floor]
-        orders = self._sources[kind].draw(stream)
-        book = OrderBook(orders, self._robots, self._layouts.kinds[kind].width)
+        book = self.books[floor] = self._new_book(floor, stream)
         book.changed[0].update(range(self._robots))
-        self.books[floor] = book
         self._update(floor)
 
     def release(self, steps: Integers, cells: Integers, able: Flags) -> None:
@@ -111,10 +108,17 @@ class VectorOrders:
         """Return ``[B]``, whether all orders of a list are delivered; a stream has no end."""
         return np.array(
             [
-                self._sources[kind].ends and book.undelivered == 0
+                self._sources[kind].ends and book.is_done
                 for kind, book in zip(self._layouts.kind.tolist(), self.books, strict=True)
             ]
         )
+
+    def _new_book(self, floor: int, stream: np.random.Generator) -> OrderBook:
+        kind = self._layouts.kind[floor]
+        source = self._sources[kind]
+        more = partial(source.draw, stream) if isinstance(source, QueuedOrders) else None
+        orders = source.draw(stream)
+        return OrderBook(orders, self._robots, self._layouts.kinds[kind].width, more)
 
     def _update(self, floor: int) -> None:
         """Bring stations and arrays up to date with what has changed in a book."""
@@ -140,10 +144,12 @@ class VectorOrders:
         self._floor.put_stations(np.array([row]), np.array([pickup]), np.array([dropoff]))
 
 
-def _source(layout: Layout, settings: FleetSettings) -> DrawnOrders | ListedOrders:
-    orders = settings.orders or ()
-    streams = [order for order in orders if isinstance(order, OrderStream)]
+def _source(layout: Layout, settings: FleetSettings) -> ListedOrders | DrawnOrders | QueuedOrders:
+    orders = settings.orders
+    if isinstance(orders, OrderQueue):
+        return QueuedOrders(orders, layout)
+    streams = [order for order in orders or () if isinstance(order, OrderStream)]
     if streams:
         return DrawnOrders(streams, layout, settings.max_steps)
-    listed = [order for order in orders if isinstance(order, Order)]
+    listed = [order for order in orders or () if isinstance(order, Order)]
     return ListedOrders(listed, layout, settings.robots)

@@ -13,7 +13,7 @@ from warehouse_core.motion.vector import NOTHING, WALL, Flags, Integers
 
 Numbers = NDArray[np.intp]
 
-MAX_SMALL_FRONT = 64
+MAX_SMALL_FRONT = 100
 """Queues up to this many are followed one by one, which is then faster than all together."""
 
 
@@ -28,7 +28,8 @@ class VectorTraffic:
 
     def __init__(self, cells: int, floors: int, robots: int) -> None:
         self._robots = np.arange(floors * robots)
-        self._on_floor = np.tile(np.arange(robots), floors)
+        # WALL and NOTHING are negative indices, which count from the end.
+        self._on_floor = np.array([*list(range(robots)) * floors, WALL, NOTHING])
         self._robot_of = np.zeros(cells, np.intp)
 
     def find_stops(self, cells: Integers, targets: Integers, walled: Flags) -> Numbers:
@@ -39,53 +40,58 @@ class VectorTraffic:
             targets: ``[N]``, their own cells or neighbours; their own for those at a wall.
             walled: ``[N]``, whether the robot wants to move into a wall.
         """
-        stops = np.where(walled, WALL, NOTHING)
-        movers = np.flatnonzero(targets != cells)
+        stops = np.full(len(cells), NOTHING)
+        stops[walled] = WALL
+        is_waiting = targets == cells
+        movers = np.flatnonzero(~is_waiting)
         goals = targets.take(movers)
         self._robot_of[cells] = self._robots
         ahead = self._robot_of.take(goals)
-        is_there = cells.take(ahead) == goals
         self._stop_rivals(stops, movers, goals)
-        is_behind = is_there & (stops.take(movers) == NOTHING)
-        movers, ahead = movers[is_behind], ahead[is_behind]
-        head_on = targets.take(ahead) == cells.take(movers)
-        stops[movers[head_on]] = ahead[head_on]
-        is_still = (stops != NOTHING) | (targets == cells)
-        _stop_queues(stops, is_still, movers[~head_on], ahead[~head_on])
-        return np.where(stops < 0, stops, self._on_floor.take(stops))
+        is_behind = (cells.take(ahead) == goals) & (stops.take(movers) == NOTHING)
+        movers, ahead = _chosen(is_behind, movers, ahead)
+        is_head_on = targets.take(ahead) == cells.take(movers)
+        robots, others = _chosen(is_head_on, movers, ahead)
+        stops[robots] = others
+        robots, others = _chosen(~is_head_on, movers, ahead)
+        _stop_queues(stops, is_waiting | (stops != NOTHING), robots, others)
+        return self._on_floor.take(stops)
 
-    def _stop_rivals(self, stops: Numbers, movers: Integers, goals: Integers) -> None:
+    def _stop_rivals(self, stops: Numbers, movers: Numbers, goals: Integers) -> None:
         """Stop movers with the same target: the first by the second, the others by the first."""
         self._robot_of[goals] = len(stops)
         np.minimum.at(self._robot_of, goals, movers)
         first = self._robot_of.take(goals)
-        is_late = first != movers
-        late, first = movers[is_late], first[is_late]
+        late, first = _chosen(first != movers, movers, first)
         stops[late] = first
         stops[first] = len(stops)
         np.minimum.at(stops, first, late)
 
 
-def _stop_queues(stops: Numbers, is_still: Flags, followers: Integers, ahead: Integers) -> None:
+def _stop_queues(stops: Numbers, is_still: Flags, followers: Numbers, ahead: Numbers) -> None:
     """Stop the followers of robots that stay, then theirs, and so on.
 
     Args:
         stops: ``[N]``, changed in place.
         is_still: ``[N]``, whether the robot stays.
-        followers: the robots that move into a cell that another may leave, and
-        ahead: for each of them the robot in that cell; no two follow the same robot.
+        followers: robots that would move into the cell of another.
+        ahead: for each of them that other; no two have the same.
     """
-    is_stopped = is_still.take(ahead)
     behind = np.full(len(stops), NOTHING)
     behind[ahead] = followers
-    front, ahead = followers[is_stopped], ahead[is_stopped]
+    front, ahead = _chosen(is_still.take(ahead), followers, ahead)
     while len(front) > MAX_SMALL_FRONT:
         stops[front] = ahead
         following = behind.take(front)
-        is_followed = following != NOTHING
-        front, ahead = following[is_followed], front[is_followed]
+        front, ahead = _chosen(following != NOTHING, following, front)
     stop_of, behind_of = stops.data, behind.data
     for robot, other in zip(front.tolist(), ahead.tolist(), strict=True):
         while robot != NOTHING:
             stop_of[robot] = other
             robot, other = behind_of[robot], robot
+
+
+def _chosen(flags: Flags, ones: Numbers, others: Numbers) -> tuple[Numbers, Numbers]:
+    """Return the elements of two arrays at the flags; faster than indexing both by flags."""
+    places = np.flatnonzero(flags)
+    return ones.take(places), others.take(places)

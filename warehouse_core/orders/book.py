@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
+from collections.abc import Callable
 from heapq import heappop, heappush
 
 import numpy as np
@@ -27,6 +28,8 @@ class OrderBook:
         orders: of the episode.
         robots: ``R``.
         width: columns of the layout.
+        more: for a queue, returns the next orders; as many as ``orders`` are then kept released
+            and not delivered.
 
     Attributes:
         order_of: ``[R]`` the order of each robot, or ``NONE``.
@@ -36,14 +39,20 @@ class OrderBook:
             has; the reader clears both.
     """
 
-    def __init__(self, orders: OrderArrays, robots: int, width: int) -> None:
+    def __init__(
+        self,
+        orders: OrderArrays,
+        robots: int,
+        width: int,
+        more: Callable[[], OrderArrays] | None = None,
+    ) -> None:
         self.orders, self._width = orders, width
+        self._more, self._queue = more, len(orders.released)
         self.order_of = np.full(robots, NONE)
         self.taken_by, self.taken, self.delivered = np.full((3, len(orders.released)), NONE)
         self.waiting_at: Counter[int] = Counter()
         self.changed: tuple[set[int], set[int]] = (set(), set())
-        self.undelivered = len(orders.released)
-        self._released = 0
+        self._released = self._deliveries = 0
         self._is_open = np.zeros(len(orders.released), np.bool_)
         self._due_at: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
         self._reserved: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
@@ -52,7 +61,14 @@ class OrderBook:
     def next_release(self) -> int:
         """The step at which the next order appears, or ``NEVER``."""
         released = self.orders.released
+        if self._more and self._released - self._deliveries >= self._queue:
+            return NEVER
         return int(released[self._released]) if self._released < len(released) else NEVER
+
+    @property
+    def is_done(self) -> bool:
+        """Whether all orders have been delivered."""
+        return self._deliveries == len(self.orders.released)
 
     @property
     def open_orders(self) -> list[int]:
@@ -70,6 +86,11 @@ class OrderBook:
         while self.next_release <= step:
             order = self._released
             self._released += 1
+            if self._more:
+                self.orders.released[order] += step
+                self.orders.due[order] += step
+                if self._released == len(self.orders.released):
+                    self._grow(self._more())
             self._offer(order)
 
     def take(self, robot: int, cell: int, step: int) -> bool:
@@ -96,7 +117,7 @@ class OrderBook:
         """Book the delivery of what a robot carries, and return the order."""
         order = int(self.order_of[robot])
         self.delivered[order] = step
-        self.undelivered -= 1
+        self._deliveries += 1
         self._give(robot, NONE)
         self._take_reserved(robot)
         return order
@@ -148,6 +169,16 @@ class OrderBook:
         robot, taken_by, taken, delivered = (None if each == NONE else each for each in rest)
         cells = divmod(pickup, self._width), divmod(dropoff, self._width)
         return Order(released, due, *cells, robot, taken_by, taken, delivered)
+
+    def _grow(self, orders: OrderArrays) -> None:
+        """Add orders that are not released yet."""
+        pairs = zip(self.orders, orders, strict=True)
+        self.orders = OrderArrays(*(np.concatenate(pair) for pair in pairs))
+        unknown = np.full(len(orders.released), NONE)
+        self.taken_by, self.taken, self.delivered = (
+            np.concatenate([each, unknown]) for each in (self.taken_by, self.taken, self.delivered)
+        )
+        self._is_open = np.concatenate([self._is_open, unknown != NONE])
 
     def _offer(self, order: int) -> None:
         """Let an order wait for the robot that it is reserved for, or for all."""

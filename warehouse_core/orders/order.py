@@ -11,10 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from warehouse_core.arguments import as_cell, real_number, whole_number
+from warehouse_core.motion.vector import Integers
 from warehouse_core.task.encoding import MAX_STEPS
 from warehouse_core.world.tiles import Cell
 
@@ -77,28 +75,58 @@ class OrderStream:
     def __post_init__(self) -> None:
         real_number("rate", self.rate)
         whole_number("start", self.start, 0, MAX_STEPS)
-        fewest, most = as_cell("due", self.due, "(fewest, most)")
-        if not 0 <= fewest <= most <= MAX_STEPS:
-            raise ValueError(
-                f"due is {self.due}; it must be fewest and most steps after the release, "
-                f"0 <= fewest <= most <= {MAX_STEPS}"
-            )
-        for name in ("pickup_weights", "dropoff_weights"):
-            _check_weights(name, getattr(self, name))
+        _check_draws(self)
 
 
-Orders = float | OrderStream | Sequence[OrderStream] | Sequence[Order]
+@dataclass(frozen=True)
+class OrderQueue:
+    """A constant number of orders: when one is delivered, another is released.
+
+    Args:
+        size: number of orders that are released and not delivered, 1 to ``MAX_ORDERS``.
+        due: fewest and most steps from release to due time, drawn uniformly.
+        pickup_weights: as for ``OrderStream``.
+        dropoff_weights: likewise.
+
+    Raises:
+        ValueError: a value that is not allowed.
+        TypeError: a value of another type.
+    """
+
+    size: int
+    due: tuple[int, int] = (50, 150)
+    pickup_weights: tuple[float, ...] | None = None
+    dropoff_weights: tuple[float, ...] | None = None
+
+    def __post_init__(self) -> None:
+        whole_number("size", self.size, 1, MAX_ORDERS)
+        _check_draws(self)
+
+
+Orders = float | OrderStream | OrderQueue | Sequence[OrderStream] | Sequence[Order]
 """What a fleet accepts as its orders; a number is the rate of an ``OrderStream``."""
 
 
 class OrderArrays(NamedTuple):
     """``K`` orders as ``[K]`` intp arrays, in order of release; cells are ``row * W + col``."""
 
-    released: NDArray[np.intp]
-    due: NDArray[np.intp]
-    pickup: NDArray[np.intp]
-    dropoff: NDArray[np.intp]
-    robot: NDArray[np.intp]
+    released: Integers
+    due: Integers
+    pickup: Integers
+    dropoff: Integers
+    robot: Integers
+
+
+def _check_draws(orders: OrderStream | OrderQueue) -> None:
+    """Raise if due times or weights are not allowed."""
+    fewest, most = as_cell("due", orders.due, "(fewest, most)")
+    if not 0 <= fewest <= most <= MAX_STEPS:
+        raise ValueError(
+            f"due is {orders.due}; it must be fewest and most steps after the release, "
+            f"0 <= fewest <= most <= {MAX_STEPS}"
+        )
+    _check_weights("pickup_weights", orders.pickup_weights)
+    _check_weights("dropoff_weights", orders.dropoff_weights)
 
 
 def _check_weights(name: str, weights: Sequence[float] | None) -> None:

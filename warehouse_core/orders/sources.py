@@ -10,7 +10,15 @@ from numpy.typing import NDArray
 
 from warehouse_core.arguments import as_cell, whole_number
 from warehouse_core.errors import LayoutError, OrderError
-from warehouse_core.orders.order import MAX_ORDERS, OPEN, Order, OrderArrays, OrderStream
+from warehouse_core.motion.vector import Integers
+from warehouse_core.orders.order import (
+    MAX_ORDERS,
+    OPEN,
+    Order,
+    OrderArrays,
+    OrderQueue,
+    OrderStream,
+)
 from warehouse_core.task.encoding import MAX_STEPS
 from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.tiles import CHARGER, Cell
@@ -75,26 +83,57 @@ class DrawnOrders:
                 f"the rate {rates} leads to about {self._means.sum():.0f} orders in {steps} steps; "
                 f"MAX_ORDERS = {MAX_ORDERS} are allowed"
             )
-        self._due = np.array([stream.due for stream in streams])
-        self._pickups, self._dropoffs = (
-            _Stations(
-                kind, cells, [getattr(stream, f"{kind}_weights") for stream in streams], layout
-            )
-            for kind, cells in (("pickup", layout.pickups), ("dropoff", layout.dropoffs))
-        )
+        self._tasks = _Tasks(streams, layout)
 
     def draw(self, stream: np.random.Generator) -> OrderArrays:
         """Return the orders of one episode."""
         # Given their number, the times of a Poisson process are independent and uniform.
         phase = np.repeat(np.arange(len(self._means)), stream.poisson(self._means))
         released = np.sort(stream.integers(self._starts[phase], self._ends[phase]))
+        due, pickup, dropoff = self._tasks.draw(phase, stream)
+        return OrderArrays(released, released + due, pickup, dropoff, np.full(len(phase), OPEN))
+
+
+class QueuedOrders:
+    """Orders of which a constant number is released and not delivered.
+
+    Args:
+        queue: how many, and how they are drawn.
+        layout: must have a pickup and a dropoff.
+
+    Raises:
+        LayoutError: a layout without a pickup or a dropoff.
+        OrderError: weights that do not fit the layout.
+    """
+
+    ends = False
+
+    def __init__(self, queue: OrderQueue, layout: Layout) -> None:
+        self.size, self._tasks = queue.size, _Tasks([queue], layout)
+
+    def draw(self, stream: np.random.Generator) -> OrderArrays:
+        """Return the next ``size`` orders, released at step 0; times count from the release."""
+        phase = np.zeros(self.size, np.intp)
+        due, pickup, dropoff = self._tasks.draw(phase, stream)
+        return OrderArrays(phase, due, pickup, dropoff, np.full(self.size, OPEN))
+
+
+class _Tasks:
+    """Due times, pickups and dropoffs as the streams, or the queue, draw them."""
+
+    def __init__(self, kinds: Sequence[OrderStream | OrderQueue], layout: Layout) -> None:
+        self._due = np.array([kind.due for kind in kinds])
+        pickups = [kind.pickup_weights for kind in kinds]
+        dropoffs = [kind.dropoff_weights for kind in kinds]
+        self._pickups = _Stations("pickup", layout.pickups, pickups, layout)
+        self._dropoffs = _Stations("dropoff", layout.dropoffs, dropoffs, layout)
+
+    def draw(self, phase: Integers, stream: np.random.Generator) -> tuple[Integers, ...]:
+        """Return steps until they are due, pickups and dropoffs of orders of these streams."""
         fewest, most = self._due[phase].T
-        due = released + stream.integers(fewest, most, endpoint=True)
-        pickup, dropoff = (
-            stations.draw(phase, stream.random(len(phase)))
-            for stations in (self._pickups, self._dropoffs)
-        )
-        return OrderArrays(released, due, pickup, dropoff, np.full(len(phase), OPEN))
+        due = stream.integers(fewest, most, endpoint=True)
+        pickups = self._pickups.draw(phase, stream.random(len(phase)))
+        return due, pickups, self._dropoffs.draw(phase, stream.random(len(phase)))
 
 
 class _Stations:
@@ -124,7 +163,7 @@ class _Stations:
         sums /= sums[:, -1:]
         self._sums = (sums + np.arange(len(sums))[:, None]).ravel()
 
-    def draw(self, phase: NDArray[np.intp], uniforms: NDArray[np.float64]) -> NDArray[np.intp]:
+    def draw(self, phase: Integers, uniforms: NDArray[np.float64]) -> NDArray[np.intp]:
         """Return a cell for each phase and uniform random number."""
         place = np.searchsorted(self._sums, phase + uniforms, side="right")
         found: NDArray[np.intp] = self._cells[place % len(self._cells)]

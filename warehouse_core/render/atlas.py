@@ -14,7 +14,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.render.palette import COLORS, FAINT, INK, PAPER, UNKNOWN, Color, blend
-from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, WALL
+from warehouse_core.world.tiles import (
+    CHARGER,
+    DROPOFF,
+    EMPTY,
+    OTHER_EMPTY,
+    OTHER_LOADED,
+    PERSON,
+    PICKUP,
+    ROBOT_EMPTY,
+    ROBOT_LOADED,
+    WALL,
+)
 
 Pixels = NDArray[np.uint8]
 """Red, green and blue, 0..255, in the last axis."""
@@ -31,15 +42,21 @@ CELLS = (
     (DROPOFF, NO_ROBOT),
     (EMPTY, ROBOT_EMPTY),
     (EMPTY, ROBOT_LOADED),
+    (CHARGER, NO_ROBOT),
+    (EMPTY, OTHER_EMPTY),
+    (EMPTY, OTHER_LOADED),
+    (EMPTY, PERSON),
     (UNSEEN, NO_ROBOT),
     (PICKUP, ROBOT_EMPTY),
     (PICKUP, ROBOT_LOADED),
     (DROPOFF, ROBOT_EMPTY),
     (DROPOFF, ROBOT_LOADED),
+    (CHARGER, ROBOT_EMPTY),
+    (CHARGER, ROBOT_LOADED),
 )
-"""Everything that can be painted: a tile and the robot on it. The index is its code.
+"""Everything that can be painted: a tile and the robot or person on it. The index is its code.
 
-The first six are the characters of a window in the order of ``tiles.CELL_CODES``, so the codes of a
+The first ten are the characters of a window in the order of ``tiles.CELL_CODES``, so the codes of a
 window can be painted without a change.
 """
 
@@ -48,7 +65,7 @@ CODES = {cell: code for code, cell in enumerate(CELLS)}
 
 ROBOT_CODES = np.array(
     [
-        [CODES.get((tile, robot), 255) for tile, _ in CELLS[:4]]
+        [CODES.get((tile, robot), 255) for tile, _ in CELLS[: CODES[CHARGER, NO_ROBOT] + 1]]
         for robot in (ROBOT_EMPTY, ROBOT_LOADED)
     ],
     np.uint8,
@@ -71,8 +88,13 @@ MIN_RADIUS, MIN_CORNER_LETTER, MIN_ROBOT_LETTER = 3.0, 5, 6
 MIN_OUTLINED, MIN_LETTERED, MIN_BOTH_LETTERED = 10, 16, 20
 """Minimum sides of tiles, in pixels, with an outline, with a letter, and with two letters."""
 
-WIDTHS = {PICKUP: 0.82, DROPOFF: 0.92, ROBOT_EMPTY: 0.86, ROBOT_LOADED: 0.58}
+WIDTHS = {
+    PICKUP: 0.82, DROPOFF: 0.92, CHARGER: 0.9, ROBOT_EMPTY: 0.86, ROBOT_LOADED: 0.58,
+    OTHER_EMPTY: 0.96, OTHER_LOADED: 0.78, PERSON: 0.86,
+}  # fmt: skip
 """Widths of the letters, as shares of the height of a capital."""
+
+LOWERCASE = (ROBOT_LOADED, OTHER_LOADED)
 
 SAMPLES = 8
 """Points along each side of a pixel, to measure how much of it a shape covers."""
@@ -96,7 +118,7 @@ def _draw_cell(tile: str, robot: str, side: int) -> Pixels:
     elif tile != WALL:
         # Lines are one pixel wide; they are paler on small tiles instead of narrower.
         _fill(points, (x < 1) | (y < 1), blend(COLORS[EMPTY], FAINT, min(1.0, side / 24)))
-    if tile in (PICKUP, DROPOFF):
+    if tile in (PICKUP, DROPOFF, CHARGER):
         lettered = side >= (MIN_BOTH_LETTERED if robot else MIN_LETTERED)
         _draw_station(points, x, y, side, tile, lettered)
     if robot:
@@ -119,18 +141,18 @@ def _draw_station(
 
 
 def _draw_robot(points: Pixels, x: Places, y: Places, side: int, robot: str) -> None:
-    """Draw a robot whose middle is at 0, 0."""
+    """Draw a robot, a disc, or a person, a square on a corner, whose middle is at 0, 0."""
     radius = max(ROBOT_RADIUS * side, min(MIN_RADIUS, side / 2))
     outline = OUTLINE * side if side >= MIN_OUTLINED else 0.0
-    distance = np.hypot(x, y)
+    distance = 0.8 * (np.abs(x) + np.abs(y)) if robot == PERSON else np.hypot(x, y)
     _fill(points, distance < radius + outline / 2, INK)
     _fill(points, distance < radius - outline / 2, COLORS[robot])
     if side >= MIN_LETTERED:
         capital = max(MIN_ROBOT_LETTER, round(ROBOT_LETTER * side))
         width = _centred(WIDTHS[robot] * capital, side)
-        height = _centred(capital if robot == ROBOT_EMPTY else 0.76 * capital, side)
+        height = _centred(0.76 * capital if robot in LOWERCASE else capital, side)
         letter = _letter(robot, x + width / 2, y + height / 2, width, height)
-        _fill(points, letter, PAPER if robot == ROBOT_EMPTY else INK)
+        _fill(points, letter, INK if robot in LOWERCASE else PAPER)
 
 
 def _centred(length: float, side: int) -> int:
@@ -144,10 +166,15 @@ def _letter(letter: str, x: Places, y: Places, width: int, height: int) -> Shape
 
     Its strokes are whole pixels wide, because small letters would be blurred otherwise.
     """
-    is_capital = letter != ROBOT_LOADED
+    is_capital = letter not in LOWERCASE
     thick = max(1, round((0.26 if is_capital else 0.32) * height))
     thin = max(1, round((0.18 if is_capital else 0.28) * height))
+    if letter in (CHARGER, OTHER_EMPTY, OTHER_LOADED):
+        return _ring(x, y, width, height, thick, thin, is_open=letter == CHARGER)
     stem = _within(0, x, thick) & _within(0, y, height)
+    if letter == PERSON:
+        bar = _within(0, x, width) & (np.abs(2 * y - height) < thin)
+        return stem | (_within(width - thick, x, width) & _within(0, y, height)) | bar
     if not is_capital:
         bend = 0.6 * height
         arm = _oval(x - width, y - bend, width - 0.6 * thick, bend)
@@ -162,6 +189,19 @@ def _letter(letter: str, x: Places, y: Places, width: int, height: int) -> Shape
         heel = width * (0.62 + 0.38 * down)
         shape |= _within(0, down, 1) & _within(0, heel - x, 1.1 * thick)
     return shape
+
+
+def _ring(
+    x: Places, y: Places, width: int, height: int, thick: int, thin: int, *, is_open: bool
+) -> Shape:
+    """Return an O whose top left corner is at 0, 0, or, open on the right, a C."""
+    back = width - x
+    outer = _bow(back, y, width, height)
+    if is_open:
+        return outer & ~_bow(back + thick, y - thin, width, height - 2 * thin)
+    inner = y - thin, width - 2 * thick, height - 2 * thin
+    hollow = _bow(back - thick, *inner) & _bow(x - thick, *inner)
+    return outer & _bow(x, y, width, height) & ~hollow
 
 
 def _bow(x: Places, y: Places, right: float, bottom: float) -> Shape:

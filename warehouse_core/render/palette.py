@@ -1,6 +1,6 @@
 """The colours of a replay and its legend. No information is in a colour alone.
 
-Source of the six tile and robot colours: the chapter's exercise.
+Source of the first six colours of tiles and robots: the chapter's exercise.
 """
 
 from __future__ import annotations
@@ -8,7 +8,18 @@ from __future__ import annotations
 from functools import cache
 from typing import Literal
 
-from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, WALL
+from warehouse_core.world.tiles import (
+    CHARGER,
+    DROPOFF,
+    EMPTY,
+    OTHER_EMPTY,
+    OTHER_LOADED,
+    PERSON,
+    PICKUP,
+    ROBOT_EMPTY,
+    ROBOT_LOADED,
+    WALL,
+)
 
 Color = tuple[float, float, float]
 """RGB, 0..1."""
@@ -20,7 +31,12 @@ COLORS: dict[str, Color] = {
     DROPOFF: (0.2, 0.8, 0.3),
     ROBOT_EMPTY: (0.9, 0.2, 0.2),
     ROBOT_LOADED: (0.95, 0.6, 0.2),
+    CHARGER: (0.65, 0.4, 0.95),
+    OTHER_EMPTY: (0.42, 0.15, 0.4),
+    OTHER_LOADED: (0.6, 0.55, 0.15),
+    PERSON: (0.15, 0.35, 0.5),
 }
+"""A charger has a contrast of at least 3 to the floor, to walls and to ink."""
 
 PAPER: Color = (1.0, 1.0, 1.0)
 INK: Color = (0.12, 0.12, 0.15)

@@ -17,8 +17,8 @@ from warehouse_core.render.palette import COLORS, HIT, INK, UNKNOWN, UNKNOWN_STR
 from warehouse_core.viz.axes import draw_grid
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.robot_view import RobotView, letter
-from warehouse_core.viz.track import Hit, Point, Rows
-from warehouse_core.world.tiles import DROPOFF, PICKUP, WALL, runs_of
+from warehouse_core.viz.track import Hit, Point, Rows, has_chargers
+from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, WALL, runs_of
 
 ROUTE_STYLE: tuple[float, tuple[float, ...]] = (0, (1.0, 1.6))
 """Dots, because a trail is a line or dashes."""
@@ -70,7 +70,7 @@ class GridView:
         self._rows = rows
         # A thin edge without antialiasing leaves no seam between the walls of two rows.
         self._tiles = [self._draw(rows, WALL, 0.0, color=COLORS[WALL], linewidth=0.4)]
-        for tile in (PICKUP, DROPOFF):
+        for tile in (PICKUP, DROPOFF, *has_chargers(rows) * CHARGER):
             self._tiles.append(self._draw(rows, tile, 0.06, color=COLORS[tile], linewidth=0.0))
         self._tiles += self._letters(rows)
         if any(UNSEEN in line for line in rows):
@@ -112,7 +112,7 @@ class GridView:
     def _letters(self, rows: Rows) -> Iterator[Text]:
         for row, line in enumerate(rows):
             for col, tile in enumerate(line):
-                if tile in (PICKUP, DROPOFF):
+                if tile in (PICKUP, DROPOFF, CHARGER):
                     yield letter(
                         self._axes,
                         self._cell_points,

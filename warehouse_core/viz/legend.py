@@ -20,20 +20,23 @@ from warehouse_core.render.palette import (
 )
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.grid_view import ROUTE_STYLE
-from warehouse_core.warehouse_env import LEGEND
+from warehouse_core.warehouse_env import legend
 from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED
 
 
-def draw_legend(figure: SceneFigure | SubFigure, *, has_belief: bool = False) -> None:
+def draw_legend(
+    figure: SceneFigure | SubFigure, *, has_chargers: bool, has_belief: bool = False
+) -> None:
     """Draw the legend along the bottom of a figure.
 
     Args:
         figure: to draw into.
+        has_chargers: explain chargers.
         has_belief: explain cells not seen yet, and the plan.
     """
     edge: dict[str, Any] = {"linestyle": "none", "markeredgecolor": INK, "markeredgewidth": 0.6}
     signs: dict[str, Artist] = {}
-    for character, meaning in LEGEND.items():
+    for character, meaning in legend(has_chargers).items():
         marker = "o" if character in (ROBOT_EMPTY, ROBOT_LOADED) else "s"
         color = COLORS[character]
         signs[f"{character}  {meaning}"] = Line2D(

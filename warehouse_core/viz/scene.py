@@ -102,7 +102,7 @@ class Scene:
             self._charts.append(BatteryBar(self.root, axes))
         self._make_texts()
         if legend:
-            draw_legend(self.figure, has_belief=track.has_routes)
+            draw_legend(self.figure, has_chargers=track.has_chargers, has_belief=track.has_routes)
         self.show(0)
 
     def __len__(self) -> int:

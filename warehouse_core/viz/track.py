@@ -18,7 +18,15 @@ from warehouse_core.motion.base import Contact, Outcome
 from warehouse_core.records.episode import UNFINISHED, Episode
 from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.wording import printable
-from warehouse_core.world.tiles import ALLOWED_TILES, EMPTY, ROBOT_EMPTY, ROBOT_LOADED, TILES, Cell
+from warehouse_core.world.tiles import (
+    ALLOWED_TILES,
+    CHARGER,
+    EMPTY,
+    ROBOT_EMPTY,
+    ROBOT_LOADED,
+    TILES,
+    Cell,
+)
 
 FRAME_SECONDS = 0.2
 """Simulated seconds from one frame of a continuous motion to the next."""
@@ -115,9 +123,21 @@ class Track:
         return math.ceil(self.frames[-1].progress)
 
     @property
+    def has_chargers(self) -> bool:
+        """Whether any frame shows a charger."""
+        return any(
+            map(has_chargers, {id(frame.tiles): frame.tiles for frame in self.frames}.values())
+        )
+
+    @property
     def has_routes(self) -> bool:
         """Whether any frame shows a planned way."""
         return any(frame.route for frame in self.frames)
+
+
+def has_chargers(rows: Rows) -> bool:
+    """Return whether there is a charger among the tiles."""
+    return any(CHARGER in line for line in rows)
 
 
 def track_of_episode(episode: Episode, frame_seconds: float | None = FRAME_SECONDS) -> Track:

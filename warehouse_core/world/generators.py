@@ -10,7 +10,7 @@ import random
 
 from warehouse_core.errors import LayoutError
 from warehouse_core.world.layout import CHAPTER_START, Layout, check_size
-from warehouse_core.world.tiles import EMPTY, WALL
+from warehouse_core.world.tiles import EMPTY, WALL, Cell
 
 MAX_DENSITY = 0.4
 """Limit for ``random_layout``; walls that keep a grid connected can hardly be denser."""
@@ -54,8 +54,15 @@ def shelf_layout(
     shelf_depth: int = 1,
     aisle: int = 1,
     seed: int = 0,
+    *,
+    pickups: int = 1,
+    dropoffs: int = 1,
+    chargers: int = 0,
 ) -> Layout:
     """Return a warehouse of shelf blocks with aisles between and around them.
+
+    Several stations of a kind are spread evenly, and no two of a kind are neighbours. None is in
+    the way of a robot that passes.
 
     Args:
         shelf_rows: blocks from top to bottom, at least 1.
@@ -63,10 +70,13 @@ def shelf_layout(
         shelf_length: cells of a block from left to right, at least 1.
         shelf_depth: cells of a block from top to bottom, at least 1.
         aisle: cells between blocks and along the border, at least 1.
-        seed: chooses the pickup, above a shelf, and the dropoff, on the bottom aisle.
+        seed: chooses among the places that the stations and the chargers may have.
+        pickups: above shelves, at least 1.
+        dropoffs: on the bottom aisle, at least 1.
+        chargers: along the left and the right border, at least 0.
 
     Raises:
-        LayoutError: a size that is not allowed, or more than ``MAX_CELLS`` cells.
+        LayoutError: a size or a number that is not allowed, or more than ``MAX_CELLS`` cells.
     """
     sizes = {
         "shelf_rows": shelf_rows,
@@ -83,7 +93,28 @@ def shelf_layout(
         if row < layout.height - 2 and layout.rows[row + 1][col] == WALL
     ]
     bottom = [(layout.height - 2, col) for col in range(1, layout.width - 1)]
-    return layout.with_stations(stream.choice(beside_shelf), stream.choice(bottom))
+    # Neither the usual start nor the bottom aisle; pickups are never on the border.
+    sides = [(row, col) for col in (1, layout.width - 2) for row in range(2, layout.height - 2)]
+    return layout.with_tiles(
+        _spread("pickups", pickups, 1, beside_shelf, stream),
+        _spread("dropoffs", dropoffs, 1, bottom, stream),
+        _spread("chargers", chargers, 0, sides, stream),
+    )
+
+
+def _spread(
+    name: str, count: int, least: int, cells: list[Cell], stream: random.Random
+) -> list[Cell]:
+    """Return ``count`` of the cells at even distances, the first of them drawn at random.
+
+    Raises:
+        LayoutError: fewer than ``least``, or so many that two would be neighbours.
+    """
+    most = max(1, len(cells) // 2)
+    if not least <= count <= most:
+        raise LayoutError(f"{name} is {count}; it must be {least}..{most} in a layout of this size")
+    first = stream.choice(range(len(cells))) if count else 0
+    return [cells[(first + i * len(cells) // count) % len(cells)] for i in range(count)]
 
 
 def benchmark_warehouse(columns: int, rows: int, length: int, depth: int, aisle: int) -> Layout:

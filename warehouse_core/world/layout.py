@@ -204,7 +204,7 @@ class Layout:
             LayoutError: as for ``with_tiles``.
         """
         pickups, dropoffs = (() if cell is None else (cell,) for cell in (pickup, dropoff))
-        return self.with_tiles(pickups, dropoffs, self.chargers)
+        return self._with((pickups, dropoffs, self.chargers))
 
     def with_chargers(self, cells: Iterable[Cell]) -> Layout:
         """Return the same walls and stations with these chargers in place of all others.
@@ -225,10 +225,12 @@ class Layout:
         Raises:
             LayoutError: one of the cells is not open, or is given for two tiles.
         """
+        return self._with(tuple(tuple(sorted(set(c))) for c in (pickups, dropoffs, chargers)))
+
+    def _with(self, marked: tuple[tuple[Cell, ...], ...]) -> Layout:
         rows = list(self.rows)
         for row in {row for row, _ in self.pickups + self.dropoffs + self.chargers}:
             rows[row] = rows[row].translate(NO_STATIONS)
-        marked = tuple(tuple(sorted(set(cells))) for cells in (pickups, dropoffs, chargers))
         for cells, tile in zip(marked, (PICKUP, DROPOFF, CHARGER), strict=True):
             for row, col in cells:
                 check_open(self, (row, col), TILES[tile])

@@ -75,10 +75,11 @@ MAZE = """
 
 TEXTS = {"corridor": CORRIDOR, "hall": HALL, "rooms": ROOMS, "trap": TRAP, "maze": MAZE}
 
-DEFAULT, SHELVES = "default", "shelves"
+DEFAULT, SHELVES, DEPOT = "default", "shelves", "depot"
 
-NAMES = (DEFAULT, *TEXTS, SHELVES)
-"""Of all layouts: the chapter's, five that show something, and a warehouse of shelves."""
+NAMES = (DEFAULT, *TEXTS, SHELVES, DEPOT)
+"""Of all layouts: the chapter's, five that show something, and two warehouses of shelves, the
+second of them for a fleet of about eight robots."""
 
 
 @lru_cache
@@ -92,6 +93,8 @@ def named_layout(name: str) -> Layout:
         return DEFAULT_LAYOUT
     if name == SHELVES:
         return shelf_layout(3, 4, 4, 2, 1, seed=1)
+    if name == DEPOT:
+        return shelf_layout(3, 3, 4, 1, 2, seed=1, pickups=6, dropoffs=3, chargers=4)
     if name not in TEXTS:
         raise LayoutError(f"no layout is called {name!r}; allowed: {', '.join(NAMES)}, or a file")
     return Layout(TEXTS[name].split())

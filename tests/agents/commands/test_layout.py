@@ -54,6 +54,29 @@ def test_shelves_prints_a_layout(capsys: pytest.CaptureFixture[str]) -> None:
     assert layout_in(result.out) == shelf_layout(3, 2, 5, 2, 2, 7)
 
 
+def test_shelves_may_have_several_stations_and_chargers(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    words = ["--aisle", 2, "--pickups", 4, "--dropoffs", 3, "--chargers", 2, "--seed", 7]
+    result = command(capsys, "layout", "shelves", *words)
+    expected = shelf_layout(aisle=2, seed=7, pickups=4, dropoffs=3, chargers=2)
+    assert (result.code, layout_in(result.out)) == (0, expected)
+
+
+def test_check_counts_chargers_and_names_one_that_cannot_be_reached(
+    capsys: pytest.CaptureFixture[str], room: Path
+) -> None:
+    room.write_text("PCD\nC..\n")
+    assert "dropoffs: 1, chargers: 2; an item" in command(capsys, "layout", "check", room).out
+    room.write_text("PCD#C\n")
+    message = refusal(capsys, "layout", "check", room)
+    assert "row 0, column 4 is charger, which cannot be reached" in message
+
+
+def test_help_explains_the_tiles(capsys: pytest.CaptureFixture[str]) -> None:
+    assert "C charger" in " ".join(command(capsys, "layout", "--help").out.split())
+
+
 @pytest.mark.parametrize(("kind", "option"), [("generate", "--output"), ("shelves", "-o")])
 def test_a_layout_goes_to_a_file_and_passes_the_check(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, kind: str, option: str

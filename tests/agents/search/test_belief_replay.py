@@ -117,6 +117,13 @@ def test_walls_outside_the_grid_are_not_drawn_on_the_opposite_side() -> None:
     assert len(history[0].seen) == 4
 
 
+def test_chargers_in_view_are_drawn() -> None:
+    room = Layout(["PC..C", ".....", "C...D"])
+    env = WarehouseEnv(room, (0, 0), view_radius=1)
+    _, history = record_beliefs(env, ExploringAgent(), randomize=False)
+    assert believed_tiles(room, history)[0] == ("PC???", "..???", "????D")
+
+
 def test_the_tiles_are_the_same_object_until_a_new_cell_is_seen() -> None:
     _, history = explored(view_radius=9)
     assert len({id(rows) for rows in believed_tiles(DETOUR, history)}) == 1

@@ -332,11 +332,11 @@ class AlteredBatch(GridMotion):
 
     changed: ClassVar[dict[str, Callable[[Any], Any]]] = {}
 
-    def batch(self, layouts: Sequence[Layout]) -> Any:
-        batch, changed = super().batch(layouts), self.changed
+    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> Any:
+        batch, changed = super().batch(layouts, robots), self.changed
 
         class Wrapped:
-            place, close = batch.place, batch.close
+            place, outcomes, close = batch.place, batch.outcomes, batch.close
 
             def advance(self, actions: Any, loaded: Any) -> BatchOutcome:
                 outcome = batch.advance(actions, loaded)
@@ -358,11 +358,25 @@ class SmoothBatch(AlteredBatch):
     changed: ClassVar = {"blocked": np.zeros_like}
 
 
+class BlamesTheFirst(AlteredBatch):
+    changed: ClassVar = {"stopped_by": lambda stops: None if stops is None else stops.clip(max=0)}
+
+
+class ForgetsItsOutcomes(GridMotion):
+    """A grid whose batch returns the outcomes of the first floor for all of them."""
+
+    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> Any:
+        batch = super().batch(layouts, robots)
+        outcomes = batch.outcomes
+        batch.outcomes = lambda floor: outcomes(0)
+        return batch
+
+
 class TirelessBatch(GridMotion):
     """A grid whose batch still moves after a close."""
 
-    def batch(self, layouts: Sequence[Layout]) -> Any:
-        batch = super().batch(layouts)
+    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> Any:
+        batch = super().batch(layouts, robots)
         batch.close = lambda: None
         return batch
 
@@ -401,7 +415,12 @@ BROKEN: dict[type[GridMotion], set[str]] = {
     Premature: {"check_advance_needs_a_reset"},
     Undying: {"check_advance_needs_a_reset"},
     ClosesOnce: {"check_advance_needs_a_reset"},
-    LateBatch: {"check_a_batch_moves_as_single_motions_do"},
+    LateBatch: {
+        "check_a_batch_moves_as_single_motions_do",
+        "check_a_batch_of_fleets_moves_as_single_motions_do",
+    },
+    BlamesTheFirst: {"check_a_batch_of_fleets_moves_as_single_motions_do"},
+    ForgetsItsOutcomes: {"check_a_batch_of_fleets_moves_as_single_motions_do"},
     DearBatch: {"check_a_batch_moves_as_single_motions_do"},
     SmoothBatch: {"check_a_batch_moves_as_single_motions_do"},
     TirelessBatch: {"check_a_closed_batch_does_not_move"},
@@ -416,7 +435,7 @@ def test_a_broken_motion_fails_its_check(motion: type[GridMotion]) -> None:
             CHECK[name](motion)
 
 
-@pytest.mark.parametrize("motion", [WithoutEdge, Lasting, Rash, LateBatch])
+@pytest.mark.parametrize("motion", [WithoutEdge, Lasting, Rash, LateBatch, BlamesTheFirst])
 def test_a_check_fails_for_its_own_rule_only(motion: type[GridMotion]) -> None:
     assert failed_by(motion).keys() == BROKEN[motion]
 
@@ -452,7 +471,7 @@ def test_every_check_runs_once() -> None:
 class BatchRaises(GridMotion):
     """A grid whose method ``batch`` raises ValueError."""
 
-    def batch(self, layouts: Sequence[Layout]) -> Any:
+    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> Any:
         raise ValueError("not with this motor")
 
 

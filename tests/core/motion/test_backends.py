@@ -4,10 +4,17 @@ from typing import Any
 
 import pytest
 
-from warehouse_core import BackendError, WarehouseEnv
+from warehouse_core import BackendError, Layout, WarehouseEnv
 from warehouse_core.motion import backends as backends_module
-from warehouse_core.motion.backends import GROUP, backend_names, load_backend, make_motion
-from warehouse_core.motion.grid import GridMotion
+from warehouse_core.motion.backends import (
+    GROUP,
+    backend_names,
+    load_backend,
+    make_batch_motion,
+    make_motion,
+)
+from warehouse_core.motion.grid import GridBatch, GridFleetBatch, GridMotion
+from warehouse_core.motion.motion_batch import MotionBatch
 
 
 class FakeDistribution:
@@ -113,3 +120,48 @@ def test_a_third_party_backend_is_found_by_its_name(install: Any) -> None:
 def test_a_backend_of_another_type_raises(backend: Any) -> None:
     with pytest.raises(TypeError, match=r"allowed: a name \(.*grid.*\), or a class or instance"):
         WarehouseEnv(backend=backend)
+
+
+class WithoutBatch:
+    """The least that is a motion."""
+
+    cell_size = 1.0
+
+    def reset(self, layout: Any, cells: Any, seed: Any) -> None:
+        raise NotImplementedError
+
+    advance = close = reset
+
+
+class LoneBatch(GridMotion):
+    """A grid that can move one robot in each layout."""
+
+    def batch(self, layouts: Any, robots: int = 1) -> Any:
+        if robots > 1:
+            raise ValueError("one robot")
+        return super().batch(layouts)
+
+
+def test_a_batch_of_several_robots_is_made_of_motions_if_the_backend_has_none() -> None:
+    layouts = [Layout(["..."])] * 2
+    assert type(make_batch_motion("grid", layouts, 2)) is GridFleetBatch
+    assert type(make_batch_motion(GridMotion(), layouts, 2)) is GridFleetBatch
+    assert type(make_batch_motion(LoneBatch, layouts)) is GridBatch
+    for backend in (LoneBatch, WithoutBatch):
+        made = make_batch_motion(backend, layouts, 2)
+        assert type(made) is MotionBatch
+        assert len({id(motion) for motion in made._motions}) == 2
+    lone = WithoutBatch()
+    assert make_batch_motion(lone, layouts[:1], 2)._motions == [lone]
+
+
+def test_an_instance_without_a_batch_moves_one_floor() -> None:
+    with pytest.raises(BackendError, match=r"is a single motion.*2 layouts need the name or the"):
+        make_batch_motion(LoneBatch(), [Layout(["..."])] * 2, 2)
+
+
+def test_a_batch_of_lone_robots_needs_a_backend_that_has_one() -> None:
+    with pytest.raises(BackendError, match="cannot move a batch"):
+        make_batch_motion(WithoutBatch, [Layout(["..."])])
+    with pytest.raises(ValueError, match="robots is 0; it must be at least 1"):
+        make_batch_motion("grid", [Layout(["..."])], 0)

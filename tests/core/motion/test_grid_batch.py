@@ -70,3 +70,46 @@ def test_the_arrays_of_an_outcome_belong_to_the_caller() -> None:
     batch.close()
     with pytest.raises(RuntimeError, match="after close"):
         batch.advance(actions, loaded)
+
+
+def test_the_outcomes_of_a_floor_are_those_of_the_single_motion() -> None:
+    """Paths, headings and contacts too, and of floors that were placed anew."""
+    layouts = [random_layout(5, 7, 0.2, seed=seed) for seed in (1, 2, 1)]
+    stream, robots = np.random.default_rng(0), 6
+    batch, motions = GridMotion(0.5).batch(layouts, robots), [GridMotion(0.5) for _ in layouts]
+    for step in range(60):
+        for floor in range(3) if step == 0 else stream.permutation(3)[: step % 3]:
+            cells = stream.permutation(layouts[floor].open_cells)[:robots]
+            batch.place(np.arange(robots) + floor * robots, cells)
+            starts = [divmod(int(cell), layouts[floor].width) for cell in cells]
+            motions[floor].reset(layouts[floor], starts, None)
+            with pytest.raises(RuntimeError, match=f"after the place\\(\\) of floor {floor}"):
+                batch.outcomes(floor)
+        actions = stream.integers(0, len(DISPLACEMENTS), 3 * robots)
+        found = batch.advance(actions.copy(), np.zeros(3 * robots, bool))
+        for array in found:
+            array[:] = 1  # they belong to the caller
+        for floor, motion in enumerate(motions):
+            chosen = actions[floor * robots :][:robots]
+            moves = [DISPLACEMENTS[action] for action in chosen.tolist()]
+            assert batch.outcomes(floor) == motion.advance(moves, [False] * robots)
+
+
+def test_a_batch_of_lone_robots_does_not_record_outcomes() -> None:
+    batch = batch_of([OPEN])
+    batch.place(np.arange(1), np.zeros(1, int))
+    assert batch.advance(np.array([NORTH]), np.zeros(1, bool)).stopped_by is None
+    with pytest.raises(NotImplementedError, match="lone"):
+        batch.outcomes(0)
+
+
+def test_a_fleet_can_be_placed_and_closed() -> None:
+    batch = GridMotion().batch([OPEN, Layout(["...."])], 2)
+    batch.place(np.arange(4), np.array([0, 1, 2, 3]))
+    batch.place(np.arange(2), np.array([5, 4]))
+    found = batch.advance(np.array([NORTH, WEST, WEST, WEST]), np.zeros(4, bool))
+    assert found.cells.tolist() == [3, 4, 1, 2]
+    assert found.stopped_by.tolist() == [-1, -2, -1, -1]
+    batch.close()
+    with pytest.raises(RuntimeError, match="after close"):
+        batch.advance(np.full(4, WAIT), np.zeros(4, bool))

@@ -1,11 +1,13 @@
 import random
 
 import pytest
+from helpers.crowds import LINES, array_stops, check_crowds, table_line
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from warehouse_core import Cell, Layout
 from warehouse_core.motion.traffic import Stop, find_stops
+from warehouse_core.motion.vector_traffic import MAX_SMALL_FRONT
 from warehouse_core.world.tiles import moved
 
 HALL = Layout(["......"] * 6)
@@ -53,28 +55,7 @@ def targets_of(cells: list[Cell], moves: list[Cell]) -> list[Cell]:
 )
 def test_stops_follow_the_table(cells: list[Cell], moves: list[Cell], stops: list[Stop]) -> None:
     assert find_stops(HALL, cells, targets_of(cells, moves)) == stops
-
-
-def can_move(robot: int, layout: Layout, cells: list[Cell], targets: list[Cell]) -> bool:
-    """Return whether a robot moves, by following the chain of robots ahead of it."""
-    start, first = robot, True
-    while first or robot != start:
-        first = False
-        if targets[robot] == cells[robot] or not layout.is_open(targets[robot]):
-            return False
-        if targets.count(targets[robot]) > 1 + (targets[robot] in waiting(cells, targets)):
-            return False
-        if targets[robot] not in cells:
-            return True
-        ahead = cells.index(targets[robot])
-        if targets[ahead] == cells[robot]:
-            return False
-        robot = ahead
-    return True
-
-
-def waiting(cells: list[Cell], targets: list[Cell]) -> set[Cell]:
-    return {cell for cell, target in zip(cells, targets, strict=True) if cell == target}
+    assert array_stops(HALL, cells, moves) == stops
 
 
 @st.composite
@@ -84,23 +65,19 @@ def traffic(draw: st.DrawFn) -> tuple[Layout, list[Cell], list[Cell]]:
     everywhere = [layout.open_cell(index) for index in range(len(layout.open_cells))]
     cells = draw(st.permutations(everywhere))[: draw(st.integers(1, 8))]
     moves = [draw(st.sampled_from([STAY, NORTH, EAST, SOUTH, WEST])) for _ in cells]
-    return layout, cells, targets_of(cells, moves)
+    return layout, cells, moves
 
 
 @settings(max_examples=60)
 @given(traffic(), st.randoms(use_true_random=False))
-def test_stops_are_consistent_in_any_traffic(
+def test_stops_do_not_depend_on_the_order_of_the_robots(
     scene: tuple[Layout, list[Cell], list[Cell]], stream: random.Random
 ) -> None:
-    layout, cells, targets = scene
+    layout, cells, moves = scene
+    targets = targets_of(cells, moves)
     stops = find_stops(layout, cells, targets)
-    for robot, stop in enumerate(stops):
-        moves = stop is None and targets[robot] != cells[robot]
-        assert moves == can_move(robot, layout, cells, targets)
-        assert (stop == "wall") == (not layout.is_open(targets[robot]))
-        if isinstance(stop, int):
-            assert stop != robot
-            assert targets[robot] in (cells[stop], targets[stop])
+    table = [table_line(robot, layout, cells, targets) for robot in range(len(cells))]
+    assert stops == array_stops(layout, cells, moves) == [stop for _, stop in table]
     ends = [
         target if stop is None else cell
         for cell, target, stop in zip(cells, targets, stops, strict=True)
@@ -109,3 +86,39 @@ def test_stops_are_consistent_in_any_traffic(
     order = stream.sample(range(len(cells)), len(cells))
     shuffled = find_stops(layout, [cells[i] for i in order], [targets[i] for i in order])
     assert [stop is None for stop in shuffled] == [stops[i] is None for i in order]
+
+
+def test_both_forms_follow_the_table_in_crowds() -> None:
+    lines = check_crowds(20_000)
+    assert min(lines[line] for line in LINES) > 100, lines
+
+
+@pytest.mark.parametrize(
+    ("queues", "length"), [(1, 3000), (MAX_SMALL_FRONT + 1, 9)], ids=["one", "many"]
+)
+def test_queues(queues: int, length: int) -> None:
+    """All queues stand at the east; that of the first row has a place to move to."""
+    layout = Layout(["." * (length + 1), *["." * length + "#"] * queues])
+    cells = [(row, col) for row in range(queues + 1) for col in range(length)]
+    stream = random.Random(0)
+    stream.shuffle(cells)
+    robot_in = {cell: robot for robot, cell in enumerate(cells)}
+    expected = [
+        None if row == 0 else "wall" if col == length - 1 else robot_in[row, col + 1]
+        for row, col in cells
+    ]
+    moves = [EAST] * len(cells)
+    assert find_stops(layout, cells, targets_of(cells, moves)) == expected
+    assert array_stops(layout, cells, moves) == expected
+
+
+def test_a_ring_of_3000_moves_unless_a_robot_in_it_waits() -> None:
+    layout = Layout(["." * 1500] * 2)
+    cells = [(0, col) for col in range(1500)] + [(1, col) for col in reversed(range(1500))]
+    moves = [EAST] * 1499 + [SOUTH] + [WEST] * 1499 + [NORTH]
+    assert find_stops(layout, cells, targets_of(cells, moves)) == [None] * 3000
+    assert array_stops(layout, cells, moves) == [None] * 3000
+    moves[7] = STAY
+    expected = [None if robot == 7 else (robot + 1) % 3000 for robot in range(3000)]
+    assert find_stops(layout, cells, targets_of(cells, moves)) == expected
+    assert array_stops(layout, cells, moves) == expected

@@ -13,7 +13,7 @@ ROOM = Layout(["..P.", "D.#.", "...."])
 IMAGE = ObservationImage(height=3, width=4, battery=10, max_steps=20)
 
 KEYS = {
-    **{tile: (tile, "") for tile in ".#PD?"},
+    **{tile: (tile, "") for tile in ".#PDC?"},
     **{robot: (".", robot) for robot in "Rr"},
     "A": ("P", "R"),
     "a": ("P", "r"),
@@ -63,6 +63,8 @@ def test_only_seen_cells_and_stations_are_shown(
 def test_stations_in_view_and_the_first_of_each_kind_are_shown() -> None:
     shop = Layout(["...P", "P..D", ".P.D"])
     assert np.array_equal(without_bars(picture(shop, (2, 2), 1)), painted("???P", "?..D", "?PRD"))
+    depot = Layout(["C..P", "C..D", "..C."])
+    assert np.array_equal(without_bars(picture(depot, (2, 1), 1)), painted("???P", "C..D", ".RC?"))
     alone = Layout(["....", "....", "...."])
     assert np.array_equal(without_bars(picture(alone, (0, 0), 1)), painted("R.??", "..??", "????"))
     assert np.array_equal(without_bars(picture(alone, (0, 0), 0)), painted("R???", "????", "????"))

@@ -22,7 +22,7 @@ from warehouse_core.viz.track import Pose
 from warehouse_core.world.tables import tile_codes
 from warehouse_core.world.tiles import CELL_CODES
 
-YARD = Layout(["#####", "#P.D#", "#.P##", "#####"])
+YARD = Layout(["#####", "#P.D#", "#.PC#", "#####"])
 SIDES = (2, 3, 9, 10, 15, 16, 20, 40)
 WITH_LETTERS = tuple(side for side in SIDES if side >= 16)
 
@@ -63,13 +63,13 @@ def where(image: NDArray[np.uint8], color: tuple[float, float, float]) -> NDArra
 
 def test_the_codes_of_a_window_can_be_painted_as_they_are() -> None:
     for character, code in CELL_CODES.items():
-        tile, robot = (".", character) if character in "Rr" else (character, NO_ROBOT)
+        tile, robot = (".", character) if character in "RrOoH" else (character, NO_ROBOT)
         assert CELLS[code] == (tile, robot)
 
 
 def test_each_cell_has_one_code() -> None:
-    robots = set(itertools.product(".PD", "Rr"))
-    assert set(CELLS) == robots | {(tile, NO_ROBOT) for tile in ".#PD?"}
+    robots = {*itertools.product(".PDC", "Rr"), *itertools.product(".", "OoH")}
+    assert set(CELLS) == robots | {(tile, NO_ROBOT) for tile in ".#PDC?"}
     assert len(set(CELLS)) == len(CELLS)
     assert [CODES[cell] for cell in CELLS] == list(range(len(CELLS)))
 
@@ -78,7 +78,7 @@ def test_each_cell_has_one_code() -> None:
 @given(
     st.integers(1, 4).flatmap(
         lambda width: st.lists(
-            st.text(".PD#", min_size=width, max_size=width), min_size=1, max_size=4
+            st.text(".PDC#", min_size=width, max_size=width), min_size=1, max_size=4
         )
     )
 )
@@ -97,9 +97,9 @@ def test_the_codes_of_a_layout_may_be_changed() -> None:
 
 
 def test_a_robot_can_be_put_on_many_tiles_at_once() -> None:
-    tiles = np.array([CODES[tile, NO_ROBOT] for tile in ".PD"])
+    tiles = np.array([CODES[tile, NO_ROBOT] for tile in ".PDC"])
     for loaded, robot in enumerate("Rr"):
-        assert ROBOT_CODES[loaded, tiles].tolist() == [CODES[tile, robot] for tile in ".PD"]
+        assert ROBOT_CODES[loaded, tiles].tolist() == [CODES[tile, robot] for tile in ".PDC"]
 
 
 @pytest.mark.parametrize("code", [len(CELLS), *ROBOT_CODES[:, CODES["#", NO_ROBOT]]])
@@ -136,7 +136,7 @@ def test_smaller_tiles_have_paler_lines() -> None:
     assert lines[0] > lines[1] > lines[2] > lines[3] == lines[4]
 
 
-@pytest.mark.parametrize("tile", ["P", "D"])
+@pytest.mark.parametrize("tile", ["P", "D", "C"])
 def test_a_station_is_a_square_inset_in_the_floor(tile: str) -> None:
     image = atlas(100)[CODES[tile, NO_ROBOT]]
     square = where(image, COLORS[tile]) | where(image, INK)
@@ -148,12 +148,14 @@ def test_a_station_is_a_square_inset_in_the_floor(tile: str) -> None:
 
 
 @pytest.mark.parametrize("side", SIDES)
-@pytest.mark.parametrize("tile", ["P", "D"])
+@pytest.mark.parametrize("tile", ["P", "D", "C"])
 def test_a_station_has_its_colour_at_any_size(side: int, tile: str) -> None:
     assert is_color(pixel(tile, NO_ROBOT, 0.6, 0.8, side), COLORS[tile])
 
 
-@pytest.mark.parametrize(("tile", "robot"), [*itertools.product(".PD", "Rr")])
+@pytest.mark.parametrize(
+    ("tile", "robot"), [*itertools.product(".PDC", "Rr"), (".", "O"), (".", "o")]
+)
 def test_a_robot_is_a_disc_on_its_tile(tile: str, robot: str) -> None:
     for x, y in ((0.5 + 0.24, 0.5), (0.5 - 0.24, 0.5), (0.5, 0.5 + 0.24), (0.5, 0.5 - 0.24)):
         assert is_color(pixel(tile, robot, x, y), COLORS[robot])
@@ -176,6 +178,12 @@ def test_small_robots_have_no_outline(side: int) -> None:
     assert (red.min() < 150) == (side >= 10)
 
 
+def test_a_person_is_a_square_on_a_corner() -> None:
+    for x, y in ((0.5, 0.2), (0.8, 0.5), (0.5, 0.8), (0.2, 0.5)):
+        assert is_color(pixel(".", "H", x, y), COLORS["H"])
+    assert is_color(pixel(".", "H", 0.76, 0.76), COLORS["."])
+
+
 def test_edges_are_smooth() -> None:
     ring = atlas(40)[CODES[".", "R"], 1:, 1:]
     plain = [COLORS["."], COLORS["R"], INK, PAPER]
@@ -185,7 +193,7 @@ def test_edges_are_smooth() -> None:
 
 @pytest.mark.parametrize("side", WITH_LETTERS)
 def test_stations_have_a_letter_in_the_top_left_corner(side: int) -> None:
-    for tile in "PD":
+    for tile in "PDC":
         rows, columns = np.nonzero(where(atlas(side)[CODES[tile, NO_ROBOT]], INK))
         assert 0.06 * side <= rows.min() <= 0.15 * side
         assert 0.06 * side <= columns.min() <= 0.15 * side
@@ -194,7 +202,9 @@ def test_stations_have_a_letter_in_the_top_left_corner(side: int) -> None:
 
 
 @pytest.mark.parametrize("side", WITH_LETTERS)
-@pytest.mark.parametrize(("robot", "color"), [("R", PAPER), ("r", INK)])
+@pytest.mark.parametrize(
+    ("robot", "color"), [("R", PAPER), ("r", INK), ("O", PAPER), ("o", INK), ("H", PAPER)]
+)
 def test_robots_have_their_letter_in_the_middle(
     side: int, robot: str, color: tuple[float, float, float]
 ) -> None:
@@ -209,9 +219,9 @@ def test_robots_have_their_letter_in_the_middle(
 
 @pytest.mark.parametrize("side", [side for side in SIDES if side not in WITH_LETTERS])
 def test_small_tiles_have_no_letters(side: int) -> None:
-    for tile in "PD":
+    for tile in "PDC":
         assert not where(atlas(side)[CODES[tile, NO_ROBOT]], INK).any()
-    for robot in "Rr":
+    for robot in "RrOoH":
         centre = atlas(side)[CODES[".", robot]][side // 2, side // 2]
         assert side <= 3 or is_color(centre, COLORS[robot])
 
@@ -270,14 +280,14 @@ def likeness(letter: NDArray[np.float64], cell: NDArray[np.float64], at: int) ->
     )
 
 
-@pytest.mark.parametrize("letter", ["P", "D", "R", "r"])
+@pytest.mark.parametrize("letter", ["P", "D", "C", "R", "r"])
 def test_a_letter_has_the_shape_that_it_has_in_the_replay(letter: str) -> None:
     tile, robot = (".", letter) if letter in "Rr" else (letter, NO_ROBOT)
     at, size = (34, 32) if letter in "Rr" else (9, 21)
     painted = atlas(100)[CODES[tile, robot], at : at + size, at : at + size].mean(axis=-1)
     others = {
         other: likeness(painted, grey_cell_of_the_replay(other, 100), at)
-        for other in ("Rr" if letter in "Rr" else "PD")
+        for other in ("Rr" if letter in "Rr" else "PDC")
     }
     mirrored = likeness(painted[:, ::-1], grey_cell_of_the_replay(letter, 100), at)
     assert others[letter] > max(0.75, mirrored)

@@ -15,7 +15,20 @@ CHAPTER = {
 
 
 def test_the_six_colours_are_the_chapters() -> None:
-    assert COLORS == CHAPTER
+    assert dict(list(COLORS.items())[:6]) == CHAPTER
+
+
+def test_a_charger_is_seen_on_the_floor_and_beside_walls_and_its_letter_on_it() -> None:
+    def luminance(color: tuple[float, float, float]) -> float:
+        red, green, blue = (
+            part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in color
+        )
+        return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+    charger = luminance(COLORS["C"]) + 0.05
+    for other in (COLORS["."], COLORS["#"], palette.INK):
+        around = luminance(other) + 0.05
+        assert max(charger, around) / min(charger, around) >= 3
 
 
 def test_a_blend_is_between_its_colours() -> None:

@@ -8,7 +8,7 @@ from agents.run_episode import run_episode
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.pair_scene import PairScene
 from warehouse_core.viz.replay import replay_of_track
-from warehouse_core.viz.track import track_of_episode
+from warehouse_core.viz.track import track_of_episode, track_of_frames
 
 
 def texts(scene: PairScene) -> list[str]:
@@ -57,6 +57,13 @@ def test_two_continuous_tracks_advance_by_time(episodes):
 def test_there_is_one_legend_for_both(episodes):
     grid, physics = map(track_of_episode, episodes)
     assert texts(PairScene(grid, physics, make_figure)).count("hit") == 1
+
+
+def test_the_legend_explains_chargers_of_either():
+    tracks = [track_of_frames([[row]]) for row in ("R.", "RC")]
+    for left, right in (tracks, tracks[::-1]):
+        assert "C  charger" in texts(PairScene(left, right, make_figure))
+    assert "C  charger" not in texts(PairScene(*tracks[:1] * 2, make_figure))
 
 
 def test_a_replay_of_two_is_wider_than_high_and_as_fast_as_a_continuous_one(episodes):

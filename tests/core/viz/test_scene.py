@@ -246,7 +246,25 @@ def test_the_legend_has_every_tile_and_robot() -> None:
         "hit",
     ]
     markers = [handle.get_markerfacecolor() for handle in legend.get_lines()]
-    assert [to_rgb(color) for color in markers[:6]] == list(COLORS.values())
+    assert [to_rgb(color) for color in markers[:6]] == [COLORS[sign] for sign in "#.PDRr"]
+
+
+def test_the_legend_has_a_charger_if_any_frame_shows_one() -> None:
+    (legend,) = replay_of([["R.D"], ["RCD"]]).figure.legends
+    assert [text.get_text() for text in legend.get_texts()][3:6] == [
+        "D  dropoff",
+        "C  charger",
+        "R  robot (empty)",
+    ]
+    assert to_rgb(legend.get_lines()[4].get_markerfacecolor()) == COLORS["C"]
+
+
+def test_a_charger_is_a_square_with_its_letter() -> None:
+    replay = replay_of([[["#", "C"], ["R", "."]]])
+    image = pixels(replay)
+    for right, down in ((0.5, 0.5), (0.9, 0.9)):
+        assert is_color(image[point_of(replay, 1 + right, down)], COLORS["C"])
+    assert "C" in texts(replay)
 
 
 def test_rows_and_columns_are_numbered_from_0() -> None:

@@ -1,4 +1,5 @@
 import random
+from itertools import combinations
 
 import pytest
 from hypothesis import given, settings
@@ -7,6 +8,7 @@ from hypothesis import strategies as st
 from warehouse_core import Layout, LayoutError, WarehouseEnv, random_layout, shelf_layout
 from warehouse_core.world import layout as layout_module
 from warehouse_core.world.generators import MAX_DENSITY, benchmark_warehouse
+from warehouse_core.world.tiles import manhattan_distance
 
 sizes = st.integers(4, 16)
 densities = st.floats(0, MAX_DENSITY)
@@ -14,10 +16,31 @@ seeds = st.integers(0, 2**64)
 counts = st.integers(1, 4)
 
 
-def assert_usable(layout: Layout) -> None:
-    """Check that every open cell can be reached, and that there are two stations and a border."""
+SHELVES = (
+    "#######################",
+    "#...........P.........#",
+    "#.####.####.####.####.#",
+    "#.####.####.####.####.#",
+    "#.....................#",
+    "#.####.####.####.####.#",
+    "#.####.####.####.####.#",
+    "#.....................#",
+    "#.####.####.####.####.#",
+    "#.####.####.####.####.#",
+    "#..................D..#",
+    "#######################",
+)
+
+
+def assert_connected(layout: Layout) -> None:
+    """Check that every open cell can be reached."""
     everywhere = {layout.open_cell(index) for index in range(len(layout.open_cells))}
     assert layout.reachable_from((1, 1)) == everywhere
+
+
+def assert_usable(layout: Layout) -> None:
+    """Check that every open cell can be reached, and that there are two stations and a border."""
+    assert_connected(layout)
     assert len(layout.pickups) == len(layout.dropoffs) == 1
     assert set(layout.rows[0]) == set(layout.rows[-1]) == {"#"}
     assert all(row[0] == row[-1] == "#" for row in layout.rows)
@@ -133,6 +156,65 @@ def test_the_seed_chooses_the_stations_of_shelves() -> None:
     layouts = [shelf_layout(seed=seed) for seed in range(200)]
     assert len({layout.pickups for layout in layouts}) == 24
     assert len({layout.dropoffs for layout in layouts}) == 16
+
+
+@settings(max_examples=60)
+@given(counts, counts, counts, counts, counts, seeds, st.data())
+def test_several_stations_are_spread_and_never_neighbours(
+    rows: int, columns: int, length: int, depth: int, aisle: int, seed: int, data: st.DataObject
+) -> None:
+    def most(places: int) -> int:
+        return max(1, places // 2)
+
+    bare = shelf_layout(rows, columns, length, depth, aisle)
+    limits = {
+        "pickups": most(rows * columns * length),
+        "dropoffs": most(bare.width - 2),
+        "chargers": most(2 * (bare.height - 4)),
+    }
+    wanted = {name: data.draw(st.integers(name != "chargers", limits[name])) for name in limits}
+    layout = shelf_layout(rows, columns, length, depth, aisle, seed, **wanted)
+    assert layout == shelf_layout(rows, columns, length, depth, aisle, seed, **wanted)
+    assert layout.open_cells.tolist() == bare.open_cells.tolist()
+    assert_connected(layout)
+    for name, count in wanted.items():
+        cells = getattr(layout, name)
+        assert len(cells) == count
+        assert all(manhattan_distance(*pair) > 1 for pair in combinations(cells, 2)), name
+    assert all(layout.rows[row + 1][col] == "#" for row, col in layout.pickups)
+    assert {row for row, _ in layout.dropoffs} == {layout.height - 2}
+    assert {col for _, col in layout.chargers} <= {1, layout.width - 2}
+    assert all(1 < row < layout.height - 2 for row, _ in layout.chargers)
+    for name, limit in limits.items():
+        with pytest.raises(
+            LayoutError, match=rf"{name} is {limit + 1}; it must be .\.\.{limit} in"
+        ):
+            shelf_layout(rows, columns, length, depth, aisle, **{name: limit + 1})
+
+
+def test_as_many_pickups_as_blocks_are_one_at_each() -> None:
+    layout = shelf_layout(3, 4, 5, 2, 2, seed=4, pickups=12)
+    blocks = {((row - 2) // 4, (col - 3) // 7) for row, col in layout.pickups}
+    assert len(blocks) == 12
+
+
+def test_chargers_are_on_both_sides() -> None:
+    layout = shelf_layout(4, 2, seed=2, chargers=4)
+    assert [col for _, col in sorted(layout.chargers, key=lambda cell: cell[1])] == [
+        *[1] * 2,
+        *[layout.width - 2] * 2,
+    ]
+
+
+@pytest.mark.parametrize("name", ["pickups", "dropoffs", "chargers"])
+def test_too_few_stations_raise(name: str) -> None:
+    fewest = 0 if name == "chargers" else 1
+    with pytest.raises(LayoutError, match=rf"{name} is {fewest - 1}; it must be {fewest}\.\."):
+        shelf_layout(**{name: fewest - 1})
+
+
+def test_one_station_of_a_kind_is_where_it_was_before_there_could_be_several() -> None:
+    assert shelf_layout(3, 4, 4, 2, 1, seed=1).rows == SHELVES
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,12 @@ def test_an_item_can_be_delivered_from_everywhere_in_each(name: str) -> None:
     assert None not in fewest_steps(layout, *((cell, False) for cell in starts))
 
 
+def test_the_depot_has_several_stations_and_chargers() -> None:
+    depot = named_layout("depot")
+    assert (len(depot.pickups), len(depot.dropoffs), len(depot.chargers)) == (6, 3, 4)
+    assert depot.height < 15
+
+
 def test_the_default_is_the_chapters() -> None:
     assert named_layout(DEFAULT) is DEFAULT_LAYOUT
 

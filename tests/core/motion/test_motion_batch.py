@@ -1,0 +1,141 @@
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+
+from warehouse_core import Contact, Layout, LayoutError, Outcome, random_layout
+from warehouse_core.conformance.vector_checks import VECTOR_CHECKS
+from warehouse_core.motion.grid import GridMotion
+from warehouse_core.motion.motion_batch import MotionBatch
+from warehouse_core.motion.vector import NOTHING, WALL
+
+NORTH, EAST, SOUTH, WEST, WAIT = range(5)
+HALL = Layout(["...", "..."])
+
+
+def batch_of(layouts: Sequence[Layout], robots: int, make: Any = GridMotion) -> MotionBatch:
+    return MotionBatch([make() for _ in layouts], layouts, robots)
+
+
+class Separate(GridMotion):
+    """A grid whose batch is made of single motions."""
+
+    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> Any:
+        return batch_of(layouts, robots)
+
+
+@pytest.mark.parametrize("check", VECTOR_CHECKS, ids=lambda check: check.__name__)
+def test_it_conforms(check: Any) -> None:
+    check(Separate)
+
+
+def test_it_equals_the_batch_of_the_grid() -> None:
+    layouts = [random_layout(6, size, 0.1, seed=size) for size in (6, 7, 5)]
+    stream, robots = np.random.default_rng(0), 7
+    cells = np.concatenate([stream.permutation(each.open_cells)[:robots] for each in layouts])
+    both = batch_of(layouts, robots), GridMotion().batch(layouts, robots)
+    for batch in both:
+        batch.place(np.arange(3 * robots), cells)
+    for _ in range(40):
+        actions = stream.integers(0, 8, 3 * robots)
+        mine, grids = (batch.advance(actions, actions > WAIT) for batch in both)
+        for ours, theirs in zip(mine, grids, strict=True):
+            assert (ours.dtype, ours.tolist()) == (theirs.dtype, theirs.tolist())
+        assert [both[0].outcomes(f) for f in range(3)] == [both[1].outcomes(f) for f in range(3)]
+
+
+class Scripted(GridMotion):
+    """A motion with given outcomes that records its resets and closes."""
+
+    outcomes: Sequence[Outcome] = ()
+    calls: list[Any]
+
+    def reset(self, layout: Layout, cells: Any, seed: int | None) -> None:
+        self.calls = [*getattr(self, "calls", []), (list(cells), seed)]
+
+    def advance(self, displacements: Any, loaded: Any) -> Sequence[Outcome]:
+        return self.outcomes
+
+    def close(self) -> None:
+        self.calls.append("closed")
+
+
+def ended(cell: tuple[int, int], *counterparts: str, blocked: bool = True) -> Outcome:
+    hits = tuple(Contact(0.5, 1.0, (0.0, 0.0), each) for each in counterparts)
+    return Outcome(cell, blocked, 1.0, 1.0, np.zeros((2, 4)), hits)
+
+
+def test_what_stopped_a_robot_is_read_from_its_outcome() -> None:
+    """Robots 0 to 2 stand in the first row, 3 to 5 in the second."""
+    batch = batch_of([HALL], 6, Scripted)
+    batch.place(np.arange(6), np.arange(6))
+    batch._motions[0].outcomes = [
+        ended((0, 0), "robot 4", "wall"),
+        ended((0, 1), "wall", "robot 0"),
+        ended((0, 2), "a fence"),
+        ended((1, 0)),
+        ended((1, 1), "robot 3", blocked=False),
+        ended((1, 2)),
+    ]
+    actions = np.array([SOUTH, NORTH, EAST, NORTH, WAIT, EAST])
+    found = batch.advance(actions, np.zeros(6, bool)).stopped_by
+    # Without a contact, 3 was stopped by 0 in the cell to the north, and 5 by what is no robot.
+    assert found.tolist() == [4, WALL, WALL, 0, NOTHING, WALL]
+
+
+def test_seeds_and_cells_reach_the_motions_of_their_floors() -> None:
+    batch = batch_of([HALL] * 3, 2, Scripted)
+    batch.place(np.arange(6), np.array([0, 1, 2, 3, 4, 5]))
+    batch.place(np.array([4, 5, 0, 1]), np.array([1, 2, 3, 4]), seeds=[7, None])
+    batch.close()
+    assert [motion.calls for motion in batch._motions] == [
+        [([(0, 0), (0, 1)], None), ([(1, 0), (1, 1)], None), "closed"],
+        [([(0, 2), (1, 0)], None), "closed"],
+        [([(1, 1), (1, 2)], None), ([(0, 1), (0, 2)], 7), "closed"],
+    ]
+
+
+@pytest.mark.parametrize(
+    "rows", [[0], [1, 2], [1, 0], [0, 1, 0, 1], [4, 5], [-2, -1], [0, 1, 2]], ids=str
+)
+def test_rows_that_are_not_whole_floors_raise(rows: list[int]) -> None:
+    batch = batch_of([HALL] * 2, 2)
+    with pytest.raises(ValueError, match=r"rows are \[.*2 on each of floors 0..1"):
+        batch.place(np.array(rows), np.arange(len(rows)))
+
+
+@pytest.mark.parametrize(
+    ("cells", "seeds", "error", "message"),
+    [
+        ([0, 1, 2], None, ValueError, "3 cells and 2 seeds for 4 rows of 2 floors"),
+        ([0, 1, 2, 3], [5], ValueError, "4 cells and 1 seeds for 4 rows"),
+        ([0, 1, 2, 2], None, LayoutError, r"robots 0 and 1 are both given \(0, 2\)"),
+        ([0, 1, 2, 6], None, LayoutError, "robot 1: row 2, column 0 is off the grid"),
+    ],
+)
+def test_a_bad_place_changes_nothing(
+    cells: list[int], seeds: Any, error: type[Exception], message: str
+) -> None:
+    batch = batch_of([HALL] * 2, 2)
+    batch.place(np.arange(4), np.array([3, 4, 3, 4]))
+    with pytest.raises(error, match=message):
+        batch.place(np.arange(4), np.array(cells), seeds)
+    found = batch.advance(np.full(4, WAIT), np.zeros(4, bool))
+    assert found.cells.tolist() == [3, 4, 3, 4]
+
+
+def test_calls_out_of_order_raise() -> None:
+    batch = batch_of([HALL] * 2, 2)
+    wait = np.full(4, WAIT), np.zeros(4, bool)
+    batch.place(np.arange(2), np.array([3, 4]))
+    with pytest.raises(RuntimeError, match="place"):
+        batch.advance(*wait)
+    with pytest.raises(RuntimeError, match="floor 0"):
+        batch.outcomes(0)
+    batch.place(np.array([2, 3]), np.array([3, 4]))
+    batch.advance(*wait)
+    batch.place(np.arange(2), np.array([3, 4]))
+    assert len(batch.outcomes(1)) == 2
+    with pytest.raises(RuntimeError, match="floor 0"):
+        batch.outcomes(0)
