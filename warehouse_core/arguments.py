@@ -53,9 +53,7 @@ def real_number(
     return number
 
 
-def as_cell(
-    name: str, value: tuple[int, int], parts: str = "(row, column)"
-) -> tuple[int, int]:
+def as_cell(name: str, value: tuple[int, int], parts: str = "(row, column)") -> tuple[int, int]:
     """Return an argument as a cell, or another pair, of two ``int``.
 
     Raises:

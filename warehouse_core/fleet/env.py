@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.arguments import whole_number
-from warehouse_core.errors import EndedError
+from warehouse_core.errors import EndedError, OrderError
 from warehouse_core.fleet.battery import Battery
 from warehouse_core.fleet.fleets import Fleets
 from warehouse_core.fleet.observation import FleetArrays, FleetObservation, observation_of
@@ -26,6 +26,7 @@ from warehouse_core.motion.backends import (
 from warehouse_core.motion.base import Outcome
 from warehouse_core.motion.vector import Flags
 from warehouse_core.orders.order import Order, Orders
+from warehouse_core.wording import brief
 from warehouse_core.world.actions import DROP, INVALID, PICK, WAIT, action_index
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
 from warehouse_core.world.tiles import Cell
@@ -219,7 +220,8 @@ class FleetEnv:
             order: its index in ``orders``.
 
         Raises:
-            OrderError: the robot carries an item, or the order does not wait for it or for all.
+            OrderError: the robot has ended or carries an item, or the order does not wait for it
+                or for all.
             ValueError: there is no such robot, or the fleet has no orders.
             EndedError: before the first reset.
         """
@@ -227,7 +229,10 @@ class FleetEnv:
         robot = whole_number("robot", robot, 0, self.settings.robots - 1)
         if self._fleets.orders is None:
             raise ValueError(f"order {order} for robot {robot}: this fleet has no orders")
-        self._fleets.orders.assign(0, robot, None if order is None else int(order))
+        if self._fleets.ended[robot]:
+            raise OrderError(f"order {order} for robot {robot}: this robot has ended")
+        order = None if order is None else whole_number("order", order)
+        self._fleets.orders.assign(0, robot, order)
 
     @property
     def orders(self) -> list[Order]:
@@ -304,6 +309,10 @@ class FleetEnv:
         robots = self.settings.robots
         if isinstance(actions, Mapping):
             actions = self._listed(actions)
+        if isinstance(actions, str) or not isinstance(actions, (Sequence, np.ndarray)):
+            raise TypeError(
+                f"actions are {brief(actions)}; allowed: a sequence, an array or a mapping"
+            )
         if isinstance(actions, np.ndarray) and actions.dtype.kind in "iu":
             given = actions.astype(np.intp)
             given[(given < 0) | (given >= INVALID)] = INVALID

@@ -24,8 +24,10 @@ from warehouse_core.world.tiles import Cell
 STATIONS, AISLES = "stations", "aisles"
 HABITS = (STATIONS, AISLES)
 
-MAX_GOALS = 32
-"""Stations of a layout between which people walk; more are left out evenly."""
+MAX_GOALS, MAX_GOAL_CELLS = 32, 2**26
+"""Stations of a layout between which people walk, and those times its cells, 4 bytes each; more
+are left out evenly.
+"""
 
 AHEAD, ASIDE, BACK = 8.0, 1.0, 0.05
 """How often a person takes a direction, relative to the others that are open."""
@@ -74,7 +76,8 @@ class Crowd:
     def __init__(self, people: People, layouts: LayoutSet) -> None:
         shape = len(layouts.kind), people.count
         self.cells = np.zeros(shape, np.intp)
-        self._pause, self._walks_to_stations = people.pause, people.habit == STATIONS
+        self._pause = people.pause
+        self._walks_to_stations = people.count > 0 and people.habit == STATIONS
         self._last, self._goals = np.full(shape, WAIT), np.zeros(shape, np.intp)
         self._moves, self._is_blocked = np.zeros((2, *shape), np.bool_)
         self._streams = [np.random.default_rng(0)] * shape[0]
@@ -168,11 +171,11 @@ class _Ways:
 
 
 def _goals(layout: Layout) -> list[Cell]:
-    """Return the stations and chargers of a layout, at most ``MAX_GOALS``, or else open cells."""
+    """Return the stations of a layout, at most ``MAX_GOALS``, or else open cells."""
     cells: Sequence[Cell] = layout.pickups + layout.dropoffs
     if len(cells) < 2:
         cells = [layout.open_cell(rank) for rank in range(len(layout.open_cells))]
-    every = -(-len(cells) // MAX_GOALS)
+    every = -(-len(cells) // min(MAX_GOALS, MAX_GOAL_CELLS // size_of(layout)))
     return list(cells[::every])
 
 

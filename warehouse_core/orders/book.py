@@ -131,7 +131,7 @@ class OrderBook:
         had = int(self.order_of[robot])
         if had != NONE and self.taken[had] != NONE:
             raise OrderError(f"robot {robot} carries order {had}; it must deliver it first")
-        if order == had or (order is None and had == NONE):
+        if order == (None if had == NONE else had):
             return
         if order is not None and not (0 <= order < self._released and self._is_open[order]):
             raise OrderError(
@@ -142,6 +142,7 @@ class OrderBook:
         self._give(robot, NONE if order is None else order)
         if had != NONE:
             self._offer(had)
+        self._take_reserved(robot)
 
     def dispatch(self, robots: Integers, cells: Integers) -> None:
         """Assign the oldest open orders, each to the nearest of some robots without an order.
@@ -190,11 +191,11 @@ class OrderBook:
             self._count(cell, 1)
             return
         heappush(self._reserved[robot], (due, order))
-        if self.order_of[robot] == NONE:
-            self._take_reserved(robot)
+        self._take_reserved(robot)
 
     def _take_reserved(self, robot: int) -> None:
-        if self._reserved[robot]:
+        """Give a robot without an order the first due of those that only it may take."""
+        if self.order_of[robot] == NONE and self._reserved[robot]:
             self._give(robot, heappop(self._reserved[robot])[1])
 
     def _due_first(self, cell: int) -> int:
