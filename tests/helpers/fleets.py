@@ -1,12 +1,15 @@
 """Fleets, and single warehouses and other fleets that they equal."""
 
 import random
+from collections import Counter
 from typing import Any
 
 import numpy as np
 
 from warehouse_core import FleetEnv, Layout, WarehouseEnv, random_layout
+from warehouse_core.fleet import Battery, People
 from warehouse_core.motion.backends import Backend
+from warehouse_core.orders.order import OrderQueue
 from warehouse_core.task.encoding import encode
 from warehouse_core.task.rules import useful_actions
 from warehouse_core.world.distances import nearest
@@ -127,3 +130,50 @@ def helpful(env: WarehouseEnv, stream: random.Random) -> Any:
     if stream.random() < 0.7 and tile in "PDC":
         return {"P": PICK, "D": DROP, "C": WAIT}[tile]
     return stream.choice([*range(8), "N", "e", "south"])
+
+
+def bodies_move_as_the_grid(robots: int, joint_actions: int, seed: int = 0) -> Counter[str]:
+    """Step a nominal fleet of bodies and one of the grid; return what stopped robots how often.
+
+    Raises:
+        AssertionError: observations, rewards, flags, masks or who was blocked differ.
+    """
+    stream, stops, done = np.random.default_rng(seed), Counter[str](), 0
+    while done < joint_actions:
+        side = int(np.ceil(np.sqrt(robots * stream.uniform(1.5, 4)))) + 3
+        layout = charged_layout(side, side + 1, 2, seed=int(stream.integers(10**9)))
+        people = People(int(stream.integers(0, 1 + robots // 8)), pause=0.3)
+        if len(layout.open_cells) < robots + people.count:
+            continue
+        settings: Any = {
+            "orders": [None, 0.2, OrderQueue(robots)][stream.integers(3)],
+            "battery": Battery(10**6),
+            "people": people,
+            "max_steps": min(100, joint_actions - done),
+            "team_reward": bool(stream.integers(2)),
+        }
+        both = [FleetEnv(layout, robots, backend=each, **settings) for each in ("grid", "physics")]
+        chance = int(stream.integers(10**9))
+        seen = [fleet.reset(seed=chance) for fleet in both]
+        assert plain(seen[0]) == plain(seen[1])
+        ended = False
+        while not ended:
+            masks = seen[0][-1]["action_mask"]
+            chosen = (stream.random(masks.shape) * [1, 1, 1, 1, 0.5, 1, 1]).argmax(axis=1)
+            actions = np.where(masks[:, PICK], PICK, np.where(masks[:, DROP], DROP, chosen))
+            seen = [fleet.step(actions) for fleet in both]
+            mine, bodies = (plain(each[:4]) for each in seen)
+            assert mine == bodies, (layout.rows, chance, both[0].steps)
+            motions = [each[4]["motion"] for each in seen]
+            assert np.array_equal(*(motion["blocked"] for motion in motions))
+            assert plain(seen[0][4]["action_mask"]) == plain(seen[1][4]["action_mask"])
+            stops.update(_kind_of(each, robots) for each in motions[0]["stopped_by"].tolist())
+            done, ended = done + 1, bool((seen[0][2] | seen[0][3]).all())
+        assert both[0].people == both[1].people
+        assert both[0].orders == both[1].orders
+        both[1].close()
+    return stops
+
+
+def _kind_of(stop: int, robots: int) -> str:
+    return {-1: "free", -2: "wall"}.get(stop, "robot" if stop < robots else "person")

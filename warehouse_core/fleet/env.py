@@ -132,8 +132,8 @@ class FleetEnv:
         )
         motion, bodies = make_motion(backend), self.settings.bodies
         make = make_batch_motion if bodies > 1 else make_separate_motions
-        self._motion = make(motion, [self.layout], bodies)
-        self._fleets = Fleets([self.layout], self.settings, self._motion, motion.cell_size)
+        carrier = make(motion, [self.layout], bodies)
+        self._fleets = Fleets([self.layout], self.settings, carrier, motion.cell_size)
         self._warn_of_supply(motion.cell_size)
         self.seed = None if seed is None else whole_number("seed", seed, 0)
         self._started = False
@@ -289,7 +289,7 @@ class FleetEnv:
         Raises:
             RuntimeError: no step has been taken since the reset.
         """
-        return self._motion.outcomes(0)
+        return self._fleets.robots.motion.outcomes(0)
 
     @property
     def measures(self) -> FleetMeasures:

@@ -35,8 +35,8 @@ class FleetFloor(VectorFloor):
     """
 
     def __init__(self, layouts: LayoutSet, robots: int, radius: int, *, has_orders: bool) -> None:
-        super().__init__(layouts.repeated(robots), radius, moving_stations=has_orders)
         _check_windows(len(layouts.kind) * robots, 2 * radius + 1)
+        super().__init__(layouts.repeated(robots), radius, moving_stations=has_orders)
         kinds = layouts.kinds
         strides = [kind.width + 2 * radius for kind in kinds]
         sizes = [

@@ -125,7 +125,7 @@ class Crowd:
         """Return the weights for those who walk to stations; who has arrived gets another goal."""
         ways, floors = self._ways, np.arange(len(self.cells))[:, None]
         arrived = ways.has_arrived(floors, self._goals, self.cells)
-        self._goals = np.where(arrived, ways.goals(floors, uniforms), self._goals)
+        self._goals = np.where(arrived, ways.others(floors, self._goals, uniforms), self._goals)
         return ways.weights(floors, self._goals, self.cells)
 
 
@@ -155,6 +155,12 @@ class _Ways:
         """Return a random goal for each uniform number."""
         goals: NDArray[np.intp] = (uniforms * self._count[floors]).astype(np.intp)
         return goals
+
+    def others(self, floors: Any, goals: Integers, uniforms: NDArray[np.float64]) -> Integers:
+        """Return for each goal another one at random, or the same if there is no other."""
+        count = self._count[floors]
+        others: Integers = (goals + 1 + (uniforms * (count - 1)).astype(np.intp)) % count
+        return others
 
     def has_arrived(self, floors: Any, goals: Integers, cells: Integers) -> NDArray[np.bool_]:
         """Return whether the cells are the goals."""

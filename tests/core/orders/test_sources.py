@@ -127,10 +127,10 @@ def test_streams_name_what_is_wrong(streams: Any, message: str) -> None:
 
 
 def test_there_are_limits_and_stations(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(LayoutError, match="^the layout has no dropoff; orders are drawn from its"):
+    with pytest.raises(LayoutError, match=r"^the layout has no dropoff; orders are drawn from its"):
         DrawnOrders([OrderStream()], Layout(["P.."]), 10)
-    with pytest.raises(LayoutError, match="^the layout has no pickup; orders"):
+    with pytest.raises(LayoutError, match=r"^the layout has no pickup; orders"):
         QueuedOrders(OrderQueue(1), Layout(["D.."]))
     monkeypatch.setattr(sources, "MAX_ORDERS", 1)
-    with pytest.raises(OrderError, match="^2 orders are more than MAX_ORDERS = 1$"):
+    with pytest.raises(OrderError, match=r"^2 orders are more than MAX_ORDERS = 1$"):
         ListedOrders([GOOD, GOOD], HALL, 1)
