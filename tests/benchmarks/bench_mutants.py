@@ -171,9 +171,12 @@ def test_nearly_all_mutants_are_noticed(tmp_path, measured) -> None:
     def try_one(mutant: Mutant) -> bool:
         copy = copies.get()
         try:
-            return is_noticed(mutant, reaching(mutant, data), copy)
+            is_good = is_noticed(mutant, reaching(mutant, data), copy)
         finally:
             copies.put(copy)
+        if not is_good:
+            print(mutant, flush=True)
+        return is_good
 
     with ThreadPoolExecutor(copies.qsize()) as pool:
         noticed = list(pool.map(try_one, some))
@@ -181,4 +184,3 @@ def test_nearly_all_mutants_are_noticed(tmp_path, measured) -> None:
     measured(f"mutants noticed, of {len(some)} drawn from {len(all_mutants)}", f"{share:.1%}")
     missed = [str(mutant) for mutant, is_good in zip(some, noticed, strict=True) if not is_good]
     assert share >= LEAST_SHARE, missed
-    print(*missed, sep="\n")
