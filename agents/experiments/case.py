@@ -141,6 +141,11 @@ def flags_of(case: Case) -> list[str]:
     ]
 
 
+def in_words(case: Case) -> str:
+    """Return what is not the default in a case, as part of a sentence."""
+    return ", ".join(flags_of(case)) or "the defaults"
+
+
 def agent_fingerprint(case: Case) -> str | None:
     """Return the digest of the present code of a case's agent, see ``fingerprint``."""
     return fingerprint(agent_file(case["agent"]), agent_module(case["agent"]))

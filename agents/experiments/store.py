@@ -16,7 +16,7 @@ from time import monotonic, sleep
 from typing import Any, NamedTuple
 
 from agents.errors import StoreError
-from agents.experiments.case import TILES, Case, flags_of, key_of, read_case
+from agents.experiments.case import TILES, Case, in_words, key_of, read_case
 from agents.experiments.tables import (
     DAMAGED,
     MAX_CASES,
@@ -169,7 +169,7 @@ class Store:
         others = [name for name in self.programs(case_id) if name != program]
         if others and not self._mix:
             [(text,)] = self.query("SELECT settings FROM cases WHERE id = ?", case_id)
-            settings = ", ".join(flags_of(self._case(case_id, text))) or "the defaults"
+            settings = in_words(self._case(case_id, text))
             raise StoreError(
                 f"{self.path}: the episodes with {settings} are of {' and '.join(others)}, and new "
                 f"ones would be of {program}; write to another file, or mix them with "
