@@ -2,7 +2,8 @@
 
 Each is tried in a copy of the project with the tests that reach its line, which coverage.py has
 recorded for a run of the default tests. ``MUTANTS`` is their number, ``MUTANTS_SEED`` draws others,
-and ``MUTANTS_IN`` limits them to files whose path contains one of its words.
+and ``MUTANTS_IN`` limits them to files whose path contains one of its words. ``MUTANTS_COVERAGE``
+is the file of what is recorded; if it exists, it is read in place of a new run.
 """
 
 import ast
@@ -107,17 +108,13 @@ def mutants_of(path: str) -> Iterator[Mutant]:
             yield Mutant(path, node.lineno, node.col_offset, node.end_col_offset, old, text)
 
 
-def record(folder: Path) -> coverage.CoverageData:
-    """Run the default tests and return which of them reach which line."""
-    data = folder / "coverage"
+def run_default_tests(data: Path) -> None:
+    """Record in a file which of them reach which line."""
     packages = [f"--cov={package}" for package in PACKAGES]
     options = ["-q", "-n", "auto", "--cov-context=test", "--cov-report=", *packages]
     command = [sys.executable, "-m", "pytest", *options]
     environment = os.environ | {"COVERAGE_FILE": str(data)}
     subprocess.run(command, cwd=ROOT, env=environment, check=True)
-    found = coverage.CoverageData(str(data))
-    found.read()
-    return found
 
 
 def reaching(mutant: Mutant, data: coverage.CoverageData) -> list[str]:
@@ -161,7 +158,11 @@ def test_nearly_all_mutants_are_noticed(tmp_path, measured) -> None:
     chosen = [path for path in paths if any(word in path for word in WORDS)]
     all_mutants = [mutant for path in chosen for mutant in mutants_of(path)]
     some = random.Random(SEED).sample(all_mutants, min(NUMBER, len(all_mutants)))
-    data = record(tmp_path)
+    recorded = Path(os.environ.get("MUTANTS_COVERAGE", tmp_path / "coverage"))
+    if not recorded.exists():
+        run_default_tests(recorded)
+    data = coverage.CoverageData(str(recorded))
+    data.read()
     copies = SimpleQueue[Path]()
     for number in range(os.cpu_count() or 1):
         hidden = shutil.ignore_patterns(".*", "__pycache__")
