@@ -248,7 +248,8 @@ def test_nearly_all_mutants_are_noticed(tmp_path, measured) -> None:
         finally:
             copies.put(copy)
         assert code != pytest.ExitCode.NO_TESTS_COLLECTED, mutant
-        print("noticed" if code else "missed", mutant, *failed, flush=True)
+        # The other standard output is captured by ``capsys``, which ``measured`` uses.
+        print("noticed" if code else "missed", mutant, *failed, file=sys.__stdout__, flush=True)
         return code != 0, failed
 
     with closing_all, ThreadPoolExecutor(copies.qsize()) as pool:
