@@ -157,10 +157,10 @@ def found_at(path: Path, lines: Iterable[int], data: coverage.CoverageData) -> s
 def reaching(mutant: Mutant, data: coverage.CoverageData) -> list[str]:
     """Return the tests that may notice a mutant, those of its own module first.
 
-    They are those that reach its line. A line that only an import reaches has those that reach a
-    line with a name that it sets, or else any line of its file. If there is none, because another
-    process runs them, it has the tests of its own module, whatever their marks, or else all of its
-    folder.
+    They are those that reach its line, and then all of its folder, because only the first test
+    reaches a line whose outcome is cached. A line that only an import reaches has those that reach
+    a line with a name that it sets, or else any line of its file. If there is none, because another
+    process runs them, it has the tests of its own module, whatever their marks.
     """
     path = ROOT / mutant.path
     found = found_at(path, [mutant.line], data)
@@ -173,11 +173,11 @@ def reaching(mutant: Mutant, data: coverage.CoverageData) -> list[str]:
         found = found_at(path, range(1, len(path.read_bytes().splitlines()) + 1), data)
     name = f"test_{path.stem}.py"
     own = [str(file.relative_to(ROOT)) for file in ROOT.glob(f"tests/**/{name}")]
-    if found:
-        return sorted(found, key=lambda test: (name not in test, test))
     folder = Path("tests", str(Path(mutant.path).parent).replace("warehouse_", ""))
     while not (ROOT / folder).is_dir():
         folder = folder.parent
+    if found:
+        return [*sorted(found, key=lambda test: (name not in test, test)), str(folder)]
     return ["-m", "", *own] if own else [str(folder), "tests/system"]
 
 
