@@ -12,7 +12,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-SECONDS = 1200
+SECONDS = 3600
 """After which a run is ended by a signal."""
 
 LIBRARIES = (
