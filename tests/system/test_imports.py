@@ -32,7 +32,7 @@ MAY_IMPORT = {
     "warehouse_core/conformance": "errors motion world",
     "warehouse_core/vector": "arguments errors motion task world",
     "warehouse_core/orders": "arguments errors files motion task world",
-    "warehouse_core/fleet": "arguments errors motion orders task vector world",
+    "warehouse_core/fleet": "arguments errors motion orders task vector wording world",
     "warehouse_core/warehouse_env": "arguments motion task world",
     "warehouse_core/gymnasium_env": (
         "arguments errors motion render task vector warehouse_env world"
@@ -99,9 +99,9 @@ EXPORTS = {
     """,
     "warehouse_core.orders": "Order OrderQueue OrderStream load_orders save_orders",
     "warehouse_core.records": """
-        MODES Agent Diagnosis Episode EpisodeRecorder FleetAgent FleetEpisode
-        FleetRecorder diagnose record_episode record_fleet_episode replay_episode
-        replay_fleet_episode
+        FLEET_MODES MODES Agent Diagnosis Episode EpisodeRecorder FleetAgent
+        FleetDiagnosis FleetEpisode FleetRecorder diagnose diagnose_fleet record_episode
+        record_fleet_episode replay_episode replay_fleet_episode
     """,
     "warehouse_core.render": """
         ObservationImage PictureWindow TilePainter has_display tile_pixels_for

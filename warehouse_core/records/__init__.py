@@ -15,17 +15,21 @@ from warehouse_core.records.fleet_episode import (
     record_fleet_episode,
     replay_fleet_episode,
 )
+from warehouse_core.records.fleet_modes import FLEET_MODES, FleetDiagnosis, diagnose_fleet
 
 __all__ = [
+    "FLEET_MODES",
     "MODES",
     "Agent",
     "Diagnosis",
     "Episode",
     "EpisodeRecorder",
     "FleetAgent",
+    "FleetDiagnosis",
     "FleetEpisode",
     "FleetRecorder",
     "diagnose",
+    "diagnose_fleet",
     "record_episode",
     "record_fleet_episode",
     "replay_episode",

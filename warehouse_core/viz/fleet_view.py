@@ -7,8 +7,17 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import EllipseCollection, LineCollection, PolyCollection
+from matplotlib.collections import (
+    EllipseCollection,
+    LineCollection,
+    PathCollection,
+    PolyCollection,
+)
+from matplotlib.font_manager import FontProperties
+from matplotlib.path import Path
 from matplotlib.text import Text
+from matplotlib.textpath import TextPath
+from matplotlib.transforms import Affine2D, AffineDeltaTransform
 
 from warehouse_core.render.palette import (
     BATTERY,
@@ -25,11 +34,14 @@ from warehouse_core.viz.robot_view import ABOVE_TILES
 from warehouse_core.viz.track import FleetFrame, Frame, Pose, Waiting
 from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED
 
-RADIUS, MIN_POINTS = 0.41, 2.5
+RADIUS, MIN_POINTS = 0.45, 2.5
 """Of a robot, in cells, and its minimum in points."""
 
-MIN_NUMBER_POINTS, DIGIT = 5.0, 0.7
-"""Minimum size of the numbers; the width of a digit as a share of the size."""
+MIN_NUMBER_POINTS, MIN_BOX_POINTS, DIGIT = 5.0, 7.0, 0.7
+"""Minimum sizes of the numbers of robots and of orders; width of a digit as a share of its size."""
+
+BOX: dict[str, Any] = {"boxstyle": "square,pad=0.12", "linewidth": 0.8}
+"""Around the number of orders at a pickup."""
 
 FEW = 12
 """Up to so many robots always show their batteries; more do only when they are low."""
@@ -71,16 +83,15 @@ class FleetView:
         self._items = PolyCollection([], **edge)
         for collection in (self._people, self._noses, self._discs):
             self._add(collection)
-        size = min(0.5, 1.26 * self._radius / (DIGIT * len(str(robots - 1)))) * cell_points
-        self._numbers = [
-            axes.text(
-                0, 0, str(robot), fontsize=size, fontweight="bold", ha="center",
-                va="center_baseline", zorder=ABOVE_TILES, clip_on=True,
-            )
-            for robot in range(robots if size >= MIN_NUMBER_POINTS else 0)
-        ]  # fmt: skip
-        for number in self._numbers:
-            figure.add_mover(number)
+        size = min(0.5, 1.5 * self._radius / (DIGIT * len(str(robots - 1))))
+        paths = _paths_of_numbers(robots, size) if size * cell_points >= MIN_NUMBER_POINTS else []
+        # One collection is drawn in a tenth of the time of as many texts.
+        by: Any = axes.transData  # affine, which its type does not say
+        self._numbers = PathCollection(
+            paths, offsets=[], offset_transform=by, transform=AffineDeltaTransform(by),
+            linewidths=0, zorder=ABOVE_TILES,
+        )  # fmt: skip
+        self._add(self._numbers)
         for collection in (self._grounds, self._levels, self._items):
             self._add(collection)
         self._waiting: list[Text] = []
@@ -99,17 +110,20 @@ class FleetView:
         self._discs.set_offsets(places)
         self._discs.set_facecolor(colors)
         self._noses.set_segments([self._nose(pose) for pose in robots if pose.heading is not None])
-        for number, pose, color in zip(self._numbers, robots, colors, strict=False):
-            number.set(position=pose.at, color=INK if color == COLORS[ROBOT_LOADED] else PAPER)
+        self._numbers.set_offsets(places)
+        self._numbers.set_facecolor(
+            [INK if color == COLORS[ROBOT_LOADED] else PAPER for color in colors]
+        )
         self._show_batteries(places, fleet)
         items = [
             (place, age) for place, age in zip(places, fleet.items, strict=True) if age is not None
         ]
-        corner = 0.8 * self._radius
+        corner = 0.78 * self._radius
         self._items.set_verts(
             [place + (corner, -corner) + 0.8 * self._radius * _SQUARE for place, _ in items]
         )
         self._items.set_facecolor([ORDER_COLORS[age] for _, age in items])
+        self._items.set_edgecolor([_ink_on(age) for _, age in items])
         self._show_waiting(fleet.waiting)
 
     def _show_batteries(self, places: Any, fleet: FleetFrame) -> None:
@@ -134,20 +148,19 @@ class FleetView:
             text.set_visible(False)
         for text, orders in zip(self._waiting, waiting, strict=False):
             x, y = orders.at
-            is_late = orders.age == LATE
             text.set(
                 visible=True,
-                position=(x + 0.32, y + 0.36),
-                text=f"{orders.count}{'!' * is_late}",
-                color=PAPER if is_late else INK,
+                position=(x + 0.4, y + 0.5),
+                text=f"{orders.count}{'!' * (orders.age == LATE)}",
+                color=_ink_on(orders.age),
             )
-            text.get_bbox_patch().set_facecolor(ORDER_COLORS[orders.age])  # type: ignore[union-attr]
+            box = {"facecolor": ORDER_COLORS[orders.age], "edgecolor": text.get_color()}
+            text.set_bbox(BOX | box)
 
     def _box_for_a_number(self) -> Text:
-        size = max(MIN_NUMBER_POINTS + 1, 0.36 * self._cell_points)
+        size = max(MIN_BOX_POINTS, 0.36 * self._cell_points)
         text = self._axes.text(
             0, 0, "", fontsize=size, fontweight="bold", ha="center", va="center_baseline",
-            bbox={"boxstyle": "square,pad=0.12", "edgecolor": INK, "linewidth": 0.8},
             zorder=ABOVE_TILES + 1,
         )  # fmt: skip
         self._figure.add_mover(text)
@@ -163,10 +176,27 @@ class FleetView:
         self._figure.add_mover(collection)
 
 
+def _paths_of_numbers(robots: int, size: float) -> list[Path]:
+    """Return the outlines of the numbers from 0, of a size in cells, around 0, 0."""
+    bold = FontProperties(weight="bold")
+    paths = []
+    for robot in range(robots):
+        path = TextPath((0, 0), str(robot), size=1, prop=bold)
+        (left, bottom), (right, top) = path.get_extents().get_points()
+        to_middle = Affine2D().translate(-(left + right) / 2, -(bottom + top) / 2)
+        paths.append(path.transformed(to_middle.scale(size, -size)))
+    return paths
+
+
 def _color_of(pose: Pose, share: float) -> Color:
     if share <= 0:
         return STRANDED
     return COLORS[ROBOT_LOADED if pose.loaded else ROBOT_EMPTY]
+
+
+def _ink_on(age: int) -> Color:
+    """Return the colour of what is written on an order, and of the line around it."""
+    return PAPER if age == LATE else INK
 
 
 def _box(corner: tuple[float, float], length: float, height: float) -> Any:

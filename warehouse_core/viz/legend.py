@@ -49,7 +49,8 @@ def draw_legend(
     for character, meaning in legend(has_chargers).items():
         marker = "o" if character in (ROBOT_EMPTY, ROBOT_LOADED) else "s"
         color = COLORS[character]
-        signs[f"{character}  {meaning}"] = Line2D(
+        has_letter = marker == "s" or not is_fleet
+        signs[f"{character}  {meaning}" if has_letter else meaning] = Line2D(
             [], [], marker=marker, markersize=10, markerfacecolor=color, **edge
         )
     if is_fleet:
@@ -66,8 +67,9 @@ def draw_legend(
         )
         signs["plan"] = Line2D([], [], color=INK, linestyle=ROUTE_STYLE, lw=2.2)
     figure.legend(
-        [*signs.values()], [*signs], loc="lower center", fontsize=8,
-        ncols=7 if is_fleet else 6 if has_belief else 5, frameon=False, handlelength=2.0, columnspacing=1.4, handletextpad=0.5,
+        [*signs.values()], [*signs], loc="lower center", fontsize=8, frameon=False,
+        ncols=6 if is_fleet or has_belief else 5, handlelength=2.0, columnspacing=1.4,
+        handletextpad=0.5,
     )  # fmt: skip
 
 

@@ -22,7 +22,6 @@ from warehouse_core.viz.fleet_charts import (
     EnergyChart,
     LatenessChart,
 )
-from warehouse_core.viz.fleet_view import FleetView
 from warehouse_core.viz.grid_view import GridView
 from warehouse_core.viz.legend import draw_legend
 from warehouse_core.viz.track import Track
@@ -37,8 +36,6 @@ GRID_INCHES, FLEET_INCHES = (6.4, 4.6), (10.0, 6.4)
 """Maximum width and height of the grid; that of a fleet has room for numbers on robots."""
 MAX_CELL_INCHES = 0.55
 CHART_INCHES = 3.3
-POINTS = 72
-"""Per inch."""
 MARGIN = 0.3
 HEAD, FOOT, BAR = 0.85, 0.75, 0.26
 
@@ -106,11 +103,9 @@ class Scene:
         grid_top = HEAD + (plan.body_height - plan.grid_height) / 2
         first = track.frames[0]
         axes = self._axes(grid_left, grid_top, plan.grid_width, plan.grid_height)
-        points, robots = plan.cell * POINTS, 0 if first.fleet else len(first.robots)
-        self._grid = GridView(self.root, axes, points, first.tiles, robots)
-        self._fleet: FleetView | None = None
-        if first.fleet:
-            self._fleet = FleetView(self.root, axes, points, len(first.fleet.battery))
+        self._grid = GridView(
+            self.root, axes, plan.cell * 72, first.tiles, len(first.robots), first.fleet
+        )
         self._charts = self._make_charts(plan)
         if plan.has_battery:
             top = HEAD + plan.body_height + 0.12
@@ -139,12 +134,7 @@ class Scene:
         track = self._track = track or self._track
         now = track.frames[frame]
         self._grid.show_tiles(now.tiles)
-        if self._fleet:
-            self._fleet.show(now)
-        else:
-            ways = zip(*(each.robots for each in track.frames[: frame + 1]), strict=True)
-            for robot, poses in zip(self._grid.robots, ways, strict=True):
-                robot.show(poses)
+        self._grid.show_robots(track.frames[: frame + 1])
         self._grid.show_route(now.route)
         self._grid.show_hits(now.hits)
         for chart in self._charts:
