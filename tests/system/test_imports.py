@@ -38,10 +38,13 @@ MAY_IMPORT = {
         "arguments errors motion render task vector warehouse_env world"
     ),
     "warehouse_core/records": ("errors files fleet motion orders task warehouse_env wording world"),
+    "warehouse_core/viz/axes": "motion records render wording world",
+    "warehouse_core/viz/export": "errors extras render",
     "warehouse_core/viz": (
-        "arguments errors extras files motion records render warehouse_env wording world"
+        "arguments errors files motion records render viz/axes viz/export warehouse_env wording "
+        "world"
     ),
-    "warehouse_core/warehouse_viz": "arguments files records viz",
+    "warehouse_core/warehouse_viz": "arguments files records viz viz/export",
     "warehouse_physics/exclusive": "",
     "warehouse_physics/profile": "",
     "warehouse_physics/pymunk_version": "",
@@ -110,7 +113,11 @@ EXPORTS = {
         Observation Settings WarehouseState encode judge useful_actions vector
     """,
     "warehouse_core.vector": "AUTORESET_MODES BatchEnv",
-    "warehouse_core.viz": "Frame Pose Track track_of_episode track_of_frames",
+    "warehouse_core.viz": """
+        Frame Pose Track track_of_episode track_of_fleet_episode track_of_frames
+    """,
+    "warehouse_core.viz.axes": "box_in draw_grid style_chart",
+    "warehouse_core.viz.export": "FORMATS ffmpeg page progress_bar self_contained",
     "warehouse_core.world": """
         DEFAULT_LAYOUT Cell Layout benchmark_warehouse load_layout load_map
         random_layout save_layout save_map shelf_layout

@@ -34,8 +34,8 @@ from warehouse_core.viz.robot_view import ABOVE_TILES
 from warehouse_core.viz.track import FleetFrame, Frame, Pose, Waiting
 from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED
 
-RADIUS, MIN_POINTS = 0.45, 2.5
-"""Of a robot, in cells, and its minimum in points."""
+RADIUS, MAX_RADIUS, GOOD_POINTS, MIN_POINTS = 0.36, 0.45, 9.0, 2.5
+"""Of a robot, in cells; larger up to ``MAX_RADIUS`` if it had fewer than ``GOOD_POINTS``."""
 
 MIN_NUMBER_POINTS, MIN_BOX_POINTS, DIGIT = 5.0, 7.0, 0.7
 """Minimum sizes of the numbers of robots and of orders; width of a digit as a share of its size."""
@@ -67,7 +67,9 @@ class FleetView:
     def __init__(self, figure: SceneFigure, axes: Axes, cell_points: float, robots: int) -> None:
         self._figure, self._axes, self._robots = figure, axes, robots
         self._cell_points = cell_points
-        self._radius = max(RADIUS, MIN_POINTS / cell_points)
+        self._radius = max(
+            RADIUS, min(MAX_RADIUS, GOOD_POINTS / cell_points), MIN_POINTS / cell_points
+        )
         thin = min(1.2, max(0.3, cell_points / 24))
         edge: dict[str, Any] = {"edgecolors": [INK], "linewidths": thin, "zorder": ABOVE_TILES}
         side = 2 * self._radius
@@ -151,7 +153,7 @@ class FleetView:
             text.set(
                 visible=True,
                 position=(x + 0.4, y + 0.5),
-                text=f"{orders.count}{'!' * (orders.age == LATE)}",
+                text=f"{orders.number}{'!' * (orders.age == LATE)}",
                 color=_ink_on(orders.age),
             )
             box = {"facecolor": ORDER_COLORS[orders.age], "edgecolor": text.get_color()}

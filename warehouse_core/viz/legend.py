@@ -87,5 +87,5 @@ def _fleet_signs(edge: dict[str, Any]) -> dict[str, Artist]:
         words: Line2D([], [], marker=marker, markersize=8, markerfacecolor=color, **edge)
         for words, (marker, color) in marks.items()
     }
-    signs["battery low"] = Line2D([], [], color=WARNING, lw=4.0)
+    signs["battery low"] = Line2D([], [], color=WARNING, lw=4.0, solid_capstyle="butt")
     return signs

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -63,25 +64,19 @@ class Pose:
     loaded: bool
 
 
-@dataclass(frozen=True, slots=True)
-class Waiting:
+class Waiting(NamedTuple):
     """Orders that wait in a place, their number, and the greatest of their ages."""
 
     at: Point
-    count: int
+    number: int
     age: int
 
 
-@dataclass(frozen=True, slots=True)
-class FleetFrame:
-    """What a frame of a fleet shows beside its robots.
+class FleetFrame(NamedTuple):
+    """What a frame of a fleet shows: orders that wait, and for each robot what it has.
 
-    An *age* is an index into ``ORDER_COLORS``.
-
-    Attributes:
-        waiting: orders at their pickups.
-        items: for each robot the age of what it carries, or ``None``.
-        battery: for each robot the share of a full battery that it has left.
+    That is the age of its item or ``None``, and its share of a full battery. An *age* is an index
+    into ``ORDER_COLORS``.
     """
 
     waiting: tuple[Waiting, ...]
@@ -89,17 +84,11 @@ class FleetFrame:
     battery: tuple[float, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Shift:
-    """What the charts of a fleet show. ``S`` is the number of steps plus one.
+class Shift(NamedTuple):
+    """What the charts of a fleet show; all but ``lateness`` are lists ``[S]``, see ``Track``.
 
-    Attributes:
-        released: ``[S]`` orders released so far.
-        delivered: ``[S]`` items delivered so far.
-        lateness: of each delivery the step, and by how many steps it was late, if above 0.
-        battery: ``[S]`` mean share of a full battery.
-        lowest: ``[S]`` lowest share.
-        joules: ``[S]`` energy used so far.
+    That is orders released and items delivered so far, mean and lowest share of a full battery, and
+    energy used so far. ``lateness`` has the step of each delivery and by how many it was late.
     """
 
     released: list[int]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from matplotlib.animation import AbstractMovieWriter
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from warehouse_core.render.palette import indexed_palette
-from warehouse_core.viz.figure import SceneFigure
 
 LAST_FRAME_MS = 2000
 """How long a GIF shows its last frame before it starts again."""
@@ -27,10 +26,17 @@ Pixels = NDArray[np.uint8]
 """``[height, width]`` of indices into the palette."""
 
 
+class Picture(Protocol):
+    """What is drawn into a GIF, see ``SceneFigure``."""
+
+    def indexed_pixels(self) -> Image.Image:
+        """Return the picture as it is now, in the colours of ``indexed_palette``."""
+
+
 class GifWriter(AbstractMovieWriter):
     """Keeps the changes of each frame, compressed, so that a long replay fits into memory."""
 
-    def __init__(self, figure: SceneFigure, frame_ms: float) -> None:
+    def __init__(self, figure: Picture, frame_ms: float) -> None:
         super().__init__(fps=1000 / frame_ms)  # type: ignore[arg-type] # it may be a fraction
         self._figure = figure
         self._frame_ms = round(min(max(frame_ms, MIN_FRAME_MS), MAX_FRAME_MS))
