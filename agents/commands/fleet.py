@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import warnings
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from functools import partial
@@ -42,6 +43,7 @@ from warehouse_core.fleet.battery import JOULES, STEPS
 from warehouse_core.fleet.settings import MAX_BODIES
 from warehouse_core.orders import load_orders
 from warehouse_core.orders.order import Orders
+from warehouse_core.records.fleet_modes import FleetDiagnosis, diagnose_fleet
 from warehouse_core.task.encoding import MAX_STEPS
 from warehouse_core.wording import counted
 from warehouse_core.world.named_layouts import DEPOT, NAMES, find_layout
@@ -62,6 +64,13 @@ class Line(NamedTuple):
     name: str
     unit: str
     factor: float = 1.0
+
+
+class Result(NamedTuple):
+    """What is printed of a shift."""
+
+    measures: FleetMeasures
+    diagnosis: FleetDiagnosis
 
 
 LINES = (
@@ -271,15 +280,15 @@ def fleet(
         f"{counted(robots, 'robot')} ({director}) on layout {layout.stem}, backend {backend}, "
         f"{f'seed {first}' if shifts == 1 else f'seeds {first} to {first + shifts - 1}'}"
     )
-    measures, records = list[FleetMeasures](), list[FleetEpisode]()
+    results, records = list[Result](), list[FleetEpisode]()
 
     def keep(episode: FleetEpisode) -> None:
-        measures.append(episode.measures)
+        results.append(result_of(episode))
         if not records:  # all of them would take much memory
             records.append(episode)
 
     def finish(show: bool | None, note: str = "") -> None:
-        report_shifts(measures, robots, title + note)
+        report_shifts(results, robots, title + note)
         replay_or_save(records[0], save, show, speed=speed)
 
     try:
@@ -339,10 +348,26 @@ def warnings_printed() -> Iterator[None]:
                 print_error(f"warning: {message}")
 
 
-def report_shifts(measures: Sequence[FleetMeasures], robots: int, title: str) -> None:
+def result_of(episode: FleetEpisode) -> Result:
+    """Return what is printed of a record."""
+    return Result(episode.measures, diagnose_fleet(episode))
+
+
+def report_shifts(results: Sequence[Result], robots: int, title: str) -> None:
     """Print the measures of shifts, those of several as means with 95% intervals."""
+    measures = [result.measures for result in results]
     print_table(measures_table(measures, title))
-    say(fill(verdict(measures, robots), get_terminal_size().columns))
+    lines = [verdict(measures, robots), f"Diagnosis: {diagnosis([each[1] for each in results])}."]
+    for line in lines:
+        say(fill(line, get_terminal_size().columns))
+
+
+def diagnosis(found: Sequence[FleetDiagnosis]) -> str:
+    """Return the diagnosis of a shift, or how often each occurs among several."""
+    if len(found) == 1:
+        return f"{found[0].mode}: {found[0].sentence}"
+    modes = Counter(each.mode for each in found)
+    return ", ".join(f"{mode} ({count:,})" for mode, count in modes.most_common())
 
 
 def report_fleet(episode: FleetEpisode) -> None:
@@ -351,7 +376,7 @@ def report_fleet(episode: FleetEpisode) -> None:
         f"{counted(episode.robots, 'robot')} ({episode.agent}), backend {episode.backend}, "
         f"seed {episode.seed}"
     )
-    report_shifts([episode.measures], episode.robots, title)
+    report_shifts([result_of(episode)], episode.robots, title)
 
 
 def measures_table(measures: Sequence[FleetMeasures], title: str) -> Table:

@@ -9,11 +9,12 @@ import pytest
 from helpers.command_line import command, refusal, without_display
 from PIL import Image
 
-from agents.commands.fleet import LINES, parse_battery, parse_due, parse_orders, verdict
+from agents.commands.fleet import LINES, diagnosis, parse_battery, parse_due, parse_orders, verdict
 from agents.commands.fleet import measures_table as table
 from warehouse_core import FleetEpisode, Order, OrderStream
 from warehouse_core.fleet import Battery, FleetMeasures
 from warehouse_core.orders import save_orders
+from warehouse_core.records.fleet_modes import FleetDiagnosis, diagnose_fleet
 
 SMALL = ("fleet", "--robots", 3, "--steps", 60, "--seed", 5)
 TOO_FAR = """
@@ -62,6 +63,7 @@ def test_a_shift_is_run_measured_and_recorded(capsys: pytest.CaptureFixture[str]
         expected = "none" if np.isnan(value) else value
         assert shown == expected or float(shown) == pytest.approx(value, rel=0.005), line.title
     assert f"{episode.measures.delivered} of {episode.measures.orders} orders delivered" in out
+    assert f"Diagnosis: {diagnose_fleet(episode).mode}: " in out
     again = command(capsys, "replay", "shift.npz", "--save", "shift.png")
     assert again.out.splitlines()[1:-1] == out.splitlines()[1:-1]
     with Image.open("shift.png") as picture:
@@ -93,6 +95,22 @@ def test_orders_come_from_a_file(capsys: pytest.CaptureFixture[str]) -> None:
     assert message.startswith("orders.csv: line 3, column 6")
     message = refusal(capsys, *SMALL, "--orders", "orders.csv", "--due", "5:9", code=2)
     assert "--due is for a rate" in message
+
+
+def test_several_shifts_are_diagnosed_by_counts() -> None:
+    modes = ("late", "stranded", "late")
+    assert diagnosis([FleetDiagnosis(mode, (0,), "why") for mode in modes]) == (
+        "late (2), stranded (1)"
+    )
+    assert diagnosis([FleetDiagnosis("late", (0,), "why")]) == "late: why"
+
+
+def test_a_damaged_record_is_told_by_its_kind(capsys: pytest.CaptureFixture[str]) -> None:
+    command(capsys, *SMALL, "--save", "shift.npz")
+    data = bytearray(Path("shift.npz").read_bytes())
+    data[len(data) // 2] ^= 255
+    Path("shift.npz").write_bytes(data)
+    assert refusal(capsys, "replay", "shift.npz").startswith("shift.npz: damaged")
 
 
 def test_several_shifts_have_means_and_the_first_is_saved(
