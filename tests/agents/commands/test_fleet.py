@@ -9,8 +9,9 @@ import pytest
 from helpers.command_line import command, refusal, without_display
 from PIL import Image
 
-from agents.commands.fleet import LINES, diagnosis, parse_battery, parse_due, parse_orders, verdict
-from agents.commands.fleet import measures_table as table
+from agents.commands.fleet import parse_battery, parse_due, parse_orders
+from agents.commands.shift_report import LINES, diagnosis, verdict
+from agents.commands.shift_report import measures_table as table
 from warehouse_core import FleetEpisode, Order, OrderStream
 from warehouse_core.fleet import Battery, FleetMeasures
 from warehouse_core.orders import save_orders
