@@ -195,7 +195,7 @@ def fleet(
     show: ShowOption = None,
     speed: SpeedOption = 1.0,
 ) -> None:
-    """Run a shift of several robots with orders and replay it.
+    """Run a shift of several robots and replay it.
 
     Each robot is directed by the agent, its goal given by its order. A robot
     whose battery is low drives to a charger.
