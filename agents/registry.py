@@ -25,6 +25,7 @@ from agents.learning.q_table import load_agent
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, RecordError
+from warehouse_core.files.kinds import not_a_file
 from warehouse_core.records.fleet_episode import FleetAgent
 from warehouse_core.world.tiles import NO_STATIONS
 
@@ -177,8 +178,8 @@ def _load_trained(word: str, file: str, seed: int | None, layout: Layout) -> Age
     if not file or "\0" in file:
         raise AgentError(f"agent {f'{word}:{file}'!r} names no file; allowed: {word}:FILE")
     try:
-        if Path(file).exists() and not Path(file).is_file():  # a pipe may never have an end
-            raise AgentError(f"agent file {file}: it is a folder or a device, not a file")
+        if (kind := not_a_file(Path(file))) is not None:
+            raise AgentError(f"agent file {file}: {kind}")
         return load(Path(file), **_wanted(load, seed, layout))
     except OSError as error:
         raise AgentError(f"agent file {file}: {error.strerror or error}") from error
@@ -222,7 +223,7 @@ def _load_module(source: str) -> ModuleType:
             ) from error
     path = Path(source)
     if not path.is_file():
-        raise AgentError(f"agent file {source} does not exist")
+        raise AgentError(f"agent file {source}: {not_a_file(path) or 'there is no such file'}")
     # The name must differ from those of modules that can be imported.
     spec = importlib.util.spec_from_file_location(f"agent file {path.stem}", path)
     assert spec is not None, "a .py file always has a spec"

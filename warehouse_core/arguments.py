@@ -15,10 +15,12 @@ def whole_number(
     """Return an argument as an ``int``.
 
     Raises:
-        TypeError: it is not an integer.
+        TypeError: it is not an integer; ``True`` and ``False`` are none either.
         ValueError: it is less than ``minimum`` or more than ``maximum``.
     """
     try:
+        if isinstance(value, bool):
+            raise TypeError
         number = operator.index(value)
     except TypeError:
         raise TypeError(f"{name} is {value!r}; it must be an integer") from None
@@ -51,14 +53,14 @@ def real_number(
     return number
 
 
-def as_cell(name: str, value: tuple[int, int]) -> tuple[int, int]:
-    """Return an argument as a cell of two ``int``.
+def as_cell(name: str, value: tuple[int, int], parts: str = "(row, column)") -> tuple[int, int]:
+    """Return an argument as a cell, or another pair, of two ``int``.
 
     Raises:
-        TypeError: it is not one.
+        TypeError: it is not one; the message names its ``parts``.
     """
     try:
-        row, col = value
-        return operator.index(row), operator.index(col)
+        first, second = value
+        return whole_number(name, first), whole_number(name, second)
     except (TypeError, ValueError):
-        raise TypeError(f"{name} is {value!r}; it must be two integers (row, column)") from None
+        raise TypeError(f"{name} is {value!r}; it must be two integers {parts}") from None

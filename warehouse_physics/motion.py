@@ -58,8 +58,6 @@ class RigidBodyMotion:
         record_path: bool = True,
         path_every: int = PATH_EVERY,
     ) -> None:
-        if isinstance(path_every, bool):
-            raise TypeError(f"path_every is {path_every}; it must be an integer")
         every = whole_number("path_every", path_every, minimum=1)
         self._path_every = every if record_path else MAX_SUBSTEPS
         self.spec = _instance("spec", spec, RobotSpec)

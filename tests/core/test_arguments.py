@@ -10,7 +10,7 @@ from warehouse_core.arguments import as_cell, real_number, whole_number
 
 
 def test_a_whole_number_is_an_integer_of_any_kind_within_its_limits() -> None:
-    for value in (1, 3, np.int8(2), np.array(2), True):
+    for value in (1, 3, np.int8(2), np.array(2)):
         number = whole_number("count", value, 1, 3)
         assert (number, type(number)) == (value, int)
     assert whole_number("count", -(10**30)) == -(10**30)
@@ -18,7 +18,7 @@ def test_a_whole_number_is_an_integer_of_any_kind_within_its_limits() -> None:
         whole_number("count", 0, minimum=1)
     with pytest.raises(ValueError, match=r"^count is 4; it must be at most 3$"):
         whole_number("count", 4, maximum=3)
-    for value in (1.0, "1", None, [1]):
+    for value in (1.0, "1", None, [1], True, np.bool_(True)):
         with pytest.raises(TypeError, match=r"^count is .*; it must be an integer$"):
             whole_number("count", value)
 
@@ -54,7 +54,7 @@ def test_a_real_number_comes_back_as_a_float() -> None:
 
 def test_a_cell_is_two_integers() -> None:
     assert as_cell("start", [np.int64(1), 2]) == (1, 2)
-    for value in (5, (1,), (1, 2, 3), (1.5, 2), "ab"):
+    for value in (5, (1,), (1, 2, 3), (1.5, 2), "ab", (True, 2)):
         with pytest.raises(
             TypeError, match=r"^start is .*; it must be two integers \(row, column\)$"
         ):

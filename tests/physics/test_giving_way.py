@@ -105,3 +105,4 @@ def test_a_straight_way_comes_closer_if_it_leads_past_the_other() -> None:
     assert comes_closer((-2.0, 0.0), (-0.6, 0.0), 0.7)
     assert not comes_closer((-0.6, 0.0), (-1.0, 0.0), 0.7), "those that touch may part"
     assert comes_closer((-0.6, 0.0), (0.0, 1.0), 0.7)
+    assert not comes_closer((-0.6, 0.0), (-0.6, 0.0), 0.7), "neither moves"

@@ -119,7 +119,7 @@ def divide_by_zero() -> None:
 
 
 @over_versions
-@pytest.mark.usefixtures("known")
+@pytest.mark.usefixtures("known", "interrupts_raise")
 @pytest.mark.parametrize(
     ("fail", "error"),
     [(divide_by_zero, ZeroDivisionError), (interrupt, KeyboardInterrupt), (sys.exit, SystemExit)],
@@ -149,6 +149,7 @@ def test_an_error_while_a_hit_is_noted_ends_the_action_of_a_batch() -> None:
         batch.advance(np.array([1, 1]), np.zeros(2, bool))
 
 
+@pytest.mark.usefixtures("interrupts_raise")
 def test_an_interrupt_right_before_a_callback_ends_the_action(monkeypatch) -> None:
     """It is raised in pymunk's own callback, before any code of this package runs."""
     contact = move(motion_in(LEDGE, (0, 0)), EAST).contacts[0]

@@ -32,7 +32,7 @@ MAY_IMPORT = {
     "warehouse_core/conformance": "errors motion world",
     "warehouse_core/vector": "arguments errors motion task world",
     "warehouse_core/orders": "arguments errors files motion task world",
-    "warehouse_core/fleet": "arguments errors motion orders task vector world",
+    "warehouse_core/fleet": "arguments errors motion orders task vector wording world",
     "warehouse_core/warehouse_env": "arguments motion task world",
     "warehouse_core/gymnasium_env": (
         "arguments errors motion render task vector warehouse_env world"

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.arguments import whole_number
-from warehouse_core.errors import EndedError
+from warehouse_core.errors import EndedError, OrderError
 from warehouse_core.fleet.battery import Battery
 from warehouse_core.fleet.fleets import Fleets
 from warehouse_core.fleet.observation import FleetArrays, FleetObservation, observation_of
@@ -26,6 +26,7 @@ from warehouse_core.motion.backends import (
 from warehouse_core.motion.base import Outcome
 from warehouse_core.motion.vector import Flags
 from warehouse_core.orders.order import Order, Orders
+from warehouse_core.wording import brief
 from warehouse_core.world.actions import DROP, INVALID, PICK, WAIT, action_index
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
 from warehouse_core.world.tiles import Cell
@@ -138,10 +139,10 @@ class FleetEnv:
         )
         motion, bodies = make_motion(backend), self.settings.bodies
         make = make_batch_motion if bodies > 1 else make_separate_motions
-        self._motion = make(motion, [self.layout], bodies)
+        carrier = make(motion, [self.layout], bodies)
         self.cell_size = motion.cell_size
         self.backend = backend if isinstance(backend, str) else type(motion).__name__
-        self._fleets = Fleets([self.layout], self.settings, self._motion, self.cell_size)
+        self._fleets = Fleets([self.layout], self.settings, carrier, self.cell_size)
         self._warn_of_supply(self.cell_size)
         self.seed = None if seed is None else whole_number("seed", seed, 0)
         self.assignments: list[tuple[int, int, int | None]] = []
@@ -240,7 +241,8 @@ class FleetEnv:
             order: its index in ``orders``.
 
         Raises:
-            OrderError: the robot carries an item, or the order does not wait for it or for all.
+            OrderError: the robot has ended or carries an item, or the order does not wait for it
+                or for all.
             ValueError: there is no such robot, or the fleet has no orders.
             EndedError: before the first reset.
         """
@@ -248,7 +250,9 @@ class FleetEnv:
         robot = whole_number("robot", robot, 0, self.settings.robots - 1)
         if self._fleets.orders is None:
             raise ValueError(f"order {order} for robot {robot}: this fleet has no orders")
-        order = None if order is None else int(order)
+        if self._fleets.ended[robot]:
+            raise OrderError(f"order {order} for robot {robot}: this robot has ended")
+        order = None if order is None else whole_number("order", order)
         self._fleets.orders.assign(0, robot, order)
         self.assignments.append((self.steps, robot, order))
 
@@ -307,7 +311,7 @@ class FleetEnv:
         Raises:
             RuntimeError: no step has been taken since the reset.
         """
-        return self._motion.outcomes(0)
+        return self._fleets.robots.motion.outcomes(0)
 
     @property
     def measures(self) -> FleetMeasures:
@@ -331,6 +335,10 @@ class FleetEnv:
         robots = self.settings.robots
         if isinstance(actions, Mapping):
             actions = self._listed(actions)
+        if isinstance(actions, str) or not isinstance(actions, (Sequence, np.ndarray)):
+            raise TypeError(
+                f"actions are {brief(actions)}; allowed: a sequence, an array or a mapping"
+            )
         if isinstance(actions, np.ndarray) and actions.dtype.kind in "iu":
             given = actions.astype(np.intp)
             given[(given < 0) | (given >= INVALID)] = INVALID

@@ -163,7 +163,7 @@ class Fleets:
         arrays = self.robots.observe(rows, battery[:, None], steps[:, None])
         found = cast(FleetArrays, arrays)
         if self.orders:
-            found["due"] = self.orders.due[rows][:, None]
+            found["due"] = self.orders.due[rows, None].copy()
         if self._floor.has_chargers:
             found["charger_pos"] = self._floor.nearest_chargers(rows, self.robots.cells[rows])
         return found
@@ -205,21 +205,23 @@ class Fleets:
         battery = self.settings.battery
         cost = np.where(active, 1.0 if battery.unit == STEPS else outcome.joules, 0.0)
         spend_and_charge(self.battery, battery.capacity, charging, cost, self._charge)
+        np.maximum(self.battery, 0.0, out=self.battery)  # the last step may cost more than is left
 
     def _release(self) -> None:
+        """Give back what stranded robots were to take, and let orders appear."""
         if self.orders:
-            self.orders.release(self.steps, self.robots.cells, ~self.ended)
+            active, is_empty = ~self.ended, self.battery <= 0
+            if is_empty.any():
+                self.orders.strand(np.flatnonzero(active & is_empty))
+            self.orders.release(self.steps, self.robots.cells, active & ~is_empty)
 
     def _end(self, delivered: Flags) -> None:
-        """Set which robots have ended, and give back what stranded ones were to take."""
+        """Set which robots have ended."""
         active, robots = ~self.ended, self.settings.robots
         done = np.repeat(self.orders.all_delivered(), robots) if self.orders else delivered
-        is_empty = self.battery <= 0
         is_over = np.repeat(self.steps >= self.settings.max_steps, robots)
         self.terminated |= active & done
-        self.truncated |= active & (is_empty | is_over)
-        if self.orders and is_empty.any():
-            self.orders.strand(np.flatnonzero(active & is_empty))
+        self.truncated |= active & ((self.battery <= 0) | is_over)
 
     def _put_first_stations(self) -> None:
         """Let all robots observe the first stations of their layout, as in the chapter."""

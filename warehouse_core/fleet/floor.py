@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from warehouse_core.errors import LayoutError
 from warehouse_core.motion.vector import Flags, Integers, Rows
 from warehouse_core.task.encoding import NOWHERE
 from warehouse_core.vector.floor import VectorFloor
 from warehouse_core.world.distances import nearest
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tables import LayoutSet, places_table
+from warehouse_core.world.tables import MAX_TABLE_BYTES, LayoutSet, places_table
 from warehouse_core.world.tiles import CELL_CODES, OTHER_EMPTY, OTHER_LOADED, PERSON, PICKUP
 
 NOTHING = 0
@@ -28,9 +29,13 @@ class FleetFloor(VectorFloor):
         robots: ``R``.
         radius: cells seen in each direction.
         has_orders: stations are those of orders; otherwise they are the tiles of the layouts.
+
+    Raises:
+        LayoutError: windows that are too large, for the layouts or for the robots.
     """
 
     def __init__(self, layouts: LayoutSet, robots: int, radius: int, *, has_orders: bool) -> None:
+        _check_windows(len(layouts.kind) * robots, 2 * radius + 1)
         super().__init__(layouts.repeated(robots), radius, moving_stations=has_orders)
         kinds = layouts.kinds
         strides = [kind.width + 2 * radius for kind in kinds]
@@ -94,9 +99,22 @@ class FleetFloor(VectorFloor):
     def _around(self, rows: Rows, cells: Integers, robots: Integers) -> NDArray[np.uint8]:
         windows = super()._around(rows, cells, robots)
         spots = self._corner_of[rows] + self._spots.take(self._base[rows] + cells)
-        around = self._on_top.take(spots[:, None] + self._offsets.take(self._kind[rows], axis=0))
+        offsets = self._offsets
+        if len(offsets) > 1:
+            offsets = offsets.take(self._kind[rows], axis=0)
+        around = self._on_top.take(spots[:, None] + offsets)
         np.maximum(windows, around, out=windows)
         return windows
+
+
+def _check_windows(robots: int, side: int) -> None:
+    """Raise if the spots of all windows would take more than ``MAX_TABLE_BYTES``."""
+    needed = robots * side**2 * np.dtype(np.intp).itemsize
+    if needed > MAX_TABLE_BYTES:
+        raise LayoutError(
+            f"windows of {side} x {side} around {robots} robots take {needed} bytes; "
+            f"MAX_TABLE_BYTES = {MAX_TABLE_BYTES} are allowed"
+        )
 
 
 def _nearest_chargers(layout: Layout) -> NDArray[np.int32]:

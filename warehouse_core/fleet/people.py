@@ -24,8 +24,10 @@ from warehouse_core.world.tiles import Cell
 STATIONS, AISLES = "stations", "aisles"
 HABITS = (STATIONS, AISLES)
 
-MAX_GOALS = 32
-"""Stations of a layout between which people walk; more are left out evenly."""
+MAX_GOALS, MAX_GOAL_CELLS = 32, 2**26
+"""Stations of a layout between which people walk, and those times its cells, 4 bytes each; more
+are left out evenly.
+"""
 
 AHEAD, ASIDE, BACK = 8.0, 1.0, 0.05
 """How often a person takes a direction, relative to the others that are open."""
@@ -74,7 +76,8 @@ class Crowd:
     def __init__(self, people: People, layouts: LayoutSet) -> None:
         shape = len(layouts.kind), people.count
         self.cells = np.zeros(shape, np.intp)
-        self._pause, self._walks_to_stations = people.pause, people.habit == STATIONS
+        self._pause = people.pause
+        self._walks_to_stations = people.count > 0 and people.habit == STATIONS
         self._last, self._goals = np.full(shape, WAIT), np.zeros(shape, np.intp)
         self._moves, self._is_blocked = np.zeros((2, *shape), np.bool_)
         self._streams = [np.random.default_rng(0)] * shape[0]
@@ -122,7 +125,7 @@ class Crowd:
         """Return the weights for those who walk to stations; who has arrived gets another goal."""
         ways, floors = self._ways, np.arange(len(self.cells))[:, None]
         arrived = ways.has_arrived(floors, self._goals, self.cells)
-        self._goals = np.where(arrived, ways.goals(floors, uniforms), self._goals)
+        self._goals = np.where(arrived, ways.others(floors, self._goals, uniforms), self._goals)
         return ways.weights(floors, self._goals, self.cells)
 
 
@@ -153,6 +156,12 @@ class _Ways:
         goals: NDArray[np.intp] = (uniforms * self._count[floors]).astype(np.intp)
         return goals
 
+    def others(self, floors: Any, goals: Integers, uniforms: NDArray[np.float64]) -> Integers:
+        """Return for each goal another one at random, or the same if there is no other."""
+        count = self._count[floors]
+        others: Integers = (goals + 1 + (uniforms * (count - 1)).astype(np.intp)) % count
+        return others
+
     def has_arrived(self, floors: Any, goals: Integers, cells: Integers) -> NDArray[np.bool_]:
         """Return whether the cells are the goals."""
         return self._is_goal.take(self._places(floors, goals, cells))
@@ -168,11 +177,11 @@ class _Ways:
 
 
 def _goals(layout: Layout) -> list[Cell]:
-    """Return the stations and chargers of a layout, at most ``MAX_GOALS``, or else open cells."""
+    """Return the stations of a layout, at most ``MAX_GOALS``, or else open cells."""
     cells: Sequence[Cell] = layout.pickups + layout.dropoffs
     if len(cells) < 2:
         cells = [layout.open_cell(rank) for rank in range(len(layout.open_cells))]
-    every = -(-len(cells) // MAX_GOALS)
+    every = -(-len(cells) // min(MAX_GOALS, MAX_GOAL_CELLS // size_of(layout)))
     return list(cells[::every])
 
 

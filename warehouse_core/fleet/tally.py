@@ -103,7 +103,7 @@ class Tally:
         )
         did[blocked] = by
         did[~active] = ENDED
-        self._counts[did, self._rows] += 1
+        self._counts.reshape(-1)[did * len(did) + self._rows] += 1
         self._joules += outcome.joules
         self._deliveries += delivered.reshape(-1, self._robots).sum(axis=1)
         self._seconds += outcome.seconds.reshape(-1, self._robots).max(axis=1)

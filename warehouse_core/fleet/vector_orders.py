@@ -46,7 +46,8 @@ class VectorOrders:
         self._next_release = np.full(floors, NEVER)
         self.due = np.full(floors * settings.robots, NONE, np.int32)
         self._is_idle = np.ones((floors, settings.robots), np.bool_)
-        self._has_open = np.zeros(floors, np.bool_)
+        self._has_open, self._is_done = np.zeros((2, floors), np.bool_)
+        self._touched: set[int] = set()
 
     def begin(self, floor: int, stream: np.random.Generator) -> None:
         """Draw the orders of a new episode on a floor."""
@@ -64,6 +65,9 @@ class VectorOrders:
             cells: ``[N]``, where the robots are.
             able: ``[N]``, whether they have not ended.
         """
+        for floor in self._touched:
+            self._update(floor)
+        self._touched.clear()
         for floor in np.flatnonzero(self._next_release <= steps).tolist():
             self.books[floor].release(int(steps[floor]))
             self._update(floor)
@@ -76,18 +80,20 @@ class VectorOrders:
             self._update(floor)
 
     def take(self, row: int, cell: int, step: int) -> bool:
-        """Give a robot the order that waits for it where it is; return whether there was one."""
+        """Give a robot the order that waits for it where it is; return whether there was one.
+
+        After this and ``deliver`` the stations are those from before until ``release``.
+        """
         floor, robot = divmod(row, self._robots)
-        is_taken = self.books[floor].take(robot, cell, step)
-        self._update(floor)
-        return is_taken
+        self._touched.add(floor)
+        return self.books[floor].take(robot, cell, step)
 
     def deliver(self, row: int, step: int) -> int:
         """Book the delivery of what a robot carries; return by how many steps it is late."""
         floor, robot = divmod(row, self._robots)
         book = self.books[floor]
         order = book.deliver(robot, step)
-        self._update(floor)
+        self._touched.add(floor)
         return max(step - int(book.orders.due[order]), 0)
 
     def assign(self, floor: int, robot: int, order: int | None) -> None:
@@ -96,22 +102,18 @@ class VectorOrders:
         self._update(floor)
 
     def strand(self, rows: Integers) -> None:
-        """Give back the orders that wait for robots which cannot take them any more."""
+        """Give back the orders of robots which cannot take them any more, until ``release``."""
         for row in rows.tolist():
             floor, robot = divmod(row, self._robots)
             book = self.books[floor]
             order = int(book.order_of[robot])
             if order != NONE and book.taken[order] == NONE:
-                self.assign(floor, robot, None)
+                book.assign(robot, None)
+                self._touched.add(floor)
 
     def all_delivered(self) -> NDArray[np.bool_]:
         """Return ``[B]``, whether all orders of a list are delivered; a stream has no end."""
-        return np.array(
-            [
-                self._sources[kind].ends and book.is_done
-                for kind, book in zip(self._layouts.kind.tolist(), self.books, strict=True)
-            ]
-        )
+        return self._is_done
 
     def _new_book(self, floor: int, stream: np.random.Generator) -> OrderBook:
         kind = self._layouts.kind[floor]
@@ -126,22 +128,24 @@ class VectorOrders:
         robots, cells = book.changed
         for cell in cells:
             self._floor.set_waiting(floor, cell, book.waiting_at[cell] > 0)
-        for robot in robots:
-            self._set_order(floor * self._robots + robot, book, int(book.order_of[robot]))
-            self._is_idle[floor, robot] = book.order_of[robot] == NONE
+        self._set_orders(floor, book, np.array(list(robots), np.intp))
         robots.clear()
         cells.clear()
         self._has_open[floor] = book.has_open_orders
+        self._is_done[floor] = self._sources[self._layouts.kind[floor]].ends and book.is_done
         self._next_release[floor] = book.next_release
 
-    def _set_order(self, row: int, book: OrderBook, order: int) -> None:
-        pickup = dropoff = NO_CELL
-        self.due[row] = NONE
-        if order != NONE:
-            self.due[row], dropoff = book.orders.due[order], int(book.orders.dropoff[order])
-            if book.taken[order] == NONE:
-                pickup = int(book.orders.pickup[order])
-        self._floor.put_stations(np.array([row]), np.array([pickup]), np.array([dropoff]))
+    def _set_orders(self, floor: int, book: OrderBook, robots: Integers) -> None:
+        """Bring due times and stations of some robots up to date."""
+        orders, rows = book.order_of[robots], floor * self._robots + robots
+        has_order = orders != NONE
+        held, known = orders[has_order], book.orders
+        pickups = np.where(book.taken[held] == NONE, known.pickup[held], NO_CELL)
+        found = np.full((3, len(robots)), NO_CELL)
+        found[:, has_order] = known.due[held], pickups, known.dropoff[held]
+        self.due[rows] = np.where(has_order, found[0], NONE)
+        self._floor.put_stations(rows, found[1], found[2])
+        self._is_idle[floor, robots] = ~has_order
 
 
 def _source(layout: Layout, settings: FleetSettings) -> ListedOrders | DrawnOrders | QueuedOrders:

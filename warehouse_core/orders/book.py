@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Callable
 from heapq import heappop, heappush
-from itertools import islice
 
 import numpy as np
 
@@ -54,7 +53,7 @@ class OrderBook:
         self.waiting_at: Counter[int] = Counter()
         self.changed: tuple[set[int], set[int]] = (set(), set())
         self._released = self._deliveries = 0
-        self._open: dict[int, None] = {}  # in order of release
+        self._is_open = np.zeros(len(orders.released), np.bool_)
         self._due_at: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
         self._reserved: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
 
@@ -74,12 +73,13 @@ class OrderBook:
     @property
     def open_orders(self) -> list[int]:
         """The open orders, in order of release."""
-        return list(self._open)
+        found: list[int] = np.flatnonzero(self._is_open).tolist()
+        return found
 
     @property
     def has_open_orders(self) -> bool:
         """Whether an open order waits."""
-        return bool(self._open)
+        return bool(self._is_open.any())
 
     def release(self, step: int) -> None:
         """Let all orders appear that are released up to this step."""
@@ -131,9 +131,9 @@ class OrderBook:
         had = int(self.order_of[robot])
         if had != NONE and self.taken[had] != NONE:
             raise OrderError(f"robot {robot} carries order {had}; it must deliver it first")
-        if order == had or (order is None and had == NONE):
+        if order == (None if had == NONE else had):
             return
-        if order is not None and order not in self._open:
+        if order is not None and not (0 <= order < self._released and self._is_open[order]):
             raise OrderError(
                 f"order {order} cannot be assigned to robot {robot}: {self._state(order)}"
             )
@@ -142,6 +142,7 @@ class OrderBook:
         self._give(robot, NONE if order is None else order)
         if had != NONE:
             self._offer(had)
+        self._take_reserved(robot)
 
     def dispatch(self, robots: Integers, cells: Integers) -> None:
         """Assign the oldest open orders, each to the nearest of some robots without an order.
@@ -152,7 +153,7 @@ class OrderBook:
         """
         rows, cols = np.divmod(cells, self._width)
         free = np.ones(len(robots), np.bool_)
-        for order in list(islice(self._open, len(robots))):
+        for order in self.open_orders[: len(robots)]:
             row, col = divmod(int(self.orders.pickup[order]), self._width)
             distance = np.where(free, abs(rows - row) + abs(cols - col), np.iinfo(np.intp).max)
             nearest = int(np.argmin(distance))
@@ -178,34 +179,35 @@ class OrderBook:
         self.taken_by, self.taken, self.delivered = (
             np.concatenate([each, unknown]) for each in (self.taken_by, self.taken, self.delivered)
         )
+        self._is_open = np.concatenate([self._is_open, unknown != NONE])
 
     def _offer(self, order: int) -> None:
         """Let an order wait for the robot that it is reserved for, or for all."""
         robot, due = int(self.orders.robot[order]), int(self.orders.due[order])
         cell = int(self.orders.pickup[order])
         if robot == OPEN:
-            self._open[order] = None
+            self._is_open[order] = True
             heappush(self._due_at[cell], (due, order))
             self._count(cell, 1)
             return
         heappush(self._reserved[robot], (due, order))
-        if self.order_of[robot] == NONE:
-            self._take_reserved(robot)
+        self._take_reserved(robot)
 
     def _take_reserved(self, robot: int) -> None:
-        if self._reserved[robot]:
+        """Give a robot without an order the first due of those that only it may take."""
+        if self.order_of[robot] == NONE and self._reserved[robot]:
             self._give(robot, heappop(self._reserved[robot])[1])
 
     def _due_first(self, cell: int) -> int:
         """Return the open order at a cell that is due first, or ``NONE``."""
         waiting = self._due_at[cell]
-        while waiting and waiting[0][1] not in self._open:
+        while waiting and not self._is_open[waiting[0][1]]:
             heappop(waiting)
         return waiting[0][1] if waiting else NONE
 
     def _close(self, order: int) -> None:
         """Take an order from the open ones; its place in the heap is dropped later."""
-        del self._open[order]
+        self._is_open[order] = False
         self._count(int(self.orders.pickup[order]), -1)
 
     def _count(self, cell: int, more: int) -> None:

@@ -6,6 +6,7 @@ takes its nominal second a rate of 0.1 orders a step is 360 an hour.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -118,7 +119,7 @@ class OrderArrays(NamedTuple):
 
 def _check_draws(orders: OrderStream | OrderQueue) -> None:
     """Raise if due times or weights are not allowed."""
-    fewest, most = as_cell("due", orders.due)
+    fewest, most = as_cell("due", orders.due, "(fewest, most)")
     if not 0 <= fewest <= most <= MAX_STEPS:
         raise ValueError(
             f"due is {orders.due}; it must be fewest and most steps after the release, "
@@ -131,7 +132,8 @@ def _check_draws(orders: OrderStream | OrderQueue) -> None:
 def _check_weights(name: str, weights: Sequence[float] | None) -> None:
     if weights is None:
         return
-    for number, weight in enumerate(weights):
-        real_number(f"{name}[{number}]", weight)
-    if not sum(weights) > 0:
-        raise ValueError(f"{name} is {weights}; one of them must be above 0")
+    if not isinstance(weights, (tuple, list)):
+        raise TypeError(f"{name} is {weights!r}; it must be a tuple of numbers")
+    total = sum(real_number(f"{name}[{place}]", weight) for place, weight in enumerate(weights))
+    if not 0 < total < math.inf:
+        raise ValueError(f"{name} is {weights}; their sum must be above 0 and finite")

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.arguments import as_cell
+from warehouse_core.arguments import as_cell, whole_number
 from warehouse_core.errors import LayoutError, OrderError
 from warehouse_core.motion.vector import Integers
 from warehouse_core.orders.order import (
@@ -20,7 +21,7 @@ from warehouse_core.orders.order import (
 )
 from warehouse_core.task.encoding import MAX_STEPS
 from warehouse_core.world.layout import Layout, check_open
-from warehouse_core.world.tiles import Cell
+from warehouse_core.world.tiles import CHARGER, Cell
 
 
 class ListedOrders:
@@ -41,18 +42,8 @@ class ListedOrders:
     def __init__(self, orders: Sequence[Order], layout: Layout, robots: int) -> None:
         if len(orders) > MAX_ORDERS:
             raise OrderError(f"{len(orders)} orders are more than MAX_ORDERS = {MAX_ORDERS}")
-        for number, order in enumerate(orders):
-            _check_order(f"order {number}", order, layout, robots)
-        rows = [
-            (
-                order.released,
-                order.due,
-                order.pickup[0] * layout.width + order.pickup[1],
-                order.dropoff[0] * layout.width + order.dropoff[1],
-                OPEN if order.robot is None else order.robot,
-            )
-            for order in sorted(orders, key=lambda order: order.released)
-        ]
+        rows = [_row(f"order {number}", each, layout, robots) for number, each in enumerate(orders)]
+        rows.sort(key=itemgetter(0))
         self._arrays = OrderArrays(*np.array(rows, np.intp).T)
 
     def draw(self, stream: np.random.Generator) -> OrderArrays:
@@ -82,7 +73,10 @@ class DrawnOrders:
             raise OrderError(f"the streams start at {starts}; each must start after the one before")
         self._starts = np.minimum(starts, steps)
         self._ends = np.array([*self._starts[1:], steps])
-        self._means = (self._ends - self._starts) * [stream.rate for stream in streams]
+        lengths = (self._ends - self._starts).tolist()
+        self._means = np.array(
+            [each * float(stream.rate) for each, stream in zip(lengths, streams, strict=True)]
+        )
         if self._means.sum() > MAX_ORDERS:
             rates = ", ".join(str(stream.rate) for stream in streams)
             raise OrderError(
@@ -176,19 +170,32 @@ class _Stations:
         return found
 
 
-def _check_order(name: str, order: Order, layout: Layout, robots: int) -> None:
-    """Raise if an order cannot be carried out."""
-    for kind in ("pickup", "dropoff"):
-        try:
-            check_open(layout, as_cell(kind, getattr(order, kind)), kind)
-        except LayoutError as error:
-            raise OrderError(f"{name}: {error}") from error
-    if order.pickup == order.dropoff:
+def _row(name: str, order: Order, layout: Layout, robots: int) -> tuple[int, int, int, int, int]:
+    """Return an order as a row of ``OrderArrays``, or raise if it cannot be carried out."""
+    pickup = _station(f"{name}: pickup", order.pickup, layout)
+    dropoff = _station(f"{name}: dropoff", order.dropoff, layout)
+    if pickup == dropoff:
         raise OrderError(f"{name}: pickup and dropoff are both {order.pickup}")
-    if not 0 <= order.released <= order.due <= MAX_STEPS:
+    released = whole_number(f"{name}: released", order.released)
+    due = whole_number(f"{name}: due", order.due)
+    if not 0 <= released <= due <= MAX_STEPS:
         raise OrderError(
-            f"{name}: released at {order.released} and due at {order.due}; needed: "
+            f"{name}: released at {released} and due at {due}; needed: "
             f"0 <= released <= due <= {MAX_STEPS}"
         )
-    if order.robot is not None and not 0 <= order.robot < robots:
-        raise OrderError(f"{name}: robot {order.robot}; allowed: 0..{robots - 1}, or none")
+    robot = None if order.robot is None else whole_number(f"{name}: robot", order.robot)
+    if robot is not None and not 0 <= robot < robots:
+        raise OrderError(f"{name}: robot {robot}; allowed: 0..{robots - 1}, or none")
+    return released, due, pickup, dropoff, OPEN if robot is None else robot
+
+
+def _station(name: str, place: Cell, layout: Layout) -> int:
+    """Return a cell that can be a station as ``row * W + col``."""
+    row, col = cell = as_cell(name, place)
+    try:
+        check_open(layout, cell, name)
+    except LayoutError as error:
+        raise OrderError(str(error)) from error
+    if layout.rows[row][col] == CHARGER:
+        raise OrderError(f"{name} {layout.describe(cell)}; a charger cannot be a station")
+    return row * layout.width + col

@@ -1,0 +1,46 @@
+"""A fleet of one robot without orders is the chapter's warehouse."""
+
+import random
+from typing import Any
+
+import pytest
+from helpers.fleet_twins import assert_steps_equal, lone_fleet, random_lone_steps_equal
+from helpers.traces import TRACES, env_of
+
+from warehouse_core import FleetEnv
+from warehouse_core.errors import EndedError
+
+over_backends = pytest.mark.parametrize("backend", ["grid", "physics"])
+
+
+@over_backends
+def test_it_equals_the_recorded_episodes(backend: str) -> None:
+    for trace in TRACES:
+        env = env_of(trace, backend)
+        for episode in trace["episodes"]:
+            random.seed(episode["seed"])
+            env.reset(randomize=episode["randomize"])
+            fleet = lone_fleet(env, backend)
+            for step in episode["steps"]:
+                assert_steps_equal(env, fleet, step["action"])
+
+
+@over_backends
+def test_it_equals_random_episodes_with_chargers(backend: str) -> None:
+    assert random_lone_steps_equal(600, seed=1, backend=backend) > 6
+
+
+def test_the_usual_start_is_that_of_a_lone_robot() -> None:
+    fleet: Any = FleetEnv(["#####", "#P..#", "#..D#", "#####"], 1)
+    fleet.reset(seed=3)
+    assert fleet.cells == [fleet.layout.usual_start()]
+
+
+def test_it_ends_with_its_delivery() -> None:
+    fleet = FleetEnv(["PD."], 1, starts=[(0, 0)])
+    fleet.reset()
+    for action in ("pick", "e"):
+        assert not fleet.step([action])[2].any()
+    assert fleet.step(["drop"])[2].tolist() == [True]
+    with pytest.raises(EndedError, match="all robots have ended"):
+        fleet.step(["n"])

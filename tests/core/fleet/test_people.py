@@ -1,0 +1,169 @@
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.fleet_twins import EAST, WAIT, state_of
+
+from warehouse_core import FleetEnv, Layout, random_layout, shelf_layout
+from warehouse_core.fleet import People, people
+from warehouse_core.motion.backends import Backend
+
+CORRIDOR = Layout(["....."])
+SHOP = shelf_layout(2, 3, 3, 1, seed=1)
+
+over_habits = pytest.mark.parametrize("habit", people.HABITS)
+
+
+def walk(layout: Layout, crowd: People, steps: int, seed: int = 1) -> np.ndarray:
+    """Return the cells of the people, ``[steps, P, 2]``, while a robot waits in the last one."""
+    last = layout.open_cell(len(layout.open_cells) - 1)
+    fleet = FleetEnv(layout, 1, starts=[last], people=crowd, max_steps=steps, battery=steps)
+    fleet.reset(seed=seed)
+    cells = [fleet.people]
+    for _ in range(steps - 1):
+        fleet.step([WAIT])
+        cells.append(fleet.people)
+    return np.array(cells)
+
+
+@over_habits
+@pytest.mark.parametrize("backend", ["grid", "physics"])
+def test_people_are_never_in_a_wall_in_a_robot_or_in_each_other(
+    habit: str, backend: Backend
+) -> None:
+    layout = random_layout(7, 7, 0.25, seed=4)
+    steps = 400 if backend == "grid" else 60
+    fleet = FleetEnv(
+        layout, 6, people=People(5, habit), backend=backend, max_steps=steps, battery=steps
+    )
+    fleet.reset(seed=2)
+    stream, moved = np.random.default_rng(1), 0
+    for _ in range(steps):
+        before = fleet.people
+        _, _, _, _, info = fleet.step(stream.integers(0, 5, 6))
+        cells = fleet.cells + fleet.people
+        assert len(set(cells)) == 11
+        assert all(map(layout.is_open, cells))
+        ways = [
+            abs(a - c) + abs(b - d) for (a, b), (c, d) in zip(before, fleet.people, strict=True)
+        ]
+        assert max(ways) <= 1
+        moved += sum(ways)
+        assert info["motion"]["stopped_by"].shape == (6,)
+        assert len(fleet.last_motion) == 11
+        assert [outcome.cell for outcome in fleet.last_motion] == cells
+    assert moved > steps / 2
+    measures = fleet.measures
+    assert measures.blocked_by_person > 0
+    assert measures.blocked_by_robot > 0
+    assert measures.blocked_by_wall > 0
+
+
+def test_a_robot_that_runs_into_a_person_is_blocked_and_counted() -> None:
+    fleet = FleetEnv(["..", "##"], 1, starts=[(0, 0)], people=People(1, pause=1.0))
+    fleet.reset(seed=1)
+    assert fleet.people == [(0, 1)]
+    assert fleet.observe(0)["local_grid"][2] == "##RH#"
+    _, rewards, _, _, info = fleet.step([EAST])
+    assert (fleet.cells, fleet.people) == ([(0, 0)], [(0, 1)])
+    assert info["motion"]["stopped_by"].tolist() == [1]
+    assert rewards.tolist() == [-1.1]
+    assert (fleet.measures.blocked_by_person, fleet.measures.distance) == (1, 0)
+
+
+def test_people_walk_from_station_to_station_by_shortest_ways() -> None:
+    apart = Layout(["P.....", "######", "D....."])
+    open_layout = Layout(["P....D", "......", "......"])
+    cells = walk(open_layout, People(1, pause=0.0), 300)[:, 0]
+    visits = [step for step, cell in enumerate(cells.tolist()) if cell in ([0, 0], [0, 5])]
+    legs = np.diff(visits)
+    assert len(visits) > 20
+    assert (legs == 5).mean() > 0.8
+    # A goal without a way is never reached, and nobody stands still for it.
+    assert (
+        np.abs(np.diff(walk(apart, People(1, pause=0.0), 99)[:, 0], axis=0)).sum(1) > 0
+    ).mean() > 0.5
+
+
+def test_people_along_aisles_walk_straight_on() -> None:
+    cells = walk(Layout(["." * 30] * 30), People(1, "aisles", 0.0), 2000)[:, 0]
+    ways = np.diff(cells, axis=0)
+    same = (ways[1:] == ways[:-1]).all(axis=1).mean()
+    back = (ways[1:] == -ways[:-1]).all(axis=1).mean()
+    assert same > 0.6
+    assert back < 0.1
+
+
+@over_habits
+def test_people_pause_as_often_as_is_set(habit: str) -> None:
+    for pause in (0.0, 0.4, 1.0):
+        ways = np.abs(
+            np.diff(walk(Layout(["." * 20] * 20), People(3, habit, pause), 600), axis=0)
+        ).sum(axis=-1)
+        assert (ways == 0).mean() == pytest.approx(pause, abs=0.06)
+
+
+@over_habits
+def test_people_with_nowhere_to_go_stand(habit: str) -> None:
+    cells = walk(Layout([".#.", "###", ".#."]), People(2, habit, 0.0), 20)
+    assert (cells == cells[0]).all()
+
+
+def test_a_person_in_front_of_a_robot_that_waits_turns_back() -> None:
+    cells = walk(Layout(["P...D"]), People(1, pause=0.0), 60)[:, 0, 1]
+    assert len(set(cells.tolist())) > 2
+
+
+@over_habits
+def test_the_same_seed_walks_the_same_ways_in_another_process_too(habit: str) -> None:
+    one, same, other = (walk(SHOP, People(4, habit), 40, seed=seed) for seed in (5, 5, 6))
+    assert np.array_equal(one, same)
+    assert not np.array_equal(one, other)
+    code = f"""
+from warehouse_core import FleetEnv, shelf_layout
+from warehouse_core.fleet import People
+layout = shelf_layout(2, 3, 3, 1, seed=1)
+last = layout.open_cell(len(layout.open_cells) - 1)
+fleet = FleetEnv(layout, 1, starts=[last], people=People(4, {habit!r}))
+fleet.reset(seed=5)
+for _ in range(39):
+    fleet.step(["WAIT"])
+print(fleet.people)
+"""
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, text=True)
+    assert said.stdout.strip() == str([tuple(cell) for cell in one[-1].tolist()])
+
+
+def test_people_and_their_ways_are_limited(monkeypatch: pytest.MonkeyPatch) -> None:
+    stations = Layout(["PD" * 40, "." * 80])
+    assert len(people._goals(stations)) == 27
+    monkeypatch.setattr(people, "MAX_GOAL_CELLS", 5 * 160)
+    assert len(people._goals(stations)) == 5
+    assert len(people._goals(CORRIDOR)) == 5
+    fleet = FleetEnv(stations, 1, people=2)
+    fleet.reset(seed=1)
+    before = state_of(fleet)
+    fleet.reset(seed=1)
+    assert state_of(fleet) == before
+
+
+@pytest.mark.parametrize(
+    ("settings", "error", "message"),
+    [
+        ({"count": -1}, ValueError, "^people is -1; it must be at least 0$"),
+        ({"count": True}, TypeError, "^people is True; it must be an integer$"),
+        ({"count": "3"}, TypeError, "^people is '3'"),
+        (
+            {"count": 1, "pause": 1.5},
+            ValueError,
+            "^pause is 1.5; it must be at least 0 and at most",
+        ),
+        ({"count": 1, "pause": float("nan")}, ValueError, "^pause is nan"),
+        ({"count": 1, "habit": "run"}, ValueError, "^habit is 'run'; allowed: stations, aisles$"),
+    ],
+)
+def test_people_name_what_is_wrong(settings: Any, error: Any, message: str) -> None:
+    with pytest.raises(error, match=message):
+        People(**settings)

@@ -1,0 +1,285 @@
+"""The order of a step, and who gets what in it."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.fleet_twins import DROP, EAST, FLY, NORTH, PICK, SOUTH, WAIT, WEST, plain, state_of
+
+from warehouse_core import FleetEnv, GridMotion, Layout, Order, Outcome
+from warehouse_core.errors import EndedError
+from warehouse_core.fleet import Battery
+from warehouse_core.task import rules
+
+AISLE = Layout(["......C"])
+SHOP = Layout(["P...D", "....C"])
+
+
+def begun(*args: Any, **settings: Any) -> FleetEnv:
+    fleet = FleetEnv(*args, **settings)
+    fleet.reset(seed=settings.get("seed", 1))
+    return fleet
+
+
+def shop(*orders: Order, robots: int = 2, **settings: Any) -> FleetEnv:
+    starts = [(1, col) for col in range(robots)]
+    return begun(SHOP, robots, **({"orders": orders, "starts": starts} | settings))
+
+
+def order(due: int = 50, released: int = 0, robot: int | None = None, **cells: Any) -> Order:
+    return Order(released, due, cells.get("pickup", (0, 0)), (0, 4), robot)
+
+
+def test_the_rules_judge_each_robot_where_it_is_after_the_motion() -> None:
+    fleet = begun(["P.D", "#.#"], 2, starts=[(0, 0), (1, 1)])
+    _, rewards, terminated, truncated, info = fleet.step([PICK, WEST])
+    assert rewards.tolist() == [
+        rules.STEP_REWARD + rules.PICK_REWARD,
+        rules.STEP_REWARD + rules.BLOCKED_REWARD,
+    ]
+    assert fleet.loaded == [True, False]
+    assert not (terminated | truncated).any()
+    assert info["motion"]["stopped_by"].tolist() == [-1, -2]
+    arrays, rewards, _, _, info = fleet.step([EAST, FLY])
+    assert fleet.cells == [(0, 1), (1, 1)]
+    assert info["invalid_action"].tolist() == [False, True]
+    assert rewards[1] == rules.STEP_REWARD + rules.MISTAKE_REWARD
+    assert arrays["robot_pos"].tolist() == [[0, 1], [1, 1]]
+    assert [len(info["motion"][key]) for key in info["motion"]] == [2] * 4
+
+
+def test_an_invalid_action_has_no_effect_anywhere() -> None:
+    for loaded, cell in ((False, (0, 0)), (True, (0, 2))):
+        fleet = begun(["P.D"], 1, starts=[(0, 0)])
+        for action in [PICK, EAST, EAST] * loaded:
+            fleet.step([action])
+        _, rewards, terminated, _, _ = fleet.step([FLY])
+        assert rewards.tolist() == [rules.STEP_REWARD + rules.MISTAKE_REWARD]
+        assert (fleet.loaded, fleet.cells, terminated[0]) == ([loaded], [cell], False)
+
+
+def test_a_charger_saves_a_robot_with_its_last_unit_and_fills_it_no_more_than_full() -> None:
+    fleet = begun(AISLE, 2, starts=[(0, 6), (0, 0)], battery=3)
+    fleet.step([NORTH, WAIT])
+    fleet.step([NORTH, WAIT])
+    assert fleet.battery == [1, 1]
+    truncated = fleet.step([WAIT, WAIT])[3]
+    assert (fleet.battery, truncated.tolist()) == ([3, 0], [False, True])
+    fleet = begun(AISLE, 1, starts=[(0, 6)], battery=Battery(100, charge=30), max_steps=99)
+    units = []
+    for action in [NORTH] * 50 + [WAIT] * 3:
+        fleet.step([action])
+        units += fleet.battery
+    assert units[-4:] == [50, 79, 100, 100]
+
+
+def test_a_battery_in_joules_is_spent_by_what_the_motion_cost() -> None:
+    fleet = begun(AISLE, 2, starts=[(0, 5), (0, 0)], battery=Battery(1000, "joules", charge=110))
+    left = np.full(2, 1000.0)
+    for actions in ([WEST, EAST], [EAST, WEST], [EAST, WEST], [WAIT, WAIT]):
+        info = fleet.step(actions)[4]
+        left -= info["motion"]["joules"]
+    assert fleet.battery == pytest.approx([left[0] + 110, left[1]])
+    assert len(set(fleet.battery)) == 2
+    assert fleet.observe(1)["battery"] == int(fleet.battery[1])
+    while not fleet.step([NORTH, NORTH])[3].all():
+        pass
+    assert fleet.battery == [0.0, 0.0]
+    assert fleet.observe(0)["battery"] == 0
+
+
+def test_joules_charge_as_many_moves_as_steps_do() -> None:
+    steps, joules = Battery(), Battery(unit="joules")
+    assert steps.step_charge(2.0) == rules.CHARGE * steps.step_cost(2.0) == 10
+    assert joules.step_charge(2.0) == rules.CHARGE * joules.step_cost(2.0)
+    assert joules.step_cost(2.0) > joules.step_cost(1.0) > 1
+    assert Battery(charge=7, unit="joules").step_charge(2.0) == 7
+
+
+def test_a_robot_with_an_empty_battery_stays_in_the_way() -> None:
+    fleet = begun(
+        ["......"], 2, starts=[(0, 3), (0, 0)], battery=Battery(25, "joules"), max_steps=9
+    )
+    # A wait costs 20 J, a move more than 25 J.
+    _, _, terminated, truncated, _ = fleet.step([EAST, WAIT])
+    assert (terminated.tolist(), truncated.tolist()) == ([False] * 2, [True, False])
+    before = fleet.battery
+    _, rewards, _, truncated, _ = fleet.step([WEST, EAST])
+    assert (fleet.cells, rewards[0], fleet.battery[0]) == ([(0, 4), (0, 1)], 0.0, before[0])
+    assert truncated.tolist() == [True, True]
+    assert fleet.measures.stranded == 2
+    with pytest.raises(EndedError, match=r"^step\(\) needs a reset\(\) before it: all robots have"):
+        fleet.step([WAIT, WAIT])
+    fleet.reset()
+    assert fleet.battery == [25, 25]
+
+
+def test_max_steps_truncates_all() -> None:
+    fleet = begun(AISLE, 3, max_steps=2)
+    assert not fleet.step([WAIT] * 3)[3].any()
+    assert fleet.step([WAIT] * 3)[3].tolist() == [True] * 3
+
+
+def test_a_robot_that_has_delivered_waits_in_the_way_of_others() -> None:
+    fleet = begun(["PD.."], 2, starts=[(0, 0), (0, 3)])
+    fleet.step([PICK, WEST])
+    fleet.step([EAST, WAIT])
+    _, rewards, terminated, _, _ = fleet.step([DROP, WAIT])
+    assert terminated.tolist() == [True, False]
+    assert rewards[0] == rules.STEP_REWARD + rules.DROP_REWARD
+    _, rewards, terminated, _, info = fleet.step({1: "W"})
+    assert (rewards[0], terminated.tolist()) == (0.0, [True, False])
+    assert info["motion"]["stopped_by"].tolist() == [-1, 0]
+    assert fleet.measures.blocked_by_robot == 1
+
+
+def test_of_two_robots_over_one_cell_the_lower_number_is_served_first() -> None:
+    class Together(GridMotion):
+        """Bodies that come to rest over one cell."""
+
+        def batch(self, *_: Any) -> Any:
+            raise ValueError
+
+        def advance(self, displacements: Any, loaded: Any) -> Any:
+            return [Outcome((0, 0), False, 1.0, 1.0, np.zeros((2, 4))) for _ in loaded]
+
+    fleet = shop(order(due=9), order(due=5), robots=3, backend=Together, dispatch=False)
+    _, rewards, _, _, _ = fleet.step([PICK, WAIT, PICK])
+    assert fleet.order_of == [1, None, 0]
+    assert rewards[0] == rewards[2] == rules.STEP_REWARD + rules.PICK_REWARD
+    fleet = shop(order(), robots=3, backend=Together, dispatch=False)
+    _, rewards, _, _, _ = fleet.step([PICK, PICK, PICK])
+    assert (fleet.loaded, fleet.order_of) == ([True, False, False], [0, None, None])
+    assert rewards.tolist() == [4.9, -0.6, -0.6]
+
+
+def test_stations_are_those_of_the_orders() -> None:
+    fleet = shop(order(pickup=(1, 1)), order(pickup=(1, 0), robot=1))
+    first, second = fleet.observe(0), fleet.observe(1)
+    assert fleet.order_of == [0, 1]
+    assert (first["pickup_pos"], first["dropoff_pos"], first["due"]) == ((1, 1), (0, 4), 50)
+    assert (second["pickup_pos"], second["charger_pos"]) == ((1, 0), (1, 4))
+    assert "P" not in "".join(
+        first["local_grid"]
+    )  # a robot stands on it; tiles of layouts do not count
+    arrays = fleet.step([PICK, PICK])[0]  # each is at the order of the other
+    assert fleet.loaded == [False, False]
+    assert plain(arrays["due"]) == ("int32", [[50], [50]])
+    fleet.step([NORTH, WAIT])
+    fleet.step([WAIT, WEST])
+    _, rewards, _, _, info = fleet.step([WAIT, PICK])
+    assert fleet.loaded == [False, True]
+    assert info["action_mask"][1].tolist() == [1, 1, 0, 0, 1, 0, 0]
+    assert fleet.observe(1)["pickup_pos"] is None
+    assert rewards[1] == rules.STEP_REWARD + rules.PICK_REWARD
+
+
+def test_open_orders_wait_for_all_and_are_seen() -> None:
+    fleet = shop(order(), robots=2, dispatch=False)
+    assert (fleet.open_orders, fleet.order_of) == ([0], [None, None])
+    seen = fleet.observe(1)
+    assert (seen["pickup_pos"], seen["dropoff_pos"], seen["due"]) == (None, None, None)
+    assert seen["local_grid"][1] == "#P..."
+    assert seen["local_grid"][2] == "#OR.."
+    arrays, _, _, _, info = fleet.step([NORTH, WAIT])
+    assert info["action_mask"][:, PICK].tolist() == [1, 0]
+    assert fleet.observe(1)["local_grid"][1] == "#O..."
+    fleet.step([PICK, WAIT])
+    assert fleet.observe(1)["local_grid"][1] == "#o..."
+    assert (fleet.open_orders, fleet.order_of, fleet.observe(0)["due"]) == ([], [0, None], 50)
+    fleet.step([EAST, WAIT])
+    assert fleet.observe(1)["local_grid"][1] == "#.o.."
+    assert arrays["due"].tolist() == [[-1], [-1]]
+
+
+def test_a_delivery_late_costs_its_penalty_and_the_list_ends_with_the_last_one() -> None:
+    fleet = begun(
+        ["PD"], 2, orders=[Order(0, 1, (0, 0), (0, 1))], starts=[(0, 0), (0, 1)], late_penalty=0.25
+    )
+    fleet.step([PICK, WAIT])
+    assert fleet.step([WAIT, EAST])[1].tolist() == pytest.approx([-0.15, -1.1])
+    fleet = shop(Order(0, 3, (1, 0), (1, 1)), robots=1, late_penalty=0.25)
+    for action in (PICK, NORTH, EAST, SOUTH):
+        fleet.step([action])
+    _, rewards, terminated, truncated, _ = fleet.step([DROP])
+    assert rewards.tolist() == [rules.STEP_REWARD + rules.DROP_REWARD - 2 * 0.25]
+    assert (terminated.tolist(), truncated.tolist()) == ([True], [False])
+    record = fleet.orders[0]
+    assert (record.taken_by, record.taken, record.delivered) == (0, 1, 5)
+
+
+def test_a_list_terminates_all_robots_and_a_stream_none() -> None:
+    fleet = shop(Order(0, 9, (1, 0), (0, 0)), Order(9, 9, (1, 1), (0, 1)), max_steps=20)
+    for actions in ([PICK, WAIT], [NORTH, WAIT], [DROP, WAIT]):
+        assert not fleet.step(actions)[2].any()
+    for _ in range(6):
+        fleet.step([WAIT, WAIT])
+    assert fleet.order_of == [None, 1]
+    fleet.step([WAIT, PICK])
+    fleet.step([EAST, WAIT])
+    assert not fleet.step([EAST, NORTH])[2].any()
+    assert fleet.step([WAIT, DROP])[2].tolist() == [True, True]
+    stream = shop(orders=0.0, max_steps=3)
+    for _ in range(3):
+        assert not stream.step([WAIT] * 2)[2].any()
+
+
+def test_a_team_shares_its_rewards() -> None:
+    alone, team = (
+        begun(["P.D", "#.#"], 2, starts=[(0, 0), (1, 1)], team_reward=each)
+        for each in (False, True)
+    )
+    actions = [PICK, WEST]
+    expected = alone.step(actions)[1]
+    assert team.step(actions)[1].tolist() == [expected.mean()] * 2
+    assert expected[0] != expected[1]
+
+
+@pytest.mark.parametrize("dispatch", [False, True])
+def test_a_stranded_robot_gives_its_order_back_in_the_same_step(dispatch: bool) -> None:
+    settings: Any = {"battery": Battery(25, "joules"), "dispatch": False}
+    fleet = shop(order(), order(pickup=(0, 2)), **settings)
+    fleet.assign(1, 0)
+    fleet._fleets.orders._dispatches = dispatch  # type: ignore[union-attr]
+    # Robot 1 moves, which empties its battery; robot 0 waits, and has 5 J left.
+    truncated = fleet.step([WAIT, EAST])[3]
+    assert truncated.tolist() == [False, True]
+    assert (fleet.order_of, fleet.open_orders) == (
+        ([0, None], [1]) if dispatch else ([None, None], [0, 1])
+    )
+
+
+def test_a_stranded_robot_keeps_what_it_carries() -> None:
+    fleet = shop(order(pickup=(1, 1)), battery=Battery(45, "joules"), dispatch=False)
+    fleet.step([WAIT, PICK])
+    fleet.step([WAIT, EAST])
+    assert (fleet.order_of, fleet.loaded, fleet.open_orders) == ([None, 0], [False, True], [])
+
+
+def test_actions_come_as_a_list_an_array_or_a_mapping() -> None:
+    forms: list[Any] = [
+        ["pick", "E"], ("PICK", 1), np.array([5, 1]), np.array([5, 1], np.uint8),
+        np.array(["Pick", "e"], object), {1: "E", 0: 5}, {0: np.int64(5), np.int64(1): "e"},
+    ]  # fmt: skip
+    results = []
+    for actions in forms:
+        fleet = begun(["P..", "..D"], 2, starts=[(0, 0), (1, 0)])
+        results.append((plain(fleet.step(actions)), state_of(fleet)))
+    assert all(each == results[0] for each in results[1:])
+    for actions in (
+        ["pick", 9],
+        np.array([5, -1]),
+        {0: 5, 1: 2**70},
+        np.array([5, 2**64 - 1], np.uint64),
+    ):
+        fleet = begun(["P..", "..D"], 2, starts=[(0, 0), (1, 0)])
+        assert fleet.step(actions)[4]["invalid_action"].tolist() == [False, True]
+
+
+def test_nothing_that_comes_back_changes_later() -> None:
+    fleet = begun(SHOP, 2, orders=1.0, people=1, seed=3)
+    first = fleet.step([EAST, WEST])
+    kept = plain(first)
+    for _ in range(5):
+        fleet.step([WEST, EAST])
+    assert plain(first) == kept

@@ -1,0 +1,66 @@
+from pathlib import Path
+
+import pytest
+
+from warehouse_core import Order, OrderError
+from warehouse_core.errors import WarehouseError
+from warehouse_core.orders import files, load_orders, save_orders
+
+HEAD = "released,due,pickup_row,pickup_col,dropoff_row,dropoff_col,robot\n"
+ORDERS = [Order(0, 20, (1, 2), (3, 4)), Order(5, 5, (0, 0), (0, 1), robot=2)]
+
+
+def test_orders_come_back_from_their_file_as_they_were_given(tmp_path: Path) -> None:
+    path = tmp_path / "orders.csv"
+    save_orders(path, [ORDERS[0]._replace(taken_by=1, taken=2, delivered=9), ORDERS[1]])
+    assert path.read_bytes() == f"{HEAD}0,20,1,2,3,4,\n5,5,0,0,0,1,2\n".encode()
+    assert load_orders(path) == ORDERS
+    save_orders(str(path), [])
+    assert load_orders(str(path)) == []
+
+
+def test_blanks_and_other_line_ends_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "orders.csv"
+    text = HEAD + " 0, 20 ,1,2,3,4, \n\n5,5,0,0,0,1,2"
+    path.write_bytes(b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode())
+    assert load_orders(path) == ORDERS
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", r"line 1, column 1: '' is not allowed; it must be 'released,due,"),
+        ("0,20,1,2,3,4,\n", "line 1, column 1: '0,20,1,2,3,4,' is not allowed"),
+        (HEAD + "0,20,1,2,3,4\n", "line 2, column 6: 6 columns where there must be 7: released,"),
+        (HEAD + "0,20,1,2,3,4,1,9,9\n", "line 2, column 8: 9 columns where there must be 7"),
+        (HEAD + "0,20,1,2,3,4,\n0,x,1,2,3,4,\n", "line 3, column 2: due is 'x'; it must be a"),
+        (HEAD + "\n-1,20,1,2,3,4,\n", "line 3, column 1: released is '-1'; it must be a whole"),
+        (HEAD + "0,20,1,2,3,,\n", "line 2, column 6: dropoff_col is ''; it must be a whole"),
+        (HEAD + "0,20,1,2,3,4,1.5\n", r"line 2, column 7: robot is '1\.5'; it must be a whole"),
+        (HEAD + "0,2\xb2,1,2,3,4,\n", "line 2, column 2: due is '2\xb2'; it must be a whole"),
+    ],
+)
+def test_a_bad_line_is_named_by_line_and_column(tmp_path: Path, text: str, message: str) -> None:
+    path = tmp_path / "orders.csv"
+    path.write_bytes(text.encode())
+    with pytest.raises(OrderError, match=f"orders.csv: {message}") as caught:
+        load_orders(path)
+    assert isinstance(caught.value, WarehouseError)
+
+
+def test_a_file_is_not_read_beyond_its_limits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "orders.csv"
+    save_orders(path, ORDERS)
+    monkeypatch.setattr(files, "MAX_ORDERS", 1)
+    with pytest.raises(OrderError, match="line 3, column 1: more than MAX_ORDERS = 1 lines"):
+        load_orders(path)
+    path.write_bytes(HEAD.encode() + b"1" * 10**6)
+    with pytest.raises(OrderError, match="the line is longer than MAX_LINE"):
+        load_orders(path)
+    path.write_bytes(HEAD.encode() + b"\xff")
+    with pytest.raises(OrderError, match="line 2, column 1: not UTF-8 text"):
+        load_orders(path)
+    with pytest.raises(FileNotFoundError):
+        load_orders(tmp_path / "none.csv")
