@@ -16,16 +16,17 @@ from agents.commands.explore import explore
 from agents.commands.fleet import fleet
 from agents.commands.play import play
 from agents.commands.search import search
+from agents.commands.shift_report import report_fleet
 from agents.commands.train import train_ppo, train_q
 from agents.console import main as console
 from agents.console.options import IntervalOption, SaveOption, ShowOption, SpeedOption
-from agents.console.output import replay_or_save
+from agents.console.output import load_record, replay_or_save
 from agents.console.terminal import say
 from agents.experiments.export import export
 from agents.experiments.sweep import sweep
 from agents.reports.report import report
 from agents.run_episode import report_episode, run
-from warehouse_core import Episode
+from warehouse_core import FleetEpisode
 from warehouse_core.viz.track import INTERVAL_MS
 
 app = console.application(
@@ -66,8 +67,11 @@ def replay(
 
     Example: warehouse replay episode.npz --speed 2 --save replay.gif
     """
-    episode = Episode.load(file)
-    report_episode(episode)
+    episode = load_record(file)
+    if isinstance(episode, FleetEpisode):
+        report_fleet(episode)
+    else:
+        report_episode(episode)
     replay_or_save(episode, save, show, interval_ms, speed)
 
 

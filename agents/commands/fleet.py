@@ -8,14 +8,11 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
-from shutil import get_terminal_size
-from textwrap import fill
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
-import numpy as np
 import typer
-from numpy.typing import NDArray
 
+from agents.commands.shift_report import Result, report_shifts, result_of
 from agents.console.options import (
     MAX_COUNT,
     AgentOption,
@@ -27,17 +24,14 @@ from agents.console.options import (
     ViewRadiusOption,
 )
 from agents.console.output import replay_or_save
-from agents.console.table import Table, print_table
-from agents.console.terminal import print_error, say
+from agents.console.terminal import print_error
 from agents.errors import EpisodeError, EpisodeInterrupted
-from agents.evaluation.interval import CONFIDENCE, MIN_VALUES, mean_interval
-from agents.evaluation.wording import mean, percent
 from agents.fleet.shift import run_shift
 from agents.registry import make_planner, make_team
 from agents.run_episode import draw_seed
 from warehouse_core import FleetEnv, FleetEpisode, OrderStream, WarehouseError
 from warehouse_core.arguments import whole_number
-from warehouse_core.fleet import Battery, FleetMeasures
+from warehouse_core.fleet import Battery
 from warehouse_core.fleet.battery import JOULES, STEPS
 from warehouse_core.fleet.settings import MAX_BODIES
 from warehouse_core.orders import load_orders
@@ -50,38 +44,6 @@ MAX_SHIFTS = 1000
 
 RATE, DUE = "0.06", (50, 150)
 """Orders that arrive in a step, and the steps until they are due."""
-
-FEW_WAITING = 2
-"""Orders of each robot that may be left at the end of a shift; if more are, it was too slow."""
-
-
-class Line(NamedTuple):
-    """A line of the table of measures."""
-
-    title: str
-    name: str
-    unit: str
-    factor: float = 1.0
-
-
-LINES = (
-    Line("orders", "orders", "items"),
-    Line("delivered", "delivered", "items"),
-    Line("delivered an hour", "per_hour", "items"),
-    Line("on time", "on_time", "% of those delivered", 100.0),
-    Line("mean lateness", "mean_lateness", "steps"),
-    Line("worst lateness", "worst_lateness", "steps"),
-    Line("energy a delivery", "joules_per_delivery", "kJ", 1e-3),
-    Line("distance", "distance", "cells"),
-    Line("blocked by walls", "blocked_by_wall", "moves"),
-    Line("blocked by robots", "blocked_by_robot", "moves"),
-    Line("blocked by people", "blocked_by_person", "moves"),
-    Line("waits", "waits", "robot steps"),
-    Line("charging", "charging", "robot steps"),
-    Line("stranded", "stranded", "robots with an empty battery"),
-    Line("simulated time", "seconds", "s"),
-)
-"""The measures of a shift, see ``FleetMeasures``."""
 
 
 def parse_orders(text: str, due: str | None) -> Orders:
@@ -271,14 +233,19 @@ def fleet(
         f"{counted(robots, 'robot')} ({director}) on layout {layout.stem}, backend {backend}, "
         f"{f'seed {first}' if shifts == 1 else f'seeds {first} to {first + shifts - 1}'}"
     )
-    done = list[FleetEpisode]()
+    results, records = list[Result](), list[FleetEpisode]()
+
+    def keep(episode: FleetEpisode) -> None:
+        results.append(result_of(episode))
+        if not records:  # all of them would take much memory
+            records.append(episode)
 
     def finish(show: bool | None, note: str = "") -> None:
-        report_shifts([episode.measures for episode in done], robots, title + note)
-        replay_or_save(done[0], save, show, speed=speed)
+        report_shifts(results, robots, title + note)
+        replay_or_save(records[0], save, show, speed=speed)
 
     try:
-        run_shifts(run, range(first, first + shifts), done)
+        run_shifts(run, range(first, first + shifts), keep)
     except EpisodeError:
         finish(show, ", not finished")
         raise
@@ -289,21 +256,23 @@ def fleet(
 
 
 def run_shifts(
-    run: Callable[[int], FleetEpisode], seeds: Sequence[int], done: list[FleetEpisode]
+    run: Callable[[int], FleetEpisode],
+    seeds: Sequence[int],
+    keep: Callable[[FleetEpisode], None],
 ) -> None:
-    """Run a shift for each seed, and add their records to ``done``.
+    """Run a shift for each seed, and ``keep`` each record, the unfinished one of an error too.
 
     Raises:
-        EpisodeError: an agent failed; the record so far has been added.
-        EpisodeInterrupted: Ctrl-C was pressed; likewise.
+        EpisodeError: an agent failed.
+        EpisodeInterrupted: Ctrl-C was pressed.
         typer.BadParameter: the fleet cannot be made.
     """
     try:
         with warnings_printed():
             for seed in tracked(seeds):
-                done.append(run(seed))
+                keep(run(seed))
     except (EpisodeError, EpisodeInterrupted) as error:
-        done.append(error.episode)
+        keep(error.episode)
         raise
     except WarehouseError:
         raise
@@ -330,55 +299,3 @@ def warnings_printed() -> Iterator[None]:
         finally:
             for message in dict.fromkeys(str(each.message) for each in found):
                 print_error(f"warning: {message}")
-
-
-def report_shifts(measures: Sequence[FleetMeasures], robots: int, title: str) -> None:
-    """Print the measures of shifts, those of several as means with 95% intervals."""
-    print_table(measures_table(measures, title))
-    say(fill(verdict(measures, robots), get_terminal_size().columns))
-
-
-def measures_table(measures: Sequence[FleetMeasures], title: str) -> Table:
-    """Return a table with a line for each measure."""
-    rows: list[tuple[str, ...]] = [
-        (line.title, _words(_values(measures, line)), line.unit) for line in LINES
-    ]
-    header = "value" if len(measures) == 1 else f"mean ({CONFIDENCE:.0%} interval)"
-    few = 1 < len(measures) < MIN_VALUES
-    caption = f"Fewer than {MIN_VALUES} episodes have no intervals." if few else ""
-    return Table(("measure", header, "unit"), rows, title, caption)
-
-
-def verdict(measures: Sequence[FleetMeasures], robots: int) -> str:
-    """Return what the measures of shifts of some robots say, in a sentence or two."""
-    orders, delivered, stranded, blocked, distance = (
-        sum(getattr(each, name) for each in measures)
-        for name in ("orders", "delivered", "stranded", "blocked_by_robot", "distance")
-    )
-    on_time = sum(each.on_time * each.delivered for each in measures if each.delivered)
-    parts = [f"{delivered:,} of {counted(orders, 'order')} delivered"]
-    if delivered:
-        parts[0] += f", {percent(on_time / delivered)} of them on time"
-    if blocked:
-        parts.append(f"robots blocked each other in {percent(blocked / (blocked + distance))} of "
-                     "their moves")  # fmt: skip
-    parts.append(f"{stranded:,} ran empty" if stranded else "none ran empty")
-    hint = ""
-    if stranded:
-        hint = " More chargers or a larger --battery would help."
-    elif orders - delivered > FEW_WAITING * robots * len(measures):
-        hint = " Orders arrive faster than this fleet delivers."
-    return f"{'; '.join(parts)}.{hint}"
-
-
-def _values(measures: Sequence[FleetMeasures], line: Line) -> NDArray[np.float64]:
-    """Return a measure of the shifts that have it."""
-    values = np.array([getattr(each, line.name) for each in measures], np.float64) * line.factor
-    return values[~np.isnan(values)]
-
-
-def _words(values: NDArray[np.float64]) -> str:
-    if len(values) == 1 and values[0].is_integer():
-        return f"{int(values[0]):,}"
-    found = mean_interval(values)
-    return mean(found, "") if found else "none"

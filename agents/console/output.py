@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING
 
 from agents.console.options import RECORD_SUFFIX
 from agents.console.terminal import say
-from warehouse_core import Episode, FleetEpisode
+from warehouse_core import Episode, FleetEpisode, RecordError
 from warehouse_core.render.window import has_display
 from warehouse_core.viz.track import INTERVAL_MS
-from warehouse_core.warehouse_viz import replay_animation
+from warehouse_core.warehouse_viz import Record, replay_animation
 
 if TYPE_CHECKING:
     from warehouse_core.viz.replay import Replay
-
-Record = Episode | FleetEpisode
 
 MakeReplay = Callable[[bool], "Replay | None"]
 """Makes a replay with a window or without one."""
@@ -34,7 +32,27 @@ def replay_or_save(
     seed = "unseeded" if episode.seed is None else episode.seed
     backend = episode.settings.backend if isinstance(episode, Episode) else episode.backend
     name = re.sub(r"[^\w-]+", "_", f"replay-{episode.agent}-{backend}-{seed}")
-    show_or_save(_replay_of(episode, interval_ms, speed), targets, show, f"{name}.gif", episode)
+    # Writing each frame of a whole shift takes minutes.
+    suffix = ".gif" if isinstance(episode, Episode) else ".png"
+    make_replay = _replay_of(episode, interval_ms, speed)
+    show_or_save(make_replay, targets, show, name + suffix, episode)
+
+
+def load_record(path: Path) -> Record:
+    """Read the record of an episode, of one robot or of a fleet.
+
+    Raises:
+        RecordError: the file is damaged or no record; the message names what is wrong.
+        OSError: the file cannot be read.
+    """
+    try:
+        return Episode.load(path)
+    except RecordError as error:
+        try:
+            return FleetEpisode.load(path)
+        except RecordError as other:
+            # The two kinds have different numbers of arrays.
+            raise error if "arrays; there must be" in str(other) else other from None
 
 
 def show_or_save(

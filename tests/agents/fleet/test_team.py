@@ -1,0 +1,147 @@
+"""Teams of agents, and the shifts that they work."""
+
+from pathlib import Path
+
+import pytest
+
+from agents.errors import AgentError, EpisodeError, EpisodeInterrupted
+from agents.fleet import Team, run_shift
+from agents.registry import make_planner, make_team
+from agents.search.agents import SearchAgent
+from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core import FleetEnv, Layout, Observation, OrderStream
+from warehouse_core.errors import EndedError
+from warehouse_core.records.fleet_episode import record_fleet_episode, replay_fleet_episode
+
+ROOM = Layout(["########", "#P....P#", "#......#", "#D....D#", "########"])
+MINE = """
+import random
+
+LOADED = []
+LOADED.append(1)
+
+
+class Mine:
+    def __init__(self, seed, layout, step=10**9, error=ValueError):
+        self.seed, self.layout, self.step, self.error = seed, layout, step, error
+        self.first, self.times_loaded = random.random(), len(LOADED)
+
+    def reset(self):
+        self.acts = 0
+
+    def act(self, observation):
+        self.acts += 1
+        if self.acts == self.step:
+            raise {"v": ValueError("too far"), "k": KeyboardInterrupt()}[self.error]
+        return "WAIT"
+
+
+class All(Mine):
+    def act(self, env):
+        super().act(env)
+        return ["WAIT"] * env.settings.robots
+"""
+
+
+@pytest.fixture(autouse=True)
+def mine(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text(MINE)
+
+
+def make_env(robots: int = 3, **settings: object) -> FleetEnv:
+    return FleetEnv(ROOM, robots, orders=OrderStream(0.2), max_steps=60, **settings)  # type: ignore[arg-type]
+
+
+class Fixed:
+    """Always does the same."""
+
+    reason = "fixed"
+
+    def reset(self) -> None:
+        pass
+
+    def act(self, observation: Observation) -> str:
+        return "E"
+
+
+def test_each_robot_is_directed_by_its_own_agent_and_has_its_reason() -> None:
+    env = make_env(2, starts=[(2, 1), (2, 5)])
+    env.reset(seed=1)
+    while None in env.order_of:
+        env.step(["WAIT", "WAIT"])
+    team = Team([Fixed(), GreedyAgent(1)])
+    assert team.act(env)[0] == 1
+    assert team.reasons == ["fixed", "greedy"]
+    assert team.robot is None
+
+
+def test_the_observations_of_all_robots_are_those_of_each() -> None:
+    env = make_env()
+    with pytest.raises(EndedError, match="observations"):
+        env.observations()
+    env.reset(seed=1)
+    env.step(["E", "N", "PICK"])
+    assert env.observations() == [env.observe(robot) for robot in range(3)]
+
+
+def test_the_same_seed_repeats_a_shift_with_the_same_team_and_a_new_one() -> None:
+    env, team = make_env(8), make_team("bfs", 8, 5, ROOM)  # who has no random moves of its own
+    first = record_fleet_episode(env, team, seed=2)
+    assert record_fleet_episode(env, team, seed=2) == first
+    assert record_fleet_episode(env, make_team("bfs", 8, 5, ROOM), seed=2) == first
+    assert record_fleet_episode(env, make_team("bfs", 8, 6, ROOM), seed=2) != first
+    assert replay_fleet_episode(first) == first
+
+
+def test_the_agents_of_a_team_have_different_seeds_and_see_walls_alone() -> None:
+    [*agents] = make_team("mine.py:Mine", 3, 7, ROOM).agents
+    assert len({agent.seed for agent in agents}) == 3  # type: ignore[attr-defined]
+    assert {agent.times_loaded for agent in agents} == {1}  # type: ignore[attr-defined]
+    assert len({agent.first for agent in agents}) == 3  # type: ignore[attr-defined]
+    assert not agents[0].layout.pickups + agents[0].layout.dropoffs  # type: ignore[attr-defined]
+    [lone] = make_team("greedy:memory=3", 1, 7).agents
+    assert isinstance(lone, GreedyAgent)
+    assert (lone.seed, lone.memory) == (7, 3)
+    unseeded = make_team("greedy", 2).agents
+    assert [agent.seed for agent in unseeded] == [None, None]  # type: ignore[attr-defined]
+
+
+def test_agents_that_know_the_walls_deliver_the_orders_of_their_robots() -> None:
+    env = make_env(2)
+    team = make_team("bfs", 2, 1, ROOM)
+    assert isinstance(team.agents[0], SearchAgent)
+    assert record_fleet_episode(env, team, seed=1).measures.delivered >= 4
+
+
+def test_a_planner_is_a_class_of_the_user() -> None:
+    planner = make_planner("mine.py:All:step=3", 7, ROOM)
+    assert (planner.seed, planner.step, planner.layout) == (7, 3, ROOM)  # type: ignore[attr-defined]
+    with pytest.raises(AgentError, match="no planner is called 'greedy'; allowed: your own"):
+        make_planner("greedy")
+
+
+def test_errors_name_the_seed_the_step_the_robot_and_the_line() -> None:
+    name = "mine.py:Mine:step=3,error=v"
+    team = make_team("greedy", 2, 1, ROOM)
+    team.agents = [Fixed(), *make_team(name, 1, 1, ROOM).agents]
+    with pytest.raises(EpisodeError) as caught:
+        run_shift(make_env(2), team, name, 9)
+    assert "seed 9, step " in str(caught.value)
+    assert f", robot 1, agent {name}: ValueError: too far" in str(caught.value)
+    step = int(str(caught.value).split("step ")[1].split(",")[0])
+    assert caught.value.episode.steps == step - 1
+
+
+def test_errors_of_a_planner_name_the_step() -> None:
+    planner = make_planner("mine.py:All:step=3,error=v", 1, ROOM)
+    message = r"^seed 9, step 3, agent All: ValueError: too far \(mine.py, line 19\)$"
+    with pytest.raises(EpisodeError, match=message):
+        run_shift(make_env(), planner, "All", 9)
+
+
+def test_an_interrupt_keeps_the_record_so_far() -> None:
+    planner = make_planner("mine.py:All:step=3,error=k", 1, ROOM)
+    with pytest.raises(EpisodeInterrupted, match="in step 3, agent All") as caught:
+        run_shift(make_env(), planner, "All", 9)
+    assert (caught.value.episode.steps, caught.value.episode.seed) == (2, 9)
