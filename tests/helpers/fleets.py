@@ -2,17 +2,22 @@
 
 import random
 from collections import Counter
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from warehouse_core import FleetEnv, Layout, WarehouseEnv, random_layout
+from warehouse_core import Cell, FleetEnv, Layout, WarehouseEnv, random_layout
 from warehouse_core.fleet import Battery, People
 from warehouse_core.motion.backends import Backend
+from warehouse_core.motion.traffic import find_stops
 from warehouse_core.orders.order import OrderQueue
 from warehouse_core.task.encoding import encode
 from warehouse_core.task.rules import useful_actions
+from warehouse_core.world import benchmark_warehouse
+from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.distances import nearest
+from warehouse_core.world.tiles import moved
 
 NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP, FLY = range(8)
 
@@ -177,3 +182,28 @@ def bodies_move_as_the_grid(robots: int, joint_actions: int, seed: int = 0) -> C
 
 def _kind_of(stop: int, robots: int) -> str:
     return {-1: "free", -2: "wall"}.get(stop, "robot" if stop < robots else "person")
+
+
+def big_warehouse(stations: str = "PPDC", count: int = 400) -> Layout:
+    """Return 140 x 500 cells of shelves and aisles, with stations at random."""
+    layout, stream = benchmark_warehouse(25, 34, 13, 2, 2), random.Random(0)
+    rows = [list(row) for row in layout.rows]
+    for number, rank in enumerate(stream.sample(range(len(layout.open_cells)), count)):
+        row, col = layout.open_cell(rank)
+        rows[row][col] = stations[number % len(stations)]
+    return Layout(["".join(row) for row in rows])
+
+
+def free_moves(
+    layout: Layout, cells: Sequence[Cell], stream: np.random.Generator
+) -> tuple[list[Cell], list[Cell]]:
+    """Return random displacements that nothing stops, as planners send them, and the targets."""
+    moves = [DISPLACEMENTS[action] for action in stream.integers(0, WAIT + 1, len(cells)).tolist()]
+    while True:
+        targets = list(map(moved, cells, moves))
+        stops = find_stops(layout, cells, targets)
+        if not any(stop is not None for stop in stops):
+            return moves, targets
+        moves = [
+            (0, 0) if stop is not None else move for move, stop in zip(moves, stops, strict=True)
+        ]
