@@ -103,7 +103,7 @@ def charged_layout(height: int, width: int, chargers: int, seed: int) -> Layout:
     layout, stream = random_layout(height, width, 0.2, seed=seed), random.Random(seed)
     rows = [list(row) for row in layout.rows]
     empty = [(r, c) for r, row in enumerate(rows) for c, tile in enumerate(row) if tile == "."]
-    for row, col in stream.sample(empty, chargers):
+    for row, col in stream.sample(empty, min(chargers, len(empty))):
         rows[row][col] = "C"
     return Layout(["".join(row) for row in rows])
 
