@@ -13,6 +13,7 @@ from agents.commands.compare_agents import compare_agents
 from agents.commands.compare_backends import compare
 from agents.commands.demos import demo
 from agents.commands.explore import explore
+from agents.commands.fleet import fleet
 from agents.commands.play import play
 from agents.commands.search import search
 from agents.commands.train import train_ppo, train_q
@@ -34,6 +35,7 @@ app = console.application(
 )
 app.command()(run)
 app.command()(play)
+app.command()(fleet)
 app.command()(compare)
 app.command()(compare_agents)
 app.command()(demo)

@@ -15,8 +15,8 @@ from __future__ import annotations
 
 import traceback
 from pathlib import Path
+from typing import Any
 
-from warehouse_core import Episode
 from warehouse_core.errors import WarehouseError
 
 
@@ -32,10 +32,10 @@ class EpisodeError(WarehouseError):
     """An episode that could not be run to its end; the message says which and why.
 
     Attributes:
-        episode: the record so far, if there is one.
+        episode: the record so far, an ``Episode`` or a ``FleetEpisode``, if there is one.
     """
 
-    def __init__(self, message: str, episode: Episode | None = None) -> None:
+    def __init__(self, message: str, episode: Any = None) -> None:
         super().__init__(message)
         self.episode = episode
 
@@ -44,10 +44,10 @@ class EpisodeInterrupted(KeyboardInterrupt):
     """An interrupt during an episode; the message says where it was.
 
     Attributes:
-        episode: the record so far.
+        episode: the record so far, an ``Episode`` or a ``FleetEpisode``.
     """
 
-    def __init__(self, message: str, episode: Episode) -> None:
+    def __init__(self, message: str, episode: Any) -> None:
         super().__init__(message)
         self.episode = episode
 

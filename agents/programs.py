@@ -19,6 +19,7 @@ from importlib.metadata import PackageNotFoundError, entry_points, version
 from pathlib import Path
 
 from agents.errors import AgentError
+from warehouse_core.files.kinds import not_a_file
 from warehouse_core.motion.backends import GROUP
 
 OWN = ("agents", "warehouse_core", "warehouse_physics")
@@ -91,7 +92,7 @@ def fingerprint(file: Path | None, module: str | None) -> str | None:
         module: its name if the agent is imported, or ``None``.
 
     Raises:
-        AgentError: its file is a folder or a device, or longer than ``MAX_BYTES``.
+        AgentError: its file is a folder, a pipe or a device, or longer than ``MAX_BYTES``.
         OSError: it cannot be read.
     """
     if module is not None:
@@ -186,8 +187,8 @@ def _digest(files: Iterable[Path], folder: Path) -> str:
 
 
 def _read(path: Path) -> bytes:
-    if path.exists() and not path.is_file():  # a device may have no end, and a pipe no beginning
-        raise AgentError(f"agent file {path}: it is a folder or a device, not a file")
+    if (kind := not_a_file(path)) is not None:
+        raise AgentError(f"agent file {path}: {kind}")
     with path.open("rb") as file:
         data = file.read(MAX_BYTES + 1)
     if len(data) > MAX_BYTES:

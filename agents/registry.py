@@ -8,22 +8,26 @@ import importlib.util
 import inspect
 import random
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from agents.errors import AgentError, reason_of
 from agents.evaluation.baselines import RandomAgent, ReflexAgent
+from agents.fleet.team import Team
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_table import load_agent
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, RecordError
+from warehouse_core.files.kinds import not_a_file
+from warehouse_core.records.fleet_episode import FleetAgent
+from warehouse_core.world.tiles import NO_STATIONS
 
 AGENTS: dict[str, Callable[..., Agent]] = {
     "random": RandomAgent,
@@ -54,17 +58,62 @@ def make_agent(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYO
     Raises:
         AgentError: there is no such agent, or it does not take the arguments; the message says why.
     """
+    return _make_agents(name, [seed], layout)[0]
+
+
+def make_team(
+    name: str, robots: int, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT
+) -> Team:
+    """Return an agent by name for each robot of a fleet, each with a seed of its own.
+
+    Args:
+        name: see ``make_agent``.
+        robots: their number.
+        seed: of all of them.
+        layout: of the fleet. The agents get its walls; which stations are theirs they observe.
+
+    Raises:
+        AgentError: as ``make_agent``.
+    """
+    seeds = [seed] * robots
+    if seed is not None and robots > 1:
+        seeds = np.random.SeedSequence(seed).generate_state(robots).tolist()
+    walls = Layout([row.translate(NO_STATIONS) for row in layout.rows])
+    return Team(_make_agents(name, seeds, walls), seed)
+
+
+def make_planner(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT) -> FleetAgent:
+    """Return an agent that directs all robots of a fleet, by name.
+
+    Args:
+        name: ``file.py:Class`` or ``package.module:Class``; arguments may follow.
+        seed: see ``make_agent``.
+        layout: passed to the planner if it takes a ``layout``.
+
+    Raises:
+        AgentError: as ``make_agent``.
+    """
+    if ":" not in name:
+        raise AgentError(
+            f"no planner is called {name!r}; allowed: your own as file.py:Class or module:Class"
+        )
+    [planner] = _make_agents(name, [seed], layout)
+    return cast(FleetAgent, planner)
+
+
+def _make_agents(name: str, seeds: Sequence[int | None], layout: Layout) -> list[Agent]:
+    """Return an agent by name for each seed; see ``make_agent``."""
     word, colon, rest = name.partition(":")
     if colon and word in TRAINED:
-        return _load_trained(word, rest, seed, layout)
+        return [_load_trained(word, rest, seed, layout) for seed in seeds]
     source, options = _split(name)
-    if seed is not None and source not in AGENTS:
-        random.seed(seed)
-        np.random.seed(seed % 2**32)
+    if seeds[0] is not None and source not in AGENTS:
+        random.seed(seeds[0])
+        np.random.seed(seeds[0] % 2**32)
     kind = AGENTS.get(source) or _load_class(source)
-    given = _wanted(kind, seed, layout) | _options(source, kind, options)
+    given = _options(source, kind, options)
     try:
-        return kind(**given)
+        return [kind(**(_wanted(kind, seed, layout) | given)) for seed in seeds]
     except (Exception, SystemExit) as error:  # the code of a user may raise anything
         if source in AGENTS:
             raise AgentError(f"agent {name!r}: {error}") from error
@@ -129,8 +178,8 @@ def _load_trained(word: str, file: str, seed: int | None, layout: Layout) -> Age
     if not file or "\0" in file:
         raise AgentError(f"agent {f'{word}:{file}'!r} names no file; allowed: {word}:FILE")
     try:
-        if Path(file).exists() and not Path(file).is_file():  # a pipe may never have an end
-            raise AgentError(f"agent file {file}: it is a folder or a device, not a file")
+        if (kind := not_a_file(Path(file))) is not None:
+            raise AgentError(f"agent file {file}: {kind}")
         return load(Path(file), **_wanted(load, seed, layout))
     except OSError as error:
         raise AgentError(f"agent file {file}: {error.strerror or error}") from error
@@ -174,7 +223,7 @@ def _load_module(source: str) -> ModuleType:
             ) from error
     path = Path(source)
     if not path.is_file():
-        raise AgentError(f"agent file {source} does not exist")
+        raise AgentError(f"agent file {source}: {not_a_file(path) or 'there is no such file'}")
     # The name must differ from those of modules that can be imported.
     spec = importlib.util.spec_from_file_location(f"agent file {path.stem}", path)
     assert spec is not None, "a .py file always has a spec"

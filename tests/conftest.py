@@ -1,6 +1,7 @@
 """Fixtures of several test files: a recorded episode, its file, small pictures, a memory limit."""
 
 import random
+import signal
 import tracemalloc
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
@@ -103,3 +104,13 @@ def little_memory() -> Callable[[], AbstractContextManager[None]]:
         assert peak < MAX_MEMORY
 
     return watch
+
+
+@pytest.fixture
+def interrupts_raise() -> Iterator[None]:
+    """Make SIGINT raise, as background processes may ignore it; restore the handlers at the end."""
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    for number, handler in handlers.items():
+        signal.signal(number, handler)

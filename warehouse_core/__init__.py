@@ -18,6 +18,11 @@ from warehouse_core.records.episode import (
     record_episode,
     replay_episode,
 )
+from warehouse_core.records.fleet_episode import (
+    FleetEpisode,
+    record_fleet_episode,
+    replay_fleet_episode,
+)
 from warehouse_core.task.settings import Settings
 from warehouse_core.task.state import Observation, WarehouseState
 from warehouse_core.vector.env import BatchEnv
@@ -37,6 +42,7 @@ __all__ = [
     "Episode",
     "EpisodeRecorder",
     "FleetEnv",
+    "FleetEpisode",
     "GridMotion",
     "Layout",
     "LayoutError",
@@ -54,8 +60,10 @@ __all__ = [
     "WarehouseState",
     "random_layout",
     "record_episode",
+    "record_fleet_episode",
     "replay_animation",
     "replay_episode",
+    "replay_fleet_episode",
     "save_frames_to_svg",
     "shelf_layout",
 ]

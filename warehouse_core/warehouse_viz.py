@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 from warehouse_core.arguments import real_number
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.records.episode import Episode
+from warehouse_core.records.fleet_episode import FleetEpisode
+from warehouse_core.viz.fleet_track import track_of_fleet_episode
 from warehouse_core.viz.track import (
     FRAME_SECONDS,
     INTERVAL_MS,
@@ -27,17 +29,18 @@ if TYPE_CHECKING:
 LEGEND_INCHES = (6.0, 0.6)
 
 Frames = Sequence[Sequence[Sequence[str]]]
+Record = Episode | FleetEpisode
 Metrics = Mapping[str, Sequence[float | None]]
 
 
 def replay_animation(
-    frames: Episode | Frames,
+    frames: Record | Frames,
     metrics: Metrics | None = None,
     interval_ms: float = INTERVAL_MS,
     speed: float = 1.0,
     *,
     window: bool | None = None,
-    beside: Episode | None = None,
+    beside: Record | None = None,
     frame_seconds: float = FRAME_SECONDS,
 ) -> Replay | None:
     """Return the animated replay of an episode.
@@ -48,13 +51,14 @@ def replay_animation(
     right step one frame and pause.
 
     Args:
-        frames: an ``Episode``, or frames as ``WarehouseEnv.render_grid`` returns them.
+        frames: an ``Episode`` or a ``FleetEpisode``, or frames as ``WarehouseEnv.render_grid``
+            returns them.
         metrics: lists ``rewards``, ``battery``, ``dist_pickup`` and ``dist_dropoff``, each
-            optional, with one entry a frame; an ``Episode`` has its own.
+            optional, with one entry a frame; a record has its own.
         interval_ms: milliseconds between frames at speed 1.
         speed: factor on the playing speed.
         window: whether ``show`` opens a window; ``None`` means if there is a display.
-        beside: an episode to be replayed to the right of the first.
+        beside: a record to be replayed to the right of the first.
         frame_seconds: simulated time between two frames of a continuous motion, three of which
             are shown in ``interval_ms``.
 
@@ -63,24 +67,25 @@ def replay_animation(
 
     Raises:
         ValueError: bad frames, metrics, interval or speed; the message names which and where.
-        TypeError: both an ``Episode`` and metrics.
+        TypeError: both a record and metrics.
     """
     track = _track_of(frames, metrics, frame_seconds)
     if track is None or not _matplotlib_is_installed():
         return None
     from warehouse_core.viz.replay import replay_of_track
 
-    other = None if beside is None else track_of_episode(beside, frame_seconds)
+    other = None if beside is None else _track_of(beside, None, frame_seconds)
     return replay_of_track(track, other, interval_ms=interval_ms, speed=speed, window=window)
 
 
-def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: float = 120) -> None:
+def save_frames_to_svg(frames: Record | Frames, output_dir: str | Path, dpi: float = 120) -> None:
     """Write every frame as ``frame_0000.svg`` and so on, and the legend as ``legend.svg``.
 
     The same frames give the same bytes. Without frames or without matplotlib nothing is written.
 
     Args:
-        frames: an ``Episode``, or frames as ``WarehouseEnv.render_grid`` returns them.
+        frames: an ``Episode`` or a ``FleetEpisode``, or frames as ``WarehouseEnv.render_grid``
+            returns them.
         output_dir: created if it does not exist; files of these names in it are replaced.
         dpi: dots an inch of pixels in the files; none are drawn, so it changes nothing.
 
@@ -99,7 +104,7 @@ def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: fl
     real_number("dpi", dpi, above=True)
     folder = Path(output_dir)
     folder.mkdir(parents=True, exist_ok=True)
-    track.metrics, track.is_continuous = {}, False
+    track.metrics, track.is_continuous, track.shift = {}, False, None
     scene = Scene(track, make_figure, legend=False)
     with progress_bar(len(track), "Drawing") as report:
         for frame in range(len(track)):
@@ -108,17 +113,19 @@ def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: fl
                 save_svg(scene.root, part, dpi)
             report(frame, None)
     legend = make_figure(LEGEND_INCHES)
-    draw_legend(legend, has_chargers=track.has_chargers)
+    draw_legend(legend, has_chargers=track.has_chargers, is_fleet=track.is_fleet)
     with atomic_path(folder / "legend.svg") as part:
         save_svg(legend, part, dpi)
 
 
 def _track_of(
-    frames: Episode | Frames, metrics: Metrics | None, frame_seconds: float
+    frames: Record | Frames, metrics: Metrics | None, frame_seconds: float
 ) -> Track | None:
-    if isinstance(frames, Episode):
+    if isinstance(frames, Record):
         if metrics is not None:
-            raise TypeError("an Episode has its own metrics; metrics must be None")
+            raise TypeError("a record has its own metrics; metrics must be None")
+        if isinstance(frames, FleetEpisode):
+            return track_of_fleet_episode(frames, frame_seconds)
         return track_of_episode(frames, frame_seconds)
     return track_of_frames(frames, metrics) if len(frames) else None
 

@@ -22,6 +22,10 @@ ITERATIONS = 5
 SLOP = 0.001
 """Metres that bodies may overlap. Chipmunk's default of 0.1 is meant for pixels."""
 
+BIAS = 0.0
+"""Share of an overlap that is left after a second, where a robot is alone. All of it is corrected
+while the robot still brakes; over several substeps, as by default, it adds to the way back."""
+
 
 class Hit(NamedTuple):
     """Two bodies that have begun to touch, and their velocities in m/s right before."""
@@ -46,6 +50,8 @@ class Arena:
         usual = ITERATIONS if len(cells) == 1 else iterations_for_jams(spec)
         self.space.iterations = max(usual, iterations_for_drag(spec))
         self.space.collision_slop = SLOP
+        if len(cells) == 1:
+            self.space.collision_bias = BIAS
         self._step = spec.time_step
         add_walls(self.space, wall_boxes(layout), spec.cell_size)
         self._robot_of: dict[pymunk.Body, Robot] = {}

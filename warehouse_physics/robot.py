@@ -69,6 +69,7 @@ class Action:
         gave_up: something was in the way.
         is_followed: another robot drives to ``home``.
         has_met: it touched another robot.
+        last_hit: substep of the last hit, or 0.
         rested: substep at which it came to rest.
         contacts: hits so far.
         work: of the motor so far, in joules.
@@ -81,6 +82,7 @@ class Action:
     gave_up: bool = False
     is_followed: bool = False
     has_met: bool = False
+    last_hit: int = 0
     rested: int = 0
     contacts: list[Contact] = field(default_factory=list)
     work: float = 0.0
@@ -111,6 +113,7 @@ class Robot:
         floor: FloorConditions | None = None,
     ) -> None:
         self._spec, self._uneven = spec, floor
+        self._lead = spec.time_step / 2
         self.body = pymunk.Body(1.0, 1.0)  # the load sets its mass and moment
         self.number = len(robots)
         robots[self.body] = self
@@ -173,7 +176,7 @@ class Robot:
         """Start the phase that is due at substep ``now``."""
         self.look()
         if self.phase == GO:
-            self._count_work(self.body.velocity, self._drag_lead)
+            self._count_work(self.body.velocity, self._lead)
             self._brake(now, self._braking)
             return
         action, speed = self.action, math.hypot(*self.body.velocity)
@@ -188,10 +191,9 @@ class Robot:
 
     def drive(self, now: int, waypoint: Position, share: float = 1.0) -> None:
         """Drive to a position, with a share of the usual speed and acceleration."""
-        spec, pace = self._spec, self._pace * share
+        pace = self._pace * share
         self._start, self._energy = self.position, 0.0
-        limits = spec.top_speed * share, pace, spec.time_step, spec.floor_deceleration
-        profile = plan_profile(self._start, waypoint, *limits)
+        profile = plan_profile(self._start, waypoint, *self._spec.limits(pace, share))
         if self._uneven is not None:
             profile = profile.scaled(self._uneven.speed_factor())
         self._control.velocity = profile.velocity
@@ -230,8 +232,9 @@ class Robot:
             self.action.contacts.append(contact)
         self.action.has_met |= touch.other is not None
         self.look()
-        if self.phase == GO:
-            self._count_impact(touch.velocity)
+        if self.phase == GO and self.action.last_hit < now:
+            self._count_impact(touch)
+        self.action.last_hit = now
         if self._is_hindered_by(touch, contact.point):
             self.give_up()
             self.halt(now)
@@ -267,7 +270,7 @@ class Robot:
         cell = self.cell
         if self._uneven is not None and cell != self._on:
             if self.phase == GO:
-                self._count_work(self.body.velocity, 0.0)
+                self._count_work(self.body.velocity, self._lead)
             self._on = cell
             self._drag = self._nominal_drag * self._uneven.drag_factor(cell)
             self._floor.max_force = self._drag
@@ -322,40 +325,46 @@ class Robot:
     def _count_work(self, velocity: Position, lead: float) -> None:
         """Add the work of the motor since the last count: kinetic energy gained, plus drag.
 
-        Drag is counted over the way, and over ``lead`` seconds more at ``velocity``.
+        Positions move before velocities change. So the way, over which drag is counted, is that
+        of a point ``lead`` seconds ahead of the middle, at ``velocity``.
         """
-        energy = 0.5 * self._mass * (velocity[0] ** 2 + velocity[1] ** 2)
-        way = math.dist(self._start, self.position)
-        if lead:
-            way += lead * math.hypot(*velocity)
-        self.action.work += max(0.0, energy - self._energy + self._drag * way)
-        self._start, self._energy = self.position, energy
+        start, energy = self._start, self._energy
+        self._count_from(velocity, lead)
+        drag = self._drag * math.dist(start, self._start)
+        self.action.work += max(0.0, self._energy - energy + drag)
 
-    def _count_impact(self, before: Position) -> None:
+    def _count_from(self, velocity: Position, lead: float) -> None:
+        """Begin to count work at this position and ``velocity``."""
+        (x, y), (right, down) = self.position, velocity
+        self._start = x + lead * right, y + lead * down
+        self._energy = 0.5 * self._mass * (right * right + down * down)
+
+    def _count_impact(self, touch: Touch) -> None:
         """Add the work up to a hit in this substep, and of the push of the motor in the hit.
 
-        The motor still pushes with its force, at the mean of the velocities before and after. Its
-        work before that is up to half a substep ago.
+        The motor pushes towards the commanded velocity, or against the hit if it holds that, at
+        the mean of the velocities before and after. Its work before that is up to half a substep
+        ago.
         """
-        self._count_work(before, -self._spec.time_step / 2)
-        after, command = self.body.velocity, self._control.velocity
-        forward = (before[0] + after.x) * command.x + (before[1] + after.y) * command.y
-        if forward > 0:
-            self.action.work += self._motor.impulse * forward / (2 * command.length)
-        self._energy = 0.5 * self._mass * after.dot(after)
+        self._count_work(touch.velocity, -self._lead)
+        after = self.body.velocity
+        aim = self._control.velocity - after
+        if aim.length < AT_REST:
+            aim = -pymunk.Vec2d(*touch.push)
+        forward = aim.normalized().dot(after + touch.velocity) / 2
+        self.action.work += max(0.0, self._motor.impulse * forward)
+        self._count_from(after, self._lead)
 
     def _deadline(self, floor: FloorConditions) -> float:
         """Return the substep after which no new attempt is made."""
-        spec = self._spec
-        limits = spec.top_speed, self._pace, spec.time_step, spec.floor_deceleration
-        profile = plan_profile((0, 0), (spec.cell_size, 0), *limits)
+        way = self._spec.cell_size, 0.0
+        profile = plan_profile((0.0, 0.0), way, *self._spec.limits(self._pace))
         return floor.patience * (profile.go + profile.brake)
 
     def _load(self, loaded: bool, pace: float) -> None:
         """Set the load, and the acceleration in m/s² to drive with."""
         self._loaded, self._pace = loaded, pace
         self._drag = self._nominal_drag = self._spec.drag_force(loaded)
-        self._drag_lead = self._spec.drag_lead(loaded)
         self.body.mass = self._mass = self._spec.total_mass(loaded)
         self.body.moment = pymunk.moment_for_circle(self._mass, 0.0, self._spec.radius)
         self._braking_force = max(self._mass * pace - self._nominal_drag, 0.0)

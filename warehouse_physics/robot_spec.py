@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields, replace
+from typing import TypeVar
 
 from warehouse_core.arguments import real_number
+
+Pace = TypeVar("Pace")
 
 GRAVITY = 9.81
 """Metres per second squared."""
@@ -27,9 +30,6 @@ other outward, up to the walls: then they are ``sqrt(2) * (1 - r)`` apart, which
 
 MARGIN = 1e-6
 """Share by which a body is smaller than its robot."""
-
-NEGLIGIBLE = 0.005
-"""Share of the work of a move that need not be counted."""
 
 MAX_MOVE_SUBSTEPS = 2_000
 """Substeps that a free move may take, 33 s at 1/60 s."""
@@ -139,16 +139,12 @@ class RobotSpec:
         speed = min(self.top_speed, math.sqrt(2 * pace * self.cell_size / (1 + pace / brake)))
         return self.cell_size / speed + speed / pace * (1 + pace / brake) / 2
 
-    def drag_lead(self, loaded: bool) -> float:
-        """Return for how long drag works on the final speed after the way it is counted over, in s.
+    def limits(self, pace: Pace, share: float = 1.0) -> tuple[float, Pace, float, float]:
+        """Return what limits a profile: top speed, acceleration, time step and drag.
 
-        Positions move before velocities change, so the way lags by half a substep. Where that is
-        less than ``NEGLIGIBLE`` of the work of a free move it is left out.
+        The acceleration is ``pace``, one or an array, and the speed a share of the usual one.
         """
-        pace, drag = self.attainable_acceleration(loaded), self.floor_deceleration
-        speed = min(self.top_speed, math.sqrt(pace * self.cell_size))
-        lag = self.time_step / 2
-        return lag if 2 * drag * lag > NEGLIGIBLE * (1 + drag / pace) * speed else 0.0
+        return self.top_speed * share, pace, self.time_step, self.floor_deceleration
 
     @property
     def floor_deceleration(self) -> float:

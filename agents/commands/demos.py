@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
@@ -16,12 +16,16 @@ from warehouse_core import (
     Cell,
     Episode,
     EpisodeRecorder,
+    FleetEnv,
+    FleetEpisode,
     Layout,
     WarehouseEnv,
     record_episode,
 )
 from warehouse_core.motion.backends import load_backend
-from warehouse_core.viz.track import Frame, Pose, Track, frames_along, track_of_episode
+from warehouse_core.records import FleetRecorder
+from warehouse_core.viz.fleet_track import track_of_fleet_episode
+from warehouse_core.viz.track import Track, track_of_episode
 
 if TYPE_CHECKING:
     from warehouse_core.viz.replay import Replay
@@ -107,20 +111,20 @@ def slip() -> Demo:
 
 def head_on() -> Demo:
     """Two robots, each of which wants the other's cell."""
-    from warehouse_physics import RigidBodyMotion
-
-    cells: list[Cell] = [(2, 2), (2, 3)]
-    motion = RigidBodyMotion(path_every=1)
-    motion.reset(HALL, cells, 0)
-    outcomes = motion.advance([(0, 1), (0, -1)], [False, False])
-    poses = tuple(Pose((col + 0.5, row + 0.5), None, False) for row, col in cells)
-    start = Frame(HALL.rows, poses, 0.0, "E and W")
-    frames = frames_along(start, outcomes, [False, False], motion.cell_size, SLOW_MOTION, "E and W")
-    hit = outcomes[0].contacts[0]
+    episode = drive_together({(2, 2): "E", (2, 3): "W"})
+    hit = episode.motions[0][0].contacts[0]
     said = f"they meet after {hit.seconds:.2f} s with {hit.impulse:.1f} N·s, and both go back"
-    title = f"Two robots head-on: {hit.impulse:.0f} N·s"
-    ending = "both blocked" if all(outcome.blocked for outcome in outcomes) else ""
-    return Demo(said, Track([start, *frames], {}, True, title=title, ending=ending))
+    ending = "both blocked" if (episode.stopped_by >= 0).all() else ""
+    return Demo(said, _together(episode, f"Two robots head-on: {hit.impulse:.0f} N·s", ending))
+
+
+def ring() -> Demo:
+    """Four robots, each of which moves into the cell that the next one leaves."""
+    episode = drive_together({(1, 2): "E", (1, 3): "S", (2, 3): "W", (2, 2): "N"})
+    moved = int((episode.cells[0] != episode.cells[-1]).sum())
+    seconds = float(episode.seconds.max())
+    said = f"{moved} of {episode.robots} robots move on in {seconds:.1f} s, without an empty cell"
+    return Demo(said, _together(episode, "A ring of four robots", f"{moved} moved on"))
 
 
 DEMOS = {
@@ -129,6 +133,7 @@ DEMOS = {
     "load": load,
     "slip": slip,
     "head-on": head_on,
+    "ring": ring,
 }
 
 
@@ -148,6 +153,16 @@ def drive(
         if not recorder.ended:
             recorder.step(action)
     env.close()
+    return recorder.episode
+
+
+def drive_together(moves: Mapping[Cell, str]) -> FleetEpisode:
+    """Carry out one action of each robot, given by its start, in the hall."""
+    from warehouse_physics import RigidBodyMotion
+
+    backend = RigidBodyMotion(path_every=1)
+    recorder = FleetRecorder(FleetEnv(HALL, len(moves), starts=[*moves], backend=backend), seed=0)
+    recorder.step([*moves.values()])
     return recorder.episode
 
 
@@ -173,6 +188,12 @@ def demo(
         return replay_of_track(shown.track, shown.beside, window=window)
 
     show_or_save(make_replay, save, show, f"demo-{name}.gif")
+
+
+def _together(episode: FleetEpisode, title: str, ending: str) -> Track:
+    track = track_of_fleet_episode(episode, frame_seconds=SLOW_MOTION)
+    track.shift, track.ending = None, ending
+    return _titled(track, title)
 
 
 def _titled(track: Track, title: str) -> Track:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from agents.console.options import RECORD_SUFFIX
 from agents.console.terminal import say
-from warehouse_core import Episode
+from warehouse_core import Episode, FleetEpisode
 from warehouse_core.render.window import has_display
 from warehouse_core.viz.track import INTERVAL_MS
 from warehouse_core.warehouse_viz import replay_animation
@@ -17,12 +17,14 @@ from warehouse_core.warehouse_viz import replay_animation
 if TYPE_CHECKING:
     from warehouse_core.viz.replay import Replay
 
+Record = Episode | FleetEpisode
+
 MakeReplay = Callable[[bool], "Replay | None"]
 """Makes a replay with a window or without one."""
 
 
 def replay_or_save(
-    episode: Episode,
+    episode: Record,
     targets: Sequence[Path],
     show: bool | None,
     interval_ms: float = INTERVAL_MS,
@@ -30,7 +32,8 @@ def replay_or_save(
 ) -> None:
     """Show or save an episode as ``show_or_save`` does; ``.npz`` is its record."""
     seed = "unseeded" if episode.seed is None else episode.seed
-    name = re.sub(r"[^\w-]+", "_", f"replay-{episode.agent}-{episode.settings.backend}-{seed}")
+    backend = episode.settings.backend if isinstance(episode, Episode) else episode.backend
+    name = re.sub(r"[^\w-]+", "_", f"replay-{episode.agent}-{backend}-{seed}")
     show_or_save(_replay_of(episode, interval_ms, speed), targets, show, f"{name}.gif", episode)
 
 
@@ -39,7 +42,7 @@ def show_or_save(
     targets: Sequence[Path],
     show: bool | None,
     fallback: str,
-    episode: Episode | None = None,
+    episode: Record | None = None,
 ) -> None:
     """Write ``targets``, then open a window if ``show``, or if it is None and there are none.
 
@@ -70,7 +73,7 @@ def unused(path: Path) -> Path:
     return path
 
 
-def _save(make_replay: MakeReplay, target: Path, episode: Episode | None) -> None:
+def _save(make_replay: MakeReplay, target: Path, episode: Record | None) -> None:
     if episode is not None and target.suffix.lower() == RECORD_SUFFIX:
         episode.save(target)
     else:
@@ -80,5 +83,5 @@ def _save(make_replay: MakeReplay, target: Path, episode: Episode | None) -> Non
     say(f"saved {target}")
 
 
-def _replay_of(episode: Episode, interval_ms: float, speed: float) -> MakeReplay:
+def _replay_of(episode: Record, interval_ms: float, speed: float) -> MakeReplay:
     return lambda window: replay_animation(episode, None, interval_ms, speed, window=window)

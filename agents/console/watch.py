@@ -13,7 +13,7 @@ from time import monotonic
 
 from agents.console.terminal import print_error
 from agents.errors import EpisodeError, EpisodeInterrupted, reason_of
-from warehouse_core import Agent, EpisodeRecorder, Observation
+from warehouse_core import Agent, Episode, EpisodeRecorder, FleetEpisode, Observation
 
 SLOW_SECONDS, LOOK_SECONDS = 5.0, 0.5
 """Seconds of a step before it is reported, and seconds between the checks."""
@@ -36,26 +36,50 @@ def run_watched(
         EpisodeError: the agent raised an exception, or returned something that is no action.
         EpisodeInterrupted: Ctrl-C was pressed.
     """
-    episode, file = recorder.episode, _source_of(agent)
+    with watched(lambda: recorder.place, name, agent, lambda: recorder.episode):
+        recorder.run(agent, observation)
+
+
+@contextmanager
+def watched(
+    part: Callable[[], str],
+    name: str,
+    agent: object,
+    record: Callable[[], Episode | FleetEpisode],
+) -> Iterator[None]:
+    """Name where an agent fails, is interrupted or takes long in a block.
+
+    Args:
+        part: gives the part of the episode that the block is in, such as ``"step 3"``.
+        name: of the agent.
+        agent: whose code is named.
+        record: gives the record so far.
+
+    Raises:
+        EpisodeError: the block raised an exception.
+        EpisodeInterrupted: Ctrl-C was pressed.
+    """
+    file = _source_of(agent)
 
     def place() -> str:
-        return f"{recorder.place}, agent {name}"
+        return f"{part()}, agent {name}"
 
     def tell(seconds: float, line: str) -> None:
         print_error(f"{place()} takes more than {seconds:g} s{line}; Ctrl-C ends it")
 
     try:
-        with slow_reported(lambda: recorder.place, SLOW_SECONDS, file, tell):
-            recorder.run(agent, observation)
+        with slow_reported(part, SLOW_SECONDS, file, tell):
+            yield
     except KeyboardInterrupt as error:
         reason = reason_of(error, file).removeprefix("KeyboardInterrupt")
-        raise EpisodeInterrupted(f"in {place()}{reason}", episode) from error
+        raise EpisodeInterrupted(f"in {place()}{reason}", record()) from error
     except (Exception, SystemExit) as error:  # an agent may raise anything
+        episode = record()
         message = f"seed {episode.seed}, {place()}: {reason_of(error, file)}"
         raise EpisodeError(message, episode) from error
 
 
-def _source_of(agent: Agent) -> Path | None:
+def _source_of(agent: object) -> Path | None:
     try:
         return Path(inspect.getfile(type(agent)))
     except (OSError, TypeError):  # a class defined interactively

@@ -7,6 +7,7 @@ and workers do not need the layout's file.
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Callable, Mapping
 from functools import lru_cache
@@ -141,6 +142,11 @@ def flags_of(case: Case) -> list[str]:
     ]
 
 
+def in_words(case: Case) -> str:
+    """Return what is not the default in a case, as part of a sentence."""
+    return ", ".join(flags_of(case)) or "the defaults"
+
+
 def agent_fingerprint(case: Case) -> str | None:
     """Return the digest of the present code of a case's agent, see ``fingerprint``."""
     return fingerprint(agent_file(case["agent"]), agent_module(case["agent"]))
@@ -151,13 +157,19 @@ def layout_of(case: Case) -> Layout:
     return _layout(tuple(case[TILES]))
 
 
+def cells_of(case: Case) -> int:
+    """Return how many cells the layouts of a case have."""
+    if TILES in case:
+        return len(case[TILES]) * len(case[TILES][0])
+    return math.prod(_size(case))
+
+
 def make_env(case: Case, seed: int) -> WarehouseEnv:
     """Return a new environment for one episode of a case."""
     if TILES in case:
         layout = layout_of(case)
     else:
-        height, width = map(int, case["size"].split("x"))
-        layout = random_layout(height, width, case["density"], seed)
+        layout = random_layout(*_size(case), case["density"], seed)
     return WarehouseEnv(
         layout,
         None,
@@ -175,6 +187,11 @@ def make_agent_for(case: Case, seed: int, layout: Layout) -> Agent:
             return GreedyAgent(seed, case["memory"])
         return GreedyAgent(seed, escape_steps=0)
     return make_agent(case["agent"], seed, layout)
+
+
+def _size(case: Case) -> tuple[int, int]:
+    height, width = map(int, case["size"].split("x"))
+    return height, width
 
 
 def _backend(case: Case) -> Backend:

@@ -15,7 +15,7 @@ from agents.experiments.case import (
     FINGERPRINT,
     Case,
     agent_fingerprint,
-    flags_of,
+    in_words,
     make_agent_for,
     make_env,
 )
@@ -89,8 +89,7 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
 
 def about(case: Case, seed: int, place: str = "") -> str:
     """Return an episode in words: its seed, a place in it, and what is not the default."""
-    flags = ", ".join(flags_of(case)) or "the defaults"
-    return f"seed {seed}{place and f', {place},'} with {flags}"
+    return f"seed {seed}{place and f', {place},'} with {in_words(case)}"
 
 
 def run_one(

@@ -16,7 +16,7 @@ from time import monotonic, sleep
 from typing import Any, NamedTuple
 
 from agents.errors import StoreError
-from agents.experiments.case import TILES, Case, flags_of, key_of, read_case
+from agents.experiments.case import TILES, Case, in_words, key_of, read_case
 from agents.experiments.tables import (
     DAMAGED,
     MAX_CASES,
@@ -28,6 +28,7 @@ from agents.experiments.tables import (
     VERSION,
     version_of,
 )
+from warehouse_core.files.kinds import not_a_file
 
 TIMEOUT, BUSY_SECONDS = 30.0, 0.1
 """Seconds to wait for another program that writes to the same file, and between two checks."""
@@ -84,10 +85,10 @@ class Store:
     ) -> None:
         self.path, self._mix, self._check = Path(path), mix, check
         self._read_only, self._is_checked = read_only, False
-        if read_only and not self.path.is_file():
+        if (kind := not_a_file(self.path)) is not None:  # SQLite would try, and leave a journal
+            raise StoreError(f"{path}: {kind}")
+        if read_only and not self.path.exists():
             raise StoreError(f"{path}: there is no such file")
-        if self.path.exists() and not self.path.is_file():  # SQLite would try, and leave a journal
-            raise StoreError(f"{path}: it is a folder or a device, not a file")
         with self._errors_reported():
             closed, path = self._is_closed(), self.path.absolute()
             address = f"{path.as_uri()}?immutable=1" if closed else path
@@ -169,7 +170,7 @@ class Store:
         others = [name for name in self.programs(case_id) if name != program]
         if others and not self._mix:
             [(text,)] = self.query("SELECT settings FROM cases WHERE id = ?", case_id)
-            settings = ", ".join(flags_of(self._case(case_id, text))) or "the defaults"
+            settings = in_words(self._case(case_id, text))
             raise StoreError(
                 f"{self.path}: the episodes with {settings} are of {' and '.join(others)}, and new "
                 f"ones would be of {program}; write to another file, or mix them with "

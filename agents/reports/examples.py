@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from agents.errors import AgentError, EpisodeError, reason_of
-from agents.experiments.case import TILES, Case
+from agents.experiments.case import Case, cells_of
 from agents.experiments.episodes import check_fingerprint, run_one
 from agents.experiments.store import Store
 from agents.registry import agent_file, is_own_code
+from agents.reports.figures.pictures import MAX_CELLS
 from warehouse_core import BackendError, Episode, LayoutError
 from warehouse_core.records.failure_modes import MODES, diagnose
 from warehouse_core.viz.replay import replay_of_track
@@ -38,8 +38,8 @@ SELECT mode, case_id, steps, episodes, (
 MAX_STEPS = 200
 """Of a replay; of a longer episode the last steps are shown."""
 
-MAX_REPLAY_STEPS, MAX_CELLS = 10_000, 300_000
-"""Of an episode that is run again, and of its map."""
+MAX_REPLAY_STEPS = 10_000
+"""Of an episode that is run again."""
 
 MAX_WORK, PHYSICS_WORK = 20_000_000, 20_000
 """The cells that an agent may look at in all its steps, and how many a step of physics counts."""
@@ -131,10 +131,7 @@ def _too_much(found: Found) -> str | None:
     What limits it are numbers in the results, which may come from a stranger.
     """
     case = found.case
-    if TILES in case:
-        cells = len(case[TILES]) * len(case[TILES][0])
-    else:
-        cells = math.prod(map(int, case["size"].split("x")))
+    cells = cells_of(case)
     view = (2 * case["view_radius"] + 1) ** 2
     if cells > MAX_CELLS:
         return f"its map has {cells:,} cells, and at most {MAX_CELLS:,} are"

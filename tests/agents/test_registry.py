@@ -121,9 +121,9 @@ def test_an_unknown_name_is_an_error_that_lists_the_allowed_ones() -> None:
 
 
 def test_a_missing_file_is_named(agent_file: Path) -> None:
-    assert refusal(f"{agent_file}:Mine") == f"agent file {agent_file} does not exist"
+    assert refusal(f"{agent_file}:Mine") == f"agent file {agent_file}: there is no such file"
     agent_file.mkdir()
-    assert refusal(f"{agent_file}:Mine") == f"agent file {agent_file} does not exist"
+    assert refusal(f"{agent_file}:Mine") == f"agent file {agent_file}: it is a folder, not a file"
 
 
 @pytest.mark.parametrize("name", ["Other", "", "number"])
@@ -335,8 +335,9 @@ def test_a_trained_agent_needs_a_file(word: str, tmp_path: Path) -> None:
     missing = tmp_path / "missing.npz"
     assert refusal(f"{word}:{missing}") == f"agent file {missing}: No such file or directory"
     os.mkfifo(tmp_path / "pipe")
-    for other in (tmp_path, tmp_path / "pipe", Path(os.devnull)):
-        line = f"agent file {other}: it is a folder or a device, not a file"
+    others = {"folder": tmp_path, "pipe": tmp_path / "pipe", "device": Path(os.devnull)}
+    for kind, other in others.items():
+        line = f"agent file {other}: it is a {kind}, not a file"
         assert refusal(f"{word}:{other}") == line
     assert f"no agent is called '{word}'" in refusal(word)
 

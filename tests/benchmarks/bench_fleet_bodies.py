@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from helpers.fleets import free_moves
+from helpers.fleet_truth import free_moves
 
 from warehouse_core import Cell
 from warehouse_core.world import benchmark_warehouse

@@ -7,7 +7,7 @@ import os
 from collections import Counter
 
 import pytest
-from helpers.fleets import bodies_move_as_the_grid, random_lone_steps_equal
+from helpers.fleet_truth import bodies_move_as_the_grid, random_lone_steps_equal
 
 SHARE = float(os.environ.get("TRUTH_SHARE", "1"))
 STEPS = round(250_000 * SHARE)

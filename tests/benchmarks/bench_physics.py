@@ -18,7 +18,7 @@ from helpers.rigid_bodies import (
 )
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, WarehouseEnv, random_layout
-from warehouse_physics import RigidBodyMotion, RobotSpec, stepping
+from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec, stepping
 
 MOVES = 2_000
 """In a round of a measurement."""
@@ -110,6 +110,24 @@ def test_pymunks_own_step_gives_the_same_bits_over_thousands_of_moves(monkeypatc
             outcome = env.last_motion
             outcomes[-1].append((outcome._replace(path=None), outcome.path.tobytes()))
     assert outcomes[0] == outcomes[1]
+
+
+@pytest.mark.parametrize(
+    "disturbances", [Disturbances(actuation_noise=0.1), Disturbances(motor_strength=0.6)]
+)
+def test_a_floor_that_is_the_same_everywhere_is_not_felt_in_each_substep(
+    disturbances, times_faster
+) -> None:
+    rare, often = (RigidBodyMotion(disturbances=disturbances, record_path=False) for _ in range(2))
+    for motion in (rare, often):
+        motion.reset(DEFAULT_LAYOUT, [DEFAULT_LAYOUT.open_cell(0)], 0)
+    often._arena._varies = True
+    moves = random.Random(0).choices(STEPS, k=MOVES)
+    ratio = times_faster(
+        lambda: [rare.advance([move], [False]) for move in moves],
+        lambda: [often.advance([move], [False]) for move in moves],
+    )
+    assert ratio >= 1.6
 
 
 @over_layouts

@@ -64,7 +64,7 @@ class Single:
     """A single warehouse, to compare with a row of a batch."""
 
     def __init__(
-        self, layout: Layout, randomize: bool | str, start: Cell | None = None, **limits: int
+        self, layout: Layout, randomize: bool | str, start: Cell | None = None, **limits: Any
     ):
         self.layout, self.randomize = layout, randomize
         self.usual = start or layout.usual_start()

@@ -43,6 +43,7 @@ TOKENS = (
     b"\n", b"\r\n", b"\t", b" ", b"\x00", b"\x1b[2J", b"\xef\xbb\xbf", b"\xff", b"\xed\xa0\x80",
     b"#", b".", b"@", b"P", b"D", b"=", b",", b":", b"(", b"[", b"{", b"]", b"}", b"'", b'"', b"-",
     b"\\", b"a.", b"[[", b"'''", "\u0663".encode(), "\u202e".encode(), b"null", b"true", b"NaN",
+    b"C",
 )  # fmt: skip
 
 NUMBERS = (
@@ -164,7 +165,9 @@ def formats() -> dict[str, Format]:
     with TemporaryDirectory() as folder:
         saved = [Path(folder, f"{number}.npz") for number in range(6)]
         for path, backend in zip(saved, ("grid", "physics"), strict=False):
-            env = WarehouseEnv(max_steps=12, backend=backend)
+            env = WarehouseEnv(
+                DEFAULT_LAYOUT.with_chargers([(1, 1), (5, 10)]), max_steps=12, backend=backend
+            )
             record_episode(env, GreedyAgent(0), seed=3).save(path)
         table = QTable({((1, 1), (1, 3), False): [0.5] * 7, ((2, 1), (5, 6), True): [1.0] * 7})
         save_table(table, DEFAULT_LAYOUT, saved[2])
@@ -180,7 +183,7 @@ def formats() -> dict[str, Format]:
     tiles = str(DEFAULT_LAYOUT).encode()
     scenario = b"version 1\n0\tmaps/hall.map\t12\t7\t1\t1\t3\t1\t2.0\n5 m.map 12 7 3 3 4 3 1e0\n"
     return {
-        "layout": Format((tiles, b"\xef\xbb\xbf  #P\r\n  .D\r\n"), _read_layout),
+        "layout": Format((tiles, b"\xef\xbb\xbf  #P\r\n  CD\r\n"), _read_layout),
         "map": Format((octile, b"type octile\nwidth 2\nheight 1\nmap\nGT\n"), load_map),
         "LoRR map": Format((b"type octile\nheight 2\nwidth 3\nmap\n.ES\n@.T\n",), _read_lorr_map),
         "scen": Format((scenario,), _read_scenarios),

@@ -8,12 +8,14 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from pymunk import Vec2d
 
 from helpers.rigid_bodies import STAY, STEPS, targets_of
 from warehouse_core import Cell, Layout, Outcome, random_layout
 from warehouse_core.motion.traffic import find_stops
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_physics import RigidBodyMotion, RobotSpec
+from warehouse_physics.robot import AT_REST, Robot
 
 PAYLOADS = (0.0, 20.0, 40.0, 90.0, 200.0, 340.0)
 ROWS = 4
@@ -163,8 +165,9 @@ class Book:
     """The work of the motors and the hits of robots, from what a space does in each substep.
 
     It knows nothing of phases or profiles. Each motor that is commanded a velocity works by its
-    impulse times the mean velocity along the command. Two bodies that begin to overlap had the
-    impulse of their reduced mass and the speed at which they approached.
+    impulse times the mean velocity. It pushes towards the commanded velocity; once that is reached
+    its impulse is what the floor and contacts leave of the change of momentum. Two bodies that
+    begin to overlap had the impulse of their reduced mass and the speed at which they approached.
     """
 
     def __init__(self, motion: RigidBodyMotion) -> None:
@@ -186,9 +189,9 @@ class Book:
         self._step(dt)
         for number, (robot, command) in enumerate(zip(robots, commands, strict=True)):
             if command.length > 0:
+                push = _push_of(robot, before[number], command)
                 mean = (before[number] + robot.body.velocity) / 2
-                along = mean.dot(command) / command.length
-                self.work[number] += max(0.0, robot._motor.impulse * along)
+                self.work[number] += max(0.0, push.dot(mean))
         for one, two in self._touching() - touching:
             bodies = robots[one].body, robots[two].body
             normal = (bodies[1].position - bodies[0].position).normalized()
@@ -206,6 +209,17 @@ class Book:
             for one in range(two)
             if (places[two] - places[one]).length < self._reach
         }
+
+
+def _push_of(robot: Robot, before: Vec2d, command: Vec2d) -> Vec2d:
+    """Return the impulse of a motor in a substep that began with the velocity ``before``."""
+    after, others = robot.body.velocity, []
+    missing = command - after
+    if missing.length > AT_REST:
+        return robot._motor.impulse * missing.normalized()
+    robot.body.each_arbiter(lambda arbiter: others.append(arbiter.total_impulse))
+    drag = -robot._floor.impulse * after.normalized()
+    return robot.body.mass * (after - before) - sum(others, drag)
 
 
 class BookErrors(NamedTuple):

@@ -58,9 +58,9 @@ def test_a_robot_that_only_a_wall_stopped_does_not_wait_for_others() -> None:
     motion = RigidBodyMotion()
     motion.reset(Layout(["....", "...."]), [(0, 0), (1, 0)], 0)
     stopped, free = motion.advance([NORTH, EAST], [False, False])
-    alone = RigidBodyMotion()
-    alone.reset(Layout(["....", "...."]), [(0, 0)], 0)
-    assert stopped.seconds == alone.advance([NORTH], [False])[0].seconds < free.seconds
+    calm = RigidBodyMotion()
+    calm.reset(Layout(["....", "...."]), [(0, 0), (1, 0)], 0)
+    assert stopped.seconds == calm.advance([NORTH, STAY], [False] * 2)[0].seconds < free.seconds
 
 
 def test_wide_robots_push_each_other_round_a_ring() -> None:
@@ -105,3 +105,4 @@ def test_a_straight_way_comes_closer_if_it_leads_past_the_other() -> None:
     assert comes_closer((-2.0, 0.0), (-0.6, 0.0), 0.7)
     assert not comes_closer((-0.6, 0.0), (-1.0, 0.0), 0.7), "those that touch may part"
     assert comes_closer((-0.6, 0.0), (0.0, 1.0), 0.7)
+    assert not comes_closer((-0.6, 0.0), (-0.6, 0.0), 0.7), "neither moves"

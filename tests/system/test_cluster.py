@@ -25,7 +25,6 @@ def cluster(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Cluster]
         yield started
 
 
-with_nannies = pytest.mark.parametrize("cluster", ["--nanny"], indirect=True)
 with_and_without_nannies = pytest.mark.parametrize(
     "cluster", ["--nanny", "--no-nanny"], indirect=True
 )
@@ -102,30 +101,30 @@ def read_until(sweep: subprocess.Popen[str], pattern: str) -> str:
 LAST = r"warehouse: 1 episode failed, in 1 of 2 combinations; 23 of 24 episodes in .*\n"
 
 
-def test_an_agent_that_fails_on_a_cluster_is_named_and_the_others_go_on(
-    cluster: Cluster, tmp_path: Path
+@pytest.mark.parametrize(
+    ("cluster", "act", "place", "reason"),
+    [
+        ("--no-nanny", "raise KeyError", ", step 1,", r"KeyError \(r.py, line 11\)"),
+        (
+            "--nanny",
+            "__import__('os')._exit(1)",
+            "",
+            "the Dask workers that ran it have ended; it was tried twice",
+        ),
+    ],
+    indirect=["cluster"],
+    ids=["fails", "ends its process"],
+)
+def test_an_agent_that_fails_or_ends_its_process_is_named_and_the_others_go_on(
+    cluster: Cluster, tmp_path: Path, act: str, place: str, reason: str
 ) -> None:
     path = tmp_path / "r.sqlite"
-    sweep = sweep_of(path, cluster[0], "raise KeyError")
-    err = sweep.communicate(timeout=60)[1]
-    about = rf"warehouse: seed 7, step 1, with agent={tmp_path}/r.py:Own, max_steps=5"
-    assert re.fullmatch(rf"{about}: KeyError \(r.py, line 11\)\n{LAST}", err)
+    sweep = sweep_of(path, cluster[0], act)
+    err = sweep.communicate(timeout=200)[1]
+    about = rf"warehouse: seed 7{place} with agent={tmp_path}/r.py:Own, max_steps=5"
+    assert re.fullmatch(rf"{about}: {reason}\n{LAST}", err)
     assert sweep.returncode == 1
     check_is_usable(path)
-    assert len(table(path)) == 23
-
-
-@with_nannies
-def test_an_agent_that_ends_dask_workers_is_named_and_the_others_go_on(
-    cluster: Cluster, tmp_path: Path
-) -> None:
-    path = tmp_path / "r.sqlite"
-    sweep = sweep_of(path, cluster[0], "__import__('os')._exit(1)")
-    err = sweep.communicate(timeout=200)[1]
-    about = rf"warehouse: seed 7 with agent={tmp_path}/r.py:Own, max_steps=5"
-    assert re.fullmatch(
-        rf"{about}: the Dask workers that ran it have ended; it was tried twice\n{LAST}", err
-    )
     assert len(table(path)) == 23
 
 

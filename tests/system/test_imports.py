@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = ("warehouse_core", "warehouse_physics", "agents")
 """Each may import those before it."""
 
-MAX_FOLDERS_AND_LEVELS = {"warehouse_core": (19, 8), "agents": (13, 7)}
+MAX_FOLDERS_AND_LEVELS = {"warehouse_core": (19, 9), "agents": (14, 7)}
 MAX_MODULES, MAX_LINES = 12, 400
 """Modules of a folder, beside its ``__init__``, and lines of a file."""
 
@@ -37,7 +37,7 @@ MAY_IMPORT = {
     "warehouse_core/gymnasium_env": (
         "arguments errors motion render task vector warehouse_env world"
     ),
-    "warehouse_core/records": "errors files motion task warehouse_env wording world",
+    "warehouse_core/records": ("errors files fleet motion orders task warehouse_env wording world"),
     "warehouse_core/viz": (
         "arguments errors extras files motion records render warehouse_env wording world"
     ),
@@ -61,11 +61,13 @@ MAY_IMPORT = {
     "agents/warehouse_agent_greedy": "",
     "agents/evaluation": "warehouse_agent_greedy",
     "agents/learning": "errors evaluation warehouse_agent_greedy",
-    "agents/registry": "errors evaluation learning search warehouse_agent_greedy",
+    "agents/fleet": "console",
+    "agents/registry": "errors evaluation fleet learning search warehouse_agent_greedy",
     "agents/experiments": "console errors programs registry warehouse_agent_greedy",
     "agents/run_episode": "console errors registry",
     "agents/commands": (
-        "console errors evaluation learning registry run_episode search warehouse_agent_greedy"
+        "console errors evaluation fleet learning registry run_episode search "
+        "warehouse_agent_greedy"
     ),
     "agents/reports/analysis": "errors evaluation experiments",
     "agents/reports/figures": "errors evaluation experiments reports/analysis",
@@ -79,10 +81,11 @@ MAY_IMPORT = {
 EXPORTS = {
     "warehouse_core": """
         DEFAULT_LAYOUT Agent BackendError BatchEnv Cell Contact Episode EpisodeRecorder
-        FleetEnv GridMotion Layout LayoutError Motion Observation Order OrderError
-        OrderQueue OrderStream Outcome RecordError Settings WarehouseEnv WarehouseError
-        WarehouseState random_layout record_episode replay_animation replay_episode
-        save_frames_to_svg shelf_layout
+        FleetEnv FleetEpisode GridMotion Layout LayoutError Motion Observation Order
+        OrderError OrderQueue OrderStream Outcome RecordError Settings WarehouseEnv
+        WarehouseError WarehouseState random_layout record_episode record_fleet_episode
+        replay_animation replay_episode replay_fleet_episode save_frames_to_svg
+        shelf_layout
     """,
     "warehouse_core.conformance": "Report run_conformance",
     "warehouse_core.fleet": "Battery FleetEnv FleetMeasures FleetObservation People",
@@ -96,8 +99,9 @@ EXPORTS = {
     """,
     "warehouse_core.orders": "Order OrderQueue OrderStream load_orders save_orders",
     "warehouse_core.records": """
-        MODES Agent Diagnosis Episode EpisodeRecorder diagnose record_episode
-        replay_episode
+        FLEET_MODES MODES Agent Diagnosis Episode EpisodeRecorder FleetAgent
+        FleetDiagnosis FleetEpisode FleetRecorder diagnose diagnose_fleet record_episode
+        record_fleet_episode replay_episode replay_fleet_episode
     """,
     "warehouse_core.render": """
         ObservationImage PictureWindow TilePainter has_display tile_pixels_for
@@ -117,6 +121,7 @@ EXPORTS = {
     "agents.evaluation": """
         MEASURES Interval Run Scores Task evaluate mean_interval share_interval
     """,
+    "agents.fleet": "Team run_shift",
     "agents.learning": "PPOAgent QAgent QTable load_agent load_table save_table",
     "agents.search": """
         DeliveryProblem ExploringAgent Problem RouteProblem SearchAgent Solution

@@ -93,6 +93,13 @@ class FleetEnv:
         team_reward: give each robot the mean of all rewards.
         seed: of the first reset without one.
 
+    Attributes:
+        layout: as given.
+        settings: the arguments that follow it.
+        backend: its name, or that of its class if it was given as a class or instance.
+        cell_size: side of a cell in metres.
+        assignments: the calls of ``assign`` in this episode: steps taken, robot and order.
+
     Raises:
         ValueError: an invalid argument; also as ``LayoutError``, ``OrderError``, ``BackendError``.
         TypeError: an argument of another type.
@@ -133,9 +140,12 @@ class FleetEnv:
         motion, bodies = make_motion(backend), self.settings.bodies
         make = make_batch_motion if bodies > 1 else make_separate_motions
         carrier = make(motion, [self.layout], bodies)
-        self._fleets = Fleets([self.layout], self.settings, carrier, motion.cell_size)
-        self._warn_of_supply(motion.cell_size)
+        self.cell_size = motion.cell_size
+        self.backend = backend if isinstance(backend, str) else type(motion).__name__
+        self._fleets = Fleets([self.layout], self.settings, carrier, self.cell_size)
+        self._warn_of_supply(self.cell_size)
         self.seed = None if seed is None else whole_number("seed", seed, 0)
+        self.assignments: list[tuple[int, int, int | None]] = []
         self._started = False
 
     def __repr__(self) -> str:
@@ -160,6 +170,7 @@ class FleetEnv:
         else:
             seed, self.seed = whole_number("seed", seed, 0), None
         self._fleets.reset(FIRST, [seed])
+        self.assignments = []
         self._started = True
         return self._fleets.observe(), {"action_mask": self._fleets.robots.masks()}
 
@@ -186,7 +197,7 @@ class FleetEnv:
         if not self._started or self._fleets.ended.all():
             problem = "all robots have ended" if self._started else "there is no episode yet"
             raise EndedError(f"step() needs a reset() before it: {problem}")
-        chosen = self._indices(actions)
+        chosen = self.action_indices(actions)
         is_invalid = chosen == INVALID
         if is_invalid.any():
             # The same verdict: the mistake that the robot cannot help making.
@@ -212,6 +223,16 @@ class FleetEnv:
         row = whole_number("robot", robot, 0, self.settings.robots - 1)
         return observation_of(self._fleets.observe(np.array([row])), 0)
 
+    def observations(self) -> list[FleetObservation]:
+        """Return what each robot observes now, faster than ``observe`` of one after the other.
+
+        Raises:
+            EndedError: before the first reset.
+        """
+        self._check_started("observations")
+        arrays = self._fleets.observe()
+        return [observation_of(arrays, row) for row in range(self.settings.robots)]
+
     def assign(self, robot: int, order: int | None) -> None:
         """Let an open order wait for one robot only; ``None`` makes that of the robot open again.
 
@@ -233,6 +254,7 @@ class FleetEnv:
             raise OrderError(f"order {order} for robot {robot}: this robot has ended")
         order = None if order is None else whole_number("order", order)
         self._fleets.orders.assign(0, robot, order)
+        self.assignments.append((self.steps, robot, order))
 
     @property
     def orders(self) -> list[Order]:
@@ -304,8 +326,12 @@ class FleetEnv:
         if not self._started:
             raise EndedError(f"{method}() needs a reset() before it")
 
-    def _indices(self, actions: Actions) -> NDArray[np.intp]:
-        """Return the indices of the actions, ``INVALID`` for those that are not allowed."""
+    def action_indices(self, actions: Actions) -> NDArray[np.intp]:
+        """Return the indices of actions ``[R]``, ``INVALID`` for those that are not allowed.
+
+        Args:
+            actions: see ``step``, which raises the same errors.
+        """
         robots = self.settings.robots
         if isinstance(actions, Mapping):
             actions = self._listed(actions)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
-from warehouse_core.arguments import real_number, whole_number
+from warehouse_core.arguments import as_cell, real_number, whole_number
 from warehouse_core.fleet.battery import Battery
 from warehouse_core.fleet.people import People
 from warehouse_core.orders.order import Order, OrderQueue, OrderStream
@@ -46,6 +47,31 @@ class FleetSettings:
         if self.starts is not None and len(self.starts) != self.robots:
             raise ValueError(f"{len(self.starts)} starts for {self.robots} robots; each needs one")
 
+    def to_json(self) -> dict[str, Any]:
+        """Return the settings as values that JSON can hold."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, values: Any) -> FleetSettings:
+        """Return the settings in a JSON object that ``to_json`` made.
+
+        Raises:
+            ValueError: a key is missing or unknown, or a value is of the wrong type or size.
+        """
+        try:
+            if not all(type(values[name]) is bool for name in ("dispatch", "team_reward")):
+                raise TypeError("dispatch and team_reward must be true or false")
+            starts, orders = values["starts"], values["orders"]
+            read = {
+                "battery": Battery(**values["battery"]),
+                "people": People(**values["people"]),
+                "starts": None if starts is None else tuple(as_cell("start", c) for c in starts),
+                "orders": as_orders(_orders(orders)),
+            }
+            return cls(**values | read)
+        except (TypeError, KeyError) as error:
+            raise ValueError(f"these are no settings of a fleet: {error}") from error
+
     @property
     def bodies(self) -> int:
         """Number of robots and people on a floor."""
@@ -76,4 +102,34 @@ def as_orders(
     raise TypeError(
         f"orders are {orders!r:.200}; allowed: a rate, an OrderStream, an OrderQueue, or a list of "
         "OrderStream or of Order, with at least one"
+    )
+
+
+def _orders(values: Any) -> Any:
+    """Return what ``as_orders`` takes, given as ``asdict`` or JSON returns it.
+
+    Raises:
+        TypeError: the values are not those of orders.
+    """
+    if values is None:
+        return None
+    if isinstance(values, dict):
+        return OrderQueue(**_with_tuples(values))
+    return [
+        OrderStream(**_with_tuples(each)) if isinstance(each, dict) else _order(*each)
+        for each in values
+    ]
+
+
+def _with_tuples(values: dict[str, Any]) -> dict[str, Any]:
+    return {name: tuple(each) if isinstance(each, list) else each for name, each in values.items()}
+
+
+def _order(released: Any, due: Any, pickup: Any, dropoff: Any, *rest: Any) -> Order:
+    return Order(
+        whole_number("released", released),
+        whole_number("due", due),
+        as_cell("pickup", pickup),
+        as_cell("dropoff", dropoff),
+        *(None if each is None else whole_number("order", each) for each in rest),
     )

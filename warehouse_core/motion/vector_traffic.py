@@ -27,9 +27,9 @@ class VectorTraffic:
     """
 
     def __init__(self, cells: int, floors: int, robots: int) -> None:
-        self._robots = np.arange(floors * robots)
+        self._robots = np.arange(floors * robots, dtype=np.intp)
         # WALL and NOTHING are negative indices, which count from the end.
-        self._on_floor = np.array([*list(range(robots)) * floors, WALL, NOTHING])
+        self._on_floor = np.array([*list(range(robots)) * floors, WALL, NOTHING], np.intp)
         self._robot_of = np.zeros(cells, np.intp)
 
     def find_stops(self, cells: Integers, targets: Integers, walled: Flags) -> Numbers:
@@ -40,7 +40,7 @@ class VectorTraffic:
             targets: ``[N]``, their own cells or neighbours; their own for those at a wall.
             walled: ``[N]``, whether the robot wants to move into a wall.
         """
-        stops = np.full(len(cells), NOTHING)
+        stops = np.full(len(cells), NOTHING, np.intp)
         stops[walled] = WALL
         is_waiting = targets == cells
         movers = np.flatnonzero(~is_waiting)
@@ -77,7 +77,7 @@ def _stop_queues(stops: Numbers, is_still: Flags, followers: Numbers, ahead: Num
         followers: robots that would move into the cell of another.
         ahead: for each of them that other; no two have the same.
     """
-    behind = np.full(len(stops), NOTHING)
+    behind = np.full(len(stops), NOTHING, np.intp)
     behind[ahead] = followers
     front, ahead = _chosen(is_still.take(ahead), followers, ahead)
     while len(front) > MAX_SMALL_FRONT:

@@ -8,14 +8,30 @@ from warehouse_core.records.episode import (
     replay_episode,
 )
 from warehouse_core.records.failure_modes import MODES, Diagnosis, diagnose
+from warehouse_core.records.fleet_episode import (
+    FleetAgent,
+    FleetEpisode,
+    FleetRecorder,
+    record_fleet_episode,
+    replay_fleet_episode,
+)
+from warehouse_core.records.fleet_modes import FLEET_MODES, FleetDiagnosis, diagnose_fleet
 
 __all__ = [
+    "FLEET_MODES",
     "MODES",
     "Agent",
     "Diagnosis",
     "Episode",
     "EpisodeRecorder",
+    "FleetAgent",
+    "FleetDiagnosis",
+    "FleetEpisode",
+    "FleetRecorder",
     "diagnose",
+    "diagnose_fleet",
     "record_episode",
+    "record_fleet_episode",
     "replay_episode",
+    "replay_fleet_episode",
 ]

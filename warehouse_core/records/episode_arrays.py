@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import operator
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import asdict
 from typing import Any, TypeVar
 
@@ -63,14 +63,36 @@ def pack_fields(fields: Fields) -> Arrays:
     Raises:
         RecordError: ``unpack_fields`` would not return these fields.
     """
+    return pack_checked(fields, EPISODE_SCHEMA, _packed, unpack_fields)
+
+
+def pack_checked(
+    fields: Fields,
+    schema: Schema,
+    pack: Callable[[Fields], Arrays],
+    unpack: Callable[[Arrays], Fields],
+    is_equal: Callable[[Any, Any], bool] = operator.eq,
+) -> Arrays:
+    """Return the arrays of a schema for some fields.
+
+    Args:
+        fields: by name.
+        schema: of the arrays.
+        pack: makes arrays of fields.
+        unpack: undoes it.
+        is_equal: whether two values of a field are equal.
+
+    Raises:
+        RecordError: ``unpack`` would not return these fields.
+    """
     try:
-        packed = _packed(fields)
+        packed = pack(fields)
         arrays = {
             name: _typed(name, packed[name], dtype, dimensions)
-            for name, (dtype, dimensions) in EPISODE_SCHEMA.items()
+            for name, (dtype, dimensions) in schema.items()
         }
-        loaded = unpack_fields(arrays)
-        changed = [name for name, value in fields.items() if loaded[name] != value]
+        loaded = unpack(arrays)
+        changed = [name for name, value in fields.items() if not is_equal(loaded[name], value)]
     except RecordError:
         raise
     except (TypeError, ValueError, AttributeError, OverflowError) as error:
@@ -103,11 +125,9 @@ def _packed(fields: Fields) -> Arrays:
     } | {name: fields[name] for name in ("seed", "agent", "terminated", "truncated")}
     cut_off = [step for step, motion in enumerate(fields["motions"]) if motion.cut_off]
     header |= {"cut_off": cut_off} if cut_off else {}
-    layout: Layout = fields["layout"]
-    tiles = np.frombuffer("".join(layout.rows).encode("ascii"), dtype=np.uint8)
     return {
         "header": pack_header(header),
-        "layout": tiles.reshape(layout.height, layout.width),
+        "layout": pack_layout(fields["layout"]),
         "actions": actions,
         "reasons": reasons,
         **{name: np.array(fields[name]) for name in ("cells", "loaded", "battery", "rewards")},
@@ -125,7 +145,7 @@ def unpack_fields(arrays: Arrays) -> Fields:
     header = _read_header(arrays, steps)
     _check_columns(arrays, steps)
     fields: Fields = {
-        "layout": _read_layout(arrays["layout"]),
+        "layout": unpack_layout(arrays["layout"]),
         "settings": Settings.from_json(header["settings"]),
         "cells": [(row, col) for row, col in arrays["cells"].tolist()],
         "actions": decode_words(header["actions"], arrays["actions"], "actions"),
@@ -144,7 +164,18 @@ def unpack_fields(arrays: Arrays) -> Fields:
     return fields
 
 
-def _read_layout(tiles: NDArray[np.uint8]) -> Layout:
+def pack_layout(layout: Layout) -> NDArray[np.uint8]:
+    """Return the characters of a layout as bytes, ``[H, W]``."""
+    tiles = np.frombuffer("".join(layout.rows).encode("ascii"), dtype=np.uint8)
+    return tiles.reshape(layout.height, layout.width)
+
+
+def unpack_layout(tiles: NDArray[np.uint8]) -> Layout:
+    """Undo ``pack_layout``.
+
+    Raises:
+        ValueError: no layout has these tiles; it may be a ``RecordError`` or a ``LayoutError``.
+    """
     # Checked first: rows without columns take no room in a file, but could be very many.
     if not 0 < tiles.size <= MAX_CELLS:
         raise RecordError(f"layout: {tiles.shape} tiles; there must be 1..{MAX_CELLS}")
@@ -184,10 +215,11 @@ def _check_columns(arrays: Arrays, steps: int) -> None:
         raise RecordError(f"reasons: {len(arrays['reasons'])} entries for {steps} steps")
     if arrays["cells"].shape[1] != 2:
         raise RecordError("cells are no (row, column) pairs")
-    _check_numbers(arrays, "rewards")
+    check_numbers(arrays, "rewards")
 
 
-def _check_numbers(arrays: Arrays, *names: str) -> None:
+def check_numbers(arrays: Arrays, *names: str) -> None:
+    """Raise if one of these arrays has a number beyond ``MAX_NUMBER``, or NaN."""
     for name in names:
         if not (np.abs(arrays[name]) <= MAX_NUMBER).all():  # NaN neither
             raise RecordError(f"{name} has a number outside {-MAX_NUMBER:g}..{MAX_NUMBER:g}")
@@ -280,7 +312,7 @@ def _check_motions(arrays: Arrays, steps: int) -> None:
             raise RecordError(f"{name}: {found}; there must be {expected}")
     if steps and (arrays["path_lengths"].min() < 2 or arrays["contact_counts"].min() < 0):
         raise RecordError("a path has fewer than two rows, or a count is negative")
-    _check_numbers(arrays, "motion_seconds", "motion_joules", "path", "contacts")
+    check_numbers(arrays, "motion_seconds", "motion_joules", "path", "contacts")
     if arrays["motion_seconds"].min(initial=1) <= 0 or arrays["motion_joules"].min(initial=0) < 0:
         raise RecordError("a motion took no time, or less than no energy")
 

@@ -23,13 +23,14 @@
 steps did not bring the robot nearer: their number is that of all steps minus those needed at the
 start and no longer needed at the end. Fewer than ``MIN_STEPS`` steps of a kind, or lost, are no
 evidence. Waiting and running into walls change no pattern, because a visit to a cell may be of any
-length.
+length. Steps that charged the battery are not lost, and count in no pattern.
 """
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from itertools import pairwise
 from operator import ne
 from typing import NamedTuple
 
@@ -132,7 +133,8 @@ def diagnose(episode: Episode) -> Diagnosis:
 
 def _why_lost(episode: Episode, needed: int | None, nearer: int) -> Diagnosis | None:
     """Return the diagnosis of the lost steps, ``None`` if there is no pattern in them."""
-    cells, lost = episode.cells, episode.steps - nearer
+    charging = set(_charging(episode))
+    cells, lost = episode.cells, episode.steps - len(charging) - nearer
     if lost < MIN_STEPS:
         return None
     least = max(MIN_STEPS, CAUSE_SHARE * lost)
@@ -145,12 +147,14 @@ def _why_lost(episode: Episode, needed: int | None, nearer: int) -> Diagnosis | 
             f"{times} of them from {worst}"
         )
         return Diagnosis(STALLED, (worst,), misses, needed, sentence)
-    idle = _ineffective(episode, least=max(MIN_STEPS, LOST_SHARE * lost))
+    idle = _ineffective(episode, charging, least=max(MIN_STEPS, LOST_SHARE * lost))
     if idle is not None:
         steps, sentence = idle
         return Diagnosis(INEFFECTIVE, (cells[-1],), steps, needed, sentence)
     also = f"; {_count(misses)} missed their cell" if misses else ""
-    swing, steps = _find_swing(cells[episode.loaded.index(episode.loaded[-1]) :], least)
+    first = episode.loaded.index(episode.loaded[-1])
+    leg = [cell for step, cell in enumerate(cells[first:], first) if step - 1 not in charging]
+    swing, steps = _find_swing(leg, least)
     if swing:
         sentence = f"{_describe(swing)} for the last {_count(steps)}{also}"
         return Diagnosis(OSCILLATION, swing, steps, needed, sentence)
@@ -220,18 +224,23 @@ def _missed(episode: Episode) -> list[Cell]:
     ]
 
 
-def _ineffective(episode: Episode, least: float) -> tuple[int, str] | None:
+def _charging(episode: Episode) -> list[int]:
+    """Return the steps after which the battery had more units than before."""
+    return [step for step, (a, b) in enumerate(pairwise(episode.battery)) if b > a]
+
+
+def _ineffective(episode: Episode, charging: set[int], least: float) -> tuple[int, str] | None:
     """Return how many steps had no effect, and a sentence; ``None`` if fewer than ``least``.
 
     If the steps of one kind are enough, they are those of the first such kind.
     """
     found: dict[str, Counter[str]] = {kind: Counter() for kind in (*IDLE.values(), BUMP)}
     states = list(zip(episode.cells, episode.loaded, strict=True))
-    for action, motion, before, after in zip(
-        episode.actions, episode.motions, states, states[1:], strict=False
+    for step, (action, motion, before, after) in enumerate(
+        zip(episode.actions, episode.motions, states, states[1:], strict=False)
     ):
         index = action_index(action)
-        if before == after and (index in IDLE or motion.blocked):
+        if before == after and step not in charging and (index in IDLE or motion.blocked):
             detail = brief(action) if index == INVALID else f"at {before[0]}"
             found[IDLE.get(index, BUMP)][detail] += 1
     alone = [kind for kind, details in found.items() if details.total() >= least][:1]

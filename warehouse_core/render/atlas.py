@@ -53,6 +53,9 @@ CELLS = (
     (DROPOFF, ROBOT_LOADED),
     (CHARGER, ROBOT_EMPTY),
     (CHARGER, ROBOT_LOADED),
+    (PICKUP, PERSON),
+    (DROPOFF, PERSON),
+    (CHARGER, PERSON),
 )
 """Everything that can be painted: a tile and the robot or person on it. The index is its code.
 

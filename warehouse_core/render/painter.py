@@ -7,6 +7,8 @@ height and width of a layout in cells, ``...`` is any leading shape, such as a b
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -15,7 +17,7 @@ from warehouse_core.render.atlas import CODES, Pixels, atlas, color_bytes
 from warehouse_core.render.palette import BATTERY, FAINT, Color
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import tile_codes
-from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED, Cell
+from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED, Cell
 
 MAX_TILE_PIXELS = 256
 
@@ -64,21 +66,32 @@ class TilePainter:
         return painted.view(np.uint8).reshape(*batch, height * side, width * side, 3)
 
     def picture(self, layout: Layout, robot_cell: Cell, loaded: bool) -> Pixels:
-        """Return a new picture of a layout with its robot, ``[H*T, W*T, 3]``.
+        """Return a new picture of a layout with its robot; see ``fleet_picture``."""
+        return self.fleet_picture(layout, [(robot_cell, loaded)])
 
-        The picture of the last layout without a robot is kept: for the same object it is copied
-        and one tile replaced.
+    def fleet_picture(
+        self, layout: Layout, robots: Iterable[tuple[Cell, bool]], people: Iterable[Cell] = ()
+    ) -> Pixels:
+        """Return a new picture of a layout with robots and people, ``[H*T, W*T, 3]``.
+
+        The picture of the last layout alone is kept: for the same object it is copied and the
+        tiles of robots and people replaced.
+
+        Args:
+            layout: to be painted.
+            robots: for each its cell and whether it is loaded.
+            people: the cells of persons.
 
         Raises:
-            KeyError: the robot is on a wall.
+            KeyError: a robot or a person is on a wall.
         """
         if layout is not self._layout:
             self._background, self._layout = self.paint(tile_codes(layout)), layout
-        picture = self._background.copy()
-        (row, col), side = robot_cell, self.tile_pixels
-        robot = ROBOT_LOADED if loaded else ROBOT_EMPTY
-        tile = self._atlas[CODES[layout.rows[row][col], robot]]
-        picture[row * side : (row + 1) * side, col * side : (col + 1) * side] = tile
+        picture, side = self._background.copy(), self.tile_pixels
+        placed = [(cell, ROBOT_LOADED if loaded else ROBOT_EMPTY) for cell, loaded in robots]
+        for (row, col), sign in (*placed, *((cell, PERSON) for cell in people)):
+            tile = self._atlas[CODES[layout.rows[row][col], sign]]
+            picture[row * side : (row + 1) * side, col * side : (col + 1) * side] = tile
         return picture
 
 

@@ -46,6 +46,14 @@ WARNING: Color = COLORS[ROBOT_EMPTY]
 PALE_WARNING: Color = (1.0, 0.85, 0.85)
 HIT: Color = (1.0, 0.85, 0.1)
 
+STRANDED: Color = (0.38, 0.38, 0.4)
+"""Of a robot of a fleet whose battery is empty."""
+
+ORDER_COLORS: tuple[Color, ...] = (
+    (1.0, 0.96, 0.75), (1.0, 0.76, 0.25), (0.85, 0.42, 0.05), (0.55, 0.0, 0.15),
+)  # fmt: skip
+"""Of an order by its age: in the three thirds of its time, and late."""
+
 UNKNOWN: Color = (0.62, 0.62, 0.66)
 """Of a cell that a robot does not see; the palette of files has a close enough match."""
 
@@ -70,7 +78,7 @@ TRAIL_COLORS = {
 }
 
 _OWN_COLORS = (
-    PAPER, INK, FAINT, BATTERY, WARNING, PALE_WARNING, HIT,
+    PAPER, INK, FAINT, BATTERY, WARNING, PALE_WARNING, HIT, STRANDED, *ORDER_COLORS,
     *COLORS.values(), *TRAIL_COLORS.values(),
 )  # fmt: skip
 _GROUNDS = (PAPER, INK, COLORS[EMPTY])

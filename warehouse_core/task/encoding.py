@@ -95,7 +95,7 @@ def vector(arrays: Arrays) -> NDArray[np.float32]:
 
     ======================  =====================================================================
     ``3 * K * K``           for each cell of the window, row by row, three numbers: whether it is
-                            a wall, a pickup and a dropoff
+                            a wall, a pickup and a dropoff; all else counts as floor
     2                       row and column of the robot, in tens of cells
     3                       pickup: whether there is one, then rows and columns from the robot to
                             it, in tens of cells, 0 without a pickup

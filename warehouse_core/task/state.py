@@ -26,8 +26,9 @@ class Observation(TypedDict):
     """What an agent receives; observations share no mutable object.
 
     ``local_grid`` is ``2 * view_radius + 1`` equally long strings centred on the robot: ``#``
-    outside the grid, ``R`` (empty) or ``r`` (loaded) for the robot. ``pickup_pos`` and
-    ``dropoff_pos`` are the first ``P`` and ``D`` in row-major order, or ``None``.
+    outside the grid, ``R`` (empty) or ``r`` (loaded) for the robot, ``O`` or ``o`` for another
+    robot of a fleet and ``H`` for a person. ``pickup_pos`` and ``dropoff_pos`` are the first ``P``
+    and ``D`` in row-major order, or ``None``.
     """
 
     local_grid: list[str]

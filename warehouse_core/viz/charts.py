@@ -35,7 +35,7 @@ class RewardChart:
     """Cumulative reward as a line, the reward of each step as a bar."""
 
     def __init__(self, figure: SceneFigure, axes: Axes, track: Track, length: int) -> None:
-        _prepare(axes, "cumulative reward (bars: each step)", length)
+        prepare(axes, "cumulative reward (bars: each step)", length)
         self._axes = axes
         axes.axhline(0, color=FAINT, linewidth=0.8, zorder=0)
         self._bars = LineCollection([], colors=[BATTERY], linewidths=1.6, alpha=0.7)
@@ -46,13 +46,13 @@ class RewardChart:
             figure.add_mover(mover)
         axes.set_ylim(-1, 1)
         rewards, totals = _rewards(track, track.steps + 1)
-        _fit(axes, [*rewards, *totals])
+        fit(axes, [*rewards, *totals])
 
     def show(self, track: Track, frame: int) -> None:
         """Draw everything up to the last complete step of ``frame``."""
         last = track.step_at(frame)
         rewards, totals = _rewards(track, last + 1)
-        _fit(self._axes, [*rewards, *totals])
+        fit(self._axes, [*rewards, *totals])
         self._bars.set_segments([[(step, 0.0), (step, r)] for step, r in enumerate(rewards)])
         self._line.set_data(range(last + 1), totals)
         self._head.set_data([last], [totals[-1]])
@@ -68,7 +68,7 @@ class DistanceChart:
         self._axes = axes
         self._tiles = [tile for tile, name in self.NAMES.items() if name in track.metrics]
         stations = " and ".join(TILES[tile] for tile in self._tiles)
-        _prepare(axes, f"distance to {stations} (cells)", length)
+        prepare(axes, f"distance to {stations} (cells)", length)
         axes.set_ylim(-0.5, 1)
         self._lines = {
             tile: axes.plot([], [], color=COLORS[tile], linestyle=self.STYLES[tile], linewidth=1.8)[
@@ -80,14 +80,14 @@ class DistanceChart:
         for mover in (*self._lines.values(), *self._letters.values()):
             figure.add_mover(mover)
         for tile in self._tiles:
-            _fit(axes, track.metrics[self.NAMES[tile]])
+            fit(axes, track.metrics[self.NAMES[tile]])
 
     def show(self, track: Track, frame: int) -> None:
         """Draw everything up to the last complete step of ``frame``."""
         last = track.step_at(frame)
         for tile in self._tiles:
             distances = track.metrics[self.NAMES[tile]][: last + 1]
-            _fit(self._axes, distances)
+            fit(self._axes, distances)
             self._lines[tile].set_data(range(last + 1), distances)
             here = distances[-1]
             self._letters[tile].set_visible(not math.isnan(here))
@@ -104,7 +104,7 @@ class MotionChart:
     """Speed as a line, and the energy used so far as an area with its own scale."""
 
     def __init__(self, figure: SceneFigure, axes: Axes, track: Track, length: int) -> None:
-        _prepare(axes, "speed (m/s, line) and energy used (J, area)", length)
+        prepare(axes, "speed (m/s, line) and energy used (J, area)", length)
         self._axes, self._energy_axes = axes, axes.twinx()
         self._energy_axes.set_zorder(axes.get_zorder() - 1)
         axes.patch.set_visible(False)
@@ -129,8 +129,8 @@ class MotionChart:
         self._area.set_xy([(0.0, 0.0), *edge, (frames[-1].progress, 0.0)])
 
     def _fit(self, track: Track) -> None:
-        _fit(self._axes, [max(frame.speed for frame in track.frames)])
-        _fit(self._energy_axes, [track.frames[-1].energy])
+        fit(self._axes, [max(frame.speed for frame in track.frames)])
+        fit(self._energy_axes, [track.frames[-1].energy])
 
 
 class BatteryBar:
@@ -161,7 +161,8 @@ class BatteryBar:
         self._text.set_text(f"battery {units}{warning}")
 
 
-def _prepare(axes: Axes, title: str, count: int) -> None:
+def prepare(axes: Axes, title: str, count: int) -> None:
+    """Give a chart its title and an axis for ``count`` steps."""
     axes.set_title(title, fontsize=9, loc="left", color=INK, pad=4)
     axes.set_xlim(-0.5, max(count - 0.5, 1))
     axes.xaxis.set_major_locator(MaxNLocator(nbins=8, integer=True))
@@ -174,7 +175,7 @@ def _rewards(track: Track, count: int) -> tuple[list[float], list[float]]:
     return rewards, list(accumulate(rewards))
 
 
-def _fit(axes: Axes, values: Sequence[float]) -> None:
+def fit(axes: Axes, values: Sequence[float]) -> None:
     """Widen the range of ``axes`` to show ``values``; it is never narrowed."""
     low, high = axes.get_ylim()
     known = [value for value in values if not math.isnan(value)]

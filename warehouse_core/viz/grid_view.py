@@ -16,8 +16,9 @@ from warehouse_core.render.atlas import UNSEEN
 from warehouse_core.render.palette import COLORS, HIT, INK, UNKNOWN, UNKNOWN_STRIPE
 from warehouse_core.viz.axes import draw_grid
 from warehouse_core.viz.figure import SceneFigure
-from warehouse_core.viz.robot_view import RobotView, letter
-from warehouse_core.viz.track import Hit, Point, Rows, has_chargers
+from warehouse_core.viz.fleet_view import FleetView
+from warehouse_core.viz.robot_view import ABOVE_TILES, RobotView, letter
+from warehouse_core.viz.track import FleetFrame, Frame, Hit, Point, Rows, has_chargers
 from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, WALL, runs_of
 
 ROUTE_STYLE: tuple[float, tuple[float, ...]] = (0, (1.0, 1.6))
@@ -33,10 +34,17 @@ class GridView:
         cell_points: side of a cell in points, 1/72 inch.
         rows: the tiles of the first frame.
         robots: their number.
+        fleet: what the first frame shows of a fleet, if the robots are those of one.
     """
 
     def __init__(
-        self, figure: SceneFigure, axes: Axes, cell_points: float, rows: Rows, robots: int
+        self,
+        figure: SceneFigure,
+        axes: Axes,
+        cell_points: float,
+        rows: Rows,
+        robots: int,
+        fleet: FleetFrame | None = None,
     ) -> None:
         self._axes = axes
         self._figure = figure
@@ -49,10 +57,15 @@ class GridView:
         draw_grid(axes, (len(rows), len(rows[0])), every, line_width=0.6)
         axes.set_aspect("equal")
         axes.xaxis.tick_top()
-        self.robots = [RobotView(figure, axes, cell_points) for _ in range(robots)]
+        self.robots = [RobotView(figure, axes, cell_points) for _ in range(0 if fleet else robots)]
+        self._fleet: FleetView | None = None
+        if fleet:
+            self._fleet = FleetView(figure, axes, cell_points, len(fleet.battery))
         self._hits = axes.plot(
-            [], [], "*", color=HIT, markeredgecolor=INK, markersize=max(9.0, 0.5 * cell_points)
-        )[0]
+            [], [], "*", color=HIT, markeredgecolor=INK, markeredgewidth=0.5 if fleet else 1.0,
+            markersize=0.4 * cell_points if fleet else max(9.0, 0.5 * cell_points),
+            zorder=ABOVE_TILES + 1 if fleet else 2,
+        )[0]  # fmt: skip
         self._hit_label = axes.text(
             0, 0, "", fontsize=8, fontweight="bold", color=INK, ha="center", va="bottom",
             bbox={"boxstyle": "round,pad=0.2", "facecolor": HIT, "linewidth": 0},
@@ -76,6 +89,15 @@ class GridView:
         if any(UNSEEN in line for line in rows):
             stripes = {"edgecolor": UNKNOWN_STRIPE, "linewidth": 0, "hatch": "///"}
             self._tiles.append(self._draw(rows, UNSEEN, 0.0, facecolor=UNKNOWN, **stripes))
+
+    def show_robots(self, frames: Sequence[Frame]) -> None:
+        """Draw the robots where they are in the last of these frames, and their trails there."""
+        if self._fleet:
+            self._fleet.show(frames[-1])
+            return
+        ways = zip(*(frame.robots for frame in frames), strict=True)
+        for robot, poses in zip(self.robots, ways, strict=True):
+            robot.show(poses)
 
     def show_hits(self, hits: Sequence[Hit]) -> None:
         """Mark the places of hits, and label the last of them."""

@@ -55,6 +55,7 @@ class PairScene:
             bottom,
             has_chargers=left.has_chargers or right.has_chargers,
             has_belief=left.has_routes or right.has_routes,
+            is_fleet=left.is_fleet or right.is_fleet,
         )
 
     def __len__(self) -> int:

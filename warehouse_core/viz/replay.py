@@ -17,8 +17,8 @@ from warehouse_core.errors import NoDisplayError
 from warehouse_core.files.atomic import atomic_path, check_suffix
 from warehouse_core.render.window import has_display
 from warehouse_core.viz.export import FORMATS, ffmpeg, page, progress_bar, self_contained
+from warehouse_core.viz.export.gif_writer import GifWriter
 from warehouse_core.viz.figure import PAIR_DPI, SceneFigure, make_figure, make_window, save_svg
-from warehouse_core.viz.gif_writer import GifWriter
 from warehouse_core.viz.pair_scene import PairScene
 from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.track import INTERVAL_MS, Track

@@ -16,17 +16,24 @@ from warehouse_core.render.palette import INK
 from warehouse_core.viz.axes import box_in
 from warehouse_core.viz.charts import BatteryBar, DistanceChart, MotionChart, RewardChart
 from warehouse_core.viz.figure import SceneFigure
+from warehouse_core.viz.fleet_charts import (
+    FLEET_CHARTS,
+    DeliveryChart,
+    EnergyChart,
+    LatenessChart,
+)
 from warehouse_core.viz.grid_view import GridView
 from warehouse_core.viz.legend import draw_legend
 from warehouse_core.viz.track import Track
 
-Chart = RewardChart | DistanceChart | MotionChart | BatteryBar
+StepChart = RewardChart | DistanceChart | MotionChart | DeliveryChart | LatenessChart | EnergyChart
+Chart = StepChart | BatteryBar
 
 MakeFigure = Callable[[tuple[float, float]], SceneFigure | SubFigure]
 """Makes a figure of a width and height in inches, or returns a part of a ``SceneFigure``."""
 
-GRID_INCHES = (6.4, 4.6)
-"""Maximum width and height of the grid."""
+GRID_INCHES, FLEET_INCHES = (6.4, 4.6), (10.0, 6.4)
+"""Maximum width and height of the grid; that of a fleet has room for numbers on robots."""
 MAX_CELL_INCHES = 0.55
 CHART_INCHES = 3.3
 MARGIN = 0.3
@@ -45,11 +52,13 @@ class Plan:
     def __init__(self, track: Track, foot: float, body: float = 0.0) -> None:
         rows = track.frames[0].tiles
         height, width = len(rows), len(rows[0])
-        self.cell = min(GRID_INCHES[0] / width, GRID_INCHES[1] / height, MAX_CELL_INCHES)
+        widest, highest = FLEET_INCHES if track.frames[0].fleet else GRID_INCHES
+        self.cell = min(widest / width, highest / height, MAX_CELL_INCHES)
         self.grid_width, self.grid_height = self.cell * width, self.cell * height
-        has_charts = bool(track.metrics.keys() - {"battery"}) or track.is_continuous
+        metrics = track.metrics.keys() - {"battery"}
+        has_charts = bool(metrics or track.is_continuous or track.shift)
         self.has_battery = "battery" in track.metrics
-        least = 4.2 if track.is_continuous else 3.2 if has_charts else body
+        least = 4.2 if track.is_continuous or track.shift else 3.2 if has_charts else body
         self.left_width = max(self.grid_width, 4.8)
         self.body_height = max(self.grid_height, least)
         charts = 0.75 + CHART_INCHES if has_charts else 0.0
@@ -94,7 +103,9 @@ class Scene:
         grid_top = HEAD + (plan.body_height - plan.grid_height) / 2
         first = track.frames[0]
         axes = self._axes(grid_left, grid_top, plan.grid_width, plan.grid_height)
-        self._grid = GridView(self.root, axes, plan.cell * 72, first.tiles, len(first.robots))
+        self._grid = GridView(
+            self.root, axes, plan.cell * 72, first.tiles, len(first.robots), first.fleet
+        )
         self._charts = self._make_charts(plan)
         if plan.has_battery:
             top = HEAD + plan.body_height + 0.12
@@ -102,7 +113,12 @@ class Scene:
             self._charts.append(BatteryBar(self.root, axes))
         self._make_texts()
         if legend:
-            draw_legend(self.figure, has_chargers=track.has_chargers, has_belief=track.has_routes)
+            draw_legend(
+                self.figure,
+                has_chargers=track.has_chargers,
+                has_belief=track.has_routes,
+                is_fleet=track.is_fleet,
+            )
         self.show(0)
 
     def __len__(self) -> int:
@@ -118,12 +134,7 @@ class Scene:
         track = self._track = track or self._track
         now = track.frames[frame]
         self._grid.show_tiles(now.tiles)
-        for robot, poses in zip(
-            self._grid.robots,
-            zip(*(each.robots for each in track.frames[: frame + 1]), strict=True),
-            strict=True,
-        ):
-            robot.show(poses)
+        self._grid.show_robots(track.frames[: frame + 1])
         self._grid.show_route(now.route)
         self._grid.show_hits(now.hits)
         for chart in self._charts:
@@ -136,10 +147,12 @@ class Scene:
 
     def _make_charts(self, plan: Plan) -> list[Chart]:
         metrics = self._track.metrics.keys()
-        is_shown: dict[type[RewardChart | DistanceChart | MotionChart], bool] = {
+        is_shift = self._track.shift is not None
+        is_shown: dict[type[StepChart], bool] = {
             RewardChart: "rewards" in metrics,
             DistanceChart: not metrics.isdisjoint(DistanceChart.NAMES.values()),
-            MotionChart: self._track.is_continuous,
+            MotionChart: self._track.is_continuous and not is_shift,
+            **dict.fromkeys(FLEET_CHARTS, is_shift),
         }
         kinds = [kind for kind, shown in is_shown.items() if shown]
         gap = 0.55

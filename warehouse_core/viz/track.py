@@ -63,13 +63,61 @@ class Pose:
     loaded: bool
 
 
+@dataclass(frozen=True, slots=True)
+class Waiting:
+    """Orders that wait in a place, their number, and the greatest of their ages."""
+
+    at: Point
+    count: int
+    age: int
+
+
+@dataclass(frozen=True, slots=True)
+class FleetFrame:
+    """What a frame of a fleet shows beside its robots.
+
+    An *age* is an index into ``ORDER_COLORS``.
+
+    Attributes:
+        waiting: orders at their pickups.
+        items: for each robot the age of what it carries, or ``None``.
+        battery: for each robot the share of a full battery that it has left.
+    """
+
+    waiting: tuple[Waiting, ...]
+    items: tuple[int | None, ...]
+    battery: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Shift:
+    """What the charts of a fleet show. ``S`` is the number of steps plus one.
+
+    Attributes:
+        released: ``[S]`` orders released so far.
+        delivered: ``[S]`` items delivered so far.
+        lateness: of each delivery the step, and by how many steps it was late, if above 0.
+        battery: ``[S]`` mean share of a full battery.
+        lowest: ``[S]`` lowest share.
+        joules: ``[S]`` energy used so far.
+    """
+
+    released: list[int]
+    delivered: list[int]
+    lateness: list[tuple[int, int]]
+    battery: list[float]
+    lowest: list[float]
+    joules: list[float]
+
+
 @dataclass(slots=True)
 class Frame:
     """One drawn frame. In a continuous track it is a moment inside a motion.
 
     Attributes:
         tiles: rows of tiles without the robots, ``UNSEEN`` where a cell has not been seen.
-        robots: the pose of each robot, ``None`` for one that is not shown.
+        robots: the pose of each robot, ``None`` for one that is not shown; those of a fleet are
+            followed by people.
         progress: steps taken, with a fraction inside a continuous motion.
         caption: the action and its reason; in the last frame of an episode its diagnosis.
         hits: the collisions to show.
@@ -77,6 +125,7 @@ class Frame:
         speed: of the first robot, in m/s.
         energy: used so far by the first robot, in joules.
         route: the planned way of the robot; empty where no plan is shown.
+        fleet: orders and batteries of a fleet.
     """
 
     tiles: Rows
@@ -88,6 +137,7 @@ class Frame:
     speed: float = 0.0
     energy: float = 0.0
     route: tuple[Point, ...] = ()
+    fleet: FleetFrame | None = None
 
 
 @dataclass(slots=True)
@@ -101,6 +151,7 @@ class Track:
         full_battery: units of a full battery.
         title: shown above the grid.
         ending: how it ended, shown with the last frame.
+        shift: what the charts of a fleet show.
     """
 
     frames: list[Frame]
@@ -109,6 +160,7 @@ class Track:
     full_battery: float = 1.0
     title: str = ""
     ending: str = ""
+    shift: Shift | None = None
 
     def __len__(self) -> int:
         return len(self.frames)
@@ -121,6 +173,11 @@ class Track:
     def steps(self) -> int:
         """The number of steps that the track shows."""
         return math.ceil(self.frames[-1].progress)
+
+    @property
+    def is_fleet(self) -> bool:
+        """Whether the robots are those of a fleet."""
+        return self.frames[0].fleet is not None
 
     @property
     def has_chargers(self) -> bool:
@@ -152,19 +209,13 @@ def track_of_episode(episode: Episode, frame_seconds: float | None = FRAME_SECON
         ValueError: ``frame_seconds`` is not a positive finite number.
         RecordError: continuous motions take more than ``MAX_FRAMES`` frames.
     """
-    if frame_seconds is not None:
-        real_number("frame_seconds", frame_seconds, above=True)
     captions = step_captions(episode)
-    start = Pose(_middle(episode.cells[0]), None, episode.loaded[0])
+    start = Pose(middle(episode.cells[0]), None, episode.loaded[0])
     frames = [Frame(episode.layout.rows, (start,), 0.0)]
     size = episode.settings.cell_size
     is_continuous = any(len(motion.path) > 2 for motion in episode.motions)
+    check_frame_seconds(frame_seconds, episode.seconds if is_continuous else 0.0)
     if is_continuous and frame_seconds is not None:
-        if episode.seconds > MAX_FRAMES * frame_seconds:
-            raise RecordError(
-                f"the motions take {episode.seconds:g} s; with a frame every {frame_seconds:g} s "
-                f"that is more than MAX_FRAMES = {MAX_FRAMES}"
-            )
         for motion, loaded, caption in zip(
             episode.motions, episode.loaded[1:], captions, strict=True
         ):
@@ -173,7 +224,7 @@ def track_of_episode(episode: Episode, frame_seconds: float | None = FRAME_SECON
         is_continuous = False
         for step, motion in enumerate(episode.motions, start=1):
             heading = float(motion.path[-1, 3])
-            pose = Pose(_middle(episode.cells[step]), heading, episode.loaded[step])
+            pose = Pose(middle(episode.cells[step]), heading, episode.loaded[step])
             hits = tuple(_hit(contact, size, "") for contact in motion.contacts)
             frames.append(
                 Frame(episode.layout.rows, (pose,), float(step), captions[step - 1], hits)
@@ -257,7 +308,25 @@ def _hit(contact: Contact, cell_size: float, label: str) -> Hit:
     return Hit((x / cell_size, y / cell_size), label)
 
 
-def _middle(cell: Cell) -> Point:
+def check_frame_seconds(frame_seconds: float | None, seconds: float) -> None:
+    """Raise unless motions of so many seconds can have a frame every ``frame_seconds``.
+
+    Raises:
+        ValueError: ``frame_seconds`` is not a positive finite number.
+        RecordError: they would take more than ``MAX_FRAMES`` frames.
+    """
+    if frame_seconds is None:
+        return
+    real_number("frame_seconds", frame_seconds, above=True)
+    if seconds > MAX_FRAMES * frame_seconds:
+        raise RecordError(
+            f"the motions take {seconds:g} s; with a frame every {frame_seconds:g} s "
+            f"that is more than MAX_FRAMES = {MAX_FRAMES}"
+        )
+
+
+def middle(cell: Cell) -> Point:
+    """Return the middle of a cell."""
     return cell[1] + 0.5, cell[0] + 0.5
 
 
@@ -283,7 +352,7 @@ def track_of_frames(
     for index, (text, robot) in enumerate(zip(texts, robots, strict=True)):
         pose, ground = None, text
         if robot >= 0:
-            pose = Pose(_middle(divmod(robot, width)), None, text[robot] == ROBOT_LOADED)
+            pose = Pose(middle(divmod(robot, width)), None, text[robot] == ROBOT_LOADED)
             others = [*range(index + 1, len(texts)), *range(index - 1, -1, -1)]
             under = next((texts[i][robot] for i in others if robots[i] != robot), EMPTY)
             ground = f"{text[:robot]}{under}{text[robot + 1 :]}"

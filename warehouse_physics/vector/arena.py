@@ -15,7 +15,7 @@ import numpy as np
 import pymunk
 
 from warehouse_core import Layout
-from warehouse_physics.arena import SLOP, add_walls
+from warehouse_physics.arena import BIAS, SLOP, add_walls
 from warehouse_physics.profile import Floats
 from warehouse_physics.robot import ROBOT, WALL, Position
 from warehouse_physics.robot_spec import RobotSpec
@@ -56,6 +56,7 @@ class VectorArena:
         self.space = pymunk.Space()
         self.space.iterations = ITERATIONS
         self.space.collision_slop = SLOP
+        self.space.collision_bias = BIAS
         self._corners = corners
         self._build_walls(layouts, spec.cell_size)
         # The control bodies are in a space of their own that is never stepped: joints use their

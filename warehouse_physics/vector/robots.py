@@ -33,7 +33,7 @@ class VectorRobots:
         loads = (False, True)
         self._masses = np.array([spec.total_mass(load) for load in loads])
         self._drags = np.array([spec.drag_force(load) for load in loads])
-        self._drag_leads = np.array([spec.drag_lead(load) for load in loads])
+        self._lead = spec.time_step / 2
         self._paces = np.array([spec.attainable_acceleration(load) for load in loads])
         self._decelerations = np.maximum(self._paces, spec.floor_deceleration)
         # The floor helps to brake; it brakes alone where its drag exceeds the force needed.
@@ -87,7 +87,7 @@ class VectorRobots:
         is_going = self._phase[due] == GO
         gone, braked = due[is_going], due[~is_going]
         if len(gone):
-            self._count_work(gone, self._velocities[gone], self._drag_leads[self._loaded[gone]])
+            self._count_work(gone, self._velocities[gone], self._lead)
             self._brake(gone, now, self._braking[gone])
         if len(braked):
             speeds = lengths_of(self._velocities[braked])
@@ -121,13 +121,11 @@ class VectorRobots:
     def _go(self, rows: Integers, now: int) -> None:
         if not len(rows):
             return
-        spec = self._spec
         self._start[rows] = start = self._positions[rows]
         self._energy[rows] = 0.0
         pace = self._paces[self._loaded[rows]]
         ways = self._target[rows] - start
-        limits = spec.top_speed, pace, spec.time_step, spec.floor_deceleration
-        velocities, go, brake = plan_profiles(ways, *limits)
+        velocities, go, brake = plan_profiles(ways, *self._spec.limits(pace))
         self._commands[rows] = velocities
         self._push(rows, self._going_forces)
         self._phase[rows], self._until[rows], self._braking[rows] = GO, now + go, brake
@@ -156,28 +154,31 @@ class VectorRobots:
             for row, force in zip(rows[changed].tolist(), wanted[changed].tolist(), strict=True):
                 self.arena.drives[row].max_force = force
 
-    def _count_work(self, rows: Integers, velocities: Floats, leads: Floats | float) -> None:
+    def _count_work(self, rows: Integers, velocities: Floats, lead: float) -> None:
         """Add the work of the motors since the last count: kinetic energy gained, plus drag."""
-        loaded = self._loaded[rows]
-        energy = 0.5 * self._masses[loaded] * (velocities**2).sum(axis=1)
-        way = lengths_of(self._positions[rows] - self._start[rows]) + leads * lengths_of(velocities)
-        gained = energy - self._energy[rows] + self._drags[loaded] * way
-        self.work[rows] += np.maximum(gained, 0.0)
-        self._start[rows], self._energy[rows] = self._positions[rows], energy
+        starts, energies = self._start[rows], self._energy[rows]
+        self._count_from(rows, velocities, lead)
+        drags = self._drags[self._loaded[rows]] * lengths_of(self._start[rows] - starts)
+        self.work[rows] += np.maximum(self._energy[rows] - energies + drags, 0.0)
+
+    def _count_from(self, rows: Integers, velocities: Floats, lead: float) -> None:
+        """Begin to count work at these positions and ``velocities``."""
+        self._start[rows] = self._positions[rows] + lead * velocities
+        self._energy[rows] = 0.5 * self._masses[self._loaded[rows]] * (velocities**2).sum(axis=1)
 
     def _count_impact(self, rows: Integers, before: Floats) -> None:
         """Add the work up to hits in this substep, and of the pushes of the motors in them.
 
         The joint that drives a robot exerts the push of its motor less the drag of the floor.
         """
-        self._count_work(rows, before, -self._spec.time_step / 2)
-        loaded, after = self._loaded[rows], self._velocities[rows]
+        self._count_work(rows, before, -self._lead)
+        after = self._velocities[rows]
         joints = np.array([self.arena.drives[row].impulse for row in rows.tolist()])
-        pushes = joints + self._drags[loaded] * self._spec.time_step
+        pushes = joints + self._drags[self._loaded[rows]] * self._spec.time_step
         commands = self._commands[rows]
         forward = ((before + after) * commands).sum(axis=1) / lengths_of(commands)
         self.work[rows] += np.maximum(pushes * forward / 2, 0.0)
-        self._energy[rows] = 0.5 * self._masses[loaded] * (after**2).sum(axis=1)
+        self._count_from(rows, after, self._lead)
 
     def _rest(self, rows: Rows, now: int) -> None:
         self._phase[rows], self._until[rows], self.substeps[rows] = REST, NEVER, now

@@ -6,53 +6,16 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.collections import PatchCollection
-from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
-from matplotlib.ticker import EngFormatter, MaxNLocator
-from numpy.typing import NDArray
 
 from agents.errors import StoreError
 from agents.experiments.store import Store
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.records.failure_modes import MODES
-from warehouse_core.render.palette import COLORS, INK, PAPER
-from warehouse_core.viz.axes import draw_grid
-from warehouse_core.world.tiles import WALL, runs_of
-
-Counts = NDArray[np.int64]
-"""``[H, W]`` numbers of episodes that ended or were stuck in each cell."""
-
-WIDTH = 9.6
-"""Of a figure, in inches."""
-
-COLUMNS = {1: 1, 2: 2, 4: 2}
-"""Columns of panels by the number of panels; ``MAX_COLUMNS`` for others."""
-MAX_COLUMNS = 3
-
-MAX_GRID_HEIGHT, MAX_CELL = 4.6, 0.5
-LEFT, RIGHT, TOP, BOTTOM = 0.3, 0.62, 0.42, 0.28
-"""Around the grid of each panel, in inches, for its numbers, its colour bar and its title."""
-MIN_PANEL = 2.9
-"""Enough for the longest title with the largest numbers."""
-BAR, BAR_GAP = 0.11, 0.09
-
-POINTS = 72
-"""Per inch."""
-
-MIN_READABLE_CELL = 19.0
-"""Points; the numbers of smaller cells are not written."""
-
-HEAT = LinearSegmentedColormap.from_list("heat", mpl.colormaps["YlOrRd"](np.linspace(0.12, 1, 64)))
-"""It begins darker than the floor."""
+from warehouse_core.viz.axes.heat_map import Counts, heat_map
 
 STUCK = f"""
 SELECT mode, row, col, count(*) FROM episodes
@@ -84,7 +47,7 @@ def stuck_cells(store: Store, rows: Sequence[str], case_ids: Sequence[int]) -> d
     return {mode: found[mode] for mode in MODES if mode in found}
 
 
-def heat_map(rows: Sequence[str], stuck: Mapping[str, Counts], episodes: int) -> Figure:
+def stuck_heat_map(rows: Sequence[str], stuck: Mapping[str, Counts], episodes: int) -> Figure:
     """Return the heat maps of a layout without its stations, one panel per mode.
 
     Args:
@@ -92,69 +55,6 @@ def heat_map(rows: Sequence[str], stuck: Mapping[str, Counts], episodes: int) ->
         stuck: for each mode ``[H, W]`` counts, as ``stuck_cells`` gives them; at least one.
         episodes: the number of all episodes, deliveries included.
     """
-    columns = COLUMNS.get(len(stuck), MAX_COLUMNS)
-    if len(rows[0]) > 30:  # wide layouts need room
-        columns = min(columns, 2)
-    room = WIDTH / columns - LEFT - RIGHT
-    cell = min(room / len(rows[0]), MAX_GRID_HEIGHT / len(rows), MAX_CELL)
-    grid_width, grid_height = cell * len(rows[0]), cell * len(rows)
-    panel_width = max(LEFT + grid_width + RIGHT, MIN_PANEL)
-    panel_height = TOP + grid_height + BOTTOM
-    width, height = columns * panel_width, math.ceil(len(stuck) / columns) * panel_height
-    figure = Figure(figsize=(width, height), facecolor=PAPER)
-    for index, (mode, counts) in enumerate(stuck.items()):
-        line, column = divmod(index, columns)
-        left, top = column * panel_width + LEFT, line * panel_height + TOP
-        bottom, tall = 1 - (top + grid_height) / height, grid_height / height
-        axes = figure.add_axes((left / width, bottom, grid_width / width, tall))
-        count = int(counts.sum())
-        title = f"{mode}: {count:,} ({count / episodes:.1%})"
-        axes.set_title(title, fontsize=9.5, loc="left", color=INK, pad=5, parse_math=False)
-        heat = _draw_panel(axes, rows, counts, cell * POINTS)
-        left += grid_width + BAR_GAP
-        _draw_bar(figure.add_axes((left / width, bottom, BAR / width, tall)), heat)
-    return figure
-
-
-def _draw_panel(
-    axes: Axes, rows: Sequence[str], counts: Counts, cell_points: float
-) -> PatchCollection:
-    """Draw floor, heat and walls, and return the heat."""
-    longest = max(len(rows), len(rows[0]))
-    every = 1 if longest <= 14 else 5 if longest <= 60 else 10
-    thin = 0.5 if longest <= 30 else 0.25
-    draw_grid(axes, (len(rows), len(rows[0])), every, thin, label_size=6.5, pad=1.5)
-    places = np.argwhere(counts)
-    heat = PatchCollection([Rectangle((col, row), 1, 1) for row, col in places], cmap=HEAT)
-    heat.set_array(counts[counts > 0])
-    heat.set_norm(Normalize(0, max(int(counts.max()), 1)))
-    heat.set(edgecolor=PAPER, linewidth=min(0.4, cell_points / 20), zorder=1)
-    axes.add_collection(heat)
-    walls = [
-        Rectangle((left, row), right - left, 1)
-        for row, line in enumerate(rows)
-        for left, right in runs_of(WALL, line)
-    ]
-    # A thin edge and no smoothing leave no seam between the walls of neighbouring rows.
-    wall: dict[str, Any] = {"facecolor": COLORS[WALL], "edgecolor": COLORS[WALL]}
-    axes.add_collection(PatchCollection(walls, linewidth=0.4, antialiased=False, **wall))
-    if cell_points >= MIN_READABLE_CELL:
-        for row, col in places:
-            digits = f"{counts[row, col]}"
-            size = min(0.34, 1.25 / len(digits)) * cell_points
-            color = PAPER if counts[row, col] / counts.max() > 0.6 else INK
-            axes.text(
-                col + 0.5, row + 0.54, digits, fontsize=size, color=color, ha="center",
-                va="center", zorder=4,
-            )  # fmt: skip
-    return heat
-
-
-def _draw_bar(axes: Axes, heat: PatchCollection) -> None:
-    """Draw the colour bar of one panel, in episodes."""
-    assert axes.figure is not None, "axes are of a figure"
-    bar = axes.figure.colorbar(heat, cax=axes)
-    bar.outline.set_visible(False)
-    axes.yaxis.set_major_locator(MaxNLocator(nbins=4, integer=True))
-    axes.yaxis.set_major_formatter(EngFormatter(sep=""))
-    axes.tick_params(length=2, labelsize=6.5, labelcolor="0.45", color="0.6", pad=1.5)
+    counts = {mode: int(cells.sum()) for mode, cells in stuck.items()}
+    titles = {mode: f"{mode}: {count:,} ({count / episodes:.1%})" for mode, count in counts.items()}
+    return heat_map(rows, {titles[mode]: cells for mode, cells in stuck.items()})

@@ -10,11 +10,11 @@ from operator import attrgetter
 from matplotlib.figure import Figure
 
 from agents.evaluation.interval import CONFIDENCE, MIN_VALUES
-from agents.experiments.case import TILES
+from agents.experiments.case import TILES, cells_of
 from agents.experiments.parameters import shown
 from agents.reports.analysis.design import Design, make_design
 from agents.reports.analysis.results import Experiment, Results
-from agents.reports.figures.heat_map import heat_map, stuck_cells
+from agents.reports.figures.heat_map import stuck_cells, stuck_heat_map
 from agents.reports.figures.measure import Measure, measure_chart, measured
 from agents.reports.figures.modes import modes_chart
 from agents.reports.figures.roles import lines_of, roles_of
@@ -25,8 +25,7 @@ MAX_MAPS = 4
 """Heat maps, of the layouts with most episodes."""
 
 MAX_CELLS = 300_000
-"""Of a layout that has a heat map; in a larger one no cell could be seen."""
-
+"""Of a layout that has a heat map or a replay; in a larger one no cell could be seen."""
 
 STATIONS = {"drawn": "random in each episode", "kept": "those of the layout in every episode"}
 
@@ -117,7 +116,7 @@ def _maps(experiment: Experiment) -> Iterator[Picture]:
     """Yield a heat map for each layout and its stations, the one with most episodes first."""
     layouts: dict[tuple[tuple[str, ...], str], list[int]] = {}
     for case_id, case in experiment.cases.items():
-        if TILES in case and len(case[TILES]) * len(case[TILES][0]) <= MAX_CELLS:
+        if TILES in case and cells_of(case) <= MAX_CELLS:
             layouts.setdefault((tuple(case[TILES]), case["stations"]), []).append(case_id)
     most_first = sorted(layouts.items(), key=lambda each: -experiment.results(*each[1]).episodes)
     for number, ((rows, stations), ids) in enumerate(most_first[:MAX_MAPS], start=1):
@@ -131,7 +130,7 @@ def _maps(experiment: Experiment) -> Iterator[Picture]:
             "each failure mode, by the cell where they were stuck or ended"
             f"{_numbers(experiment, ids)}. Pickup and dropoff are {STATIONS[stations]}."
         )
-        yield Picture(f"stuck-{number}", caption, _svg(heat_map(rows, stuck, episodes)))
+        yield Picture(f"stuck-{number}", caption, _svg(stuck_heat_map(rows, stuck, episodes)))
 
 
 def _svg(figure: Figure) -> bytes:

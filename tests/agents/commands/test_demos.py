@@ -2,7 +2,7 @@ import pytest
 from PIL import Image
 
 from agents import cli
-from agents.commands.demos import bump, delivery, head_on, load, slip
+from agents.commands.demos import bump, delivery, head_on, load, ring, slip
 from agents.console.main import main
 
 
@@ -58,6 +58,14 @@ def test_the_two_robots_meet_and_both_go_back():
     assert right[-1] == pytest.approx((3.5, 2.5), abs=1e-3)
     assert track.ending == "both blocked"
     assert track.frames[-1].clock < 3
+
+
+def test_the_robots_of_a_ring_follow_each_other():
+    track = ring().track
+    before, after = ([pose.at for pose in track.frames[frame].robots] for frame in (0, -1))
+    for robot in range(4):
+        assert after[robot] == pytest.approx(before[(robot + 1) % 4], abs=1e-3)
+    assert track.ending == "4 moved on"
 
 
 @pytest.mark.parametrize("name", ["load", "head-on"])

@@ -4,23 +4,13 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 
 import pytest
 
-from agents.experiments.workers import DEFERRED, blocked_interrupts, deferred_interrupts
+from agents.experiments.workers import blocked_interrupts, deferred_interrupts
 
+pytestmark = pytest.mark.usefixtures("interrupts_raise")
 SLEEPER = [sys.executable, "-c", "import time; print('up', flush=True); time.sleep(60)"]
-
-
-@pytest.fixture(autouse=True)
-def restored_handlers() -> Iterator[None]:
-    """Make SIGINT raise, as background processes may ignore it; restore all handlers at the end."""
-    handlers = {number: signal.getsignal(number) for number in DEFERRED}
-    signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    for number, handler in handlers.items():
-        signal.signal(number, handler)
 
 
 def interrupt() -> None:

@@ -28,6 +28,11 @@ def test_a_plan_has_at_most_max_cases() -> None:
         make_plan({"battery": limits | {"to": MAX_CASES + 1}}, 1, 0)
 
 
+def test_a_parameter_without_a_value_is_an_error() -> None:
+    with pytest.raises(ParameterError, match="battery has no value"):
+        spread("battery", [])
+
+
 def test_the_seeds_of_a_plan_are_consecutive() -> None:
     assert list(make_plan({}, 3, MAX_SEED).seeds) == [MAX_SEED, MAX_SEED + 1, MAX_SEED + 2]
 

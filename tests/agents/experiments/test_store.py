@@ -171,14 +171,15 @@ def test_a_text_file_is_an_error_and_is_not_changed(path: Path) -> None:
     assert path.read_text() == text
 
 
-@pytest.mark.parametrize("kind", [os.mkdir, os.mkfifo], ids=["a folder", "a pipe"])
+@pytest.mark.parametrize("read_only", [False, True])
+@pytest.mark.parametrize(("kind", "make"), [("folder", os.mkdir), ("pipe", os.mkfifo)])
 def test_a_folder_or_a_pipe_is_an_error_and_gets_no_journal(
-    path: Path, kind: Callable[[Path], None]
+    path: Path, kind: str, make: Callable[[Path], None], read_only: bool
 ) -> None:
-    kind(path)
+    make(path)
     with pytest.raises(StoreError) as caught:
-        Store(path)
-    assert str(caught.value) == f"{path}: it is a folder or a device, not a file"
+        Store(path, read_only=read_only)
+    assert str(caught.value) == f"{path}: it is a {kind}, not a file"
     assert [each.name for each in path.parent.iterdir()] == [path.name]
 
 

@@ -84,6 +84,16 @@ def test_what_stopped_a_robot_is_read_from_its_outcome() -> None:
     assert found.tolist() == [4, WALL, WALL, 0, NOTHING, WALL]
 
 
+def test_a_robot_is_stopped_by_the_one_in_the_cell_next_to_where_it_is_now() -> None:
+    batch = batch_of([HALL], 2, Scripted)
+    batch.place(np.arange(2), np.array([0, 4]))
+    batch._motions[0].outcomes = [ended((0, 1), blocked=False), ended((1, 1), blocked=False)]
+    batch.advance(np.array([EAST, WAIT]), np.zeros(2, bool))
+    batch._motions[0].outcomes = [ended((0, 1)), ended((1, 1), blocked=False)]
+    found = batch.advance(np.array([SOUTH, WAIT]), np.zeros(2, bool))
+    assert found.stopped_by.tolist() == [1, NOTHING]
+
+
 def test_seeds_and_cells_reach_the_motions_of_their_floors() -> None:
     batch = batch_of([HALL] * 3, 2, Scripted)
     batch.place(np.arange(6), np.array([0, 1, 2, 3, 4, 5]))

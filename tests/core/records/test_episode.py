@@ -356,6 +356,19 @@ def test_episodes_replay_from_a_random_start(seed: int) -> None:
     assert replay_episode(episode) == episode
 
 
+@pytest.mark.parametrize("backend", ["grid", "physics"])
+def test_a_record_with_charging_is_saved_and_replayed(tmp_path: Path, backend: str) -> None:
+    env = WarehouseEnv(["PCD"], (0, 0), battery=14, backend=backend)
+    script = ("PICK", "E", "E", "W", "WAIT", "WAIT", "WAIT", "E", "DROP")
+    episode = record_episode(env, Script(*script), randomize=False)
+    assert episode.battery == [14, 13, 12, 11, 10, 14, 14, 14, 13, 12]
+    assert episode.outcome == "delivered"
+    episode.save(tmp_path / "charged.npz")
+    loaded = Episode.load(tmp_path / "charged.npz")
+    assert loaded == episode == replay_episode(loaded)
+    assert loaded.layout.chargers == ((0, 1),)
+
+
 def test_a_replay_uses_the_radius_and_budgets_of_the_record() -> None:
     env = WarehouseEnv(LINE, (0, 1), 7, 3, 1)
     episode = record_episode(env, Script("E", "E", "E"), randomize=False)

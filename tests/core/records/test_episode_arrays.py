@@ -180,6 +180,16 @@ def test_an_unknown_tile_raises(arrays: Arrays, load_changed: Load, tile: int) -
     refused(load_changed, layout=changed_at(arrays["layout"], (2, 3), tile))
 
 
+def test_a_charger_is_a_tile_and_other_robots_and_people_are_none(
+    arrays: Arrays, load_changed: Load
+) -> None:
+    load_changed(layout=changed_at(arrays["layout"], (2, 5), ord("C")))
+    for character in "OoHc":
+        message = refused(load_changed, layout=changed_at(arrays["layout"], (2, 5), ord(character)))
+        assert f"row 2, column 5: {character!r} is not a tile" in message
+        assert "C (charger)" in message
+
+
 @pytest.mark.parametrize("shape", [(0, 12), (7, 0), (2**40, 0)])
 def test_a_layout_without_tiles_raises_at_once(
     load_changed: Load,

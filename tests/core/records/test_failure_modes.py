@@ -1,5 +1,6 @@
 import copy
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -37,11 +38,18 @@ POCKET = ["......", ".###..", "...#.P", ".###..", "D....."]
 
 
 def drive(
-    rows: Sequence[str], start: Cell, actions: str, *, loaded: bool = False, **settings: Any
+    rows: Sequence[str],
+    start: Cell,
+    actions: str,
+    *,
+    loaded: bool = False,
+    units: int | None = None,
+    **settings: Any,
 ) -> Episode:
     """Carry out actions, a letter each, until the episode ends."""
     env = WarehouseEnv(list(rows), start, **settings)
     env.state.has_item = loaded
+    env.state.battery = units or env.max_battery
     recorder = EpisodeRecorder(env)
     for letter in actions:
         if not recorder.ended:
@@ -468,6 +476,32 @@ def test_an_episode_without_a_step_is_unfinished() -> None:
     assert named(LINE, (0, 1), "")[:4] == ("unfinished", ((0, 1),), 6, 6)
 
 
+# Charging.
+
+CHARGED = ["C" + "." * 30 + "PD"]
+
+
+def test_waiting_that_charges_is_not_lost() -> None:
+    found = named(CHARGED, (0, 0), "." * 25 + "E" * 10, units=5, battery=300, max_steps=35)
+    assert (found.mode, found.steps) == ("out of time", 24)
+
+
+def test_waiting_on_a_charger_with_a_full_battery_is_ineffective() -> None:
+    found = named(CHARGED, (0, 0), "." * 25, units=15, battery=20, max_steps=25)
+    assert (found.mode, found.steps) == ("ineffective", 24)
+    assert found.sentence == "24 waits: at (0, 0)"
+
+
+def test_charging_at_the_end_is_no_oscillation() -> None:
+    found = named(CHARGED, (0, 12), "W" * 12 + "." * 20, units=20, battery=300, max_steps=32)
+    assert (found.mode, found.steps) == ("wandering", 12)
+
+
+def test_a_loop_with_a_charger_in_it_is_an_oscillation() -> None:
+    found = named(CHARGED, (0, 0), "EW." * 8, battery=300, units=20)
+    assert (found.mode, found.steps) == ("oscillation", 16)
+
+
 # The fewest steps.
 
 
@@ -493,7 +527,7 @@ def fewest_by_search(layout: Layout, cell: Cell, loaded: bool) -> int | None:
 
 LAYOUTS = st.integers(1, 5).flatmap(
     lambda width: st.lists(
-        st.text("...##PD", min_size=width, max_size=width), min_size=1, max_size=4
+        st.text("...##PDC", min_size=width, max_size=width), min_size=1, max_size=4
     )
 ).filter(lambda rows: any(set(row) != {"#"} for row in rows)).map(Layout)  # fmt: skip
 
@@ -559,7 +593,9 @@ def check_evidence(episode: Episode, found: Diagnosis) -> None:
         return
     assert set(found.cells) <= set(episode.cells)
     if found.mode == "oscillation":
-        assert set(episode.cells[-1 - found.steps :]) == set(found.cells)
+        units = zip(episode.cells[1:], pairwise(episode.battery), strict=True)
+        cells = [episode.cells[0], *(cell for cell, (a, b) in units if b <= a)]
+        assert set(cells[-1 - found.steps :]) == set(found.cells)
     if found.mode in ("stalled", "oscillation", "wandering"):
         assert MIN_STEPS <= found.steps <= episode.steps
 

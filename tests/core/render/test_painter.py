@@ -68,7 +68,7 @@ def test_the_codes_of_a_window_can_be_painted_as_they_are() -> None:
 
 
 def test_each_cell_has_one_code() -> None:
-    robots = {*itertools.product(".PDC", "Rr"), *itertools.product(".", "OoH")}
+    robots = {*itertools.product(".PDC", "RrH"), *itertools.product(".", "Oo")}
     assert set(CELLS) == robots | {(tile, NO_ROBOT) for tile in ".#PDC?"}
     assert len(set(CELLS)) == len(CELLS)
     assert [CODES[cell] for cell in CELLS] == list(range(len(CELLS)))
@@ -338,6 +338,18 @@ def test_the_fast_path_paints_the_same(side: int) -> None:
         codes = tile_codes(layout)
         codes[robot] = ROBOT_CODES[int(loaded), codes[robot]]
         assert np.array_equal(painter.picture(layout, robot, loaded), painter.paint(codes))
+
+
+def test_a_fleet_and_people_are_painted_on_what_they_stand_on() -> None:
+    robots, people = [((1, 1), False), ((2, 1), True), ((1, 3), True)], [(2, 3), (1, 2), (2, 2)]
+    signs = {(1, 1): "R", (2, 1): "r", (1, 3): "r", (2, 3): "H", (1, 2): "H", (2, 2): "H"}
+    codes = tile_codes(YARD)
+    for (row, col), sign in signs.items():
+        codes[row, col] = CODES[YARD.rows[row][col], sign]
+    painter = TilePainter(20)
+    painted = painter.fleet_picture(YARD, robots, people)
+    assert np.array_equal(painted, painter.paint(codes))
+    assert np.array_equal(painter.fleet_picture(YARD, []), painter.paint(tile_codes(YARD)))
 
 
 def test_a_picture_is_a_new_array() -> None:

@@ -110,3 +110,18 @@ def test_the_limits_of_a_vector_are_exact() -> None:
         vector(encode(last))[[3, 4, 6, 7, 11, 12, 13]],
         [*high[[3, 4]], *low[[6, 7]], *high[[11, 12, 13]]],
     )
+
+
+def test_in_a_vector_a_charger_is_floor() -> None:
+    vectors = [
+        vector(encode(WarehouseEnv([row, "...D"], (0, 0), view_radius=1).reset()))
+        for row in ("P.C.", "PCC.", "P...")
+    ]
+    assert {len(each) for each in vectors} == {3 * 9 + 11}
+    assert all(np.array_equal(each, vectors[2]) for each in vectors)
+
+
+def test_tiles_of_a_fleet_have_codes_of_their_own_in_a_window() -> None:
+    observation = WarehouseEnv(["...", "...", "..."], (1, 1), view_radius=1).reset()
+    observation["local_grid"] = ["COo", "HR.", "#PD"]
+    assert encode(observation)["local_grid"].tolist() == [6, 7, 8, 9, 4, 0, 1, 2, 3]

@@ -30,8 +30,8 @@ from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import WarehouseEnv, record_episode
 from warehouse_core.errors import FormatError
 from warehouse_core.render.palette import COLORS
-from warehouse_core.viz import export
 from warehouse_core.viz.export import FORMATS, progress_bar
+from warehouse_core.viz.export import formats as export
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.replay import Replay
 from warehouse_core.warehouse_viz import replay_animation
@@ -449,7 +449,7 @@ def test_an_interrupt_before_the_first_frame_is_not_hidden(
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("warehouse_core.viz.gif_writer.GifWriter.grab_frame", interrupted)
+    monkeypatch.setattr("warehouse_core.viz.export.gif_writer.GifWriter.grab_frame", interrupted)
     with pytest.raises(KeyboardInterrupt):
         replay_animation(short_episode()).save(tmp_path / "film.gif")
     assert list(tmp_path.iterdir()) == []

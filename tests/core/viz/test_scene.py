@@ -22,10 +22,11 @@ from matplotlib.colors import to_rgb
 
 from warehouse_core.motion.base import Contact
 from warehouse_core.render.palette import COLORS, HIT, INK, PALE_WARNING, TRAIL_COLORS, WARNING
-from warehouse_core.viz.figure import make_figure
+from warehouse_core.viz.figure import SceneFigure, make_figure
+from warehouse_core.viz.grid_view import GridView
 from warehouse_core.viz.replay import Replay
 from warehouse_core.viz.scene import Scene
-from warehouse_core.viz.track import METRICS, Pose, track_of_episode
+from warehouse_core.viz.track import METRICS, Hit, Pose, track_of_episode
 
 BARE = ["#####", "#P.D#", "#..R#", "#####"]
 METRIC_TITLES = {
@@ -153,6 +154,14 @@ def test_a_hit_is_shown_in_its_frame_only() -> None:
         replay.go_to(frame)
         flashed.append(count_color(patch(replay, pixels(replay), *place), HIT) > 0)
     assert flashed == [False, True, False]
+
+
+def test_the_label_of_a_hit_is_beside_it() -> None:
+    figure = SceneFigure((2.0, 2.0), 100)
+    axes = figure.add_axes((0, 0, 1, 1))
+    GridView(figure, axes, 50.0, ("...", ".P."), 1).show_hits([Hit((1.0, 1.5), "2 N·s")])
+    [label] = (text for text in axes.texts if text.get_text() == "2 N·s")
+    assert math.dist(label.get_position(), (1.0, 1.5)) < 0.5
 
 
 def test_a_frame_without_a_robot_shows_none() -> None:

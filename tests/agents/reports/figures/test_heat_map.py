@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from agents.experiments.case import make_case
 from agents.experiments.store import Row, Store
-from agents.reports.figures.heat_map import HEAT, heat_map, stuck_cells
+from agents.reports.figures.heat_map import stuck_cells, stuck_heat_map
 from warehouse_core import DEFAULT_LAYOUT, random_layout
 from warehouse_core.records.failure_modes import MODES
 from warehouse_core.render.palette import COLORS
+from warehouse_core.viz.axes.heat_map import HEAT
 
 ROWS = ("######", "#....#", "#..#.#", "#....#", "######")
 LARGE = random_layout(20, 40, 0.2, 3).rows
@@ -87,13 +88,13 @@ def test_without_failures_there_is_nothing_to_draw(store: Store) -> None:
 
 def test_the_title_of_a_panel_has_its_mode_its_count_and_its_share() -> None:
     stuck = {"wandering": counts((1, 2, 900), (3, 3, 100)), "stalled": counts((1, 1, 1))}
-    figure = heat_map(ROWS, stuck, 4000)
+    figure = stuck_heat_map(ROWS, stuck, 4000)
     titles = [axes.get_title(loc="left") for axes in panels(figure)]
     assert titles == ["wandering: 1,000 (25.0%)", "stalled: 1 (0.0%)"]
 
 
 def test_more_episodes_have_a_hotter_colour_and_none_the_colour_of_the_floor() -> None:
-    figure = heat_map(ROWS, {"wandering": counts((1, 2, 100), (3, 3, 10))}, 200)
+    figure = stuck_heat_map(ROWS, {"wandering": counts((1, 2, 100), (3, 3, 10))}, 200)
     [axes] = panels(figure)
     hot, warm = (color_in(figure, axes, x, y) for x, y in ((2.1, 1.8), (3.1, 3.8)))
     np.testing.assert_allclose(hot, HEAT(1.0)[:3], atol=0.01)
@@ -105,16 +106,16 @@ def test_more_episodes_have_a_hotter_colour_and_none_the_colour_of_the_floor() -
 
 
 def test_rows_go_down_and_columns_go_right() -> None:
-    figure = heat_map(ROWS, {"wandering": counts((3, 1, 5))}, 9)
+    figure = stuck_heat_map(ROWS, {"wandering": counts((3, 1, 5))}, 9)
     [axes] = panels(figure)
     np.testing.assert_allclose(color_in(figure, axes, 1.1, 3.9), HEAT(1.0)[:3], atol=0.01)
     np.testing.assert_allclose(color_in(figure, axes, 3.5, 2.5), COLORS["#"], atol=0.01)
 
 
 def test_only_large_cells_show_their_number() -> None:
-    [axes] = panels(heat_map(ROWS, {"wandering": counts((1, 2, 41), (3, 4, 7))}, 99))
+    [axes] = panels(stuck_heat_map(ROWS, {"wandering": counts((1, 2, 41), (3, 4, 7))}, 99))
     assert sorted(written(axes)) == ["41", "7"]
-    [axes] = panels(heat_map(LARGE, {"wandering": counts((1, 2, 41), rows=LARGE)}, 99))
+    [axes] = panels(stuck_heat_map(LARGE, {"wandering": counts((1, 2, 41), rows=LARGE)}, 99))
     assert written(axes) == []
 
 
@@ -123,7 +124,7 @@ def test_only_large_cells_show_their_number() -> None:
 )
 def test_panels_neither_overlap_nor_leave_the_figure(rows: tuple[str, ...], count: int) -> None:
     stuck = {mode: counts((1, 1, 1_000_000), rows=rows) for mode in MODES[1 : count + 1]}
-    figure = heat_map(rows, stuck, 1_000_000)
+    figure = stuck_heat_map(rows, stuck, 1_000_000)
     FigureCanvasAgg(figure).draw()
     boxes = [axes.get_tightbbox().frozen() for axes in figure.axes]
     assert len(boxes) == 2 * count, "each panel has its bar"
@@ -138,7 +139,7 @@ def test_panels_neither_overlap_nor_leave_the_figure(rows: tuple[str, ...], coun
 
 def test_cells_are_square() -> None:
     for rows in (ROWS, LARGE):
-        figure = heat_map(rows, {"wandering": counts((1, 1, 3), rows=rows)}, 10)
+        figure = stuck_heat_map(rows, {"wandering": counts((1, 1, 3), rows=rows)}, 10)
         [axes] = panels(figure)
         box = axes.get_window_extent()
         assert box.width / len(rows[0]) == pytest.approx(box.height / len(rows))
@@ -146,6 +147,6 @@ def test_cells_are_square() -> None:
 
 def test_each_panel_has_its_own_scale() -> None:
     stuck = {"wandering": counts((1, 2, 1000)), "stalled": counts((1, 2, 2))}
-    figure = heat_map(ROWS, stuck, 2000)
+    figure = stuck_heat_map(ROWS, stuck, 2000)
     for axes in panels(figure):
         np.testing.assert_allclose(color_in(figure, axes, 2.1, 1.8), HEAT(1.0)[:3], atol=0.01)

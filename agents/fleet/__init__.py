@@ -1,0 +1,6 @@
+"""Agents for fleets, and shifts that they work."""
+
+from agents.fleet.shift import run_shift
+from agents.fleet.team import Team
+
+__all__ = ["Team", "run_shift"]

@@ -1,0 +1,48 @@
+"""Robots of a fleet each of which is directed by an agent of the chapter."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+
+from agents.fleet.pilot import Pilot, Site
+from warehouse_core import Agent, FleetEnv
+
+
+class Team:
+    """Robots each of which is directed by an agent of the chapter, such as ``GreedyAgent``.
+
+    See ``Pilot`` for what the agents observe.
+
+    Args:
+        agents: one for each robot.
+        seed: of the moves of robots that are in the way.
+
+    Attributes:
+        agents: as given.
+        reasons: ``R``, of the last actions.
+        robot: the one whose agent is choosing now, or ``None``.
+    """
+
+    def __init__(self, agents: Sequence[Agent], seed: int | None = None) -> None:
+        self.agents, self._seed = agents, seed
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the last episode."""
+        self.robot: int | None = None
+        self.reasons = [""] * len(self.agents)
+        self._pilots: list[Pilot] = []
+
+    def act(self, env: FleetEnv) -> list[int]:
+        """Return the next action of each robot, as an index."""
+        if not self._pilots:
+            site, stream = Site(env), random.Random(self._seed)
+            self._pilots = [Pilot(agent, site, stream) for agent in self.agents]
+        actions = []
+        for robot, observation in enumerate(env.observations()):
+            self.robot, pilot = robot, self._pilots[robot]
+            actions.append(pilot.act(observation))
+            self.reasons[robot] = pilot.reason
+        self.robot = None
+        return actions
