@@ -25,6 +25,7 @@ from agents.evaluation.interval import (
 from warehouse_core import (
     DEFAULT_LAYOUT,
     Agent,
+    BatchEnv,
     Cell,
     EpisodeRecorder,
     Layout,
@@ -32,6 +33,7 @@ from warehouse_core import (
     WarehouseEnv,
 )
 from warehouse_core.records.failure_modes import fewest_steps
+from warehouse_core.vector.rows import SAME_STEP
 
 MakeAgent = Callable[[int], Agent]
 """Returns the agent for the episode with a seed."""
@@ -64,6 +66,20 @@ class Task(NamedTuple):
         return WarehouseEnv(
             self.layout, self.start_pos, self.max_steps, self.battery, backend=self.backend
         )
+
+    def make_batch(self, rows: int) -> BatchEnv:
+        """Return a batch for training, on the grid backend, with random stations and starts."""
+        return BatchEnv(
+            rows,
+            self.layout,
+            max_steps=self.max_steps,
+            battery=self.battery,
+            autoreset_mode=SAME_STEP,
+        )
+
+    def evaluate(self, make_agent: MakeAgent, seeds: Iterable[int]) -> Scores:
+        """Run one whole episode for each seed."""
+        return evaluate(make_agent, self, seeds)
 
 
 class Run(NamedTuple):

@@ -210,6 +210,15 @@ class FleetEnv:
         row = whole_number("robot", robot, 0, self.settings.robots - 1)
         return observation_of(self._fleets.observe(np.array([row])), 0)
 
+    def arrays(self) -> FleetArrays:
+        """Return what all robots observe now, as fresh arrays.
+
+        Raises:
+            EndedError: before the first reset.
+        """
+        self._check_started("arrays")
+        return self._fleets.observe()
+
     def assign(self, robot: int, order: int | None) -> None:
         """Let an open order wait for one robot only; ``None`` makes that of the robot open again.
 

@@ -13,8 +13,28 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.render.palette import COLORS, FAINT, INK, PAPER, UNKNOWN, Color, blend
-from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, WALL
+from warehouse_core.render.palette import (
+    COLORS,
+    FAINT,
+    FLEET_COLORS,
+    INK,
+    PAPER,
+    UNKNOWN,
+    Color,
+    blend,
+)
+from warehouse_core.world.tiles import (
+    CHARGER,
+    DROPOFF,
+    EMPTY,
+    OTHER_EMPTY,
+    OTHER_LOADED,
+    PERSON,
+    PICKUP,
+    ROBOT_EMPTY,
+    ROBOT_LOADED,
+    WALL,
+)
 
 Pixels = NDArray[np.uint8]
 """Red, green and blue, 0..255, in the last axis."""
@@ -31,15 +51,21 @@ CELLS = (
     (DROPOFF, NO_ROBOT),
     (EMPTY, ROBOT_EMPTY),
     (EMPTY, ROBOT_LOADED),
+    (CHARGER, NO_ROBOT),
+    (EMPTY, OTHER_EMPTY),
+    (EMPTY, OTHER_LOADED),
+    (EMPTY, PERSON),
     (UNSEEN, NO_ROBOT),
     (PICKUP, ROBOT_EMPTY),
     (PICKUP, ROBOT_LOADED),
     (DROPOFF, ROBOT_EMPTY),
     (DROPOFF, ROBOT_LOADED),
+    (CHARGER, ROBOT_EMPTY),
+    (CHARGER, ROBOT_LOADED),
 )
-"""Everything that can be painted: a tile and the robot on it. The index is its code.
+"""Everything that can be painted: a tile and who is on it. The index is its code.
 
-The first six are the characters of a window in the order of ``tiles.CELL_CODES``, so the codes of a
+The first ten are the characters of a window in the order of ``tiles.CELL_CODES``, so the codes of a
 window can be painted without a change.
 """
 
@@ -48,12 +74,15 @@ CODES = {cell: code for code, cell in enumerate(CELLS)}
 
 ROBOT_CODES = np.array(
     [
-        [CODES.get((tile, robot), 255) for tile, _ in CELLS[:4]]
+        [CODES.get((tile, robot), 255) for tile, _ in CELLS[:7]]
         for robot in (ROBOT_EMPTY, ROBOT_LOADED)
     ],
     np.uint8,
 )
-"""The code with a robot, by whether it is loaded and the code without; 255 for walls."""
+"""The code with a robot, by whether it is loaded and the code without; 255 for walls.
+
+A robot on a robot, as in a window, is that robot.
+"""
 ROBOT_CODES.setflags(write=False)
 
 INSET, CORNER = 0.06, 0.1
@@ -71,7 +100,15 @@ MIN_RADIUS, MIN_CORNER_LETTER, MIN_ROBOT_LETTER = 3.0, 5, 6
 MIN_OUTLINED, MIN_LETTERED, MIN_BOTH_LETTERED = 10, 16, 20
 """Minimum sides of tiles, in pixels, with an outline, with a letter, and with two letters."""
 
-WIDTHS = {PICKUP: 0.82, DROPOFF: 0.92, ROBOT_EMPTY: 0.86, ROBOT_LOADED: 0.58}
+ALL_COLORS = COLORS | FLEET_COLORS
+
+LOADED = (ROBOT_LOADED, OTHER_LOADED)
+"""Robots whose letters are small."""
+
+WIDTHS = {
+    PICKUP: 0.82, DROPOFF: 0.92, CHARGER: 0.88, ROBOT_EMPTY: 0.86, ROBOT_LOADED: 0.58,
+    OTHER_EMPTY: 0.96, OTHER_LOADED: 0.8, PERSON: 0.86,
+}  # fmt: skip
 """Widths of the letters, as shares of the height of a capital."""
 
 SAMPLES = 8
@@ -96,7 +133,7 @@ def _draw_cell(tile: str, robot: str, side: int) -> Pixels:
     elif tile != WALL:
         # Lines are one pixel wide; they are paler on small tiles instead of narrower.
         _fill(points, (x < 1) | (y < 1), blend(COLORS[EMPTY], FAINT, min(1.0, side / 24)))
-    if tile in (PICKUP, DROPOFF):
+    if tile in (PICKUP, DROPOFF, CHARGER):
         lettered = side >= (MIN_BOTH_LETTERED if robot else MIN_LETTERED)
         _draw_station(points, x, y, side, tile, lettered)
     if robot:
@@ -110,7 +147,9 @@ def _draw_station(
     points: Pixels, x: Places, y: Places, side: int, tile: str, lettered: bool
 ) -> None:
     inset = round(INSET * side)
-    _fill(points, _within(inset, x, side - inset) & _within(inset, y, side - inset), COLORS[tile])
+    _fill(
+        points, _within(inset, x, side - inset) & _within(inset, y, side - inset), ALL_COLORS[tile]
+    )
     if lettered:
         corner = max(round(CORNER * side), inset + 1)
         height = max(MIN_CORNER_LETTER, round(CORNER_LETTER * side))
@@ -124,13 +163,13 @@ def _draw_robot(points: Pixels, x: Places, y: Places, side: int, robot: str) -> 
     outline = OUTLINE * side if side >= MIN_OUTLINED else 0.0
     distance = np.hypot(x, y)
     _fill(points, distance < radius + outline / 2, INK)
-    _fill(points, distance < radius - outline / 2, COLORS[robot])
+    _fill(points, distance < radius - outline / 2, ALL_COLORS[robot])
     if side >= MIN_LETTERED:
         capital = max(MIN_ROBOT_LETTER, round(ROBOT_LETTER * side))
         width = _centred(WIDTHS[robot] * capital, side)
-        height = _centred(capital if robot == ROBOT_EMPTY else 0.76 * capital, side)
+        height = _centred(0.76 * capital if robot in LOADED else capital, side)
         letter = _letter(robot, x + width / 2, y + height / 2, width, height)
-        _fill(points, letter, PAPER if robot == ROBOT_EMPTY else INK)
+        _fill(points, letter, PAPER if robot in (ROBOT_EMPTY, PERSON) else INK)
 
 
 def _centred(length: float, side: int) -> int:
@@ -144,10 +183,18 @@ def _letter(letter: str, x: Places, y: Places, width: int, height: int) -> Shape
 
     Its strokes are whole pixels wide, because small letters would be blurred otherwise.
     """
-    is_capital = letter != ROBOT_LOADED
+    is_capital = letter not in LOADED
     thick = max(1, round((0.26 if is_capital else 0.32) * height))
     thin = max(1, round((0.18 if is_capital else 0.28) * height))
     stem = _within(0, x, thick) & _within(0, y, height)
+    if letter == PERSON:
+        bar = _within(0, x, width) & (np.abs(y - height / 2) < thin / 2)
+        return stem | (_within(width - thick, x, width) & _within(0, y, height)) | bar
+    if letter in (CHARGER, OTHER_EMPTY, OTHER_LOADED):
+        x, y = x - width / 2, y - height / 2
+        inner = _oval(x, y, width / 2 - thick, height / 2 - thin)
+        gap = (letter == CHARGER) & (x > 0) & (np.abs(y) < height / 5)
+        return _oval(x, y, width / 2, height / 2) & ~inner & ~gap
     if not is_capital:
         bend = 0.6 * height
         arm = _oval(x - width, y - bend, width - 0.6 * thick, bend)

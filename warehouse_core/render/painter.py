@@ -7,15 +7,17 @@ height and width of a layout in cells, ``...`` is any leading shape, such as a b
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from warehouse_core.arguments import whole_number
-from warehouse_core.render.atlas import CODES, Pixels, atlas, color_bytes
+from warehouse_core.render.atlas import CODES, ROBOT_CODES, Pixels, atlas, color_bytes
 from warehouse_core.render.palette import BATTERY, FAINT, Color
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import tile_codes
-from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED, Cell
+from warehouse_core.world.tiles import EMPTY, PERSON, ROBOT_EMPTY, ROBOT_LOADED, Cell
 
 MAX_TILE_PIXELS = 256
 
@@ -80,6 +82,25 @@ class TilePainter:
         tile = self._atlas[CODES[layout.rows[row][col], robot]]
         picture[row * side : (row + 1) * side, col * side : (col + 1) * side] = tile
         return picture
+
+    def fleet_picture(
+        self,
+        layout: Layout,
+        robots: Sequence[Cell],
+        loaded: Sequence[bool],
+        people: Sequence[Cell] = (),
+    ) -> Pixels:
+        """Return a new picture of a layout with several robots and people, ``[H*T, W*T, 3]``.
+
+        Raises:
+            IndexError: a robot is on a wall.
+        """
+        codes = tile_codes(layout)
+        for cell, has_item in zip(robots, loaded, strict=True):
+            codes[cell] = ROBOT_CODES[int(has_item), codes[cell]]
+        for cell in people:
+            codes[cell] = CODES[EMPTY, PERSON]
+        return self.paint(codes)
 
 
 def bar(share: ArrayLike, width: int, height: int, color: Color = BATTERY) -> Pixels:

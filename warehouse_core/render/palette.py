@@ -8,7 +8,18 @@ from __future__ import annotations
 from functools import cache
 from typing import Literal
 
-from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, WALL
+from warehouse_core.world.tiles import (
+    CHARGER,
+    DROPOFF,
+    EMPTY,
+    OTHER_EMPTY,
+    OTHER_LOADED,
+    PERSON,
+    PICKUP,
+    ROBOT_EMPTY,
+    ROBOT_LOADED,
+    WALL,
+)
 
 Color = tuple[float, float, float]
 """RGB, 0..1."""
@@ -20,6 +31,13 @@ COLORS: dict[str, Color] = {
     DROPOFF: (0.2, 0.8, 0.3),
     ROBOT_EMPTY: (0.9, 0.2, 0.2),
     ROBOT_LOADED: (0.95, 0.6, 0.2),
+}
+
+FLEET_COLORS: dict[str, Color] = {
+    CHARGER: (0.95, 0.85, 0.25),
+    OTHER_EMPTY: (0.95, 0.7, 0.85),
+    OTHER_LOADED: (0.6, 0.42, 0.25),
+    PERSON: (0.3, 0.3, 0.75),
 }
 
 PAPER: Color = (1.0, 1.0, 1.0)

@@ -63,13 +63,13 @@ def where(image: NDArray[np.uint8], color: tuple[float, float, float]) -> NDArra
 
 def test_the_codes_of_a_window_can_be_painted_as_they_are() -> None:
     for character, code in CELL_CODES.items():
-        tile, robot = (".", character) if character in "Rr" else (character, NO_ROBOT)
+        tile, robot = (".", character) if character in "RrOoH" else (character, NO_ROBOT)
         assert CELLS[code] == (tile, robot)
 
 
 def test_each_cell_has_one_code() -> None:
-    robots = set(itertools.product(".PD", "Rr"))
-    assert set(CELLS) == robots | {(tile, NO_ROBOT) for tile in ".#PD?"}
+    robots = set(itertools.product(".PDC", "Rr")) | set(itertools.product(".", "OoH"))
+    assert set(CELLS) == robots | {(tile, NO_ROBOT) for tile in ".#PDC?"}
     assert len(set(CELLS)) == len(CELLS)
     assert [CODES[cell] for cell in CELLS] == list(range(len(CELLS)))
 
@@ -97,9 +97,18 @@ def test_the_codes_of_a_layout_may_be_changed() -> None:
 
 
 def test_a_robot_can_be_put_on_many_tiles_at_once() -> None:
-    tiles = np.array([CODES[tile, NO_ROBOT] for tile in ".PD"])
+    tiles = np.array([CODES[tile, NO_ROBOT] for tile in ".PDC"])
     for loaded, robot in enumerate("Rr"):
-        assert ROBOT_CODES[loaded, tiles].tolist() == [CODES[tile, robot] for tile in ".PD"]
+        assert ROBOT_CODES[loaded, tiles].tolist() == [CODES[tile, robot] for tile in ".PDC"]
+
+
+def test_a_fleet_is_painted_with_its_people() -> None:
+    layout, painter = Layout(["C.P", ".D#"]), TilePainter(8)
+    robots, loaded = [(0, 0), (0, 2)], [False, True]
+    drawing = [[("C", "R"), (".", ""), ("P", "r")], [(".", "H"), ("D", ""), ("#", "")]]
+    expected = painter.paint([[CODES[cell] for cell in row] for row in drawing])
+    assert np.array_equal(painter.fleet_picture(layout, robots, loaded, [(1, 0)]), expected)
+    assert np.array_equal(painter.fleet_picture(layout, [], []), painter.paint(tile_codes(layout)))
 
 
 @pytest.mark.parametrize("code", [len(CELLS), *ROBOT_CODES[:, CODES["#", NO_ROBOT]]])
