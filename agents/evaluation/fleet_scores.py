@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from contextlib import closing
 from dataclasses import dataclass
@@ -18,19 +19,28 @@ from warehouse_core.vector.rows import SAME_STEP
 
 @dataclass(frozen=True)
 class FleetScores:
-    """The measures of a fleet's episodes, and what they come to, with 95% intervals."""
+    """The measures of the episodes of ``robots`` robots, and what they come to.
+
+    Intervals are of 95%.
+    """
 
     runs: Sequence[FleetMeasures]
+    robots: int
 
     @property
-    def per_hour(self) -> Interval | None:
+    def summary(self) -> str:
+        """The deliveries in an hour, for a line of progress."""
+        return f"{np.mean([run.per_hour for run in self.runs]):.0f} an hour"
+
+    @property
+    def per_hour(self) -> Interval:
         """The items delivered in an hour, a mean over the episodes."""
-        return mean_interval(np.array([run.per_hour for run in self.runs]))
+        return _mean([run.per_hour for run in self.runs])
 
     @property
-    def blocked(self) -> Interval | None:
-        """The share of all steps of robots that others blocked, a mean over the episodes."""
-        return mean_interval(np.array([run.blocked_by_robot / run.steps for run in self.runs]))
+    def blocked(self) -> Interval:
+        """The share of the robots' steps in which others blocked them, a mean over the episodes."""
+        return _mean([run.blocked_by_robot / (run.steps * self.robots) for run in self.runs])
 
 
 class FleetTask(NamedTuple):
@@ -49,6 +59,11 @@ class FleetTask(NamedTuple):
     orders: float = 0.2
     battery: int = 200
     max_steps: int = 200
+
+    @property
+    def seed_stride(self) -> int:
+        """10: an episode has many deliveries, so that every tenth seed is enough."""
+        return 10
 
     def make_env(self) -> FleetEnv:
         """Return a fleet for the task."""
@@ -75,7 +90,12 @@ class FleetTask(NamedTuple):
     def evaluate(self, make_agent: MakeAgent, seeds: Iterable[int]) -> FleetScores:
         """Run one whole episode for each seed, with an agent for each robot."""
         with closing(self.make_env()) as env:
-            return FleetScores([_run(env, make_agent, seed) for seed in seeds])
+            return FleetScores([_run(env, make_agent, seed) for seed in seeds], self.robots)
+
+
+def _mean(values: Sequence[float]) -> Interval:
+    """Return the mean of at least one value."""
+    return mean_interval(np.array(values)) or Interval(math.nan)
 
 
 def _run(env: FleetEnv, make_agent: MakeAgent, seed: int) -> FleetMeasures:

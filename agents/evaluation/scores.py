@@ -67,6 +67,11 @@ class Task(NamedTuple):
             self.layout, self.start_pos, self.max_steps, self.battery, backend=self.backend
         )
 
+    @property
+    def seed_stride(self) -> int:
+        """1: each seed of an evaluation is used."""
+        return 1
+
     def make_batch(self, rows: int) -> BatchEnv:
         """Return a batch for training, on the grid backend, with random stations and starts."""
         return BatchEnv(
@@ -121,6 +126,11 @@ class Scores:
     def lengths(self) -> NDArray[np.int64]:
         """``[N]`` the steps of each episode."""
         return np.array([run.steps for run in self.runs], np.int64)
+
+    @property
+    def summary(self) -> str:
+        """The share of deliveries, for a line of progress."""
+        return f"{self.delivered.mean():.0%}"
 
     @property
     def success(self) -> Interval:

@@ -50,6 +50,7 @@ def vector_step(batch: Batch, actions: NDArray[np.int64]) -> VectorStep:
             infos[row] = {
                 "terminal_observation": last[row],
                 "TimeLimit.truncated": not delivered,
-                "is_success": delivered,
             }
+            if isinstance(batch, BatchEnv):  # a fleet with a stream of orders is never done
+                infos[row]["is_success"] = delivered
     return network_input(arrays, tiles), rewards.astype(np.float32), ended, infos

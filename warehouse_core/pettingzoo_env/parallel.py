@@ -143,15 +143,16 @@ class WarehouseParallelEnv(ParallelEnv[str, Any, int]):
         """
         chosen = self._chosen(actions)
         arrays, *results, info = self.fleet.step(chosen)
+        ended = np.logical_or(*results[1:])
         observations, infos = self._dicts(arrays, info["action_mask"])
         rewards, terminated, truncated = (
             dict(zip(self.agents, values[self._running].tolist(), strict=True))
             for values in results
         )
-        self._running &= ~(results[1] | results[2])
-        self.agents = [
-            agent for agent in self.agents if not (terminated[agent] or truncated[agent])
-        ]
+        if (ended & self._running).any():
+            self._running = ~ended
+            running = zip(self.possible_agents, self._running.tolist(), strict=True)
+            self.agents = [agent for agent, is_running in running if is_running]
         if self.render_mode == "human":
             self._show()
         return observations, rewards, terminated, truncated, infos
@@ -200,12 +201,16 @@ class WarehouseParallelEnv(ParallelEnv[str, Any, int]):
         observed, masked = form, list(masks)
         if self._has_masks:
             columns = {**form, "has_item": form["has_item"].tolist(), "action_mask": masked}
-            observed = [
-                dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)
-            ]
-        agents = list(zip(self.agents, rows, strict=True))
-        observations = {agent: observed[row] for agent, row in agents}
-        return observations, {agent: {"action_mask": masked[row]} for agent, row in agents}
+            observed = [{} for _ in masked]
+            for key, column in columns.items():  # faster than row by row
+                for each, value in zip(observed, column, strict=True):
+                    each[key] = value
+        observations = {agent: observed[row] for agent, row in zip(self.agents, rows, strict=True)}
+        infos = {
+            agent: {"action_mask": masked[row]}
+            for agent, row in zip(self.agents, rows, strict=True)
+        }
+        return observations, infos
 
     def _picture(self) -> NDArray[np.uint8]:
         fleet = self.fleet
