@@ -26,7 +26,7 @@ from warehouse_core.viz.track import (
 if TYPE_CHECKING:
     from warehouse_core.viz.replay import Replay
 
-LEGEND_INCHES = (6.0, 0.6)
+LEGEND_INCHES, FLEET_LEGEND_INCHES = (6.0, 0.6), (8.0, 0.8)
 
 Frames = Sequence[Sequence[Sequence[str]]]
 Record = Episode | FleetEpisode
@@ -112,7 +112,7 @@ def save_frames_to_svg(frames: Record | Frames, output_dir: str | Path, dpi: flo
             with atomic_path(folder / f"frame_{frame:04d}.svg") as part:
                 save_svg(scene.root, part, dpi)
             report(frame, None)
-    legend = make_figure(LEGEND_INCHES)
+    legend = make_figure(FLEET_LEGEND_INCHES if track.is_fleet else LEGEND_INCHES)
     draw_legend(legend, has_chargers=track.has_chargers, is_fleet=track.is_fleet)
     with atomic_path(folder / "legend.svg") as part:
         save_svg(legend, part, dpi)

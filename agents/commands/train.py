@@ -19,6 +19,8 @@ from agents.console.options import (
     LayoutOption,
     MaxStepsOption,
     ModelOption,
+    OrderRateOption,
+    TrainedRobotsOption,
     TrainingSeedOption,
     TrainingStepsOption,
     load_layout,
@@ -26,7 +28,9 @@ from agents.console.options import (
 from agents.console.table import Table, print_table
 from agents.console.terminal import say
 from agents.errors import AgentError
-from agents.evaluation.scores import MakeAgent, Scores, Task, evaluate
+from agents.evaluation.fleet_scores import FleetScores, FleetTask
+from agents.evaluation.scores import MakeAgent, Scores, Task
+from agents.evaluation.wording import mean, share
 from agents.learning.q_learning import QAgent, QTable, learn
 from agents.learning.q_table import save_table
 from agents.learning.training import FINAL_SEEDS, RECENT_EPISODES, Examiner, Point, Watch
@@ -55,6 +59,8 @@ def train_ppo(
     layout: LayoutOption = None,
     battery: BatteryOption = 200,
     max_steps: MaxStepsOption = 200,
+    robots: TrainedRobotsOption = 1,
+    orders: OrderRateOption = 0.2,
     output: ModelOption = Path("ppo.npz"),
 ) -> None:
     """Train a network by PPO.
@@ -64,15 +70,21 @@ def train_ppo(
     (.zip) for further training. The .zip holds pickled Python: load only
     files of that kind that you trust.
 
+    Several robots deliver orders of the layout's own stations; they share the
+    network, and each is rewarded for its own deliveries.
+
     Example: warehouse train ppo --steps 2000000 -o ppo.npz
+    Example: warehouse train ppo --robots 4 --steps 400000 -o fleet.npz
     """
-    task = Task(load_layout(layout), battery, max_steps)
+    task: Task | FleetTask = Task(load_layout(layout), battery, max_steps)
+    if robots > 1:
+        task = FleetTask(load_layout(layout), robots, orders, battery, max_steps)
     training = Training("PPO", task, steps, seed, output)
     learner = make_learner(task, steps, seed)
     training.run(learner.learn, {MODEL_SUFFIX: learner.save_network, ".zip": learner.save_model})
 
 
-def make_learner(task: Task, steps: int, seed: int) -> PPOLearner:
+def make_learner(task: Task | FleetTask, steps: int, seed: int) -> PPOLearner:
     """Return a learner for a task.
 
     Raises:
@@ -137,7 +149,7 @@ class Training:
     """
 
     name: str
-    task: Task
+    task: Task | FleetTask
     steps: int
     seed: int
     output: Path
@@ -166,7 +178,8 @@ class Training:
             check_target(self.output.with_suffix(suffix))
         from agents.console.progress import progress_bar
 
-        greedy = evaluate(GreedyAgent, self.task, FINAL_SEEDS)
+        final = FINAL_SEEDS[:: self.task.seed_stride]
+        greedy = self.task.evaluate(GreedyAgent, final)
         started, examiner = time.perf_counter(), Examiner(self.task, self.steps)
 
         def save() -> None:
@@ -177,7 +190,7 @@ class Training:
 
                 def watch(steps: int, delivers: float, make_agent: MakeAgent) -> None:
                     examiner.watch(steps, make_agent)
-                    news = f"delivers {_percent(delivers)}, exam {_percent(examiner.success)}"
+                    news = f"delivers {_percent(delivers)}, exam {examiner.summary}"
                     show_progress(steps, news)
 
                 make_agent = learn(watch)
@@ -186,11 +199,15 @@ class Training:
                 save()
             raise
         save()
-        scores = evaluate(make_agent, self.task, FINAL_SEEDS)
+        scores = self.task.evaluate(make_agent, final)
         print_table(comparison_table({self.name: scores, "greedy": greedy}))
 
     def _save(
-        self, points: Sequence[Point], seconds: float, greedy: Scores, writers: Mapping[str, Writer]
+        self,
+        points: Sequence[Point],
+        seconds: float,
+        greedy: Scores | FleetScores,
+        writers: Mapping[str, Writer],
     ) -> None:
         steps = points[-1].steps
         of = "" if steps >= self.steps else f" of {self.steps:,}"
@@ -212,9 +229,19 @@ def _percent(share: float) -> str:
     return "-" if math.isnan(share) else f"{share:.0%}"
 
 
-def comparison_table(scores: Mapping[str, Scores]) -> Table:
+def comparison_table(scores: Mapping[str, Scores | FleetScores]) -> Table:
     """Return the table of the scores of agents on the same starts."""
-    each = list(scores.values())
+    fleets = [one for one in scores.values() if isinstance(one, FleetScores)]
+    if fleets:
+        return Table(
+            ("", *scores),
+            [
+                ("delivered an hour", *(mean(one.per_hour, "") for one in fleets)),
+                ("steps blocked by others", *(share(one.blocked) for one in fleets)),
+            ],
+            f"{len(fleets[0].runs):,} episodes of {fleets[0].robots} robots, the same for each",
+        )
+    each = [one for one in scores.values() if isinstance(one, Scores)]
     by_all = np.all([one.delivered for one in each], axis=0)
     return Table(
         ("", *scores),

@@ -175,6 +175,16 @@ TrainingStepsOption = Annotated[
     int, typer.Option("--steps", metavar="N", min=1, max=MAX_COUNT, help="Minimum training steps.")
 ]
 
+TrainedRobotsOption = Annotated[
+    int,
+    typer.Option("--robots", metavar="R", min=1, max=1000, help="Robots of a fleet, with orders."),
+]
+
+OrderRateOption = Annotated[
+    float,
+    typer.Option("--orders", metavar="RATE", help="Mean number of orders of a fleet in a step."),
+]
+
 TrainingSeedOption = Annotated[
     int, typer.Option("--seed", metavar="N", min=0, max=2**32 - 1, help="Random seed.")
 ]

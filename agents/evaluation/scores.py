@@ -25,6 +25,7 @@ from agents.evaluation.interval import (
 from warehouse_core import (
     DEFAULT_LAYOUT,
     Agent,
+    BatchEnv,
     Cell,
     EpisodeRecorder,
     Layout,
@@ -32,6 +33,7 @@ from warehouse_core import (
     WarehouseEnv,
 )
 from warehouse_core.records.failure_modes import fewest_steps
+from warehouse_core.vector.rows import SAME_STEP
 
 MakeAgent = Callable[[int], Agent]
 """Returns the agent for the episode with a seed."""
@@ -64,6 +66,25 @@ class Task(NamedTuple):
         return WarehouseEnv(
             self.layout, self.start_pos, self.max_steps, self.battery, backend=self.backend
         )
+
+    @property
+    def seed_stride(self) -> int:
+        """1: each seed of an evaluation is used."""
+        return 1
+
+    def make_batch(self, rows: int) -> BatchEnv:
+        """Return a batch for training, on the grid backend, with random stations and starts."""
+        return BatchEnv(
+            rows,
+            self.layout,
+            max_steps=self.max_steps,
+            battery=self.battery,
+            autoreset_mode=SAME_STEP,
+        )
+
+    def evaluate(self, make_agent: MakeAgent, seeds: Iterable[int]) -> Scores:
+        """Run one whole episode for each seed."""
+        return evaluate(make_agent, self, seeds)
 
 
 class Run(NamedTuple):
@@ -105,6 +126,11 @@ class Scores:
     def lengths(self) -> NDArray[np.int64]:
         """``[N]`` the steps of each episode."""
         return np.array([run.steps for run in self.runs], np.int64)
+
+    @property
+    def summary(self) -> str:
+        """The share of deliveries, for a line of progress."""
+        return f"{self.delivered.mean():.0%}"
 
     @property
     def success(self) -> Interval:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import EngFormatter, MaxNLocator, PercentFormatter
 
+from agents.evaluation.fleet_scores import FleetScores
+from agents.evaluation.interval import Interval
 from agents.evaluation.scores import Scores
 from agents.learning.training import Point
 from warehouse_core.files.atomic import atomic_path
@@ -27,7 +30,7 @@ LEARNER, GREEDY = COLORS[PICKUP], WARNING
 
 
 def save_learning_curve(
-    path: Path, name: str, title: str, points: Sequence[Point], greedy: Scores
+    path: Path, name: str, title: str, points: Sequence[Point], greedy: Scores | FleetScores
 ) -> None:
     """Write the picture as PNG, whole or not at all.
 
@@ -42,11 +45,17 @@ def save_learning_curve(
     left, right = figure.subplots(1, 2)
     figure.subplots_adjust(left=0.065, right=0.975, top=0.82, bottom=0.21, wspace=0.16)
     figure.suptitle(title, x=0.065, y=0.97, ha="left", fontsize=12, color=INK)
-    _draw_success(left, name, points, greedy)
-    _draw_lengths(right, name, points, greedy)
+    method = "Wilson"
+    if isinstance(greedy, FleetScores):
+        method = "bootstrap"
+        _draw_rates(left, name, points, greedy)
+        _draw_blocked(right, name, points, greedy)
+    else:
+        _draw_success(left, name, points, greedy)
+        _draw_lengths(right, name, points, greedy)
     count = len(points[0].scores.runs)
     caption = (
-        f"each point: {count:,} random starts, the same ones every time, band: 95% (Wilson);  "
+        f"each point: {count:,} random starts, the same ones every time, band: 95% ({method});  "
         f"greedy: {len(greedy.runs):,} random starts"
     )
     figure.text(0.065, 0.03, caption, fontsize=8, color="0.4")
@@ -64,8 +73,7 @@ def _draw_success(axes: Axes, name: str, points: Sequence[Point], greedy: Scores
     axes.set_ylim(-0.1, 1.1)
     axes.set_yticks(np.linspace(0, 1, 6))
     axes.yaxis.set_major_formatter(PercentFormatter(1.0))
-    _, low, high = zip(*(point.scores.success for point in points), strict=True)
-    axes.fill_between(_steps(points), low, high, color=LEARNER, alpha=0.18, linewidth=0)
+    _draw_band(axes, points, lambda scores: scores.success)
     _draw_lines(axes, name, points, greedy, lambda scores: scores.success.estimate, "{:.1%}")
 
 
@@ -73,7 +81,8 @@ def _draw_lengths(axes: Axes, name: str, points: Sequence[Point], greedy: Scores
     _prepare(axes, "steps of an episode, failures included (mean)", points)
     axes.set_yscale("log")
     _draw_lines(axes, name, points, greedy, mean_length, "{:.1f} steps")
-    lengths = [mean_length(scores) for scores in (greedy, *(point.scores for point in points))]
+    each: list[Any] = [greedy, *(point.scores for point in points)]
+    lengths = [mean_length(scores) for scores in each]
     low, high = min(lengths) / ROOM, max(lengths) * ROOM
     ticks = [tick for tick in STEP_TICKS if low <= tick <= high]
     axes.set_yticks(ticks, labels=map(str, ticks))
@@ -81,12 +90,33 @@ def _draw_lengths(axes: Axes, name: str, points: Sequence[Point], greedy: Scores
     axes.set_ylim(low, high)
 
 
+def _draw_rates(axes: Axes, name: str, points: Sequence[Point], greedy: FleetScores) -> None:
+    _prepare(axes, "items delivered in an hour (mean)", points)
+    _draw_band(axes, points, lambda scores: scores.per_hour)
+    _draw_lines(axes, name, points, greedy, lambda scores: scores.per_hour.estimate, "{:.0f}")
+    axes.set_ylim(0, axes.get_ylim()[1] * 1.1)
+
+
+def _draw_blocked(axes: Axes, name: str, points: Sequence[Point], greedy: FleetScores) -> None:
+    _prepare(axes, "steps of robots that others blocked (mean)", points)
+    _draw_band(axes, points, lambda scores: scores.blocked)
+    axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
+    _draw_lines(axes, name, points, greedy, lambda scores: scores.blocked.estimate, "{:.1%}")
+    high = axes.get_ylim()[1]
+    axes.set_ylim(-0.1 * high, 1.1 * high)
+
+
+def _draw_band(axes: Axes, points: Sequence[Point], of: Callable[[Any], Interval]) -> None:
+    _, low, high = zip(*(of(point.scores) for point in points), strict=True)
+    axes.fill_between(_steps(points), low, high, color=LEARNER, alpha=0.18, linewidth=0)
+
+
 def _draw_lines(
     axes: Axes,
     name: str,
     points: Sequence[Point],
-    greedy: Scores,
-    measure: Callable[[Scores], float],
+    greedy: Scores | FleetScores,
+    measure: Callable[[Any], float],
     form: str,
 ) -> None:
     """Draw the learner's line and the greedy agent's, each with its name and last value.

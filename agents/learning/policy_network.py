@@ -18,6 +18,7 @@ from warehouse_core.files.npz import Schema, read_arrays, write_arrays
 from warehouse_core.records.episode_arrays import pack_header, unpack_header
 from warehouse_core.task.encoding import MARKED_TILES, OTHER_NUMBERS, Arrays, vector
 from warehouse_core.world.actions import ACTIONS
+from warehouse_core.world.tiles import CELL_CODES
 
 FORMAT = "warehouse-lab policy 1"
 LAYERS = 3
@@ -35,19 +36,22 @@ SCHEMA: Schema = {
     **{f"biases_{layer}": ("<f4", 1) for layer in range(LAYERS)},
 }
 
+Tiles = tuple[str, ...]
+"""What a network tells apart in a window: ``MARKED_TILES``, or ``FLEET_TILES`` in a fleet."""
+
 Floats = NDArray[np.float32]
 Layer = tuple[Floats, Floats]
 """Weights ``[outputs, inputs]`` and biases ``[outputs]``."""
 
 
-def network_input(arrays: Arrays) -> Floats:
+def network_input(arrays: Arrays, tiles: Tiles = MARKED_TILES) -> Floats:
     """Return the input of a network for an observation, ``[..., L]``."""
-    return vector(arrays)[..., :-TIMES]
+    return vector(arrays, tiles)[..., :-TIMES]
 
 
-def input_size(view_radius: int) -> int:
+def input_size(view_radius: int, tiles: Tiles = MARKED_TILES) -> int:
     """Return ``L`` for a view radius."""
-    return len(MARKED_TILES) * (2 * view_radius + 1) ** 2 + OTHER_NUMBERS - TIMES
+    return len(tiles) * (2 * view_radius + 1) ** 2 + OTHER_NUMBERS - TIMES
 
 
 class PolicyNetwork:
@@ -56,16 +60,19 @@ class PolicyNetwork:
     Args:
         view_radius: of its observations.
         layers: ``LAYERS`` of them, from the first to the last.
+        tiles: that it tells apart.
 
     Raises:
         ValueError: the layers do not fit together or hold numbers that are not finite.
     """
 
-    def __init__(self, view_radius: int, layers: Sequence[Layer]) -> None:
-        self.view_radius, self.layers = view_radius, list(layers)
+    def __init__(
+        self, view_radius: int, layers: Sequence[Layer], tiles: Tiles = MARKED_TILES
+    ) -> None:
+        self.view_radius, self.layers, self.tiles = view_radius, list(layers), tiles
         if len(self.layers) != LAYERS:
             raise ValueError(f"there are {len(self.layers)} layers; there must be {LAYERS}")
-        width = input_size(view_radius)
+        width = input_size(view_radius, tiles)
         for number, (weights, biases) in enumerate(self.layers):
             outputs = len(ACTIONS) if number == LAYERS - 1 else len(biases)
             if weights.shape != (outputs, width) or biases.shape != (outputs,):
@@ -87,7 +94,9 @@ class PolicyNetwork:
 
     def save(self, path: str | Path) -> None:
         """Write the network to one ``.npz`` file, whole or not at all."""
-        header = pack_header({"format": FORMAT, "view_radius": self.view_radius})
+        header = pack_header(
+            {"format": FORMAT, "view_radius": self.view_radius, "tiles": "".join(self.tiles)}
+        )
         arrays: dict[str, NDArray[Any]] = {"header": header}
         for number, (weights, biases) in enumerate(self.layers):
             arrays |= {f"weights_{number}": weights, f"biases_{number}": biases}
@@ -104,10 +113,13 @@ class PolicyNetwork:
         arrays = read_arrays(path, SCHEMA)
         layers = [(arrays[f"weights_{n}"], arrays[f"biases_{n}"]) for n in range(LAYERS)]
         try:
-            radius = unpack_header(arrays["header"], FORMAT).get("view_radius")
+            header = unpack_header(arrays["header"], FORMAT)
+            radius, tiles = header.get("view_radius"), header.get("tiles", "".join(MARKED_TILES))
             if type(radius) is not int or radius < 0:
                 must = "must be a whole number, at least 0"
                 raise ValueError(f"view_radius is {radius!r}; it {must}")
-            return PolicyNetwork(radius, layers)
+            if not isinstance(tiles, str) or not set(tiles) <= CELL_CODES.keys():
+                raise ValueError(f"tiles are {tiles!r}; allowed: {''.join(CELL_CODES)}")
+            return PolicyNetwork(radius, layers, tuple(tiles))
         except ValueError as error:
             raise RecordError(f"{path}: {error}") from error

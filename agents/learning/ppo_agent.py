@@ -57,7 +57,7 @@ class PPOAgent:
                 f"{self._name} was trained with view radius {self._network.view_radius}; "
                 f"this robot has {radius}"
             )
-        logits = self._network.logits(network_input(encode(observation)))
+        logits = self._network.logits(network_input(encode(observation), self._network.tiles))
         allowed = np.where(useful_now(observation), logits, -np.inf)
         action = int(allowed.argmax())
         likelihoods = np.exp(allowed - allowed[action])

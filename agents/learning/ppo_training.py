@@ -18,19 +18,20 @@ import torch
 from sb3_contrib import MaskablePPO
 from stable_baselines3.common.callbacks import BaseCallback
 
+from agents.evaluation.fleet_scores import FleetTask
 from agents.evaluation.scores import MakeAgent, Task
 from agents.learning.policy_network import Layer, PolicyNetwork
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.training import RECENT_EPISODES, Watch
 from agents.learning.vec_env import BatchVecEnv
+from agents.learning.vector_steps import tiles_of
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.vector.env import SAME_STEP, BatchEnv
 
 ENVS = 128
-"""Warehouses in the batch."""
+"""Rows of the batch: warehouses, or robots of fleets."""
 
 ROUND = 64
-"""Steps of each warehouse between two updates of the network."""
+"""Steps of each row between two updates of the network."""
 
 LEARNING_RATE = 2e-3
 """Of the first round; it decreases linearly, to 0 after the last round."""
@@ -52,25 +53,20 @@ class PPOLearner:
     """Learns a task from episodes with random starts.
 
     Args:
-        task: to be learned; its backend is not used.
-        steps: of the whole training, rounded up to whole rounds of all warehouses.
+        task: to be learned; its backend is not used. The robots of a fleet share the network.
+        steps: of the whole training, rounded up to whole rounds of all rows.
         seed: repeats a training on the same machine with the same versions.
 
     Raises:
         LayoutError: the layout has no space for pickup and dropoff.
     """
 
-    def __init__(self, task: Task, steps: int, seed: int) -> None:
+    def __init__(self, task: Task | FleetTask, steps: int, seed: int) -> None:
         torch.set_num_threads(1)  # the network is small, and sums are repeatable
-        batch = BatchEnv(
-            ENVS,
-            task.layout,
-            max_steps=task.max_steps,
-            battery=task.battery,
-            autoreset_mode=SAME_STEP,
-        )
-        self._view_radius = batch.view_radius
-        self._rounds = rounds = math.ceil(steps / (ENVS * ROUND))
+        batch = task.make_batch(ENVS)
+        self._view_radius, self._tiles = batch.view_radius, tiles_of(batch)
+        self._round = batch.num_envs * ROUND
+        self._rounds = rounds = math.ceil(steps / self._round)
         self.model = MaskablePPO(
             "MlpPolicy",
             BatchVecEnv(batch),
@@ -82,7 +78,7 @@ class PPOLearner:
 
     def learn(self, watch: Watch) -> MakeAgent:
         """Train, and return what makes the agent."""
-        self.model.learn(self._rounds * ENVS * ROUND, callback=_Watcher(self, watch))
+        self.model.learn(self._rounds * self._round, callback=_Watcher(self, watch))
         return self.agents()
 
     def agents(self) -> MakeAgent:
@@ -95,7 +91,9 @@ class PPOLearner:
         policy = self.model.policy
         hidden = [part for part in policy.mlp_extractor.policy_net if hasattr(part, "weight")]
         return PolicyNetwork(
-            self._view_radius, [_copy(part) for part in (*hidden, policy.action_net)]
+            self._view_radius,
+            [_copy(part) for part in (*hidden, policy.action_net)],
+            self._tiles,
         )
 
     def save_network(self, path: Path) -> None:

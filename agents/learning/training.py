@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-from agents.evaluation.scores import MakeAgent, Scores, Task, evaluate
+from agents.evaluation.fleet_scores import FleetScores, FleetTask
+from agents.evaluation.scores import MakeAgent, Scores, Task
 from agents.learning.q_learning import TRAINING_SEEDS
 
 EXAMS = 25
@@ -28,7 +28,7 @@ class Point(NamedTuple):
     """The scores of an agent after a number of training steps."""
 
     steps: int
-    scores: Scores
+    scores: Scores | FleetScores
 
 
 class Examiner:
@@ -40,19 +40,19 @@ class Examiner:
 
     Attributes:
         points: one for each examination.
-        success: the share of deliveries at the last examination, NaN before the first.
+        summary: the result of the last examination in words.
     """
 
-    def __init__(self, task: Task, steps: int) -> None:
+    def __init__(self, task: Task | FleetTask, steps: int) -> None:
         self.points: list[Point] = []
-        self.success = math.nan
+        self.summary = "-"
         self._task, self._goal = task, steps
         self._next_exam = steps / EXAMS
 
     def watch(self, steps: int, make_agent: MakeAgent) -> None:
         """Examine the agent after ``steps`` of its training, if it is time."""
         if steps >= min(self._next_exam, self._goal):
-            scores = evaluate(make_agent, self._task, EXAM_SEEDS)
+            scores = self._task.evaluate(make_agent, EXAM_SEEDS[:: self._task.seed_stride])
             self.points.append(Point(steps, scores))
-            self.success = float(scores.delivered.mean())
+            self.summary = scores.summary
             self._next_exam = steps + self._goal / EXAMS

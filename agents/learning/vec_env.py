@@ -1,4 +1,4 @@
-"""``BatchEnv`` as a ``VecEnv`` of Stable-Baselines3, with masks; needs the extra ``rl``."""
+"""A batch as a ``VecEnv`` of Stable-Baselines3, with masks; needs the extra ``rl``."""
 
 from __future__ import annotations
 
@@ -10,28 +10,30 @@ from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
 from agents.learning.policy_network import Floats, network_input
-from agents.learning.vector_steps import VectorStep, input_limits, vector_step
-from warehouse_core.vector.env import BatchEnv
+from agents.learning.vector_steps import Batch, VectorStep, input_limits, tiles_of, vector_step
 from warehouse_core.world.actions import ACTIONS
 
 
 class BatchVecEnv(VecEnv):
     """All rows of a batch as one ``VecEnv``; ``vector_steps.py`` has its observations and infos.
 
+    The rows of a ``FleetBatch`` are its robots, which so share one policy.
+
     Args:
         batch: with ``autoreset_mode="SameStep"``.
     """
 
-    def __init__(self, batch: BatchEnv) -> None:
-        self._batch = batch
+    def __init__(self, batch: Batch) -> None:
+        self._batch, self._tiles = batch, tiles_of(batch)
         limits = spaces.Box(*input_limits(batch), dtype=np.float32)
         super().__init__(batch.num_envs, limits, spaces.Discrete(len(ACTIONS)))
 
     def reset(self) -> Floats:
         """Start an episode in every row, with the seeds given to ``seed`` if there are any."""
-        arrays, _ = self._batch.reset(self._seeds)
+        floors = len(self._batch.layouts.kind)
+        arrays, _ = self._batch.reset(self._seeds[:floors])
         self._reset_seeds()
-        return network_input(arrays)
+        return network_input(arrays, self._tiles)
 
     def step_async(self, actions: NDArray[np.int64]) -> None:
         """Store the actions for ``step_wait``."""
@@ -55,7 +57,7 @@ class BatchVecEnv(VecEnv):
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
         """Raise ``NotImplementedError``: the rows share their attributes."""
-        raise NotImplementedError(f"{attr_name} cannot be set; make another BatchEnv")
+        raise NotImplementedError(f"{attr_name} cannot be set; make another batch")
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
         """Return ``False`` for each row."""

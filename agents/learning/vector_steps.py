@@ -7,21 +7,32 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.learning.policy_network import TIMES, Floats, network_input
-from warehouse_core.task.encoding import vector_limits
+from agents.learning.policy_network import TIMES, Floats, Tiles, network_input
+from warehouse_core.fleet.batch import FleetBatch
+from warehouse_core.task.encoding import FLEET_TILES, MARKED_TILES, vector_limits
 from warehouse_core.vector.env import BatchEnv
 
 VectorStep = tuple[Floats, Floats, NDArray[np.bool_], list[dict[str, Any]]]
 """``[B, L]`` observations, ``[B]`` rewards, ``[B]`` whether an episode ended, ``B`` infos."""
 
 
-def input_limits(batch: BatchEnv) -> tuple[Floats, Floats]:
+Batch = BatchEnv | FleetBatch
+"""A row is a warehouse, or a robot of a fleet."""
+
+
+def tiles_of(batch: Batch) -> Tiles:
+    """Return what a network for the rows of a batch tells apart."""
+    return FLEET_TILES if isinstance(batch, FleetBatch) else MARKED_TILES
+
+
+def input_limits(batch: Batch) -> tuple[Floats, Floats]:
     """Return the lowest and the highest values of an observation, ``[L]``."""
-    limits = vector_limits(*batch.size, batch.view_radius, batch.max_battery, batch.max_steps)
+    budgets = batch.max_battery, batch.max_steps
+    limits = vector_limits(*batch.size, batch.view_radius, *budgets, tiles_of(batch))
     return limits[0][:-TIMES], limits[1][:-TIMES]
 
 
-def vector_step(batch: BatchEnv, actions: NDArray[np.int64]) -> VectorStep:
+def vector_step(batch: Batch, actions: NDArray[np.int64]) -> VectorStep:
     """Carry out one action in each row of a batch with ``autoreset_mode="SameStep"``.
 
     The observation of a row that ended is the first of its next episode. Its info has the last one
@@ -29,15 +40,17 @@ def vector_step(batch: BatchEnv, actions: NDArray[np.int64]) -> VectorStep:
     later steps still counts; and ``is_success``.
     """
     arrays, rewards, terminated, truncated, info = batch.step(actions)
-    ended = terminated | truncated
+    ended, tiles = terminated | truncated, tiles_of(batch)
     infos: list[dict[str, Any]] = [{} for _ in range(batch.num_envs)]
-    if ended.any():
-        last = network_input(info["final_obs"])
+    if "final_obs" in info:
+        last = network_input(info["final_obs"], tiles)
+        ended &= info["_final_obs"]
         for row in np.flatnonzero(ended).tolist():
             delivered = bool(terminated[row])
             infos[row] = {
                 "terminal_observation": last[row],
                 "TimeLimit.truncated": not delivered,
-                "is_success": delivered,
             }
-    return network_input(arrays), rewards.astype(np.float32), ended, infos
+            if isinstance(batch, BatchEnv):  # a fleet with a stream of orders is never done
+                infos[row]["is_success"] = delivered
+    return network_input(arrays, tiles), rewards.astype(np.float32), ended, infos

@@ -5,12 +5,13 @@ from time import perf_counter
 
 import matplotlib as mpl
 import numpy as np
+from helpers.fleets import fleet_episode
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from agents.run_episode import run_episode
-from warehouse_core import Episode, WarehouseEnv, random_layout
+from warehouse_core import Episode, WarehouseEnv, random_layout, shelf_layout
 from warehouse_core.warehouse_viz import replay_animation, save_frames_to_svg
 
 STEPS = 100
@@ -65,6 +66,20 @@ def test_a_gif_of_a_hundred_steps(times_faster, tmp_path):
         rounds=3,
     )
     assert ratio >= 1.0
+
+
+def test_a_gif_of_fifty_robots(times_faster, tmp_path):
+    floor = shelf_layout(6, 6, 5, aisle=2, pickups=8, dropoffs=6, chargers=8)
+    fleet = fleet_episode(
+        layout=floor, robots=50, people=6, orders=0.8, max_steps=STEPS, battery=200
+    )
+    lone = episode_of(STEPS)
+    ratio = times_faster(
+        lambda: replay_animation(fleet, window=False).save(tmp_path / "fleet.gif"),
+        lambda: replay_animation(lone, window=False).save(tmp_path / "lone.gif"),
+        rounds=3,
+    )
+    assert ratio >= 1 / 5
 
 
 def test_a_page_of_a_hundred_steps(times_faster, tmp_path):

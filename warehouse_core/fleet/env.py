@@ -233,6 +233,15 @@ class FleetEnv:
         arrays = self._fleets.observe()
         return [observation_of(arrays, row) for row in range(self.settings.robots)]
 
+    def arrays(self) -> FleetArrays:
+        """Return what all robots observe now, as fresh arrays.
+
+        Raises:
+            EndedError: before the first reset.
+        """
+        self._check_started("arrays")
+        return self._fleets.observe()
+
     def assign(self, robot: int, order: int | None) -> None:
         """Let an open order wait for one robot only; ``None`` makes that of the robot open again.
 

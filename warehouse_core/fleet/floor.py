@@ -51,14 +51,14 @@ class FleetFloor(VectorFloor):
                 places_table([kind]) @ [stride, 1] + radius * (stride + 1)
                 for kind, stride in zip(kinds, strides, strict=True)
             ]
-        )
+        ).astype(np.int32)  # half the size of intp, and faster to read at random
         side = np.arange(-radius, radius + 1)
         self._offsets = np.array([(side[:, None] * stride + side).ravel() for stride in strides])
         self._kind = np.repeat(layouts.kind, robots)
         self._chargers = np.concatenate([_nearest_chargers(kind) for kind in kinds])
         self._waiting = np.full(ends[-1], NOTHING, np.uint8)
         self._on_top = self._waiting.copy()
-        self._covered: Integers = np.zeros(0, np.intp)
+        self._covered = self._robot_spots = self._corner_of[:0]
 
     def set_waiting(self, floor: int, cell: int, is_waiting: bool) -> None:
         """Set whether an open order waits at a cell of a floor."""
@@ -81,7 +81,7 @@ class FleetFloor(VectorFloor):
             people: ``[B, P]``, their cells.
         """
         self._on_top[self._covered] = self._waiting.take(self._covered)
-        robots = self._spots_of(cells)
+        robots = self._robot_spots = self._spots_of(cells)
         persons = self._corner[:, None] + self._spots.take(self._floor_base[:, None] + people)
         self._covered = np.concatenate([robots, persons.ravel()])
         codes = np.array([CELL_CODES[OTHER_EMPTY], CELL_CODES[OTHER_LOADED]], np.uint8)
@@ -98,7 +98,7 @@ class FleetFloor(VectorFloor):
 
     def _around(self, rows: Rows, cells: Integers, robots: Integers) -> NDArray[np.uint8]:
         windows = super()._around(rows, cells, robots)
-        spots = self._corner_of[rows] + self._spots.take(self._base[rows] + cells)
+        spots = self._robot_spots[rows]
         offsets = self._offsets
         if len(offsets) > 1:
             offsets = offsets.take(self._kind[rows], axis=0)

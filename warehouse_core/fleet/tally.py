@@ -16,6 +16,9 @@ from warehouse_core.world.actions import WAIT
 MOVED, WAITED, CHARGED, BY_WALL, BY_ROBOT, BY_PERSON, HANDLED, ENDED = range(8)
 """What a robot did in a step; a robot that has ended does nothing."""
 
+_DONE = np.array([MOVED] * WAIT + [WAITED, HANDLED, HANDLED])
+"""By action, for a robot that is free and does not charge."""
+
 SECONDS_PER_HOUR = 3600.0
 
 
@@ -93,9 +96,9 @@ class Tally:
             delivered: ``[N]``, whether they delivered an item.
             active: ``[N]``, whether they had not ended before.
         """
-        did = np.where(actions < WAIT, MOVED, np.where(actions == WAIT, WAITED, HANDLED))
+        did = _DONE.take(actions)
         did[charging] = CHARGED
-        blocked = np.flatnonzero(outcome.blocked)
+        blocked = outcome.blocked.nonzero()[0]
         by = (
             BY_WALL
             if outcome.stopped_by is None

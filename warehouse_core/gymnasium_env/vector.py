@@ -22,7 +22,8 @@ from warehouse_core.gymnasium_env.spaces import (
 )
 from warehouse_core.motion.backends import Backend
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
-from warehouse_core.vector.env import NEXT_STEP, BatchEnv, Seeds
+from warehouse_core.vector.env import BatchEnv
+from warehouse_core.vector.rows import NEXT_STEP, Seeds
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.named_layouts import GivenLayout, as_layout

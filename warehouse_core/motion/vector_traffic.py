@@ -93,5 +93,5 @@ def _stop_queues(stops: Numbers, is_still: Flags, followers: Numbers, ahead: Num
 
 def _chosen(flags: Flags, ones: Numbers, others: Numbers) -> tuple[Numbers, Numbers]:
     """Return the elements of two arrays at the flags; faster than indexing both by flags."""
-    places = np.flatnonzero(flags)
+    places = flags.nonzero()[0]
     return ones.take(places), others.take(places)

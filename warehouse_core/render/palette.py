@@ -50,7 +50,7 @@ STRANDED: Color = (0.38, 0.38, 0.4)
 """Of a robot of a fleet whose battery is empty."""
 
 ORDER_COLORS: tuple[Color, ...] = (
-    (1.0, 0.96, 0.75), (1.0, 0.76, 0.25), (0.85, 0.42, 0.05), (0.55, 0.0, 0.15),
+    (1.0, 0.96, 0.75), (1.0, 0.76, 0.25), (0.9, 0.47, 0.08), (0.52, 0.0, 0.14),
 )  # fmt: skip
 """Of an order by its age: in the three thirds of its time, and late."""
 

@@ -7,13 +7,25 @@ that take arrays accept any leading shape ``...``: one observation or a batch.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.task.state import Observation
-from warehouse_core.world.tiles import CELL_CODES, CODE_OF_BYTE, DROPOFF, PICKUP, WALL, Cell
+from warehouse_core.world.tiles import (
+    CELL_CODES,
+    CHARGER,
+    CODE_OF_BYTE,
+    DROPOFF,
+    OTHER_EMPTY,
+    OTHER_LOADED,
+    PERSON,
+    PICKUP,
+    WALL,
+    Cell,
+)
 
 NOWHERE: Cell = (-1, -1)
 """A pickup or dropoff that the layout does not have; ``None`` in other forms."""
@@ -25,12 +37,13 @@ CELLS_PER_UNIT, STEPS_PER_UNIT = 10.0, 100.0
 """Units of distances and times in a vector, which make typical values about 1."""
 
 MARKED_TILES = (WALL, PICKUP, DROPOFF)
-"""The tiles that have a number of their own in a vector."""
+"""The characters of a window that have a number of their own in a vector."""
+
+FLEET_TILES = (*MARKED_TILES, CHARGER, OTHER_EMPTY, OTHER_LOADED, PERSON)
+"""Those of a robot of a fleet, which sees others and people too."""
 
 OTHER_NUMBERS = 11
 """Length of a vector without the window."""
-
-_MARKS = np.array([[tile == marked for marked in MARKED_TILES] for tile in CELL_CODES], np.float32)
 
 _CELL, _STEP = 1 / CELLS_PER_UNIT, 1 / STEPS_PER_UNIT
 
@@ -90,12 +103,13 @@ def arrays_of(window: NDArray[np.uint8], numbers: NDArray[np.int32], has_item: b
     }
 
 
-def vector(arrays: Arrays) -> NDArray[np.float32]:
-    """Return an observation as one vector of ``3 * K * K + 11`` numbers, ``[..., L]`` float32.
+def vector(arrays: Arrays, tiles: tuple[str, ...] = MARKED_TILES) -> NDArray[np.float32]:
+    """Return an observation as one vector of ``T * K * K + 11`` numbers, ``[..., L]`` float32.
 
     ======================  =====================================================================
-    ``3 * K * K``           for each cell of the window, row by row, three numbers: whether it is
-                            a wall, a pickup and a dropoff; all else counts as floor
+    ``T * K * K``           for each cell of the window, row by row, a number for each of
+                            ``tiles``: whether it is this one; by default wall, pickup, dropoff;
+                            all else counts as floor
     2                       row and column of the robot, in tens of cells
     3                       pickup: whether there is one, then rows and columns from the robot to
                             it, in tens of cells, 0 without a pickup
@@ -105,9 +119,9 @@ def vector(arrays: Arrays) -> NDArray[np.float32]:
     ======================  =====================================================================
     """
     window, robot = arrays["local_grid"], arrays["robot_pos"]
-    size = len(MARKED_TILES) * window.shape[-1]
+    size = len(tiles) * window.shape[-1]
     out = np.empty((*window.shape[:-1], size + OTHER_NUMBERS), np.float32)
-    out[..., :size] = _MARKS.take(window, axis=0).reshape(*window.shape[:-1], size)
+    out[..., :size] = _marks(tiles).take(window, axis=0).reshape(*window.shape[:-1], size)
     rest = out[..., size:]
     rest[..., 0:2] = robot
     for first, station in ((2, arrays["pickup_pos"]), (5, arrays["dropoff_pos"])):
@@ -122,10 +136,15 @@ def vector(arrays: Arrays) -> NDArray[np.float32]:
 
 
 def vector_limits(
-    height: int, width: int, view_radius: int, battery: int, max_steps: int
+    height: int,
+    width: int,
+    view_radius: int,
+    battery: int,
+    max_steps: int,
+    tiles: tuple[str, ...] = MARKED_TILES,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return the lower and upper bounds of a vector, each ``[L]`` float32."""
-    window = len(MARKED_TILES) * (2 * view_radius + 1) ** 2
+    window = len(tiles) * (2 * view_radius + 1) ** 2
     row, col = height - 1, width - 1
     low = np.array([0, 0, *[0, -row, -col] * 2, 0, 0, 0], np.float32) * _SCALES
     high = np.array([row, col, *[1, row, col] * 2, 1, battery, max_steps], np.float32) * _SCALES
@@ -133,3 +152,9 @@ def vector_limits(
         np.concatenate([np.zeros(window, np.float32), low]),
         np.concatenate([np.ones(window, np.float32), high]),
     )
+
+
+@cache
+def _marks(tiles: tuple[str, ...]) -> NDArray[np.float32]:
+    """Return for each code of a cell which of the tiles it is, ``[codes, T]``."""
+    return np.array([[tile == marked for marked in tiles] for tile in CELL_CODES], np.float32)

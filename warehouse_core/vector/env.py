@@ -17,19 +17,27 @@ from warehouse_core.task.starts import what_is_drawn
 from warehouse_core.task.state import WarehouseState
 from warehouse_core.vector.floor import VectorFloor
 from warehouse_core.vector.robots import VectorRobots
+from warehouse_core.vector.rows import (
+    DISABLED,
+    NEXT_STEP,
+    SAME_STEP,
+    Seeds,
+    check_running,
+    checked_actions,
+    checked_mask,
+    checked_mode,
+    checked_seeds,
+    final_info,
+    one_layout_each,
+)
 from warehouse_core.vector.rules import spend_and_charge
 from warehouse_core.vector.starts import VectorStarts
-from warehouse_core.world.actions import ACTIONS, WAIT
-from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
+from warehouse_core.world.actions import WAIT
+from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import LayoutSet
 from warehouse_core.world.tiles import Cell
 
-NEXT_STEP, SAME_STEP, DISABLED = "NextStep", "SameStep", "Disabled"
-AUTORESET_MODES = (NEXT_STEP, SAME_STEP, DISABLED)
-
 ALL = slice(None)
-
-Seeds = int | Sequence[int | None] | None
 
 BatchStep = tuple[Arrays, NDArray[np.float64], Flags, Flags, dict[str, Any]]
 """Observation, rewards, terminated, truncated and info."""
@@ -93,13 +101,9 @@ class BatchEnv:
         self.max_steps = whole_number("max_steps", max_steps, 1, MAX_STEPS)
         self.max_battery = whole_number("battery", battery, 1, MAX_STEPS)
         self.view_radius = whole_number("view_radius", view_radius, minimum=0)
-        if autoreset_mode not in AUTORESET_MODES:
-            raise ValueError(
-                f"autoreset_mode is {autoreset_mode!r}; allowed: {', '.join(AUTORESET_MODES)}"
-            )
-        self.autoreset_mode, self.randomize = autoreset_mode, randomize
+        self.autoreset_mode, self.randomize = checked_mode(autoreset_mode), randomize
         self._drawn = drawn = what_is_drawn(randomize)
-        self.layouts = LayoutSet(_one_each(layout, self.num_envs))
+        self.layouts = LayoutSet(one_layout_each(layout, self.num_envs))
         self._start = VectorStarts(self.layouts, start_pos, drawn)
         self._floor = VectorFloor(self.layouts, self.view_radius, moving_stations=drawn.stations)
         motion = make_batch_motion(backend, self.layouts.rows)
@@ -133,7 +137,8 @@ class BatchEnv:
             TypeError: a seed or a flag of another type.
             EndedError: a mask before the first reset.
         """
-        seeds, chosen = _checked_seeds(seed, self.num_envs), self._checked_mask(mask)
+        seeds = checked_seeds(seed, self.num_envs)
+        chosen = checked_mask(mask, self.num_envs, not self._started)
         rows = np.flatnonzero(chosen)
         self._start.seed(rows, [seeds[row] for row in rows.tolist()])
         self._begin(rows)
@@ -158,7 +163,9 @@ class BatchEnv:
             TypeError: actions that are not integers.
             EndedError: before a reset, or if rows have ended in the disabled mode.
         """
-        chosen = self._checked_actions(actions)
+        if not self._started:
+            raise EndedError("step() needs a reset() before it")
+        chosen = checked_actions(actions, self.num_envs)
         fresh = self._restart_ended()
         chosen[fresh] = WAIT  # their step only starts an episode
         outcome, rewards, terminated, charging = self._robots.step(chosen)
@@ -230,108 +237,20 @@ class BatchEnv:
 
     def _restart_ended(self) -> Integers:
         """Restart the rows that have ended, in the next-step mode, and return their numbers."""
+        if self.autoreset_mode == DISABLED:
+            check_running(self._ended)
         rows = np.flatnonzero(self._ended)
         if rows.size:
-            if self.autoreset_mode == DISABLED:
-                raise EndedError(
-                    f"{rows.size} rows have ended, row {rows[0]} first; they must be reset, by a "
-                    "mask, before the next step"
-                )
             self._begin(rows)
         return rows
 
     def _end_episodes(self, info: dict[str, Any]) -> None:
         """Restart the rows that have ended, and add their final observations to info."""
-        rows, ended = np.flatnonzero(self._ended), self._ended.copy()
-        final_info = {
-            "motion": {key: values.copy() for key, values in info["motion"].items()}
-            | {f"_{key}": ended.copy() for key in info["motion"]},
-            "_motion": ended.copy(),
-            "action_mask": self._robots.masks(),
-            "_action_mask": ended.copy(),
-        }
-        observed: dict[str, Any] = {**self._observe(rows)}
-        final = {key: _spread(values, rows, self.num_envs) for key, values in observed.items()}
+        rows = np.flatnonzero(self._ended)
+        final = final_info(info, {**self._observe(rows)}, self._robots.masks(), self._ended.copy())
         self._begin(rows)
-        info |= {
-            "_motion": info["_motion"] & ~ended,
-            "final_obs": final,
-            "_final_obs": ended.copy(),
-            "final_info": final_info,
-            "_final_info": ended.copy(),
-        }
+        info |= final
 
     def _observe(self, rows: Rows) -> Arrays:
         steps = self._steps[rows][:, None]
         return self._robots.observe(rows, self._units(rows)[:, None], steps.copy())
-
-    def _checked_actions(self, actions: ArrayLike) -> NDArray[np.intp]:
-        """Return a checked copy of the actions."""
-        given = np.asarray(actions)
-        if not self._started:
-            raise EndedError("step() needs a reset() before it")
-        if given.dtype.kind not in "iu":
-            raise TypeError(f"the actions are {given.dtype}; they must be integers")
-        if given.shape != (self.num_envs,):
-            raise ValueError(
-                f"the actions have the shape {given.shape}; it must be ({self.num_envs},)"
-            )
-        chosen = given.astype(np.intp)
-        # As unsigned numbers, negative ones are very large.
-        if chosen.view(np.uintp).max() >= len(ACTIONS):
-            row = int(np.argmax(chosen.view(np.uintp) >= len(ACTIONS)))
-            raise ValueError(
-                f"the action of row {row} is {given[row]}; allowed: 0..{len(ACTIONS) - 1}"
-            )
-        return chosen
-
-    def _checked_mask(self, mask: Flags | None) -> Flags:
-        """Return a checked copy of the mask of rows to reset."""
-        if mask is None:
-            return np.ones(self.num_envs, np.bool_)
-        if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
-            raise TypeError(f"the mask is {mask!r}; it must be an array of bool")
-        if mask.shape != (self.num_envs,) or not mask.any():
-            raise ValueError(
-                f"the mask has the shape {mask.shape} and {mask.sum()} rows set; "
-                f"the shape must be ({self.num_envs},) and at least one row set"
-            )
-        if not self._started:
-            raise EndedError("the first reset() must be of all rows, without a mask")
-        return mask.copy()
-
-
-def _one_each(layout: Layout | Sequence[Layout] | None, rows: int) -> Sequence[Layout]:
-    if layout is None or isinstance(layout, Layout):
-        return [layout or DEFAULT_LAYOUT] * rows
-    if not isinstance(layout, Sequence):
-        raise TypeError(f"layout is {layout!r}; it must be a Layout, or one for each row")
-    if len(layout) != rows:
-        raise ValueError(f"{len(layout)} layouts for {rows} rows; give one, or one for each row")
-    for row, each in enumerate(layout):
-        if not isinstance(each, Layout):
-            raise TypeError(f"the layout of row {row} is {type(each).__name__}, not a Layout")
-    return layout
-
-
-def _checked_seeds(seed: Seeds, rows: int) -> Sequence[int | None]:
-    if seed is None:
-        return [None] * rows
-    if isinstance(seed, (int, np.integer)):
-        first = whole_number("seed", seed, minimum=0)
-        return range(first, first + rows)
-    if not isinstance(seed, (Sequence, np.ndarray)) or np.ndim(np.asarray(seed, object)) != 1:
-        raise TypeError(f"seed is {seed!r}; it must be an integer or one for each row")
-    if len(seed) != rows:
-        raise ValueError(f"{len(seed)} seeds for {rows} rows; give one, or one for each row")
-    return [
-        None if each is None else whole_number(f"the seed of row {row}", each, minimum=0)
-        for row, each in enumerate(seed)
-    ]
-
-
-def _spread(values: NDArray[Any], rows: Integers, count: int) -> NDArray[Any]:
-    """Return ``count`` rows that are zero except for those given."""
-    spread = np.zeros((count, *values.shape[1:]), values.dtype)
-    spread[rows] = values
-    return spread

@@ -97,10 +97,10 @@ def spend_and_charge(
     battery += charging * np.minimum(capacity - battery, charge)
 
 
-def station_numbers(tiles: NDArray[np.uint8]) -> NDArray[np.intp]:
+def station_numbers(tiles: NDArray[np.uint8]) -> NDArray[np.int16]:
     """Return the index into ``STATION_KINDS`` of ``[N]`` tiles given by their codes."""
     numbers = [STATION_KINDS.index(tile) if tile in STATION_KINDS else 0 for tile in CELL_CODES]
-    return np.array(numbers, np.intp)[tiles]
+    return np.array(numbers, np.int16)[tiles]
 
 
 def sides_number(sides: Flags) -> NDArray[np.uint8]:

@@ -26,7 +26,7 @@ from warehouse_core.viz.grid_view import ROUTE_STYLE
 from warehouse_core.warehouse_env import legend
 from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED
 
-ORDER_WORDS = (", new", ", older", ", nearly due", " late (!)")
+ORDER_WORDS = (", new", ", older", ", nearly due", ", late (!)")
 
 
 def draw_legend(

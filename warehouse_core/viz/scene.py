@@ -37,7 +37,7 @@ GRID_INCHES, FLEET_INCHES = (6.4, 4.6), (10.0, 6.4)
 MAX_CELL_INCHES = 0.55
 CHART_INCHES = 3.3
 MARGIN = 0.3
-HEAD, FOOT, BAR = 0.85, 0.75, 0.26
+HEAD, FOOT, FLEET_FOOT, BAR = 0.85, 0.75, 1.0, 0.26
 
 
 class Plan:
@@ -93,7 +93,8 @@ class Scene:
     ) -> None:
         self._track = track
         self._length = length or track.steps + 1
-        plan = Plan(track, FOOT if legend else MARGIN, body)
+        foot = FLEET_FOOT if track.is_fleet else FOOT
+        plan = Plan(track, foot if legend else MARGIN, body)
         self.figure = make_figure(plan.size)
         root = self.figure.get_figure(root=True)
         assert isinstance(root, SceneFigure), "make_figure makes nothing else"

@@ -18,17 +18,34 @@ def test_the_six_colours_are_the_chapters() -> None:
     assert dict(list(COLORS.items())[:6]) == CHAPTER
 
 
-def test_a_charger_is_seen_on_the_floor_and_beside_walls_and_its_letter_on_it() -> None:
+def contrast(one: tuple[float, float, float], other: tuple[float, float, float]) -> float:
+    """Return the contrast of two colours, 1 to 21, by WCAG 2."""
+
     def luminance(color: tuple[float, float, float]) -> float:
         red, green, blue = (
             part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in color
         )
         return 0.2126 * red + 0.7152 * green + 0.0722 * blue
 
-    charger = luminance(COLORS["C"]) + 0.05
+    darker, lighter = sorted((luminance(one), luminance(other)))
+    return (lighter + 0.05) / (darker + 0.05)
+
+
+def test_a_charger_is_seen_on_the_floor_and_beside_walls_and_its_letter_on_it() -> None:
     for other in (COLORS["."], COLORS["#"], palette.INK):
-        around = luminance(other) + 0.05
-        assert max(charger, around) / min(charger, around) >= 3
+        assert contrast(COLORS["C"], other) >= 3
+
+
+def test_numbers_are_read_on_robots_and_orders() -> None:
+    for color in (COLORS["R"], palette.STRANDED):
+        assert contrast(color, palette.PAPER) >= 4
+    assert contrast(COLORS["r"], palette.INK) >= 4
+    *ages, late = palette.ORDER_COLORS
+    assert min(contrast(age, palette.INK) for age in ages) >= 4
+    assert contrast(late, palette.PAPER) >= 4
+    shades = [contrast(age, palette.PAPER) for age in palette.ORDER_COLORS]
+    assert shades == sorted(shades), "an order darkens with its age"
+    assert min(contrast(age, late) for age in ages) >= 3
 
 
 def test_a_blend_is_between_its_colours() -> None:

@@ -1,0 +1,170 @@
+"""Robot-steps a second of a fleet, with views and masks, and those of POGEMA in the same run.
+
+POGEMA runs in the Python of the environment variable ``POGEMA_PYTHON``, by default this one.
+Each figure is the best of several rounds, by the clock and by the time of the processor.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.fleet_truth import DROP, EAST, NORTH, PICK, SOUTH, WAIT, WEST, big_warehouse
+
+from warehouse_core import FleetEnv, Layout
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*chargers supply")
+
+LAYOUT = big_warehouse()
+ROUNDS, CYCLE = 5, 20
+OURS, THEIRS, MAX_STEPS = 200_000, 10_000, 500
+"""Robot-steps of a round, and joint steps of ours."""
+
+POGEMA_MOVES = np.array([1, 4, 2, 3, 0])
+"""POGEMA's number of each of our moves and of waiting."""
+
+KINDS: dict[str, dict[str, Any]] = {
+    "alone": {},
+    "orders, chargers": {"orders": 0.01},
+    "orders, chargers, people": {"orders": 0.01, "people": 0.05},
+}
+"""Orders a step and people, for each robot."""
+
+
+def steps_of(robots: int) -> int:
+    """Return the joint steps of a round."""
+    return min(MAX_STEPS, OURS // robots)
+
+
+def fleet_of(robots: int, kind: str) -> FleetEnv:
+    """Return a fleet with a battery for all the steps that are measured."""
+    settings, steps = dict(KINDS[kind]), steps_of(robots) * (ROUNDS + 3)
+    if "orders" in settings:
+        settings["orders"] *= robots
+    settings["people"] = max(1, round(robots * settings["people"])) if "people" in settings else 0
+    fleet = FleetEnv(LAYOUT, robots, max_steps=steps, battery=steps + 1, **settings)
+    fleet.reset(seed=1)
+    return fleet
+
+
+def timed(work: Callable[[], object]) -> tuple[float, float]:
+    """Return the seconds of a call by the clock and of the processor."""
+    wall, cpu = time.perf_counter(), time.process_time()
+    work()
+    return time.perf_counter() - wall, time.process_time() - cpu
+
+
+@contextmanager
+def pogema(fleet: FleetEnv, actions: np.ndarray) -> Iterator[Callable[[int], tuple[float, float]]]:
+    """Yield a function that steps POGEMA, on the same floor with the same actions."""
+    targets = np.random.default_rng(2).permutation(LAYOUT.open_cells)[: len(fleet.cells)]
+    bare = LAYOUT.with_stations(None, None)
+    given = {
+        "map": [row.replace("C", ".") for row in bare.rows],
+        "starts": fleet.cells,
+        "targets": [divmod(cell, LAYOUT.width) for cell in targets.tolist()],
+        "actions": POGEMA_MOVES[actions].tolist(),
+    }
+    python = os.environ.get("POGEMA_PYTHON", sys.executable)
+    command = [python, str(Path(__file__).with_name("pogema_worker.py"))]
+    pipes: Any = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    with subprocess.Popen(command, env=environment, **pipes) as worker:
+        print(json.dumps(given), file=worker.stdin, flush=True)
+
+        def step(steps: int) -> tuple[float, float]:
+            print(steps, file=worker.stdin, flush=True)
+            wall, cpu = map(float, worker.stdout.readline().split())
+            return wall, cpu
+
+        yield step
+        worker.stdin.close()
+
+
+@pytest.mark.parametrize("robots", [10, 100, 1_000, 10_000])
+def test_robot_steps_a_second(robots: int, measured) -> None:
+    stream = np.random.default_rng(0)
+    actions = stream.integers(0, WAIT + 1, (CYCLE, robots))
+    busy = stream.integers(0, 7, (CYCLE, robots))
+    fleets = {kind: fleet_of(robots, kind) for kind in KINDS}
+    ours, theirs = steps_of(robots), max(1, THEIRS // robots)
+
+    def step(kind: str) -> None:
+        fleet, chosen = fleets[kind], actions if kind == "alone" else busy
+        for number in range(ours):
+            fleet.step(chosen[number % CYCLE])
+
+    times: dict[str, list[tuple[float, float]]] = {kind: [] for kind in [*KINDS, "POGEMA"]}
+    with pogema(fleets["alone"], actions) as step_theirs:
+        step_theirs(1)
+        for kind in KINDS:
+            step(kind)
+        for _ in range(ROUNDS):
+            for kind in KINDS:
+                times[kind].append(timed(lambda kind=kind: step(kind)))
+            times["POGEMA"].append(step_theirs(theirs))
+    rates = {}
+    for kind, found in times.items():
+        steps = robots * (theirs if kind == "POGEMA" else ours)
+        rates[kind] = [steps / min(column) for column in zip(*found, strict=True)]
+    words = [f"{kind} {wall:,.0f} ({cpu:,.0f})" for kind, (wall, cpu) in rates.items()]
+    wall, cpu = (a / b for a, b in zip(rates["alone"], rates["POGEMA"], strict=True))
+    measured(
+        f"robot-steps a second, {robots:,} robots",
+        f"{'; '.join(words)}; {wall:.0f} ({cpu:.0f}) times POGEMA; in parentheses by CPU time",
+    )
+    assert cpu >= 15 or robots != 1000
+
+
+@pytest.mark.parametrize("orders", [None, 100.0])
+def test_a_reset_of_ten_thousand_robots(orders: float | None, measured) -> None:
+    fleet = FleetEnv(LAYOUT, 10_000, orders=orders, max_steps=1000, battery=1000)
+    wall, cpu = (min(each) for each in zip(*(timed(fleet.reset) for _ in range(9)), strict=True))
+    what = f"reset of 10,000 robots{' with 100,000 orders' if orders else ''}"
+    measured(what, f"{wall:.3f} s, {cpu:.3f} s of CPU time")
+    assert cpu < 0.1
+
+
+def resident() -> int:
+    """Return the bytes of memory that this process uses now."""
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def towards_goals(arrays: Any, mask: np.ndarray, stream: np.random.Generator) -> np.ndarray:
+    """Return actions that pick and deliver, or move towards the goal, or now and then at random."""
+    goals = np.where(arrays["pickup_pos"] >= 0, arrays["pickup_pos"], arrays["dropoff_pos"])
+    down, right = (goals - arrays["robot_pos"]).T
+    along = np.where(right > 0, EAST, WEST)
+    across = np.where(down > 0, SOUTH, NORTH)
+    is_across = (right == 0) | ((down != 0) & (stream.random(len(down)) < 0.5))
+    moves = np.where(is_across, across, along)
+    is_random = (goals[:, 0] < 0) | (stream.random(len(down)) < 0.3)
+    moves = np.where(is_random, stream.integers(0, 5, len(down)), moves)
+    return np.where(mask[:, PICK], PICK, np.where(mask[:, DROP], DROP, moves))
+
+
+def test_memory_of_ten_million_robot_steps(measured) -> None:
+    """With orders, chargers and people; a new episode every thousand steps."""
+    layout, robots, steps = Layout(LAYOUT.rows[:40]), 1000, 10_000
+    fleet = FleetEnv(layout, robots, orders=5.0, people=50, battery=2000, max_steps=1000)
+    stream, sizes, delivered = np.random.default_rng(1), [], 0
+    for episode in range(steps // 1000):
+        arrays, info = fleet.reset(seed=episode)
+        for _ in range(1000):
+            actions = towards_goals(arrays, info["action_mask"], stream)
+            arrays, _, _, _, info = fleet.step(actions)
+        delivered += fleet.measures.delivered
+        sizes.append(resident())
+    measured(
+        f"memory of {robots * steps:,} robot-steps with orders, chargers and people",
+        f"{sizes[1] / 2**20:.1f} MB after two tenths, {sizes[-1] / 2**20:.1f} MB at the end; "
+        f"{delivered:,} deliveries",
+    )
+    assert sizes[-1] - sizes[1] <= 8 * 2**20

@@ -1,0 +1,260 @@
+"""The pixels and texts of a fleet's scene."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.fleets import SHELVES, fleet_episode
+from helpers.pictures import count_color, is_color, patch, pixels, point_of, replay_of, texts
+from PIL import Image
+
+from warehouse_core import FleetEpisode, Layout, save_frames_to_svg, shelf_layout
+from warehouse_core.render.palette import (
+    BATTERY,
+    COLORS,
+    INK,
+    ORDER_COLORS,
+    PAPER,
+    STRANDED,
+    WARNING,
+)
+from warehouse_core.viz.fleet_view import FEW
+from warehouse_core.viz.replay import Replay, replay_of_track
+from warehouse_core.viz.track import FleetFrame, Frame, Pose, Track, Waiting
+
+FLOOR = Layout(["......", ".P....", "......", "......"])
+
+
+@pytest.fixture(scope="module")
+def episode() -> FleetEpisode:
+    return fleet_episode()
+
+
+@pytest.fixture
+def drawn(episode: FleetEpisode) -> Callable[..., tuple[Replay, Any]]:
+    """Return a function that draws a frame of a fleet on ``FLOOR``."""
+
+    def draw(
+        *robots: Pose,
+        people: tuple[Pose, ...] = (),
+        waiting: tuple[Waiting, ...] = (),
+        items: tuple[int | None, ...] | None = None,
+        battery: tuple[float, ...] | None = None,
+        rows: tuple[str, ...] = FLOOR.rows,
+    ) -> tuple[Replay, Any]:
+        count = len(robots)
+        fleet = FleetFrame(waiting, items or (None,) * count, battery or (1.0,) * count)
+        frame = Frame(rows, (*robots, *people), 0.0, fleet=fleet)
+        replay = replay_of_track(Track([frame], {}), window=False)
+        return replay, pixels(replay)
+
+    return draw
+
+
+def at(row: int, col: int, *, loaded: bool = False) -> Pose:
+    return Pose((col + 0.5, row + 0.5), 0.0, loaded)
+
+
+def test_a_robot_has_its_number_and_a_loaded_one_its_item(drawn: Any) -> None:
+    replay, image = drawn(at(0, 0), at(2, 2, loaded=True), items=(None, 1))
+    empty, loaded = (patch(replay, image, x + 0.3, x + 0.3, x + 0.7, x + 0.7) for x in (0, 2))
+    assert count_color(empty, PAPER) > 20 > count_color(empty, INK)
+    assert count_color(loaded, INK) > 20 > count_color(loaded, PAPER)
+    for x, sign in ((0, "R"), (2, "r")):
+        assert is_color(image[point_of(replay, x + 0.25, x + 0.5)], COLORS[sign])
+    corner = (2.65, 2.15, 2.9, 2.35)
+    assert count_color(patch(replay, image, *corner), ORDER_COLORS[1]) > 20
+    assert count_color(patch(replay, image, 0.6, 0.1, 0.9, 0.35), ORDER_COLORS[1]) == 0
+    one, two = (patch(replay, image, x + 0.3, x + 0.3, x + 0.7, x + 0.7) for x in (0, 2))
+    assert not np.array_equal(one, two)
+
+
+def test_an_item_that_is_late_is_dark_with_a_light_edge(drawn: Any) -> None:
+    replay, image = drawn(at(2, 2, loaded=True), items=(3,))
+    item = patch(replay, image, 2.6, 2.0, 2.95, 2.4)
+    assert count_color(item, ORDER_COLORS[3]) > 20
+    assert (item.min(axis=-1) > 246).sum() > 10
+
+
+@pytest.mark.parametrize("age", range(4))
+def test_orders_are_a_number_in_a_box_of_the_colour_of_their_age(drawn: Any, age: int) -> None:
+    replay, image = drawn(at(0, 0), waiting=(Waiting((1.5, 1.5), 3, age),))
+    assert ("3!" if age == 3 else "3") in texts(replay)
+    box = patch(replay, image, 1.6, 1.7, 2.2, 2.3)
+    assert count_color(box, ORDER_COLORS[age]) > 30
+    assert count_color(box, PAPER if age == 3 else INK) > 10
+
+
+def test_boxes_come_and_go_with_the_orders() -> None:
+    places = ((0.5, 0.5), (1.5, 1.5), (2.5, 0.5))
+    counts = ((1, 2, 3), (4,), (), (5, 6))
+    frames = [
+        Frame(
+            FLOOR.rows,
+            (at(3, 3),),
+            float(step),
+            fleet=FleetFrame(
+                tuple(
+                    Waiting(place, number, 0) for place, number in zip(places, each, strict=False)
+                ),
+                (None,),
+                (1.0,),
+            ),
+        )
+        for step, each in enumerate(counts)
+    ]
+    replay = replay_of_track(Track(frames, {}), window=False)
+    for step in (0, 1, 2, 3, 0):
+        replay.go_to(step)
+        shown = [text for text in replay.figure.axes[0].texts if text.get_visible()]
+        numbers = [int(text.get_text()) for text in shown if text.get_text().isdigit()]
+        assert numbers == [*counts[step]]
+
+
+def test_a_person_is_a_diamond(drawn: Any) -> None:
+    replay, image = drawn(at(0, 0), people=(at(2, 3),))
+    for dx, dy in ((0.5, 0.5), (0.5, 0.25), (0.25, 0.5), (0.75, 0.5)):
+        assert is_color(image[point_of(replay, 3 + dx, 2 + dy)], COLORS["H"])
+    for dx, dy in ((0.25, 0.25), (0.75, 0.75)):
+        assert is_color(image[point_of(replay, 3 + dx, 2 + dy)], COLORS["."])
+
+
+def test_few_robots_show_their_batteries(drawn: Any) -> None:
+    replay, image = drawn(at(0, 0), at(2, 2), battery=(0.9, 0.1))
+    full, low = (patch(replay, image, x + 0.1, x + 0.7, x + 0.9, x + 0.95) for x in (0, 2))
+    assert count_color(full, BATTERY) > 2 * count_color(low, WARNING) > 0
+    assert count_color(full, PAPER) < count_color(low, PAPER)
+
+
+def test_of_many_robots_only_low_batteries_are_shown(drawn: Any) -> None:
+    robots = [at(0, 0), at(2, 2), *[at(3, 5)] * FEW]
+    replay, image = drawn(*robots, battery=(0.9, 0.1, *[0.9] * FEW))
+    full, low = (patch(replay, image, x + 0.1, x + 0.7, x + 0.9, x + 0.95) for x in (0, 2))
+    assert count_color(full, BATTERY) == 0
+    assert count_color(low, WARNING) > 0
+
+
+def test_a_robot_without_battery_is_grey(drawn: Any) -> None:
+    replay, image = drawn(at(0, 0), battery=(0.0,))
+    assert is_color(image[point_of(replay, 0.25, 0.5)], STRANDED)
+
+
+@pytest.mark.parametrize(("robots", "side", "legible"), [(1, 6, True), (50, 40, True),
+                                                         (9, 200, False)])  # fmt: skip
+def test_numbers_are_drawn_if_they_are_legible(
+    drawn: Any, robots: int, side: int, legible: bool
+) -> None:
+    replay, image = drawn(*[at(0, robot % side) for robot in range(robots)],
+                          rows=("." * side,) * 4)  # fmt: skip
+    row = patch(replay, image, 0.0, 0.0, min(robots, side) - 0.01, 0.99)
+    assert (count_color(row, PAPER) > 5 * robots) == legible
+    assert count_color(row, COLORS["R"]) > 5 * robots
+
+
+def test_charts_grow_with_the_frames(episode: FleetEpisode) -> None:
+    replay = replay_of(episode)
+    titles = {axes.get_title(loc="left"): axes for axes in replay.figure.axes}
+    assert [*titles][1:] == [
+        "orders delivered (thin line: released)",
+        "lateness of each delivery (steps; ▲ late)",
+        "battery (%; thin line: lowest) and energy (kJ, area)",
+    ]
+    measures, last = episode.measures, episode.steps
+    deliveries, lateness, energy = [*titles.values()][1:]
+    for step in (0, 40, last):
+        replay.go_to(step)
+        released, delivered = ([*line.get_ydata()][-1] for line in deliveries.lines)
+        assert released == sum(order.released <= step for order in episode.orders)
+        ends = [order for order in episode.orders if order.delivered is not None]
+        ends = [order for order in ends if (order.delivered or 0) <= step]
+        assert delivered == len(ends)
+        late = [order.delivered - order.due for order in ends if order.delivered is not None]
+        _, on_time, too_late = ([*line.get_ydata()] for line in lateness.lines)
+        assert sorted(on_time) == sorted(each for each in late if each <= 0)
+        assert sorted(too_late) == sorted(each for each in late if each > 0)
+        mean, lowest = ([*line.get_ydata()][-1] for line in energy.lines)
+        assert (mean, lowest) == pytest.approx(
+            (episode.battery[step].mean(), episode.battery[step].min())
+        )
+    (area,) = replay.figure.axes[-1].patches
+    assert area.get_path().vertices[:, 1].max() == pytest.approx(measures.joules / 1000)
+    assert energy.get_xlabel() == "step"
+    low, high = deliveries.get_ylim()
+    assert low <= 0 < measures.orders <= high
+
+
+def test_the_legend_explains_what_a_fleet_has(episode: FleetEpisode) -> None:
+    (legend,) = replay_of(episode).figure.legends
+    words = [text.get_text() for text in legend.get_texts()]
+    assert words[4:7] == ["C  charger", "robot (empty)", "robot (loaded)"]
+    assert {"person", "order, new", "order, late (!)", "battery low", "battery empty",
+            "blocked"} <= {*words}  # fmt: skip
+    assert not [text for text in words if "trail" in text or text == "hit"]
+
+
+@pytest.mark.parametrize(("robots", "layout"), [
+    (50, shelf_layout(6, 6, 5, aisle=2, chargers=3)),
+    (4, SHELVES),
+    (2, Layout(["P.D.C"])),
+])  # fmt: skip
+def test_the_legend_has_room_below_the_charts(robots: int, layout: Layout) -> None:
+    replay = replay_of(fleet_episode(layout=layout, robots=robots, max_steps=2, people=0))
+    replay.figure.pixels()
+    (legend,) = replay.figure.legends
+    below = legend.get_window_extent()
+    assert replay.figure.bbox.x0 < below.x0 < below.x1 < replay.figure.bbox.x1
+    for axes in replay.figure.axes:
+        box = axes.get_tightbbox()
+        assert box is not None
+        assert not box.overlaps(below), axes.get_title(loc="left")
+
+
+def test_the_legend_is_a_file_of_its_own(episode: FleetEpisode, tmp_path: Path) -> None:
+    from warehouse_core.viz.figure import make_figure
+    from warehouse_core.viz.legend import draw_legend
+    from warehouse_core.warehouse_viz import FLEET_LEGEND_INCHES
+
+    figure = make_figure(FLEET_LEGEND_INCHES)
+    draw_legend(figure, has_chargers=True, is_fleet=True)
+    figure.pixels()
+    box = figure.legends[0].get_window_extent()
+    assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
+    assert box.y1 <= figure.bbox.y1
+
+
+def test_fleets_are_shown_beside_each_other(episode: FleetEpisode) -> None:
+    replay = replay_of(episode, beside=fleet_episode(seed=6))
+    replay.go_to(5)
+    pixels(replay)
+    titles = [axes.get_title(loc="left") for axes in replay.figure.axes]
+    assert titles.count("orders delivered (thin line: released)") == 2
+    left, right = replay._scene._scenes  # type: ignore[attr-defined]
+    assert [scene._title.get_text()[-6:] for scene in (left, right)] == ["seed 5", "seed 6"]
+
+
+def test_bodies_of_a_fleet_have_a_clock_and_no_speed() -> None:
+    replay = replay_of(fleet_episode(backend="physics", max_steps=4))
+    replay.show_end()
+    assert any(" s" in text for text in texts(replay) if text.startswith("step 4 of 4"))
+    assert not [axes for axes in replay.figure.axes if "speed" in axes.get_title(loc="left")]
+
+
+def test_a_fleet_is_saved_as_gif_and_svg(tmp_path: Path) -> None:
+    episode = fleet_episode(max_steps=3)
+    replay_of(episode).save(tmp_path / "fleet.gif")
+    with Image.open(tmp_path / "fleet.gif") as image:
+        assert image.n_frames == 4  # type: ignore[attr-defined]
+    for folder in ("one", "two"):
+        save_frames_to_svg(episode, tmp_path / folder)
+    names = [path.name for path in sorted((tmp_path / "one").iterdir())]
+    assert names == [*(f"frame_{frame:04d}.svg" for frame in range(4)), "legend.svg"]
+    for name in names:
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+    assert b"orders delivered" not in (tmp_path / "one" / names[0]).read_bytes()
+
+
+def test_a_record_of_a_fleet_has_its_own_metrics(episode: FleetEpisode) -> None:
+    with pytest.raises(TypeError, match="a record has its own metrics"):
+        replay_of(episode, {"rewards": [0.0]})

@@ -1,0 +1,220 @@
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.fleets import LINE, SHELVES, Couriers, fleet_episode
+
+from warehouse_core import FleetEnv, FleetEpisode, Layout, Order, RecordError, WarehouseEnv
+from warehouse_core.records import FleetRecorder, record_episode
+from warehouse_core.viz import track_of_fleet_episode
+from warehouse_core.viz.track import Waiting, track_of_episode
+
+LATE = 3
+
+
+@pytest.fixture(scope="module")
+def episode() -> FleetEpisode:
+    return fleet_episode()
+
+
+@pytest.fixture(scope="module")
+def bodies() -> FleetEpisode:
+    return fleet_episode(backend="physics", max_steps=20)
+
+
+def driven(actions: list[list[str]], **options: Any) -> FleetEpisode:
+    """Return the record of a fleet, by default on ``LINE``, that carries out some actions."""
+    layout = options.pop("layout", LINE)
+    env = FleetEnv(layout, len(actions[0]), **{"max_steps": 30, "battery": 30, **options})
+    recorder = FleetRecorder(env, seed=1, agent="hand")
+    for each in actions:
+        recorder.step(each)
+    return recorder.episode
+
+
+def age_at(step: int, order: Order) -> int:
+    """Return the third of its time that an order is in, counted up from its release."""
+    if step > order.due:
+        return LATE
+    shares = (step - order.released) / max(order.due - order.released, 1)
+    return sum(shares >= third for third in (1 / 3, 2 / 3))
+
+
+def test_robots_and_then_people_are_where_the_record_has_them(episode: FleetEpisode) -> None:
+    track = track_of_fleet_episode(episode)
+    assert (len(track), track.steps, track.is_continuous) == (81, 80, False)
+    cells = np.hstack([episode.cells, episode.people])
+    for frame, row in zip(track.frames, cells.tolist(), strict=True):
+        assert [(pose.at[1] - 0.5, pose.at[0] - 0.5) for pose in frame.robots if pose] == [
+            divmod(cell, SHELVES.width) for cell in row
+        ]
+    loaded = [[pose.loaded for pose in frame.robots if pose] for frame in track.frames]
+    assert loaded == [[*row, False, False] for row in episode.loaded.tolist()]
+
+
+def test_orders_wait_at_their_pickups_and_age(episode: FleetEpisode) -> None:
+    ages = set()
+    for step, frame in enumerate(track_of_fleet_episode(episode).frames):
+        waiting: dict[tuple[int, int], list[int]] = {}
+        items: dict[int | None, int] = {}
+        for order in episode.orders:
+            end = math.inf if order.delivered is None else order.delivered
+            taken = math.inf if order.taken is None else order.taken
+            if order.released <= step < taken:
+                waiting.setdefault(order.pickup, []).append(age_at(step, order))
+            elif taken <= step < end:
+                items[order.taken_by] = age_at(step, order)
+        assert frame.fleet
+        assert frame.fleet.waiting == tuple(
+            Waiting((col + 0.5, row + 0.5), len(found), max(found))
+            for (row, col), found in sorted(waiting.items())
+        )
+        assert frame.fleet.items == tuple(items.get(robot) for robot in range(4))
+        ages |= {age for found in waiting.values() for age in found} | {*items.values()}
+        delivered = sum(order.delivered is not None and order.delivered <= step
+                        for order in episode.orders)  # fmt: skip
+        waits = sum(map(len, waiting.values()))
+        assert frame.caption.startswith(f"{delivered} delivered")
+        assert frame.caption.endswith(f", {len(items)} carried, {waits} waiting")
+    assert ages >= {0, 1, 2}
+
+
+def test_an_order_is_late_from_the_step_after_its_due_time() -> None:
+    order = Order(0, 3, (0, 0), (0, 8))
+    episode = driven([["PICK"], ["E"], ["E"], ["E"], ["E"]], orders=[order], starts=[(0, 0)])
+    frames = track_of_fleet_episode(episode).frames
+    assert [frame.fleet and frame.fleet.items[0] for frame in frames] == [None, 1, 2, 2, 3, 3]
+    carried = driven([["PICK"], *[["E"]] * 8, ["DROP"]], orders=[order], starts=[(0, 0)])
+    assert track_of_fleet_episode(carried).frames[-1].caption == (
+        "1 delivered (1 late), 0 carried, 0 waiting"
+    )
+    assert track_of_fleet_episode(carried).ending == "all delivered"
+
+
+def test_robots_head_where_they_moved_last() -> None:
+    episode = driven([["E"], ["WAIT"], ["W"], ["N"]], orders=None, starts=[(0, 3)])
+    poses = [frame.robots[0] for frame in track_of_fleet_episode(episode).frames]
+    assert [pose and pose.heading for pose in poses] == [None, 0.0, 0.0, math.pi, math.pi]
+    shelves = fleet_episode(people=0)
+    headings = {
+        pose.heading
+        for frame in track_of_fleet_episode(shelves).frames
+        for pose in frame.robots
+        if pose
+    }
+    assert headings == {None, 0.0, math.pi / 2, math.pi, -math.pi / 2}
+
+
+def test_a_blocked_move_hits_the_edge_of_the_cell() -> None:
+    actions = [["E", "W"], ["WAIT", "N"], ["E", "WAIT"]]
+    episode = driven(actions, orders=None, starts=[(0, 3), (0, 4)])
+    frames = track_of_fleet_episode(episode).frames
+    assert [[hit.at for hit in frame.hits] for frame in frames] == [
+        [],
+        [(4.0, 0.5), (4.0, 0.5)],
+        [(4.5, 0.0)],
+        [(4.0, 0.5)],
+    ]
+
+
+def test_bodies_are_drawn_along_their_paths(bodies: FleetEpisode) -> None:
+    track = track_of_fleet_episode(bodies, 0.2)
+    assert track.is_continuous
+    assert track.steps == 20
+    seconds = sum(max(motion.seconds for motion in motions) for motions in bodies.motions)
+    assert track.frames[-1].clock == pytest.approx(seconds)
+    ends = {frame.progress: frame for frame in track.frames}
+    cells = np.hstack([bodies.cells, bodies.people]).tolist()
+    for step, row in enumerate(cells):
+        for pose, cell in zip(ends[step].robots, row, strict=True):
+            assert pose
+            assert pose.at == pytest.approx(
+                (cell % SHELVES.width + 0.5, cell // SHELVES.width + 0.5), abs=0.05
+            )
+    assert any(0.1 < pose.at[0] % 1 < 0.4 for f in track.frames for pose in f.robots if pose)
+    assert all(hit.label == "" for frame in track.frames for hit in frame.hits)
+    assert any(frame.hits for frame in track.frames)
+
+
+def test_within_a_motion_orders_stay_as_they_were_before_it(bodies: FleetEpisode) -> None:
+    frames = track_of_fleet_episode(bodies, 0.2).frames
+    by_step = track_of_fleet_episode(bodies, None).frames
+    assert len(by_step) == 21
+    for frame in frames:
+        assert frame.fleet == by_step[math.floor(frame.progress)].fleet
+
+
+@pytest.mark.parametrize("frame_seconds", [0.0, -1.0, math.nan])
+def test_a_time_between_frames_must_be_positive(bodies: FleetEpisode, frame_seconds: float) -> None:
+    with pytest.raises(ValueError, match="frame_seconds is"):
+        track_of_fleet_episode(bodies, frame_seconds)
+
+
+def test_motions_that_take_too_many_frames_raise(bodies: FleetEpisode) -> None:
+    with pytest.raises(RecordError, match="more than MAX_FRAMES"):
+        track_of_fleet_episode(bodies, 1e-6)
+
+
+def test_charts_show_what_the_measures_count(episode: FleetEpisode) -> None:
+    shift, measures = track_of_fleet_episode(episode).shift, episode.measures
+    assert shift
+    assert {len(values) for values in (shift.released, shift.delivered, shift.battery,
+                                       shift.lowest, shift.joules)} == {81}  # fmt: skip
+    assert (shift.released[-1], shift.delivered[-1]) == (measures.orders, measures.delivered)
+    assert shift.joules[-1] == pytest.approx(measures.joules)
+    late = [max(late, 0) for _, late in shift.lateness]
+    assert sum(late) / len(late) == pytest.approx(measures.mean_lateness)
+    for step in (0, 40, 80):
+        assert shift.battery[step] == pytest.approx(episode.battery[step].mean() / 100)
+        assert shift.lowest[step] == pytest.approx(episode.battery[step].min() / 100)
+        assert shift.released[step] == sum(order.released <= step for order in episode.orders)
+
+
+def test_without_orders_the_items_delivered_are_counted() -> None:
+    actions = [["PICK", "E"], ["E", "WAIT"], ["E", "N"], ["DROP", "W"]]
+    episode = driven(actions, orders=None, starts=[(0, 0), (1, 0)], layout=Layout(["P.D", "..."]))
+    track = track_of_fleet_episode(episode)
+    assert track.shift
+    assert track.shift.delivered == [0, 0, 0, 0, 1]
+    assert (track.shift.released, track.shift.lateness) == ([0] * 5, [])
+    assert [frame.caption for frame in track.frames] == [""] * 5
+    items = [frame.fleet and frame.fleet.items[0] for frame in track.frames]
+    assert items == [None, 0, 0, 0, None]
+
+
+def test_a_lone_robot_has_the_charts_of_the_chapter() -> None:
+    episode = fleet_episode(robots=1, people=0, orders=None, layout=SHELVES, max_steps=30)
+    track = track_of_fleet_episode(episode)
+    assert track.shift is None
+    env = WarehouseEnv(SHELVES, max_steps=30, battery=100)
+
+    class Again:
+        def reset(self) -> None:
+            self._actions = iter(episode.actions[:, 0].tolist())
+
+        def act(self, observation: object) -> int:
+            return int(next(self._actions))
+
+    alone = track_of_episode(record_episode(env, Again(), randomize=False))
+    assert track.metrics == alone.metrics
+    assert [frame.robots[0] and frame.robots[0].at for frame in track.frames] == [
+        frame.robots[0] and frame.robots[0].at for frame in alone.frames
+    ]
+    with_orders = fleet_episode(robots=1, people=0)
+    assert track_of_fleet_episode(with_orders).metrics.keys() == {"rewards", "battery"}
+    bare = fleet_episode(robots=1, people=0, orders=None, layout=SHELVES.with_tiles([], [], []))
+    assert all(math.isnan(each) for each in track_of_fleet_episode(bare).metrics["dist_pickup"])
+
+
+def test_the_ending_says_how_it_ended(episode: FleetEpisode) -> None:
+    assert track_of_fleet_episode(episode).ending == "time is up"
+    empty = dataclasses.replace(episode, battery=episode.battery * 0)
+    assert track_of_fleet_episode(empty).ending == "batteries empty"
+    going_on = dataclasses.replace(episode, truncated=~episode.truncated)
+    assert track_of_fleet_episode(going_on).ending == ""
+    assert track_of_fleet_episode(episode).title == (
+        "Couriers, 4 robots on the grid backend, seed 5"
+    )
+    assert Couriers.__name__ == episode.agent

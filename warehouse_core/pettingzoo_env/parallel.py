@@ -1,0 +1,232 @@
+"""A fleet as a ``pettingzoo.ParallelEnv``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+from pettingzoo import ParallelEnv
+
+from warehouse_core.errors import EndedError
+from warehouse_core.fleet.env import FleetEnv
+from warehouse_core.fleet.observation import FleetArrays
+from warehouse_core.gymnasium_env.spaces import RENDER_FPS, Extent, check_render_mode
+from warehouse_core.pettingzoo_env.spaces import make_fleet_form, state_of, state_space
+from warehouse_core.render.painter import TilePainter, tile_pixels_for
+from warehouse_core.render.window import PictureWindow
+from warehouse_core.world.actions import ACTIONS, WAIT, valid_action
+from warehouse_core.world.named_layouts import GivenLayout, as_layout
+from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED
+
+Dicts = tuple[dict[str, Any], dict[str, dict[str, Any]]]
+"""Observations and infos, by agent."""
+
+ParallelStep = tuple[
+    dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]
+]
+
+
+class WarehouseParallelEnv(ParallelEnv[str, Any, int]):
+    """``FleetEnv`` with the interface of PettingZoo: its agents are ``robot_0``, ``robot_1``, ...
+
+    Description:
+        ``R`` robots bring items from pickups to dropoffs, by the rules of ``FleetEnv``.
+
+    Actions:
+        ``Discrete(7)`` for each robot: N, E, S, W, WAIT, PICK, DROP. ``info["action_mask"]``,
+        ``[7]`` int8, has a 1 for each action that does something now.
+
+    Observations:
+        ``"dict"``: a flat ``Dict`` of the keys of ``FleetArrays``, and ``action_mask``.
+        ``"vector"``: a ``Box``, see ``encoding.vector``, with ``FLEET_TILES``. The arrays of
+        different calls share no memory. ``state()`` is that of all robots and open orders.
+
+    Rewards:
+        Those of ``FleetEnv``.
+
+    Ends:
+        Those of ``FleetEnv``. A robot that has ended leaves ``agents`` and stays in the way.
+
+    Args:
+        layout: as for ``WarehouseGymnasiumEnv``.
+        robots: ``R``, number of ``possible_agents``.
+        max_cycles: ``max_steps`` of ``FleetEnv``.
+        observation: ``"dict"`` or ``"vector"``.
+        render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``.
+        tile_pixels: side of a cell in a picture, at least 2; ``None`` fits it to the layout.
+        settings: all other arguments of ``FleetEnv``, such as ``orders``.
+
+    Raises:
+        ValueError: a value that is not allowed; also as ``LayoutError``, ``OrderError`` or
+            ``BackendError``.
+        TypeError: an argument of another type.
+    """
+
+    metadata: dict[str, Any] = {  # noqa: RUF012 - as declared by PettingZoo
+        "name": "warehouse_v0",
+        "render_modes": ["human", "rgb_array", "ansi"],
+        "render_fps": RENDER_FPS,
+        "is_parallelizable": True,
+    }
+
+    def __init__(
+        self,
+        layout: GivenLayout | None = None,
+        robots: int = 2,
+        max_cycles: int = 200,
+        observation: str = "dict",
+        render_mode: str | None = None,
+        tile_pixels: int | None = None,
+        **settings: Any,
+    ) -> None:
+        check_render_mode(render_mode, self.metadata["render_modes"])
+        self.fleet = fleet = FleetEnv(as_layout(layout), robots, max_steps=max_cycles, **settings)
+        height, width = fleet.layout.height, fleet.layout.width
+        capacity, radius = fleet.settings.battery.capacity, fleet.settings.view_radius
+        extent = Extent(height, width, radius, capacity, max_cycles)
+        self._space, self._form = make_fleet_form(observation, extent, fleet)
+        self._has_masks = observation == "dict"
+        self.possible_agents = [f"robot_{robot}" for robot in range(robots)]
+        self._actions = {agent: spaces.Discrete(len(ACTIONS)) for agent in self.possible_agents}
+        self.state_space = state_space(extent, robots)
+        self.agents: list[str] = []
+        self._running = np.zeros(robots, np.bool_)
+        self.render_mode = render_mode
+        pixels = tile_pixels_for(height, width) if tile_pixels is None else tile_pixels
+        self._painter = TilePainter(pixels)
+        self._window: PictureWindow | None = None
+
+    def observation_space(self, agent: str) -> gymnasium.Space[Any]:
+        """Return the space of the observations of a robot, the same for all."""
+        return self._space
+
+    def action_space(self, agent: str) -> gymnasium.Space[Any]:
+        """Return the space of the actions of a robot, which has its own random numbers."""
+        return self._actions[agent]
+
+    def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> Dicts:
+        """Start an episode with all robots.
+
+        Args:
+            seed: as for ``FleetEnv.reset``.
+            options: not used.
+
+        Returns:
+            Observations and infos by agent, see the class.
+
+        Raises:
+            ValueError: a negative seed; nothing has changed.
+            TypeError: a seed that is not an integer.
+        """
+        arrays, info = self.fleet.reset(seed)
+        self.agents = self.possible_agents.copy()
+        self._running[:] = True
+        if self.render_mode == "human":
+            self._show()
+        return self._dicts(arrays, info["action_mask"])
+
+    def step(self, actions: Mapping[str, int]) -> ParallelStep:
+        """Carry out one action, an integer 0 to 6, for each of ``agents``.
+
+        Returns:
+            Observations, rewards, terminated, truncated and infos of these agents.
+
+        Raises:
+            ValueError: an action out of range, for another robot, or none for one of ``agents``;
+                nothing has changed.
+            TypeError: an action that is not an integer.
+            EndedError: before the first reset, or when all robots have ended.
+        """
+        chosen = self._chosen(actions)
+        arrays, *results, info = self.fleet.step(chosen)
+        ended = np.logical_or(*results[1:])
+        observations, infos = self._dicts(arrays, info["action_mask"])
+        rewards, terminated, truncated = (
+            dict(zip(self.agents, values[self._running].tolist(), strict=True))
+            for values in results
+        )
+        if (ended & self._running).any():
+            self._running = ~ended
+            running = zip(self.possible_agents, self._running.tolist(), strict=True)
+            self.agents = [agent for agent, is_running in running if is_running]
+        if self.render_mode == "human":
+            self._show()
+        return observations, rewards, terminated, truncated, infos
+
+    def state(self) -> NDArray[np.float32]:
+        """Return a new vector of all robots and the oldest open orders, see ``spaces.state_of``.
+
+        Raises:
+            EndedError: before the first reset.
+        """
+        return state_of(self.fleet, self._running)
+
+    def render(self) -> Any:
+        """Return a picture ``[H, W, 3]`` uint8 or the text; a window needs no call."""
+        if self.render_mode == "rgb_array":
+            return self._picture()
+        if self.render_mode == "ansi":
+            return self._text()
+        if self.render_mode is None:
+            gymnasium.logger.warn("render() needs a render_mode, given to parallel_env")
+        return None
+
+    def close(self) -> None:
+        """Close the window and the motion backend."""
+        if self._window is not None:
+            self._window.close()
+            self._window = None
+        self.fleet.close()
+
+    def _chosen(self, actions: Mapping[str, int]) -> NDArray[np.intp]:
+        """Return the actions of all robots, checked; those that have ended wait."""
+        if not self.agents:
+            raise EndedError("step() needs a reset() before it: there are no agents")
+        if actions.keys() != set(self.agents):
+            odd = sorted(actions.keys() ^ set(self.agents), key=str)[0]
+            what = "an action for" if odd in actions else "no action for"
+            raise ValueError(f"{what} {odd}; needed: one for each of agents and no other")
+        chosen = np.full(len(self._running), WAIT)
+        chosen[self._running] = [valid_action(actions[agent]) for agent in self.agents]
+        return chosen
+
+    def _dicts(self, arrays: FleetArrays, masks: NDArray[np.int8]) -> Dicts:
+        """Return the observations and infos of ``agents``."""
+        rows = np.flatnonzero(self._running).tolist()
+        form: Any = self._form(arrays)
+        observed, masked = form, list(masks)
+        if self._has_masks:
+            columns = {**form, "has_item": form["has_item"].tolist(), "action_mask": masked}
+            observed = [{} for _ in masked]
+            for key, column in columns.items():  # faster than row by row
+                for each, value in zip(observed, column, strict=True):
+                    each[key] = value
+        observations = {agent: observed[row] for agent, row in zip(self.agents, rows, strict=True)}
+        infos = {
+            agent: {"action_mask": masked[row]}
+            for agent, row in zip(self.agents, rows, strict=True)
+        }
+        return observations, infos
+
+    def _picture(self) -> NDArray[np.uint8]:
+        fleet = self.fleet
+        return self._painter.fleet_picture(
+            fleet.layout, zip(fleet.cells, fleet.loaded, strict=True), fleet.people
+        )
+
+    def _text(self) -> str:
+        """Return the layout as text, with robots and people on top."""
+        frame = [list(row) for row in self.fleet.layout.rows]
+        for (row, col), has_item in zip(self.fleet.cells, self.fleet.loaded, strict=True):
+            frame[row][col] = ROBOT_LOADED if has_item else ROBOT_EMPTY
+        for row, col in self.fleet.people:
+            frame[row][col] = PERSON
+        return "\n".join(map("".join, frame))
+
+    def _show(self) -> None:
+        self._window = self._window or PictureWindow("Warehouse")
+        self._window.show(self._picture(), self.metadata["render_fps"])

@@ -1,0 +1,95 @@
+"""Spaces of a fleet's observations and of its state, and what makes them from arrays.
+
+``R`` is the number of robots, ``K`` is ``MAX_STATE_ORDERS``.
+"""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from warehouse_core.fleet.env import FleetEnv
+from warehouse_core.gymnasium_env.spaces import Extent, Form, make_form
+from warehouse_core.task.encoding import FLEET_TILES, MAX_STEPS, Arrays, vector, vector_limits
+from warehouse_core.world.actions import ACTIONS
+
+FLEET_FORMS = ("dict", "vector")
+
+MAX_STATE_ORDERS = 32
+"""Open orders in a state: the oldest ones; what is missing is filled with -1."""
+
+ROBOT_FEATURES, ORDER_FEATURES = 10, 6
+
+
+def make_fleet_form(name: str, extent: Extent, fleet: FleetEnv) -> Form:
+    """Return the form of a robot's observations with a name.
+
+    Raises:
+        ValueError: an unknown name, or as for ``make_form``.
+    """
+    if name == "dict":
+        form = make_form("dict", extent)
+        known = dict(cast(spaces.Dict, form.space))
+        extra: dict[str, spaces.Space[Any]] = {
+            "action_mask": spaces.Box(0, 1, (len(ACTIONS),), np.int8)
+        }
+        if fleet.settings.orders is not None:
+            extra["due"] = spaces.Box(-1, MAX_STEPS, (1,), np.int32)
+        if fleet.layout.chargers:
+            extra["charger_pos"] = known["pickup_pos"]
+        return Form(spaces.Dict(known | extra), form.of)
+    if name == "vector":
+        low, high = vector_limits(*extent, FLEET_TILES)
+        return Form(spaces.Box(low, high, dtype=np.float32), _fleet_vector)
+    raise ValueError(f"observation is {name!r}; allowed: {', '.join(FLEET_FORMS)}")
+
+
+def _fleet_vector(arrays: Arrays) -> NDArray[np.float32]:
+    return vector(arrays, FLEET_TILES)  # a lambda could not be pickled
+
+
+def state_space(extent: Extent, robots: int) -> spaces.Box[Any]:
+    """Return the space of ``state_of``."""
+    cell = (extent.height, extent.width)
+    robot = (*cell, 1, extent.battery, *cell, *cell, MAX_STEPS, 1)
+    order = (*cell, *cell, extent.max_steps, MAX_STEPS)
+    high = np.array([extent.max_steps, *robot * robots, *order * MAX_STATE_ORDERS], np.float32)
+    return spaces.Box(np.full(len(high), -1, np.float32), high, dtype=np.float32)
+
+
+def state_of(fleet: FleetEnv, running: NDArray[np.bool_]) -> NDArray[np.float32]:
+    """Return the state of a fleet as one vector of ``1 + 10 R + 6 K`` numbers.
+
+    ======  =======================================================================================
+    1       steps taken
+    10 R    for each robot: row, column, whether it holds an item, battery units, row and column of
+            its pickup, of its dropoff, step by which its order is due, and whether it has not ended
+    6 K     for each of the oldest ``K`` open orders: row and column of its pickup, of its dropoff,
+            steps at which it was released and is due
+    ======  =======================================================================================
+
+    What does not exist is -1.
+
+    Args:
+        fleet: after a reset.
+        running: ``[R]``, which robots have not ended.
+    """
+    arrays, robots = fleet.arrays(), len(running)
+    columns = (
+        arrays["robot_pos"],
+        np.asarray(arrays["has_item"])[:, None],
+        arrays["battery"],
+        arrays["pickup_pos"],
+        arrays["dropoff_pos"],
+        arrays.get("due", np.full((robots, 1), -1)),
+        running[:, None],
+    )
+    orders, waiting = fleet.orders, np.full((MAX_STATE_ORDERS, ORDER_FEATURES), -1)
+    for row, number in enumerate(fleet.open_orders[:MAX_STATE_ORDERS]):
+        order = orders[number]
+        waiting[row] = (*order.pickup, *order.dropoff, order.released, order.due)
+    parts = [fleet.steps], np.hstack(columns).ravel(), waiting.ravel()
+    return np.concatenate(parts, dtype=np.float32, casting="unsafe")

@@ -1,0 +1,150 @@
+"""What environments of many rows share: checks of arguments, and how their episodes restart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from warehouse_core.arguments import whole_number
+from warehouse_core.errors import EndedError
+from warehouse_core.motion.vector import Flags, Integers
+from warehouse_core.world.actions import ACTIONS
+from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
+
+NEXT_STEP, SAME_STEP, DISABLED = "NextStep", "SameStep", "Disabled"
+AUTORESET_MODES = (NEXT_STEP, SAME_STEP, DISABLED)
+
+Seeds = int | Sequence[int | None] | None
+
+
+def checked_mode(autoreset_mode: str) -> str:
+    """Return an autoreset mode if there is such a one.
+
+    Raises:
+        ValueError: listing those allowed.
+    """
+    if autoreset_mode not in AUTORESET_MODES:
+        raise ValueError(
+            f"autoreset_mode is {autoreset_mode!r}; allowed: {', '.join(AUTORESET_MODES)}"
+        )
+    return autoreset_mode
+
+
+def checked_actions(actions: ArrayLike, rows: int) -> NDArray[np.intp]:
+    """Return a checked copy of the actions.
+
+    Raises:
+        ValueError: not one for each row, or one out of range.
+        TypeError: they are not integers.
+    """
+    given = np.asarray(actions)
+    if given.dtype.kind not in "iu":
+        raise TypeError(f"the actions are {given.dtype}; they must be integers")
+    if given.shape != (rows,):
+        raise ValueError(f"the actions have the shape {given.shape}; it must be ({rows},)")
+    chosen = given.astype(np.intp)
+    # As unsigned numbers, negative ones are very large.
+    if chosen.view(np.uintp).max() >= len(ACTIONS):
+        row = int(np.argmax(chosen.view(np.uintp) >= len(ACTIONS)))
+        raise ValueError(f"the action of row {row} is {given[row]}; allowed: 0..{len(ACTIONS) - 1}")
+    return chosen
+
+
+def checked_mask(mask: Flags | None, rows: int, is_first: bool) -> Flags:
+    """Return a checked copy of the mask of rows to reset; ``None`` is all of them.
+
+    Raises:
+        ValueError: not a flag for each row, or none is set.
+        TypeError: it is not an array of bool.
+        EndedError: a mask for the first reset.
+    """
+    if mask is None:
+        return np.ones(rows, np.bool_)
+    if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
+        raise TypeError(f"the mask is {mask!r}; it must be an array of bool")
+    if mask.shape != (rows,) or not mask.any():
+        raise ValueError(
+            f"the mask has the shape {mask.shape} and {mask.sum()} rows set; "
+            f"the shape must be ({rows},) and at least one row set"
+        )
+    if is_first:
+        raise EndedError("the first reset() must be of all rows, without a mask")
+    return mask.copy()
+
+
+def check_running(ended: Flags) -> None:
+    """Raise ``EndedError`` if rows have ended, in the disabled mode."""
+    if ended.any():
+        raise EndedError(
+            f"{ended.sum()} rows have ended, row {ended.argmax()} first; they must be reset, by a "
+            "mask, before the next step"
+        )
+
+
+def final_info(
+    info: dict[str, Any], observed: dict[str, Any], masks: NDArray[np.int8], ended: Flags
+) -> dict[str, Any]:
+    """Return what the same-step mode adds to info for rows that have ended.
+
+    Args:
+        info: of the step, with ``motion``.
+        observed: the final observations of these rows only.
+        masks: ``[B, 7]``, before the reset.
+        ended: ``[B]``, which rows they are.
+    """
+    rows = np.flatnonzero(ended)
+    motion = {key: values.copy() for key, values in info["motion"].items()}
+    final = {
+        "motion": motion | {f"_{key}": ended.copy() for key in motion},
+        "_motion": ended.copy(),
+        "action_mask": masks,
+        "_action_mask": ended.copy(),
+    }
+    return {
+        "_motion": info["_motion"] & ~ended,
+        "final_obs": {key: _spread(values, rows, len(ended)) for key, values in observed.items()},
+        "_final_obs": ended.copy(),
+        "final_info": final,
+        "_final_info": ended.copy(),
+    }
+
+
+def one_layout_each(layout: Layout | Sequence[Layout] | None, rows: int) -> Sequence[Layout]:
+    """Return a layout for each row, given one for all or one each; ``None`` is the chapter's."""
+    if layout is None or isinstance(layout, Layout):
+        return [layout or DEFAULT_LAYOUT] * rows
+    if not isinstance(layout, Sequence):
+        raise TypeError(f"layout is {layout!r}; it must be a Layout, or one for each row")
+    if len(layout) != rows:
+        raise ValueError(f"{len(layout)} layouts for {rows} rows; give one, or one for each row")
+    for row, each in enumerate(layout):
+        if not isinstance(each, Layout):
+            raise TypeError(f"the layout of row {row} is {type(each).__name__}, not a Layout")
+    return layout
+
+
+def checked_seeds(seed: Seeds, rows: int) -> Sequence[int | None]:
+    """Return a seed for each row: one each, those from a first one on, or ``None``."""
+    if seed is None:
+        return [None] * rows
+    if isinstance(seed, (int, np.integer)):
+        first = whole_number("seed", seed, minimum=0)
+        return range(first, first + rows)
+    if not isinstance(seed, (Sequence, np.ndarray)) or np.ndim(np.asarray(seed, object)) != 1:
+        raise TypeError(f"seed is {seed!r}; it must be an integer or one for each row")
+    if len(seed) != rows:
+        raise ValueError(f"{len(seed)} seeds for {rows} rows; give one, or one for each row")
+    return [
+        None if each is None else whole_number(f"the seed of row {row}", each, minimum=0)
+        for row, each in enumerate(seed)
+    ]
+
+
+def _spread(values: NDArray[Any], rows: Integers, count: int) -> NDArray[Any]:
+    """Return ``count`` rows that are zero except for those given."""
+    spread = np.zeros((count, *values.shape[1:]), values.dtype)
+    spread[rows] = values
+    return spread
