@@ -112,7 +112,7 @@ def import_map(
 
 @app.command()
 def check(file: Annotated[Path, typer.Argument(help="A layout file.")]) -> None:
-    """Check that an item can be delivered, and every charger be reached, in a layout.
+    """Check that items can be delivered and chargers be reached.
 
     Example: warehouse layout check hall.txt
     """

@@ -182,7 +182,7 @@ def test_run_takes_an_agent_from_a_file(capsys: pytest.CaptureFixture[str], tmp_
     ("words", "message"),
     [
         (["--agent", "clever"], "no agent is called 'clever'; allowed: random"),
-        (["--agent", "missing.py:Agent"], "agent file missing.py does not exist"),
+        (["--agent", "missing.py:Agent"], "agent file missing.py: there is no such file"),
         (["--agent", "wrong.py:Agent"], "wrong.py, line 2: "),
         (["--agent", "waiter.py:Agent"], "waiter.py has no class 'Agent'"),
         (["--backend", "sleigh"], "no backend is called 'sleigh'; installed: grid"),
