@@ -1,5 +1,5 @@
 import pytest
-from helpers.fleet_twins import bodies_move_as_the_grid
+from helpers.fleet_truth import bodies_move_as_the_grid
 
 
 @pytest.mark.filterwarnings("ignore:.*chargers supply")

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.fleet_twins import charged_layout, plain
+from helpers.fleet_truth import charged_layout, plain
 
 from warehouse_core import FleetEnv, OrderStream
 from warehouse_core.fleet import Battery, People

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 import pytest
-from helpers.fleet_twins import DROP, EAST, NORTH, PICK, SOUTH, WAIT, WEST
+from helpers.fleet_truth import DROP, EAST, NORTH, PICK, SOUTH, WAIT, WEST
 
 from warehouse_core import FleetEnv, Layout, Order
 from warehouse_core.motion.grid import nominal_joules

@@ -4,7 +4,7 @@ import random
 from typing import Any
 
 import pytest
-from helpers.fleet_twins import assert_steps_equal, lone_fleet, random_lone_steps_equal
+from helpers.fleet_truth import assert_steps_equal, lone_fleet, random_lone_steps_equal
 from helpers.traces import TRACES, env_of
 
 from warehouse_core import FleetEnv

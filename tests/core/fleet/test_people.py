@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.fleet_twins import EAST, WAIT, state_of
+from helpers.fleet_truth import EAST, WAIT, state_of
 
 from warehouse_core import FleetEnv, Layout, random_layout, shelf_layout
 from warehouse_core.fleet import People, people

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.fleet_twins import WAIT, state_of
+from helpers.fleet_truth import WAIT, state_of
 
 from warehouse_core import (
     BackendError,

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.fleet_twins import DROP, EAST, FLY, NORTH, PICK, SOUTH, WAIT, WEST, plain, state_of
+from helpers.fleet_truth import DROP, EAST, FLY, NORTH, PICK, SOUTH, WAIT, WEST, plain, state_of
 
 from warehouse_core import FleetEnv, GridMotion, Layout, Order, Outcome
 from warehouse_core.errors import EndedError
