@@ -163,7 +163,7 @@ class Fleets:
         arrays = self.robots.observe(rows, battery[:, None], steps[:, None])
         found = cast(FleetArrays, arrays)
         if self.orders:
-            found["due"] = self.orders.due[rows][:, None]
+            found["due"] = self.orders.due[rows][:, None].copy()
         if self._floor.has_chargers:
             found["charger_pos"] = self._floor.nearest_chargers(rows, self.robots.cells[rows])
         return found

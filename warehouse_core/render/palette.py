@@ -36,7 +36,7 @@ COLORS: dict[str, Color] = {
 FLEET_COLORS: dict[str, Color] = {
     CHARGER: (0.95, 0.85, 0.25),
     OTHER_EMPTY: (0.95, 0.7, 0.85),
-    OTHER_LOADED: (0.6, 0.42, 0.25),
+    OTHER_LOADED: (0.5, 0.42, 0.2),
     PERSON: (0.3, 0.3, 0.75),
 }
 
