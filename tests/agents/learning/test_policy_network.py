@@ -142,6 +142,8 @@ def test_the_file_holds_plain_arrays(saved: Path) -> None:
         ({**HEADER, "tiles": "#?"}, "tiles are"),
         ({**HEADER, "tiles": 3}, "tiles are"),
         (HEADER | {"format": "warehouse-lab episode 1"}, "its format is not"),
+        (HEADER | {"tiles": "#?"}, "tiles are"),
+        (HEADER | {"tiles": 3}, "tiles are 3"),
         ({"format": HEADER["format"]}, "view_radius is None; it must be a whole number"),
         (HEADER | {"view_radius": -1}, "view_radius is -1; it must be a whole number, at least 0"),
         (HEADER | {"view_radius": 2.0}, "view_radius is 2.0; "),
