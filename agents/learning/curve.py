@@ -94,7 +94,8 @@ def _draw_rates(axes: Axes, name: str, points: Sequence[Point], greedy: FleetSco
     _prepare(axes, "items delivered in an hour (mean)", points)
     _draw_band(axes, points, lambda scores: scores.per_hour)
     _draw_lines(axes, name, points, greedy, lambda scores: scores.per_hour.estimate, "{:.0f}")
-    axes.set_ylim(0, axes.get_ylim()[1] * 1.1)
+    high = axes.get_ylim()[1]
+    axes.set_ylim(-0.1 * high, 1.1 * high)
 
 
 def _draw_blocked(axes: Axes, name: str, points: Sequence[Point], greedy: FleetScores) -> None:

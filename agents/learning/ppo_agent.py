@@ -20,15 +20,20 @@ from warehouse_core.world.tiles import DROPOFF, EMPTY, MOVE_DELTAS, PICKUP
 
 
 class PPOAgent:
-    """Takes the useful action with the highest output of its network.
+    """Takes the useful action with the highest output of its network, or draws one.
 
     Args:
         network: that chooses the actions.
         name: of the network in error messages.
+        seed: draw actions by their probability, as in training: robots of a fleet that insist on
+            the likeliest ones block each other for ever.
     """
 
-    def __init__(self, network: PolicyNetwork, name: str = "the network") -> None:
+    def __init__(
+        self, network: PolicyNetwork, name: str = "the network", seed: int | None = None
+    ) -> None:
         self._network, self._name = network, name
+        self._stream = None if seed is None else np.random.default_rng(seed)
         self.reset()
 
     @classmethod
@@ -60,8 +65,11 @@ class PPOAgent:
         logits = self._network.logits(network_input(encode(observation), self._network.tiles))
         allowed = np.where(useful_now(observation), logits, -np.inf)
         action = int(allowed.argmax())
-        likelihoods = np.exp(allowed - allowed[action])
-        self.reason = f"{100 / likelihoods.sum():.0f}% sure"
+        likelihoods = np.exp(np.float64(allowed - allowed[action]))
+        likelihoods /= likelihoods.sum()
+        if self._stream is not None:
+            action = int(self._stream.choice(len(ACTIONS), p=likelihoods))
+        self.reason = f"{100 * likelihoods[action]:.0f}% sure"
         return ACTIONS[action]
 
 

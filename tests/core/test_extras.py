@@ -11,6 +11,7 @@ from warehouse_core.extras import install_command
         ("physics", ["pymunk"]),
         ("rl", ["sb3-contrib", "stable-baselines3"]),
         ("bench", ["minigrid"]),
+        ("fleet", ["pettingzoo"]),
     ],
 )
 def test_the_command_names_the_packages_of_an_extra_and_no_other(
@@ -25,5 +26,5 @@ def test_the_command_names_the_packages_of_an_extra_and_no_other(
 
 
 def test_this_distribution_is_never_named() -> None:
-    for extra in ("bench", "cluster", "parquet", "physics", "rl", "test", "video"):
+    for extra in ("bench", "cluster", "fleet", "parquet", "physics", "rl", "test", "video"):
         assert "warehouse-lab" not in install_command(extra)

@@ -13,10 +13,8 @@ from warehouse_core.extras import install_command
 try:
     from pettingzoo.utils.conversions import parallel_to_aec
 except ModuleNotFoundError as error:
-    if error.name != "pettingzoo":
-        raise
     raise BackendError(
-        f"environments of PettingZoo need pettingzoo, which is not installed: "
+        f"environments of PettingZoo need {error.name}, which is not installed: "
         f"{install_command('fleet')}"
     ) from error
 

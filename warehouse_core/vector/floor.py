@@ -51,8 +51,9 @@ class VectorFloor:
         self._station_cells = np.full((2, rows), NO_CELL, np.intp)
         self.station_places = np.empty((2, rows, 2), np.int32)
         # The place of a station in the window depends on its offset from the robot, which is one
-        # number in rows so wide that a station beyond one edge does not appear at the other.
-        self._stride = max(layout.width for layout in kinds) + radius
+        # number in rows so wide that a station beyond one edge does not appear at the other, not
+        # even one that does not exist, in the column before the first.
+        self._stride = max(layout.width for layout in kinds) + radius + 1
         self._reach = radius * self._stride + radius + 1
         # The place for each offset is the middle, where the robot is, if it is out of sight.
         cells = self._windows.shape[1]

@@ -1,5 +1,6 @@
 import json
 import math
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +11,9 @@ from helpers.networks import layers_of, random_network
 from agents.learning.policy_network import SCHEMA, PolicyNetwork, input_size, network_input
 from warehouse_core import RecordError, WarehouseEnv
 from warehouse_core.files.npz import Arrays
-from warehouse_core.task.encoding import encode
+from warehouse_core.task.encoding import FLEET_TILES, encode
 
-HEADER = {"format": "warehouse-lab policy 1", "view_radius": 2}
+HEADER = {"format": "warehouse-lab policy 1", "view_radius": 2, "tiles": "#PD"}
 
 
 @pytest.fixture
@@ -118,6 +119,16 @@ def test_a_network_is_read_back_from_its_file(saved: Path) -> None:
         assert all(np.array_equal(*pair) for pair in zip(one, other, strict=True))
 
 
+def test_a_network_for_a_fleet_is_read_back_with_its_tiles(tmp_path: Path) -> None:
+    sizes = input_size(1, FLEET_TILES), 8, 6, 7
+    layers = [
+        (np.zeros((out, wide), np.float32), np.zeros(out, np.float32))
+        for wide, out in pairwise(sizes)
+    ]
+    PolicyNetwork(1, layers, FLEET_TILES).save(tmp_path / "fleet.npz")
+    assert PolicyNetwork.load(tmp_path / "fleet.npz").tiles == FLEET_TILES
+
+
 def test_the_file_holds_plain_arrays(saved: Path) -> None:
     with np.load(saved, allow_pickle=False) as file:
         assert set(file.files) == set(SCHEMA)
@@ -128,7 +139,11 @@ def test_the_file_holds_plain_arrays(saved: Path) -> None:
     ("header", "says"),
     [
         ([], "its format is not"),
+        ({**HEADER, "tiles": "#?"}, "tiles are"),
+        ({**HEADER, "tiles": 3}, "tiles are"),
         (HEADER | {"format": "warehouse-lab episode 1"}, "its format is not"),
+        (HEADER | {"tiles": "#?"}, "tiles are"),
+        (HEADER | {"tiles": 3}, "tiles are 3"),
         ({"format": HEADER["format"]}, "view_radius is None; it must be a whole number"),
         (HEADER | {"view_radius": -1}, "view_radius is -1; it must be a whole number, at least 0"),
         (HEADER | {"view_radius": 2.0}, "view_radius is 2.0; "),

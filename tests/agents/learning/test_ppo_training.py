@@ -9,10 +9,13 @@ import pytest
 from helpers.command_line import command
 
 from agents.commands import train
+from agents.evaluation.fleet_scores import FleetTask
 from agents.evaluation.scores import Task, evaluate
 from agents.learning.policy_network import PolicyNetwork, network_input
 from agents.learning.ppo_agent import PPOAgent
+from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Layout
+from warehouse_core.task.encoding import FLEET_TILES
 from warehouse_core.vector.env import BatchEnv
 
 pytestmark = pytest.mark.learning
@@ -140,6 +143,29 @@ def test_deliveries_in_a_room_are_learned() -> None:
     scores = evaluate(make_agent, Task(ROOM, 30, 30), range(100))
     assert scores.delivered.all()
     assert scores.lengths.mean() < 6
+
+
+def test_robots_that_share_a_network_deliver_more_than_greedy_ones() -> None:
+    from agents.learning.ppo_training import PPOLearner
+
+    task = FleetTask(ROOM, robots=2, max_steps=60)
+    trained = PPOLearner(task, 20 * ROUND, 1).learn(ignore)
+    learned, greedy = (task.evaluate(each, range(20)) for each in (trained, GreedyAgent))
+    assert learned.per_hour.low > greedy.per_hour.high
+
+
+def test_the_rows_of_a_fleet_have_the_format_of_stable_baselines() -> None:
+    from agents.learning.vec_env import BatchVecEnv
+
+    batch = FleetTask(ROOM, robots=2).make_batch(6)
+    env = BatchVecEnv(batch)
+    env.seed(5)
+    first = env.reset()
+    assert (env.num_envs, first.shape) == (6, (6, 184))
+    assert env.observation_space.contains(first[0])
+    arrays, _ = FleetTask(ROOM, robots=2).make_batch(6).reset(seed=5)
+    assert np.array_equal(first, network_input(arrays, FLEET_TILES))
+    assert not np.array_equal(env.reset(), first)
 
 
 def test_the_rows_have_the_format_of_stable_baselines() -> None:

@@ -5,7 +5,8 @@ from numpy.typing import NDArray
 from agents.learning.policy_network import network_input
 from agents.learning.vector_steps import input_limits, vector_step
 from warehouse_core import Layout, WarehouseEnv
-from warehouse_core.task.encoding import encode
+from warehouse_core.fleet import FleetBatch
+from warehouse_core.task.encoding import FLEET_TILES, encode
 from warehouse_core.vector.env import BatchEnv
 from warehouse_core.world.actions import ACTIONS
 
@@ -78,3 +79,29 @@ def test_every_observation_is_within_the_limits() -> None:
     for _ in range(60):
         observations.append(vector_step(batch, stream.integers(0, 7, 50))[0])
     assert all((low <= each).all() and (each <= high).all() for each in observations)
+
+
+def test_each_robot_of_a_fleet_is_a_row_until_the_fleet_restarts() -> None:
+    batch = FleetBatch(2, ROOM, 2, orders=0.5, max_steps=3, autoreset_mode="SameStep")
+    batch.reset(1)
+    low, high = input_limits(batch)
+    for step in range(3):
+        observations, _, ended, infos = vector_step(batch, np.array([0, 1, 2, 3]))
+        assert ((low <= observations) & (observations <= high)).all()
+        assert ended.tolist() == [step == 2] * 4
+    assert all(info.pop("terminal_observation").shape == low.shape for info in infos)
+    assert infos == [{"TimeLimit.truncated": True}] * 4
+    assert np.array_equal(observations, network_input(batch._fleets.observe(), FLEET_TILES))
+    assert observations.shape == (4, 7 * 25 + 9)
+
+
+def test_a_robot_that_ends_before_its_fleet_waits() -> None:
+    layout = Layout(["PD..", "...."])
+    batch = FleetBatch(1, layout, 2, max_steps=50, autoreset_mode="SameStep")
+    batch.reset(1)
+    for _ in range(40):
+        actions = np.where(batch.action_masks()[:, 6] == 1, 6, 4)
+        actions[0] = 4
+        *_, ended, infos = vector_step(batch, actions)
+        assert not ended.any()
+        assert infos == [{}, {}]

@@ -1,0 +1,175 @@
+"""What PettingZoo's own tests do not ask of the environment."""
+
+import importlib
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+
+from warehouse_core import FleetEnv, Layout, pettingzoo_env
+from warehouse_core.errors import BackendError, EndedError
+from warehouse_core.fleet import People
+from warehouse_core.orders import Order
+from warehouse_core.pettingzoo_env.spaces import MAX_STATE_ORDERS
+from warehouse_core.task.encoding import FLEET_TILES, vector
+
+YARD = Layout(["......", ".P..D.", "..##.C"])
+ROW = Layout(["P..D"])
+
+
+def arrays_in(value: Any) -> list[np.ndarray]:
+    if isinstance(value, dict):
+        return [array for each in value.values() for array in arrays_in(each)]
+    if isinstance(value, tuple):
+        return [array for each in value for array in arrays_in(each)]
+    return [value] if isinstance(value, np.ndarray) else []
+
+
+def waits(env: Any) -> dict[str, int]:
+    return dict.fromkeys(env.agents, 4)
+
+
+def test_each_robot_gets_its_row_of_the_fleet() -> None:
+    settings = {"orders": 0.4, "battery": 500, "people": 1}
+    env = pettingzoo_env.parallel_env(YARD, 3, **settings)
+    fleet = FleetEnv(YARD, 3, **settings)
+    observations, infos = env.reset(seed=5)
+    arrays, info = fleet.reset(5)
+    stream = np.random.default_rng(1)
+    for _ in range(150):
+        for row, agent in enumerate(env.possible_agents):
+            expected = {key: values[row] for key, values in arrays.items()}
+            expected["action_mask"] = info["action_mask"][row]
+            assert observations[agent].keys() == expected.keys()
+            assert all(np.array_equal(observations[agent][key], expected[key]) for key in expected)
+            assert env.observation_space(agent).contains(observations[agent])
+            assert np.array_equal(infos[agent]["action_mask"], info["action_mask"][row])
+        actions = stream.integers(7, size=3)
+        joint = dict(zip(env.agents, actions.tolist(), strict=True))
+        observations, rewards, *_, infos = env.step(dict(reversed(joint.items())))
+        arrays, expected_rewards, *_, info = fleet.step(actions)
+        assert list(rewards.values()) == expected_rewards.tolist()
+
+
+def test_vectors_are_those_of_fleets() -> None:
+    env = pettingzoo_env.parallel_env(YARD, 2, observation="vector", battery=300)
+    observations, _ = env.reset(seed=3)
+    expected = vector(env.fleet.arrays(), FLEET_TILES)
+    assert np.array_equal(np.stack(list(observations.values())), expected)
+    assert all(env.observation_space(agent).contains(observations[agent]) for agent in env.agents)
+
+
+def test_no_two_calls_share_memory() -> None:
+    env = pettingzoo_env.parallel_env(YARD, 2, orders=0.2, battery=300)
+    calls = [env.reset(seed=1), env.state(), env.step(waits(env)), env.state(), env.reset()]
+    for number, one in enumerate(calls):
+        for other in calls[number + 1 :]:
+            for array in arrays_in(one):
+                assert not any(np.shares_memory(array, each) for each in arrays_in(other))
+
+
+def test_a_robot_that_has_ended_leaves_the_agents_and_stays_in_the_way() -> None:
+    env = pettingzoo_env.parallel_env(ROW, 2, starts=[(0, 0), (0, 1)])
+    env.reset(seed=1)
+    env.step({"robot_0": 5, "robot_1": 1})
+    env.step({"robot_0": 1, "robot_1": 1})
+    env.step({"robot_0": 1, "robot_1": 4})
+    assert env.fleet.cells == [(0, 2), (0, 3)]
+    env = pettingzoo_env.parallel_env(ROW, 2, starts=[(0, 3), (0, 0)])
+    env.reset(seed=1)
+    for actions in ((3, 4), (3, 5), (4, 1)):
+        env.step({"robot_0": actions[0], "robot_1": actions[1]})
+    assert env.agents == ["robot_0", "robot_1"]
+    env = pettingzoo_env.parallel_env(["PD.", "..."], 2, starts=[(0, 0), (1, 1)])
+    env.reset(seed=1)
+    env.step({"robot_0": 5, "robot_1": 4})
+    env.step({"robot_0": 1, "robot_1": 4})
+    observations, _, terminated, truncated, _ = env.step({"robot_0": 6, "robot_1": 0})
+    assert observations.keys() == {"robot_0", "robot_1"}
+    assert terminated == {"robot_0": True, "robot_1": False}
+    assert not any(truncated.values())
+    assert (env.agents, env.num_agents) == (["robot_1"], 1)
+    observations, *_ = env.step({"robot_1": 0})
+    assert observations.keys() == {"robot_1"}
+    assert env.fleet.cells == [(0, 1), (1, 1)]
+    assert env.state()[10] == 0
+    assert env.state()[20] == 1
+    env.reset()
+    assert env.agents == env.possible_agents
+
+
+def test_a_state_has_all_robots_and_the_oldest_open_orders() -> None:
+    orders = [Order(0, 50 + n, (1, 1), (1, 4)) for n in range(MAX_STATE_ORDERS + 5)]
+    starts = [(0, 0), (0, 1)]
+    env = pettingzoo_env.parallel_env(YARD, 2, orders=orders, starts=starts, battery=300)
+    with pytest.raises(EndedError):
+        env.state()
+    env.reset(seed=1)
+    env.step({"robot_0": 4, "robot_1": 1})
+    state = env.state()
+    assert env.state_space.contains(state)
+    robots, waiting = state[1:21].reshape(2, 10), state[21:].reshape(MAX_STATE_ORDERS, 6)
+    assert state[0] == 1
+    due = [order.due for order in env.fleet.orders]
+    mine = [due[order] for order in env.fleet.order_of if order is not None]
+    assert robots.tolist() == [
+        [0, 0, 0, 299, 1, 1, 1, 4, mine[0], 1],
+        [0, 2, 0, 299, 1, 1, 1, 4, mine[1], 1],
+    ]
+    rows = [[1, 1, 1, 4, 0, due[order]] for order in env.fleet.open_orders[:MAX_STATE_ORDERS]]
+    assert waiting.tolist() == rows
+    few = pettingzoo_env.parallel_env(YARD, 2, orders=orders[:3], battery=300)
+    few.reset(seed=1)
+    assert few.state()[21 + 6 :].tolist() == [-1] * 6 * (MAX_STATE_ORDERS - 1)
+
+
+def test_pictures_and_text() -> None:
+    people = People(1)
+    env = pettingzoo_env.parallel_env(YARD, 2, render_mode="ansi", battery=300, people=people)
+    env.reset(seed=2)
+    text = env.render().splitlines()
+    assert [text[row][col] for row, col in env.fleet.cells] == ["R", "R"]
+    [(row, col)] = env.fleet.people
+    assert text[row][col] == "H"
+    env = pettingzoo_env.parallel_env(YARD, 2, 50, "dict", "rgb_array", 8, battery=300)
+    env.reset(seed=2)
+    assert env.render().shape == (8 * YARD.height, 8 * YARD.width, 3)
+    env.close()
+    silent = pettingzoo_env.parallel_env()
+    with pytest.warns(UserWarning, match="needs a render_mode"):
+        assert silent.render() is None
+
+
+@pytest.mark.parametrize(
+    ("actions", "error", "message"),
+    [
+        ({"robot_0": 1}, ValueError, "no action for robot_1"),
+        ({"robot_0": 1, "robot_1": 1, "robot_7": 1}, ValueError, "an action for robot_7"),
+        ({"robot_0": 1, "robot_1": 7}, ValueError, "7 is out of range"),
+        ({"robot_0": 1, "robot_1": "E"}, TypeError, "integer"),
+    ],
+)
+def test_bad_actions_change_nothing(
+    actions: dict[str, Any], error: type[Exception], message: str
+) -> None:
+    env = pettingzoo_env.parallel_env()
+    with pytest.raises(EndedError):
+        env.step({})
+    env.reset(seed=1)
+    before = env.state()
+    with pytest.raises(error, match=message):
+        env.step(actions)
+    assert np.array_equal(env.state(), before)
+
+
+@pytest.mark.parametrize("arguments", [{"observation": "image"}, {"render_mode": "svg"}])
+def test_bad_arguments(arguments: dict[str, str]) -> None:
+    with pytest.raises(ValueError, match="allowed: "):
+        pettingzoo_env.parallel_env(**arguments)
+
+
+def test_without_pettingzoo_the_error_has_the_command(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pettingzoo.utils.conversions", None)
+    with pytest.raises(BackendError, match=r"need pettingzoo.*: pip install 'pettingzoo>="):
+        importlib.reload(pettingzoo_env)
