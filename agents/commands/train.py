@@ -74,7 +74,6 @@ def train_ppo(
     network, and each is rewarded for its own deliveries.
 
     Example: warehouse train ppo --steps 2000000 -o ppo.npz
-    Example: warehouse train ppo --robots 4 --steps 400000 -o fleet.npz
     """
     task: Task | FleetTask = Task(load_layout(layout), battery, max_steps)
     if robots > 1:
