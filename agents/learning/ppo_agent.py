@@ -12,7 +12,7 @@ import numpy as np
 from agents.errors import AgentError
 from agents.learning.policy_network import PolicyNetwork, network_input
 from agents.warehouse_agent_greedy import open_moves
-from warehouse_core.task.encoding import encode
+from warehouse_core.task.encoding import FLEET_TILES, encode
 from warehouse_core.task.rules import useful_actions
 from warehouse_core.task.state import Observation
 from warehouse_core.world.actions import ACTIONS
@@ -20,31 +20,34 @@ from warehouse_core.world.tiles import DROPOFF, EMPTY, MOVE_DELTAS, PICKUP
 
 
 class PPOAgent:
-    """Takes the useful action with the highest output of its network, or draws one.
+    """Takes the useful action with the highest output of its network.
+
+    With a network that robots of a fleet share, actions are drawn by their probability, as in
+    training: robots that insist on the likeliest ones block each other for ever.
 
     Args:
         network: that chooses the actions.
         name: of the network in error messages.
-        seed: draw actions by their probability, as in training: robots of a fleet that insist on
-            the likeliest ones block each other for ever.
+        seed: for the actions that are drawn.
     """
 
     def __init__(
         self, network: PolicyNetwork, name: str = "the network", seed: int | None = None
     ) -> None:
         self._network, self._name = network, name
-        self._stream = None if seed is None else np.random.default_rng(seed)
+        is_shared = network.tiles == FLEET_TILES
+        self._stream = np.random.default_rng(seed) if is_shared else None
         self.reset()
 
     @classmethod
-    def load(cls, path: Path) -> PPOAgent:
+    def load(cls, path: Path, seed: int | None = None) -> PPOAgent:
         """Return an agent with a network from a file.
 
         Raises:
             RecordError: the file is not one of a network.
             OSError: the file cannot be read.
         """
-        return cls(PolicyNetwork.load(path), str(path))
+        return cls(PolicyNetwork.load(path), str(path), seed)
 
     def reset(self) -> None:
         """Prepare for an episode; the agent remembers nothing."""

@@ -26,7 +26,6 @@ from agents.learning.training import RECENT_EPISODES, Watch
 from agents.learning.vec_env import BatchVecEnv
 from agents.learning.vector_steps import tiles_of
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.task.encoding import FLEET_TILES
 
 ENVS = 128
 """Rows of the batch: warehouses, or robots of fleets."""
@@ -85,10 +84,7 @@ class PPOLearner:
     def agents(self) -> MakeAgent:
         """Return what makes the agent in its present state; further training does not change it."""
         network = self.network()
-        if self._tiles == FLEET_TILES:
-            return lambda seed: PPOAgent(network, seed=seed)
-        agent = PPOAgent(network)
-        return lambda _: agent
+        return lambda seed: PPOAgent(network, seed=seed)
 
     def network(self) -> PolicyNetwork:
         """Return a copy of the policy network."""

@@ -3,10 +3,10 @@ import pytest
 from helpers.networks import constant_network, random_network
 
 from agents.errors import AgentError
-from agents.learning.policy_network import network_input
+from agents.learning.policy_network import PolicyNetwork, input_size, network_input
 from agents.learning.ppo_agent import PPOAgent, useful_now
 from warehouse_core import Layout, WarehouseEnv, record_episode
-from warehouse_core.task.encoding import encode
+from warehouse_core.task.encoding import FLEET_TILES, encode
 from warehouse_core.task.rules import useful_actions
 from warehouse_core.vector.env import BatchEnv
 
@@ -96,3 +96,16 @@ def test_another_view_radius_is_an_error(radius: int) -> None:
     assert str(refused.value) == (
         f"model.npz was trained with view radius 2; this robot has {radius}"
     )
+
+
+def test_a_network_that_robots_share_draws_its_actions_by_the_seed() -> None:
+    layers = [(np.zeros((7, input_size(1, FLEET_TILES))), np.zeros(7))]
+    network = PolicyNetwork(1, layers, FLEET_TILES)
+    observation = WarehouseEnv(view_radius=1).reset()
+
+    def actions(seed: int) -> list[str]:
+        agent = PPOAgent(network, seed=seed)
+        return [agent.act(observation) for _ in range(20)]
+
+    assert actions(3) == actions(3) != actions(4)
+    assert len(set(actions(3))) > 1
