@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from helpers.networks import constant_network, random_network
@@ -99,7 +101,10 @@ def test_another_view_radius_is_an_error(radius: int) -> None:
 
 
 def test_a_network_that_robots_share_draws_its_actions_by_the_seed() -> None:
-    layers = [(np.zeros((7, input_size(1, FLEET_TILES))), np.zeros(7))]
+    widths = input_size(1, FLEET_TILES), 5, 5, 7
+    layers = [
+        (np.zeros((outputs, inputs)), np.zeros(outputs)) for inputs, outputs in pairwise(widths)
+    ]
     network = PolicyNetwork(1, layers, FLEET_TILES)
     observation = WarehouseEnv(view_radius=1).reset()
 
