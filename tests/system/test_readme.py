@@ -30,6 +30,7 @@ WRITTEN = {
     "Write an agent": {"replay-Wanderer-grid-3.gif"},
     "Write a layout": {"replay-GreedyAgent-grid-5.gif"},
     "Change one word: physics": {"both.gif"},
+    "Several robots": {"replay-greedy-grid-12.png", "replay-greedy-grid-12-2.png"},
     "Gymnasium, one or thousands": set(),
     "Learn": {"table.npz", "table.png"},
     "Search": {"explore.gif", "search.gif", "agents.png", "benchmark.txt"},

@@ -83,7 +83,7 @@ HUGE = 10**12
         ({"orders": [ORDER._replace(robot=2)]}, OrderError, r"^order 0: robot 2; allowed: 0..1"),
         ({"orders": [ORDER._replace(due=-1)]}, OrderError, "^order 0: released at 0 and due at -1"),
         ({"orders": OrderStream(pickup_weights=(1, 2))}, OrderError, "^2 pickup_weights for the l"),
-        ({"backend": "gird"}, BackendError, "^no backend is called 'gird'; installed: "),
+        ({"backend": "rails"}, BackendError, "^no backend is called 'rails'; installed: "),
         ({"layout": ["P."], "orders": 0.1, "robots": 1}, LayoutError, "^the layout has no dropoff"),
         ({"seed": -1}, ValueError, "^seed is -1; it must be at least 0$"),
         ({"seed": True}, TypeError, "^seed is True; it must be an integer$"),

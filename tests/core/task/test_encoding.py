@@ -123,5 +123,5 @@ def test_in_a_vector_a_charger_is_floor() -> None:
 
 def test_tiles_of_a_fleet_have_codes_of_their_own_in_a_window() -> None:
     observation = WarehouseEnv(["...", "...", "..."], (1, 1), view_radius=1).reset()
-    observation["local_grid"] = ["COo", "HR.", "#PD"]
-    assert encode(observation)["local_grid"].tolist() == [6, 7, 8, 9, 4, 0, 1, 2, 3]
+    observation["local_grid"] = ["CO.", "HRo", "#PD"]
+    assert encode(observation)["local_grid"].tolist() == [6, 7, 0, 9, 4, 8, 1, 2, 3]
