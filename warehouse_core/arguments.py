@@ -19,7 +19,7 @@ def whole_number(
         ValueError: it is less than ``minimum`` or more than ``maximum``.
     """
     try:
-        if isinstance(value, bool):
+        if isinstance(value, (bool, np.bool_)):
             raise TypeError
         number = operator.index(value)
     except TypeError:
