@@ -87,7 +87,7 @@ class FleetView:
             self._add(collection)
         size = min(0.5, 1.5 * self._radius / (DIGIT * len(str(robots - 1))))
         paths = _paths_of_numbers(robots, size) if size * cell_points >= MIN_NUMBER_POINTS else []
-        # One collection is drawn in a tenth of the time of as many texts.
+        # One collection is drawn faster than as many texts.
         by: Any = axes.transData  # affine, which its type does not say
         self._numbers = PathCollection(
             paths, offsets=[], offset_transform=by, transform=AffineDeltaTransform(by),
