@@ -11,17 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 from warehouse_core.arguments import whole_number
 from warehouse_core.errors import EndedError
 from warehouse_core.fleet.battery import Battery
-from warehouse_core.fleet.fleets import Fleets
+from warehouse_core.fleet.fleets import make_fleets
 from warehouse_core.fleet.observation import FleetArrays
 from warehouse_core.fleet.people import People
 from warehouse_core.fleet.settings import FleetSettings, as_orders
 from warehouse_core.fleet.tally import FleetMeasures
-from warehouse_core.motion.backends import (
-    Backend,
-    make_batch_motion,
-    make_motion,
-    make_separate_motions,
-)
+from warehouse_core.motion.backends import Backend
 from warehouse_core.motion.vector import Flags
 from warehouse_core.orders.order import Orders
 from warehouse_core.vector.rows import (
@@ -111,9 +106,7 @@ class FleetBatch:
         self.num_envs = fleets * robots
         self.max_steps, self.max_battery = settings.max_steps, settings.battery.capacity
         self.view_radius = settings.view_radius
-        motion, bodies = make_motion(backend), settings.bodies
-        make = make_batch_motion if bodies > 1 else make_separate_motions
-        self._fleets = Fleets(layouts, settings, make(motion, layouts, bodies), motion.cell_size)
+        self._fleets = make_fleets(layouts, settings, backend)
         self.layouts = self._fleets.layouts
         self._started = False
 

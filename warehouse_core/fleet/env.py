@@ -12,17 +12,12 @@ from numpy.typing import NDArray
 from warehouse_core.arguments import whole_number
 from warehouse_core.errors import EndedError, OrderError
 from warehouse_core.fleet.battery import Battery
-from warehouse_core.fleet.fleets import Fleets
+from warehouse_core.fleet.fleets import make_fleets
 from warehouse_core.fleet.observation import FleetArrays, FleetObservation, observation_of
 from warehouse_core.fleet.people import People
 from warehouse_core.fleet.settings import FleetSettings, as_orders
 from warehouse_core.fleet.tally import FleetMeasures
-from warehouse_core.motion.backends import (
-    Backend,
-    make_batch_motion,
-    make_motion,
-    make_separate_motions,
-)
+from warehouse_core.motion.backends import Backend, make_motion
 from warehouse_core.motion.base import Outcome
 from warehouse_core.motion.vector import Flags
 from warehouse_core.orders.order import Order, Orders
@@ -137,12 +132,10 @@ class FleetEnv:
             late_penalty=late_penalty,
             team_reward=team_reward,
         )
-        motion, bodies = make_motion(backend), self.settings.bodies
-        make = make_batch_motion if bodies > 1 else make_separate_motions
-        carrier = make(motion, [self.layout], bodies)
+        motion = make_motion(backend)
         self.cell_size = motion.cell_size
         self.backend = backend if isinstance(backend, str) else type(motion).__name__
-        self._fleets = Fleets([self.layout], self.settings, carrier, self.cell_size)
+        self._fleets = make_fleets([self.layout], self.settings, motion)
         self._warn_of_supply(self.cell_size)
         self.seed = None if seed is None else whole_number("seed", seed, 0)
         self.assignments: list[tuple[int, int, int | None]] = []

@@ -17,6 +17,12 @@ from warehouse_core.fleet.settings import FleetSettings
 from warehouse_core.fleet.starts import FleetStarts
 from warehouse_core.fleet.tally import FleetMeasures, Tally
 from warehouse_core.fleet.vector_orders import VectorOrders
+from warehouse_core.motion.backends import (
+    Backend,
+    make_batch_motion,
+    make_motion,
+    make_separate_motions,
+)
 from warehouse_core.motion.vector import BatchMotion, BatchOutcome, Flags, Integers, Rows
 from warehouse_core.task.rules import judge
 from warehouse_core.vector.floor import NO_CELL
@@ -47,6 +53,18 @@ class FleetStep(NamedTuple):
     rewards: NDArray[np.float64]
     terminated: Flags
     truncated: Flags
+
+
+def make_fleets(layouts: Sequence[Layout], settings: FleetSettings, backend: Backend) -> Fleets:
+    """Return fleets on these layouts, moved by a backend.
+
+    Raises:
+        BackendError: the backend is unknown, or a single instance for several layouts.
+        LayoutError: as for ``Fleets``, as well as ``OrderError``.
+    """
+    make = make_batch_motion if settings.bodies > 1 else make_separate_motions
+    motion = make(backend, layouts, settings.bodies)
+    return Fleets(layouts, settings, motion, make_motion(backend).cell_size)
 
 
 class Fleets:

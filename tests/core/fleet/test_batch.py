@@ -135,3 +135,17 @@ def test_bad_input_is_an_error() -> None:
         FleetBatch(3, [YARD, HALL], 2)
     with pytest.raises(ValueError, match="fleet"):
         many.measures(3)
+
+
+def test_fleets_of_bodies_are_moved_by_a_motion_for_each_floor() -> None:
+    many, single = batch("Disabled", backend="physics"), fleets(backend="physics")
+    many.reset([7, 8, 9])
+    for env, seed in zip(single, (7, 8, 9), strict=True):
+        env.reset(seed)
+    stream = np.random.default_rng(2)
+    for actions in stream.integers(4, size=(5, FLEETS, ROBOTS)):
+        arrays, rewards, *_ = many.step(actions.ravel())
+        steps = [env.step(each) for env, each in zip(single, actions, strict=True)]
+        equal(arrays, [step[0] for step in steps])
+        assert np.array_equal(rewards, np.concatenate([step[1] for step in steps]))
+    many.close()
