@@ -25,9 +25,9 @@ from warehouse_core.motion.backends import (
 )
 from warehouse_core.motion.vector import BatchMotion, BatchOutcome, Flags, Integers, Rows
 from warehouse_core.task.rules import judge
-from warehouse_core.vector.floor import NO_CELL
 from warehouse_core.vector.robots import VectorRobots
 from warehouse_core.vector.rules import spend_and_charge
+from warehouse_core.vector.starts import first_stations
 from warehouse_core.world.actions import PICK, WAIT
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import LayoutSet
@@ -117,7 +117,8 @@ class Fleets:
         self.steps = np.zeros(floors, np.int32)
         self.terminated, self.truncated = np.zeros((2, rows), np.bool_)
         if not has_orders:
-            self._put_first_stations()
+            stations = first_stations(self.layouts.repeated(settings.robots))
+            self._floor.put_stations(np.arange(rows), *stations.T)
 
     @property
     def ended(self) -> Flags:
@@ -240,13 +241,3 @@ class Fleets:
         is_over = np.repeat(self.steps >= self.settings.max_steps, robots)
         self.terminated |= active & done
         self.truncated |= active & ((self.battery <= 0) | is_over)
-
-    def _put_first_stations(self) -> None:
-        """Let all robots observe the first stations of their layout, as in the chapter."""
-        for floor, kind in enumerate(self.layouts.kind.tolist()):
-            layout, rows = self.layouts.kinds[kind], self.rows_of(np.array([floor]))
-            cells = [
-                next((row * layout.width + col for row, col in stations), NO_CELL)
-                for stations in (layout.pickups, layout.dropoffs)
-            ]
-            self._floor.put_stations(rows, *(np.full(len(rows), cell) for cell in cells))

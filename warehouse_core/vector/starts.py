@@ -40,7 +40,7 @@ class VectorStarts:
         self._drawn = drawn
         robots = _fixed_starts(layouts, start_pos)
         self._fixed = np.stack(
-            [*_first_stations(layouts).T, robots[:, 0] * layouts.width + robots[:, 1]]
+            [*first_stations(layouts).T, robots[:, 0] * layouts.width + robots[:, 1]]
         )
         # A station is drawn from all cells without a charger, a start from those it leaves.
         cells = [station_cells(k) if drawn.stations else empty_cells(k) for k in layouts.kinds]
@@ -82,7 +82,7 @@ class VectorStarts:
         return np.where(ranks == NO_RANK, fixed, drawn)
 
 
-def _first_stations(layouts: LayoutSet) -> NDArray[np.intp]:
+def first_stations(layouts: LayoutSet) -> NDArray[np.intp]:
     """Return the first pickup and dropoff of each row, ``[B, 2]`` cells or ``NO_CELL``."""
     return layouts.of_rows(
         [
