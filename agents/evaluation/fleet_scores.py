@@ -106,7 +106,8 @@ def _run(env: FleetEnv, make_agent: MakeAgent, seed: int) -> FleetMeasures:
         agent.reset()
     ended = False
     while not ended:
-        actions = [agent.act(env.observe(robot)) for robot, agent in enumerate(agents)]
+        seen = zip(agents, env.observations(), strict=True)
+        actions = [agent.act(observation) for agent, observation in seen]
         *_, terminated, truncated, _ = env.step(actions)
         ended = bool((terminated | truncated).all())
     return env.measures
