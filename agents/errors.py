@@ -5,6 +5,7 @@
     WarehouseError          (warehouse_core/errors.py)
     |-- AgentError      (ValueError)    an agent by name, or a file, class or model of one
     |-- ParameterError  (ValueError)    a parameter of an experiment, or its value
+    |-- PlanError       (ValueError)    a problem of several robots, or a plan that solves it
     |-- EpisodeError                    an episode that could not be run
     |-- StoreError                      a file of results
     |-- ClusterError                    a cluster
@@ -26,6 +27,10 @@ class AgentError(WarehouseError, ValueError):
 
 class ParameterError(WarehouseError, ValueError):
     """An unknown parameter of an experiment, or a value that it does not allow."""
+
+
+class PlanError(WarehouseError, ValueError):
+    """A problem of several robots that has no plan, or for which none was found in time."""
 
 
 class EpisodeError(WarehouseError):

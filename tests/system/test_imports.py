@@ -62,15 +62,16 @@ MAY_IMPORT = {
     "agents/programs": "errors",
     "agents/console": "errors",
     "agents/search": "",
+    "agents/mapf": "errors",
     "agents/warehouse_agent_greedy": "",
     "agents/evaluation": "warehouse_agent_greedy",
     "agents/learning": "errors evaluation warehouse_agent_greedy",
-    "agents/fleet": "console",
-    "agents/registry": "errors evaluation fleet learning search warehouse_agent_greedy",
+    "agents/fleet": "console errors mapf",
+    "agents/registry": "errors evaluation fleet learning mapf search warehouse_agent_greedy",
     "agents/experiments": "console errors programs registry warehouse_agent_greedy",
     "agents/run_episode": "console errors registry",
     "agents/commands": (
-        "console errors evaluation fleet learning registry run_episode search "
+        "console errors evaluation fleet learning mapf registry run_episode search "
         "warehouse_agent_greedy"
     ),
     "agents/reports/analysis": "errors evaluation experiments",

@@ -1,0 +1,97 @@
+"""A problem of several robots, and the plans that solve it.
+
+``R`` is the number of robots and ``T`` the number of joint steps. In a joint step every robot moves
+to a neighbour of its cell or waits. No two robots may be in one cell, nor change places; following
+is allowed, and so are rings, in which three or more robots move into one another's cells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from agents.errors import PlanError
+from agents.mapf.graph import Graph, Integers
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Robots that are to go from their starts to their goals, and to stay there.
+
+    Args:
+        graph: of the floor.
+        starts: ``[R]`` cells, all different.
+        goals: ``[R]`` cells, all different.
+
+    Raises:
+        PlanError: no plan can exist, as can be seen at once: a start or a goal is no open cell,
+            two robots have the same, or no way leads from a start to its goal; the message says
+            which.
+    """
+
+    graph: Graph
+    starts: Sequence[int]
+    goals: Sequence[int]
+
+    def __post_init__(self) -> None:
+        if len(self.starts) != len(self.goals):
+            raise PlanError(f"{len(self.starts)} starts and {len(self.goals)} goals; one each")
+        self._check("start", self.starts)
+        self._check("goal", self.goals)
+        for robot, (start, goal) in enumerate(zip(self.starts, self.goals, strict=True)):
+            if not np.isfinite(self.graph.distances(goal)[start]):
+                raise PlanError(
+                    f"robot {robot}: no way leads from {self._cell(start)} to {self._cell(goal)}"
+                )
+
+    @property
+    def robots(self) -> int:
+        """``R``."""
+        return len(self.starts)
+
+    def _check(self, name: str, cells: Sequence[int]) -> None:
+        layout, first = self.graph.layout, dict[int, int]()
+        for robot, cell in enumerate(cells):
+            if not 0 <= cell < self.graph.size or not layout.is_open(self._cell(cell)):
+                raise PlanError(f"robot {robot}: its {name} {self._cell(cell)} is no open cell")
+            if first.setdefault(cell, robot) != robot:
+                raise PlanError(
+                    f"robots {first[cell]} and {robot} have the same {name} {self._cell(cell)}"
+                )
+
+    def _cell(self, cell: int) -> tuple[int, int]:
+        return divmod(cell, self.graph.layout.width)
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Where each robot is before each joint step and after the last, ``[T + 1, R]``."""
+
+    cells: Integers
+
+    @property
+    def makespan(self) -> int:
+        """``T``, the number of joint steps."""
+        return len(self.cells) - 1
+
+    @property
+    def costs(self) -> Integers:
+        """``[R]``, the steps until each robot is in its last cell for good."""
+        is_there = (self.cells == self.cells[-1])[::-1]
+        stays = np.where(is_there.all(axis=0), len(is_there), is_there.argmin(axis=0))
+        found: Integers = len(is_there) - stays
+        return found
+
+    @property
+    def sum_of_costs(self) -> int:
+        """The sum of ``costs``, which optimal planners make as small as can be."""
+        return int(self.costs.sum())
+
+
+Solver = Callable[[Problem, float], Plan]
+"""Returns a plan for a problem in at most so many seconds, by the clock.
+
+Raises ``PlanError`` if there is none, or if none was found in time.
+"""
