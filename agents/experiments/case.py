@@ -1,5 +1,7 @@
 """A case: a value for every parameter that applies, as a dict that can be written as JSON.
 
+A case with ``robots`` is one of a fleet, with orders; any other is the chapter's task.
+
 It contains the tiles of its layout and a digest of its agent's code: changed code is another case,
 and workers do not need the layout's file.
 """
@@ -9,13 +11,16 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from functools import lru_cache
 from typing import Any
 
 from agents.console.place import Stations, check_stations, usual_stations
 from agents.experiments.parameters import (
     DEFAULT,
+    FLEET,
     PARAMETERS,
     PHYSICAL,
     RANDOM,
@@ -26,17 +31,29 @@ from agents.experiments.parameters import (
     shown,
     text,
 )
+from agents.fleet.team import Team
 from agents.programs import fingerprint
-from agents.registry import agent_file, agent_module, make_agent
-from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core import Agent, Layout, WarehouseEnv, random_layout
+from agents.registry import agent_file, agent_module, make_agent, make_team
+from warehouse_core import (
+    Agent,
+    Cell,
+    FleetEnv,
+    Layout,
+    LayoutError,
+    OrderStream,
+    WarehouseEnv,
+    random_layout,
+)
 from warehouse_core.motion.backends import Backend
-from warehouse_core.world.named_layouts import find_layout
+from warehouse_core.world.named_layouts import DEPOT, find_layout
 
 Case = Mapping[str, Any]
 
 TILES, FINGERPRINT = "tiles", "fingerprint"
 """Keys beside the parameters: the rows of the layout, and the digest of the agent's code."""
+
+FLEET_DEFAULTS: dict[str, Value] = {"layout": DEPOT, "battery": 400, "max_steps": 1000}
+"""Of parameters that lone robots have too, with other defaults."""
 
 IMPLIED = {"stations": str(Stations.DRAWN)}
 """Left out of a case as text, as in the files of version 0.1.0, which are read and resumed."""
@@ -57,28 +74,42 @@ def make_case(values: Mapping[str, Value]) -> dict[str, Any]:
         ValueError: a layout, an agent or a robot that cannot be used.
         OSError: a file that cannot be read.
     """
-    layout_name = values.get("layout", DEFAULT)
     case: dict[str, Any] = {}
+    if any(find(name).of_fleets for name in values):
+        case[FLEET] = values.get(FLEET, find(FLEET).default)
+    layout_name = values.get("layout", default_of("layout", case))
     if layout_name != RANDOM:
         case[TILES] = list(find_layout(str(layout_name)).rows)
     for name in [*PARAMETERS, *sorted(values.keys() - PARAMETERS.keys())]:
         parameter = find(name)
         if parameter.applies(case):
             case[name] = values.get(name, default_of(name, case))
-    if TILES in case:  # a random layout has its stations
+    if TILES in case and not is_fleet(case):  # a random layout has its stations
         kept_or_drawn = Stations(case["stations"])
         check_stations(layout_of(case), kept_or_drawn, layout_name, "stations=drawn")
-    env = make_env(case, seed=0)
-    env.close()
-    make_agent_for(case, 0, env.layout)
+    if is_fleet(case):
+        with closing(make_fleet(case, seed=0)) as fleet:
+            make_team_for(case, 0, fleet.layout)
+    else:
+        with closing(make_env(case, seed=0)) as env:
+            make_agent_for(case, 0, env.layout)
     digest = agent_fingerprint(case)
     if digest is not None:
         case[FINGERPRINT] = digest
     return case
 
 
+def is_fleet(case: Case) -> bool:
+    """Return whether a case is one of a fleet."""
+    return FLEET in case
+
+
 def default_of(name: str, case: Case) -> Value | None:
     """Return the default of a parameter, given the values of the parameters before it."""
+    if is_fleet(case) and name in FLEET_DEFAULTS:
+        return FLEET_DEFAULTS[name]
+    if name == "chargers":
+        return len(layout_of(case).chargers) if TILES in case else 0
     if name == "stations" and TILES in case:
         return str(usual_stations(layout_of(case), is_default=case["layout"] == DEFAULT))
     return find(name).default
@@ -100,10 +131,11 @@ def read_case(written: str) -> Case:
     """
     if sum(map(written.count, "[{")) > MAX_BRACKETS:
         raise ValueError(f"there are more than MAX_BRACKETS = {MAX_BRACKETS} brackets")
-    case = json.loads(written)
+    case: dict[str, Any] = json.loads(written)
     if not isinstance(case, dict) or len(case) > MAX_KEYS:
         raise ValueError(f"it must be a JSON object of at most MAX_KEYS = {MAX_KEYS} keys")
-    case = IMPLIED | case
+    if not is_fleet(case):
+        case = IMPLIED | case
     for name, value in case.items():
         checked(name, value, number() if PHYSICAL_NAME.fullmatch(name) else CHECKS.get(name))
     needed = [name for name, each in PARAMETERS.items() if each.applies(case)]
@@ -165,13 +197,9 @@ def cells_of(case: Case) -> int:
 
 
 def make_env(case: Case, seed: int) -> WarehouseEnv:
-    """Return a new environment for one episode of a case."""
-    if TILES in case:
-        layout = layout_of(case)
-    else:
-        layout = random_layout(*_size(case), case["density"], seed)
+    """Return a new environment for one episode of a lone robot."""
     return WarehouseEnv(
-        layout,
+        _layout_for(case, seed),
         None,
         case["max_steps"],
         case["battery"],
@@ -180,13 +208,62 @@ def make_env(case: Case, seed: int) -> WarehouseEnv:
     )
 
 
+def make_fleet(case: Case, seed: int) -> FleetEnv:
+    """Return a new fleet for one episode of a case.
+
+    Raises:
+        LayoutError: there are fewer chargers than the case is to have.
+    """
+    layout = _layout_for(case, seed)
+    with warnings.catch_warnings():
+        # Of chargers that supply too little, which an experiment may be about.
+        warnings.simplefilter("ignore")
+        return FleetEnv(
+            layout.with_chargers(_some(layout.chargers, case["chargers"])),
+            case[FLEET],
+            backend=_backend(case),
+            orders=OrderStream(case["order_rate"], _due(case)),
+            max_steps=case["max_steps"],
+            battery=case["battery"],
+            view_radius=case["view_radius"],
+            people=case["people"],
+        )
+
+
+def make_team_for(case: Case, seed: int, layout: Layout) -> Team:
+    """Return the agents of the robots of a fleet."""
+    return make_team(_agent_name(case), case[FLEET], seed, layout)
+
+
 def make_agent_for(case: Case, seed: int, layout: Layout) -> Agent:
     """Return the agent of a case, with the seed and the layout if it takes them."""
-    if case["agent"] == "greedy":
-        if case["escape"]:
-            return GreedyAgent(seed, case["memory"])
-        return GreedyAgent(seed, escape_steps=0)
-    return make_agent(case["agent"], seed, layout)
+    return make_agent(_agent_name(case), seed, layout)
+
+
+def _agent_name(case: Case) -> str:
+    """Return the name of the agent of a case, with its arguments."""
+    name: str = case["agent"]
+    if name == "greedy":
+        name += f":memory={case['memory']}" if case["escape"] else ":escape_steps=0"
+    return name
+
+
+def _layout_for(case: Case, seed: int) -> Layout:
+    if TILES in case:
+        return layout_of(case)
+    return random_layout(*_size(case), case["density"], seed)
+
+
+def _some(chargers: Sequence[Cell], count: int) -> list[Cell]:
+    """Return so many of the chargers of a layout, from all parts of it."""
+    if count > len(chargers):
+        raise LayoutError(f"chargers is {count}; the layout has {len(chargers)}")
+    return [chargers[number * len(chargers) // count] for number in range(count)]
+
+
+def _due(case: Case) -> tuple[int, int]:
+    fewest, most = map(int, case["due"].split(":"))
+    return fewest, most
 
 
 def _size(case: Case) -> tuple[int, int]:

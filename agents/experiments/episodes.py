@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from contextlib import closing
+from dataclasses import astuple
 from functools import partial
 from time import perf_counter
 from typing import NamedTuple
@@ -16,15 +18,22 @@ from agents.experiments.case import (
     Case,
     agent_fingerprint,
     in_words,
+    is_fleet,
     make_agent_for,
     make_env,
+    make_fleet,
+    make_team_for,
 )
-from agents.experiments.store import Row
+from agents.experiments.tables import AnyRow, Row, Shift
 from agents.experiments.workers import teller
 from agents.programs import program_for
 from agents.registry import agent_file
-from warehouse_core import Episode, EpisodeRecorder
+from warehouse_core import Episode, EpisodeRecorder, FleetEpisode
 from warehouse_core.records.failure_modes import diagnose
+from warehouse_core.records.fleet_episode import FleetRecorder
+from warehouse_core.records.fleet_modes import diagnose_fleet
+
+Recorder = EpisodeRecorder | FleetRecorder
 
 SLOW_SECONDS = 10.0
 """Seconds of an episode before it is reported."""
@@ -42,7 +51,7 @@ class Done(NamedTuple):
     """
 
     seconds: float
-    rows: list[Row]
+    rows: list[AnyRow]
     program: str
     failure: str | None = None
 
@@ -52,7 +61,7 @@ class _Present:
 
     def __init__(self, case: Case, seed: int) -> None:
         self._case, self.seed = case, seed
-        self.recorder: EpisodeRecorder | None = None
+        self.recorder: Recorder | None = None
 
     def __str__(self) -> str:
         place = "" if self.recorder is None else self.recorder.place
@@ -64,7 +73,7 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
 
     The rows depend only on the case and the seeds. An episode that takes long is reported.
     """
-    start, rows, failure = perf_counter(), list[Row](), None
+    start, rows, failure = perf_counter(), list[AnyRow](), None
     program = program_for(case["backend"])
     try:
         check_fingerprint(case)
@@ -93,9 +102,28 @@ def about(case: Case, seed: int, place: str = "") -> str:
 
 
 def run_one(
-    case: Case, seed: int, watch: Callable[[EpisodeRecorder], object] = lambda recorder: None
-) -> Episode:
+    case: Case, seed: int, watch: Callable[[Recorder], object] = lambda recorder: None
+) -> Episode | FleetEpisode:
     """Run one episode of a case and return its record; ``watch`` is given its recorder."""
+    return (run_fleet if is_fleet(case) else run_alone)(case, seed, watch)
+
+
+def run_fleet(
+    case: Case, seed: int, watch: Callable[[Recorder], object] = lambda recorder: None
+) -> FleetEpisode:
+    """Run one episode of a fleet; see ``run_one``."""
+    with closing(make_fleet(case, seed)) as env:
+        team = make_team_for(case, seed, env.layout)
+        recorder = FleetRecorder(env, seed=seed, agent=case["agent"])
+        watch(recorder)
+        recorder.run(team)
+        return recorder.episode
+
+
+def run_alone(
+    case: Case, seed: int, watch: Callable[[Recorder], object] = lambda recorder: None
+) -> Episode:
+    """Run one episode of a lone robot; see ``run_one``."""
     randomize = what_to_draw(Stations(case["stations"]))
     with closing(make_env(case, seed)) as env:
         agent = make_agent_for(case, seed, env.layout)
@@ -106,8 +134,11 @@ def run_one(
         return recorder.episode
 
 
-def row_of(episode: Episode) -> Row:
+def row_of(episode: Episode | FleetEpisode) -> AnyRow:
     """Return the row that is stored for an episode."""
+    if isinstance(episode, FleetEpisode):
+        measured = [None if math.isnan(value) else value for value in astuple(episode.measures)]
+        return Shift._make((episode.seed, diagnose_fleet(episode).mode, *measured))
     assert episode.seed is not None, "every episode here has a seed"
     diagnosis = diagnose(episode)
     cell = diagnosis.cells[0] if diagnosis.cells else episode.cells[-1]

@@ -9,14 +9,15 @@ import csv
 from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_type_hints
 
 import typer
 
 from agents.console.terminal import say
 from agents.errors import StoreError
-from agents.experiments.case import TILES, Case
-from agents.experiments.store import Row, Store
+from agents.experiments.case import TILES, Case, is_fleet
+from agents.experiments.store import Store
+from agents.experiments.tables import AnyRow, Row, Shift
 from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import atomic_path, check_suffix
 
@@ -31,11 +32,7 @@ FORMULA = ("=", "+", "-", "@", "\t", "\r")
 LINES_AT_ONCE = 50_000
 """Of a Parquet file, so that a large table takes little memory."""
 
-FRACTIONS, WORDS = {"reward", "seconds", "joules"}, {"mode", "program"}
-"""The columns of a row that are not whole numbers."""
-
-RESULTS = (*Row._fields, "program")
-"""The columns after those of the settings."""
+TYPES = {int: "int", float: "float", str: "str", int | None: "int", float | None: "float"}
 
 Line = tuple[Any, ...]
 
@@ -67,31 +64,38 @@ def export(
 
 
 def columns_of(store: Store) -> dict[str, str]:
-    """Return the columns of the table and their types: the settings of all cases, then ``RESULTS``.
+    """Return the columns of the table and their types: settings, results and program.
 
-    Types are ``"str"``, ``"bool"``, ``"int"`` or ``"float"``.
+    They are those of any case; they are empty in the lines of cases that have none. Types are
+    ``"str"``, ``"bool"``, ``"int"`` or ``"float"``.
 
     Raises:
         StoreError: a setting has several types; no sweep writes one.
     """
     types: dict[str, str] = {}
-    for case in store.cases().values():
+    cases = store.cases().values()
+    for case in cases:
         for name in case:
             kind = type(_plain(case, name)).__name__
             if types.setdefault(name, kind) != kind:
                 raise StoreError(f"{store.path}: {name} has several types, one is {kind}")
-    for name in RESULTS:
-        types[name] = "float" if name in FRACTIONS else "str" if name in WORDS else "int"
-    return types
+    for each in dict.fromkeys(map(_kind, cases)) or [Row]:
+        hints = get_type_hints(each)
+        types |= {name: TYPES[hints[name]] for name in each._fields}
+    return types | {"program": "str"}
 
 
 def lines_of(store: Store, columns: dict[str, str]) -> Iterator[Line]:
     """Yield the lines of the table, case by case and seed by seed."""
-    settings = list(columns)[: -len(RESULTS)]
     for case_id, case in store.cases().items():
-        values = [_plain(case, name) for name in settings]
-        for row, program in store.rows(case_id):
-            yield (*values, *row, program)
+        settings = {name: _plain(case, name) for name in case}
+        for row, program in store.rows(case_id, _kind(case)):
+            line = settings | row._asdict() | {"program": program}
+            yield tuple(map(line.get, columns))
+
+
+def _kind(case: Case) -> type[AnyRow]:
+    return Shift if is_fleet(case) else Row
 
 
 def _plain(case: Case, name: str) -> Any:

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 from agents.console.place import Stations
 from agents.errors import ParameterError
+from warehouse_core.fleet.settings import MAX_BODIES
 from warehouse_core.motion import backends
 from warehouse_core.wording import printable
 from warehouse_core.world.generators import MAX_DENSITY
@@ -23,6 +24,9 @@ Value = str | int | float | bool
 
 DEFAULT, RANDOM = "default", "random"
 """Layouts by name: the chapter's, and a random one for each seed. Any other is a file."""
+
+FLEET = "robots"
+"""The parameter that every case of a fleet has, and no other case."""
 
 MAX_VALUE = 1_000_000_000
 
@@ -43,16 +47,29 @@ class Parameter(NamedTuple):
         check: returns a value as it is stored, or raises ``ValueError`` with what is allowed.
         needs: the values of parameters before it without which it has no effect.
         question: the question that varying it answers; the chapter asks some of them.
+        of_fleets: whether it has an effect only on fleets, or only on lone robots; ``None`` is on
+            both.
     """
 
     default: Value | None
     check: Callable[[Any], Value]
     needs: Mapping[str, Value] = {}
     question: str = ""
+    of_fleets: bool | None = None
 
     def applies(self, case: Mapping[str, Any]) -> bool:
         """Return whether it has an effect, given the values of the parameters before it."""
-        return self.needs.items() <= case.items()
+        suits = self.of_fleets in (None, FLEET in case)
+        return suits and self.needs.items() <= case.items()
+
+    @property
+    def where(self) -> str:
+        """Where it has an effect, in words, if not everywhere."""
+        if self.of_fleets is not None:
+            return "to fleets" if self.of_fleets else "to lone robots, without settings of fleets"
+        return "with " + " and ".join(
+            f"{name}={shown(value)}" for name, value in self.needs.items()
+        )
 
 
 def whole(minimum: int, maximum: int = MAX_VALUE) -> Callable[[Any], int]:
@@ -106,6 +123,14 @@ def stations(value: Any) -> str:
     return str(value)
 
 
+def due_times(value: Any) -> str:
+    """Check that a value is the fewest and the most steps until an order is due."""
+    found = re.fullmatch(r"(0|[1-9]\d{0,8}):(0|[1-9]\d{0,8})", str(value))
+    if found is None or int(found[1]) > int(found[2]):
+        raise ValueError('"FEWEST:MOST" steps, such as "50:150"')
+    return found[0]
+
+
 def size(value: Any) -> str:
     """Check that a value is a height and a width such as ``7x12``."""
     found = re.fullmatch(r"([1-9]\d{0,3})x([1-9]\d{0,3})", str(value))
@@ -115,6 +140,9 @@ def size(value: Any) -> str:
 
 
 PARAMETERS = {
+    FLEET: Parameter(
+        8, whole(1, MAX_BODIES), question="How many robots are too many?", of_fleets=True
+    ),
     "agent": Parameter("greedy", text, question="Which agent does best?"),
     "escape": Parameter(
         True, flag, {"agent": "greedy"},
@@ -134,7 +162,20 @@ PARAMETERS = {
     ),
     "stations": Parameter(  # for a layout file its default is another, see case.py
         str(Stations.DRAWN), stations,
-        question="What do random pickups and dropoffs change?",
+        question="What do random pickups and dropoffs change?", of_fleets=False,
+    ),
+    "order_rate": Parameter(
+        0.06, number(0, MAX_VALUE), question="How many orders can the fleet carry out?",
+        of_fleets=True,
+    ),
+    "due": Parameter(
+        "50:150", due_times, question="What do earlier due times change?", of_fleets=True
+    ),
+    "chargers": Parameter(  # by default as many as the layout has, see case.py
+        0, whole(0), question="How many chargers does the fleet need?", of_fleets=True
+    ),
+    "people": Parameter(
+        0, whole(0, MAX_BODIES), question="What do people on the floor change?", of_fleets=True
     ),
     "battery": Parameter(
         200, whole(1), question="How does battery capacity affect success?"

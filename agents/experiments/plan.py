@@ -10,7 +10,7 @@ from typing import Any
 
 from agents.errors import ParameterError
 from agents.experiments.case import Case, key_of, make_case
-from agents.experiments.parameters import MAX_VALUE, Value, checked, find, shown
+from agents.experiments.parameters import MAX_VALUE, Value, checked, find
 
 MAX_CASES = 10_000
 MAX_EPISODES = 100_000_000
@@ -73,8 +73,7 @@ def make_plan(choices: Mapping[str, Any], episodes: int, seed: int) -> Plan:
         raise ParameterError(str(error)) from error
     for name in values:
         if not any(name in case for case in combinations):
-            needs = " and ".join(f"{key}={shown(value)}" for key, value in find(name).needs.items())
-            raise ParameterError(f"{name} has no effect here; it applies only with {needs}")
+            raise ParameterError(f"{name} has no effect here; it applies only {find(name).where}")
     cases = {key_of(case): case for case in combinations}
     return Plan(tuple(cases.values()), episodes, seed)
 

@@ -20,7 +20,8 @@ from typing import NamedTuple, Protocol
 from agents.experiments.case import Case
 from agents.experiments.episodes import Done, about, run_task
 from agents.experiments.plan import Plan
-from agents.experiments.store import Row, Store
+from agents.experiments.store import Store
+from agents.experiments.tables import AnyRow
 from agents.experiments.workers import ending_of
 
 TASK_SECONDS = 0.5
@@ -48,7 +49,7 @@ class Report(Protocol):
     What it raises ends the run.
     """
 
-    def __call__(self, rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
+    def __call__(self, rows: Sequence[AnyRow], failures: Sequence[str] = ()) -> None:
         """Report on the run."""
 
 

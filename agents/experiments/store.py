@@ -13,53 +13,30 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic, sleep
-from typing import Any, NamedTuple
+from typing import Any
 
 from agents.errors import StoreError
-from agents.experiments.case import TILES, Case, in_words, key_of, read_case
+from agents.experiments.case import TILES, Case, in_words, is_fleet, key_of, read_case
 from agents.experiments.tables import (
+    BOTH,
     DAMAGED,
     MAX_CASES,
     MAX_LENGTH,
     MAX_NAMED,
     PROGRAM,
+    TABLE_OF,
     TABLES,
     UNKNOWN,
     VERSION,
+    AnyRow,
+    Row,
+    Shift,
     version_of,
 )
 from warehouse_core.files.kinds import not_a_file
 
 TIMEOUT, BUSY_SECONDS = 30.0, 0.1
 """Seconds to wait for another program that writes to the same file, and between two checks."""
-
-
-class Row(NamedTuple):
-    """One episode.
-
-    Attributes:
-        seed: of layout, start and agent.
-        mode: its outcome, see ``warehouse_core/records/failure_modes.py``.
-        steps: its length.
-        needed: the fewest steps to the delivery; ``None`` if there is no way.
-        reward: the total.
-        battery_left: units, at the end.
-        seconds: of simulated time.
-        joules: of energy.
-        row: of the cell where the robot ended or was stuck.
-        col: of that cell.
-    """
-
-    seed: int
-    mode: str
-    steps: int
-    needed: int | None
-    reward: float
-    battery_left: int
-    seconds: float
-    joules: float
-    row: int
-    col: int
 
 
 class Store:
@@ -130,17 +107,17 @@ class Store:
     def count(self, case: Case, seeds: range) -> int:
         """Return how many episodes of a case with these seeds are stored."""
         statement = (
-            "SELECT count(*) FROM episodes JOIN cases ON id = case_id "
+            f"SELECT count(*) FROM {self._table(case)} JOIN cases ON id = case_id "
             "WHERE settings = ? AND seed >= ? AND seed < ?"
         )
         return int(next(self.query(statement, key_of(case), seeds.start, seeds.stop))[0])
 
     def seeds_done(self, case_id: int, seeds: range) -> set[int]:
         """Return those of some seeds whose episodes are stored."""
-        statement = "SELECT seed FROM episodes WHERE case_id = ? AND seed >= ? AND seed < ?"
+        statement = f"SELECT seed FROM ({BOTH}) WHERE case_id = ? AND seed >= ? AND seed < ?"
         return {seed for (seed,) in self.query(statement, case_id, seeds.start, seeds.stop)}
 
-    def add(self, case_id: int, rows: Sequence[Row], program: str = UNKNOWN) -> None:
+    def add(self, case_id: int, rows: Sequence[AnyRow], program: str = UNKNOWN) -> None:
         """Write the episodes of a case, all or none; those that are stored already stay unchanged.
 
         Args:
@@ -157,11 +134,12 @@ class Store:
             raise StoreError(f"{self.path}: it has been removed or replaced meanwhile")
         if not rows:
             return
-        places = ", ".join("?" * (2 + len(Row._fields)))
+        places = ", ".join("?" * (2 + len(rows[0])))
+        table = TABLE_OF[type(rows[0])]
         with self._transaction():
             number = self._add_writer(case_id, program)
             self._connection.executemany(
-                f"INSERT OR IGNORE INTO episodes VALUES ({places})",
+                f"INSERT OR IGNORE INTO {table} VALUES ({places})",
                 [(case_id, *row, number) for row in rows],
             )
 
@@ -202,9 +180,10 @@ class Store:
         if self._version == 1:
             statement = f"SELECT '{UNKNOWN}', count(*) FROM episodes HAVING count(*)"
         else:
+            rows = "episodes" if self._version == 2 else f"({BOTH})"
             statement = (
                 f"SELECT (SELECT {PROGRAM} FROM programs WHERE id = program_id), count(*) AS number"
-                f" FROM episodes GROUP BY program_id ORDER BY number DESC LIMIT {MAX_NAMED}"
+                f" FROM {rows} GROUP BY program_id ORDER BY number DESC LIMIT {MAX_NAMED}"
             )
         return [(name or UNKNOWN, count) for name, count in self.query(statement)]
 
@@ -223,18 +202,30 @@ class Store:
             found[number] = case
         return found
 
-    def rows(self, case_id: int) -> Iterator[tuple[Row, str]]:
-        """Yield the episodes of a case and their programs in the order of their seeds."""
-        names = ", ".join(Row._fields)
+    def rows(self, case_id: int, kind: type[AnyRow] = Row) -> Iterator[tuple[AnyRow, str]]:
+        """Yield the episodes of a case and their programs in the order of their seeds.
+
+        Args:
+            case_id: the number of the case.
+            kind: of its rows; those of fleets are ``Shift``.
+        """
+        if kind not in self.kinds:
+            return
+        names = ", ".join(kind._fields)
         if self._version == 1:
             statement = f"SELECT {names}, '{UNKNOWN}' FROM episodes WHERE case_id = ?"
         else:
             statement = (
                 f"SELECT {names}, (SELECT {PROGRAM} FROM programs WHERE id = program_id) "
-                "FROM episodes WHERE case_id = ?"
+                f"FROM {TABLE_OF[kind]} WHERE case_id = ?"
             )
         for *values, program in self.query(f"{statement} ORDER BY seed", case_id):
-            yield Row._make(values), program or UNKNOWN
+            yield kind._make(values), program or UNKNOWN
+
+    @property
+    def kinds(self) -> list[type[AnyRow]]:
+        """The kinds of rows that the file has tables for."""
+        return [Row] if self._version < 3 else [*TABLE_OF]
 
     def check_rows(self) -> None:
         """Raise if there are rows that no sweep has written; reports rely on this.
@@ -244,8 +235,11 @@ class Store:
         """
         if self._is_checked:
             return
-        for case_id, seed in self.query(DAMAGED):
-            raise StoreError(f"{self.path}: the row of case {case_id!r}, seed {seed!r} is damaged")
+        for kind in self.kinds:
+            for case_id, seed in self.query(DAMAGED[kind]):
+                raise StoreError(
+                    f"{self.path}: the row of case {case_id!r}, seed {seed!r} is damaged"
+                )
         self._is_checked = self._read_only  # whose view does not change
 
     def query(self, statement: str, *values: Any) -> Iterator[tuple[Any, ...]]:
@@ -253,6 +247,10 @@ class Store:
         with self._errors_reported():
             # Not the cursor itself: left half read, it would fail when the file is closed.
             yield from map(tuple, self._execute(statement, *values))
+
+    @staticmethod
+    def _table(case: Case) -> str:
+        return TABLE_OF[Shift if is_fleet(case) else Row]
 
     def _case(self, number: int, text: str) -> Case:
         """Return a case that ``key_of`` has written, and raise for any other text."""

@@ -21,8 +21,10 @@ from agents.experiments.cluster import cluster
 from agents.experiments.parameters import MAX_VALUE, MAX_VIEW_RADIUS
 from agents.experiments.plan import MAX_EPISODES, Plan, make_plan
 from agents.experiments.running import Report, run_missing
-from agents.experiments.store import Row, Store
+from agents.experiments.store import Store
+from agents.experiments.tables import AnyRow, Shift
 from agents.experiments.workers import Check, Pool, deferred_interrupts, process_pool
+from warehouse_core.fleet.settings import MAX_BODIES
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
 from warehouse_core.world.generators import MAX_DENSITY
@@ -33,38 +35,49 @@ def sweep_bar(episodes: int) -> Iterator[Report]:
     """Show a bar while the block runs, and yield the function that takes each stored row."""
     from agents.console.progress import progress_bar
 
-    modes, told = Counter[str](), set[str]()
+    delivered = wanted = done = 0
+    told = set[str]()
     with progress_bar(episodes) as advance:
 
-        def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
-            modes.update(row.mode for row in rows)
+        def report(rows: Sequence[AnyRow], failures: Sequence[str] = ()) -> None:
+            nonlocal delivered, wanted, done
+            for row in rows:
+                if isinstance(row, Shift):
+                    delivered, wanted = delivered + row.delivered, wanted + row.orders
+                else:
+                    delivered, wanted = delivered + (row.mode == DELIVERED), wanted + 1
             for failure in {*failures} - told:
                 told.add(failure)  # one for a whole case comes with each seed
                 print_error(failure)
             if rows:
-                share = modes[DELIVERED] / modes.total()
-                advance(modes.total(), f"{share:.0%} delivered")
+                done += len(rows)
+                advance(done, f"{delivered / max(wanted, 1):.0%} delivered")
 
         yield report
 
 
 PRESETS = {
     name: Path(__file__).parent / "presets" / f"{name}.toml"
-    for name in ("escape", "battery", "obstacles", "size", "backends")
+    for name in ("escape", "battery", "obstacles", "size", "backends", "fleet")
 }
-"""Plan files of the chapter's questions, each under a minute on two cores."""
+"""Plan files of the chapter's questions and one of fleets, each under a minute on two cores."""
 
 EPISODES = 100
 """Of each combination, by default."""
 
 VALUES = {
+    "robots": f"1..{MAX_BODIES}, makes it a fleet with orders",
     "agent": "a name as in 'warehouse run --agent'",
     "escape": "on or off, of agent greedy",
     "memory": f"0..{MAX_VALUE}, of agent greedy with escape",
     "layout": "default, random or a file",
     "size": "HEIGHTxWIDTH from 4x4, of layout random",
     "density": f"0..{MAX_DENSITY:g}, of layout random",
-    "stations": "drawn, or kept as a layout file has them",
+    "stations": "drawn, or kept as a layout file has them; not of a fleet",
+    "order_rate": "orders that arrive in a step, of a fleet",
+    "due": "FEWEST:MOST steps until they are due, of a fleet",
+    "chargers": "at most those of the layout, of a fleet",
+    "people": f"0..{MAX_BODIES}, of a fleet",
     "battery": f"1..{MAX_VALUE}",
     "max_steps": f"1..{MAX_VALUE}",
     "view_radius": f"0..{MAX_VIEW_RADIUS}",
@@ -97,7 +110,9 @@ def sweep(
     preset: Annotated[
         str | None,
         typer.Option(
-            "--preset", metavar="NAME", help=f"A question of the chapter: {', '.join(PRESETS)}."
+            "--preset",
+            metavar="NAME",
+            help=f"A question of the chapter, or of fleets: {', '.join(PRESETS)}.",
         ),
     ] = None,
     episodes: Annotated[
@@ -225,7 +240,7 @@ def _warn_of_mixed(store: Store) -> None:
 def _run(plan: Plan, store: Store, missing: int, pool: Pool, check: Check) -> Counter[int]:
     with pool as (executor, count), sweep_bar(missing) as show:
 
-        def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
+        def report(rows: Sequence[AnyRow], failures: Sequence[str] = ()) -> None:
             show(rows, failures)
             check()
 

@@ -1,4 +1,6 @@
-"""The tables of a file of results, in each version, and whether a file has them and nothing else.
+"""The rows and tables of a file of results, in each version.
+
+``version_of`` tells whether a file has these tables and nothing else.
 
 A file may come from a stranger: views, triggers and other tables are not run but refused.
 """
@@ -6,13 +8,15 @@ A file may come from a stranger: views, triggers and other tables are not run bu
 from __future__ import annotations
 
 import sqlite3
+from collections.abc import Sequence
 from contextlib import closing
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, get_type_hints
 
 from agents.errors import StoreError
 from warehouse_core.records.failure_modes import MODES
+from warehouse_core.records.fleet_modes import FLEET_MODES
 from warehouse_core.world.layout import MAX_CELLS
 
 APPLICATION = 0x57617265
@@ -20,6 +24,76 @@ APPLICATION = 0x57617265
 
 UNKNOWN = "an unknown program"
 """Of episodes that were stored before the tables had programs."""
+
+
+class Row(NamedTuple):
+    """One episode of a lone robot.
+
+    Attributes:
+        seed: of layout, start and agent.
+        mode: its outcome, see ``warehouse_core/records/failure_modes.py``.
+        steps: its length.
+        needed: the fewest steps to the delivery; ``None`` if there is no way.
+        reward: the total.
+        battery_left: units, at the end.
+        seconds: of simulated time.
+        joules: of energy.
+        row: of the cell where the robot ended or was stuck.
+        col: of that cell.
+    """
+
+    seed: int
+    mode: str
+    steps: int
+    needed: int | None
+    reward: float
+    battery_left: int
+    seconds: float
+    joules: float
+    row: int
+    col: int
+
+
+class Shift(NamedTuple):
+    """One episode of a fleet.
+
+    Attributes:
+        seed: of layout, starts, orders, people and agents.
+        mode: its outcome, see ``warehouse_core/records/fleet_modes.py``.
+
+    The others are those of ``FleetMeasures``; ``None`` is where nothing was measured.
+    """
+
+    seed: int
+    mode: str
+    steps: int
+    seconds: float
+    orders: int
+    delivered: int
+    per_hour: float | None
+    mean_lateness: float | None
+    worst_lateness: float | None
+    on_time: float | None
+    joules: float
+    joules_per_delivery: float | None
+    blocked_by_wall: int
+    blocked_by_robot: int
+    blocked_by_person: int
+    waits: int
+    charging: int
+    distance: int
+    stranded: int
+
+
+AnyRow = Row | Shift
+
+TABLE_OF: dict[type[AnyRow], str] = {Row: "episodes", Shift: "shifts"}
+"""The table that has the rows of each kind."""
+
+BOTH = " UNION ALL ".join(
+    f"SELECT case_id, seed, program_id FROM {table}" for table in TABLE_OF.values()
+)
+"""Finds the rows of both kinds."""
 
 TABLES = (
     f"""
@@ -54,6 +128,33 @@ INSERT INTO writers
 SELECT id, 0 FROM cases WHERE EXISTS (SELECT 1 FROM episodes WHERE case_id = id);
 PRAGMA user_version = 2;
 """,
+    """
+CREATE TABLE shifts (
+    case_id INTEGER NOT NULL REFERENCES cases,
+    seed INTEGER NOT NULL,
+    mode TEXT NOT NULL,
+    steps INTEGER NOT NULL,
+    seconds REAL NOT NULL,
+    orders INTEGER NOT NULL,
+    delivered INTEGER NOT NULL,
+    per_hour REAL,
+    mean_lateness REAL,
+    worst_lateness REAL,
+    on_time REAL,
+    joules REAL NOT NULL,
+    joules_per_delivery REAL,
+    blocked_by_wall INTEGER NOT NULL,
+    blocked_by_robot INTEGER NOT NULL,
+    blocked_by_person INTEGER NOT NULL,
+    waits INTEGER NOT NULL,
+    charging INTEGER NOT NULL,
+    distance INTEGER NOT NULL,
+    stranded INTEGER NOT NULL,
+    program_id INTEGER NOT NULL REFERENCES programs,
+    PRIMARY KEY (case_id, seed)
+) WITHOUT ROWID;
+PRAGMA user_version = 3;
+""",
 )
 """The first version of the tables, and the change that makes each further one of the one before.
 
@@ -80,19 +181,36 @@ MAX_SCHEMA_STEPS = 1_000_000
 MAX_REAL = 1e30
 """Of the numbers of a row."""
 
-WHOLE, REAL = ("seed", "steps", "row", "col"), ("reward", "seconds", "joules")
 
-WRONG = (
-    *(f"typeof({name}) != 'integer' OR {name} < 0" for name in WHOLE),
-    *(f"typeof({name}) != 'real' OR abs({name}) > {MAX_REAL}" for name in REAL),
-    "typeof(battery_left) != 'integer'",
-    "typeof(needed) NOT IN ('integer', 'null')",
-    f"mode NOT IN {MODES}",
-    "case_id NOT IN (SELECT id FROM cases)",
-)
+def _damaged(kind: type[AnyRow], modes: Sequence[str], *others: str) -> str:
+    """Return the statement that finds a row that no sweep has written.
 
-DAMAGED = f"SELECT case_id, seed FROM episodes WHERE {' OR '.join(WRONG)} LIMIT 1"
-"""Finds a row that no sweep has written."""
+    Args:
+        kind: of the row.
+        modes: that it may have.
+        others: conditions that only such a row meets, on columns that may be below 0 or be absent.
+    """
+    types, told = get_type_hints(kind), " ".join(others)
+    wrong = [f"mode NOT IN {tuple(modes)}", "case_id NOT IN (SELECT id FROM cases)", *others]
+    for name in kind._fields:
+        if types[name] is int and name not in told:
+            wrong.append(f"typeof({name}) != 'integer' OR {name} < 0")
+        elif types[name] is float:
+            wrong.append(f"typeof({name}) != 'real' OR abs({name}) > {MAX_REAL}")
+        elif types[name] == float | None:
+            wrong.append(
+                f"typeof({name}) NOT IN ('real', 'null') OR ifnull(abs({name}), 0) > {MAX_REAL}"
+            )
+    return f"SELECT case_id, seed FROM {TABLE_OF[kind]} WHERE {' OR '.join(wrong)} LIMIT 1"
+
+
+DAMAGED = {
+    Row: _damaged(
+        Row, MODES,
+        "typeof(battery_left) != 'integer'", "typeof(needed) NOT IN ('integer', 'null')",
+    ),
+    Shift: _damaged(Shift, FLEET_MODES),
+}  # fmt: skip
 
 
 def version_of(connection: sqlite3.Connection, path: Path) -> int:

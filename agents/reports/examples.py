@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 
 from agents.errors import AgentError, EpisodeError, reason_of
 from agents.experiments.case import Case, cells_of
-from agents.experiments.episodes import check_fingerprint, run_one
+from agents.experiments.episodes import check_fingerprint, run_alone
 from agents.experiments.store import Store
 from agents.registry import agent_file, is_own_code
 from agents.reports.figures.pictures import MAX_CELLS
@@ -103,7 +103,7 @@ def replay(found: Found, *, run_own_code: bool) -> Example:
     case = {**found.case, "max_steps": min(found.case["max_steps"], found.steps + 1)}
     try:
         check_fingerprint(case)
-        episode = run_one(case, found.seed)
+        episode = run_alone(case, found.seed)
     except (Exception, SystemExit) as error:
         is_clear = isinstance(error, CLEAR_ERRORS)
         words = str(error) if is_clear else reason_of(error, agent_file(found.case["agent"]))

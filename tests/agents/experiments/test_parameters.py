@@ -13,10 +13,16 @@ from agents.experiments.parameters import (
     field_defaults,
     find,
 )
+from warehouse_core.fleet.settings import MAX_BODIES
 from warehouse_core.world.generators import MAX_DENSITY
 from warehouse_physics import Disturbances, RobotSpec
 
 VALID = {
+    "robots": [1, MAX_BODIES],
+    "order_rate": [0, 0.3, 5],
+    "due": ["0:0", "50:150"],
+    "chargers": [0, 4],
+    "people": [0, MAX_BODIES],
     "agent": ["greedy", "mine.py:Mine"],
     "escape": [True, False],
     "memory": [0, 1, MAX_VALUE],
@@ -31,6 +37,11 @@ VALID = {
     "robot.mass": [70, 1.5, -1],
 }
 INVALID = {
+    "robots": [0, MAX_BODIES + 1, 2.0, True],
+    "order_rate": [-0.1, math.inf, "0.1"],
+    "due": ["150:50", "50", "50:150:200", " 5:9", "-1:9", 50],
+    "chargers": [-1, 1.0],
+    "people": [-1, MAX_BODIES + 1],
     "agent": ["", " ", 3, None],
     "escape": [1, 0, "true", None],
     "memory": [-1, MAX_VALUE + 1, 1.0, True, "1"],
