@@ -8,7 +8,9 @@ from agents.evaluation.interval import Interval
 
 
 def share(interval: Interval) -> str:
-    """Return a share with its interval, ``87.4% (85.2 to 89.3)``."""
+    """Return a share with its interval, ``87.4% (85.2 to 89.3)``, unless that is unknown."""
+    if not interval.is_known:
+        return f"{interval.estimate:.1%}"
     return f"{interval.estimate:.1%} ({interval.low * 100:.1f} to {interval.high * 100:.1f})"
 
 

@@ -31,6 +31,7 @@ from agents.experiments.parameters import (
     shown,
     text,
 )
+from agents.experiments.tables import AnyRow, Row, Shift
 from agents.fleet.team import Team
 from agents.programs import fingerprint
 from agents.registry import agent_file, agent_module, make_agent, make_team
@@ -102,6 +103,11 @@ def make_case(values: Mapping[str, Value]) -> dict[str, Any]:
 def is_fleet(case: Case) -> bool:
     """Return whether a case is one of a fleet."""
     return FLEET in case
+
+
+def row_type(case: Case) -> type[AnyRow]:
+    """Return the kind of the rows of a case."""
+    return Shift if is_fleet(case) else Row
 
 
 def default_of(name: str, case: Case) -> Value | None:

@@ -15,9 +15,9 @@ import typer
 
 from agents.console.terminal import say
 from agents.errors import StoreError
-from agents.experiments.case import TILES, Case, is_fleet
+from agents.experiments.case import TILES, Case, row_type
 from agents.experiments.store import Store
-from agents.experiments.tables import AnyRow, Row, Shift
+from agents.experiments.tables import Row
 from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import atomic_path, check_suffix
 
@@ -79,7 +79,7 @@ def columns_of(store: Store) -> dict[str, str]:
             kind = type(_plain(case, name)).__name__
             if types.setdefault(name, kind) != kind:
                 raise StoreError(f"{store.path}: {name} has several types, one is {kind}")
-    for each in dict.fromkeys(map(_kind, cases)) or [Row]:
+    for each in dict.fromkeys(map(row_type, cases)) or [Row]:
         hints = get_type_hints(each)
         types |= {name: TYPES[hints[name]] for name in each._fields}
     return types | {"program": "str"}
@@ -89,13 +89,9 @@ def lines_of(store: Store, columns: dict[str, str]) -> Iterator[Line]:
     """Yield the lines of the table, case by case and seed by seed."""
     for case_id, case in store.cases().items():
         settings = {name: _plain(case, name) for name in case}
-        for row, program in store.rows(case_id, _kind(case)):
+        for row, program in store.rows(case_id, row_type(case)):
             line = settings | row._asdict() | {"program": program}
             yield tuple(map(line.get, columns))
-
-
-def _kind(case: Case) -> type[AnyRow]:
-    return Shift if is_fleet(case) else Row
 
 
 def _plain(case: Case, name: str) -> Any:

@@ -16,7 +16,7 @@ from time import monotonic, sleep
 from typing import Any
 
 from agents.errors import StoreError
-from agents.experiments.case import TILES, Case, in_words, is_fleet, key_of, read_case
+from agents.experiments.case import TILES, Case, in_words, key_of, read_case, row_type
 from agents.experiments.tables import (
     BOTH,
     DAMAGED,
@@ -30,7 +30,6 @@ from agents.experiments.tables import (
     VERSION,
     AnyRow,
     Row,
-    Shift,
     version_of,
 )
 from warehouse_core.files.kinds import not_a_file
@@ -107,7 +106,7 @@ class Store:
     def count(self, case: Case, seeds: range) -> int:
         """Return how many episodes of a case with these seeds are stored."""
         statement = (
-            f"SELECT count(*) FROM {self._table(case)} JOIN cases ON id = case_id "
+            f"SELECT count(*) FROM {TABLE_OF[row_type(case)]} JOIN cases ON id = case_id "
             "WHERE settings = ? AND seed >= ? AND seed < ?"
         )
         return int(next(self.query(statement, key_of(case), seeds.start, seeds.stop))[0])
@@ -247,10 +246,6 @@ class Store:
         with self._errors_reported():
             # Not the cursor itself: left half read, it would fail when the file is closed.
             yield from map(tuple, self._execute(statement, *values))
-
-    @staticmethod
-    def _table(case: Case) -> str:
-        return TABLE_OF[Shift if is_fleet(case) else Row]
 
     def _case(self, number: int, text: str) -> Case:
         """Return a case that ``key_of`` has written, and raise for any other text."""

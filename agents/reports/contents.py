@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from importlib.metadata import version
+from typing import Generic, NamedTuple
 
+from agents.errors import StoreError
 from agents.evaluation.interval import CONFIDENCE, MIN_VALUES
 from agents.evaluation.wording import mean, share
 from agents.experiments.parameters import shown
 from agents.experiments.store import Store
-from agents.reports.analysis.answers import answers
+from agents.reports.analysis.answers import Answer, answers
 from agents.reports.analysis.design import Design, described, make_design
-from agents.reports.analysis.results import Experiment, Results
+from agents.reports.analysis.fleet_answers import fleet_answers
+from agents.reports.analysis.results import AnyResults, Deliveries, Experiment, Results, Shifts
 from agents.reports.examples import Example
-from agents.reports.figures.pictures import pictures
+from agents.reports.figures.pictures import Picture, fleet_pictures, pictures
 from agents.reports.page import Page, Table
-from warehouse_core.records.failure_modes import MODES
 from warehouse_core.wording import counted
 
 MAX_CASES = 200
@@ -34,22 +36,53 @@ METHODS = (
 MADE_WITH = ("warehouse-lab", "numpy", "scipy", "matplotlib")
 
 
+class Kind(NamedTuple, Generic[AnyResults]):
+    """What the report on episodes of lone robots, or on those of fleets, is made of.
+
+    Attributes:
+        name: of them.
+        results: their type.
+        answers: returns the answers to what differs.
+        pictures: yields the figures.
+        columns: of the table, after the seeds.
+        cells: yields a line of these columns.
+    """
+
+    name: str
+    results: type[AnyResults]
+    answers: Callable[[Experiment[AnyResults], Design], tuple[Answer, ...]]
+    pictures: Callable[[Experiment[AnyResults]], Iterator[Picture]]
+    columns: Callable[[Sequence[AnyResults]], tuple[str, ...]]
+    cells: Callable[[AnyResults], Iterator[tuple[str, str]]]
+
+
+class Part(NamedTuple):
+    """The part of a page that is about the episodes of one kind."""
+
+    summary: str
+    answers: tuple[Answer, ...]
+    pictures: tuple[Picture, ...]
+    settings: tuple[tuple[str, str], ...]
+    table: Table
+
+
 def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
     """Return the report on everything in a file of results.
 
     Raises:
         StoreError: there is no episode in it, or it cannot be read.
     """
-    experiment = Experiment(store)
-    design = make_design(experiment.cases)
+    parts = [*_parts(store, ALONE), *_parts(store, FLEETS)]
+    if not parts:
+        raise StoreError(f"{store.path}: there is no episode in it")
     return Page(
         title=f"Report on {store.path.name}",
-        summary=_summary(experiment, design),
+        summary="; ".join([*(part.summary for part in parts), *_programs(store)]),
         methods=METHODS,
-        answers=answers(experiment, design),
-        pictures=tuple(pictures(experiment)),
-        settings=tuple(_settings(design)),
-        table=_table(experiment, design),
+        answers=tuple(answer for part in parts for answer in part.answers),
+        pictures=tuple(picture for part in parts for picture in part.pictures),
+        settings=tuple(setting for part in parts for setting in part.settings),
+        tables=tuple(part.table for part in parts),
         examples=examples,
         made_with=(
             ("Python", platform.python_version()),
@@ -59,13 +92,27 @@ def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
     )
 
 
-def _summary(experiment: Experiment, design: Design) -> str:
-    """Return the number of episodes, their seeds and programs, and what is still missing."""
+def _parts(store: Store, kind: Kind[AnyResults]) -> Iterator[Part]:
+    """Yield the part about the episodes of a kind, if there are any."""
+    experiment = Experiment(store, kind.results)
+    if experiment.cases:
+        design = make_design(experiment.cases)
+        yield Part(
+            _summary(experiment, design, kind.name),
+            kind.answers(experiment, design),
+            tuple(kind.pictures(experiment)),
+            tuple(_settings(design)),
+            _table(experiment, design, kind),
+        )
+
+
+def _summary(experiment: Experiment[AnyResults], design: Design, name: str) -> str:
+    """Return the number of episodes, their seeds, and what is still missing."""
     everything = experiment.results(*experiment.cases)
     first, last = everything.seeds
     counts = [experiment.results(case_id).episodes for case_id in experiment.cases]
     parts = [
-        f"{counted(everything.episodes, 'episode')} in "
+        f"{counted(everything.episodes, 'episode')}{name} in "
         f"{counted(len(experiment.cases), 'combination')} of settings",
         f"seeds from {first} to {last}",
     ]
@@ -73,17 +120,21 @@ def _summary(experiment: Experiment, design: Design) -> str:
         parts.append(f"{min(counts):,} to {max(counts):,} episodes each")
     if experiment.unbegun:
         parts.append(f"{counted(experiment.unbegun, 'further combination')} not yet begun")
-    names = [name for name, _ in experiment.store.episodes()]
-    # The same program names more libraries where a case uses them.
-    programs = [name for name in names if not any(each.startswith(f"{name}, ") for each in names)]
-    if len(programs) > 1:
-        parts.append(f"run by different programs: {'; '.join(programs)}")
     mixed = [number for number in experiment.store.mixed() if number in experiment.cases]
     if mixed:
         names = [_name_of(number, design) for number in mixed[:MAX_MIXED]]
         left = f" and {len(mixed) - len(names):,} more" if len(mixed) > len(names) else ""
-        parts.append(f"which are mixed in {'; '.join(names)}{left}")
+        parts.append(f"episodes of different programs mixed in {'; '.join(names)}{left}")
     return ", ".join(parts)
+
+
+def _programs(store: Store) -> Iterator[str]:
+    """Yield the names of the programs that have run the episodes, if they are different ones."""
+    names = [name for name, _ in store.episodes()]
+    # The same program names more libraries where a case uses them.
+    programs = [name for name in names if not any(each.startswith(f"{name}, ") for each in names)]
+    if len(programs) > 1:
+        yield f"run by different programs: {'; '.join(programs)}"
 
 
 def _name_of(case_id: int, design: Design) -> str:
@@ -100,36 +151,69 @@ def _settings(design: Design) -> Iterator[tuple[str, str]]:
         yield name, shown(value)
 
 
-def _table(experiment: Experiment, design: Design) -> Table:
+def _table(experiment: Experiment[AnyResults], design: Design, kind: Kind[AnyResults]) -> Table:
     """Return a line for each case: what differs, the number of episodes, and their results."""
     chosen = list(design.labels)[:MAX_CASES]
     results = {case_id: experiment.results(case_id) for case_id in chosen}
-    modes = [mode for mode in MODES if any(mode in each.modes for each in results.values())]
-    is_measured = any(each.is_measured for each in results.values())
-    names = [factor.name for factor in design.factors]
-    costs = ("seconds", "joules") if is_measured else ()
-    rows = [
-        (
-            *(shown(design.labels[case_id][name]) for name in names),
-            *_cells(each, is_measured),
-            *(f"{each.modes.get(mode, 0):,}" for mode in modes),
-        )
-        for case_id, each in results.items()
+    modes = [
+        mode
+        for mode in kind.results.all_modes
+        if any(mode in each.modes for each in results.values())
     ]
+    columns = kind.columns(list(results.values()))
+    names = [factor.name for factor in design.factors]
+    rows = []
+    for case_id, each in results.items():
+        cells = dict(kind.cells(each))
+        rows.append(
+            (
+                *(shown(design.labels[case_id][name]) for name in names),
+                f"{each.episodes:,}",
+                _seeds(each),
+                *(cells.get(column, shown(None)) for column in columns),
+                *(f"{each.modes.get(mode, 0):,}" for mode in modes),
+            )
+        )
     left = len(design.labels) - len(chosen)
     note = f"{counted(left, 'further combination')} in the file." if left else ""
-    return Table(
-        (*names, "episodes", "seeds", "success", "steps", *costs, *modes), tuple(rows), note
-    )
+    return Table((*names, "episodes", "seeds", *columns, *modes), tuple(rows), note)
 
 
-def _cells(results: Results, with_costs: bool) -> Iterator[str]:
+def _seeds(results: Results) -> str:
     first, last = results.seeds
-    yield f"{results.episodes:,}"
     has_gaps = results.episodes < last - first + 1
-    yield f"{first} to {last}{' with gaps' if has_gaps else ''}"
-    yield share(results.success)
-    yield mean(results.steps, "") if results.steps else shown(None)
-    if with_costs:
-        for interval in (results.seconds, results.joules):
-            yield mean(interval, "") if interval and results.is_measured else shown(None)
+    return f"{first} to {last}{' with gaps' if has_gaps else ''}"
+
+
+def _columns(results: Sequence[Deliveries]) -> tuple[str, ...]:
+    costs = ("seconds", "joules") if any(each.is_measured for each in results) else ()
+    return ("success", "steps", *costs)
+
+
+def _cells(results: Deliveries) -> Iterator[tuple[str, str]]:
+    yield "success", share(results.success)
+    if results.steps:
+        yield "steps", mean(results.steps, "")
+    if results.is_measured and results.seconds and results.joules:
+        yield "seconds", mean(results.seconds, "")
+        yield "joules", mean(results.joules, "")
+
+
+def _fleet_columns(results: Sequence[Shifts]) -> tuple[str, ...]:
+    return ("items an hour", "on time", "lateness", "kJ each", "blocked")
+
+
+def _fleet_cells(results: Shifts) -> Iterator[tuple[str, str]]:
+    yield "items an hour", mean(results.per_hour, "")
+    if results.on_time:
+        yield "on time", share(results.on_time)
+    if results.lateness:
+        yield "lateness", mean(results.lateness, "")
+    if results.energy:
+        yield "kJ each", mean(results.energy, "")
+    if results.blocked:
+        yield "blocked", share(results.blocked)
+
+
+ALONE = Kind("", Deliveries, answers, pictures, _columns, _cells)
+FLEETS = Kind(" of fleets", Shifts, fleet_answers, fleet_pictures, _fleet_columns, _fleet_cells)

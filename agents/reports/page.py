@@ -46,7 +46,7 @@ class Page:
         summary: the number of episodes and their seeds.
         methods: the meaning of brackets and whiskers.
         settings: the name of each parameter and its value or values.
-        table: of all cases.
+        tables: of all cases, one for each kind.
         examples: of the failure modes.
         made_with: programs and their versions.
     """
@@ -57,7 +57,7 @@ class Page:
     answers: tuple[Answer, ...]
     pictures: tuple[Picture, ...]
     settings: tuple[tuple[str, str], ...]
-    table: Table
+    tables: tuple[Table, ...]
     examples: tuple[Example, ...]
     made_with: tuple[tuple[str, str], ...]
 
@@ -76,17 +76,20 @@ def write_page(path: Path, page: Page) -> None:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"data_uri": _data_uri, "flags": flags_of}
-    numeric = [_is_numeric(cells) for cells in zip(*page.table.rows, strict=True)]
-    text = environment.get_template(TEMPLATE).render(
-        page=page, numeric=numeric or [False] * len(page.table.columns)
-    )
+    environment.filters |= {"data_uri": _data_uri, "flags": flags_of, "numeric": _numeric}
+    text = environment.get_template(TEMPLATE).render(page=page)
     with atomic_path(path) as part:
         part.write_text(text, encoding="utf-8")
 
 
 def _data_uri(data: bytes, kind: str) -> str:
     return f"data:{kind};base64,{b64encode(data).decode('ascii')}"
+
+
+def _numeric(table: Table) -> list[bool]:
+    """Return for each column whether it has numbers."""
+    columns = [_is_numeric(cells) for cells in zip(*table.rows, strict=True)]
+    return columns or [False] * len(table.columns)
 
 
 def _is_numeric(cells: Sequence[str]) -> bool:

@@ -16,11 +16,12 @@ from time import perf_counter
 from agents.experiments.case import make_case
 from agents.experiments.episodes import run_task
 from agents.experiments.export import columns_of, lines_of
-from agents.experiments.store import Row, Store
+from agents.experiments.store import Store
+from agents.experiments.tables import Row
 from agents.programs import program_for
 from agents.reports.analysis.answers import answers
 from agents.reports.analysis.design import make_design
-from agents.reports.analysis.results import Experiment
+from agents.reports.analysis.results import Deliveries, Experiment
 from agents.reports.examples import find_examples
 from warehouse_core.errors import WarehouseError
 
@@ -36,7 +37,7 @@ CASES.append(make_case({"layout": "random", "backend": "physics", "robot.mass": 
 def read(path: Path) -> None:
     """Read all that a report and an export read."""
     with Store(path, read_only=True) as store:
-        experiment = Experiment(store)
+        experiment = Experiment(store, Deliveries)
         find_examples(store)
         answers(experiment, make_design(experiment.cases))
         store.mixed(), store.episodes()

@@ -9,7 +9,8 @@ from time import perf_counter
 import numpy as np
 
 from agents.experiments.case import make_case
-from agents.experiments.store import Row, Store
+from agents.experiments.store import Store
+from agents.experiments.tables import Row
 from warehouse_core.records.failure_modes import MODES
 
 EPISODES, BATTERIES = 1_000_000, range(20, 220, 20)

@@ -76,10 +76,12 @@ def a_page(**changes: Any) -> Page:
         "answers": (Answer("Is it so?", ("It is.", "Mostly.")), Answer("And that?", ("No.",))),
         "pictures": (Picture("success", "A caption", SVG),),
         "settings": (("escape", "on, off"), ("memory", "5")),
-        "table": Table(
-            ("agent", "steps"),
-            (("greedy", "12.5"), ("mine", shown(None)), ("other", "7")),
-            "A note",
+        "tables": (
+            Table(
+                ("agent", "steps"),
+                (("greedy", "12.5"), ("mine", shown(None)), ("other", "7")),
+                "A note",
+            ),
         ),
         "examples": (Example(found(), "swung to and fro", gif()),),
         "made_with": (("warehouse-lab", "1.2.3"),),
@@ -97,7 +99,7 @@ def a_page_of(name: str, svg: bytes = SVG) -> Page:
         answers=(Answer(name, (name, name)),),
         pictures=(Picture(name, name, svg),),
         settings=((name, name),),
-        table=Table((name, name), ((name, name),), name),
+        tables=(Table((name, name), ((name, name),), name),),
         examples=(
             Example(found(name, case=case), name, gif()),
             Example(found(name, case=case), name, b""),

@@ -5,7 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from agents.experiments.case import make_case
-from agents.experiments.store import Row, Store
+from agents.experiments.store import Store
+from agents.experiments.tables import AnyRow, Row, Shift
 
 
 def row(seed: int, mode: str = "delivered", steps: int = 20, **others: Any) -> Row:
@@ -14,7 +15,7 @@ def row(seed: int, mode: str = "delivered", steps: int = 20, **others: Any) -> R
     return plain._replace(**others)
 
 
-def fill(path: Path, cases: Sequence[tuple[dict[str, Any], Sequence[Row]]]) -> Path:
+def fill(path: Path, cases: Sequence[tuple[dict[str, Any], Sequence[AnyRow]]]) -> Path:
     """Write the episodes of some cases, each given by its settings."""
     with Store(path) as store:
         for settings, rows in cases:
@@ -28,3 +29,11 @@ def outcomes(words: str, seed: int = 0, steps: int = 20) -> list[Row]:
     """Return an episode for each letter: ``d`` delivered, ``o`` oscillation, ``w`` wandering."""
     modes = {"d": "delivered", "o": "oscillation", "w": "wandering"}
     return [row(number, modes[each], steps) for number, each in enumerate(words, start=seed)]
+
+
+def shift(seed: int, mode: str = "served", **others: Any) -> Shift:
+    """Return the row of an episode of a fleet that ended with ``mode``."""
+    plain = Shift(
+        seed, mode, 100, 100.0, 10, 5, 180.0, 4.0, 8.0, 0.5, 5000.0, 1000.0, 0, 10, 0, 3, 4, 90, 0
+    )
+    return plain._replace(**others)

@@ -15,7 +15,8 @@ from agents.errors import StoreError
 from agents.experiments.choices import parse_flags
 from agents.experiments.plan import make_plan
 from agents.experiments.running import run_missing
-from agents.experiments.store import Row, Store
+from agents.experiments.store import Store
+from agents.experiments.tables import Row
 from helpers.command_line import ROOT
 
 COLUMNS = ", ".join(Row._fields)

@@ -7,7 +7,7 @@ series are summarised in one sentence.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 from agents.evaluation.wording import points, sentence
@@ -15,7 +15,7 @@ from agents.experiments.parameters import PARAMETERS, shown
 from agents.reports.analysis import statements
 from agents.reports.analysis.comparison import compare
 from agents.reports.analysis.design import Design, Factor, Series, described
-from agents.reports.analysis.results import Experiment
+from agents.reports.analysis.results import AnyResults, Deliveries, Experiment
 from agents.reports.analysis.statements import Point
 from warehouse_core.wording import counted
 
@@ -33,44 +33,66 @@ class Answer(NamedTuple):
     sentences: tuple[str, ...]
 
 
-def answers(experiment: Experiment, design: Design) -> tuple[Answer, ...]:
+def answers(experiment: Experiment[Deliveries], design: Design) -> tuple[Answer, ...]:
     """Return an answer for each factor, or one about all episodes if nothing differs."""
+
+    def told(factor: Factor, series: Sequence[Series]) -> Iterator[str]:
+        return _sentences(experiment, factor, series)
+
+    return answers_of(design, told, _apart(experiment, design))
+
+
+def answers_of(
+    design: Design,
+    told: Callable[[Factor, Sequence[Series]], Iterator[str]],
+    apart: Iterator[str],
+) -> tuple[Answer, ...]:
+    """Return an answer for each factor.
+
+    Args:
+        design: of the experiment.
+        told: yields the sentences about a factor and its series.
+        apart: yields those about all episodes, if there is no series.
+    """
     found = []
     for factor in design.factors:
         series = design.series(factor)
         if series:
             parameter = PARAMETERS.get(factor.name)
             question = parameter.question if parameter else f"What does {factor.name} change?"
-            words = map(sentence, _sentences(experiment, factor, series))
-            found.append(Answer(question, tuple(words)))
-    if not found:
-        found.append(Answer("How does it do?", tuple(map(sentence, _apart(experiment, design)))))
-    return tuple(found)
+            found.append(Answer(question, tuple(map(sentence, told(factor, series)))))
+    return tuple(found) or (Answer("How does it do?", tuple(map(sentence, apart))),)
 
 
-def _apart(experiment: Experiment, design: Design) -> Iterator[str]:
-    """Describe cases none of which can be compared with another: not pooled, each by itself."""
+def lone_points(experiment: Experiment[AnyResults], design: Design) -> Iterator[Point[AnyResults]]:
+    """Yield the first cases, named by what differs; they are not pooled, each is by itself."""
     varied = [factor.name for factor in design.factors]
-    chosen = list(design.labels)[:MAX_DESCRIBED]
-    for case_id in chosen:
+    for case_id in list(design.labels)[:MAX_DESCRIBED]:
         name = described({each: design.labels[case_id][each] for each in varied})
-        line = [Point(name, case_id, experiment.results(case_id))]
-        yield statements.alone(line[0])
-        yield from statements.lengths(line)
-        yield from statements.time_and_energy(line)
-        yield from statements.failures(line)
-    left = len(design.labels) - len(chosen)
-    if left:
+        yield Point(name, case_id, experiment.results(case_id))
+
+
+def _apart(experiment: Experiment[Deliveries], design: Design) -> Iterator[str]:
+    """Describe cases none of which can be compared with another."""
+    for point in lone_points(experiment, design):
+        yield statements.alone(point)
+        yield from statements.lengths([point])
+        yield from statements.time_and_energy([point])
+        yield from statements.failures([point])
+    left = len(design.labels) - MAX_DESCRIBED
+    if left > 0:
         yield f"{counted(left, 'further combination')} cannot be compared with these"
 
 
-def _sentences(experiment: Experiment, factor: Factor, series: Sequence[Series]) -> Iterator[str]:
+def _sentences(
+    experiment: Experiment[Deliveries], factor: Factor, series: Sequence[Series]
+) -> Iterator[str]:
     main, *others = series
-    line = _line(experiment, factor, main)
+    line = line_of(experiment, factor, main)
     where = f"with {described(main.others)}, " if described(main.others) else ""
-    if _is_trend(factor):
+    if is_trend(factor):
         pair, pairs = (line[0], line[-1]), 1
-        told: Sequence[Point] = pair
+        told: Sequence[Point[Deliveries]] = pair
         yield where + statements.trend(line)
     else:
         line.sort(key=lambda point: -point.results.share)
@@ -88,23 +110,27 @@ def _sentences(experiment: Experiment, factor: Factor, series: Sequence[Series])
     if others:
         yield (
             _changes(experiment, others)
-            if _is_trend(factor)
+            if is_trend(factor)
             else _best_elsewhere(experiment, factor, line[0], others)
         ) + _numbers(experiment, line, others)
 
 
-def _is_trend(factor: Factor) -> bool:
+def is_trend(factor: Factor) -> bool:
+    """Return whether the change along a factor is described, and not the best of its values."""
     return factor.is_ordered and len(factor.values) > 2
 
 
-def _line(experiment: Experiment, factor: Factor, series: Series) -> list[Point]:
+def line_of(
+    experiment: Experiment[AnyResults], factor: Factor, series: Series
+) -> list[Point[AnyResults]]:
+    """Return the points of a series, in the order of the values of its factor."""
     return [
         Point(f"{factor.name} {shown(value)}", case_id, experiment.results(case_id))
         for value, case_id in series.cases.items()
     ]
 
 
-def _changes(experiment: Experiment, series: Sequence[Series]) -> str:
+def _changes(experiment: Experiment[Deliveries], series: Sequence[Series]) -> str:
     """Give the range of the change of success in the other series."""
     changes = []
     for each in series:
@@ -121,7 +147,9 @@ def _changes(experiment: Experiment, series: Sequence[Series]) -> str:
     )
 
 
-def _numbers(experiment: Experiment, line: Sequence[Point], series: Sequence[Series]) -> str:
+def _numbers(
+    experiment: Experiment[Deliveries], line: Sequence[Point[Deliveries]], series: Sequence[Series]
+) -> str:
     """Give the numbers of episodes of other series if they are not all that of a line."""
     ids = {case_id for each in series for case_id in each.cases.values()}
     there = {experiment.results(case_id).episodes for case_id in ids}
@@ -134,12 +162,15 @@ def _numbers(experiment: Experiment, line: Sequence[Point], series: Sequence[Ser
 
 
 def _best_elsewhere(
-    experiment: Experiment, factor: Factor, best: Point, series: Sequence[Series]
+    experiment: Experiment[Deliveries],
+    factor: Factor,
+    best: Point[Deliveries],
+    series: Sequence[Series],
 ) -> str:
     """Give the range of the lead of the best value in the other series."""
     leads = []
     for each in series:
-        line = _line(experiment, factor, each)
+        line = line_of(experiment, factor, each)
         others = [point.results.share for point in line if point.name != best.name]
         own = [point.results.share for point in line if point.name == best.name]
         if own and others:

@@ -148,7 +148,7 @@ def _name_stations_with_layouts(labels: Collection[Labels]) -> None:
 
     By default those of a file are kept and others drawn.
     """
-    found = {(each["layout"], each["stations"]) for each in labels}
+    found = {(each["layout"], each.get("stations")) for each in labels}
     layouts, stations = ({each[place] for each in found} for place in (0, 1))
     if len(found) == len(layouts) and len(stations) > 1:
         for each in labels:

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import Generic, NamedTuple
 
 from agents.evaluation.interval import Interval
 from agents.evaluation.wording import chance, mean, percent, share
 from agents.reports.analysis.comparison import Comparison, Costs
-from agents.reports.analysis.results import Results
+from agents.reports.analysis.results import AnyResults, Deliveries
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
 
@@ -28,7 +28,7 @@ MAX_NAMED = 6
 UNITS = {"steps": "steps", "seconds": "s", "joules": "J"}
 
 
-class Point(NamedTuple):
+class Point(NamedTuple, Generic[AnyResults]):
     """A value of the factor in question.
 
     Attributes:
@@ -39,10 +39,10 @@ class Point(NamedTuple):
 
     name: str
     case_id: int
-    results: Results
+    results: AnyResults
 
 
-def alone(point: Point) -> str:
+def alone(point: Point[Deliveries]) -> str:
     """Give the success of one case."""
     results = point.results
     return (
@@ -51,7 +51,7 @@ def alone(point: Point) -> str:
     )
 
 
-def trend(line: Sequence[Point]) -> str:
+def trend(line: Sequence[Point[Deliveries]]) -> str:
     """Describe how success changes from the first value to the last."""
     first, last = line[0], line[-1]
     best, worst = (pick(line, key=lambda point: point.results.share) for pick in (max, min))
@@ -76,7 +76,7 @@ def trend(line: Sequence[Point]) -> str:
     return words
 
 
-def ranking(ranked: Sequence[Point]) -> str:
+def ranking(ranked: Sequence[Point[Deliveries]]) -> str:
     """List the success with each value, the best first."""
     named = ranked if len(ranked) <= MAX_NAMED else [*ranked[: MAX_NAMED - 1], ranked[-1]]
     shares = [f"{share(point.results.success)} with {point.name}" for point in named]
@@ -84,7 +84,7 @@ def ranking(ranked: Sequence[Point]) -> str:
     return f"success is {listed(shares)}{left}"
 
 
-def numbers(line: Sequence[Point]) -> Iterator[str]:
+def numbers(line: Sequence[Point[AnyResults]]) -> Iterator[str]:
     """Give the number of episodes with each value if that differs: few prove less than many."""
     ranked = sorted(line, key=lambda point: -point.results.episodes)
     most, fewest = (counted(ranked[end].results.episodes, "episode") for end in (0, -1))
@@ -97,7 +97,9 @@ def numbers(line: Sequence[Point]) -> Iterator[str]:
         yield f"there are {listed(parts)}"
 
 
-def seed_by_seed(one: Point, other: Point, found: Comparison) -> Iterator[str]:
+def seed_by_seed(
+    one: Point[Deliveries], other: Point[Deliveries], found: Comparison
+) -> Iterator[str]:
     """Describe how two cases differ on the seeds that both have."""
     if not found.seeds:
         yield f"{one.name} and {other.name} share no seed, so they are not compared seed by seed"
@@ -118,7 +120,7 @@ def seed_by_seed(one: Point, other: Point, found: Comparison) -> Iterator[str]:
             yield _costs(one, other, found.both, UNITS[column], costs)
 
 
-def lengths(line: Sequence[Point]) -> Iterator[str]:
+def lengths(line: Sequence[Point[Deliveries]]) -> Iterator[str]:
     """Give the mean steps of all deliveries; those of one value may be only the easy ones."""
     parts = []
     for point in line:
@@ -130,7 +132,7 @@ def lengths(line: Sequence[Point]) -> Iterator[str]:
         yield f"the mean of all deliveries, easy and hard, is {listed(parts)}"
 
 
-def time_and_energy(line: Sequence[Point]) -> Iterator[str]:
+def time_and_energy(line: Sequence[Point[Deliveries]]) -> Iterator[str]:
     """Give the time and energy of deliveries where the backend measures them."""
     for point in line:
         results = point.results
@@ -141,7 +143,7 @@ def time_and_energy(line: Sequence[Point]) -> Iterator[str]:
             )
 
 
-def failures(line: Sequence[Point]) -> Iterator[str]:
+def failures(line: Sequence[Point[AnyResults]]) -> Iterator[str]:
     """Give the shares of the failure modes."""
     for point in line:
         modes = Counter(point.results.modes)
@@ -157,7 +159,9 @@ def failures(line: Sequence[Point]) -> Iterator[str]:
             yield f"failures{_with(point)} are {listed(parts)} ({counted(total, 'episode')})"
 
 
-def _conversion(one: Point, other: Point, found: Comparison) -> Iterator[str]:
+def _conversion(
+    one: Point[Deliveries], other: Point[Deliveries], found: Comparison
+) -> Iterator[str]:
     """Describe what the commonest failures of the worse value become with the better one."""
     if found.only_first == found.only_second:
         return
@@ -178,7 +182,9 @@ def _conversion(one: Point, other: Point, found: Comparison) -> Iterator[str]:
     )
 
 
-def _costs(one: Point, other: Point, both: int, unit: str, costs: Costs) -> str:
+def _costs(
+    one: Point[Deliveries], other: Point[Deliveries], both: int, unit: str, costs: Costs
+) -> str:
     digits = 0 if max(costs.first, costs.second) >= 1000 else 1
     means = (
         f"where both deliver ({counted(both, 'seed')}), it takes {costs.first:,.{digits}f} {unit} "
@@ -193,7 +199,7 @@ def _costs(one: Point, other: Point, both: int, unit: str, costs: Costs) -> str:
     return f"{means}: {other.name} takes {mean(size, 'more' if estimate > 0 else 'less')}"
 
 
-def _with(point: Point) -> str:
+def _with(point: Point[AnyResults]) -> str:
     return f" with {point.name}" if point.name else ""
 
 

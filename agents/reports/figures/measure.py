@@ -16,7 +16,7 @@ from matplotlib.ticker import PercentFormatter
 from agents.evaluation.interval import Interval
 from agents.experiments.parameters import Value, shown
 from agents.reports.analysis.design import Design, Factor
-from agents.reports.analysis.results import Experiment, Results
+from agents.reports.analysis.results import AnyResults, Experiment
 from agents.reports.figures.panels import (
     PANELS_A_ROW,
     SMALL,
@@ -39,12 +39,16 @@ MARKERS = "os^Dv*PX"
 DODGE = 0.012
 """Distance between lines as a share of the width, so that no interval hides another."""
 
-Measure = Callable[[Results], Interval | None]
+Measure = Callable[[AnyResults], Interval | None]
 
 
 @mpl.rc_context({"text.parse_math": False})
 def measure_chart(
-    experiment: Experiment, design: Design, title: str, unit: str, measure: Measure
+    experiment: Experiment[AnyResults],
+    design: Design,
+    title: str,
+    unit: str,
+    measure: Measure[AnyResults],
 ) -> SceneFigure | None:
     """Draw a measure with its intervals.
 
@@ -99,7 +103,7 @@ def measure_chart(
     return figure
 
 
-def measured(measure: Measure, results: Results) -> Interval | None:
+def measured(measure: Measure[AnyResults], results: AnyResults) -> Interval | None:
     """Return a measure, without its interval if cases are pooled: they share their seeds."""
     found = measure(results)
     return found if found is None or len(results.case_ids) == 1 else Interval(found.estimate)

@@ -12,7 +12,7 @@ from matplotlib.ticker import PercentFormatter
 
 from agents.experiments.parameters import shown
 from agents.reports.analysis.design import Design
-from agents.reports.analysis.results import Experiment, Results
+from agents.reports.analysis.results import AnyResults, Experiment
 from agents.reports.figures.panels import (
     MAX_TICKS,
     PANELS_A_ROW,
@@ -31,6 +31,15 @@ from warehouse_core.records.failure_modes import (
     UNREACHABLE,
     WANDERING,
 )
+from warehouse_core.records.fleet_modes import (
+    CONGESTED,
+    DEADLOCK,
+    IDLE,
+    LATE,
+    SERVED,
+    STARVATION,
+    STRANDED,
+)
 from warehouse_core.viz.figure import SceneFigure
 
 MODE_COLORS = {
@@ -43,6 +52,13 @@ MODE_COLORS = {
     BATTERY_DEPLETED: "#2e6fa7",
     OUT_OF_TIME: "#8ab6d6",
     UNFINISHED: "#c9c9ce",
+    SERVED: "#2a9d5c",
+    STRANDED: "#2e6fa7",
+    DEADLOCK: "#d1495b",
+    STARVATION: "#8c4fa3",
+    CONGESTED: "#edae49",
+    IDLE: "#c9c9ce",
+    LATE: "#8ab6d6",
 }
 
 LUMINANCE = (0.299, 0.587, 0.114)
@@ -53,7 +69,7 @@ MIN_LEGIBLE = 0.08
 
 
 @mpl.rc_context({"text.parse_math": False})
-def modes_chart(experiment: Experiment, design: Design, title: str) -> SceneFigure:
+def modes_chart(experiment: Experiment[AnyResults], design: Design, title: str) -> SceneFigure:
     """Draw the shares of the outcomes as stacked bars."""
     roles = roles_of(design)
     lines = lines_of(experiment, design, roles)
@@ -77,7 +93,7 @@ def modes_chart(experiment: Experiment, design: Design, title: str) -> SceneFigu
     return figure
 
 
-def _draw_bar(axes: Axes, place: int, results: Results, bars: int) -> None:
+def _draw_bar(axes: Axes, place: int, results: AnyResults, bars: int) -> None:
     bottom = 0.0
     for mode, count in results.modes.items():
         share = count / results.episodes

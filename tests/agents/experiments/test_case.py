@@ -1,5 +1,7 @@
 """Cases: settings without effect are left out, and equal experiments have equal keys."""
 
+from contextlib import closing
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -7,12 +9,25 @@ import pytest
 from helpers.command_line import refusal
 
 from agents.errors import ParameterError
-from agents.experiments.case import flags_of, key_of, make_agent_for, make_case, make_env
-from agents.experiments.episodes import run_one
+from agents.experiments.case import (
+    flags_of,
+    key_of,
+    make_agent_for,
+    make_case,
+    make_env,
+    make_fleet,
+    make_team_for,
+    read_case,
+)
+from agents.experiments.episodes import row_of, run_fleet, run_one
 from agents.experiments.parameters import PARAMETERS
 from agents.experiments.plan import make_plan
 from agents.experiments.store import Store
-from warehouse_core import DEFAULT_LAYOUT
+from agents.experiments.tables import Shift
+from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core import DEFAULT_LAYOUT, LayoutError, OrderStream
+from warehouse_core.fleet import Battery, FleetMeasures
+from warehouse_core.world.named_layouts import find_layout
 
 WAITER = """
 class Waiter:
@@ -228,3 +243,62 @@ def test_a_layout_may_be_a_movingai_map(tmp_path: Path) -> None:
     path = tmp_path / "hall.map"
     path.write_text("type octile\nheight 1\nwidth 4\nmap\n@..@\n")
     assert make_case({"layout": str(path)})["tiles"] == ["#..#"]
+
+
+FLEET_CASE = {"robots": 3, "order_rate": 0.3, "max_steps": 40}
+
+
+def test_a_setting_of_fleets_makes_it_a_fleet_with_the_defaults_of_fleets() -> None:
+    case = make_case({"people": 2})
+    assert case["robots"] == PARAMETERS["robots"].default
+    assert (case["layout"], case["battery"], case["max_steps"]) == ("depot", 400, 1000)
+    assert case["chargers"] == len(find_layout("depot").chargers)
+    assert "stations" not in case
+    assert "robots" not in make_case({})
+    assert flags_of(case) == ["people=2"]
+    assert read_case(key_of(case)) == case
+    assert make_case({"robots": 2, "layout": "random"})["chargers"] == 0
+
+
+def test_the_settings_of_a_fleet_reach_it() -> None:
+    case = make_case({**FLEET_CASE, "due": "3:9", "people": 1, "chargers": 1, "battery": 77})
+    episode = run_fleet(case, 5)
+    settings = episode.settings
+    assert (settings.robots, settings.max_steps, settings.battery) == (3, 40, Battery(77))
+    assert settings.people.count == 1
+    assert settings.orders == (OrderStream(0.3, (3, 9)),)
+    assert len(episode.layout.chargers) == 1
+    assert episode == run_fleet(case, 5)
+    assert episode != run_fleet(case, 6)
+
+
+def test_the_agents_of_a_fleet_are_those_of_the_case() -> None:
+    cases = [make_case({**FLEET_CASE, **agent}) for agent in
+             ({}, {"escape": False}, {"memory": 2}, {"agent": "astar"})]  # fmt: skip
+    teams = [make_team_for(case, 0, find_layout("depot")).agents for case in cases]
+    assert [len(team) for team in teams] == [3] * 4
+    assert [type(team[0]).__name__ for team in teams] == [*["GreedyAgent"] * 3, "SearchAgent"]
+    found = [(team[0].memory, team[0].escape_steps) for team in teams[:3]]
+    usual = GreedyAgent()
+    assert found == [(10, usual.escape_steps), (usual.memory, 0), (2, usual.escape_steps)]
+
+
+def test_chargers_are_taken_from_all_parts_of_the_layout() -> None:
+    chargers = find_layout("depot").chargers
+    for count in range(len(chargers) + 1):
+        with closing(make_fleet(make_case({"chargers": count}), 0)) as fleet:
+            assert len(fleet.layout.chargers) == count
+            assert {*fleet.layout.chargers} <= {*chargers}
+    two = make_fleet(make_case({"chargers": 2}), 0).layout.chargers
+    assert two == (chargers[0], chargers[len(chargers) // 2])
+    with pytest.raises(LayoutError, match=f"chargers is 99; the layout has {len(chargers)}"):
+        make_case({"chargers": 99})
+
+
+def test_the_row_of_a_fleet_has_its_measures() -> None:
+    episode = run_fleet(make_case({**FLEET_CASE, "max_steps": 2, "order_rate": 0}), 0)
+    row = row_of(episode)
+    assert isinstance(row, Shift)
+    assert (row.seed, row.mode, row.steps, row.orders, row.on_time) == (0, "idle", 2, 0, None)
+    assert Shift._fields[2:] == tuple(each.name for each in fields(FleetMeasures))
+    assert row.distance == episode.measures.distance

@@ -10,12 +10,14 @@ from typing import Any
 import pyarrow as pa
 import pytest
 from helpers.command_line import command, refusal
+from helpers.results_files import shift
 from pyarrow import parquet
 
 from agents.experiments import export as table_export
 from agents.experiments.case import TILES, make_case
 from agents.experiments.export import columns_of, lines_of
-from agents.experiments.store import Row, Store
+from agents.experiments.store import Store
+from agents.experiments.tables import Row
 from warehouse_core import DEFAULT_LAYOUT
 
 HEAVY = make_case({"backend": "physics", "robot.mass": 70.0})
@@ -237,3 +239,18 @@ def test_an_invalid_result_in_the_file_is_a_one_line_error(
     database.close()
     assert "many" in refusal(capsys, "export", results, tmp_path / "t.parquet")
     assert names(tmp_path) == {"r.sqlite"}
+
+
+def test_lone_robots_and_fleets_share_a_table(tmp_path: Path) -> None:
+    path = stored(tmp_path / "r.sqlite", make_case({}))
+    with Store(path) as store:
+        store.add(store.case_id(make_case({"robots": 2})), [shift(4, on_time=None)], "p")
+    *_, alone, fleet = table_of(path)
+    assert (fleet["robots"], fleet["seed"], fleet["per_hour"]) == (2, 4, 180.0)
+    assert fleet["on_time"] is fleet["reward"] is fleet["stations"] is None
+    assert alone["robots"] is alone["per_hour"] is None
+    assert alone["reward"] == -0.1 - 0.2
+    for suffix in (".csv", ".parquet"):
+        table_export.export(path, tmp_path / f"t{suffix}")
+    assert parquet.read_table(tmp_path / "t.parquet")["per_hour"].to_pylist()[-1] == 180.0
+    assert read_csv(tmp_path / "t.csv")[-1]["on_time"] == ""

@@ -20,7 +20,8 @@ from agents.experiments.running import (
     Pace,
     run_missing,
 )
-from agents.experiments.store import Row, Store
+from agents.experiments.store import Store
+from agents.experiments.tables import Row
 from agents.experiments.workers import process_pool
 from agents.programs import program_for
 

@@ -4,7 +4,7 @@ import gc
 import os
 import sqlite3
 from collections.abc import Callable
-from contextlib import AbstractContextManager, suppress
+from contextlib import AbstractContextManager, closing, suppress
 from functools import partial
 from multiprocessing import get_context
 from multiprocessing.synchronize import Barrier
@@ -13,11 +13,12 @@ from tempfile import TemporaryDirectory
 
 import pytest
 from helpers.command_line import ROOT, in_a_process
+from helpers.results_files import shift
 
 from agents.errors import StoreError
 from agents.experiments.case import key_of, make_case
-from agents.experiments.store import Row, Store
-from agents.experiments.tables import APPLICATION, TABLES, UNKNOWN, VERSION
+from agents.experiments.store import Store
+from agents.experiments.tables import APPLICATION, TABLES, UNKNOWN, VERSION, Row, Shift
 
 CASE, OTHER = make_case({"battery": 20}), make_case({"battery": 30})
 EVERY = range(2**63 - 1)
@@ -192,7 +193,8 @@ def test_a_path_that_cannot_be_opened_is_an_error_with_its_name(tmp_path: Path, 
 
 AS_NOBODY = """
 import os, sys, urllib.parse  # imported before the user changes
-from agents.experiments.store import Row, Store, StoreError
+from agents.experiments.store import Store, StoreError
+from agents.experiments.tables import Row
 if os.geteuid() == 0:  # root may write anywhere
     os.setgid(65534)
     os.setuid(65534)
@@ -562,3 +564,34 @@ def test_a_file_of_version_1_is_resumed_and_its_episodes_are_of_an_unknown_progr
         assert [program for _, program in store.rows(1)] == [UNKNOWN, UNKNOWN, UNKNOWN, NEW]
     with Store(path, read_only=True) as store:
         assert store.mixed() == [1]
+
+
+def test_the_shifts_of_fleets_are_rows_of_their_own(path: Path) -> None:
+    fleet, shifts = make_case({"robots": 2}), [shift(3, per_hour=None), shift(5)]
+    with Store(path) as store:
+        number, alone = store.case_id(fleet), store.case_id(CASE)
+        store.add(number, shifts, "one")
+        store.add(alone, [row(3)], "one")
+        store.add(number, [shift(5, "late")], "one")
+        assert [found for found, _ in store.rows(number, Shift)] == shifts
+        assert [*store.rows(number)] == []
+        assert store.seeds_done(number, range(4)) == {3}
+        assert (store.count(fleet, range(9)), store.count(CASE, range(9))) == (2, 1)
+        assert store.episodes() == [("one", 3)]
+        with pytest.raises(StoreError, match="are of one, and new ones would be of other"):
+            store.add(number, [shift(9)], "other")
+
+
+@pytest.mark.parametrize("change", [
+    "mode = 'delivered'", "seed = -1", "orders = 1.5", "seconds = 'x'", "per_hour = 1e31",
+    "on_time = 'x'", "case_id = 9",
+])  # fmt: skip
+def test_a_shift_that_no_sweep_has_written_is_damage(path: Path, change: str) -> None:
+    with Store(path) as store:
+        store.add(store.case_id(make_case({"robots": 2})), [shift(0)])
+        store.check_rows()
+    with closing(sqlite3.connect(path)) as connection:
+        connection.execute(f"UPDATE shifts SET {change}")
+        connection.commit()
+    with Store(path) as store, pytest.raises(StoreError, match=r"the row of case .* is damaged"):
+        store.check_rows()

@@ -19,6 +19,7 @@ from agents.experiments import sweep as sweep_command
 from agents.experiments.case import make_case
 from agents.experiments.parameters import PARAMETERS
 from agents.experiments.store import Store
+from agents.experiments.tables import Shift
 from agents.programs import program_for
 
 
@@ -251,3 +252,39 @@ def test_the_summary_and_the_example_in_the_help_are_one_line_each(
     [number] = [n for n, line in enumerate(lines) if line.startswith("  Example: ")]
     assert lines[number].startswith(f"  Example: warehouse {name} ")
     assert lines[number + 1] == ""
+
+
+def test_a_sweep_of_fleets_is_resumed_and_reported(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = tmp_path / "r.sqlite"
+    words = ["sweep", "--set", "robots=1,2", "--set", "max_steps=30", "--set", "order_rate=0.5",
+             "--workers", 1, "-o", path]  # fmt: skip
+    command(capsys, *words, "-n", 2)
+    with Store(path, read_only=True) as store:
+        before = [[*store.rows(number, Shift)] for number in store.cases()]
+    printed = command(capsys, *words, "-n", 3).out
+    assert printed.startswith("2 combinations, 3 episodes each, 4 done\n")
+    with Store(path, read_only=True) as store:
+        after = [[*store.rows(number, Shift)] for number in store.cases()]
+    assert [rows[:2] for rows in after] == before
+    printed = command(capsys, "report", path, "--figures", tmp_path / "figures").out
+    assert "6 episodes of fleets in 2 combinations of settings, seeds from 0 to 2" in printed
+    assert "How many robots are too many?" in printed
+    assert (tmp_path / "figures" / "per_hour.svg").exists()
+    page = path.with_suffix(".html").read_text()
+    assert page.index("items an hour") > page.index("All cases")
+
+
+def test_settings_of_lone_robots_have_no_effect_on_fleets(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    words = ["sweep", "--set", "robots=2", "-o", tmp_path / "r.sqlite"]
+    assert refusal(capsys, *words, "--set", "stations=drawn") == (
+        "stations has no effect here; it applies only to lone robots, without settings of fleets"
+    )
+    assert refusal(capsys, *words, "--set", "due=9:5") == (
+        'due is \'9:5\'; allowed: "FEWEST:MOST" steps, such as "50:150"'
+    )
+    assert "robots" in refusal(capsys, *words[:1], "--set", "robots=100", "--set", "size=5x5",
+                               "--set", "layout=random", *words[-2:])  # fmt: skip

@@ -8,8 +8,8 @@ import time
 import pytest
 from helpers.terminal import Terminal
 
-from agents.experiments.store import Row
 from agents.experiments.sweep import sweep_bar
+from agents.experiments.tables import Row
 
 
 def rows(*modes: str) -> list[Row]:

@@ -9,8 +9,8 @@ from helpers.command_line import refusal
 from agents.errors import StoreError
 from agents.experiments import tables
 from agents.experiments.case import make_case
-from agents.experiments.store import Row, Store
-from agents.experiments.tables import TABLES, VERSION
+from agents.experiments.store import Store
+from agents.experiments.tables import TABLES, VERSION, Row
 
 ENDLESS = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT"
 COLUMNS = ", ".join(f"i AS {name}" for name in ("case_id", *Row._fields, "program_id"))

@@ -13,7 +13,8 @@ from agents.errors import StoreError
 from agents.experiments.case import FINGERPRINT, Case, make_case
 from agents.experiments.episodes import run_one as run_whole
 from agents.experiments.episodes import run_task
-from agents.experiments.store import Row, Store
+from agents.experiments.store import Store
+from agents.experiments.tables import Row
 from agents.reports import examples
 from agents.reports.examples import Found, find_examples, replay
 from warehouse_core import Episode

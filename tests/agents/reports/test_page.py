@@ -144,7 +144,7 @@ def test_only_columns_of_numbers_have_the_class_number(path: Path) -> None:
         ("a", "1,600.5", "71.2% [60.0, 80.1]", "7x12", NOTHING),
         ("2", "-3", NOTHING, "8x12", NOTHING),
     )
-    write_page(path, a_page(table=Table(columns, rows, "")))
+    write_page(path, a_page(tables=(Table(columns, rows, ""),)))
     heads = [each.get("class") for each in read(path).all("th") if each["scope"] == "col"]
     assert heads == [None, "number", "number", None, None]
 
@@ -153,7 +153,7 @@ def test_a_page_with_empty_parts_is_valid(path: Path) -> None:
     empty = Table(("case",), (), "")
     write_page(
         path,
-        a_page(answers=(), pictures=(), settings=(), table=empty, examples=(), made_with=()),
+        a_page(answers=(), pictures=(), settings=(), tables=(empty,), examples=(), made_with=()),
     )
     seen = read(path)
     assert seen.open == []

@@ -118,7 +118,7 @@ def test_invalid_results_and_outputs_are_errors(
 
 def test_the_table_has_a_row_for_each_case(results: Path) -> None:
     with Store(results, read_only=True) as store:
-        table = make_page(store, ()).table
+        table = make_page(store, ()).tables[0]
     assert table.columns == (
         "escape", "episodes", "seeds", "success", "steps", "delivered", "oscillation", "wandering",
     )  # fmt: skip
@@ -134,7 +134,7 @@ def test_a_long_table_states_what_it_leaves_out(
 ) -> None:
     monkeypatch.setattr(contents, "MAX_CASES", 1)
     with Store(results, read_only=True) as store:
-        table = make_page(store, ()).table
+        table = make_page(store, ()).tables[0]
     assert len(table.rows) == 1
     assert table.note == "1 further combination in the file."
 
@@ -169,7 +169,8 @@ def test_the_report_names_the_programs_and_where_they_are_mixed(tmp_path: Path) 
     with Store(path, read_only=True) as store:
         page = make_page(store, ())
     assert page.summary.endswith(
-        ", run by different programs: a newer one; an older one, which are mixed in escape on"
+        ", episodes of different programs mixed in escape on; "
+        "run by different programs: a newer one; an older one"
     )
     assert page.made_with[-2:] == (("4 episodes", "a newer one"), ("2 episodes", "an older one"))
 
@@ -191,7 +192,7 @@ def test_a_program_with_the_libraries_of_a_backend_is_no_other(tmp_path: Path) -
 def test_the_table_states_gaps_in_the_seeds(tmp_path: Path) -> None:
     cases = [(ON, [*outcomes("dd"), *outcomes("d", seed=9)]), (OFF, outcomes("d", seed=4))]
     with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
-        rows = make_page(store, ()).table.rows
+        rows = make_page(store, ()).tables[0].rows
     assert [row[2] for row in rows] == ["0 to 9 with gaps", "4 to 4"]
 
 
@@ -206,7 +207,7 @@ def test_cases_without_episodes_are_left_out(tmp_path: Path) -> None:
 def test_time_and_energy_in_the_table_are_only_measured_ones(tmp_path: Path) -> None:
     cases = [({"backend": name}, outcomes("d", steps=30)) for name in ("grid", "physics")]
     with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
-        table = make_page(store, ()).table
+        table = make_page(store, ()).tables[0]
     assert table.columns[4:7] == ("steps", "seconds", "joules")
     assert [row[4:7] for row in table.rows] == [("30.0", "none", "none"), ("30.0", "30.0", "60.0")]
 

@@ -7,10 +7,11 @@ from typing import Any
 from helpers.results_files import fill, outcomes, row
 
 from agents.experiments.parameters import PARAMETERS
-from agents.experiments.store import Row, Store
+from agents.experiments.store import Store
+from agents.experiments.tables import Row
 from agents.reports.analysis.answers import MAX_DESCRIBED, Answer, answers
 from agents.reports.analysis.design import make_design
-from agents.reports.analysis.results import Experiment
+from agents.reports.analysis.results import Deliveries, Experiment
 
 ON, OFF = {"escape": True}, {"escape": False}
 Cases = Sequence[tuple[dict[str, Any], Sequence[Row]]]
@@ -22,7 +23,7 @@ AGENTS_AND_OUTCOMES = (("greedy", "dddddd"), ("q:table.npz", "wwwwww"), ("ppo:m.
 def answered(tmp_path: Path, cases: Cases) -> tuple[Answer, ...]:
     path = tmp_path / f"{len([*tmp_path.iterdir()])}.sqlite"
     with Store(fill(path, cases), read_only=True) as store:
-        return answers(Experiment(store), make_design(store.cases()))
+        return answers(Experiment(store, Deliveries), make_design(store.cases()))
 
 
 def said(tmp_path: Path, cases: Cases) -> str:

@@ -12,7 +12,8 @@ from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
 from agents.experiments.case import make_case
-from agents.experiments.store import Row, Store
+from agents.experiments.store import Store
+from agents.experiments.tables import Row
 from agents.reports.figures.heat_map import stuck_cells, stuck_heat_map
 from warehouse_core import DEFAULT_LAYOUT, random_layout
 from warehouse_core.records.failure_modes import MODES

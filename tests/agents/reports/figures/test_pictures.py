@@ -10,7 +10,7 @@ from helpers.results_files import fill, outcomes, row
 
 from agents.experiments.store import Store
 from agents.reports.analysis.design import make_design
-from agents.reports.analysis.results import Experiment
+from agents.reports.analysis.results import Deliveries, Experiment
 from agents.reports.figures import pictures as picture_module
 from agents.reports.figures import roles
 from agents.reports.figures.measure import measure_chart
@@ -21,7 +21,7 @@ ON, OFF = {"escape": True}, {"escape": False}
 
 def drawn(path: Path, cases: list[Any]) -> dict[str, Picture]:
     with Store(fill(path / "r.sqlite", cases), read_only=True) as store:
-        found = list(pictures(Experiment(store)))
+        found = list(pictures(Experiment(store, Deliveries)))
     for picture in found:
         assert ElementTree.fromstring(picture.svg).tag.endswith("svg")
         assert picture.caption.endswith(".")
@@ -121,7 +121,7 @@ def test_the_caption_states_which_intervals_are_drawn(
     lines = [[row(n, steps=30 + n) for n in range(count)] for count in counts]
     path = fill(tmp_path / "r.sqlite", list(zip((ON, OFF), lines, strict=True)))
     with Store(path, read_only=True) as store:
-        experiment = Experiment(store)
+        experiment = Experiment(store, Deliveries)
         design = make_design(experiment.cases)
         chart = measure_chart(experiment, design, "", "steps", attrgetter("steps"))
         [steps] = [each.caption for each in pictures(experiment) if each.name == "steps"]
@@ -153,7 +153,9 @@ def test_the_caption_states_how_many_values_are_drawn(
 def test_the_same_results_make_the_same_bytes(tmp_path: Path) -> None:
     cases = [(ON, outcomes("ddww")), (OFF, outcomes("ddoo"))]
     with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
-        assert list(pictures(Experiment(store))) == list(pictures(Experiment(store)))
+        assert list(pictures(Experiment(store, Deliveries))) == list(
+            pictures(Experiment(store, Deliveries))
+        )
 
 
 def test_no_figure_has_a_date_or_loads_anything(tmp_path: Path) -> None:

@@ -1,0 +1,166 @@
+"""The answers of a report about fleets: for each parameter that differs its question.
+
+Sentences begin in lower case and have no full stop.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from agents.evaluation.interval import Interval, mean_interval
+from agents.evaluation.wording import mean, percent, share
+from agents.experiments.parameters import FLEET
+from agents.reports.analysis import statements
+from agents.reports.analysis.answers import (
+    MAX_DESCRIBED,
+    Answer,
+    answers_of,
+    is_trend,
+    line_of,
+    lone_points,
+)
+from agents.reports.analysis.design import Design, Factor, Series, described
+from agents.reports.analysis.results import Experiment, Shifts
+from agents.reports.analysis.statements import MIN_CHANGE, Point
+from warehouse_core.wording import counted, listed
+
+Line = Sequence[Point[Shifts]]
+
+PAIRS = """
+SELECT a.per_hour - b.per_hour FROM shifts a JOIN shifts b ON b.seed = a.seed
+WHERE a.case_id = ? AND b.case_id = ? AND a.per_hour IS NOT NULL AND b.per_hour IS NOT NULL
+"""
+
+
+def fleet_answers(experiment: Experiment[Shifts], design: Design) -> tuple[Answer, ...]:
+    """Return an answer for each factor, or one about all episodes if nothing differs."""
+
+    def told(factor: Factor, series: Sequence[Series]) -> Iterator[str]:
+        return _sentences(experiment, factor, series)
+
+    return answers_of(design, told, _apart(experiment, design))
+
+
+def _apart(experiment: Experiment[Shifts], design: Design) -> Iterator[str]:
+    """Describe cases none of which can be compared with another."""
+    for point in lone_points(experiment, design):
+        name = f" with {point.name}" if point.name else ""
+        yield (
+            f"{_rate(point)} are delivered{name} over {counted(point.results.episodes, 'episode')}"
+        )
+        yield from _measures([point])
+    left = len(design.labels) - MAX_DESCRIBED
+    if left > 0:
+        yield f"{counted(left, 'further combination')} cannot be compared with these"
+
+
+def _sentences(
+    experiment: Experiment[Shifts], factor: Factor, series: Sequence[Series]
+) -> Iterator[str]:
+    main, *others = series
+    line = line_of(experiment, factor, main)
+    where = f"with {described(main.others)}, " if described(main.others) else ""
+    ranked = sorted(line, key=_items, reverse=True)
+    if is_trend(factor):
+        yield where + trend(factor, line)
+        told: Line = list(dict.fromkeys((line[0], ranked[0], line[-1])))
+    else:
+        listing = [f"{_rate(point)} with {point.name}" for point in ranked[: statements.MAX_NAMED]]
+        yield f"{where}most are delivered with {ranked[0].name}: {listed(listing)}"
+        told = ranked[:MAX_DESCRIBED]
+    yield from statements.numbers(line)
+    yield from seed_by_seed(experiment, *ranked[:2])
+    yield from _measures(told)
+    if others:
+        best = [
+            (max(line_of(experiment, factor, each), key=_items), described(each.others))
+            for each in others
+        ]
+        parts = [
+            f"{point.name} with {words}, {_rate(point)}" for point, words in best[:MAX_DESCRIBED]
+        ]
+        left = len(best) - len(parts)
+        more = f", and {counted(left, 'combination')} more" if left else ""
+        yield f"elsewhere most are delivered with {'; '.join(parts)}{more}"
+
+
+def trend(factor: Factor, line: Line) -> str:
+    """Describe how deliveries change from the first value to the last."""
+    first, last, best = line[0], line[-1], max(line, key=_items)
+    if _items(best) - min(map(_items, line)) < MIN_CHANGE * _items(best):
+        return f"deliveries are all but the same, {_at(first)} and {_at(last)}"
+    falls = last.results.per_hour.high < best.results.per_hour.low
+    parts = []
+    if best is not first:
+        parts.append(f"rise from {_at(first)} to {_at(best)}")
+    if best is not last:
+        verb = "fall to" if falls else "are about the same,"
+        parts.append(f"{verb} {_at(last)}" if parts else f"fall from {_at(first)} to {_at(last)}")
+    words = f"deliveries {', and '.join(parts)}"
+    near = [each for each in line if each.results.per_hour.high >= best.results.per_hour.low]
+    if near and near[0] not in (first, best):
+        words += f"; the intervals allow as many {_at(near[0])}"
+    if factor.name == FLEET and falls:
+        words = f"more than {best.name.removeprefix(FLEET).strip()} are too many: {words}"
+    return words
+
+
+def seed_by_seed(
+    experiment: Experiment[Shifts], one: Point[Shifts], other: Point[Shifts]
+) -> Iterator[str]:
+    """Describe how the deliveries of two cases differ on the seeds that both have."""
+    rows = experiment.store.query(PAIRS, one.case_id, other.case_id)
+    found = mean_interval(np.fromiter((value for (value,) in rows), dtype=float))
+    if found is None:
+        yield f"{one.name} and {other.name} share no seed, so they are not compared seed by seed"
+    elif found.is_known and found.estimate:
+        size = Interval(abs(found.estimate), *sorted((abs(found.low), abs(found.high))))
+        more = "more" if found.estimate > 0 else "fewer"
+        words = (
+            "a difference that chance explains"
+            if found.low <= 0 <= found.high
+            else f"{mean(size, '')} {more} an hour"
+        )
+        yield f"seed by seed, {one.name} against {other.name}: {words}"
+
+
+def _measures(line: Line) -> Iterator[str]:
+    """Give punctuality, energy, traffic and modes with each value."""
+    yield from _each(line, "on_time", share, "the share on time is")
+    yield from _each(line, "energy", lambda found: mean(found, "kJ"), "a delivery costs")
+    yield from _each(
+        line,
+        "blocked",
+        lambda found: percent(found.estimate),
+        "the share of moves that other robots block is",
+    )
+    for point in line:
+        modes = Counter(point.results.modes)
+        parts = [f"{percent(n / modes.total())} {mode}" for mode, n in modes.most_common()]
+        name = f" with {point.name}" if point.name else ""
+        yield f"the episodes{name} are {listed(parts)}"
+
+
+def _each(line: Line, measure: str, words: Callable[[Interval], str], about: str) -> Iterator[str]:
+    parts = []
+    for point in line:
+        found: Interval | None = getattr(point.results, measure)
+        if found is not None:
+            parts.append(words(found) + (f" with {point.name}" if point.name else ""))
+    if parts:
+        yield f"{about} {listed(parts)}"
+
+
+def _items(point: Point[Shifts]) -> float:
+    return point.results.per_hour.estimate
+
+
+def _rate(point: Point[Shifts]) -> str:
+    return mean(point.results.per_hour, "an hour")
+
+
+def _at(point: Point[Shifts]) -> str:
+    return f"{_rate(point)} at {point.name}"
