@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -34,6 +34,7 @@ from agents.evaluation.wording import mean, share
 from agents.learning.q_learning import QAgent, QTable, learn
 from agents.learning.q_table import save_table
 from agents.learning.training import FINAL_SEEDS, RECENT_EPISODES, Examiner, Point, Watch
+from agents.registry import make_team
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core.errors import FormatError
 from warehouse_core.extras import install_command
@@ -178,7 +179,7 @@ class Training:
         from agents.console.progress import progress_bar
 
         final = FINAL_SEEDS[:: self.task.seed_stride]
-        greedy = self.task.evaluate(GreedyAgent, final)
+        greedy = greedy_scores(self.task, final)
         started, examiner = time.perf_counter(), Examiner(self.task, self.steps)
 
         def save() -> None:
@@ -222,6 +223,14 @@ class Training:
             target = self.output.with_suffix(suffix)
             write(target)
             say(f"saved {target}")
+
+
+def greedy_scores(task: Task | FleetTask, seeds: Iterable[int]) -> Scores | FleetScores:
+    """Return the scores of the greedy agent; the robots of a fleet give way to one another."""
+    if isinstance(task, FleetTask):
+        make = partial(make_team, "greedy", task.robots, layout=task.layout)
+        return task.evaluate_fleet(make, seeds)
+    return task.evaluate(GreedyAgent, seeds)
 
 
 def _percent(share: float) -> str:

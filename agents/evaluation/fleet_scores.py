@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -12,8 +12,10 @@ import numpy as np
 
 from agents.evaluation.interval import Interval, mean_interval
 from agents.evaluation.scores import MakeAgent
-from warehouse_core import DEFAULT_LAYOUT, FleetEnv, Layout
+from warehouse_core import DEFAULT_LAYOUT, Agent, FleetEnv, Layout
 from warehouse_core.fleet import FleetBatch, FleetMeasures
+from warehouse_core.fleet.env import Actions
+from warehouse_core.records.fleet_episode import FleetAgent, FleetRecorder
 from warehouse_core.vector.rows import SAME_STEP
 
 
@@ -88,26 +90,48 @@ class FleetTask(NamedTuple):
         )
 
     def evaluate(self, make_agent: MakeAgent, seeds: Iterable[int]) -> FleetScores:
-        """Run one whole episode for each seed, with an agent for each robot."""
+        """Run one whole episode for each seed, with an agent for each robot, which does as it says.
+
+        Args:
+            make_agent: given a seed of its own for each robot.
+            seeds: of the episodes.
+        """
+
+        def make_all(seed: int) -> FleetAgent:
+            first = seed * self.robots
+            return _Each([make_agent(first + robot) for robot in range(self.robots)])
+
+        return self.evaluate_fleet(make_all, seeds)
+
+    def evaluate_fleet(
+        self, make_agent: Callable[[int], FleetAgent], seeds: Iterable[int]
+    ) -> FleetScores:
+        """Run one whole episode for each seed, with an agent that directs all robots."""
         with closing(self.make_env()) as env:
-            return FleetScores([_run(env, make_agent, seed) for seed in seeds], self.robots)
+            return FleetScores([_run(env, make_agent(seed), seed) for seed in seeds], self.robots)
+
+
+class _Each:
+    """Robots each of which does what its agent says."""
+
+    def __init__(self, agents: Sequence[Agent]) -> None:
+        self._agents = agents
+
+    def reset(self) -> None:
+        for agent in self._agents:
+            agent.reset()
+
+    def act(self, env: FleetEnv) -> Actions:
+        seen = zip(self._agents, env.observations(), strict=True)
+        return [agent.act(observation) for agent, observation in seen]
+
+
+def _run(env: FleetEnv, agent: FleetAgent, seed: int) -> FleetMeasures:
+    recorder = FleetRecorder(env, seed=seed)
+    recorder.run(agent)
+    return env.measures
 
 
 def _mean(values: Sequence[float]) -> Interval:
     """Return the mean of at least one value."""
     return mean_interval(np.array(values)) or Interval(math.nan)
-
-
-def _run(env: FleetEnv, make_agent: MakeAgent, seed: int) -> FleetMeasures:
-    robots = env.settings.robots
-    env.reset(seed)
-    agents = [make_agent(seed * robots + robot) for robot in range(robots)]
-    for agent in agents:
-        agent.reset()
-    ended = False
-    while not ended:
-        seen = zip(agents, env.observations(), strict=True)
-        actions = [agent.act(observation) for agent, observation in seen]
-        *_, terminated, truncated, _ = env.step(actions)
-        ended = bool((terminated | truncated).all())
-    return env.measures
