@@ -112,6 +112,7 @@ class PIBT:
         seed: for what is left to chance.
 
     Attributes:
+        fields: the distances of the robots' goals.
         pushers: ``[R]``, who made each robot choose before its turn in the last step, or
             ``NOBODY``.
     """
@@ -121,7 +122,7 @@ class PIBT:
         costs = np.ones((graph.size, WAIT)) if graph.costs is None else graph.costs
         self._costs = np.pad(costs, ((0, 0), (0, 1)), constant_values=WAIT_COST).astype(np.float32)
         self._costs[graph.neighbours == CLOSED] = np.inf
-        self._fields = Fields(graph)
+        self.fields = Fields(graph)
         self.reset()
 
     def reset(self) -> None:
@@ -161,8 +162,8 @@ class PIBT:
         self, cells: Integers, goals: Integers, robot_in: Integers
     ) -> tuple[list[list[int]], NDArray[np.bool_]]:
         """Return the cells that each robot can go to, the best first, and who is to stay."""
-        rows, reached = self._fields.rows(goals), self.graph.neighbours[cells]
-        distances = self._fields.matrix[rows[:, None], reached]
+        rows, reached = self.fields.rows(goals), self.graph.neighbours[cells]
+        distances = self.fields.matrix[rows[:, None], reached]
         costs = distances + self._costs[cells]
         costs += OCCUPIED_COST * (robot_in[reached] != NOBODY)
         costs += self._random.random(costs.shape, np.float32) * CHANCE_COST
