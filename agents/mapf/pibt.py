@@ -24,14 +24,16 @@ from warehouse_core.world.actions import WAIT
 
 NOBODY = -1
 UNDECIDED = -1
+
 FREE = -2
+"""In place of the next cell of ``NOBODY``."""
 
 WAIT_COST = 1.5
-"""Of a step in place: more than that of a move ahead, less than that of one ahead and one back."""
+"""Of a step in place. On floors without lanes a move ahead is worth 1.5 less, one back 0.5 more."""
 
 OCCUPIED_COST, CHANCE_COST = 0.5, 0.2
-"""Of a cell that somebody is in, and the most that chance adds; together less than ``WAIT_COST``
-is more than a move ahead.
+"""Of a cell that somebody is in, and the most that chance adds; less than ``WAIT_COST`` together,
+so that nobody waits for what could be pushed.
 """
 
 NO_CELLS = np.empty(0, np.intp)
@@ -69,7 +71,7 @@ def choose_cells(
             continue
         robot, untried = first, iter(choices[first])
         chain: list[tuple[int, Iterator[int]]] = []  # who waits for the robot that they push
-        while True:
+        while True:  # until everybody in the chain has a cell
             here = cells[robot]
             for cell in untried:
                 if is_taken[cell]:
@@ -81,13 +83,13 @@ def choose_cells(
                 chosen[robot] = cell
                 is_taken[cell] = True
                 if there != UNDECIDED or other == robot:
-                    chain.clear()
+                    chain.clear()  # the cell will be free, so all who pushed get theirs
                 else:
                     pushers[other] = robot
                     chain.append((robot, untried))
                     robot, untried = other, iter(choices[other])
                 break
-            else:
+            else:  # nothing is left to try: it stays, and who pushed it tries another cell
                 chosen[robot] = here
                 pushers[robot] = NOBODY
                 is_complete &= bool(chain) or not is_taken[here]
@@ -174,10 +176,10 @@ class PIBT:
 
 
 def pibt(problem: Problem, seconds: float) -> Plan:
-    """Return the plan of robots that PIBT leads to their goals; it is found or not.
+    """Return the steps until PIBT has led all robots to their goals at once.
 
     Raises:
-        PlanError: they were not all at their goals in time, or in ``MAX_STEPS`` steps.
+        PlanError: it did not in time; there may be a plan.
     """
     deadline = time.perf_counter() + seconds
     planner, cells, goals = PIBT(problem.graph), np.array(problem.starts), np.array(problem.goals)

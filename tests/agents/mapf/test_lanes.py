@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from agents.errors import PlanError
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs, learned_costs, traffic
 from agents.mapf.lifelong import LifelongRun, run_lifelong
@@ -61,3 +62,11 @@ def test_robots_that_shuttle_learn_to_keep_apart() -> None:
         for graph in (plain, learned)
     )
     assert after > before
+
+
+def test_trials_have_the_starts_and_goals_that_are_given() -> None:
+    layout = Layout(["...."])
+    with pytest.raises(PlanError, match="3 robots; allowed: 1 to 2"):
+        learned_costs(layout, 3, starts=np.array([0, 1]))
+    with pytest.raises(PlanError, match="at least two goals"):
+        learned_costs(layout, 3, goals=np.array([0]))
