@@ -61,8 +61,9 @@ def solve_prioritised(problem: Problem, seconds: float) -> Plan:
         taken = Reservations(problem.graph.size)
         try:
             for robot in order:
-                end = starts[robot], goals[robot]
-                way = find_way(moves, fields[robot], *end, taken, deadline=deadline)
+                start, goal = starts[robot], goals[robot]
+                end = taken.free_from(goal)
+                way = find_way(moves, fields[robot], start, goal, taken, end=end, deadline=deadline)
                 if way is None:
                     failed = robot
                     break
@@ -165,8 +166,8 @@ class WindowedPlanner:
         taken, here = self._taken, set(self._cells)
         taken.closed.clear()
         soon = range(self._now + 1, self._now + 1 + self.replan)
-        taken.close((cell for cell in closed if cell not in here), soon)
-        stays = (cell for cell, stays in zip(self._cells, self._stays, strict=True) if stays)
+        taken.close([cell for cell in closed if cell not in here], soon)
+        stays = [cell for cell, stays in zip(self._cells, self._stays, strict=True) if stays]
         taken.close(stays, [self._now + 1])
 
     def _can_go_on(self, robot: int) -> bool:
@@ -208,9 +209,10 @@ class WindowedPlanner:
         taken, late = taken or self._taken, int(self._stays[robot])
         cell, goal = self._cells[robot], self._aims[robot]
         begin, window, is_there = self._now + late, self.window - late, cell == goal
+        end = taken.free_from(goal, begin) if is_there else begin
         found = find_way(
             self._moves, self._fields[robot], cell, goal, taken, begin, window,
-            stays=is_there, toll=toll, deadline=self._deadline,
+            end=end, toll=toll, deadline=self._deadline,
         )  # fmt: skip
         if found is None:
             return None

@@ -8,7 +8,7 @@ Source: Silver (2005), Cooperative pathfinding, AIIDE; its reservation table.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 
 class Reservations:
@@ -24,7 +24,8 @@ class Reservations:
             another, and that robot.
         ends: the state from which on a cell is occupied for good, by cell.
         closed: states that nobody can have, such as those of people.
-        latest: a time after which no state is taken by a way, but by robots that stay.
+        closed_moves: ``state * H * W + cell`` of moves that nobody can make.
+        latest: a time after which nothing is taken or closed but for good.
         ways: of each robot that was added, with the time when it begins.
     """
 
@@ -34,6 +35,7 @@ class Reservations:
         self.moves: dict[int, int] = {}
         self.ends: dict[int, int] = {}
         self.closed: set[int] = set()
+        self.closed_moves: set[int] = set()
         self.ways: dict[int, tuple[int, list[int]]] = {}
 
     def add(self, robot: int, way: list[int], begin: int = 0, *, stays: bool = False) -> None:
@@ -57,10 +59,11 @@ class Reservations:
             del self.states[state]
             del self.moves[swap]
 
-    def close(self, cells: Iterable[int], times: Iterable[int]) -> None:
+    def close(self, cells: Collection[int], times: Iterable[int]) -> None:
         """Let nobody be in any of the cells at the times."""
-        starts = [time * self.size for time in times]
-        self.closed.update(start + cell for cell in cells for start in starts)
+        for time in times:
+            self.closed.update(time * self.size + cell for cell in cells)
+            self.latest = max(self.latest, time)
 
     def is_free(self, state: int) -> bool:
         """Return whether nobody has a state, and somebody can; regardless of ``ends``."""

@@ -52,7 +52,7 @@ def find_way(
     begin: int = 0,
     window: int | None = None,
     *,
-    stays: bool = True,
+    end: int = 0,
     toll: float = inf,
     deadline: float = inf,
 ) -> Way | None:
@@ -66,8 +66,8 @@ def find_way(
         taken: by others.
         begin: a time.
         window: after so many steps the way may end anywhere, and only the distance counts.
-        stays: whether the robot is to stay in the goal, so that the way does not end there before
-            others have passed.
+        end: the way does not end in the goal before this time. A robot that is to stay there needs
+            ``taken.free_from(goal)``.
         toll: what each state or move costs that a robot has; ``inf`` forbids them.
         deadline: by ``time.perf_counter``.
 
@@ -75,11 +75,11 @@ def find_way(
         TimeoutError: the deadline has passed.
     """
     size, states, swaps = taken.size, taken.states, taken.moves
-    ends, closed = taken.ends, taken.closed
-    free = (taken.free_from(goal, begin) if stays else begin) * size
+    ends, closed, closed_moves = taken.ends, taken.closed, taken.closed_moves
+    free = end * size
     edge = inf if window is None else (begin + window) * size
     # Without a window all times after the latest are alike, and one layer stands for them.
-    last = (max(taken.latest, begin) + 1) * size if window is None else inf
+    last = (max(taken.latest, begin, end) + 1) * size if window is None else inf
     first = begin * size + start
     best, came = {first: 0.0}, {first: NONE}
     heap = [(field[start], -first)]  # of equally good ones the latest is first
@@ -97,12 +97,12 @@ def find_way(
         time_after = state - cell + (size if state < last else 0)
         for to, price in moves[cell]:
             reached = time_after + to
-            total = cost + price
-            if reached in states or state * size + to in swaps:
+            total, move = cost + price, state * size + to
+            if reached in states or move in swaps:
                 if toll == inf:
                     continue
                 total += toll
-            if reached in closed or (ends and reached >= ends.get(to, inf)):
+            if reached in closed or move in closed_moves or (ends and reached >= ends.get(to, inf)):
                 continue
             if total < best.get(reached, inf):
                 best[reached] = total
