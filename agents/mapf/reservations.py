@@ -79,9 +79,9 @@ class Reservations:
         return found - {robot}
 
     def free_from(self, cell: int, begin: int = 0) -> int:
-        """Return the first time, not before ``begin``, after which nobody reserved a cell."""
+        """Return the first time, not before ``begin``, from which on a cell is free."""
         times = range(self.latest, begin - 1, -1)
-        return next((time + 1 for time in times if time * self.size + cell in self.states), begin)
+        return next((t + 1 for t in times if not self.is_free(t * self.size + cell)), begin)
 
     def _keys(self, way: Sequence[int], begin: int) -> Iterator[tuple[int, int]]:
         """Return each state of a way, and the move that is the reverse of that to the next cell."""
