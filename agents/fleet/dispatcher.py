@@ -1,0 +1,185 @@
+"""What each robot of a fleet is to do: its order, its charger, or a place out of the way."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.fleet.charging import NONE, Chargers
+from agents.mapf.assignment import ASSIGNMENTS, REASSIGNING, Tasks
+from agents.mapf.graph import Graph, Integers
+from agents.mapf.planner import Situation
+from warehouse_core import FleetEnv
+from warehouse_core.world.actions import DISPLACEMENTS, DROP, PICK, WAIT
+from warehouse_core.world.distances import nearest
+from warehouse_core.world.layout import Layout
+
+Flags = NDArray[np.bool_]
+
+
+class Robots(NamedTuple):
+    """The robots before a step, ``[R]`` each; cells are numbers.
+
+    Attributes:
+        cells: where they are.
+        goals: where they are to pick or drop, or ``NONE``.
+        loaded: whether they hold an item.
+        ended: whether they have ended.
+        battery: units left.
+    """
+
+    cells: Integers
+    goals: Integers
+    loaded: Flags
+    ended: Flags
+    battery: NDArray[np.float64]
+
+
+class Dispatcher:
+    """Gives the robots of a fleet orders, turns at chargers, and goals.
+
+    Args:
+        env: of the fleet, after its reset.
+        assignment: a name of ``ASSIGNMENTS``.
+
+    Attributes:
+        graph: of the floor.
+        chargers: of the floor.
+    """
+
+    def __init__(self, env: FleetEnv, assignment: str) -> None:
+        self.graph = Graph(env.layout)
+        self.chargers = Chargers(env, self.graph)
+        self._assign, self._reassigns = ASSIGNMENTS[assignment], assignment in REASSIGNING
+        self._parking = parking_of(env.layout)
+        self._trips = self._homes = np.empty(0)
+        self._assigned = (b"", b"")
+
+    def situation(self, env: FleetEnv) -> tuple[Situation, NDArray[np.intp]]:
+        """Return what a planner is to know before the next step, and what those do who stay.
+
+        Orders are assigned. A robot does ``PICK`` or ``DROP``, or ``WAIT`` if it moves or waits.
+        """
+        robots = self._look(env)
+        self._send_to_chargers(robots)
+        if env.settings.orders is not None:
+            robots = self._give_orders(env, robots)
+        at_work = (robots.cells == robots.goals) & ~robots.ended & (self.chargers.turn == NONE)
+        goals = self._goals(robots)
+        charges = (self.chargers.turn != NONE) & (robots.cells == goals)
+        stays = robots.ended | at_work | charges | shares_cell(robots.cells)
+        people = np.array(env.people, np.intp).reshape(-1, 2) @ [env.layout.width, 1]
+        actions = np.where(at_work, np.where(robots.loaded, DROP, PICK), WAIT)
+        return Situation(robots.cells, goals, stays, people), actions
+
+    def _look(self, env: FleetEnv) -> Robots:
+        found, ended = env.arrays(), np.array(env.ended)
+        width = [env.layout.width, 1]
+        loaded = found["has_item"] != 0
+        places = np.where(loaded[:, None], found["dropoff_pos"], found["pickup_pos"])
+        goals = np.where(places[:, 0] < 0, NONE, places @ width)
+        return Robots(found["robot_pos"] @ width, goals, loaded, ended, found["battery"][:, 0])
+
+    def _send_to_chargers(self, robots: Robots) -> None:
+        """Give turns at chargers. A robot that can deliver its item before does it first."""
+        may_go, home = ~robots.ended, self.chargers.home
+        carrying = np.flatnonzero(robots.loaded & may_go)
+        goals = robots.goals[carrying]
+        ways = self._ways(robots.cells[carrying], goals) + home[goals]
+        left = self.chargers.steps_left(robots.battery[carrying])
+        may_go[carrying] = left < self.chargers.reserve(ways)
+        battery = np.where(robots.ended, 0, robots.battery)
+        self.chargers.update(robots.cells, battery, may_go, robots.goals == NONE)
+
+    def _give_orders(self, env: FleetEnv, robots: Robots) -> Robots:
+        """Assign open orders, and return the robots with the goals that this gives them."""
+        known = env.order_arrays
+        self._measure(known.pickup, known.dropoff)
+        order = np.array([NONE if each is None else each for each in env.order_of])
+        able = ~(robots.loaded | robots.ended)
+        for robot in np.flatnonzero(able & (order != NONE) & (self.chargers.turn != NONE)).tolist():
+            env.assign(robot, None)
+            order[robot] = NONE
+        able &= (self.chargers.turn == NONE) & ((order == NONE) | (known.robot[order] == NONE))
+        if not self._reassigns:
+            able &= order == NONE
+        free, open_orders = np.flatnonzero(able), np.array(env.open_orders, np.intp)
+        columns = np.union1d(open_orders, order[free[order[free] != NONE]])
+        state = free.tobytes(), columns.tobytes()
+        if len(open_orders) and len(free) and state != self._assigned:
+            self._change_orders(env, robots, free, columns, order)
+            self._assigned = state
+        goals = np.where(order == NONE, NONE, known.pickup[order])
+        return robots._replace(goals=np.where(robots.loaded, robots.goals, goals))
+
+    def _change_orders(
+        self, env: FleetEnv, robots: Robots, free: Integers, columns: Integers, order: Integers
+    ) -> None:
+        """Assign these orders to these robots, and bring ``order`` up to date."""
+        known, cells = env.order_arrays, robots.cells[free]
+        pickups, at = np.unique(known.pickup[columns], return_inverse=True)
+        fields = [self.graph.distances(cell)[cells] for cell in pickups.tolist()]
+        ways = np.array(fields)[at].T.astype(np.float64)
+        if len(self.chargers.cells):
+            needed = self.chargers.reserve(ways + self._trips[columns] + self._homes[columns])
+            left = self.chargers.steps_left(robots.battery[free])
+            ways[needed > left[:, None]] = np.inf
+        ways[:, ~np.isfinite(self._trips[columns])] = np.inf
+        held = np.where(order[free] == NONE, NONE, np.searchsorted(columns, order[free]))
+        given = self._assign(Tasks(ways, self._trips[columns], known.due[columns], env.steps, held))
+        new = np.where(given == NONE, NONE, columns[given])
+        changed = np.flatnonzero(new != order[free])
+        for robot in free[changed[order[free[changed]] != NONE]].tolist():
+            env.assign(robot, None)
+        for place in changed[new[changed] != NONE].tolist():
+            env.assign(int(free[place]), int(new[place]))
+        order[free] = new
+
+    def _measure(self, pickups: Integers, dropoffs: Integers) -> None:
+        """Measure the ways of orders that are new, from pickup to dropoff and to a charger."""
+        first = len(self._trips)
+        if first < len(pickups):
+            trips = self._ways(pickups[first:], dropoffs[first:])
+            self._trips = np.concatenate([self._trips, trips])
+            self._homes = np.concatenate([self._homes, self.chargers.home[dropoffs[first:]]])
+
+    def _ways(self, cells: Integers, goals: Integers) -> NDArray[np.float64]:
+        """Return the steps from each cell to its goal."""
+        pairs = zip(cells.tolist(), goals.tolist(), strict=True)
+        return np.array([self.graph.distances(goal)[cell] for cell, goal in pairs], np.float64)
+
+    def _goals(self, robots: Robots) -> Integers:
+        """Return where each robot is to go; those without anything to do out of the way."""
+        parking = self._parking[robots.cells]
+        goals = np.where(robots.goals == NONE, parking, robots.goals)
+        charging = self.chargers.goals(robots.cells)
+        found: Integers = np.where(self.chargers.turn == NONE, goals, charging)
+        return found
+
+
+def parking_of(layout: Layout) -> NDArray[np.intp]:
+    """Return the cell where a robot in each cell is out of the way, ``[H * W]``.
+
+    It is the nearest that neither is a station or a charger nor beside one, if there is such a
+    cell.
+    """
+    width = layout.width
+    busy = {*layout.pickups, *layout.dropoffs, *layout.chargers}
+    beside = {(row + down, col + right) for row, col in busy for down, right in DISPLACEMENTS}
+    cells = [divmod(cell, width) for cell in layout.open_cells.tolist()]
+    found = np.arange(layout.height * width)
+    for avoided in (busy | beside, busy):
+        places = [cell for cell in cells if cell not in avoided]
+        to = nearest(layout, places).ravel()
+        if places:
+            return np.where(to < 0, found, to)
+    return found
+
+
+def shares_cell(cells: Integers) -> Flags:
+    """Return whether each robot shares its cell, as bodies may after a disturbance."""
+    _, place, counts = np.unique(cells, return_inverse=True, return_counts=True)
+    shared: Flags = counts[place] > 1
+    return shared
