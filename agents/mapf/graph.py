@@ -27,6 +27,11 @@ CLOSED = -1
 MAX_BYTES = 1_000_000_000
 """Of the distance fields that are kept."""
 
+FAR = np.iinfo(np.uint16).max
+"""Where no way leads to the goal, in ``Fields``."""
+
+NO_ROW = -1
+
 
 class Graph:
     """The open cells of a layout and the moves between them.
@@ -68,13 +73,17 @@ class Graph:
         """
         field = self._fields.get(goal)
         if field is None:
-            field = dijkstra(self._edges, indices=goal, unweighted=self.costs is None)
-            field = self._fields[goal] = field.astype(np.float32)
+            field = self._fields[goal] = self.compute_distances(goal)
             while len(self._fields) > max(MAX_BYTES // field.nbytes, 1):
                 self._fields.popitem(last=False)
         else:
             self._fields.move_to_end(goal)
         return field
+
+    def compute_distances(self, goal: int) -> Costs:
+        """Return the same, which is not kept."""
+        field = dijkstra(self._edges, indices=goal, unweighted=self.costs is None)
+        return np.asarray(field, np.float32)
 
     def _reversed_edges(self) -> csr_array:
         """Return the moves from where they lead to where they start, so that goals are sources."""
@@ -82,3 +91,46 @@ class Graph:
         end = self.neighbours[start, action]
         costs = np.ones(len(start)) if self.costs is None else self.costs[start, action]
         return csr_array((costs, (end, start)), shape=(self.size, self.size))
+
+
+class Fields:
+    """The distance fields of the goals that many robots have now, as rows of a matrix.
+
+    The rows are uint16 as long as all distances are whole numbers below ``FAR``, which stands for
+    infinite, and float32 from then on. Once they take ``MAX_BYTES``, rows of goals that nobody has
+    are used again.
+    """
+
+    def __init__(self, graph: Graph) -> None:
+        self.graph = graph
+        self.matrix: NDArray[np.uint16 | np.float32] = np.empty((0, graph.size), np.uint16)
+        self._row_of = np.full(graph.size, NO_ROW)
+        self._free: list[int] = []
+
+    def rows(self, goals: Integers) -> Integers:
+        """Return the row of ``matrix`` of each goal; it holds until the next call."""
+        for goal in np.unique(goals[self._row_of[goals] == NO_ROW]).tolist():
+            if not self._free:
+                self._free_rows(goals)
+            self._row_of[goal] = row = self._free.pop()
+            self._fill(row, self.graph.compute_distances(goal))
+        found: Integers = self._row_of[goals]
+        return found
+
+    def _free_rows(self, goals: Integers) -> None:
+        rows = len(self.matrix)
+        if self.matrix.nbytes >= MAX_BYTES:
+            is_old = self._row_of != NO_ROW
+            is_old[goals] = False
+            self._free = self._row_of[is_old].tolist()
+            self._row_of[is_old] = NO_ROW
+        if not self._free:
+            more = max(rows // 2, 64)
+            self.matrix.resize((rows + more, self.graph.size), refcheck=False)
+            self._free = list(range(rows, rows + more))
+
+    def _fill(self, row: int, field: Costs) -> None:
+        field = np.where(np.isinf(field), FAR, field)
+        if self.matrix.dtype == np.uint16 and ((field % 1 != 0) | (field > FAR)).any():
+            self.matrix = self.matrix.astype(np.float32)
+        self.matrix[row] = field

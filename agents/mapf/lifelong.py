@@ -1,0 +1,90 @@
+"""Lifelong runs: robots that get a new goal whenever they reach theirs."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.errors import PlanError
+from agents.mapf.graph import Graph, Integers
+from agents.mapf.planner import Planner, Situation
+
+
+@dataclass(frozen=True, eq=False)
+class LifelongRun:
+    """What robots did.
+
+    Attributes:
+        cells: ``[T + 1, R]``, where they were.
+        goals: ``[T + 1, R]``, where they were to go.
+        seconds: ``[T]``, the processor time of the planner.
+    """
+
+    cells: Integers
+    goals: Integers
+    seconds: NDArray[np.float64]
+
+    @property
+    def reached(self) -> int:
+        """The number of goals that were reached."""
+        return int((self.cells[1:] == self.goals[:-1]).sum())
+
+    @property
+    def throughput(self) -> float:
+        """The number of goals that were reached in a step, on average."""
+        return self.reached / len(self.seconds)
+
+
+def run_lifelong(
+    graph: Graph,
+    planner: Planner,
+    robots: int,
+    steps: int,
+    seed: int,
+    starts: Integers | None = None,
+    goals: Integers | None = None,
+) -> LifelongRun:
+    """Let a planner lead robots to goals that are drawn anew whenever they are reached.
+
+    Each robot has random numbers of its own, so that its ``n``-th goal is the same for all
+    planners.
+
+    Args:
+        graph: of the floor.
+        planner: is reset.
+        robots: ``R``.
+        steps: ``T``.
+        seed: for starts and goals.
+        starts: the cells that starts are drawn from; ``None`` is all open cells.
+        goals: the cells that goals are drawn from; ``None`` is all open cells.
+
+    Raises:
+        PlanError: there are fewer cells to start from than robots, or fewer than two goals.
+    """
+    open_cells = graph.layout.open_cells
+    starts = open_cells if starts is None else starts
+    goals = open_cells if goals is None else goals
+    if not 0 < robots <= len(starts):
+        raise PlanError(f"{robots} robots; allowed: 1 to {len(starts)}, the cells to start from")
+    if len(goals) < 2:
+        raise PlanError("a lifelong run needs at least two goals")
+    streams = np.random.default_rng(seed).spawn(robots + 1)
+    cells = streams[-1].permutation(starts)[:robots]
+    wanted = np.array([stream.choice(goals) for stream in streams[:robots]])
+    nobody, none = np.zeros(robots, np.bool_), np.empty(0, np.intp)
+    ways, all_goals, seconds = [cells], [wanted], []
+    planner.reset()
+    for _ in range(steps):
+        start = time.process_time()
+        cells = planner.next_cells(Situation(cells, wanted, nobody, none))
+        seconds.append(time.process_time() - start)
+        wanted = wanted.copy()
+        for robot in np.flatnonzero(cells == wanted).tolist():
+            while wanted[robot] == cells[robot]:
+                wanted[robot] = streams[robot].choice(goals)
+        ways.append(cells)
+        all_goals.append(wanted)
+    return LifelongRun(np.array(ways), np.array(all_goals), np.array(seconds))

@@ -1,0 +1,181 @@
+"""PIBT: priority inheritance with backtracking.
+
+In each step the robots choose one after the other, in the order of their priorities. A robot that
+wants the cell of another gives it its priority: the other chooses next, and if it finds no cell it
+stays, and the first tries its next choice. A robot that is at its goal has the lowest priority.
+
+Source: Okumura, Machida, Défago and Tamura (2022), Priority inheritance with backtracking for
+iterative multi-agent path finding, Artificial Intelligence 310.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.errors import PlanError
+from agents.mapf.graph import CLOSED, FAR, Fields, Graph, Integers
+from agents.mapf.planner import Situation
+from agents.mapf.problem import Plan, Problem
+from warehouse_core.world.actions import WAIT
+
+NOBODY = -1
+UNDECIDED = -1
+FREE = -2
+
+WAIT_COST = 0.9
+"""Of a step in place; less than half of what a step ahead and back costs, more than 0.
+"""
+
+NO_CELLS = np.empty(0, np.intp)
+
+
+def choose_cells(
+    order: Iterable[int],
+    cells: Sequence[int],
+    choices: Sequence[Sequence[int]],
+    robot_in: Sequence[int],
+    is_taken: bytearray,
+    chosen: list[int],
+    pushers: list[int],
+) -> bool:
+    """Choose the next cells of all robots that are undecided; a round of PIBT.
+
+    Args:
+        order: robots, those of the highest priority first.
+        cells: ``[R]``, where they are.
+        choices: ``[R, 5]``, the cells that each can go to, the best first.
+        robot_in: ``[H * W + 1]``, who is in each cell, or ``NOBODY``.
+        is_taken: ``[H * W + 1]``, whether somebody is to be in a cell next, or nobody can be; it
+            gets the cells that are chosen. The last is for ``CLOSED`` and is taken.
+        chosen: ``[R]``, the next cells, or ``UNDECIDED``; it gets those that are chosen.
+        pushers: ``[R]``, all ``NOBODY``; it gets who made a robot choose.
+
+    Returns:
+        Whether each robot has a cell of its own. It may be false only if the cell of an undecided
+        robot was taken before.
+    """
+    is_complete = True
+    chosen.append(FREE)  # of NOBODY
+    for first in order:
+        if chosen[first] != UNDECIDED:
+            continue
+        robot, untried = first, iter(choices[first])
+        chain: list[tuple[int, Iterator[int]]] = []  # who waits for the robot that they push
+        while True:
+            here = cells[robot]
+            for cell in untried:
+                if is_taken[cell]:
+                    continue
+                other = robot_in[cell]
+                there = chosen[other]
+                if there == here and other != robot:
+                    continue  # they would change places
+                chosen[robot] = cell
+                is_taken[cell] = True
+                if there != UNDECIDED or other == robot:
+                    chain.clear()
+                else:
+                    pushers[other] = robot
+                    chain.append((robot, untried))
+                    robot, untried = other, iter(choices[other])
+                break
+            else:
+                chosen[robot] = here
+                pushers[robot] = NOBODY
+                is_complete &= bool(chain) or not is_taken[here]
+                is_taken[here] = True
+                if chain:
+                    robot, untried = chain.pop()
+                    continue
+            if not chain:
+                break
+    chosen.pop()
+    return is_complete
+
+
+class PIBT:
+    """A planner by PIBT.
+
+    The priority of a robot is the number of steps since it was at its goal, or got it. Choices
+    that are equally good are ordered by whether somebody is in the cell, and then by chance.
+
+    Args:
+        graph: of the floor.
+        seed: for what is left to chance.
+
+    Attributes:
+        pushers: ``[R]``, who made each robot choose before its turn in the last step, or
+            ``NOBODY``.
+    """
+
+    def __init__(self, graph: Graph, seed: int = 0) -> None:
+        self.graph, self.seed = graph, seed
+        costs = np.ones((graph.size, WAIT)) if graph.costs is None else graph.costs
+        self._costs = np.pad(costs, ((0, 0), (0, 1)), constant_values=WAIT_COST).astype(np.float32)
+        self._costs[graph.neighbours == CLOSED] = np.inf
+        self._fields = Fields(graph)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the last episode, and begin again with the random numbers of the seed."""
+        self._random = np.random.default_rng(self.seed)
+        self._goals: Integers = np.empty(0, np.intp)
+        self.pushers: Integers = np.empty(0, np.intp)
+
+    def next_cells(self, situation: Situation) -> Integers:
+        """Return the cell of each robot after the next joint step, ``[R]``."""
+        cells, goals, stays, closed = situation
+        if len(cells) != len(self._goals):
+            self._ages = np.zeros(len(cells), np.intp)
+            self._ranks = self._random.random(len(cells))
+            self._goals = goals
+        robot_in = np.full(self.graph.size + 1, NOBODY)
+        robot_in[cells] = np.arange(len(cells))
+        choices, is_there = self._choices(cells, goals, robot_in)
+        self._ages = np.where(is_there | (goals != self._goals), 0, self._ages + 1)
+        self._goals = goals.copy()
+        is_taken = np.zeros(self.graph.size + 1, np.bool_)
+        is_taken[closed] = is_taken[cells[stays]] = is_taken[CLOSED] = True
+        chosen = np.where(stays, cells, UNDECIDED).tolist()
+        pushers = [NOBODY] * len(cells)
+        order = np.argsort(-self._ages - self._ranks).tolist()
+        choose_cells(
+            order, cells.tolist(), choices, robot_in.tolist(), bytearray(is_taken), chosen, pushers
+        )
+        self.pushers = np.array(pushers)
+        return np.array(chosen)
+
+    def _choices(
+        self, cells: Integers, goals: Integers, robot_in: Integers
+    ) -> tuple[list[list[int]], NDArray[np.bool_]]:
+        """Return the cells that each robot can go to, the best first, and who is to stay."""
+        rows, reached = self._fields.rows(goals), self.graph.neighbours[cells]
+        distances = self._fields.matrix[rows[:, None], reached]
+        costs = distances + self._costs[cells]
+        costs += 0.5 * (robot_in[reached] != NOBODY)
+        costs += self._random.random(costs.shape, np.float32) * 0.4
+        is_there = (cells == goals) | (distances[:, WAIT] == FAR)
+        costs[is_there, WAIT] = 0
+        best = np.argsort(costs, axis=1)
+        return np.take_along_axis(reached, best, 1).tolist(), is_there
+
+
+def pibt(problem: Problem, seconds: float) -> Plan:
+    """Return the plan of robots that PIBT leads to their goals; it is found or not.
+
+    Raises:
+        PlanError: they were not all at their goals in time, or in ``MAX_STEPS`` steps.
+    """
+    deadline = time.perf_counter() + seconds
+    planner, cells, goals = PIBT(problem.graph), np.array(problem.starts), np.array(problem.goals)
+    nobody, way = np.zeros(len(cells), np.bool_), [cells]
+    while (cells != goals).any():
+        if time.perf_counter() > deadline:
+            raise PlanError(f"PIBT has no plan after {seconds} s and {len(way) - 1} steps")
+        cells = planner.next_cells(Situation(cells, goals, nobody, NO_CELLS))
+        way.append(cells)
+    return Plan(np.array(way))
