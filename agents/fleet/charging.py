@@ -15,7 +15,7 @@ from warehouse_core import FleetEnv
 NONE = -1
 """No charger, robot or cell."""
 
-DETOUR, SPARE_STEPS = 1.5, 15.0
+DETOUR, SPARE_STEPS = 2.0, 20.0
 """A robot counts on ``DETOUR`` times the shortest way, and keeps ``SPARE_STEPS`` more."""
 
 QUEUE_DISTANCE = 3
@@ -25,6 +25,8 @@ PATIENCE = 5.0
 """Steps that a robot may have to wait for its charger."""
 
 MARGIN, WEIGHT = 1.2, 0.25
+GAP = 5.0
+NEARBY = 10.0
 ENOUGH = 0.7
 """Share of a full battery below which a robot without an order goes to a free charger."""
 
@@ -75,7 +77,7 @@ class Chargers:
         cells: Integers,
         battery: NDArray[np.float64],
         may_go: NDArray[np.bool_],
-        is_idle: NDArray[np.bool_],
+        limits: NDArray[np.float64],
     ) -> None:
         """End the turns of robots that have charged, and give turns to others.
 
@@ -83,22 +85,30 @@ class Chargers:
             cells: ``[R]``, where they are.
             battery: ``[R]`` units left; robots without any have no turn.
             may_go: ``[R]``, whether they may go to charge now.
-            is_idle: ``[R]``, whether they have nothing to do.
+            limits: ``[R]``, the share of a full battery below which a robot goes to a charger that
+                nobody uses.
         """
         if not len(self.cells):
             return
-        self.turn[(battery >= self._full) | (battery <= 0)] = NONE
+        is_blocked = np.isin(self.cells, cells[battery <= 0])
+        is_over = (battery >= self._full) | (battery <= 0) | is_blocked[self.turn]
+        self.turn[is_over] = NONE
         holder = self._holders()
         until = self._until(holder, cells, battery)
-        slots = np.flatnonzero(np.bincount(self.turn + 1, minlength=len(holder) + 1)[1:] < 2)
-        low = self._low(until, cells, battery)
-        if is_idle.any():
-            unused = is_idle & (battery < ENOUGH * self._capacity) & (self.turn == NONE)
-            low = np.concatenate([low, np.setdiff1d(np.flatnonzero(unused), low)])
-        low = low[may_go[low]]
-        if len(low) and len(slots):
-            self._give_turns(low, slots, until, cells, battery)
-            self._is_next[low] = holder[self.turn[low]] != NONE
+        counts = np.bincount(self.turn + 1, minlength=len(holder) + 1)[1:]
+        self._give_turns(
+            self._low(until, cells, battery),
+            (counts < 2) & ~is_blocked,
+            until,
+            cells,
+            battery,
+            may_go,
+        )
+        counts = np.bincount(self.turn + 1, minlength=len(holder) + 1)[1:]
+        low = np.flatnonzero((battery < limits * self._capacity) & (self.turn == NONE))
+        self._give_turns(low, (counts == 0) & ~is_blocked, until, cells, battery, may_go)
+        self._is_next = (self.turn != NONE) & (holder[self.turn] != NONE)
+        self._is_next[holder[holder != NONE]] = False
 
     def goals(self, cells: Integers) -> NDArray[np.intp]:
         """Return the cell that each robot with a turn is to go to, ``[R]``, or ``NONE``."""
@@ -137,29 +147,47 @@ class Chargers:
     ) -> NDArray[np.intp]:
         """Return the robots that are to charge now, those whose batteries last shortest first."""
         robots = np.flatnonzero((self.turn == NONE) & (battery > 0))
-        home = self.home[cells[robots]]
-        spare = self.steps_left(battery[robots]) - DETOUR * home
+        home = DETOUR * self.home[cells[robots]]
+        spare = self.steps_left(battery[robots]) - home
         first = np.argsort(spare, kind="stable")
-        missing = self._full - battery[robots] + self._cost * DETOUR * home
-        turns = QUEUE_DISTANCE + np.maximum(missing, 0) / self._gain
-        waiting = (until.sum() + np.cumsum(turns[first]) - turns[first]) / len(self.cells)
+        turns = self._turns(home, battery[robots])[first]
+        coming = np.flatnonzero(self._is_next & (self.turn != NONE))
+        begun = until.sum() + self._turns(DETOUR * self.home[cells[coming]], battery[coming]).sum()
+        # While a robot waits, its battery loses what makes its turn longer.
+        count = len(self.cells)
+        growth = (1 + self._cost / self._gain / count) ** np.arange(len(robots))
+        waiting = growth * (begun + np.cumsum(turns / growth) - turns[:1]) / count
         late = np.flatnonzero(spare[first] < MARGIN * waiting + SPARE_STEPS)
         found: NDArray[np.intp] = robots[first[: late[-1] + 1 if len(late) else 0]]
         return found
 
+    def _turns(
+        self, home: NDArray[np.float64], battery: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Return the steps for which robots will have their chargers."""
+        missing = self._full - battery + self._cost * home
+        return GAP + np.maximum(missing, 0) / self._gain
+
     def _give_turns(
         self,
         robots: Integers,
-        slots: Integers,
+        has_room: NDArray[np.bool_],
         until: NDArray[np.float64],
         cells: Integers,
         battery: NDArray[np.float64],
+        may_go: NDArray[np.bool_],
     ) -> None:
-        """Give turns at these chargers, so that the sum of the steps until they begin is least."""
+        """Give turns at chargers, so that the sum of the steps until they begin is least."""
+        robots, slots = robots[may_go[robots]], np.flatnonzero(has_room)
+        if not (len(robots) and len(slots)):
+            return
         ways = self._ways[slots][:, cells[robots]].T
-        waits = np.maximum(until[slots] - ways, 0)
-        spare = self.steps_left(battery[robots]) - DETOUR * self.home[cells[robots]]
-        allowed = np.isfinite(ways) & ((waits <= PATIENCE) | (spare < SPARE_STEPS)[:, None])
+        waits = np.maximum(until[slots] - DETOUR * ways, 0)
+        home = self.home[cells[robots]]
+        spare = self.steps_left(battery[robots]) - DETOUR * home
+        must = spare < SPARE_STEPS
+        allowed = (waits <= PATIENCE) & (ways <= home[:, None] + NEARBY)
+        allowed |= np.isfinite(ways) & must[:, None]
         costs = ways + waits + WEIGHT * spare[:, None]
         chosen = linear_sum_assignment(np.where(allowed, costs, 1e9))
         for robot, slot in zip(*chosen, strict=True):

@@ -16,6 +16,7 @@ from warehouse_core.world.actions import DISPLACEMENTS, DROP, PICK, WAIT
 from warehouse_core.world.distances import nearest
 from warehouse_core.world.layout import Layout
 
+IDLE, BETWEEN = 0.9, 0.5
 Flags = NDArray[np.bool_]
 
 
@@ -56,6 +57,7 @@ class Dispatcher:
         self._parking = parking_of(env.layout)
         self._trips = self._homes = np.empty(0)
         self._assigned = (b"", b"")
+        self._is_idle = np.zeros(env.settings.robots, np.bool_)
 
     def situation(self, env: FleetEnv) -> tuple[Situation, NDArray[np.intp]]:
         """Return what a planner is to know before the next step, and what those do who stay.
@@ -66,6 +68,7 @@ class Dispatcher:
         self._send_to_chargers(robots)
         if env.settings.orders is not None:
             robots = self._give_orders(env, robots)
+        self._is_idle = robots.goals == NONE
         at_work = (robots.cells == robots.goals) & ~robots.ended & (self.chargers.turn == NONE)
         goals = self._goals(robots)
         charges = (self.chargers.turn != NONE) & (robots.cells == goals)
@@ -91,11 +94,14 @@ class Dispatcher:
         left = self.chargers.steps_left(robots.battery[carrying])
         may_go[carrying] = left < self.chargers.reserve(ways)
         battery = np.where(robots.ended, 0, robots.battery)
-        self.chargers.update(robots.cells, battery, may_go, robots.goals == NONE)
+        limits = np.where(robots.goals == NONE, np.where(self._is_idle, IDLE, BETWEEN), 0.0)
+        self.chargers.update(robots.cells, battery, may_go, limits)
 
     def _give_orders(self, env: FleetEnv, robots: Robots) -> Robots:
         """Assign open orders, and return the robots with the goals that this gives them."""
         known = env.order_arrays
+        if not len(known.due):
+            return robots
         self._measure(known.pickup, known.dropoff)
         order = np.array([NONE if each is None else each for each in env.order_of])
         able = ~(robots.loaded | robots.ended)

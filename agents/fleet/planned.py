@@ -16,6 +16,8 @@ from agents.mapf.planner import Planner, Situation, check_step
 from warehouse_core import FleetEnv
 from warehouse_core.world.actions import WAIT
 
+DEFAULT_ASSIGNMENT = "urgent"
+
 PLAN_SECONDS = 10.0
 """That a planner may take for a step."""
 
@@ -42,7 +44,7 @@ class PlannedFleet:
     def __init__(
         self,
         planner: Planner,
-        assignment: str = "urgent",
+        assignment: str = DEFAULT_ASSIGNMENT,
         *,
         seconds: float = PLAN_SECONDS,
         goes_on: bool = False,
