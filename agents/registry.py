@@ -19,6 +19,7 @@ import numpy as np
 
 from agents.errors import AgentError, reason_of
 from agents.evaluation.baselines import RandomAgent, ReflexAgent
+from agents.fleet.charging import costs_around_chargers
 from agents.fleet.planned import DEFAULT_ASSIGNMENT, PlannedFleet
 from agents.fleet.team import Team
 from agents.learning.ppo_agent import PPOAgent
@@ -46,7 +47,8 @@ AGENTS: dict[str, Callable[..., Agent]] = {
 
 def pibt_on_lanes(layout: Layout, seed: int = 0, wrong_way: float = WRONG_WAY) -> PIBT:
     """Return ``PIBT`` with the costs of lanes, see ``lane_costs``."""
-    return PIBT(Graph(layout, lane_costs(layout, wrong_way)), seed)
+    costs = costs_around_chargers(layout, lane_costs(layout, wrong_way))
+    return PIBT(Graph(layout, costs), seed)
 
 
 PLANNERS: dict[str, Callable[..., Planner]] = {"pibt": PIBT, "pibt-lanes": pibt_on_lanes}
@@ -127,8 +129,8 @@ def make_planner(
             follow, as in ``pibt-lanes:wrong_way=3``. A class that has ``next_cells`` is a
             ``Planner``, one that has ``act`` a ``FleetAgent``.
         seed: see ``make_agent``.
-        layout: passed to the planner if it takes a ``layout``, and as ``Graph`` if it takes a
-            ``graph``.
+        layout: passed to the planner if it takes a ``layout``; if it takes a ``graph``, it gets
+            that of the layout, where ways lead around chargers.
 
     Raises:
         AgentError: as ``make_agent``.
@@ -163,7 +165,7 @@ def make_fleet_agent(
         )
     made = make_planner(planner, seed, layout)
     if hasattr(made, "next_cells"):
-        return PlannedFleet(made, assignment or DEFAULT_ASSIGNMENT, **options)
+        return PlannedFleet(cast(Planner, made), assignment or DEFAULT_ASSIGNMENT, **options)
     if assignment is not None:
         raise AgentError(
             f"planner {planner!r} has act(), so it assigns orders itself; leave out "
@@ -187,7 +189,7 @@ def _make(sort: Sort, name: str, seeds: Sequence[int | None], layout: Layout) ->
         random.seed(seeds[0])
         np.random.seed(seeds[0] % 2**32)
     kind = sort.known.get(source) or _load_class(sort, source)
-    given = _options(f"{sort.word} {name!r}", kind, options)
+    given = _options(f"{sort.word} {source!r}", kind, options)
     try:
         return [kind(**(_wanted(kind, seed, layout) | given)) for seed in seeds]
     except (Exception, SystemExit) as error:  # the code of a user may raise anything
@@ -245,7 +247,11 @@ def agent_module(name: str) -> str | None:
 
 def _wanted(make: Callable[..., Any], seed: int | None, layout: Layout) -> dict[str, Any]:
     """Return those of the arguments ``seed``, ``layout`` and ``graph`` that ``make`` takes."""
-    parts = {"seed": lambda: seed, "layout": lambda: layout, "graph": lambda: Graph(layout)}
+    parts: dict[str, Callable[[], Any]] = {
+        "seed": lambda: seed,
+        "layout": lambda: layout,
+        "graph": lambda: Graph(layout, costs_around_chargers(layout)),
+    }
     wanted = inspect.signature(make).parameters.keys()
     return {name: part() for name, part in parts.items() if name in wanted}
 
@@ -282,8 +288,8 @@ def _load_class(sort: Sort, name: str) -> type[Any]:
     ]
     if all(missing):
         needed = ", or ".join(" and ".join(names) for names in sort.methods)
-        fewest = " and no ".join(min(missing, key=len))
-        raise AgentError(f"class {name!r} has no {fewest}; needed: {needed}")
+        fewest = min(missing, key=lambda names: len(names))
+        raise AgentError(f"class {name!r} has no {' and no '.join(fewest)}; needed: {needed}")
     found: type[Any] = kind
     return found
 

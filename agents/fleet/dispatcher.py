@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.fleet.charging import NONE, Chargers
+from agents.fleet.charging import NONE, Chargers, Needs
 from agents.mapf.assignment import ASSIGNMENTS, REASSIGNING, Tasks
-from agents.mapf.graph import Graph, Integers
+from agents.mapf.graph import FAR, Fields, Graph, Integers
 from agents.mapf.planner import Situation
 from warehouse_core import FleetEnv
 from warehouse_core.world.actions import DISPLACEMENTS, DROP, PICK, WAIT
@@ -17,6 +17,9 @@ from warehouse_core.world.distances import nearest
 from warehouse_core.world.layout import Layout
 
 IDLE, BETWEEN = 0.9, 0.5
+"""Shares of a full battery below which a robot that has no order, or has just delivered one, goes
+to a charger that nobody uses."""
+
 Flags = NDArray[np.bool_]
 
 
@@ -52,8 +55,10 @@ class Dispatcher:
 
     def __init__(self, env: FleetEnv, assignment: str) -> None:
         self.graph = Graph(env.layout)
+        self._fields = Fields(self.graph)
         self.chargers = Chargers(env, self.graph)
         self._assign, self._reassigns = ASSIGNMENTS[assignment], assignment in REASSIGNING
+        self._capacity = env.settings.battery.capacity
         self._parking = parking_of(env.layout)
         self._trips = self._homes = np.empty(0)
         self._assigned = (b"", b"")
@@ -71,31 +76,34 @@ class Dispatcher:
         self._is_idle = robots.goals == NONE
         at_work = (robots.cells == robots.goals) & ~robots.ended & (self.chargers.turn == NONE)
         goals = self._goals(robots)
-        charges = (self.chargers.turn != NONE) & (robots.cells == goals)
-        stays = robots.ended | at_work | charges | shares_cell(robots.cells)
-        people = np.array(env.people, np.intp).reshape(-1, 2) @ [env.layout.width, 1]
+        stays = (
+            robots.ended
+            | at_work
+            | self.chargers.charging(robots.cells)
+            | shares_cell(robots.cells)
+        )
+        people = np.array(env.people, np.intp).reshape(-1, 2) @ np.array([env.layout.width, 1])
         actions = np.where(at_work, np.where(robots.loaded, DROP, PICK), WAIT)
         return Situation(robots.cells, goals, stays, people), actions
 
     def _look(self, env: FleetEnv) -> Robots:
-        found, ended = env.arrays(), np.array(env.ended)
-        width = [env.layout.width, 1]
-        loaded = found["has_item"] != 0
+        found, width = env.arrays(), np.array([env.layout.width, 1])
+        loaded = np.asarray(found["has_item"]) != 0
         places = np.where(loaded[:, None], found["dropoff_pos"], found["pickup_pos"])
         goals = np.where(places[:, 0] < 0, NONE, places @ width)
-        return Robots(found["robot_pos"] @ width, goals, loaded, ended, found["battery"][:, 0])
+        battery = found["battery"][:, 0].astype(np.float64)
+        return Robots(found["robot_pos"] @ width, goals, loaded, np.array(env.ended), battery)
 
     def _send_to_chargers(self, robots: Robots) -> None:
         """Give turns at chargers. A robot that can deliver its item before does it first."""
-        may_go, home = ~robots.ended, self.chargers.home
+        may_go = ~robots.ended
         carrying = np.flatnonzero(robots.loaded & may_go)
         goals = robots.goals[carrying]
-        ways = self._ways(robots.cells[carrying], goals) + home[goals]
-        left = self.chargers.steps_left(robots.battery[carrying])
-        may_go[carrying] = left < self.chargers.reserve(ways)
-        battery = np.where(robots.ended, 0, robots.battery)
-        limits = np.where(robots.goals == NONE, np.where(self._is_idle, IDLE, BETWEEN), 0.0)
-        self.chargers.update(robots.cells, battery, may_go, limits)
+        ways = self._ways(robots.cells[carrying], goals) + self.chargers.home[goals]
+        may_go[carrying] = ~self.chargers.lasts(robots.battery[carrying], ways)
+        shares = np.where(robots.goals == NONE, np.where(self._is_idle, IDLE, BETWEEN), 0.0)
+        battery = np.where(robots.ended, 0.0, robots.battery)
+        self.chargers.update(Needs(robots.cells, battery, may_go, shares * self._capacity))
 
     def _give_orders(self, env: FleetEnv, robots: Robots) -> Robots:
         """Assign open orders, and return the robots with the goals that this gives them."""
@@ -125,13 +133,10 @@ class Dispatcher:
     ) -> None:
         """Assign these orders to these robots, and bring ``order`` up to date."""
         known, cells = env.order_arrays, robots.cells[free]
-        pickups, at = np.unique(known.pickup[columns], return_inverse=True)
-        fields = [self.graph.distances(cell)[cells] for cell in pickups.tolist()]
-        ways = np.array(fields)[at].T.astype(np.float64)
+        ways = self._ways(cells[:, None], known.pickup[columns])
         if len(self.chargers.cells):
-            needed = self.chargers.reserve(ways + self._trips[columns] + self._homes[columns])
-            left = self.chargers.steps_left(robots.battery[free])
-            ways[needed > left[:, None]] = np.inf
+            whole = ways + self._trips[columns] + self._homes[columns]
+            ways[~self.chargers.lasts(robots.battery[free, None], whole)] = np.inf
         ways[:, ~np.isfinite(self._trips[columns])] = np.inf
         held = np.where(order[free] == NONE, NONE, np.searchsorted(columns, order[free]))
         given = self._assign(Tasks(ways, self._trips[columns], known.due[columns], env.steps, held))
@@ -152,9 +157,10 @@ class Dispatcher:
             self._homes = np.concatenate([self._homes, self.chargers.home[dropoffs[first:]]])
 
     def _ways(self, cells: Integers, goals: Integers) -> NDArray[np.float64]:
-        """Return the steps from each cell to its goal."""
-        pairs = zip(cells.tolist(), goals.tolist(), strict=True)
-        return np.array([self.graph.distances(goal)[cell] for cell, goal in pairs], np.float64)
+        """Return the steps from cells to goals, arrays that are broadcast."""
+        rows = self._fields.rows(goals)
+        ways = self._fields.matrix[rows, cells]
+        return np.where(ways == FAR, np.inf, ways).astype(np.float64)
 
     def _goals(self, robots: Robots) -> Integers:
         """Return where each robot is to go; those without anything to do out of the way."""

@@ -12,7 +12,7 @@ from agents.errors import reason_of
 from agents.fleet.dispatcher import Dispatcher
 from agents.fleet.time_limit import time_limit
 from agents.mapf.graph import Integers
-from agents.mapf.planner import Planner, Situation, check_step
+from agents.mapf.planner import Planner, check_step
 from warehouse_core import FleetEnv
 from warehouse_core.world.actions import WAIT
 

@@ -29,7 +29,7 @@ HANDLING = 2
 """Steps of picking and dropping."""
 
 URGENT, LATE = 30.0, 15.0
-"""Steps of a detour that an order without spare time is worth, and one that is late anyway costs."""
+"""Steps of a detour that an order without spare time is worth, and that one which is late costs."""
 
 SPARE = 40.0
 """Spare steps of an order with which it is worth ``exp(-1)`` of ``URGENT``."""
