@@ -131,12 +131,13 @@ class Chargers:
         if not len(self.cells):
             return
         empty = needs.battery <= 0
-        is_blocked = np.isin(self.cells, needs.cells[empty])
+        is_blocked = self._are_there(needs.cells[empty])
         self.turn[(needs.battery >= self._full) | empty | is_blocked[self.turn]] = NONE
         holder = self._holders()
         until = self._until(holder, needs)
+        may_go = needs.may_go & np.isfinite(self.home[needs.cells])
         for low, most in (self._low(until, needs), 1), (needs.battery < needs.limits, 0):
-            robots = np.flatnonzero(low & needs.may_go & (self.turn == NONE))
+            robots = np.flatnonzero(low & may_go & (self.turn == NONE))
             counts = np.bincount(self.turn + 1, minlength=len(holder) + 1)[1:]
             chargers = np.flatnonzero((counts <= most) & ~is_blocked)
             if len(robots) and len(chargers):
@@ -149,7 +150,7 @@ class Chargers:
         goals = np.full(len(cells), NONE)
         robots = np.flatnonzero(self.turn != NONE)
         chargers, here = self.turn[robots], cells[robots]
-        is_used = np.isin(self.cells, cells)[chargers] | self._is_next[robots]
+        is_used = self._are_there(cells)[chargers] | self._is_next[robots]
         waits = is_used & (self._ways[chargers, here] <= QUEUE_DISTANCE)
         waits &= here != self.cells[chargers]
         goals[robots] = np.where(waits, here, self.cells[chargers])
@@ -159,6 +160,13 @@ class Chargers:
         """Return whether each robot is at the charger where it has a turn, ``[R]``."""
         found: NDArray[np.bool_] = self.turn != NONE
         found[found] = self.cells[self.turn[found]] == cells[found]
+        return found
+
+    def _are_there(self, cells: Integers) -> NDArray[np.bool_]:
+        """Return whether each charger is one of some cells, ``[C]``."""
+        is_there = np.zeros(len(self.home), np.bool_)
+        is_there[cells] = True
+        found: NDArray[np.bool_] = is_there[self.cells]
         return found
 
     def _holders(self) -> NDArray[np.intp]:
@@ -183,7 +191,7 @@ class Chargers:
         home = DETOUR * self.home[needs.cells]
         turns, spare = GAP + self._charging_steps(needs.battery, home), self._spare(needs)
         coming = self._is_next & (self.turn != NONE)
-        robots = np.flatnonzero((self.turn == NONE) & (needs.battery > 0))
+        robots = np.flatnonzero((self.turn == NONE) & (needs.battery > 0) & np.isfinite(home))
         robots = robots[np.argsort(spare[robots], kind="stable")]
         # Each step until its turn makes the turn of a robot longer, which grows like interest.
         growth = (1 + self._cost / self._gain / len(self.cells)) ** np.arange(len(robots))

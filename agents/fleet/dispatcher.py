@@ -156,11 +156,11 @@ class Dispatcher:
             self._trips = np.concatenate([self._trips, trips])
             self._homes = np.concatenate([self._homes, self.chargers.home[dropoffs[first:]]])
 
-    def _ways(self, cells: Integers, goals: Integers) -> NDArray[np.float64]:
+    def _ways(self, cells: Integers, goals: Integers) -> NDArray[np.float32]:
         """Return the steps from cells to goals, arrays that are broadcast."""
         rows = self._fields.rows(goals)
         ways = self._fields.matrix[rows, cells]
-        return np.where(ways == FAR, np.inf, ways).astype(np.float64)
+        return np.where(ways == FAR, np.inf, ways).astype(np.float32)
 
     def _goals(self, robots: Robots) -> Integers:
         """Return where each robot is to go; those without anything to do out of the way."""
@@ -192,6 +192,5 @@ def parking_of(layout: Layout) -> NDArray[np.intp]:
 
 def shares_cell(cells: Integers) -> Flags:
     """Return whether each robot shares its cell, as bodies may after a disturbance."""
-    _, place, counts = np.unique(cells, return_inverse=True, return_counts=True)
-    shared: Flags = counts[place] > 1
+    shared: Flags = np.bincount(cells)[cells] > 1
     return shared

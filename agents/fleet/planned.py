@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.errors import reason_of
-from agents.fleet.dispatcher import Dispatcher
+from agents.fleet.dispatcher import Dispatcher, shares_cell
 from agents.fleet.time_limit import time_limit
-from agents.mapf.graph import Integers
-from agents.mapf.planner import Planner, check_step
+from agents.mapf.graph import CLOSED, Graph, Integers
+from agents.mapf.planner import Planner, Situation, check_step
 from warehouse_core import FleetEnv
 from warehouse_core.world.actions import WAIT
 
@@ -79,6 +79,8 @@ class PlannedFleet:
             if not self._goes_on:
                 raise
             chosen = self._lose(env, cells, reason_of(error, _file_of(self.planner)))
+        if shares_cell(cells).any():
+            chosen = part(graph, situation, chosen)
         moves = (graph.neighbours[cells] == chosen[:, None]).argmax(axis=1)
         return np.where(actions == WAIT, moves, actions)
 
@@ -86,6 +88,24 @@ class PlannedFleet:
         self.lost.append((env.steps + 1, reason))
         self.planner.reset()
         return cells
+
+
+def part(graph: Graph, situation: Situation, chosen: Integers) -> Integers:
+    """Return the next cells where of robots that share a cell the first leaves it, if it can.
+
+    Bodies may come to rest over one cell after a disturbance. To the planner both stay.
+    """
+    cells = situation.cells
+    first = np.unique(cells, return_index=True)[1]
+    others = np.setdiff1d(np.arange(len(cells)), first)
+    taken = {CLOSED, *cells.tolist(), *chosen.tolist(), *situation.closed.tolist()}
+    found = chosen.copy()
+    for cell in np.unique(cells[others]).tolist():
+        free = [side for side in graph.neighbours[cell].tolist() if side not in taken]
+        if free:
+            found[np.argmax(cells == cell)] = free[0]
+            taken.add(free[0])
+    return found
 
 
 def _file_of(planner: Planner) -> Path | None:

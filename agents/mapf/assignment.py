@@ -31,6 +31,9 @@ HANDLING = 2
 URGENT, LATE = 30.0, 15.0
 """Steps of a detour that an order without spare time is worth, and that one which is late costs."""
 
+KEEP = 3.0
+"""Steps that another order must be better by than the one that a robot goes for already."""
+
 SPARE = 40.0
 """Spare steps of an order with which it is worth ``exp(-1)`` of ``URGENT``."""
 
@@ -94,7 +97,7 @@ def hungarian(tasks: Tasks) -> NDArray[np.intp]:
     Source: Kuhn (1955), The Hungarian method for the assignment problem. SciPy's solver is that of
     Crouse (2016), On implementing 2D rectangular assignment algorithms.
     """
-    return _cheapest(tasks.ways)
+    return _cheapest(tasks, tasks.ways)
 
 
 def urgent(tasks: Tasks) -> NDArray[np.intp]:
@@ -106,13 +109,16 @@ def urgent(tasks: Tasks) -> NDArray[np.intp]:
     needed = STRETCH * (tasks.ways + tasks.trips) + HANDLING
     spare = tasks.due - tasks.now - needed
     worth = np.where(spare < 0, -LATE, URGENT * np.exp(-np.maximum(spare, 0) / SPARE))
-    return _cheapest(tasks.ways - worth)
+    return _cheapest(tasks, tasks.ways - worth)
 
 
-def _cheapest(costs: NDArray[np.floating]) -> NDArray[np.intp]:
+def _cheapest(tasks: Tasks, costs: NDArray[np.floating]) -> NDArray[np.intp]:
     found = np.full(len(costs), NONE)
     reachable = np.isfinite(costs)
-    robots, orders = linear_sum_assignment(np.where(reachable, costs, OUT_OF_REACH))
+    costs = np.where(reachable, costs, OUT_OF_REACH)
+    held = np.flatnonzero(tasks.held != NONE)
+    costs[held, tasks.held[held]] -= KEEP
+    robots, orders = linear_sum_assignment(costs)
     given = reachable[robots, orders]
     found[robots[given]] = orders[given]
     return found

@@ -80,7 +80,9 @@ def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:
             f"robot {robot} is to go from {place(cells[robot])} to {place(found[robot])}, but it "
             "stays in this step"
         )
-    for robot in np.flatnonzero(moves & np.isin(found, situation.closed))[:1]:
+    is_closed = np.zeros(graph.size, np.bool_)
+    is_closed[situation.closed] = True
+    for robot in np.flatnonzero(moves & is_closed[found])[:1]:
         raise PlanError(f"robot {robot} is to enter {place(found[robot])}, which is closed")
     by_cell = np.argsort(found, kind="stable")
     first, second = by_cell[:-1], by_cell[1:]
