@@ -65,25 +65,28 @@ class Graph:
         self._fields: OrderedDict[int, Costs] = OrderedDict()
         self._edges = self._reversed_edges()
 
-    def distances(self, goal: int) -> Costs:
+    def distances(self, goal: int, keep: bool = True) -> Costs:
         """Return the cost of the cheapest way from each cell to a goal, ``[H * W]`` float32.
 
         It is infinite for walls and cells without a way. Fields are kept, those used last, in
         ``MAX_BYTES``; they are not to be changed.
+
+        Args:
+            goal: a cell.
+            keep: whether to keep the field if it was not kept yet.
         """
         field = self._fields.get(goal)
         if field is None:
-            field = self._fields[goal] = self.compute_distances(goal)
+            found = dijkstra(self._edges, indices=goal, unweighted=self.costs is None)
+            field = np.asarray(found, np.float32)
+            if not keep:
+                return field
+            self._fields[goal] = field
             while len(self._fields) > max(MAX_BYTES // field.nbytes, 1):
                 self._fields.popitem(last=False)
         else:
             self._fields.move_to_end(goal)
         return field
-
-    def compute_distances(self, goal: int) -> Costs:
-        """Return the same, which is not kept."""
-        field = dijkstra(self._edges, indices=goal, unweighted=self.costs is None)
-        return np.asarray(field, np.float32)
 
     def _reversed_edges(self) -> csr_array:
         """Return the moves from where they lead to where they start, so that goals are sources."""
@@ -113,7 +116,7 @@ class Fields:
             if not self._free:
                 self._free_rows(goals)
             self._row_of[goal] = row = self._free.pop()
-            self._fill(row, self.graph.compute_distances(goal))
+            self._fill(row, self.graph.distances(goal, keep=False))
         found: Integers = self._row_of[goals]
         return found
 

@@ -1,20 +1,34 @@
-"""Lanes: costs that make neighbouring rows run east and west, and columns north and south, in turn.
+"""Costs of moves that keep robots out of one another's way: lanes, and lanes learned from traffic.
 
 A move against its lane is allowed but costs more, so every cell that could be reached still can be.
 
-Source: Cohen, Uras and Koenig (2015), Feasibility study: using highways for bounded-suboptimal
-multi-agent path finding, SoCS.
+Sources: Cohen, Uras and Koenig (2015), Feasibility study: using highways for bounded-suboptimal
+multi-agent path finding, SoCS. Zhang, Jiang, Bhatt, Nikolaidis and Li (2024), Guidance graph
+optimization for lifelong multi-agent path finding, IJCAI. Chen, Harabor, Li and Stuckey (2024),
+Traffic flow optimisation for lifelong multi-agent path finding, AAAI.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from agents.mapf.graph import Costs
-from warehouse_core.world.actions import ACTIONS
+from agents.mapf.graph import CLOSED, Costs, Graph, Integers
+from agents.mapf.lifelong import LifelongRun, run_lifelong
+from agents.mapf.pibt import PIBT
+from warehouse_core.world.actions import ACTIONS, WAIT
 from warehouse_core.world.layout import Layout
 
 WRONG_WAY = 5.0
+
+FIRST_WRONG_WAY = 1.5
+MOVE_COST, OPPOSED_COST, WAIT_COST = 2.0, 10.0, 2.0
+"""What traffic adds to the costs of a move: for each time in a step that the same move is made,
+that the opposite move is made, and that somebody waits in the cell to which it leads.
+"""
+
+MIN_SHARE = 0.15
+"""Of the last trial in the mean traffic."""
 
 
 def lane_costs(layout: Layout, wrong_way: float = WRONG_WAY) -> Costs:
@@ -30,3 +44,58 @@ def lane_costs(layout: Layout, wrong_way: float = WRONG_WAY) -> Costs:
     costs[0::2, :, west] = costs[1::2, :, east] = wrong_way
     costs[:, 0::2, north] = costs[:, 1::2, south] = wrong_way
     return costs.reshape(-1, 4)
+
+
+def learned_costs(
+    layout: Layout,
+    robots: int,
+    trials: int = 16,
+    steps: int = 256,
+    seed: int = 0,
+    starts: Integers | None = None,
+    goals: Integers | None = None,
+) -> Costs:
+    """Return costs of moves that were learned from the traffic of trial runs, as ``lane_costs``.
+
+    In each trial PIBT leads robots by the costs so far, first those of faint lanes. What moves
+    cost then follows from the mean traffic of the trials: most where robots would meet head-on.
+
+    Args:
+        layout: any.
+        robots: as many as there will be, since traffic depends on it.
+        trials: runs to learn from.
+        steps: of each run.
+        seed: of the first run; each has a seed of its own.
+        starts: as for ``run_lifelong``.
+        goals: as for ``run_lifelong``.
+
+    Raises:
+        PlanError: as for ``run_lifelong``.
+    """
+    costs = lanes = lane_costs(layout, FIRST_WRONG_WAY)
+    mean = np.zeros((len(lanes), WAIT + 1))
+    for trial in range(trials):
+        graph = Graph(layout, costs)
+        run = run_lifelong(
+            graph, PIBT(graph, seed + trial), robots, steps, seed + trial, starts, goals
+        )
+        mean += (traffic(graph, run) - mean) * max(1 / (trial + 1), MIN_SHARE)
+        costs = np.round(lanes + _traffic_costs(graph, mean), 1).astype(np.float32)
+    return costs
+
+
+def traffic(graph: Graph, run: LifelongRun) -> NDArray[np.float64]:
+    """Return how often in a step each move was made, and waiting, ``[H * W, 5]``."""
+    before, after = run.cells[:-1].ravel(), run.cells[1:].ravel()
+    moves = (graph.neighbours[before] == after[:, None]).argmax(1)
+    counts = np.bincount(before * (WAIT + 1) + moves, minlength=graph.size * (WAIT + 1))
+    return counts.reshape(-1, WAIT + 1) / len(run.seconds)
+
+
+def _traffic_costs(graph: Graph, mean: NDArray[np.float64]) -> NDArray[np.float64]:
+    reached = graph.neighbours[:, :WAIT]
+    opposite = np.roll(np.arange(WAIT), 2)
+    there = MOVE_COST * mean[:, :WAIT]
+    back = OPPOSED_COST * mean[reached, opposite] + WAIT_COST * mean[reached, WAIT]
+    added: NDArray[np.float64] = there + np.where(reached == CLOSED, 0, back)
+    return added

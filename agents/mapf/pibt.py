@@ -26,8 +26,12 @@ NOBODY = -1
 UNDECIDED = -1
 FREE = -2
 
-WAIT_COST = 0.9
-"""Of a step in place; less than half of what a step ahead and back costs, more than 0.
+WAIT_COST = 1.5
+"""Of a step in place: more than that of a move ahead, less than that of one ahead and one back."""
+
+OCCUPIED_COST, CHANCE_COST = 0.5, 0.2
+"""Of a cell that somebody is in, and the most that chance adds; together less than ``WAIT_COST``
+is more than a move ahead.
 """
 
 NO_CELLS = np.empty(0, np.intp)
@@ -130,34 +134,38 @@ class PIBT:
         """Return the cell of each robot after the next joint step, ``[R]``."""
         cells, goals, stays, closed = situation
         if len(cells) != len(self._goals):
-            self._ages = np.zeros(len(cells), np.intp)
+            self._ages, self._goals = np.zeros(len(cells), np.intp), goals
             self._ranks = self._random.random(len(cells))
-            self._goals = goals
-        robot_in = np.full(self.graph.size + 1, NOBODY)
-        robot_in[cells] = np.arange(len(cells))
-        choices, is_there = self._choices(cells, goals, robot_in)
+        robot_in = self.robots_in(cells)
+        choices, is_there = self.choices(cells, goals, robot_in)
         self._ages = np.where(is_there | (goals != self._goals), 0, self._ages + 1)
         self._goals = goals.copy()
         is_taken = np.zeros(self.graph.size + 1, np.bool_)
         is_taken[closed] = is_taken[cells[stays]] = is_taken[CLOSED] = True
         chosen = np.where(stays, cells, UNDECIDED).tolist()
-        pushers = [NOBODY] * len(cells)
         order = np.argsort(-self._ages - self._ranks).tolist()
+        pushers = [NOBODY] * len(cells)
         choose_cells(
             order, cells.tolist(), choices, robot_in.tolist(), bytearray(is_taken), chosen, pushers
         )
         self.pushers = np.array(pushers)
         return np.array(chosen)
 
-    def _choices(
+    def robots_in(self, cells: Integers) -> Integers:
+        """Return who is in each cell, or ``NOBODY``, ``[H * W + 1]``."""
+        robots = np.full(self.graph.size + 1, NOBODY)
+        robots[cells] = np.arange(len(cells))
+        return robots
+
+    def choices(
         self, cells: Integers, goals: Integers, robot_in: Integers
     ) -> tuple[list[list[int]], NDArray[np.bool_]]:
         """Return the cells that each robot can go to, the best first, and who is to stay."""
         rows, reached = self._fields.rows(goals), self.graph.neighbours[cells]
         distances = self._fields.matrix[rows[:, None], reached]
         costs = distances + self._costs[cells]
-        costs += 0.5 * (robot_in[reached] != NOBODY)
-        costs += self._random.random(costs.shape, np.float32) * 0.4
+        costs += OCCUPIED_COST * (robot_in[reached] != NOBODY)
+        costs += self._random.random(costs.shape, np.float32) * CHANCE_COST
         is_there = (cells == goals) | (distances[:, WAIT] == FAR)
         costs[is_there, WAIT] = 0
         best = np.argsort(costs, axis=1)

@@ -1,0 +1,81 @@
+"""LaCAM: it solves what can be solved, and proves that the rest cannot."""
+
+import random
+from itertools import permutations, product
+
+import numpy as np
+import pytest
+from helpers.mapf_validator import plan_conflict, step_conflict
+
+from agents.errors import PlanError
+from agents.mapf.graph import Graph
+from agents.mapf.lacam import lacam
+from agents.mapf.lanes import lane_costs
+from agents.mapf.problem import Problem
+from warehouse_core import Layout, random_layout
+
+SHORT = 30.0
+"""Seconds; more than any of these takes."""
+
+
+def problem_of(rows: list[str], starts: list[int], goals: list[int]) -> Problem:
+    return Problem(Graph(Layout(rows)), starts, goals)
+
+
+def reachable(rows: list[str], starts: tuple[int, ...]) -> set[tuple[int, ...]]:
+    """Return all configurations that robots can reach, by trying all joint steps."""
+    width = len(rows[0])
+    found, left = {starts}, [starts]
+    while left:
+        before = left.pop()
+        beside = [[cell, cell - 1, cell + 1, cell - width, cell + width] for cell in before]
+        for after in product(*beside):
+            if after not in found and step_conflict(rows, before, after) is None:
+                found.add(after)
+                left.append(after)
+    return found
+
+
+@pytest.mark.parametrize("rows", [["...", "#.#"], ["..", ".."], ["....", "..##"]])
+def test_it_solves_exactly_what_can_be_solved(rows: list[str]) -> None:
+    width, stream = len(rows[0]), random.Random(0)
+    cells = [r * width + c for r, c in product(range(len(rows)), range(width)) if rows[r][c] == "."]
+    starts = stream.sample(cells, 3)
+    solvable = reachable(rows, tuple(starts))
+    for goals in stream.sample(list(permutations(cells, 3)), 12):
+        problem = problem_of(rows, starts, list(goals))
+        if goals in solvable:
+            assert plan_conflict(rows, starts, goals, lacam(problem, SHORT).cells) is None
+        else:
+            with pytest.raises(PlanError, match=f"tried all {len(solvable)} configurations"):
+                lacam(problem, SHORT)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_crowds_get_plans_without_conflicts(seed: int) -> None:
+    layout, stream = random_layout(12, 12, 0.2, seed), np.random.default_rng(seed)
+    costs = lane_costs(layout) if seed % 2 else None
+    starts, goals = (stream.permutation(layout.open_cells)[:25].tolist() for _ in range(2))
+    plans = [lacam(Problem(Graph(layout, costs), starts, goals), SHORT, seed) for _ in range(2)]
+    assert plan_conflict(layout.rows, starts, goals, plans[0].cells) is None
+    assert (plans[0].cells == plans[1].cells).all()
+
+
+def test_two_change_places_where_there_is_room() -> None:
+    """Both have to go back to the end of a long corridor, where there are two ways."""
+    rows = [".###########", "............", ".###########"]
+    starts, goals = [20, 21], [21, 20]
+    plan = lacam(problem_of(rows, starts, goals), SHORT)
+    assert plan_conflict(rows, starts, goals, plan.cells) is None
+
+
+def test_robots_that_are_at_their_goals_need_no_step() -> None:
+    assert lacam(problem_of(["..."], [2, 0], [2, 0]), SHORT).cells.tolist() == [[2, 0]]
+
+
+@pytest.mark.parametrize("seconds", [0, 0.2])
+def test_it_ends_in_time(seconds: float) -> None:
+    cells = list(range(12))
+    swapped = [1, 0, *cells[2:]]
+    with pytest.raises(PlanError, match=f"no plan in {seconds} s"):
+        lacam(problem_of(["." * 14], cells, swapped), seconds)

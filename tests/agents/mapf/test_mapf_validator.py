@@ -1,0 +1,62 @@
+"""The validator of plans finds each fault, and the joint A* knows the costs of small problems."""
+
+import pytest
+from helpers.mapf_problems import smallest_cost
+from helpers.mapf_validator import check_traffic, plan_conflict, step_conflict
+
+from warehouse_core import Layout
+from warehouse_core.motion.grid import GridMotion
+
+ROWS = ["...", ".#.", "..."]
+"""Cells 0 to 8, a wall in 4."""
+
+FAULTS = {
+    "begin": ([0, 1], [0, 1], [[1, 0], [0, 1]]),
+    "both in": ([0, 2], [1, 5], [[0, 2], [1, 1], [1, 5]]),
+    "change places": ([0, 1], [1, 0], [[0, 1], [1, 0]]),
+    "wall": ([1], [7], [[1], [4], [7]]),
+    "moves 2 cells": ([0], [2], [[0], [2]]),
+    "moves 3 cells": ([2], [3], [[2], [3]]),
+    "goal": ([0], [2], [[0], [1]]),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_each_fault_is_found(fault: str) -> None:
+    found = plan_conflict(ROWS, *FAULTS[fault])
+    assert found is not None
+    assert fault in found
+
+
+def test_rings_and_following_are_no_conflicts() -> None:
+    ring = [0, 1, 2, 5, 8, 7, 6, 3]
+    turned = ring[1:] + ring[:1]
+    assert plan_conflict(ROWS, ring, turned, [ring, turned]) is None
+    assert plan_conflict(ROWS, [0, 1], [1, 2], [[0, 1], [1, 2]]) is None
+
+
+def test_a_step_can_have_closed_cells_and_robots_that_stay() -> None:
+    assert "stay" in str(step_conflict(ROWS, [0, 2], [0, 5], stays=[False, True]))
+    assert "closed" in str(step_conflict(ROWS, [0, 2], [1, 2], closed=[1]))
+    assert step_conflict(ROWS, [0, 2], [1, 2], stays=[False, True], closed=[0, 2]) is None
+
+
+def test_the_traffic_table_blocks_what_the_validator_reports() -> None:
+    layout = Layout(ROWS)
+    check_traffic(GridMotion(), layout, [[0, 1], [1, 2], [1, 5]])
+    with pytest.raises(AssertionError, match=r"step 0: blocked \[0, 1\]"):
+        check_traffic(GridMotion(), layout, [[0, 1], [1, 0]])
+
+
+@pytest.mark.parametrize(
+    ("rows", "starts", "goals", "cost"),
+    [
+        (["..."], [0], [2], 2),
+        (["..."], [0, 2], [2, 0], None),
+        (["...", "#.#"], [0, 2], [2, 0], 7),  # one waits once, the other goes aside
+        (["....."], [0, 2], [4, 3], None),
+        (["..", ".."], [0, 1, 3, 2], [1, 3, 2, 0], 4),
+    ],
+)
+def test_smallest_costs(rows: list[str], starts: list[int], goals: list[int], cost: int) -> None:
+    assert smallest_cost(rows, starts, goals) == cost
