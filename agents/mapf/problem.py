@@ -71,6 +71,13 @@ class Plan:
 
     cells: Integers
 
+    @classmethod
+    def of(cls, ways: Sequence[Sequence[int]]) -> Plan:
+        """Return the plan of ways of any lengths; each robot stays in its last cell."""
+        steps = max(map(len, ways), default=1)
+        cells = [[*way, *[way[-1]] * (steps - len(way))] for way in ways]
+        return cls(np.array(cells, np.int64).reshape(len(ways), steps).T)
+
     @property
     def makespan(self) -> int:
         """``T``, the number of joint steps."""

@@ -1,0 +1,70 @@
+"""Costs by brute force are those of conflict-based search; its tree explains them."""
+
+import pytest
+from helpers.mapf_problems import random_problem, random_problems, smallest_cost
+from helpers.mapf_runs import check_solver
+
+from agents.errors import PlanError
+from agents.mapf.cbs import ConflictTree, Constraint, solve_cbs
+from agents.mapf.graph import Graph
+from agents.mapf.problem import Problem
+from warehouse_core import Layout, random_layout
+from warehouse_physics import RigidBodyMotion
+
+SECONDS = 30.0
+
+
+def tree_of(rows: list[str], starts: list[int], goals: list[int]) -> ConflictTree:
+    return ConflictTree(Problem(Graph(Layout(rows)), starts, goals))
+
+
+def test_costs_are_the_smallest() -> None:
+    solved = 0
+    for problem in random_problems(60, seed=2, max_size=4, max_robots=3):
+        rows = problem.graph.layout.rows
+        smallest = smallest_cost(rows, problem.starts, problem.goals)
+        if smallest is not None:
+            assert solve_cbs(problem, SECONDS).sum_of_costs == smallest, (rows, problem.starts)
+            solved += 1
+    assert solved > 40
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_plans_are_valid(seed: int) -> None:
+    problem = random_problem(random_layout(16, 16, 0.1, seed), 12, seed)
+    assert check_solver(solve_cbs, [problem], SECONDS) == 1
+    assert check_solver(solve_cbs, [problem], SECONDS, RigidBodyMotion) == 1
+
+
+def test_robots_that_cross_a_wide_floor_take_few_nodes() -> None:
+    """All their shortest ways meet: without the pairs of MDDs there are thousands of nodes."""
+    rows = ["." * 12] * 12
+    tree = tree_of(rows, [0 * 12 + 1, 1 * 12 + 0], [11 * 12 + 9, 9 * 12 + 11])
+    assert tree.solve(SECONDS).sum_of_costs == 19 + 19 + 1
+    assert len(tree.nodes) < 10
+
+
+def test_a_robot_in_its_goal_lets_another_pass() -> None:
+    """Robot 1 is in its goal at first, but leaves it; it must not end there before."""
+    tree = tree_of([".....", "##.##"], [0, 2], [4, 2])
+    assert tree.solve(SECONDS).sum_of_costs == 4 + 3
+    root, *others = tree.nodes
+    assert root.parent is None
+    assert root.cost == 4
+    assert root.split is not None
+    assert {node.parent for node in others} <= set(tree.nodes)
+    assert all(node.cost >= node.parent.cost for node in others if node.parent is not None)
+    assert all(isinstance(node.constraint, Constraint) for node in others)
+
+
+def test_lanes_do_not_change_the_cost() -> None:
+    layout = Layout(["....", "...."])
+    costs = Graph(layout).neighbours[:, :4].astype("float32") * 0 + 5
+    problem = Problem(Graph(layout, costs), [0, 3], [3, 0])
+    assert solve_cbs(problem, SECONDS).sum_of_costs == 8
+
+
+@pytest.mark.parametrize("seconds", [0, 0.05])
+def test_the_time_limit_is_said(seconds: float) -> None:
+    with pytest.raises(PlanError, match=f"no plan in {seconds:g} s and .* of the conflict tree"):
+        tree_of(["...."], [0, 3], [3, 0]).solve(seconds)

@@ -1,0 +1,75 @@
+"""Solvers and planners on random problems, each plan validated and driven by a motion."""
+
+import random
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from agents.errors import PlanError
+from agents.mapf.graph import Graph
+from agents.mapf.planner import Planner, Situation
+from agents.mapf.problem import Problem, Solver
+from helpers.mapf_validator import check_traffic, plan_conflict, step_conflict
+from warehouse_core.motion.base import Motion
+from warehouse_core.motion.grid import GridMotion
+
+
+def check_solver(
+    solve: Solver,
+    problems: Iterable[Problem],
+    seconds: float,
+    make_motion: Callable[[], Motion] = GridMotion,
+) -> int:
+    """Return how many of the problems were solved.
+
+    Raises:
+        AssertionError: a plan has a conflict, or the motion blocks a robot.
+    """
+    solved = 0
+    for problem in problems:
+        try:
+            plan = solve(problem, seconds)
+        except PlanError:
+            continue
+        layout, cells = problem.graph.layout, plan.cells.tolist()
+        found = plan_conflict(layout.rows, problem.starts, problem.goals, cells)
+        assert found is None, (found, layout.rows, problem.starts, problem.goals)
+        check_traffic(make_motion(), layout, cells)
+        solved += 1
+    return solved
+
+
+def check_planner(
+    make_planner: Callable[[Graph], Planner],
+    problem: Problem,
+    steps: int,
+    motion: Motion | None = None,
+    seed: int = 0,
+) -> int:
+    """Return how many goals were reached on the floor of a problem, by robots that have new ones.
+
+    Some robots stay for some steps, some cells are closed and some robots have no goal.
+
+    Raises:
+        AssertionError: a step has a conflict, or the motion blocks a robot.
+    """
+    stream, layout = random.Random(seed), problem.graph.layout
+    cells, goals, reached = list(problem.starts), list(problem.goals), 0
+    open_cells, path = layout.open_cells.tolist(), [list(cells)]
+    planner = make_planner(problem.graph)
+    planner.reset()
+    for _ in range(steps):
+        stays = [stream.random() < 0.05 for _ in cells]
+        closed = stream.sample(open_cells, stream.randrange(1 + len(open_cells) // 10))
+        given = Situation(np.array(cells), np.array(goals), np.array(stays), np.array(closed, int))
+        after = planner.next_cells(given).tolist()
+        found = step_conflict(layout.rows, cells, after, stays, closed)
+        assert found is None, (found, layout.rows, given, after)
+        cells = after
+        path.append(cells)
+        for robot, cell in enumerate(cells):
+            if cell == goals[robot]:
+                reached += not stays[robot]
+                goals[robot] = cell if stream.random() < 0.2 else stream.choice(open_cells)
+    check_traffic(motion or GridMotion(), layout, path)
+    return reached
