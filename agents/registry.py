@@ -29,6 +29,7 @@ from agents.mapf.graph import Graph
 from agents.mapf.lanes import WRONG_WAY, lane_costs
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import Planner
+from agents.mapf.prioritised import REPLAN, WINDOW, WindowedPlanner
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, RecordError
@@ -47,11 +48,30 @@ AGENTS: dict[str, Callable[..., Agent]] = {
 
 def pibt_on_lanes(layout: Layout, seed: int = 0, wrong_way: float = WRONG_WAY) -> PIBT:
     """Return ``PIBT`` with the costs of lanes, see ``lane_costs``."""
-    costs = costs_around_chargers(layout, lane_costs(layout, wrong_way))
-    return PIBT(Graph(layout, costs), seed)
+    return PIBT(_lanes(layout, wrong_way), seed)
 
 
-PLANNERS: dict[str, Callable[..., Planner]] = {"pibt": PIBT, "pibt-lanes": pibt_on_lanes}
+def windowed_on_lanes(
+    layout: Layout,
+    seed: int = 0,
+    wrong_way: float = WRONG_WAY,
+    window: int = WINDOW,
+    replan: int = REPLAN,
+) -> WindowedPlanner:
+    """Return a ``WindowedPlanner`` with the costs of lanes, see ``lane_costs``."""
+    return WindowedPlanner(_lanes(layout, wrong_way), window, replan, seed=seed)
+
+
+def _lanes(layout: Layout, wrong_way: float) -> Graph:
+    return Graph(layout, costs_around_chargers(layout, lane_costs(layout, wrong_way)))
+
+
+PLANNERS: dict[str, Callable[..., Planner]] = {
+    "pibt": PIBT,
+    "pibt-lanes": pibt_on_lanes,
+    "windowed": WindowedPlanner,
+    "windowed-lanes": windowed_on_lanes,
+}
 """Planners of the robots of a fleet, by name."""
 
 TRAINED: dict[str, Callable[..., Agent]] = {"ppo": PPOAgent.load, "q": load_agent}
