@@ -158,7 +158,6 @@ def fleet(
         typer.Option(
             "--plan-seconds",
             metavar="S",
-            min=0,
             help="A plan of a step that takes longer is cut off, and all robots wait.",
         ),
     ] = PLAN_SECONDS,
@@ -236,8 +235,8 @@ def fleet(
         raise typer.BadParameter("--planner directs all robots; leave out --agent")
     if planner is None and assignment is not None:
         raise typer.BadParameter("--assignment is for a --planner")
-    if plan_seconds == 0:
-        raise typer.BadParameter("--plan-seconds is 0; a plan needs time")
+    if plan_seconds <= 0:
+        raise typer.BadParameter(f"--plan-seconds is {plan_seconds}; it must be above 0")
     floor, director = find_layout(layout), planner or agent
     make_env = partial(
         FleetEnv,
@@ -298,7 +297,7 @@ def warn_of_lost_steps(agent: FleetAgent, seed: int, name: str) -> None:
     lost = agent.lost if isinstance(agent, PlannedFleet) else []
     if lost:
         step, reason = lost[0]
-        more = f"; {counted(len(lost) - 1, 'step')} more lost" if len(lost) > 1 else ""
+        more = f"; {counted(len(lost) - 1, 'more step')} lost" if len(lost) > 1 else ""
         warnings.warn(
             f"seed {seed}, step {step}, planner {name}: {reason}; all robots waited{more}",
             stacklevel=2,

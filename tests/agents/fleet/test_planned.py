@@ -141,6 +141,22 @@ def test_a_robot_that_goes_to_charge_gives_its_order_to_another() -> None:
     assert env.order_of == [None, 0]
 
 
+@pytest.mark.parametrize(("battery", "goal"), [(60, 9), (40, 3)])
+def test_an_item_is_delivered_before_charging_if_the_battery_lasts(battery: int, goal: int) -> None:
+    planner = Greedy(LINE)
+    env = fleet_of(LINE, 1, orders=[Order(0, 99, (0, 0), (0, 9))], starts=[(0, 0)], battery=90)
+    agent = PlannedFleet(planner)
+    agent.reset()
+    env.reset(seed=1)
+    env.step(agent.act(env))
+    assert env.loaded == [True]
+    env._fleets.battery[0] = battery
+    env._fleets.robots.cells[0] = 1
+    agent._dispatcher.chargers._low = lambda until, needs: np.ones(1, np.bool_)  # type: ignore
+    agent.act(env)
+    assert planner.seen[-1].goals.tolist() == [goal]
+
+
 def test_an_order_for_one_robot_stays_with_it() -> None:
     env = fleet_of(LINE, 2, orders=[Order(0, 99, (0, 0), (0, 9), 1)], starts=[(0, 1), (0, 8)])
     episode = record_fleet_episode(env, PlannedFleet(Waits(), "hungarian"), seed=1)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from agents.mapf.assignment import ASSIGNMENTS, LATE, NONE, URGENT, Tasks
+from agents.mapf.assignment import ASSIGNMENTS, KEEP, LATE, NONE, REASSIGNING, URGENT, Tasks
 
 FAR = np.inf
 
@@ -59,6 +59,16 @@ def test_nearest_first_takes_one_nearest_pair_after_the_other() -> None:
 
 def test_as_many_orders_as_can_be_are_given_away_before_ways_count() -> None:
     assert ASSIGNMENTS["hungarian"](tasks([[1, 500], [2, FAR]])).tolist() == [1, 0]
+
+
+@pytest.mark.parametrize("name", REASSIGNING)
+def test_a_robot_keeps_its_order_unless_another_is_clearly_better(name: str) -> None:
+    ways = tasks([[9, 9 - KEEP + 0.5], [FAR, FAR]])
+    assert ASSIGNMENTS[name](ways).tolist() == [1, NONE]
+    held = ways._replace(held=np.array([0, NONE]))
+    assert ASSIGNMENTS[name](held).tolist() == [0, NONE]
+    better = held._replace(ways=ways.ways - [[0, 1], [0, 1]])
+    assert ASSIGNMENTS[name](better).tolist() == [1, NONE]
 
 
 def test_an_order_that_is_soon_due_is_worth_a_detour() -> None:
