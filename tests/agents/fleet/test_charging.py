@@ -55,7 +55,7 @@ def test_a_robot_charges_in_time_until_it_is_nearly_full() -> None:
 def test_two_robots_at_one_charger_take_turns_and_keep_the_way_out_free() -> None:
     one = Layout(["C" + "." * 28 + "."])
     chargers = chargers_of(2, one)
-    chargers.update(needs([0, 20], [30, 45]))
+    chargers.update(needs([0, 4], [30, 48]))
     assert chargers.turn.tolist() == [0, NONE]  # the other would wait there for long
     chargers.update(needs([0, 20], [140, 60]))
     assert chargers.turn.tolist() == [0, 0]
