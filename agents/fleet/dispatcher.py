@@ -97,7 +97,7 @@ class Dispatcher:
     def _send_to_chargers(self, robots: Robots) -> None:
         """Give turns at chargers. A robot that can deliver its item before does it first."""
         may_go = ~robots.ended
-        carrying = np.flatnonzero(robots.loaded & may_go)
+        carrying = np.flatnonzero(robots.loaded & may_go & (robots.goals != NONE))
         goals = robots.goals[carrying]
         ways = self._ways(robots.cells[carrying], goals) + self.chargers.home[goals]
         may_go[carrying] = ~self.chargers.lasts(robots.battery[carrying], ways)
@@ -112,11 +112,12 @@ class Dispatcher:
             return robots
         self._measure(known.pickup, known.dropoff)
         order = np.array([NONE if each is None else each for each in env.order_of])
-        able = ~(robots.loaded | robots.ended)
-        for robot in np.flatnonzero(able & (order != NONE) & (self.chargers.turn != NONE)).tolist():
+        is_charging, is_theirs = self.chargers.turn != NONE, known.robot[order] != NONE
+        able = ~(robots.loaded | robots.ended) & ((order == NONE) | ~is_theirs)
+        for robot in np.flatnonzero(able & is_charging & (order != NONE)).tolist():
             env.assign(robot, None)
             order[robot] = NONE
-        able &= (self.chargers.turn == NONE) & ((order == NONE) | (known.robot[order] == NONE))
+        able &= ~is_charging
         if not self._reassigns:
             able &= order == NONE
         free, open_orders = np.flatnonzero(able), np.array(env.open_orders, np.intp)
