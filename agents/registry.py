@@ -8,20 +8,28 @@ import importlib.util
 import inspect
 import random
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from types import ModuleType
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
 from agents.errors import AgentError, reason_of
 from agents.evaluation.baselines import RandomAgent, ReflexAgent
+from agents.fleet.charging import costs_around_chargers
+from agents.fleet.planned import DEFAULT_ASSIGNMENT, PlannedFleet
 from agents.fleet.team import Team
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_table import load_agent
+from agents.mapf.assignment import ASSIGNMENTS
+from agents.mapf.graph import Graph
+from agents.mapf.lanes import WRONG_WAY, lane_costs
+from agents.mapf.pibt import PIBT
+from agents.mapf.planner import Planner
+from agents.mapf.prioritised import REPLAN, WINDOW, WindowedPlanner
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, RecordError
@@ -37,11 +45,60 @@ AGENTS: dict[str, Callable[..., Agent]] = {
     **{name: partial(SearchAgent, algorithm=name) for name in ALGORITHMS},
 }
 
+
+def pibt_on_lanes(layout: Layout, seed: int = 0, wrong_way: float = WRONG_WAY) -> PIBT:
+    """Return ``PIBT`` with the costs of lanes, see ``lane_costs``."""
+    return PIBT(_lanes(layout, wrong_way), seed)
+
+
+def windowed_on_lanes(
+    layout: Layout,
+    seed: int = 0,
+    wrong_way: float = WRONG_WAY,
+    window: int = WINDOW,
+    replan: int = REPLAN,
+) -> WindowedPlanner:
+    """Return a ``WindowedPlanner`` with the costs of lanes, see ``lane_costs``."""
+    return WindowedPlanner(_lanes(layout, wrong_way), window, replan, seed=seed)
+
+
+def _lanes(layout: Layout, wrong_way: float) -> Graph:
+    return Graph(layout, costs_around_chargers(layout, lane_costs(layout, wrong_way)))
+
+
+PLANNERS: dict[str, Callable[..., Planner]] = {
+    "pibt": PIBT,
+    "pibt-lanes": pibt_on_lanes,
+    "windowed": WindowedPlanner,
+    "windowed-lanes": windowed_on_lanes,
+}
+"""Planners of the robots of a fleet, by name."""
+
 TRAINED: dict[str, Callable[..., Agent]] = {"ppo": PPOAgent.load, "q": load_agent}
 """Functions that load an agent of ``warehouse train``, by the word before the colon."""
 
-FIXED = ("seed", "layout", "algorithm")
+FIXED = ("seed", "layout", "graph", "algorithm")
 """Arguments that a name does not give: those of the episode, and the name's own."""
+
+
+class Sort(NamedTuple):
+    """What is made by name: agents or planners.
+
+    Attributes:
+        word: for it.
+        known: those that have a name.
+        more: in words, what else is allowed.
+        methods: sets of which a class of a user must have one.
+    """
+
+    word: str
+    known: Mapping[str, Callable[..., Any]]
+    more: Sequence[str]
+    methods: Sequence[tuple[str, ...]]
+
+
+AGENT = Sort("agent", AGENTS, [f"{word}:FILE" for word in TRAINED], [("reset", "act")])
+PLANNER = Sort("planner", PLANNERS, [], [("reset", "next_cells"), ("reset", "act")])
 
 
 def make_agent(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT) -> Agent:
@@ -82,23 +139,59 @@ def make_team(
     return Team(_make_agents(name, seeds, walls), seed)
 
 
-def make_planner(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT) -> FleetAgent:
-    """Return an agent that directs all robots of a fleet, by name.
+def make_planner(
+    name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT
+) -> Planner | FleetAgent:
+    """Return a planner of the robots of a fleet, or an agent that directs them, by name.
 
     Args:
-        name: ``file.py:Class`` or ``package.module:Class``; arguments may follow.
+        name: one of ``PLANNERS``, or ``file.py:Class`` or ``package.module:Class``; arguments may
+            follow, as in ``pibt-lanes:wrong_way=3``. A class that has ``next_cells`` is a
+            ``Planner``, one that has ``act`` a ``FleetAgent``.
         seed: see ``make_agent``.
-        layout: passed to the planner if it takes a ``layout``.
+        layout: passed to the planner if it takes a ``layout``; if it takes a ``graph``, it gets
+            that of the layout, where ways lead around chargers.
 
     Raises:
         AgentError: as ``make_agent``.
     """
-    if ":" not in name:
+    [planner] = _make(PLANNER, name, [seed], layout)
+    return cast("Planner | FleetAgent", planner)
+
+
+def make_fleet_agent(
+    planner: str,
+    assignment: str | None = None,
+    seed: int | None = None,
+    layout: Layout = DEFAULT_LAYOUT,
+    **options: Any,
+) -> FleetAgent:
+    """Return an agent that directs all robots of a fleet, by the names of its parts.
+
+    Args:
+        planner: see ``make_planner``.
+        assignment: one of ``ASSIGNMENTS``; ``None`` is ``DEFAULT_ASSIGNMENT``. An agent that
+            directs all robots assigns orders itself.
+        seed: of the planner.
+        layout: of the fleet.
+        options: see ``PlannedFleet``.
+
+    Raises:
+        AgentError: as ``make_planner``, or an assignment that does not exist or is not used.
+    """
+    if assignment is not None and assignment not in ASSIGNMENTS:
         raise AgentError(
-            f"no planner is called {name!r}; allowed: your own as file.py:Class or module:Class"
+            f"no assignment is called {assignment!r}; allowed: {', '.join(ASSIGNMENTS)}"
         )
-    [planner] = _make_agents(name, [seed], layout)
-    return cast(FleetAgent, planner)
+    made = make_planner(planner, seed, layout)
+    if hasattr(made, "next_cells"):
+        return PlannedFleet(cast(Planner, made), assignment or DEFAULT_ASSIGNMENT, **options)
+    if assignment is not None:
+        raise AgentError(
+            f"planner {planner!r} has act(), so it assigns orders itself; leave out "
+            f"assignment {assignment!r}"
+        )
+    return made
 
 
 def _make_agents(name: str, seeds: Sequence[int | None], layout: Layout) -> list[Agent]:
@@ -106,19 +199,24 @@ def _make_agents(name: str, seeds: Sequence[int | None], layout: Layout) -> list
     word, colon, rest = name.partition(":")
     if colon and word in TRAINED:
         return [_load_trained(word, rest, seed, layout) for seed in seeds]
+    return cast(list[Agent], _make(AGENT, name, seeds, layout))
+
+
+def _make(sort: Sort, name: str, seeds: Sequence[int | None], layout: Layout) -> list[Any]:
+    """Return one by name for each seed."""
     source, options = _split(name)
-    if seeds[0] is not None and source not in AGENTS:
+    if seeds[0] is not None and source not in sort.known:
         random.seed(seeds[0])
         np.random.seed(seeds[0] % 2**32)
-    kind = AGENTS.get(source) or _load_class(source)
-    given = _options(source, kind, options)
+    kind = sort.known.get(source) or _load_class(sort, source)
+    given = _options(f"{sort.word} {source!r}", kind, options)
     try:
         return [kind(**(_wanted(kind, seed, layout) | given)) for seed in seeds]
     except (Exception, SystemExit) as error:  # the code of a user may raise anything
-        if source in AGENTS:
-            raise AgentError(f"agent {name!r}: {error}") from error
+        if source in sort.known:
+            raise AgentError(f"{sort.word} {name!r}: {error}") from error
         reason = reason_of(error, agent_file(name))
-        raise AgentError(f"agent {name!r} cannot be made: {reason}") from error
+        raise AgentError(f"{sort.word} {name!r} cannot be made: {reason}") from error
 
 
 def _split(name: str) -> tuple[str, str]:
@@ -127,7 +225,7 @@ def _split(name: str) -> tuple[str, str]:
     return (source, options) if "=" in options else (name, "")
 
 
-def _options(name: str, kind: Callable[..., Agent], text: str) -> dict[str, Any]:
+def _options(what: str, kind: Callable[..., Any], text: str) -> dict[str, Any]:
     """Return the arguments in a text such as ``memory=20,escape_steps=0``."""
     if not text:
         return {}
@@ -137,7 +235,7 @@ def _options(name: str, kind: Callable[..., Agent], text: str) -> dict[str, Any]
         key, equals, value = part.partition("=")
         if not equals or key not in allowed:
             raise AgentError(
-                f"agent {name!r} takes no argument {key!r}; "
+                f"{what} takes no argument {key!r}; "
                 f"allowed: {', '.join(f'{each}=VALUE' for each in allowed) or 'none'}"
             )
         try:
@@ -167,10 +265,15 @@ def agent_module(name: str) -> str | None:
     return source if is_own_code(name) and not source.endswith(".py") and source else None
 
 
-def _wanted(make: Callable[..., Agent], seed: int | None, layout: Layout) -> dict[str, Any]:
-    """Return those of the two arguments that ``make`` takes, by name."""
-    given = {"seed": seed, "layout": layout}
-    return {name: given[name] for name in given.keys() & inspect.signature(make).parameters.keys()}
+def _wanted(make: Callable[..., Any], seed: int | None, layout: Layout) -> dict[str, Any]:
+    """Return those of the arguments ``seed``, ``layout`` and ``graph`` that ``make`` takes."""
+    parts: dict[str, Callable[[], Any]] = {
+        "seed": lambda: seed,
+        "layout": lambda: layout,
+        "graph": lambda: Graph(layout, costs_around_chargers(layout)),
+    }
+    wanted = inspect.signature(make).parameters.keys()
+    return {name: part() for name, part in parts.items() if name in wanted}
 
 
 def _load_trained(word: str, file: str, seed: int | None, layout: Layout) -> Agent:
@@ -189,21 +292,25 @@ def _load_trained(word: str, file: str, seed: int | None, layout: Layout) -> Age
         ) from error
 
 
-def _load_class(name: str) -> type[Agent]:
+def _load_class(sort: Sort, name: str) -> type[Any]:
     source, colon, class_name = name.rpartition(":")
     if not colon:
-        allowed = [*AGENTS, *(f"{word}:FILE" for word in TRAINED)]
         raise AgentError(
-            f"no agent is called {name!r}; allowed: {', '.join(allowed)}, "
+            f"no {sort.word} is called {name!r}; allowed: {', '.join([*sort.known, *sort.more])}, "
             "or your own as file.py:Class or module:Class"
         )
     kind: Any = getattr(_load_module(source), class_name, None)
     if not isinstance(kind, type):
         raise AgentError(f"{source} has no class {class_name!r}")
-    missing = [method for method in ("reset", "act") if not callable(getattr(kind, method, None))]
-    if missing:
-        raise AgentError(f"class {name!r} has no {' and no '.join(missing)}; an agent needs both")
-    found: type[Agent] = kind
+    missing = [
+        [each for each in names if not callable(getattr(kind, each, None))]
+        for names in sort.methods
+    ]
+    if all(missing):
+        needed = ", or ".join(" and ".join(names) for names in sort.methods)
+        fewest = min(missing, key=lambda names: len(names))
+        raise AgentError(f"class {name!r} has no {' and no '.join(fewest)}; needed: {needed}")
+    found: type[Any] = kind
     return found
 
 

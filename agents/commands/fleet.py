@@ -26,8 +26,10 @@ from agents.console.options import (
 from agents.console.output import replay_or_save
 from agents.console.terminal import print_error
 from agents.errors import EpisodeError, EpisodeInterrupted
+from agents.fleet.planned import DEFAULT_ASSIGNMENT, PLAN_SECONDS, PlannedFleet
 from agents.fleet.shift import run_shift
-from agents.registry import make_planner, make_team
+from agents.mapf.assignment import ASSIGNMENTS
+from agents.registry import PLANNERS, make_fleet_agent, make_team
 from agents.run_episode import draw_seed
 from warehouse_core import FleetEnv, FleetEpisode, OrderStream, WarehouseError
 from warehouse_core.arguments import whole_number
@@ -36,6 +38,7 @@ from warehouse_core.fleet.battery import JOULES, STEPS
 from warehouse_core.fleet.settings import MAX_BODIES
 from warehouse_core.orders import load_orders
 from warehouse_core.orders.order import Orders
+from warehouse_core.records.fleet_episode import FleetAgent
 from warehouse_core.task.encoding import MAX_STEPS
 from warehouse_core.wording import counted
 from warehouse_core.world.named_layouts import DEPOT, NAMES, find_layout
@@ -137,9 +140,34 @@ def fleet(
         typer.Option(
             "--planner",
             metavar="NAME",
-            help="Your own agent that directs all robots, as file.py:Class, instead of --agent.",
+            help=f"Directs all robots, instead of --agent: {', '.join(PLANNERS)}, or your own as "
+            "file.py:Class.",
         ),
     ] = None,
+    assignment: Annotated[
+        str | None,
+        typer.Option(
+            "--assignment",
+            metavar="NAME",
+            help=f"Which robot of a planner goes for which order: {', '.join(ASSIGNMENTS)}. "
+            f"Default: {DEFAULT_ASSIGNMENT}.",
+        ),
+    ] = None,
+    plan_seconds: Annotated[
+        float,
+        typer.Option(
+            "--plan-seconds",
+            metavar="S",
+            help="A plan of a step that takes longer is cut off, and all robots wait.",
+        ),
+    ] = PLAN_SECONDS,
+    goes_on: Annotated[
+        bool,
+        typer.Option(
+            "--go-on/--stop",
+            help="When a planner fails, let all robots wait for a step, or stop.",
+        ),
+    ] = False,
     layout: Annotated[
         Path,
         typer.Option(
@@ -198,12 +226,17 @@ def fleet(
     """Run a shift of several robots and replay it.
 
     Each robot is directed by the agent, its goal given by its order. A robot
-    whose battery is low drives to a charger.
+    whose battery is low drives to a charger. With --planner, a planner leads
+    all robots, and orders and chargers are assigned to them.
 
     Example: warehouse fleet --robots 12 --orders 0.1 --people 3 --seed 12
     """
     if planner is not None and agent != "greedy":
         raise typer.BadParameter("--planner directs all robots; leave out --agent")
+    if planner is None and assignment is not None:
+        raise typer.BadParameter("--assignment is for a --planner")
+    if plan_seconds <= 0:
+        raise typer.BadParameter(f"--plan-seconds is {plan_seconds}; it must be above 0")
     floor, director = find_layout(layout), planner or agent
     make_env = partial(
         FleetEnv,
@@ -223,10 +256,14 @@ def fleet(
         directing = (
             make_team(agent, robots, seed, floor)
             if planner is None
-            else make_planner(planner, seed, floor)
+            else make_fleet_agent(
+                planner, assignment, seed, floor, seconds=plan_seconds, goes_on=goes_on
+            )
         )
-        with closing(make_env()) as env:
-            return run_shift(env, directing, director, seed)
+        with closing(make_env(dispatch=getattr(directing, "dispatch", True))) as env:
+            episode = run_shift(env, directing, director, seed)
+        warn_of_lost_steps(directing, seed, director)
+        return episode
 
     first = draw_seed() if seed is None else seed
     title = (
@@ -253,6 +290,18 @@ def fleet(
         finish(False, ", not finished")
         raise typer.Abort from error
     finish(show)
+
+
+def warn_of_lost_steps(agent: FleetAgent, seed: int, name: str) -> None:
+    """Warn of the steps of a ``PlannedFleet`` in which all robots waited for a plan."""
+    lost = agent.lost if isinstance(agent, PlannedFleet) else []
+    if lost:
+        step, reason = lost[0]
+        more = f"; {counted(len(lost) - 1, 'more step')} lost" if len(lost) > 1 else ""
+        warnings.warn(
+            f"seed {seed}, step {step}, planner {name}: {reason}; all robots waited{more}",
+            stacklevel=2,
+        )
 
 
 def run_shifts(

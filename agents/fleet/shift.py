@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from agents.console.watch import watched
+from agents.fleet.planned import PlannedFleet
 from agents.fleet.team import Team
 from warehouse_core import FleetEnv, FleetEpisode
 from warehouse_core.records.fleet_episode import FleetAgent, FleetRecorder
@@ -30,7 +31,13 @@ def run_shift(env: FleetEnv, agent: FleetAgent, name: str, seed: int) -> FleetEp
         robot = agent.robot if isinstance(agent, Team) else None
         return recorder.place if robot is None else f"{recorder.place}, robot {robot}"
 
-    own = agent.agents[0] if isinstance(agent, Team) else agent
-    with watched(place, name, own, lambda: recorder.episode):
+    with watched(place, name, _own_code(agent), lambda: recorder.episode):
         recorder.run(agent)
     return recorder.episode
+
+
+def _own_code(agent: FleetAgent) -> object:
+    """Return the part of an agent that a user may have written."""
+    if isinstance(agent, Team):
+        return agent.agents[0]
+    return agent.planner if isinstance(agent, PlannedFleet) else agent

@@ -7,7 +7,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.mapf.graph import Integers
+from agents.errors import PlanError
+from agents.mapf.graph import CLOSED, Graph, Integers
+from warehouse_core.wording import brief
 
 
 class Situation(NamedTuple):
@@ -40,3 +42,60 @@ class Planner(Protocol):
         The step has no conflict: no two robots in one cell, no two that change places, nobody in
         a closed cell. Each cell is the robot's own or one beside it.
         """
+
+
+def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:
+    """Return the next cells that a planner has chosen, checked.
+
+    Args:
+        graph: of the floor.
+        situation: before the step. Robots that share a cell, as bodies may after a disturbance,
+            stay there.
+        chosen: what the planner returned.
+
+    Raises:
+        PlanError: it is no cell for each robot, or a robot jumps, moves though it stays, enters a
+            closed cell, or meets another; the message names robots and cells.
+    """
+    cells, stays = situation.cells, situation.stays
+    found = np.asarray(chosen)
+    if found.shape != cells.shape or found.dtype.kind not in "iu":
+        raise PlanError(
+            f"the planner returned {brief(chosen)}; needed: a cell number for each of "
+            f"{len(cells)} robots"
+        )
+
+    def place(cell: np.integer) -> str:
+        return str(divmod(int(cell), graph.layout.width))
+
+    is_near = (graph.neighbours[cells] == found[:, None]).any(axis=1) & (found != CLOSED)
+    for robot in np.flatnonzero(~is_near)[:1]:
+        raise PlanError(
+            f"robot {robot} is to go from {place(cells[robot])} to {place(found[robot])}, which is "
+            "not an open cell beside it"
+        )
+    moves = found != cells
+    for robot in np.flatnonzero(moves & stays)[:1]:
+        raise PlanError(
+            f"robot {robot} is to go from {place(cells[robot])} to {place(found[robot])}, but it "
+            "stays in this step"
+        )
+    is_closed = np.zeros(graph.size, np.bool_)
+    is_closed[situation.closed] = True
+    for robot in np.flatnonzero(moves & is_closed[found])[:1]:
+        raise PlanError(f"robot {robot} is to enter {place(found[robot])}, which is closed")
+    by_cell = np.argsort(found, kind="stable")
+    first, second = by_cell[:-1], by_cell[1:]
+    meets = (found[first] == found[second]) & (moves[first] | moves[second])
+    for one, other in zip(first[meets][:1], second[meets][:1], strict=True):
+        raise PlanError(f"robots {one} and {other} are both to be in {place(found[one])}")
+    robot_in = np.full(graph.size, -1)
+    robot_in[cells] = np.arange(len(cells))
+    other_in = robot_in[found]
+    swaps = moves & (other_in >= 0) & (found[other_in] == cells)
+    for one in np.flatnonzero(swaps)[:1]:
+        raise PlanError(
+            f"robots {one} and {other_in[one]} are to change places, {place(cells[one])} and "
+            f"{place(found[one])}"
+        )
+    return found

@@ -143,7 +143,7 @@ def test_a_missing_class_is_named(agent_file: Path, name: str) -> None:
 def test_a_missing_method_is_named(agent_file: Path, body: str, missing: str) -> None:
     agent_file.write_text(f"class Mine:\n    {body}\n")
     name = f"{agent_file}:Mine"
-    assert refusal(name) == f"class {name!r} has {missing}; an agent needs both"
+    assert refusal(name) == f"class {name!r} has {missing}; needed: reset and act"
 
 
 def test_a_class_that_needs_arguments_is_an_error(agent_file: Path) -> None:

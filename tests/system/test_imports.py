@@ -131,7 +131,7 @@ EXPORTS = {
     "agents.evaluation": """
         MEASURES Interval Run Scores Task evaluate mean_interval share_interval
     """,
-    "agents.fleet": "Team run_shift",
+    "agents.fleet": "PlannedFleet Team run_shift",
     "agents.learning": "PPOAgent QAgent QTable load_agent load_table save_table",
     "agents.search": """
         DeliveryProblem ExploringAgent Problem RouteProblem SearchAgent Solution

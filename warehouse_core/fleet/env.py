@@ -20,7 +20,7 @@ from warehouse_core.fleet.tally import FleetMeasures
 from warehouse_core.motion.backends import Backend, make_motion
 from warehouse_core.motion.base import Outcome
 from warehouse_core.motion.vector import Flags
-from warehouse_core.orders.order import Order, Orders
+from warehouse_core.orders.order import Order, OrderArrays, Orders
 from warehouse_core.wording import brief
 from warehouse_core.world.actions import DROP, INVALID, PICK, WAIT, action_index
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
@@ -265,6 +265,17 @@ class FleetEnv:
         return orders.books[0].records() if orders else []
 
     @property
+    def order_arrays(self) -> OrderArrays:
+        """The orders released so far as arrays ``[K]``, which are not to be changed.
+
+        Raises:
+            ValueError: the fleet has no orders.
+        """
+        if self._fleets.orders is None:
+            raise ValueError("this fleet has no orders")
+        return self._fleets.orders.books[0].released_orders
+
+    @property
     def open_orders(self) -> list[int]:
         """The indices of the orders that wait for any robot, in order of release."""
         orders = self._fleets.orders
@@ -294,6 +305,12 @@ class FleetEnv:
         """Battery units that each robot has left."""
         units: list[float] = self._fleets.battery.tolist()
         return units
+
+    @property
+    def ended(self) -> list[bool]:
+        """Whether each robot has ended: it waits, and stays in the way."""
+        ended: list[bool] = self._fleets.ended.tolist()
+        return ended
 
     @property
     def people(self) -> list[Cell]:

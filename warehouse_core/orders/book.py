@@ -77,6 +77,11 @@ class OrderBook:
         return found
 
     @property
+    def released_orders(self) -> OrderArrays:
+        """The orders that have been released."""
+        return OrderArrays(*(column[: self._released] for column in self.orders))
+
+    @property
     def has_open_orders(self) -> bool:
         """Whether an open order waits."""
         return bool(self._is_open.any())

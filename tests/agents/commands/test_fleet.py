@@ -12,6 +12,7 @@ from PIL import Image
 from agents.commands.fleet import parse_battery, parse_due, parse_orders
 from agents.commands.shift_report import LINES, diagnosis, verdict
 from agents.commands.shift_report import measures_table as table
+from agents.registry import PLANNERS
 from warehouse_core import FleetEpisode, Order, OrderStream
 from warehouse_core.fleet import Battery, FleetMeasures
 from warehouse_core.orders import save_orders
@@ -169,6 +170,86 @@ def test_an_agent_that_fails_is_named_after_what_has_been_measured(
     assert FleetEpisode.load("a.npz").steps == int(found[1]) - 1
 
 
+PLANS = """
+class Plans:
+    def reset(self):
+        self.steps = 0
+
+    def next_cells(self, situation):
+        self.steps += 1
+        if self.steps == 4:
+            raise ValueError("too far")
+        return situation.cells
+
+
+class Collides(Plans):
+    def next_cells(self, situation):
+        return situation.cells * 0 + situation.cells[0]
+
+
+class Hangs(Plans):
+    def next_cells(self, situation):
+        while True:
+            pass
+"""
+
+
+@pytest.mark.parametrize("planner", PLANNERS)
+def test_a_planner_and_an_assignment_by_name_lead_all_robots(
+    planner: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    done = command(
+        capsys, *SMALL, "--orders", 0.2, "--planner", planner, "--assignment", "nearest",
+        "--save", "a.npz",
+    )  # fmt: skip
+    assert (done.code, done.err) == (0, "")
+    assert f"3 robots ({planner}) on layout depot" in done.out
+    episode = FleetEpisode.load("a.npz")
+    assert not episode.settings.dispatch
+    assert episode.assignments
+    assert episode.measures.blocked_by_robot == 0
+
+
+def test_a_planner_that_fails_stops_the_shift_or_all_robots_wait(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    Path("mine.py").write_text(PLANS)
+    own = (*SMALL, "--orders", 1, "--save", "a.npz", "--planner")
+    done = command(capsys, *own, "mine.py:Plans")
+    reason = r"ValueError: too far \(mine.py, line 9\)"
+    assert done.code == 1
+    assert re.fullmatch(rf"warehouse: seed 5, step 4, agent mine.py:Plans: {reason}\n", done.err)
+    done = command(capsys, *own, "mine.py:Plans", "--go-on")
+    assert done.code == 0
+    assert re.fullmatch(
+        rf"warehouse: warning: seed 5, step 4, planner mine.py:Plans: {reason}; all robots "
+        r"waited; 14 more steps lost\n",
+        done.err,
+    )
+    done = command(capsys, *own, "mine.py:Collides")
+    assert done.code == 1
+    assert re.fullmatch(
+        r"warehouse: seed 5, step 1, agent mine.py:Collides: PlanError: robot \d is to go from "
+        r"\(\d+, \d+\) to \(\d+, \d+\), which is not an open cell beside it.*\n",
+        done.err,
+    )
+
+
+def test_a_plan_that_takes_too_long_is_cut_off_and_reported(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    Path("mine.py").write_text(PLANS)
+    done = command(
+        capsys, *SMALL, "--steps", 2, "--planner", "mine.py:Hangs", "--plan-seconds", 0.02,
+        "--save", "a.npz",
+    )  # fmt: skip
+    assert done.code == 0
+    assert done.err == (
+        "warehouse: warning: seed 5, step 1, planner mine.py:Hangs: the plan took more than "
+        "0.02 s; all robots waited; 1 more step lost\n"
+    )
+
+
 def test_an_interrupt_ends_the_shift_and_prints_the_measures(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -214,6 +295,8 @@ def test_without_a_display_the_end_is_written_as_a_picture(
         ("--seed -1", "seed is -1; it must be at least 0"),
         ("--robots 99999 --people 9", "robots and people is 100008; it must be at most"),
         ("--agent bfs --planner a.py:A", "--planner directs all robots; leave out --agent"),
+        ("--assignment urgent", "--assignment is for a --planner"),
+        ("--planner pibt --plan-seconds 0", "--plan-seconds is 0.0; it must be above 0"),
     ],
 )
 def test_wrong_options_are_named(
@@ -229,7 +312,8 @@ def test_wrong_options_are_named(
         ("--orders nowhere.csv", "nowhere.csv: No such file"),
         ("--layout nowhere", "no layout is called 'nowhere'"),
         ("--agent nobody", "no agent is called 'nobody'"),
-        ("--planner nobody", "no planner is called 'nobody'"),
+        ("--planner nobody", "no planner is called 'nobody'; allowed: pibt, pibt-lanes, wi"),
+        ("--planner pibt --assignment x", "no assignment is called 'x'; allowed: fifo, nearest"),
         ("--backend none", "no backend is called 'none'"),
         ("--orders 1e9", "MAX_ORDERS"),
         ("--save a.txt", "cannot save as .txt"),

@@ -114,6 +114,15 @@ def test_a_robot_with_an_empty_battery_stays_in_the_way() -> None:
     assert fleet.battery == [25, 25]
 
 
+def test_who_has_ended_is_seen() -> None:
+    fleet = FleetEnv(["...."], 2, starts=[(0, 1), (0, 2)], battery=2, max_steps=9)
+    fleet.reset(seed=1)
+    fleet._fleets.battery[0] = 1
+    assert fleet.ended == [False, False]
+    fleet.step([WAIT, WAIT])
+    assert fleet.ended == [True, False]
+
+
 def test_max_steps_truncates_all() -> None:
     fleet = begun(AISLE, 3, max_steps=2)
     assert not fleet.step([WAIT] * 3)[3].any()
@@ -190,6 +199,20 @@ def test_open_orders_wait_for_all_and_are_seen() -> None:
     fleet.step([EAST, WAIT])
     assert fleet.observe(1)["local_grid"][1] == "#.o.."
     assert arrays["due"].tolist() == [[-1], [-1]]
+
+
+def test_the_orders_released_so_far_are_seen_as_arrays() -> None:
+    orders = [Order(0, 50, (0, 0), (0, 3)), Order(2, 60, (0, 3), (0, 0), 1)]
+    fleet = FleetEnv(["...."], 2, orders=orders, starts=[(0, 1), (0, 2)], max_steps=9)
+    fleet.reset(seed=1)
+    assert [column.tolist() for column in fleet.order_arrays] == [[0], [50], [0], [3], [-1]]
+    for _ in range(2):
+        fleet.step([WAIT, WAIT])
+    assert [column.tolist() for column in fleet.order_arrays] == [
+        [0, 2], [50, 60], [0, 3], [3, 0], [-1, 1]
+    ]  # fmt: skip
+    with pytest.raises(ValueError, match="this fleet has no orders"):
+        _ = FleetEnv(["...."], 2).order_arrays
 
 
 def test_a_delivery_late_costs_its_penalty_and_the_list_ends_with_the_last_one() -> None:

@@ -1,0 +1,229 @@
+"""Charging as a task: which robot goes to which charger, and when.
+
+Each charger has one robot that charges there or goes there, and at most one more that comes next
+and waits some cells away, so that nobody is in the way of the one that leaves.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from agents.mapf.graph import MOVES, Costs, Graph, Integers
+from warehouse_core import FleetEnv, Layout
+from warehouse_core.world.actions import DISPLACEMENTS
+
+NONE = -1
+"""No charger, robot or cell."""
+
+DETOUR, SPARE_STEPS = 2.0, 20.0
+"""A robot counts on ``DETOUR`` times the shortest way, and keeps ``SPARE_STEPS`` more."""
+
+MARGIN = 1.2
+"""By what the time until its turn may be longer than a robot counts on."""
+
+GAP = 5.0
+"""Steps from the end of a turn at a charger until the next robot charges there."""
+
+ENOUGH = 0.7
+"""Share of a full battery with which every robot may take every order."""
+
+NEARBY, PATIENCE = 10.0, 5.0
+"""Steps more than to the nearest charger that a robot goes, and that it waits there; one that would
+run empty goes to any and waits."""
+
+HASTE = 0.25
+"""Steps of the way to a charger that a step which a battery lasts longer counts as."""
+
+QUEUE_DISTANCE = 3
+"""Cells from its charger at which the robot that comes next waits."""
+
+OUT_OF_REACH = 1e9
+"""Cost of what is not allowed."""
+
+INTO_CHARGER = 10.0
+"""Cost of a move into a charger, where somebody may charge for long, more than of another."""
+
+
+def costs_around_chargers(layout: Layout, costs: Costs | None = None) -> Costs | None:
+    """Return costs of moves ``[H * W, 4]``, see ``Graph``, so that ways lead around chargers.
+
+    Planners do not look for a way around robots that stay.
+
+    Args:
+        layout: of the fleet.
+        costs: of the moves without chargers; ``None`` is 1 each, and is returned if there are none.
+    """
+    if not layout.chargers:
+        return costs
+    size = layout.height * layout.width
+    found = np.ones((size, len(MOVES)), np.float32) if costs is None else costs.copy()
+    chargers = np.array([row * layout.width + col for row, col in layout.chargers])
+    for move in MOVES:
+        down, right = DISPLACEMENTS[move]
+        found[(chargers - down * layout.width - right) % size, move] += INTO_CHARGER
+    return found
+
+
+class Needs(NamedTuple):
+    """What ``R`` robots need.
+
+    Attributes:
+        cells: ``[R]``, where they are.
+        battery: ``[R]`` units left; robots without any have no turn.
+        may_go: ``[R]`` bool, whether they may go to charge now.
+        limits: ``[R]`` units, a robot with less goes to a charger that nobody uses.
+    """
+
+    cells: Integers
+    battery: NDArray[np.float64]
+    may_go: NDArray[np.bool_]
+    limits: NDArray[np.float64]
+
+
+class Chargers:
+    """The chargers of a floor, and the robots that have turns at them.
+
+    When it is time to charge follows from a schedule by earliest deadline: the robots take turns
+    in the order of the steps that their batteries last, each when the chargers are done with those
+    before it. If one of them would run empty until then, it and all before it are to charge now.
+
+    Args:
+        env: of the fleet.
+        graph: of its floor.
+
+    Attributes:
+        cells: ``[C]``, where the chargers are.
+        home: ``[H * W]``, the steps from each cell to the nearest charger.
+        turn: ``[R]``, the charger where each robot charges or is to charge, or ``NONE``.
+
+    Source: Liu and Layland (1973), Scheduling algorithms for multiprogramming in a hard-real-time
+    environment, for the order of the deadlines.
+    """
+
+    def __init__(self, env: FleetEnv, graph: Graph) -> None:
+        battery, layout = env.settings.battery, env.layout
+        self.cells = np.array([row * layout.width + col for row, col in layout.chargers], np.intp)
+        ways = [graph.distances(cell) for cell in self.cells.tolist()]
+        self._ways = np.array(ways, np.float64).reshape(-1, graph.size)
+        self.home = self._ways.min(axis=0, initial=np.inf)
+        self._capacity, self._cost = battery.capacity, battery.step_cost(env.cell_size)
+        charge = battery.step_charge(env.cell_size)
+        self._gain = max(charge - self._cost, 0.0) or self._cost
+        self._full = max(battery.capacity - charge, ENOUGH * battery.capacity)
+        self.turn = np.full(env.settings.robots, NONE)
+        self._is_next = np.zeros(env.settings.robots, np.bool_)
+
+    def lasts(self, battery: NDArray[np.float64], ways: NDArray[np.floating]) -> NDArray[np.bool_]:
+        """Return whether batteries last for ways of so many steps that end at a charger.
+
+        One with ``ENOUGH`` is said to last for all: it can be charged on the way.
+        """
+        needed = self._cost * (DETOUR * ways + SPARE_STEPS)
+        found: NDArray[np.bool_] = battery >= np.minimum(needed, ENOUGH * self._capacity)
+        return found
+
+    def update(self, needs: Needs) -> None:
+        """End the turns of robots that have charged, and give turns to others."""
+        if not len(self.cells):
+            return
+        empty = needs.battery <= 0
+        is_blocked = self._are_there(needs.cells[empty])
+        self.turn[(needs.battery >= self._full) | empty | is_blocked[self.turn]] = NONE
+        holder = self._holders()
+        until = self._until(holder, needs)
+        may_go = needs.may_go & np.isfinite(self.home[needs.cells])
+        for low, most in (self._low(until, needs), 1), (needs.battery < needs.limits, 0):
+            robots = np.flatnonzero(low & may_go & (self.turn == NONE))
+            counts = np.bincount(self.turn + 1, minlength=len(holder) + 1)[1:]
+            chargers = np.flatnonzero((counts <= most) & ~is_blocked)
+            if len(robots) and len(chargers):
+                self._give_turns(robots, chargers, until[chargers], needs)
+        self._is_next = (self.turn != NONE) & (holder[self.turn] != NONE)
+        self._is_next[holder[holder != NONE]] = False
+
+    def goals(self, cells: Integers) -> NDArray[np.intp]:
+        """Return the cell that each robot with a turn is to go to, ``[R]``, or ``NONE``."""
+        goals = np.full(len(cells), NONE)
+        robots = np.flatnonzero(self.turn != NONE)
+        chargers, here = self.turn[robots], cells[robots]
+        is_used = self._are_there(cells)[chargers] | self._is_next[robots]
+        waits = is_used & (self._ways[chargers, here] <= QUEUE_DISTANCE)
+        waits &= here != self.cells[chargers]
+        goals[robots] = np.where(waits, here, self.cells[chargers])
+        return goals
+
+    def charging(self, cells: Integers) -> NDArray[np.bool_]:
+        """Return whether each robot is at the charger where it has a turn, ``[R]``."""
+        found: NDArray[np.bool_] = self.turn != NONE
+        found[found] = self.cells[self.turn[found]] == cells[found]
+        return found
+
+    def _are_there(self, cells: Integers) -> NDArray[np.bool_]:
+        """Return whether each charger is one of some cells, ``[C]``."""
+        is_there = np.zeros(len(self.home), np.bool_)
+        is_there[cells] = True
+        found: NDArray[np.bool_] = is_there[self.cells]
+        return found
+
+    def _holders(self) -> NDArray[np.intp]:
+        """Return the robot that has each charger, ``[C]``: if nobody else, the one that is next."""
+        holder = np.full(len(self.cells), NONE)
+        for is_next in (True, False):
+            robots = np.flatnonzero((self.turn != NONE) & (self._is_next == is_next))
+            holder[self.turn[robots]] = robots
+        self._is_next[holder[holder != NONE]] = False
+        return holder
+
+    def _until(self, holder: Integers, needs: Needs) -> NDArray[np.float64]:
+        """Return the steps until each charger is free, ``[C]``."""
+        until, used = np.zeros(len(holder)), np.flatnonzero(holder != NONE)
+        robots = holder[used]
+        ways = self._ways[used, needs.cells[robots]]
+        until[used] = ways + self._charging_steps(needs.battery[robots], ways)
+        return until
+
+    def _low(self, until: NDArray[np.float64], needs: Needs) -> NDArray[np.bool_]:
+        """Return whether each robot is to charge now, ``[R]``; see the class."""
+        home = DETOUR * self.home[needs.cells]
+        turns, spare = GAP + self._charging_steps(needs.battery, home), self._spare(needs)
+        coming = self._is_next & (self.turn != NONE)
+        robots = np.flatnonzero((self.turn == NONE) & (needs.battery > 0) & np.isfinite(home))
+        robots = robots[np.argsort(spare[robots], kind="stable")]
+        # Each step until its turn makes the turn of a robot longer, which grows like interest.
+        growth = (1 + self._cost / self._gain / len(self.cells)) ** np.arange(len(robots))
+        before = np.cumsum(np.append(0.0, (turns[robots] / growth)[:-1]))
+        waiting = growth * (until.sum() + turns[coming].sum() + before) / len(self.cells)
+        late = np.flatnonzero(spare[robots] < MARGIN * waiting + SPARE_STEPS)
+        low = np.zeros(len(spare), np.bool_)
+        low[robots[: late[-1] + 1 if len(late) else 0]] = True
+        return low
+
+    def _give_turns(
+        self, robots: Integers, chargers: Integers, until: NDArray[np.float64], needs: Needs
+    ) -> None:
+        """Give robots turns at chargers, so that they begin as soon as can be."""
+        ways = self._ways[chargers][:, needs.cells[robots]].T
+        waits, spare = np.maximum(until - DETOUR * ways, 0), self._spare(needs)[robots, None]
+        near = ways <= self.home[needs.cells[robots], None] + NEARBY
+        allowed = np.isfinite(ways) & ((spare < SPARE_STEPS) | near & (waits <= PATIENCE))
+        costs = np.where(allowed, ways + waits + HASTE * spare, OUT_OF_REACH)
+        rows, columns = linear_sum_assignment(costs)
+        given = allowed[rows, columns]
+        self.turn[robots[rows[given]]] = chargers[columns[given]]
+
+    def _spare(self, needs: Needs) -> NDArray[np.float64]:
+        """Return for how many steps each battery lasts beyond the way to a charger."""
+        found: NDArray[np.float64] = needs.battery / self._cost - DETOUR * self.home[needs.cells]
+        return found
+
+    def _charging_steps(
+        self, battery: NDArray[np.float64], ways: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Return the steps of charging after ways of so many steps."""
+        missing = self._full - battery + self._cost * ways
+        found: NDArray[np.float64] = np.maximum(missing, 0) / self._gain
+        return found

@@ -1,0 +1,197 @@
+"""What each robot of a fleet is to do: its order, its charger, or a place out of the way."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.fleet.charging import NONE, Chargers, Needs
+from agents.mapf.assignment import ASSIGNMENTS, REASSIGNING, Tasks
+from agents.mapf.graph import FAR, Fields, Graph, Integers
+from agents.mapf.planner import Situation
+from warehouse_core import FleetEnv
+from warehouse_core.world.actions import DISPLACEMENTS, DROP, PICK, WAIT
+from warehouse_core.world.distances import nearest
+from warehouse_core.world.layout import Layout
+
+IDLE, BETWEEN = 0.9, 0.5
+"""Shares of a full battery below which a robot that has no order, or has just delivered one, goes
+to a charger that nobody uses."""
+
+Flags = NDArray[np.bool_]
+
+
+class Robots(NamedTuple):
+    """The robots before a step, ``[R]`` each; cells are numbers.
+
+    Attributes:
+        cells: where they are.
+        goals: where they are to pick or drop, or ``NONE``.
+        loaded: whether they hold an item.
+        ended: whether they have ended.
+        battery: units left.
+    """
+
+    cells: Integers
+    goals: Integers
+    loaded: Flags
+    ended: Flags
+    battery: NDArray[np.float64]
+
+
+class Dispatcher:
+    """Gives the robots of a fleet orders, turns at chargers, and goals.
+
+    Args:
+        env: of the fleet, after its reset.
+        assignment: a name of ``ASSIGNMENTS``.
+
+    Attributes:
+        graph: of the floor.
+        chargers: of the floor.
+    """
+
+    def __init__(self, env: FleetEnv, assignment: str) -> None:
+        self.graph = Graph(env.layout)
+        self._fields = Fields(self.graph)
+        self.chargers = Chargers(env, self.graph)
+        self._assign, self._reassigns = ASSIGNMENTS[assignment], assignment in REASSIGNING
+        self._capacity = env.settings.battery.capacity
+        self._parking = parking_of(env.layout)
+        self._trips = self._homes = np.empty(0)
+        self._assigned = (b"", b"")
+        self._is_idle = np.zeros(env.settings.robots, np.bool_)
+
+    def situation(self, env: FleetEnv) -> tuple[Situation, NDArray[np.intp]]:
+        """Return what a planner is to know before the next step, and what those do who stay.
+
+        Orders are assigned. A robot does ``PICK`` or ``DROP``, or ``WAIT`` if it moves or waits.
+        """
+        robots = self._look(env)
+        self._send_to_chargers(robots)
+        if env.settings.orders is not None:
+            robots = self._give_orders(env, robots)
+        self._is_idle = robots.goals == NONE
+        at_work = (robots.cells == robots.goals) & ~robots.ended & (self.chargers.turn == NONE)
+        goals = self._goals(robots)
+        stays = (
+            robots.ended
+            | at_work
+            | self.chargers.charging(robots.cells)
+            | shares_cell(robots.cells)
+        )
+        people = np.array(env.people, np.intp).reshape(-1, 2) @ np.array([env.layout.width, 1])
+        actions = np.where(at_work, np.where(robots.loaded, DROP, PICK), WAIT)
+        return Situation(robots.cells, goals, stays, people), actions
+
+    def _look(self, env: FleetEnv) -> Robots:
+        found, width = env.arrays(), np.array([env.layout.width, 1])
+        loaded = np.asarray(found["has_item"]) != 0
+        places = np.where(loaded[:, None], found["dropoff_pos"], found["pickup_pos"])
+        goals = np.where(places[:, 0] < 0, NONE, places @ width)
+        battery = found["battery"][:, 0].astype(np.float64)
+        return Robots(found["robot_pos"] @ width, goals, loaded, np.array(env.ended), battery)
+
+    def _send_to_chargers(self, robots: Robots) -> None:
+        """Give turns at chargers. A robot that can deliver its item before does it first."""
+        may_go = ~robots.ended
+        carrying = np.flatnonzero(robots.loaded & may_go & (robots.goals != NONE))
+        goals = robots.goals[carrying]
+        ways = self._ways(robots.cells[carrying], goals) + self.chargers.home[goals]
+        may_go[carrying] = ~self.chargers.lasts(robots.battery[carrying], ways)
+        shares = np.where(robots.goals == NONE, np.where(self._is_idle, IDLE, BETWEEN), 0.0)
+        battery = np.where(robots.ended, 0.0, robots.battery)
+        self.chargers.update(Needs(robots.cells, battery, may_go, shares * self._capacity))
+
+    def _give_orders(self, env: FleetEnv, robots: Robots) -> Robots:
+        """Assign open orders, and return the robots with the goals that this gives them."""
+        known = env.order_arrays
+        if not len(known.due):
+            return robots
+        self._measure(known.pickup, known.dropoff)
+        order = np.array([NONE if each is None else each for each in env.order_of])
+        is_charging, is_theirs = self.chargers.turn != NONE, known.robot[order] != NONE
+        able = ~(robots.loaded | robots.ended) & ((order == NONE) | ~is_theirs)
+        for robot in np.flatnonzero(able & is_charging & (order != NONE)).tolist():
+            env.assign(robot, None)
+            order[robot] = NONE
+        able &= ~is_charging
+        if not self._reassigns:
+            able &= order == NONE
+        free, open_orders = np.flatnonzero(able), np.array(env.open_orders, np.intp)
+        columns = np.union1d(open_orders, order[free[order[free] != NONE]])
+        state = free.tobytes(), columns.tobytes()
+        if len(open_orders) and len(free) and state != self._assigned:
+            self._change_orders(env, robots, free, columns, order)
+            self._assigned = state
+        goals = np.where(order == NONE, NONE, known.pickup[order])
+        return robots._replace(goals=np.where(robots.loaded, robots.goals, goals))
+
+    def _change_orders(
+        self, env: FleetEnv, robots: Robots, free: Integers, columns: Integers, order: Integers
+    ) -> None:
+        """Assign these orders to these robots, and bring ``order`` up to date."""
+        known, cells = env.order_arrays, robots.cells[free]
+        ways = self._ways(cells[:, None], known.pickup[columns])
+        if len(self.chargers.cells):
+            whole = ways + self._trips[columns] + self._homes[columns]
+            ways[~self.chargers.lasts(robots.battery[free, None], whole)] = np.inf
+        ways[:, ~np.isfinite(self._trips[columns])] = np.inf
+        held = np.where(order[free] == NONE, NONE, np.searchsorted(columns, order[free]))
+        given = self._assign(Tasks(ways, self._trips[columns], known.due[columns], env.steps, held))
+        new = np.where(given == NONE, NONE, columns[given])
+        changed = np.flatnonzero(new != order[free])
+        for robot in free[changed[order[free[changed]] != NONE]].tolist():
+            env.assign(robot, None)
+        for place in changed[new[changed] != NONE].tolist():
+            env.assign(int(free[place]), int(new[place]))
+        order[free] = new
+
+    def _measure(self, pickups: Integers, dropoffs: Integers) -> None:
+        """Measure the ways of orders that are new, from pickup to dropoff and to a charger."""
+        first = len(self._trips)
+        if first < len(pickups):
+            trips = self._ways(pickups[first:], dropoffs[first:])
+            self._trips = np.concatenate([self._trips, trips])
+            self._homes = np.concatenate([self._homes, self.chargers.home[dropoffs[first:]]])
+
+    def _ways(self, cells: Integers, goals: Integers) -> NDArray[np.float32]:
+        """Return the steps from cells to goals, arrays that are broadcast."""
+        rows = self._fields.rows(goals)
+        ways = self._fields.matrix[rows, cells]
+        return np.where(ways == FAR, np.inf, ways).astype(np.float32)
+
+    def _goals(self, robots: Robots) -> Integers:
+        """Return where each robot is to go; those without anything to do out of the way."""
+        parking = self._parking[robots.cells]
+        goals = np.where(robots.goals == NONE, parking, robots.goals)
+        charging = self.chargers.goals(robots.cells)
+        found: Integers = np.where(self.chargers.turn == NONE, goals, charging)
+        return found
+
+
+def parking_of(layout: Layout) -> NDArray[np.intp]:
+    """Return the cell where a robot in each cell is out of the way, ``[H * W]``.
+
+    It is the nearest that neither is a station or a charger nor beside one, if there is such a
+    cell.
+    """
+    width = layout.width
+    busy = {*layout.pickups, *layout.dropoffs, *layout.chargers}
+    beside = {(row + down, col + right) for row, col in busy for down, right in DISPLACEMENTS}
+    cells = [divmod(cell, width) for cell in layout.open_cells.tolist()]
+    found = np.arange(layout.height * width)
+    for avoided in (busy | beside, busy):
+        places = [cell for cell in cells if cell not in avoided]
+        to = nearest(layout, places).ravel()
+        if places:
+            return np.where(to < 0, found, to)
+    return found
+
+
+def shares_cell(cells: Integers) -> Flags:
+    """Return whether each robot shares its cell, as bodies may after a disturbance."""
+    shared: Flags = np.bincount(cells)[cells] > 1
+    return shared

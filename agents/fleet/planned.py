@@ -1,0 +1,115 @@
+"""A fleet that a planner and a task assignment direct."""
+
+from __future__ import annotations
+
+import inspect
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.errors import reason_of
+from agents.fleet.dispatcher import Dispatcher, shares_cell
+from agents.fleet.time_limit import time_limit
+from agents.mapf.graph import CLOSED, Graph, Integers
+from agents.mapf.planner import Planner, Situation, check_step
+from warehouse_core import FleetEnv
+from warehouse_core.world.actions import WAIT
+
+DEFAULT_ASSIGNMENT = "urgent"
+
+PLAN_SECONDS = 10.0
+"""That a planner may take for a step."""
+
+
+class PlannedFleet:
+    """Robots that a planner leads to the goals that orders, chargers and parking give them.
+
+    A step is lost, and all robots wait, if its plan takes too long. So it is if the planner fails,
+    and the fleet is to go on; the planner is then reset.
+
+    Args:
+        planner: for the floor of the fleet.
+        assignment: a name of ``ASSIGNMENTS``.
+        seconds: that the planner may take for a step, above 0.
+        goes_on: whether the fleet goes on when the planner fails; otherwise its error is raised.
+
+    Attributes:
+        dispatch: false, as the orders are assigned here; see ``FleetEnv``.
+        lost: the steps that were lost, and why.
+    """
+
+    dispatch = False
+
+    def __init__(
+        self,
+        planner: Planner,
+        assignment: str = DEFAULT_ASSIGNMENT,
+        *,
+        seconds: float = PLAN_SECONDS,
+        goes_on: bool = False,
+    ) -> None:
+        self.planner, self._assignment = planner, assignment
+        self._seconds, self._goes_on = seconds, goes_on
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the last episode."""
+        self.planner.reset()
+        self._dispatcher: Dispatcher | None = None
+        self.lost: list[tuple[int, str]] = []
+
+    def act(self, env: FleetEnv) -> NDArray[np.intp]:
+        """Return the next action of each robot, as an index.
+
+        Raises:
+            PlanError: the plan of the step has a conflict.
+        """
+        if self._dispatcher is None:
+            self._dispatcher = Dispatcher(env, self._assignment)
+        situation, actions = self._dispatcher.situation(env)
+        graph, cells = self._dispatcher.graph, situation.cells
+        try:
+            with time_limit(self._seconds):
+                chosen = self.planner.next_cells(situation)
+            chosen = check_step(graph, situation, chosen)
+        except TimeoutError:
+            chosen = self._lose(env, cells, f"the plan took more than {self._seconds:g} s")
+        except Exception as error:  # the planner of a user may raise anything
+            if not self._goes_on:
+                raise
+            chosen = self._lose(env, cells, reason_of(error, _file_of(self.planner)))
+        if shares_cell(cells).any():
+            chosen = part(graph, situation, chosen)
+        moves = (graph.neighbours[cells] == chosen[:, None]).argmax(axis=1)
+        return np.where(actions == WAIT, moves, actions)
+
+    def _lose(self, env: FleetEnv, cells: Integers, reason: str) -> Integers:
+        self.lost.append((env.steps + 1, reason))
+        self.planner.reset()
+        return cells
+
+
+def part(graph: Graph, situation: Situation, chosen: Integers) -> Integers:
+    """Return the next cells where of robots that share a cell the first leaves it, if it can.
+
+    Bodies may come to rest over one cell after a disturbance. To the planner both stay.
+    """
+    cells = situation.cells
+    first = np.unique(cells, return_index=True)[1]
+    others = np.setdiff1d(np.arange(len(cells)), first)
+    taken = {CLOSED, *cells.tolist(), *chosen.tolist(), *situation.closed.tolist()}
+    found = chosen.copy()
+    for cell in np.unique(cells[others]).tolist():
+        free = [side for side in graph.neighbours[cell].tolist() if side not in taken]
+        if free:
+            found[np.argmax(cells == cell)] = free[0]
+            taken.add(free[0])
+    return found
+
+
+def _file_of(planner: Planner) -> Path | None:
+    try:
+        return Path(inspect.getfile(type(planner)))
+    except (OSError, TypeError):  # a class defined interactively
+        return None

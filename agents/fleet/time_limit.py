@@ -1,0 +1,55 @@
+"""A limit on the time that a block of code takes."""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+LOOK_SECONDS = 0.02
+"""Between the looks at the clock."""
+
+raise_in_thread = ctypes.pythonapi.PyThreadState_SetAsyncExc
+raise_in_thread.argtypes = (ctypes.c_ulong, ctypes.py_object)
+
+
+class Watcher:
+    """One thread that watches the blocks of all others; starting a thread for each is slow."""
+
+    def __init__(self) -> None:
+        self._lock, self._ends = threading.Lock(), dict[int, float]()
+        self._thread = threading.Thread()
+
+    @contextmanager
+    def time_limit(self, seconds: float) -> Iterator[None]:
+        """Raise ``TimeoutError`` in the block once it has taken so many seconds by the clock.
+
+        It is raised between two instructions of Python, so that one call of compiled code may take
+        longer. Any thread may use it.
+        """
+        here = threading.get_ident()
+        with self._lock:
+            self._ends[here] = time.monotonic() + seconds
+            if not self._thread.is_alive():  # the first time, and in a process that was forked
+                self._thread = threading.Thread(target=self._watch, daemon=True)
+                self._thread.start()
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._ends.pop(here, None)
+
+    def _watch(self) -> None:
+        while True:
+            time.sleep(LOOK_SECONDS)
+            now = time.monotonic()
+            with self._lock:
+                for thread, end in list(self._ends.items()):
+                    if end < now:
+                        del self._ends[thread]
+                        raise_in_thread(thread, TimeoutError)
+
+
+time_limit = Watcher().time_limit

@@ -1,0 +1,136 @@
+"""Task assignment: which robot goes for which order.
+
+Each function takes ``Tasks`` of ``N`` robots and ``K`` orders and returns ``[N]`` intp: the column
+of the order of each robot, or ``NONE``. No order is given to two robots, and none to a robot that
+cannot reach it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from agents.mapf.graph import Integers
+
+NONE = -1
+"""No order."""
+
+OUT_OF_REACH = 1e9
+"""Cost in place of an infinite one, which ``linear_sum_assignment`` does not take."""
+
+STRETCH = 1.15
+"""Steps that a robot among others takes for each step of the shortest way."""
+
+HANDLING = 2
+"""Steps of picking and dropping."""
+
+URGENT, LATE = 30.0, 15.0
+"""Steps of a detour that an order without spare time is worth, and that one which is late costs."""
+
+KEEP = 3.0
+"""Steps that another order must be better by than the one that a robot goes for already."""
+
+SPARE = 40.0
+"""Spare steps of an order with which it is worth ``exp(-1)`` of ``URGENT``."""
+
+
+class Tasks(NamedTuple):
+    """Robots that wait for an order and orders that wait for a robot.
+
+    Attributes:
+        ways: ``[N, K]``, the steps of each robot to the pickup of each order, infinite where it
+            cannot or must not take the order.
+        trips: ``[K]``, the steps from pickup to dropoff.
+        due: ``[K]``, the step by which each is due. Orders are in order of release.
+        now: steps taken.
+        held: ``[N]``, the order that each robot goes for already, or ``NONE``.
+    """
+
+    ways: NDArray[np.floating]
+    trips: NDArray[np.floating]
+    due: Integers
+    now: int
+    held: Integers
+
+
+Assignment = Callable[[Tasks], NDArray[np.intp]]
+
+
+def first_in_first_out(tasks: Tasks) -> NDArray[np.intp]:
+    """Give the oldest orders away, each to the robot nearest to it that has none."""
+    ways = np.array(tasks.ways, np.float64)
+    found = np.full(len(ways), NONE)
+    for order in range(ways.shape[1]):
+        if not (found == NONE).any():
+            break
+        robot = int(ways[:, order].argmin())
+        if np.isfinite(ways[robot, order]):
+            found[robot], ways[robot] = order, np.inf
+    return found
+
+
+def nearest_first(tasks: Tasks) -> NDArray[np.intp]:
+    """Give the nearest pair of robot and order to each other, then the nearest of the rest.
+
+    Pairs that are nearest to each other are taken at once, which has the same result.
+    """
+    ways = np.array(tasks.ways, np.float64)
+    found = np.full(len(ways), NONE)
+    if not ways.size:
+        return found
+    while np.isfinite(ways).any():
+        order_of, robot_of = ways.argmin(axis=1), ways.argmin(axis=0)
+        robots = np.flatnonzero(robot_of[order_of] == np.arange(len(ways)))
+        robots = robots[np.isfinite(ways[robots, order_of[robots]])]
+        found[robots] = order_of[robots]
+        ways[robots], ways[:, found[robots]] = np.inf, np.inf
+    return found
+
+
+def hungarian(tasks: Tasks) -> NDArray[np.intp]:
+    """Give away as many orders as can be, so that the sum of the ways is least.
+
+    Source: Kuhn (1955), The Hungarian method for the assignment problem. SciPy's solver is that of
+    Crouse (2016), On implementing 2D rectangular assignment algorithms.
+    """
+    return _cheapest(tasks, tasks.ways)
+
+
+def urgent(tasks: Tasks) -> NDArray[np.intp]:
+    """Return ``hungarian`` where an order that is soon due seems nearer than it is.
+
+    What it seems nearer by grows as its spare time gets less, to ``URGENT`` steps. An order which a
+    robot cannot deliver in time any more seems farther to it, by ``LATE`` steps.
+    """
+    needed = STRETCH * (tasks.ways + tasks.trips) + HANDLING
+    spare = tasks.due - tasks.now - needed
+    worth = np.where(spare < 0, -LATE, URGENT * np.exp(-np.maximum(spare, 0) / SPARE))
+    return _cheapest(tasks, tasks.ways - worth)
+
+
+def _cheapest(tasks: Tasks, costs: NDArray[np.floating]) -> NDArray[np.intp]:
+    found = np.full(len(costs), NONE)
+    reachable = np.isfinite(costs)
+    costs = np.where(reachable, costs, OUT_OF_REACH)
+    held = np.flatnonzero(tasks.held != NONE)
+    costs[held, tasks.held[held]] -= KEEP
+    robots, orders = linear_sum_assignment(costs)
+    given = reachable[robots, orders]
+    found[robots[given]] = orders[given]
+    return found
+
+
+ASSIGNMENTS: dict[str, Assignment] = {
+    "fifo": first_in_first_out,
+    "nearest": nearest_first,
+    "hungarian": hungarian,
+    "urgent": urgent,
+}
+"""Assignments by name."""
+
+REASSIGNING = ("hungarian", "urgent")
+"""Those that may give the order of a robot to another as long as it has not picked its item."""

@@ -1,0 +1,144 @@
+"""Turns of robots at chargers."""
+
+import numpy as np
+import pytest
+
+from agents.fleet.charging import (
+    INTO_CHARGER,
+    NONE,
+    QUEUE_DISTANCE,
+    Chargers,
+    Needs,
+    costs_around_chargers,
+)
+from agents.mapf.graph import Graph
+from warehouse_core import FleetEnv, Layout
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*chargers supply")
+
+HALL = Layout(["C" + "." * 28 + "C"])
+"""Cell numbers are the columns; the chargers are at 0 and 29."""
+
+
+def chargers_of(robots: int, layout: Layout = HALL, battery: int = 200) -> Chargers:
+    env = FleetEnv(layout, robots, battery=battery)
+    return Chargers(env, Graph(layout))
+
+
+def needs(cells: list[int], battery: list[float], **changed: object) -> Needs:
+    robots = len(cells)
+    values = {"may_go": np.ones(robots, np.bool_), "limits": np.zeros(robots), **changed}
+    return Needs(np.array(cells), np.array(battery, np.float64), **values)  # type: ignore[arg-type]
+
+
+def test_robots_with_full_batteries_have_no_turn() -> None:
+    chargers = chargers_of(2)
+    chargers.update(needs([3, 4], [199, 150]))
+    assert chargers.turn.tolist() == [NONE, NONE]
+    assert chargers.goals(np.array([3, 4])).tolist() == [NONE, NONE]
+
+
+def test_a_robot_charges_in_time_until_it_is_nearly_full() -> None:
+    chargers, cell, battery = chargers_of(1), np.array([8]), 100.0
+    while chargers.turn[0] == NONE:
+        battery -= 1
+        chargers.update(needs([8], [battery]))
+    assert 30 < battery < 60
+    assert chargers.goals(cell).tolist() == [0]
+    assert not chargers.charging(cell)[0]
+    chargers.update(needs([0], [189]))
+    assert chargers.charging(np.array([0]))[0]
+    chargers.update(needs([0], [190]))
+    assert chargers.turn.tolist() == [NONE]
+
+
+def test_two_robots_at_one_charger_take_turns_and_keep_the_way_out_free() -> None:
+    one = Layout(["C" + "." * 28 + "."])
+    chargers = chargers_of(2, one)
+    chargers.update(needs([0, 4], [30, 48]))
+    assert chargers.turn.tolist() == [0, NONE]  # the other would wait there for long
+    chargers.update(needs([0, 20], [140, 60]))
+    assert chargers.turn.tolist() == [0, 0]
+    for cell in (10, QUEUE_DISTANCE + 1):
+        assert chargers.goals(np.array([0, cell])).tolist() == [0, 0]
+    waiting = np.array([0, QUEUE_DISTANCE])
+    assert chargers.goals(waiting).tolist() == [0, QUEUE_DISTANCE]
+    assert chargers.charging(waiting).tolist() == [True, False]
+    chargers.update(needs([0, QUEUE_DISTANCE], [195, 60]))
+    assert chargers.turn.tolist() == [NONE, 0]
+    assert chargers.goals(waiting).tolist() == [NONE, QUEUE_DISTANCE]  # it has not left yet
+    assert chargers.goals(np.array([12, QUEUE_DISTANCE])).tolist() == [NONE, 0]
+
+
+def test_two_robots_go_to_different_chargers_the_sum_of_whose_ways_is_least() -> None:
+    chargers = chargers_of(2)
+    chargers.update(needs([12, 14], [35, 36]))
+    assert chargers.turn.tolist() == [0, 1]
+
+
+def test_the_more_robots_wait_for_a_charger_the_earlier_they_begin() -> None:
+    def first_to_go(robots: int) -> int:
+        chargers, cells = chargers_of(robots), list(range(5, 5 + robots))
+        for battery in range(190, 0, -1):
+            chargers.update(needs(cells, [battery] * robots))
+            if (chargers.turn != NONE).any():
+                return battery
+        return 0
+
+    assert first_to_go(1) < first_to_go(6) < first_to_go(12)
+
+
+def test_who_may_not_go_has_no_turn_and_who_is_empty_loses_it() -> None:
+    chargers = chargers_of(2)
+    may_go = np.array([False, True])
+    chargers.update(needs([5, 25], [10, 10], may_go=may_go))
+    assert chargers.turn.tolist() == [NONE, 1]
+    chargers.update(needs([5, 25], [9, 0], may_go=may_go))
+    assert chargers.turn.tolist() == [NONE, NONE]
+
+
+def test_nobody_goes_to_a_charger_where_an_empty_robot_stands() -> None:
+    chargers = chargers_of(2)
+    chargers.update(needs([5, 3], [20, 150]))
+    assert chargers.turn.tolist() == [0, NONE]
+    chargers.update(needs([5, 0], [19, 0]))
+    assert chargers.turn.tolist() == [1, NONE]
+
+
+def test_a_charger_that_nobody_uses_is_for_robots_below_their_limits() -> None:
+    chargers = chargers_of(3)
+    limits = np.array([100.0, 100.0, 100.0])
+    chargers.update(needs([1, 2, 27], [90, 95, 120], limits=limits))
+    assert chargers.turn.tolist() == [0, NONE, NONE]  # there is one at 0, and 29 is far away
+
+
+def test_a_robot_that_would_run_empty_goes_to_any_charger_that_it_can_reach() -> None:
+    split = Layout(["C...#...C"])
+    chargers = chargers_of(3, split)
+    for _ in range(3):
+        chargers.update(needs([1, 2, 3], [9, 8, 7]))
+    assert sorted(chargers.turn.tolist()) == [NONE, 0, 0]
+
+
+def test_a_robot_that_can_reach_no_charger_does_not_count() -> None:
+    chargers = chargers_of(2, Layout(["C....#...."]))
+    chargers.update(needs([7, 3], [5, 150]))
+    assert chargers.turn.tolist() == [NONE, NONE]
+
+
+def test_without_chargers_nobody_has_a_turn() -> None:
+    chargers = chargers_of(2, Layout(["....."]))
+    chargers.update(needs([1, 2], [3, 3]))
+    assert chargers.turn.tolist() == [NONE, NONE]
+    assert costs_around_chargers(Layout(["....."])) is None
+
+
+def test_ways_lead_around_chargers_where_they_can() -> None:
+    layout = Layout([".C.", "...", "#.#"])
+    graph = Graph(layout, costs_around_chargers(layout))
+    assert graph.distances(2)[0] == 4
+    assert graph.distances(1)[0] == 1 + INTO_CHARGER
+    assert graph.distances(0)[1] == 1  # leaving it costs no more
+    doubled = costs_around_chargers(layout, np.full((9, 4), 2, np.float32))
+    assert doubled is not None
+    assert Graph(layout, doubled).distances(2)[0] == 8

@@ -1,0 +1,359 @@
+"""Fleets directed by a planner and an assignment."""
+
+import re
+import time
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from agents.errors import AgentError, EpisodeError, PlanError
+from agents.fleet import PlannedFleet, run_shift
+from agents.fleet.charging import Chargers
+from agents.fleet.dispatcher import parking_of
+from agents.fleet.planned import part
+from agents.mapf.graph import Graph, Integers
+from agents.mapf.planner import Planner, Situation, check_step
+from agents.registry import make_fleet_agent, make_planner
+from warehouse_core import FleetEnv, Layout, Order, OrderQueue, OrderStream, shelf_layout
+from warehouse_core.records.fleet_episode import record_fleet_episode, replay_fleet_episode
+from warehouse_core.world.actions import PICK, WAIT
+
+ROOM = Layout(["########", "#P....P#", "#......#", "#C....D#", "########"])
+LINE = Layout(["P..C.....D"])
+
+
+class Waits:
+    """All robots wait."""
+
+    def reset(self) -> None:
+        self.seen: list[Situation] = []
+
+    def next_cells(self, situation: Situation) -> Any:
+        self.seen.append(situation)
+        return situation.cells
+
+
+class Does(Waits):
+    """Does what a function returns."""
+
+    def __init__(self, plan: Callable[[Situation], Any]) -> None:
+        self._plan = plan
+
+    def next_cells(self, situation: Situation) -> Any:
+        super().next_cells(situation)
+        return self._plan(situation)
+
+
+class Greedy(Waits):
+    """Robots go the shortest way, if nobody is where they go or is to be there."""
+
+    def __init__(self, layout: Layout) -> None:
+        self.graph = Graph(layout)
+
+    def next_cells(self, situation: Situation) -> Integers:
+        super().next_cells(situation)
+        chosen = situation.cells.copy()
+        taken = {*chosen.tolist(), *situation.closed.tolist()}
+        for robot in np.flatnonzero(~situation.stays):
+            ways = self.graph.distances(int(situation.goals[robot]))
+            sides = self.graph.neighbours[chosen[robot], :4]
+            sides = sides[sides >= 0]
+            best = sides[ways[sides].argmin()]
+            if ways[best] < ways[chosen[robot]] and int(best) not in taken:
+                chosen[robot] = best
+                taken.add(int(best))
+        return chosen
+
+
+def fleet_of(layout: Layout, robots: int = 2, **settings: Any) -> FleetEnv:
+    given = {"orders": OrderStream(0.2), "max_steps": 60, "dispatch": False, **settings}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return FleetEnv(layout, robots, **given)
+
+
+def test_orders_are_assigned_picked_and_dropped() -> None:
+    env = fleet_of(ROOM, 1, orders=[Order(0, 50, (1, 1), (3, 6))], starts=[(1, 3)])
+    planner = Greedy(ROOM)
+    episode = record_fleet_episode(env, PlannedFleet(planner), seed=1)
+    [order] = episode.orders
+    assert (order.taken, order.delivered) == (3, 11)
+    assert episode.assignments == [(0, 0, 0)]
+    assert [bool(each.stays[0]) for each in planner.seen] == [
+        step in (3, 11) for step in range(1, 12)
+    ]
+
+
+@pytest.mark.parametrize("assignment", ["fifo", "nearest", "hungarian", "urgent"])
+@pytest.mark.parametrize("people", [0, 2])
+def test_a_shift_has_no_blocked_moves_and_is_repeated(assignment: str, people: int) -> None:
+    layout = shelf_layout(3, 3, 4, 1, 2, seed=1, pickups=6, dropoffs=3, chargers=4)
+    env = fleet_of(layout, 10, orders=OrderQueue(20), people=people, max_steps=150)
+    agent = make_fleet_agent("pibt", assignment, 3, layout)
+    episode = record_fleet_episode(env, agent, seed=2)
+    assert episode.measures.blocked_by_wall == 0
+    assert episode.measures.blocked_by_robot == 0 or people
+    assert episode.measures.delivered > 15
+    assert record_fleet_episode(env, agent, seed=2) == episode
+    assert replay_fleet_episode(episode) == episode
+
+
+def test_the_order_of_a_robot_goes_to_a_nearer_one_until_it_is_picked() -> None:
+    orders = [Order(0, 90, (0, 0), (0, 9)), Order(3, 90, (0, 9), (0, 0))]
+
+    def assignments(name: str) -> list[tuple[int, int, int | None]]:
+        starts = [(0, 6), (0, 8)]
+        env = fleet_of(LINE, 2, orders=orders, starts=starts, max_steps=8)
+        return record_fleet_episode(env, PlannedFleet(Waits(), name), seed=1).assignments
+
+    assert assignments("hungarian") == [(0, 0, 0), (3, 1, 1)]
+    # The first goes for the order on the left; released later, that of the robot is nearer to it.
+    orders = [Order(0, 90, (0, 9), (0, 0)), Order(3, 90, (0, 0), (0, 9))]
+    assert assignments("nearest") == [(0, 1, 0), (3, 0, 1)]
+    orders = [
+        Order(0, 90, (0, 0), (0, 9)),
+        Order(0, 90, (0, 1), (0, 9)),
+        Order(3, 90, (0, 7), (0, 0)),
+    ]
+    assert assignments("nearest")[-1][0] == 0
+    changed = assignments("hungarian")
+    assert changed[0][0] == 0
+    assert {each for each in changed if each[0] == 3} == {(3, 1, None), (3, 1, 2)}
+
+
+def test_a_robot_that_goes_to_charge_gives_its_order_to_another() -> None:
+    env = fleet_of(
+        LINE, 2, orders=[Order(0, 99, (0, 0), (0, 9))], starts=[(0, 5), (0, 8)], battery=60
+    )
+    agent = PlannedFleet(Waits())
+    agent.reset()
+    env.reset(seed=1)
+    env.step(agent.act(env))
+    assert env.order_of == [0, None]  # both wait
+    while env.order_of[0] == 0:
+        env._fleets.battery[1] = 55
+        env.step(agent.act(env))
+    assert 20 < env.battery[0] < 30
+    assert env.order_of == [None, 0]
+
+
+@pytest.mark.parametrize(("battery", "goal"), [(60, 9), (40, 3)])
+def test_an_item_is_delivered_before_charging_if_the_battery_lasts(battery: int, goal: int) -> None:
+    planner = Greedy(LINE)
+    env = fleet_of(LINE, 1, orders=[Order(0, 99, (0, 0), (0, 9))], starts=[(0, 0)], battery=90)
+    agent = PlannedFleet(planner)
+    agent.reset()
+    env.reset(seed=1)
+    env.step(agent.act(env))
+    assert env.loaded == [True]
+    env._fleets.battery[0] = battery
+    env._fleets.robots.cells[0] = 1
+    agent._dispatcher.chargers._low = lambda until, needs: np.ones(1, np.bool_)  # type: ignore
+    agent.act(env)
+    assert planner.seen[-1].goals.tolist() == [goal]
+
+
+def test_an_order_for_one_robot_stays_with_it() -> None:
+    orders = [Order(0, 99, (0, 0), (0, 9), 1), Order(0, 99, (0, 7), (0, 9))]
+    env = fleet_of(LINE, 2, orders=orders, starts=[(0, 1), (0, 8)], max_steps=3)
+    episode = record_fleet_episode(env, PlannedFleet(Waits(), "hungarian"), seed=1)
+    assert episode.assignments == [(0, 0, 1)]
+    assert env.order_of == [1, 0]
+
+
+def test_a_robot_takes_no_order_for_which_its_battery_does_not_last() -> None:
+    env = fleet_of(LINE, 1, orders=[Order(0, 99, (0, 0), (0, 9))], starts=[(0, 8)], battery=130)
+    agent = PlannedFleet(Waits())
+    for battery, order in (65, None), (67, 0):  # 8 + 9 steps, and 6 to the charger
+        env.reset(seed=1)
+        agent.reset()
+        env._fleets.battery[0] = battery
+        agent.act(env)
+        assert env.order_of == [order]
+
+
+def test_orders_that_nobody_can_reach_wait() -> None:
+    split = Layout(["P..#..D", "..D#P.."])
+    orders = [
+        Order(0, 50, (0, 0), (0, 6)),
+        Order(0, 50, (1, 4), (0, 6)),
+        Order(0, 50, (0, 0), (1, 2)),
+    ]
+    env = fleet_of(split, 2, orders=orders, starts=[(0, 1), (0, 5)], max_steps=3)
+    record_fleet_episode(env, PlannedFleet(Waits()), seed=1)
+    assert env.order_of == [2, 1]
+
+
+def test_a_fleet_without_orders_delivers_an_item_each() -> None:
+    env = fleet_of(ROOM, 2, orders=None, starts=[(2, 2), (2, 4)], max_steps=80)
+    planner = Does(cast(Planner, make_planner("pibt", 1, ROOM)).next_cells)
+    episode = record_fleet_episode(env, PlannedFleet(planner), seed=1)
+    assert episode.measures.delivered == 1  # it stays on the dropoff
+    first = int(np.flatnonzero(episode.terminated)[0])
+    assert planner.seen[-1].stays[first]  # who has ended stays
+
+
+def test_robots_without_a_task_leave_stations_and_stay_elsewhere() -> None:
+    env = fleet_of(ROOM, 3, orders=0.0, starts=[(1, 1), (2, 3), (3, 6)], max_steps=12)
+    record_fleet_episode(env, PlannedFleet(Greedy(ROOM)), seed=1)
+    stations = {*ROOM.pickups, *ROOM.dropoffs, *ROOM.chargers}
+    assert not stations & set(env.cells)
+    assert env.cells[1] == (2, 3)
+    corridor = parking_of(Layout(["PD.", "###", "P#D"]))
+    assert corridor.tolist() == [2, 2, 2, 3, 4, 5, 6, 7, 8]
+
+
+def test_people_are_closed_cells() -> None:
+    env = fleet_of(ROOM, 1, people=3, max_steps=1)
+    planner = Waits()
+    env.reset(seed=1)
+    people = sorted(row * ROOM.width + col for row, col in env.people)
+    record_fleet_episode(env, PlannedFleet(planner), seed=1)
+    assert sorted(planner.seen[0].closed.tolist()) == people
+
+
+def situation(
+    cells: list[int], stays: tuple[int, ...] = (), closed: tuple[int, ...] = ()
+) -> Situation:
+    staying = np.isin(np.arange(len(cells)), stays)
+    return Situation(np.array(cells), np.array(cells), staying, np.array(closed, np.intp))
+
+
+OPEN = Graph(Layout(["....", "..#.", "...."]))
+
+
+@pytest.mark.parametrize(
+    ("before", "chosen", "message"),
+    [
+        (situation([0, 2]), [1, 1], "robots 0 and 1 are both to be in (0, 1)"),
+        (situation([0, 1]), [1, 1], "robots 0 and 1 are both to be in (0, 1)"),
+        (situation([0, 1]), [1, 0], "robots 0 and 1 are to change places, (0, 0) and (0, 1)"),
+        (situation([0]), [2], "robot 0 is to go from (0, 0) to (0, 2), which is not an open cell"),
+        (situation([5]), [6], "robot 0 is to go from (1, 1) to (1, 2), which is not an open cell"),
+        (situation([3]), [4], "robot 0 is to go from (0, 3) to (1, 0), which is not an open cell"),
+        (situation([0]), [-1], "robot 0 is to go from (0, 0) to (-1, 3), which is not an open"),
+        (situation([0, 3], (1,)), [0, 2], "robot 1 is to go from (0, 3) to (0, 2), but it stays"),
+        (situation([0], (), (1,)), [1], "robot 0 is to enter (0, 1), which is closed"),
+        (situation([0, 3]), [0], "the planner returned [0]; needed: a cell number for each of 2"),
+        (situation([0]), ["N"], "the planner returned ['N']; needed"),
+        (situation([0]), None, "the planner returned None; needed"),
+    ],
+)
+def test_a_wrong_step_names_robots_and_cells(
+    before: Situation, chosen: object, message: str
+) -> None:
+    with pytest.raises(PlanError, match=re.escape(message)):
+        check_step(OPEN, before, chosen)
+
+
+def test_a_step_may_follow_and_turn_in_a_ring_and_robots_may_share_a_cell() -> None:
+    ring = situation([0, 1, 5, 4])
+    assert check_step(OPEN, ring, [1, 5, 4, 0]).tolist() == [1, 5, 4, 0]
+    assert check_step(OPEN, situation([0, 1]), (1, 2)).tolist() == [1, 2]
+    shared = situation([0, 0, 3], (0, 1), (0,))
+    assert check_step(OPEN, shared, np.array([0, 0, 2])).tolist() == [0, 0, 2]
+
+
+def test_of_robots_that_share_a_cell_the_first_leaves_it_if_it_can() -> None:
+    shared = situation([1, 0, 0, 0], (1, 2, 3))
+    assert part(OPEN, shared, shared.cells).tolist() == [1, 4, 0, 0]
+    closed = situation([1, 0, 0], (1, 2), (4,))
+    assert part(OPEN, closed, np.array([2, 0, 0])).tolist() == [2, 0, 0]
+    planner = Waits()
+    env = fleet_of(ROOM, 2, orders=[Order(0, 50, (1, 1), (3, 6))], starts=[(1, 1), (1, 2)])
+    env.reset(seed=1)
+    env._fleets.robots.cells[1] = env._fleets.robots.cells[0]
+    agent = PlannedFleet(planner)
+    agent.reset()
+    assert agent.act(env).tolist() == [PICK, WAIT]
+    assert planner.seen[0].stays.tolist() == [True, True]
+
+
+def test_a_planner_that_fails_stops_the_shift_or_loses_its_step() -> None:
+    def fail(situation: Situation) -> Integers:
+        if len(planner.seen) == 3:
+            raise ValueError("no way")
+        return situation.cells
+
+    planner = Does(fail)
+    message = r"^seed 7, step 3, agent mine: ValueError: no way \(test_planned.py, line \d+\)$"
+    with pytest.raises(EpisodeError, match=message):
+        run_shift(fleet_of(ROOM), PlannedFleet(planner), "mine", 7)
+    agent = PlannedFleet(planner, goes_on=True)
+    episode = run_shift(fleet_of(ROOM), agent, "mine", 7)
+    assert episode.steps == 60
+    assert [step for step, _ in agent.lost] == list(range(3, 61, 3))  # it is reset each time
+    assert re.fullmatch(r"ValueError: no way \(test_planned.py, line \d+\)", agent.lost[0][1])
+
+
+def test_a_plan_that_collides_stops_the_shift_or_loses_its_step() -> None:
+    planner = Does(lambda situation: situation.cells * 0 + situation.cells[0])
+    starts = [(2, 3), (2, 4)]
+    with pytest.raises(
+        EpisodeError, match=r"step 1, agent mine: PlanError: robots 0 and 1 are both"
+    ):
+        run_shift(fleet_of(ROOM, starts=starts), PlannedFleet(planner), "mine", 7)
+    agent = PlannedFleet(planner, goes_on=True)
+    run_shift(fleet_of(ROOM, starts=starts, max_steps=5), agent, "mine", 7)
+    assert len(agent.lost) == 5
+
+
+def test_a_plan_that_takes_too_long_is_cut_off() -> None:
+    def hang(situation: Situation) -> Integers:
+        while True:
+            time.sleep(0)
+
+    agent = PlannedFleet(Does(hang), seconds=0.05)
+    env = fleet_of(ROOM, max_steps=2)
+    start = env.reset(seed=1) and env.cells
+    run_shift(env, agent, "mine", 1)
+    assert agent.lost == [(step, "the plan took more than 0.05 s") for step in (1, 2)]
+    assert env.cells == start
+
+
+def test_planners_and_agents_of_a_user_are_told_apart(tmp_path: Path) -> None:
+    mine = tmp_path / "mine.py"
+    mine.write_text(
+        "class Plans:\n"
+        "    def __init__(self, graph, seed, layout, window=3):\n"
+        "        self.given = graph, seed, layout, window\n"
+        "    def reset(self): ...\n"
+        "    def next_cells(self, situation): return situation.cells\n"
+        "class Acts:\n"
+        "    def reset(self): ...\n"
+        "    def act(self, env): ...\n"
+        "class Neither:\n"
+        "    def reset(self): ...\n"
+    )
+    planned = make_fleet_agent(f"{mine}:Plans:window=9", "nearest", 5, ROOM)
+    assert isinstance(planned, PlannedFleet)
+    graph, *rest = planned.planner.given  # type: ignore[attr-defined]
+    assert rest == [5, ROOM, 9]
+    assert graph.layout == ROOM
+    assert type(make_fleet_agent(f"{mine}:Acts")).__name__ == "Acts"
+    for name, assignment, message in (
+        (f"{mine}:Acts", "urgent", "has act(), so it assigns orders itself; leave out"),
+        (f"{mine}:Neither", None, "has no next_cells; needed: reset and next_cells, or reset and"),
+        ("nobody", None, "no planner is called 'nobody'; allowed: pibt, pibt-lanes"),
+        ("pibt", "soon", "no assignment is called 'soon'; allowed: fifo, nearest, hungarian, urg"),
+        ("pibt:window=3", None, "planner 'pibt' takes no argument 'window'; allowed: none"),
+    ):
+        with pytest.raises(AgentError, match=re.escape(message)):
+            make_fleet_agent(name, assignment, 1, ROOM)
+    assert hasattr(make_planner("pibt-lanes:wrong_way=3", 1, ROOM), "next_cells")
+
+
+def test_chargers_that_suffice_keep_all_robots_going() -> None:
+    layout = shelf_layout(4, 3, 5, 2, 2, seed=1, pickups=12, dropoffs=6, chargers=4)
+    for seed in range(1):
+        env = fleet_of(layout, 24, orders=OrderQueue(48), battery=400, max_steps=900)
+        measures = record_fleet_episode(
+            env, make_fleet_agent("pibt", None, seed, layout), seed=seed
+        ).measures
+        assert measures.stranded == 0
+        assert measures.delivered > 180
+    assert Chargers(env, Graph(layout)).home.min() == 0

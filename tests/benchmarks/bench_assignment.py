@@ -1,0 +1,150 @@
+"""Task assignments compared, robots that run empty, and the time that a step takes.
+
+The floor is a warehouse of 33 x 46 cells with 16 chargers; there are always two orders for each
+robot. ``pytest -s`` is not needed: what is measured is printed.
+"""
+
+import time
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+from agents.evaluation.interval import Interval, mean_interval
+from agents.mapf.assignment import ASSIGNMENTS
+from agents.registry import make_fleet_agent
+from warehouse_core import FleetEnv, Layout, OrderQueue, shelf_layout
+from warehouse_core.fleet import FleetMeasures
+from warehouse_core.world.generators import benchmark_warehouse
+from warehouse_core.world.tiles import WALL
+
+ROBOTS, STEPS, SEEDS = 96, 1000, range(20)
+LONG_STEPS, LONG_SEEDS = 10_000, range(10)
+PLANNER = "pibt-lanes:wrong_way=2"
+DUE = (60, 240)
+
+
+def warehouse() -> Layout:
+    """Return blocks of shelves, pickups above them, dropoffs and chargers in the margins."""
+    bare = benchmark_warehouse(3, 10, 9, 2, 1)
+    rows, columns = range(2, bare.height - 2), range(8, bare.width - 8, 3)
+    pickups = [
+        (row, col)
+        for row in range(1, bare.height - 2)
+        for col in columns
+        if bare.is_open((row, col)) and bare.rows[row + 1][col] == WALL
+    ]
+    dropoffs = [(row, col) for row in rows[::2] for col in (3, bare.width - 4)]
+    chargers = [(row, col) for row in rows[::4] for col in (1, bare.width - 2)]
+    return bare.with_tiles(pickups, dropoffs, chargers[:16])
+
+
+LAYOUT = warehouse()
+
+
+def run(assignment: str, seed: int, steps: int, planner: str = PLANNER) -> FleetMeasures:
+    env = FleetEnv(
+        LAYOUT,
+        ROBOTS,
+        orders=OrderQueue(2 * ROBOTS, DUE),
+        max_steps=steps,
+        battery=400,
+        dispatch=False,
+    )
+    agent = make_fleet_agent(planner, assignment, seed, LAYOUT)
+    env.reset(seed=seed)
+    agent.reset()
+    is_over = False
+    while not is_over:
+        *_, terminated, truncated, _ = env.step(agent.act(env))
+        is_over = bool((terminated | truncated).all())
+    return env.measures
+
+
+def words(found: Interval | None, digits: int = 0) -> str:
+    assert found is not None
+    return f"{found.estimate:,.{digits}f} ({found.low:,.{digits}f} to {found.high:,.{digits}f})"
+
+
+def test_assignments_of_an_overloaded_fleet(measured) -> None:
+    runs = {name: [run(name, seed, STEPS) for seed in SEEDS] for name in ASSIGNMENTS}
+    hourly = {name: np.array([each.per_hour for each in found]) for name, found in runs.items()}
+    on_time = {
+        name: np.array([100 * each.on_time for each in found]) for name, found in runs.items()
+    }
+    for name, found in runs.items():
+        late = max(each.worst_lateness for each in found)
+        stranded = sum(each.stranded for each in found)
+        measured(
+            f"assignment {name}, {ROBOTS} robots",
+            f"{words(mean_interval(hourly[name]))} deliveries an hour, "
+            f"{words(mean_interval(on_time[name]), 1)}% on time, at most {late:.0f} steps late, "
+            f"{stranded} robots ran empty in {len(SEEDS)} shifts",
+        )
+    more = mean_interval(on_time["urgent"] - on_time["nearest"])
+    share = mean_interval(100 * hourly["urgent"] / hourly["hungarian"])
+    measured(
+        "urgent against nearest and hungarian",
+        f"{words(more, 1)} points more on time than nearest, at {words(share, 1)}% of the "
+        "deliveries of hungarian",
+    )
+    assert more is not None
+    assert share is not None
+    assert more.low >= 10
+    assert share.low >= 95
+
+
+@pytest.mark.parametrize("planner", [PLANNER, "pibt"])
+def test_no_robot_runs_empty_where_chargers_suffice(planner: str, measured) -> None:
+    """16 chargers supply 160 units a step, and 96 robots use 96."""
+    runs = [run("urgent", seed, LONG_STEPS, planner) for seed in LONG_SEEDS]
+    stranded = [each.stranded for each in runs]
+    hourly = mean_interval(np.array([each.per_hour for each in runs]))
+    assert hourly is not None
+    measured(
+        f"robots of {planner} that run empty",
+        f"{sum(stranded)} in {len(runs)} shifts of {LONG_STEPS:,} steps and {ROBOTS} robots, with "
+        f"{hourly.estimate:,.0f} deliveries an hour",
+    )
+    assert sum(stranded) == 0
+
+
+@pytest.mark.parametrize("robots", [100, 1000])
+def test_time_of_a_step_without_the_planner(robots: int, measured) -> None:
+    """By the clock of the processor."""
+    layout = LAYOUT if robots == 100 else shelf_layout(24, 12, 9, 2, 2, **STATIONS)
+    times = []
+    for assignment in ASSIGNMENTS:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            env = FleetEnv(
+                layout, robots, orders=OrderQueue(2 * robots, DUE), battery=1000, dispatch=False
+            )
+        agent: Any = make_fleet_agent(PLANNER, assignment, 1, layout)
+        env.reset(seed=1)
+        agent.reset()
+        planning, plan, spent = [0.0], agent.planner.next_cells, 0.0
+
+        def timed(situation: Any, planning: Any = planning, plan: Any = plan) -> Any:
+            start = time.process_time()
+            chosen = plan(situation)
+            planning[0] += time.process_time() - start
+            return chosen
+
+        agent.planner.next_cells = timed
+        for step in range(150):
+            if step == 50:
+                spent = planning[0] = 0.0
+            start = time.process_time()
+            actions = agent.act(env)
+            spent += time.process_time() - start
+            env.step(actions)
+        times.append(f"{assignment} {10 * (spent - planning[0]):.2f} ms")
+    measured(
+        f"time of a step of {robots:,} robots without the planner",
+        f"{', '.join(times)}; the planner {10 * planning[0]:.2f} ms",
+    )
+
+
+STATIONS: Any = {"seed": 1, "pickups": 400, "dropoffs": 60, "chargers": 100}
