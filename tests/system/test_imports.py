@@ -66,12 +66,12 @@ MAY_IMPORT = {
     "agents/warehouse_agent_greedy": "",
     "agents/evaluation": "warehouse_agent_greedy",
     "agents/learning": "errors evaluation warehouse_agent_greedy",
-    "agents/fleet": "console",
-    "agents/registry": "errors evaluation fleet learning search warehouse_agent_greedy",
+    "agents/fleet": "console errors mapf",
+    "agents/registry": "errors evaluation fleet learning mapf search warehouse_agent_greedy",
     "agents/experiments": "console errors fleet programs registry",
     "agents/run_episode": "console errors registry",
     "agents/commands": (
-        "console errors evaluation fleet learning registry run_episode search "
+        "console errors evaluation fleet learning mapf registry run_episode search "
         "warehouse_agent_greedy"
     ),
     "agents/reports/analysis": "evaluation experiments",
