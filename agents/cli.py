@@ -14,6 +14,8 @@ from agents.commands.compare_backends import compare
 from agents.commands.demos import demo
 from agents.commands.explore import explore
 from agents.commands.fleet import fleet
+from agents.commands.planners.compare_planners import compare_planners
+from agents.commands.planners.mapf import mapf
 from agents.commands.play import play
 from agents.commands.search import search
 from agents.commands.shift_report import report_fleet
@@ -37,6 +39,8 @@ app = console.application(
 app.command()(run)
 app.command()(play)
 app.command()(fleet)
+app.command()(mapf)
+app.command()(compare_planners)
 app.command()(compare)
 app.command()(compare_agents)
 app.command()(demo)

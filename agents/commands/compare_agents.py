@@ -20,6 +20,7 @@ from agents.console.options import (
     StationsOption,
     load_place,
 )
+from agents.console.output import PICTURES, save_picture
 from agents.console.table import Table, print_table
 from agents.console.terminal import say
 from agents.console.watch import run_watched
@@ -27,10 +28,8 @@ from agents.errors import EpisodeInterrupted
 from agents.evaluation.scores import EXPLANATION, MEASURES, Measure, Scores, Task, evaluate
 from agents.evaluation.wording import mean, share
 from agents.registry import make_agent
-from warehouse_core.files.atomic import atomic_path, check_suffix, check_target
+from warehouse_core.files.atomic import check_suffix, check_target
 from warehouse_core.wording import counted
-
-PICTURES = (".svg", ".png")
 
 AGENTS = {
     "random": "random",
@@ -100,7 +99,9 @@ def compare_agents(
     )
     # The figure first, because the reader of standard output may leave, as ``head`` does.
     if save is not None:
-        _save(scores, title, save)
+        from agents.evaluation.figure import scores_figure
+
+        save_picture(scores_figure(scores, title, EXPLANATION), save)
     for table in scores_tables(scores, title):
         print_table(table)
     say(fill(EXPLANATION, get_terminal_size().columns))
@@ -142,15 +143,3 @@ def _words(scores: Scores, measure: Measure) -> str:
         return "none"
     words = share(found) if measure is MEASURES[0] else mean(found, "")
     return words.replace(" (", "\n(")  # the interval below its estimate, to save width
-
-
-def _save(scores: Mapping[str, Scores], title: str, path: Path) -> None:
-    from agents.evaluation.figure import scores_figure
-    from warehouse_core.viz.figure import save_svg
-
-    figure = scores_figure(scores, title, EXPLANATION)
-    with atomic_path(path) as part:
-        if path.suffix.lower() == ".svg":
-            save_svg(figure, part)
-        else:
-            figure.pixels().save(part, format="PNG")

@@ -10,12 +10,17 @@ from typing import TYPE_CHECKING
 from agents.console.options import RECORD_SUFFIX
 from agents.console.terminal import say
 from warehouse_core import Episode, FleetEpisode, RecordError
+from warehouse_core.files.atomic import atomic_path
 from warehouse_core.render.window import has_display
 from warehouse_core.viz.track import INTERVAL_MS
 from warehouse_core.warehouse_viz import Record, replay_animation
 
 if TYPE_CHECKING:
+    from warehouse_core.viz.figure import SceneFigure
     from warehouse_core.viz.replay import Replay
+
+PICTURES = (".svg", ".png")
+"""Suffixes of ``save_picture``."""
 
 MakeReplay = Callable[[bool], "Replay | None"]
 """Makes a replay with a window or without one."""
@@ -80,6 +85,17 @@ def show_or_save(
     say(f"there is no display to open a window on{consequence}")
     if not targets:
         _save(make_replay, unused(Path(fallback)), episode)
+
+
+def save_picture(figure: SceneFigure, path: Path) -> None:
+    """Write a figure as one of ``PICTURES``, whole or not at all."""
+    from warehouse_core.viz.figure import save_svg
+
+    with atomic_path(path) as part:
+        if path.suffix.lower() == ".svg":
+            save_svg(figure, part)
+        else:
+            figure.pixels().save(part, format="PNG")
 
 
 def unused(path: Path) -> Path:

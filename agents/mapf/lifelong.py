@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,13 @@ from numpy.typing import NDArray
 
 from agents.errors import PlanError
 from agents.mapf.graph import Graph, Integers
-from agents.mapf.planner import Planner, Situation
+from agents.mapf.planner import NO_CELLS, Planner, Situation
+
+NewGoals = Callable[[Integers, Integers], Integers]
+"""Returns the goals of the robots, ``[R]``, from their cells after a step and their goals so far.
+
+What it is given is not to be changed.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,17 +81,37 @@ def run_lifelong(
     streams = np.random.default_rng(seed).spawn(robots + 1)
     cells = streams[-1].permutation(starts)[:robots]
     wanted = np.array([stream.choice(goals) for stream in streams[:robots]])
-    nobody, none = np.zeros(robots, np.bool_), np.empty(0, np.intp)
-    ways, all_goals, seconds = [cells], [wanted], []
-    planner.reset()
-    for _ in range(steps):
-        start = time.process_time()
-        cells = planner.next_cells(Situation(cells, wanted, nobody, none))
-        seconds.append(time.process_time() - start)
+
+    def new_goals(cells: Integers, wanted: Integers) -> Integers:
         wanted = wanted.copy()
         for robot in np.flatnonzero(cells == wanted).tolist():
             while wanted[robot] == cells[robot]:
                 wanted[robot] = streams[robot].choice(goals)
+        return wanted
+
+    return lead(planner, cells, wanted, new_goals, steps)
+
+
+def lead(
+    planner: Planner, cells: Integers, goals: Integers, new_goals: NewGoals, steps: int
+) -> LifelongRun:
+    """Let a planner lead robots to goals that change.
+
+    Args:
+        planner: is reset.
+        cells: ``[R]``, where the robots are.
+        goals: ``[R]``, where they are to go first.
+        new_goals: called after each step.
+        steps: ``T``.
+    """
+    nobody = np.zeros(len(cells), np.bool_)
+    ways, all_goals, seconds = [cells], [goals], []
+    planner.reset()
+    for _ in range(steps):
+        start = time.process_time()
+        cells = planner.next_cells(Situation(cells, goals, nobody, NO_CELLS))
+        seconds.append(time.process_time() - start)
+        goals = new_goals(cells, goals)
         ways.append(cells)
-        all_goals.append(wanted)
+        all_goals.append(goals)
     return LifelongRun(np.array(ways), np.array(all_goals), np.array(seconds))

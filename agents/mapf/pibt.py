@@ -10,15 +10,13 @@ iterative multi-agent path finding, Artificial Intelligence 310.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.errors import PlanError
 from agents.mapf.graph import CLOSED, FAR, Fields, Graph, Integers
-from agents.mapf.planner import Situation
+from agents.mapf.planner import Situation, solve_by_steps
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.world.actions import WAIT
 
@@ -35,8 +33,6 @@ OCCUPIED_COST, CHANCE_COST = 0.5, 0.2
 """Of a cell that somebody is in, and the most that chance adds; less than ``WAIT_COST`` together,
 so that nobody waits for what could be pushed.
 """
-
-NO_CELLS = np.empty(0, np.intp)
 
 
 def choose_cells(
@@ -181,12 +177,4 @@ def pibt(problem: Problem, seconds: float) -> Plan:
     Raises:
         PlanError: it did not in time; there may be a plan.
     """
-    deadline = time.perf_counter() + seconds
-    planner, cells, goals = PIBT(problem.graph), np.array(problem.starts), np.array(problem.goals)
-    nobody, way = np.zeros(len(cells), np.bool_), [cells]
-    while (cells != goals).any():
-        if time.perf_counter() > deadline:
-            raise PlanError(f"PIBT has no plan after {seconds} s and {len(way) - 1} steps")
-        cells = planner.next_cells(Situation(cells, goals, nobody, NO_CELLS))
-        way.append(cells)
-    return Plan(np.array(way))
+    return solve_by_steps(PIBT(problem.graph), problem, seconds)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -9,7 +10,10 @@ from numpy.typing import NDArray
 
 from agents.errors import PlanError
 from agents.mapf.graph import CLOSED, Graph, Integers
+from agents.mapf.problem import Plan, Problem
 from warehouse_core.wording import brief
+
+NO_CELLS = np.empty(0, np.intp)
 
 
 class Situation(NamedTuple):
@@ -42,6 +46,25 @@ class Planner(Protocol):
         The step has no conflict: no two robots in one cell, no two that change places, nobody in
         a closed cell. Each cell is the robot's own or one beside it.
         """
+
+
+def solve_by_steps(planner: Planner, problem: Problem, seconds: float) -> Plan:
+    """Return the steps until a planner has led all robots to their goals at once.
+
+    Raises:
+        PlanError: it did not in so many seconds by the clock; there may be a plan.
+    """
+    deadline = time.perf_counter() + seconds
+    cells, goals = np.array(problem.starts), np.array(problem.goals)
+    nobody, way = np.zeros(len(cells), np.bool_), [cells]
+    planner.reset()
+    while (cells != goals).any():
+        if time.perf_counter() > deadline:
+            name = type(planner).__name__
+            raise PlanError(f"{name} has no plan after {seconds} s and {len(way) - 1} steps")
+        cells = planner.next_cells(Situation(cells, goals, nobody, NO_CELLS))
+        way.append(cells)
+    return Plan(np.array(way))
 
 
 def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from helpers.kiva import kiva_warehouse
 
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs, learned_costs
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
 from warehouse_core import random_layout
+from warehouse_core.world.generators import kiva_warehouse
 
 STEPS, SEEDS, FIRST_TRIAL = 256, range(10), 100
 """The costs are learned from trials with other seeds, and so with other starts and goals."""

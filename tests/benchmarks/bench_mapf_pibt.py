@@ -14,8 +14,8 @@ import pytest
 from helpers.fleet_truth import big_warehouse
 
 from agents.mapf.graph import Graph
-from agents.mapf.pibt import NO_CELLS, PIBT
-from agents.mapf.planner import Situation
+from agents.mapf.pibt import PIBT
+from agents.mapf.planner import NO_CELLS, Situation
 from warehouse_core import Layout, random_layout
 
 ROUNDS, STEPS = 7, 40

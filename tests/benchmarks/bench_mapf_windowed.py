@@ -6,12 +6,12 @@ and 192 robots: Follower 1.96, 3.15 and 3.94; RHCR 2.27, 3.49 and 1.57.
 
 import numpy as np
 import pytest
-from helpers.kiva import kiva_warehouse
 
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs, learned_costs
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.prioritised import WindowedPlanner
+from warehouse_core.world.generators import kiva_warehouse
 
 STEPS, SEEDS, FIRST_TRIAL = 256, 4, 100
 """The costs are learned from trials with other seeds, and so with other starts and goals."""

@@ -69,6 +69,7 @@ MAY_IMPORT = {
     "agents/fleet": "console errors mapf",
     "agents/registry": "errors evaluation fleet learning mapf search warehouse_agent_greedy",
     "agents/experiments": "console errors fleet programs registry",
+    "agents/commands/planners": "console errors evaluation experiments fleet mapf registry",
     "agents/run_episode": "console errors registry",
     "agents/commands": (
         "console errors evaluation fleet learning mapf registry run_episode search "
@@ -78,7 +79,7 @@ MAY_IMPORT = {
     "agents/reports/figures": "errors evaluation experiments reports/analysis",
     "agents/reports": "console errors evaluation experiments registry reports/analysis "
     "reports/figures",
-    "agents/cli": "commands console experiments reports run_episode",
+    "agents/cli": "commands commands/planners console experiments reports run_episode",
     "agents/__main__": "cli",
 }
 """The modules and folders that each may import in its own package; each is in a row above."""

@@ -8,12 +8,18 @@ from __future__ import annotations
 
 import random
 
+import numpy as np
+from numpy.typing import NDArray
+
 from warehouse_core.errors import LayoutError
 from warehouse_core.world.layout import CHAPTER_START, Layout, check_size
 from warehouse_core.world.tiles import EMPTY, WALL, Cell
 
 MAX_DENSITY = 0.4
 """Limit for ``random_layout``; walls that keep a grid connected can hardly be denser."""
+
+KIVA_PARKING = ".SS.SS."
+"""A row of the blocks at both sides of ``kiva_warehouse``; robots start at ``S``."""
 
 MIN_OPEN = 4
 """Room for a pickup and a dropoff and for the two that ``reset(randomize=True)`` draws next."""
@@ -140,6 +146,47 @@ def benchmark_warehouse(columns: int, rows: int, length: int, depth: int, aisle:
     return _blocks(sizes, left, right=5 * columns - left)
 
 
+def kiva_warehouse(
+    rows: int = 8, columns: int = 3, length: int = 10
+) -> tuple[Layout, NDArray[np.intp], NDArray[np.intp]]:
+    """Return a warehouse of the shape that papers on lifelong runs use, without stations.
+
+    It is ``columns * (length + 1) + 13`` cells wide and ``4 * rows + 1`` high, without a border:
+    usually 33 x 46, with 192 starts and 480 goals.
+
+    Args:
+        rows: of shelves, at least 1.
+        columns: of shelves, at least 1.
+        length: cells of a shelf from left to right, at least 1.
+
+    Returns:
+        The layout, and as ``row * W + col`` the starts, in blocks of parking places at both sides,
+        and the goals, above and below shelves.
+
+    Raises:
+        LayoutError: a size that is not allowed, or more than ``MAX_CELLS`` cells.
+
+    Source: the measures are those of Li et al. (2021), Lifelong multi-agent path finding in
+    large-scale warehouses, AAAI.
+    """
+    _check_sizes({"rows": rows, "columns": columns, "length": length})
+    width = columns * (length + 1) - 1 + 2 * len(KIVA_PARKING)
+    check_size(4 * rows + 1, width)
+    beside, shelves = (".".join([tile * length] * columns) for tile in "G#")
+    lines = [f"{KIVA_PARKING}{inside}{KIVA_PARKING}" for inside in (beside, shelves, beside)]
+    aisle = EMPTY * width
+    text = [aisle, *[*lines, aisle] * rows]
+    marks = np.array([list(line) for line in text]).ravel()
+    layout = Layout([line.replace("S", EMPTY).replace("G", EMPTY) for line in text])
+    return layout, np.flatnonzero(marks == "S"), np.flatnonzero(marks == "G")
+
+
+def _check_sizes(sizes: dict[str, int]) -> None:
+    for name, size in sizes.items():
+        if size < 1:
+            raise LayoutError(f"{name} is {size}; it must be at least 1")
+
+
 def _blocks(sizes: dict[str, int], left: int, right: int) -> Layout:
     """Return blocks of walls with aisles between them.
 
@@ -149,9 +196,7 @@ def _blocks(sizes: dict[str, int], left: int, right: int) -> Layout:
         left: open columns to the left of the blocks.
         right: open columns to their right.
     """
-    for name, size in sizes.items():
-        if size < 1:
-            raise LayoutError(f"{name} is {size}; it must be at least 1")
+    _check_sizes(sizes)
     rows, columns, length, depth, aisle = sizes.values()
     width = left + columns * (length + aisle) - aisle + right + 2
     height = rows * (depth + aisle) + aisle + 2

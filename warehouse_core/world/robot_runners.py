@@ -1,8 +1,9 @@
-"""Task and agent files of the League of Robot Runners, ``.tasks`` and ``.agents``.
+"""Problems of the League of Robot Runners: ``.json``, and their ``.tasks`` and ``.agents``.
 
-The first line is a number of tasks or robots; a line for each follows. A location is one whole
-number, ``row * W + col`` on a map of ``W`` columns, from 0. Lines that start with ``#`` are
-comments. ``load_map`` with ``robot_runners=True`` reads the maps.
+A problem names the files of its map, its robots and its tasks. The first line of the latter two is
+a number of tasks or robots; a line for each follows. A location is one whole number,
+``row * W + col`` on a map of ``W`` columns, from 0. Lines that start with ``#`` are comments.
+``load_map`` with ``robot_runners=True`` reads the maps.
 
 Source: ``Input_Output_Format.md`` of the League's Start-Kit; for the comments its
 ``inc/common.h`` and the files in ``example_problems``.
@@ -10,12 +11,16 @@ Source: ``Input_Output_Format.md`` of the League's Start-Kit; for the comments i
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from io import BufferedReader
 from pathlib import Path
+from typing import Any, NamedTuple
 
 from warehouse_core.errors import LayoutError
+from warehouse_core.wording import brief
 from warehouse_core.world.layout import Layout
+from warehouse_core.world.map_files import load_map
 from warehouse_core.world.text_lines import error_at, read_lines, whole_number_at
 from warehouse_core.world.tiles import Cell
 
@@ -24,6 +29,87 @@ MAX_LOCATIONS = 1_000_000
 
 MAX_LINES = 2 * MAX_LOCATIONS
 """Limit on the lines of a file, comments and empty lines included."""
+
+
+MAX_PROBLEM = 100_000
+"""Limit on the bytes of a problem, which only names other files."""
+
+
+class League(NamedTuple):
+    """A problem of the League.
+
+    Attributes:
+        layout: the map.
+        starts: of the robots, all different.
+        tasks: for each the cells to be visited, in this order; at least one task.
+        revealed: how many unfinished tasks are known at a time.
+    """
+
+    layout: Layout
+    starts: list[Cell]
+    tasks: list[tuple[Cell, ...]]
+    revealed: int
+
+
+def load_league(path: str | Path) -> League:
+    """Read a problem, and the files that it names, relative to its folder.
+
+    Raises:
+        LayoutError: the file is not such a problem, there are fewer starts than ``teamSize``, two
+            robots have one start, there is no task, or one of its files has another format.
+        OSError: a file cannot be read.
+    """
+    path = Path(path)
+    with path.open("rb") as file:
+        data = file.read(MAX_PROBLEM + 1)
+    try:
+        given = _parse(data)
+        team = _given(given, "teamSize", int, 1)
+        reveal = _given(given, "numTasksReveal", float, 0) if "numTasksReveal" in given else 1.0
+        files = [path.parent / _given(given, f"{name}File", str) for name in _FILES]
+    except LayoutError as error:
+        raise LayoutError(f"{path}: {error}") from error
+    layout = load_map(files[0], robot_runners=True).with_tiles([], [], [])
+    starts, tasks = load_agents(files[1], layout)[:team], load_tasks(files[2], layout)
+    if len(starts) < team:
+        raise LayoutError(f"{path}: teamSize is {team}, but {files[1]} has {len(starts)} robots")
+    if not tasks:
+        raise LayoutError(f"{path}: {files[2]} has no tasks; it must have one or more")
+    first: dict[Cell, int] = {}
+    for robot, cell in enumerate(starts):
+        if first.setdefault(cell, robot) != robot:
+            raise LayoutError(f"{files[1]}: robots {first[cell]} and {robot} both start in {cell}")
+    return League(layout, starts, tasks, max(1, int(reveal * team)))
+
+
+_FILES = ("map", "agent", "task")
+
+
+def _parse(data: bytes) -> dict[str, Any]:
+    if len(data) > MAX_PROBLEM:
+        raise LayoutError(f"more than MAX_PROBLEM = {MAX_PROBLEM} bytes")
+    try:
+        given = json.loads(data)
+    except (ValueError, RecursionError) as error:  # not UTF-8, no JSON, or brackets too deep
+        raise LayoutError(f"not JSON: {error}") from error
+    if not isinstance(given, dict):
+        raise LayoutError(f"a JSON {type(given).__name__} where there must be an object")
+    return given
+
+
+def _given(given: dict[str, Any], key: str, kind: type, least: int | None = None) -> Any:
+    """Return the value of a key, a text or a number."""
+    kinds = {str: "a text", int: "a whole number", float: "a number"}
+    if key not in given:
+        raise LayoutError(f"{key} is missing; it must be {kinds[kind]}")
+    value = given[key]
+    is_kind = type(value) is kind or (kind is float and type(value) is int)
+    if not is_kind or (least is not None and not least <= value <= MAX_LOCATIONS):
+        limits = "" if least is None else f", {least} to {MAX_LOCATIONS}"
+        raise LayoutError(f"{key} is {brief(value)}; it must be {kinds[kind]}{limits}")
+    if kind is str and "\0" in value:
+        raise LayoutError(f"{key} is {brief(value)}; a file name has no null character")
+    return value
 
 
 def load_agents(path: str | Path, layout: Layout) -> list[Cell]:

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from warehouse_core import Layout, LayoutError, WarehouseEnv, random_layout, shelf_layout
 from warehouse_core.world import layout as layout_module
-from warehouse_core.world.generators import MAX_DENSITY, benchmark_warehouse
+from warehouse_core.world.generators import MAX_DENSITY, benchmark_warehouse, kiva_warehouse
 from warehouse_core.world.tiles import manhattan_distance
 
 sizes = st.integers(4, 16)
@@ -286,3 +286,22 @@ def test_a_benchmark_warehouse_that_is_too_large_raises_before_it_is_built(
     monkeypatch.setattr(layout_module, "MAX_CELLS", 44)
     with pytest.raises(LayoutError, match="5 x 9 cells are more than MAX_CELLS = 44"):
         benchmark_warehouse(1, 1, 2, 1, 1)
+
+
+def test_the_warehouse_of_papers_has_the_published_size_and_goals_along_shelves() -> None:
+    layout, starts, goals = kiva_warehouse()
+    assert (layout.height, layout.width, len(starts), len(goals)) == (33, 46, 192, 480)
+    assert not set(starts) & set(goals)
+    for cell in goals:
+        row, col = divmod(int(cell), layout.width)
+        assert "#" in (layout.rows[row - 1][col], layout.rows[row + 1][col])
+    assert {int(cell) % layout.width for cell in starts} == {1, 2, 4, 5, 40, 41, 43, 44}
+
+
+@pytest.mark.parametrize(
+    ("sizes", "message"),
+    [((0, 1, 1), "rows is 0; it must be at least 1"), ((1, 10**9, 1), "MAX_CELLS")],
+)
+def test_a_wrong_size_of_the_warehouse_of_papers_is_named(sizes, message: str) -> None:
+    with pytest.raises(LayoutError, match=message):
+        kiva_warehouse(*sizes)

@@ -1,3 +1,4 @@
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -5,9 +6,9 @@ from typing import Any
 import pytest
 from helpers.map_files import refusal
 
-from warehouse_core import Layout
+from warehouse_core import Layout, LayoutError
 from warehouse_core.world import robot_runners
-from warehouse_core.world.robot_runners import load_agents, load_tasks
+from warehouse_core.world.robot_runners import load_agents, load_league, load_tasks
 
 LAYOUT = Layout(["...", "#.."])
 """The wall is location 3."""
@@ -96,3 +97,76 @@ def test_too_many_of_anything_raise_before_the_rest_is_read(
 def test_a_missing_file_is_an_os_error(load: Callable[..., Any], tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         load(tmp_path / "missing.tasks", LAYOUT)
+
+
+PROBLEM = {
+    "mapFile": "maps/hall.map",
+    "agentFile": "hall.agents",
+    "taskFile": "hall.tasks",
+    "teamSize": 2,
+    "numTasksReveal": 1.5,
+}
+
+
+@pytest.fixture
+def problem(tmp_path: Path) -> Path:
+    """Return where the JSON of a problem goes; the files that it names are there."""
+    (tmp_path / "maps").mkdir()
+    (tmp_path / "maps" / "hall.map").write_text("type octile\nheight 2\nwidth 3\nmap\n.ES\n@..\n")
+    (tmp_path / "hall.agents").write_text("3\n4\n2\n5\n")
+    (tmp_path / "hall.tasks").write_text("2\n2,4\n5\n")
+    return tmp_path / "hall.json"
+
+
+def test_a_problem_is_read_with_the_files_that_it_names(problem: Path) -> None:
+    problem.write_text(json.dumps(PROBLEM))
+    layout, starts, tasks, revealed = load_league(problem)
+    assert layout == LAYOUT
+    assert (starts, tasks, revealed) == ([(1, 1), (0, 2)], [((0, 2), (1, 1)), ((1, 2),)], 3)
+    problem.write_text(json.dumps({key: PROBLEM[key] for key in PROBLEM if key[:3] != "num"}))
+    assert load_league(problem).revealed == 2
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"teamSize": 4}, "teamSize is 4, but "),
+        ({"teamSize": 0}, "teamSize is 0; it must be a whole number, 1 to 1000000"),
+        ({"teamSize": True}, "teamSize is True; it must be a whole number"),
+        ({"teamSize": 2.0}, "teamSize is 2.0; it must be a whole number"),
+        ({"mapFile": 3}, "mapFile is 3; it must be a text"),
+        ({"mapFile": "a\0"}, "a file name has no null character"),
+        ({"numTasksReveal": float("nan")}, "numTasksReveal is nan; it must be a number, 0 to"),
+        ({"numTasksReveal": -1}, "numTasksReveal is -1; it must be a number"),
+    ],
+)
+def test_a_wrong_value_of_a_problem_is_named(
+    problem: Path, change: dict[str, Any], message: str
+) -> None:
+    assert message in refusal(load_league, problem, json.dumps(PROBLEM | change))
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (b"{", "not JSON: "),
+        (b"\xff", "not JSON: "),
+        (b"[" * 90_000, "not JSON: "),
+        (b"[]", "a JSON list where there must be an object"),
+        (b"{}", "teamSize is missing; it must be a whole number"),
+        (b" " * 100_001, "more than MAX_PROBLEM = 100000 bytes"),
+    ],
+)
+def test_what_is_no_problem_is_refused(problem: Path, data: bytes, message: str) -> None:
+    assert message in refusal(load_league, problem, data)
+
+
+def test_files_of_a_problem_that_do_not_fit_are_named(problem: Path) -> None:
+    problem.write_text(json.dumps(PROBLEM))
+    (problem.parent / "hall.tasks").write_text("0\n")
+    with pytest.raises(LayoutError, match="has no tasks; it must have one or more"):
+        load_league(problem)
+    (problem.parent / "hall.tasks").write_text("1\n5\n")
+    (problem.parent / "hall.agents").write_text("2\n4\n4\n")
+    with pytest.raises(LayoutError, match=r"robots 0 and 1 both start in \(1, 1\)"):
+        load_league(problem)

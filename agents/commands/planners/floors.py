@@ -1,0 +1,121 @@
+"""The problems that planners are measured on: from files, or generated."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, NamedTuple
+
+import numpy as np
+import typer
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from agents.errors import PlanError
+from agents.mapf.graph import CLOSED, Graph, Integers
+from agents.mapf.problem import Problem
+from warehouse_core import Layout
+from warehouse_core.wording import counted
+from warehouse_core.world.generators import kiva_warehouse
+from warehouse_core.world.map_files import load_layout
+from warehouse_core.world.named_layouts import NAMES, find_layout
+from warehouse_core.world.scenarios import check_scenarios, load_scenarios
+
+KIVA = "kiva"
+
+FloorOption = Annotated[
+    str | None,
+    typer.Option(
+        "--layout",
+        metavar="FILE",
+        help="Layout file (rows of # . P D C, or a MovingAI .map), or a name: kiva (33 x 46 cells, "
+        f"with 192 starts and 480 goals, as in papers), {', '.join(NAMES)}. Default: kiva.",
+        show_default=False,
+    ),
+]
+
+
+class Floor(NamedTuple):
+    """Where robots drive.
+
+    Attributes:
+        layout: its walls; stations are floor, as planners of one command would avoid chargers.
+        starts: the cells that starts are drawn from.
+        goals: the cells that goals are drawn from.
+    """
+
+    layout: Layout
+    starts: Integers
+    goals: Integers
+
+
+def find_floor(name: str | None) -> Floor:
+    """Return the floor of a name or a file; robots are in the largest of its parts.
+
+    Args:
+        name: ``None`` is ``KIVA``.
+
+    Raises:
+        LayoutError: as for ``find_layout``.
+        OSError: the file cannot be read.
+    """
+    if name is None or name == KIVA:
+        return Floor(*kiva_warehouse())
+    layout = find_layout(name).with_tiles([], [], [])
+    labels = parts(Graph(layout))[layout.open_cells]
+    cells = layout.open_cells[labels == np.bincount(labels).argmax()] if labels.size else labels
+    return Floor(layout, cells, cells)
+
+
+def parts(graph: Graph) -> Integers:
+    """Return a number for each cell, ``[H * W]``, equal for those that are connected."""
+    start, action = np.nonzero(graph.neighbours != CLOSED)
+    edges = (np.ones(len(start), np.bool_), (start, graph.neighbours[start, action]))
+    labels: Integers = connected_components(csr_array(edges, shape=(graph.size, graph.size)))[1]
+    return labels
+
+
+def random_problem(floor: Floor, robots: int, seed: int) -> Problem:
+    """Return a problem with starts and goals drawn at random.
+
+    Raises:
+        PlanError: there are fewer cells to start from, or to go to, than robots.
+    """
+    most = min(len(floor.starts), len(floor.goals))
+    if robots > most:
+        raise PlanError(f"{counted(robots, 'robot')}; allowed: up to {most} on this layout")
+    stream = np.random.default_rng(seed)
+    starts, goals = (stream.permutation(cells)[:robots].tolist() for cells in floor[1:])
+    return Problem(Graph(floor.layout), starts, goals)
+
+
+def scenario_problem(path: Path, layout_file: str | None, robots: int | None) -> Problem:
+    """Return the problem of the first scenarios of a ``.scen``, one for each robot.
+
+    Args:
+        path: of the file.
+        layout_file: of its map; ``None`` is the file that it names, beside it.
+        robots: ``None`` is one for each scenario.
+
+    Raises:
+        LayoutError: a file has another format, or they do not fit each other.
+        OSError: a file cannot be read.
+        PlanError: there are fewer scenarios, or no plan can exist.
+    """
+    scenarios = load_scenarios(path)
+    count = len(scenarios) if robots is None else robots
+    if not 0 < count <= len(scenarios):
+        raise PlanError(
+            f"{path} has {counted(len(scenarios), 'scenario')}, one for each robot; "
+            f"{counted(count, 'robot')} cannot be had from it"
+        )
+    chosen = scenarios[:count]
+    if layout_file is None:
+        layout = load_layout(path.parent / Path(chosen[0].map_name).name)
+    else:
+        layout = find_layout(layout_file)
+    check_scenarios(layout, chosen)
+    cells = [
+        [row * layout.width + col for row, col in ends]
+        for ends in zip(*((each.start, each.goal) for each in chosen), strict=True)
+    ]
+    return Problem(Graph(layout), *cells)
