@@ -7,8 +7,6 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 import typer
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from agents.errors import PlanError
 from agents.mapf.graph import CLOSED, Graph, Integers
@@ -68,6 +66,9 @@ def find_floor(name: str | None) -> Floor:
 
 def parts(graph: Graph) -> Integers:
     """Return a number for each cell, ``[H * W]``, equal for those that are connected."""
+    from scipy.sparse import csr_array  # here, because it takes long to import
+    from scipy.sparse.csgraph import connected_components
+
     start, action = np.nonzero(graph.neighbours != CLOSED)
     edges = (np.ones(len(start), np.bool_), (start, graph.neighbours[start, action]))
     labels: Integers = connected_components(csr_array(edges, shape=(graph.size, graph.size)))[1]

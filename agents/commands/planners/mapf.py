@@ -127,10 +127,10 @@ def mapf(
         ),
     ] = None,
 ) -> None:
-    """Run planners on a problem and compare them with a lower bound.
+    """Run planners on a problem of several robots.
 
     Prints makespan, sum of costs and time of plans, or the goals or tasks
-    that a lifelong run reaches in a step.
+    that a lifelong run reaches in a step, each beside a bound.
 
     Example: warehouse mapf --robots 64 --planner lacam --planner pibt --seed 1
     """
