@@ -73,4 +73,5 @@ def test_a_failure_that_comes_again_is_told_once(
     with sweep_bar(8) as report:
         for failures in (["a is broken", "a is broken"], ["a is broken", "b is broken"]):
             report([], failures)
-    assert sorted(capsys.readouterr().err.splitlines()) == ["warehouse: a is broken", "warehouse: b is broken"]
+    lines = sorted(capsys.readouterr().err.splitlines())
+    assert lines == ["warehouse: a is broken", "warehouse: b is broken"]
