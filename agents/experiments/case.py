@@ -21,8 +21,10 @@ from agents.console.place import Stations, check_stations, usual_stations
 from agents.experiments.parameters import (
     DEFAULT,
     FLEET,
+    NO_PLANNER,
     PARAMETERS,
     PHYSICAL,
+    PLANNER,
     RANDOM,
     Value,
     checked,
@@ -32,9 +34,9 @@ from agents.experiments.parameters import (
     text,
 )
 from agents.experiments.tables import AnyRow, Row, Shift
-from agents.fleet.team import Team
+from agents.fleet.planned import DEFAULT_ASSIGNMENT
 from agents.programs import fingerprint
-from agents.registry import agent_file, agent_module, make_agent, make_team
+from agents.registry import agent_file, agent_module, make_agent, make_fleet_agent, make_team
 from warehouse_core import (
     Agent,
     Cell,
@@ -46,6 +48,7 @@ from warehouse_core import (
     random_layout,
 )
 from warehouse_core.motion.backends import Backend
+from warehouse_core.records.fleet_episode import FleetAgent
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 
 Case = Mapping[str, Any]
@@ -89,8 +92,9 @@ def make_case(values: Mapping[str, Value]) -> dict[str, Any]:
         kept_or_drawn = Stations(case["stations"])
         check_stations(layout_of(case), kept_or_drawn, layout_name, "stations=drawn")
     if is_fleet(case):
-        with closing(make_fleet(case, seed=0)) as fleet:
-            make_team_for(case, 0, fleet.layout)
+        layout = fleet_layout(case, seed=0)
+        make_fleet(case, layout).close()
+        make_fleet_agent_for(case, 0, layout)
     else:
         with closing(make_env(case, seed=0)) as env:
             make_agent_for(case, 0, env.layout)
@@ -187,7 +191,14 @@ def in_words(case: Case) -> str:
 
 def agent_fingerprint(case: Case) -> str | None:
     """Return the digest of the present code of a case's agent, see ``fingerprint``."""
-    return fingerprint(agent_file(case["agent"]), agent_module(case["agent"]))
+    name = director_of(case)
+    return fingerprint(agent_file(name), agent_module(name))
+
+
+def director_of(case: Case) -> str:
+    """Return the name of what chooses the actions: the planner, or else the agent."""
+    planner: str = case.get(PLANNER, NO_PLANNER)
+    return case["agent"] if planner == NO_PLANNER else planner
 
 
 def layout_of(case: Case) -> Layout:
@@ -214,18 +225,23 @@ def make_env(case: Case, seed: int) -> WarehouseEnv:
     )
 
 
-def make_fleet(case: Case, seed: int) -> FleetEnv:
-    """Return a new fleet for one episode of a case.
+def fleet_layout(case: Case, seed: int) -> Layout:
+    """Return the layout of one episode of a fleet, with as many chargers as the case has.
 
     Raises:
-        LayoutError: there are fewer chargers than the case is to have.
+        LayoutError: there are fewer.
     """
     layout = _layout_for(case, seed)
+    return layout.with_chargers(_some(layout.chargers, case["chargers"]))
+
+
+def make_fleet(case: Case, layout: Layout, *, dispatch: bool = True) -> FleetEnv:
+    """Return a new fleet of a case; see ``FleetEnv`` for ``dispatch``."""
     with warnings.catch_warnings():
         # Of chargers that supply too little, which an experiment may be about.
         warnings.simplefilter("ignore")
         return FleetEnv(
-            layout.with_chargers(_some(layout.chargers, case["chargers"])),
+            layout,
             case[FLEET],
             backend=_backend(case),
             orders=OrderStream(case["order_rate"], _due(case)),
@@ -233,12 +249,17 @@ def make_fleet(case: Case, seed: int) -> FleetEnv:
             battery=case["battery"],
             view_radius=case["view_radius"],
             people=case["people"],
+            dispatch=dispatch,
         )
 
 
-def make_team_for(case: Case, seed: int, layout: Layout) -> Team:
-    """Return the agents of the robots of a fleet."""
-    return make_team(_agent_name(case), case[FLEET], seed, layout)
+def make_fleet_agent_for(case: Case, seed: int, layout: Layout) -> FleetAgent:
+    """Return what directs the robots of a fleet: a planner, or an agent for each."""
+    if case[PLANNER] == NO_PLANNER:
+        return make_team(_agent_name(case), case[FLEET], seed, layout)
+    # A planner that assigns orders itself takes no assignment, not even the default.
+    chosen = None if case["assignment"] == DEFAULT_ASSIGNMENT else case["assignment"]
+    return make_fleet_agent(case[PLANNER], chosen, seed, layout)
 
 
 def make_agent_for(case: Case, seed: int, layout: Layout) -> Agent:

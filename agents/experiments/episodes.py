@@ -17,12 +17,14 @@ from agents.experiments.case import (
     FINGERPRINT,
     Case,
     agent_fingerprint,
+    director_of,
+    fleet_layout,
     in_words,
     is_fleet,
     make_agent_for,
     make_env,
     make_fleet,
-    make_team_for,
+    make_fleet_agent_for,
 )
 from agents.experiments.tables import AnyRow, Row, Shift
 from agents.experiments.workers import teller
@@ -79,7 +81,7 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
         check_fingerprint(case)
     except EpisodeError as error:
         return Done(perf_counter() - start, rows, program, str(error))
-    present, file, tell = _Present(case, seeds[0]), agent_file(case["agent"]), teller()
+    present, file, tell = _Present(case, seeds[0]), agent_file(director_of(case)), teller()
 
     def tell_slow(seconds: float, line: str) -> None:
         tell(f"{present} has run for {seconds:g} s{line}")
@@ -112,11 +114,12 @@ def run_fleet(
     case: Case, seed: int, watch: Callable[[Recorder], object] = lambda recorder: None
 ) -> FleetEpisode:
     """Run one episode of a fleet; see ``run_one``."""
-    with closing(make_fleet(case, seed)) as env:
-        team = make_team_for(case, seed, env.layout)
-        recorder = FleetRecorder(env, seed=seed, agent=case["agent"])
+    layout = fleet_layout(case, seed)
+    agent = make_fleet_agent_for(case, seed, layout)
+    with closing(make_fleet(case, layout, dispatch=getattr(agent, "dispatch", True))) as env:
+        recorder = FleetRecorder(env, seed=seed, agent=director_of(case))
         watch(recorder)
-        recorder.run(team)
+        recorder.run(agent)
         return recorder.episode
 
 
@@ -168,11 +171,12 @@ def check_fingerprint(case: Case) -> None:
     except AgentError as error:
         raise EpisodeError(str(error)) from error
     except OSError as error:
-        raise EpisodeError(f"the file of agent {case['agent']!r}: {error.strerror}") from error
+        raise EpisodeError(f"the file of agent {director_of(case)!r}: {error.strerror}") from error
     if not is_same:
-        what = "module" if agent_file(case["agent"]) is None else "file"
+        name = director_of(case)
+        what = "module" if agent_file(name) is None else "file"
         again = "; restart the workers of a cluster" if what == "module" else ""
         raise EpisodeError(
-            f"the {what} of agent {case['agent']!r}, or what it imports, has changed since the "
+            f"the {what} of agent {name!r}, or what it imports, has changed since the "
             f"sweep began{again}"
         )

@@ -15,6 +15,8 @@ from typing import Any, NamedTuple
 
 from agents.console.place import Stations
 from agents.errors import ParameterError
+from agents.fleet.planned import DEFAULT_ASSIGNMENT
+from agents.mapf.assignment import ASSIGNMENTS
 from warehouse_core.fleet.settings import MAX_BODIES
 from warehouse_core.motion import backends
 from warehouse_core.wording import printable
@@ -24,6 +26,9 @@ Value = str | int | float | bool
 
 DEFAULT, RANDOM = "default", "random"
 """Layouts by name: the chapter's, and a random one for each seed. Any other is a file."""
+
+PLANNER, NO_PLANNER = "planner", "none"
+"""The parameter that names what directs all robots of a fleet; by default each has an agent."""
 
 FLEET = "robots"
 """The parameter that every case of a fleet has, and no other case."""
@@ -49,6 +54,7 @@ class Parameter(NamedTuple):
         question: the question that varying it answers; the chapter asks some of them.
         of_fleets: whether it has an effect only on fleets, or only on lone robots; ``None`` is on
             both.
+        is_planned: whether it has an effect only with a planner, or only without one.
     """
 
     default: Value | None
@@ -56,15 +62,22 @@ class Parameter(NamedTuple):
     needs: Mapping[str, Value] = {}
     question: str = ""
     of_fleets: bool | None = None
+    is_planned: bool | None = None
 
     def applies(self, case: Mapping[str, Any]) -> bool:
         """Return whether it has an effect, given the values of the parameters before it."""
-        suits = self.of_fleets in (None, FLEET in case)
-        return suits and self.needs.items() <= case.items()
+        has_planner = case.get(PLANNER, NO_PLANNER) != NO_PLANNER
+        return (
+            self.of_fleets in (None, FLEET in case)
+            and self.is_planned in (None, has_planner)
+            and self.needs.items() <= case.items()
+        )
 
     @property
     def where(self) -> str:
         """Where it has an effect, in words, if not everywhere."""
+        if self.is_planned is not None:
+            return f"{'with' if self.is_planned else 'without'} a {PLANNER}"
         if self.of_fleets is not None:
             return "to fleets" if self.of_fleets else "to lone robots, without settings of fleets"
         return "with " + " and ".join(
@@ -116,6 +129,13 @@ def backend(value: Any) -> str:
     return str(value)
 
 
+def assignment(value: Any) -> str:
+    """Check that a value names a task assignment."""
+    if value not in list(ASSIGNMENTS):
+        raise ValueError(f"one of {', '.join(ASSIGNMENTS)}")
+    return str(value)
+
+
 def stations(value: Any) -> str:
     """Check that a value says where pickup and dropoff come from."""
     if value not in list(Stations):
@@ -143,7 +163,14 @@ PARAMETERS = {
     FLEET: Parameter(
         8, whole(1, MAX_BODIES), question="How many robots are too many?", of_fleets=True
     ),
-    "agent": Parameter("greedy", text, question="Which agent does best?"),
+    PLANNER: Parameter(
+        NO_PLANNER, text, question="Which planner does best?", of_fleets=True
+    ),
+    "assignment": Parameter(
+        DEFAULT_ASSIGNMENT, assignment, question="How should orders be assigned?",
+        of_fleets=True, is_planned=True,
+    ),
+    "agent": Parameter("greedy", text, question="Which agent does best?", is_planned=False),
     "escape": Parameter(
         True, flag, {"agent": "greedy"},
         "Does escaping loops cut delivery time, or does it make the robot wander?",

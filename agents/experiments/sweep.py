@@ -24,6 +24,7 @@ from agents.experiments.running import Report, run_missing
 from agents.experiments.store import Store
 from agents.experiments.tables import AnyRow, Shift
 from agents.experiments.workers import Check, Pool, deferred_interrupts, process_pool
+from agents.mapf.assignment import ASSIGNMENTS
 from warehouse_core.fleet.settings import MAX_BODIES
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
@@ -67,6 +68,8 @@ EPISODES = 100
 
 VALUES = {
     "robots": f"1..{MAX_BODIES}, makes it a fleet with orders",
+    "planner": "none, or a name as in 'warehouse fleet --planner', of a fleet",
+    "assignment": f"{' or '.join(ASSIGNMENTS)}, of a planner",
     "agent": "a name as in 'warehouse run --agent'",
     "escape": "on or off, of agent greedy",
     "memory": f"0..{MAX_VALUE}, of agent greedy with escape",

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 from agents.mapf.graph import MOVES, Costs, Graph, Integers
 from warehouse_core import FleetEnv, Layout
@@ -206,6 +205,8 @@ class Chargers:
         self, robots: Integers, chargers: Integers, until: NDArray[np.float64], needs: Needs
     ) -> None:
         """Give robots turns at chargers, so that they begin as soon as can be."""
+        from scipy.optimize import linear_sum_assignment
+
         ways = self._ways[chargers][:, needs.cells[robots]].T
         waits, spare = np.maximum(until - DETOUR * ways, 0), self._spare(needs)[robots, None]
         near = ways <= self.home[needs.cells[robots], None] + NEARBY

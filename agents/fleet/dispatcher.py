@@ -23,6 +23,11 @@ to a charger that nobody uses."""
 Flags = NDArray[np.bool_]
 
 
+MAX_PAIRS, LARGE_EVERY = 40_000, 10
+"""Pairs of a robot and an order among which orders are assigned anew in each step; of more, every
+so many steps, and to robots without one in the others."""
+
+
 class Robots(NamedTuple):
     """The robots before a step, ``[R]`` each; cells are numbers.
 
@@ -118,9 +123,11 @@ class Dispatcher:
             env.assign(robot, None)
             order[robot] = NONE
         able &= ~is_charging
-        if not self._reassigns:
+        open_orders = np.array(env.open_orders, np.intp)
+        is_large = np.count_nonzero(able) * len(open_orders) > MAX_PAIRS
+        if not self._reassigns or (is_large and env.steps % LARGE_EVERY):
             able &= order == NONE
-        free, open_orders = np.flatnonzero(able), np.array(env.open_orders, np.intp)
+        free = np.flatnonzero(able)
         columns = np.union1d(open_orders, order[free[order[free] != NONE]])
         state = free.tobytes(), columns.tobytes()
         if len(open_orders) and len(free) and state != self._assigned:

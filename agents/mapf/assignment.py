@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 from agents.mapf.graph import Integers
 
@@ -113,6 +112,8 @@ def urgent(tasks: Tasks) -> NDArray[np.intp]:
 
 
 def _cheapest(tasks: Tasks, costs: NDArray[np.floating]) -> NDArray[np.intp]:
+    from scipy.optimize import linear_sum_assignment
+
     found = np.full(len(costs), NONE)
     reachable = np.isfinite(costs)
     costs = np.where(reachable, costs, OUT_OF_REACH)

@@ -6,14 +6,16 @@ Cells are numbers, ``row * W + col``, as in the arrays of a fleet.
 from __future__ import annotations
 
 from collections import OrderedDict
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
 
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.layout import Layout
+
+if TYPE_CHECKING:  # SciPy is imported where it is used: loading it takes long
+    from scipy.sparse import csr_array
 
 Integers = NDArray[np.integer]
 Costs = NDArray[np.float32]
@@ -77,6 +79,8 @@ class Graph:
         """
         field = self._fields.get(goal)
         if field is None:
+            from scipy.sparse.csgraph import dijkstra
+
             found = dijkstra(self._edges, indices=goal, unweighted=self.costs is None)
             field = np.asarray(found, np.float32)
             if not keep:
@@ -90,6 +94,8 @@ class Graph:
 
     def _reversed_edges(self) -> csr_array:
         """Return the moves from where they lead to where they start, so that goals are sources."""
+        from scipy.sparse import csr_array
+
         start, action = np.nonzero(self.neighbours[:, :WAIT] != CLOSED)
         end = self.neighbours[start, action]
         costs = np.ones(len(start)) if self.costs is None else self.costs[start, action]

@@ -21,6 +21,7 @@ from agents.mapf.planner import Situation
 from agents.mapf.problem import Plan, Problem
 from agents.mapf.reservations import Reservations
 from agents.mapf.space_time import Moves, Way, find_way, moves_of
+from warehouse_core.arguments import whole_number
 from warehouse_core.wording import counted
 
 WINDOW, REPLAN = 30, 5
@@ -109,8 +110,9 @@ class WindowedPlanner:
         seconds: float = inf,
         seed: int = 0,
     ) -> None:
-        if not 0 < replan < window:
-            raise ValueError(f"replan is {replan}; it must be 1..{window - 1}, window - 1")
+        whole_number("window", window, 2)
+        whole_number("replan", replan, 1, window - 1)
+        whole_number("groups", groups, 0)
         self.graph, self.window, self.replan = graph, window, replan
         self.groups, self.seconds, self.seed = groups, seconds, seed
         self._moves: Moves = moves_of(graph)

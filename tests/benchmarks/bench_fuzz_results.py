@@ -13,15 +13,17 @@ from contextlib import closing
 from pathlib import Path
 from time import perf_counter
 
-from agents.experiments.case import make_case
+from helpers.results_files import row, shift
+
+from agents.experiments.case import is_fleet, make_case
 from agents.experiments.episodes import run_task
 from agents.experiments.export import columns_of, lines_of
 from agents.experiments.store import Store
-from agents.experiments.tables import Row
 from agents.programs import program_for
 from agents.reports.analysis.answers import answers
 from agents.reports.analysis.design import make_design
-from agents.reports.analysis.results import Deliveries, Experiment
+from agents.reports.analysis.fleet_answers import fleet_answers
+from agents.reports.analysis.results import Deliveries, Experiment, Shifts
 from agents.reports.examples import find_examples
 from warehouse_core.errors import WarehouseError
 
@@ -31,6 +33,7 @@ MAX_CHANGES = 12
 """Bytes of a file that are changed."""
 
 CASES = [make_case({"battery": battery}) for battery in (20, 60)]
+CASES.append(make_case({"robots": 2, "max_steps": 30, "order_rate": 0.5}))
 CASES.append(make_case({"layout": "random", "backend": "physics", "robot.mass": 70.0}))
 
 
@@ -40,6 +43,8 @@ def read(path: Path) -> None:
         experiment = Experiment(store, Deliveries)
         find_examples(store)
         answers(experiment, make_design(experiment.cases))
+        fleets = Experiment(store, Shifts)
+        fleet_answers(fleets, make_design(fleets.cases))
         store.mixed(), store.episodes()
         for _ in lines_of(store, columns_of(store)):
             pass
@@ -53,7 +58,8 @@ def resume(path: Path) -> None:
             number = store.case_id(case)
             store.count(case, range(100))
             store.seeds_done(number, range(100))
-            store.add(number, [Row(99, "stalled", 3, None, -1.0, 5, 3.0, 6.0, 1, 1)], "another")
+            rows = [shift(99)] if is_fleet(case) else [row(99)]
+            store.add(number, rows, "another")
         store.mixed()
 
 

@@ -8,6 +8,9 @@ from helpers.mapf_runs import check_planner, check_solver
 
 from agents.mapf.cbs import solve_cbs
 from agents.mapf.graph import Graph
+from agents.mapf.lacam import lacam
+from agents.mapf.lanes import lane_costs
+from agents.mapf.pibt import PIBT, pibt
 from agents.mapf.planner import Planner
 from agents.mapf.prioritised import WindowedPlanner, solve_prioritised
 from warehouse_core import random_layout
@@ -15,7 +18,7 @@ from warehouse_core.motion.grid import GridMotion
 from warehouse_physics import RigidBodyMotion
 
 PROBLEMS, ON_BODIES = 2_000, 100
-SOLVERS = {"prioritised": solve_prioritised, "cbs": solve_cbs}
+SOLVERS = {"prioritised": solve_prioritised, "cbs": solve_cbs, "lacam": lacam, "pibt": pibt}
 MOTIONS = {"grid": (GridMotion, PROBLEMS), "physics": (RigidBodyMotion, ON_BODIES)}
 
 
@@ -28,7 +31,17 @@ def cut_off(graph: Graph) -> Planner:
     return WindowedPlanner(graph, seconds=0.0005)
 
 
-PLANNERS = {"windowed": WindowedPlanner, "improved": improved, "cut off": cut_off}
+def on_lanes(graph: Graph) -> Planner:
+    return PIBT(Graph(graph.layout, lane_costs(graph.layout)))
+
+
+PLANNERS = {
+    "pibt": PIBT,
+    "pibt on lanes": on_lanes,
+    "windowed": WindowedPlanner,
+    "improved": improved,
+    "cut off": cut_off,
+}
 
 
 @pytest.mark.parametrize("backend", MOTIONS)

@@ -68,7 +68,7 @@ MAY_IMPORT = {
     "agents/learning": "errors evaluation warehouse_agent_greedy",
     "agents/fleet": "console errors mapf",
     "agents/registry": "errors evaluation fleet learning mapf search warehouse_agent_greedy",
-    "agents/experiments": "console errors fleet programs registry",
+    "agents/experiments": "console errors fleet mapf programs registry",
     "agents/commands/planners": "console errors evaluation experiments fleet mapf registry",
     "agents/run_episode": "console errors registry",
     "agents/commands": (

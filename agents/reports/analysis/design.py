@@ -17,7 +17,7 @@ from itertools import compress
 from typing import NamedTuple
 
 from agents.experiments.case import FINGERPRINT, TILES, Case
-from agents.experiments.parameters import PARAMETERS, Value, find, shown
+from agents.experiments.parameters import PARAMETERS, PLANNER, Value, find, shown
 
 Labels = dict[str, Value | None]
 """The values of a case as they are shown; ``None`` where a parameter does not apply."""
@@ -127,16 +127,17 @@ def described(labels: Mapping[str, Value | None]) -> str:
 
 def _labels(cases: Mapping[int, Case]) -> dict[int, Labels]:
     """Return the values of each case; files of one name and different contents have a mark."""
-    contents = {"layout": TILES, "agent": FINGERPRINT}
+    contents = {"layout": TILES, "agent": FINGERPRINT, PLANNER: FINGERPRINT}
     found = {
         case_id: {k: v for k, v in case.items() if k not in (TILES, FINGERPRINT)}
         for case_id, case in cases.items()
     }
     for name, content in contents.items():
-        short = _without_folders({case[name] for case in cases.values()})
-        files = {(case[name], str(case.get(content))) for case in cases.values()}
+        having = {case_id: case for case_id, case in cases.items() if name in case}
+        short = _without_folders({case[name] for case in having.values()})
+        files = {(case[name], str(case.get(content))) for case in having.values()}
         versions = Counter(file for file, _ in files)
-        for case_id, case in cases.items():
+        for case_id, case in having.items():
             mark = f" ({_mark(case.get(content))})" if versions[case[name]] > 1 else ""
             found[case_id][name] = f"{short[case[name]]}{mark}"
     _name_stations_with_layouts(found.values())

@@ -1,6 +1,5 @@
 """Cases: settings without effect are left out, and equal experiments have equal keys."""
 
-from contextlib import closing
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -8,22 +7,23 @@ from typing import Any
 import pytest
 from helpers.command_line import refusal
 
-from agents.errors import ParameterError
+from agents.errors import AgentError, EpisodeError, ParameterError
 from agents.experiments.case import (
     flags_of,
+    fleet_layout,
     key_of,
     make_agent_for,
     make_case,
     make_env,
-    make_fleet,
-    make_team_for,
+    make_fleet_agent_for,
     read_case,
 )
-from agents.experiments.episodes import row_of, run_fleet, run_one
+from agents.experiments.episodes import check_fingerprint, row_of, run_fleet, run_one
 from agents.experiments.parameters import PARAMETERS
 from agents.experiments.plan import make_plan
 from agents.experiments.store import Store
 from agents.experiments.tables import Shift
+from agents.fleet.planned import DEFAULT_ASSIGNMENT
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, LayoutError, OrderStream
 from warehouse_core.fleet import Battery, FleetMeasures
@@ -275,7 +275,7 @@ def test_the_settings_of_a_fleet_reach_it() -> None:
 def test_the_agents_of_a_fleet_are_those_of_the_case() -> None:
     cases = [make_case({**FLEET_CASE, **agent}) for agent in
              ({}, {"escape": False}, {"memory": 2}, {"agent": "astar"})]  # fmt: skip
-    teams = [make_team_for(case, 0, find_layout("depot")).agents for case in cases]
+    teams = [make_fleet_agent_for(case, 0, find_layout("depot")).agents for case in cases]
     assert [len(team) for team in teams] == [3] * 4
     assert [type(team[0]).__name__ for team in teams] == [*["GreedyAgent"] * 3, "SearchAgent"]
     found = [(team[0].memory, team[0].escape_steps) for team in teams[:3]]
@@ -286,10 +286,10 @@ def test_the_agents_of_a_fleet_are_those_of_the_case() -> None:
 def test_chargers_are_taken_from_all_parts_of_the_layout() -> None:
     chargers = find_layout("depot").chargers
     for count in range(len(chargers) + 1):
-        with closing(make_fleet(make_case({"chargers": count}), 0)) as fleet:
-            assert len(fleet.layout.chargers) == count
-            assert {*fleet.layout.chargers} <= {*chargers}
-    two = make_fleet(make_case({"chargers": 2}), 0).layout.chargers
+        found = fleet_layout(make_case({"chargers": count}), 0).chargers
+        assert len(found) == count
+        assert {*found} <= {*chargers}
+    two = fleet_layout(make_case({"chargers": 2}), 0).chargers
     assert two == (chargers[0], chargers[len(chargers) // 2])
     with pytest.raises(LayoutError, match=f"chargers is 99; the layout has {len(chargers)}"):
         make_case({"chargers": 99})
@@ -302,3 +302,30 @@ def test_the_row_of_a_fleet_has_its_measures() -> None:
     assert (row.seed, row.mode, row.steps, row.orders, row.on_time) == (0, "idle", 2, 0, None)
     assert Shift._fields[2:] == tuple(each.name for each in fields(FleetMeasures))
     assert row.distance == episode.measures.distance
+
+
+def test_a_planner_takes_the_place_of_the_agents(tmp_path: Path) -> None:
+    file = tmp_path / "mine.py"
+    file.write_text(
+        "class Still:\n    def reset(self):\n        pass\n"
+        "    def next_cells(self, situation):\n        return situation.cells\n"
+    )
+    case = make_case({**FLEET_CASE, "planner": f"{file}:Still", "agent": "astar"})
+    assert not {"agent", "escape", "memory"} & case.keys()
+    assert case["assignment"] == DEFAULT_ASSIGNMENT
+    assert run_fleet(case, 0).measures.distance == 0
+    file.write_text(file.read_text() + "# changed")
+    with pytest.raises(EpisodeError, match=r"mine\.py:Still', or what it imports, has changed"):
+        check_fingerprint(case)
+    pibt = [run_fleet(make_case({**FLEET_CASE, "planner": "pibt", "assignment": name}), 0)
+            for name in ("urgent", "fifo")]  # fmt: skip
+    assert pibt[0].measures.delivered > 0
+    assert pibt[0] != pibt[1]
+    assert pibt[0].agent == "pibt"
+    assert "assignment" not in make_case(FLEET_CASE)
+    with pytest.raises(AgentError, match="no planner is called 'pibbt'"):
+        make_case({**FLEET_CASE, "planner": "pibbt"})
+    with pytest.raises(ParameterError, match="memory has no effect here"):
+        make_plan({"planner": "pibt", "memory": 4}, 1, 0)
+    with pytest.raises(ParameterError, match=r"assignment has no effect here; .* with a planner"):
+        make_plan({"robots": 2, "assignment": "fifo"}, 1, 0)

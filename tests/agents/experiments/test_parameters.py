@@ -19,6 +19,8 @@ from warehouse_physics import Disturbances, RobotSpec
 
 VALID = {
     "robots": [1, MAX_BODIES],
+    "planner": ["none", "pibt", "mine.py:Mine"],
+    "assignment": ["fifo", "urgent"],
     "order_rate": [0, 0.3, 5],
     "due": ["0:0", "50:150"],
     "chargers": [0, 4],
@@ -38,6 +40,8 @@ VALID = {
 }
 INVALID = {
     "robots": [0, MAX_BODIES + 1, 2.0, True],
+    "planner": ["", 3],
+    "assignment": ["none", "", 3],
     "order_rate": [-0.1, math.inf, "0.1"],
     "due": ["150:50", "50", "50:150:200", " 5:9", "-1:9", 50],
     "chargers": [-1, 1.0],

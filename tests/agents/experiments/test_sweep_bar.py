@@ -6,6 +6,7 @@ import sys
 import time
 
 import pytest
+from helpers.results_files import shift
 from helpers.terminal import Terminal
 
 from agents.experiments.sweep import sweep_bar
@@ -58,3 +59,19 @@ def test_nothing_is_written_if_the_output_is_not_a_terminal(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     assert shown(monkeypatch, io.StringIO(), rows("delivered")) == ""
+
+
+def test_orders_of_fleets_count_as_deliveries_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    line = last_line(shown(monkeypatch, Terminal(), [shift(0), shift(1, delivered=1)]))
+    assert " 2/8 " in line
+    assert line.rstrip().endswith("30% delivered")
+
+
+def test_a_failure_that_comes_again_is_told_once(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with sweep_bar(8) as report:
+        for failures in (["a is broken", "a is broken"], ["a is broken", "b is broken"]):
+            report([], failures)
+    lines = sorted(capsys.readouterr().err.splitlines())
+    assert lines == ["warehouse: a is broken", "warehouse: b is broken"]

@@ -125,6 +125,17 @@ def test_the_order_of_a_robot_goes_to_a_nearer_one_until_it_is_picked() -> None:
     assert {each for each in changed if each[0] == 3} == {(3, 1, None), (3, 1, 2)}
 
 
+def test_of_very_many_pairs_orders_are_assigned_anew_every_few_steps(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("agents.fleet.dispatcher.MAX_PAIRS", 0)
+    places = (0, 0), (0, 1), (0, 7)
+    orders = [Order(3 * (col == 7), 90, (row, col), (0, 9)) for row, col in places]
+    env = fleet_of(LINE, 2, orders=orders, starts=[(0, 6), (0, 8)], max_steps=14)
+    episode = record_fleet_episode(env, PlannedFleet(Waits(), "hungarian"), seed=1)
+    assert {step for step, *_ in episode.assignments} == {0, 10}
+
+
 def test_a_robot_that_goes_to_charge_gives_its_order_to_another() -> None:
     env = fleet_of(
         LINE, 2, orders=[Order(0, 99, (0, 0), (0, 9))], starts=[(0, 5), (0, 8)], battery=60

@@ -42,7 +42,7 @@ def test_what_cannot_be_reached_is_left_out(name: str) -> None:
         NONE,
         NONE,
     ]
-    assert assign(Tasks(np.empty((0, 2)), *np.ones((2, 2)), 0, np.empty(0))).shape == (0,)
+    assert assign(Tasks(np.empty((0, 2)), *np.ones((2, 2)), 0, np.full(0, NONE))).shape == (0,)
 
 
 def test_nearest_first_takes_one_nearest_pair_after_the_other() -> None:

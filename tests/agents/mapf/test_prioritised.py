@@ -187,7 +187,9 @@ def test_the_same_seed_gives_the_same_steps() -> None:
     assert runs[0] == runs[1]
 
 
-@pytest.mark.parametrize("replan", [0, 30])
-def test_replanning_is_within_the_window(replan: int) -> None:
-    with pytest.raises(ValueError, match=f"replan is {replan}; it must be 1..29"):
-        WindowedPlanner(Graph(Layout(["..."])), 30, replan)
+@pytest.mark.parametrize(
+    ("name", "window", "replan"), [("replan", 30, 0), ("replan", 30, 30), ("window", 1, 1)]
+)
+def test_replanning_is_within_the_window(name: str, window: int, replan: int) -> None:
+    with pytest.raises(ValueError, match=f"{name} is "):
+        WindowedPlanner(Graph(Layout(["..."])), window, replan)

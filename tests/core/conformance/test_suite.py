@@ -404,6 +404,26 @@ class TirelessBatch(GridMotion):
         return batch
 
 
+class WakefulBatch(GridMotion):
+    """A grid whose batch moves after a close if it has been placed."""
+
+    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> Any:
+        batch = super().batch(layouts, robots)
+        place, advance, placed = batch.place, batch.advance, list[object]()
+
+        def advance_if_placed(*arguments: Any) -> Any:
+            if not placed:
+                raise RuntimeError
+            return advance(*arguments)
+
+        def note(*arguments: Any) -> None:
+            placed.append(arguments)
+            place(*arguments)
+
+        batch.place, batch.advance, batch.close = note, advance_if_placed, lambda: None
+        return batch
+
+
 class MixedUpBatch(AlteredBatch):
     changed: ClassVar = {"cells": lambda cells: cells[::-1]}
 
@@ -448,6 +468,7 @@ BROKEN: dict[type[GridMotion], set[str]] = {
     DearBatch: {"check_a_batch_moves_as_single_motions_do"},
     SmoothBatch: {"check_a_batch_moves_as_single_motions_do"},
     TirelessBatch: {"check_a_closed_batch_does_not_move"},
+    WakefulBatch: {"check_a_closed_batch_does_not_move"},
     MixedUpBatch: {"check_a_batch_moves_as_single_motions_do"},
 }
 
