@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from agents.errors import PlanError
 from agents.mapf.graph import CLOSED, Graph, Integers
 from agents.mapf.problem import Plan, Problem
-from warehouse_core.wording import brief
+from warehouse_core.wording import brief, counted
 
 NO_CELLS = np.empty(0, np.intp)
 
@@ -60,8 +60,7 @@ def solve_by_steps(planner: Planner, problem: Problem, seconds: float) -> Plan:
     planner.reset()
     while (cells != goals).any():
         if time.perf_counter() > deadline:
-            name = type(planner).__name__
-            raise PlanError(f"{name} has no plan after {seconds} s and {len(way) - 1} steps")
+            raise PlanError(f"no plan after {seconds:g} s and {counted(len(way) - 1, 'step')}")
         cells = planner.next_cells(Situation(cells, goals, nobody, NO_CELLS))
         way.append(cells)
     return Plan(np.array(way))

@@ -21,7 +21,7 @@ from helpers.command_line import ROOT
 
 from warehouse_core.world.generators import kiva_warehouse
 
-STEPS, SEEDS = 256, range(5)
+STEPS, SEEDS = 256, range(3)
 
 PUBLISHED = {64: (1.96, 2.27), 128: (3.15, 3.49), 192: (3.94, 1.57)}
 """Of Follower and of RHCR, by the number of robots."""

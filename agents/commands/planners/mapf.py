@@ -60,7 +60,7 @@ PlannerOption = Annotated[
     typer.Option(
         "--planner",
         metavar="NAME",
-        help=f"May be repeated: {', '.join(dict.fromkeys([*PLANNERS]))}, with arguments as in "
+        help=f"May be repeated: {', '.join(PLANNERS)}, with arguments as in "
         f"pibt-lanes:wrong_way=3, or your own as file.py:Class. Robots that go to their goals once "
         f"also have {', '.join(name for name in SOLVERS if name not in PLANNERS)}.",
         show_default=False,
@@ -272,7 +272,8 @@ def run_all(
                 run.seconds.tolist(), stepper.lost,
             )  # fmt: skip
     header = ("planner", what, "a step", "of the bound", "ms a step", "longest ms")
-    print_table(Table(header, rows, title))
+    caption = "nobody in the way: each robot by a shortest way, as if it were alone"
+    print_table(Table(header, rows, title, caption))
     for each in lost:
         print_error(f"warning: {each}")
 

@@ -147,7 +147,7 @@ def test_a_planner_without_a_plan_is_told_beside_those_with_one(
     code, out, err = command(capsys, "mapf", bay, *words, "--planner", "lacam")
     assert code == 0
     assert rows_of(out)["idle.py:Mine"][:3] == ["none"] * 3
-    assert err.startswith("warehouse: idle.py:Mine: Stepper has no plan after 0.05 s")
+    assert err.startswith("warehouse: idle.py:Mine: no plan after 0.05 s and ")
     assert command(capsys, "mapf", bay, *words).code == 1
 
 
