@@ -10,7 +10,7 @@ import typer
 from agents.console.options import SaveReplayOption, ShowOption
 from agents.console.output import show_or_save
 from agents.console.terminal import say
-from agents.fleet.lanes_demo import BATTERY, ROBOTS, crowded_floor, lanes_compared
+from agents.fleet.lanes_demo import BATTERY, ROBOTS, lanes_compared
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PlannedFleet
 from agents.fleet.shift import run_shift
@@ -36,6 +36,7 @@ from warehouse_core.records import FleetRecorder
 from warehouse_core.viz.fleet_track import track_of_fleet_episode
 from warehouse_core.viz.track import INTERVAL_MS, Track, track_of_episode
 from warehouse_core.wording import counted
+from warehouse_core.world.named_layouts import DEPOT, find_layout
 
 if TYPE_CHECKING:
     from agents.fleet.tree_picture import MakeFigure
@@ -163,17 +164,18 @@ def ring() -> Demo:
 
 
 def pibt() -> Demo:
-    """Robots that push others out of their way by PIBT, with arrows, and two robots' plans."""
-    layout, log = crowded_floor(), PlanLog([0, 1], pushes=True)
+    """Robots that push others out of their way by PIBT, and the ways of three of them."""
+    layout, log = find_layout(DEPOT), PlanLog([0, 1, 2], pushes=True)
     fleet = PlannedFleet(PIBT(Graph(layout)), "hungarian", log=log)
     env = FleetEnv(
-        layout, 30, orders=OrderStream(3.0), max_steps=60, battery=BATTERY, dispatch=False
+        layout, 30, orders=OrderStream(1.0), max_steps=60, battery=BATTERY, dispatch=False
     )
     episode = run_shift(env, fleet, "PIBT", 1)
     pushes = sum(len(plans.pushers) for plans in log.plans)
     said = f"{counted(episode.robots, 'robot')} push {pushes} times in {episode.steps} steps"
     track = track_of_fleet_episode(episode, plans=log.plans)
-    return Demo(said, _titled(track, "PIBT: arrows show who pushes whom, lines two robots' ways"))
+    track.shift = None
+    return Demo(said, _titled(track, f"PIBT: {said}; arrows show who pushes whom"))
 
 
 def cbs() -> Picture:
