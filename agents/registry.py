@@ -186,6 +186,8 @@ def make_fleet_agent(
     made = make_planner(planner, seed, layout)
     if hasattr(made, "next_cells"):
         return PlannedFleet(cast(Planner, made), assignment or DEFAULT_ASSIGNMENT, **options)
+    if options.get("log"):
+        raise AgentError(f"planner {planner!r} has act(), so its plans are not known")
     if assignment is not None:
         raise AgentError(
             f"planner {planner!r} has act(), so it assigns orders itself; leave out "

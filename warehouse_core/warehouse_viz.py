@@ -14,6 +14,7 @@ from warehouse_core.arguments import real_number
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.records.episode import Episode
 from warehouse_core.records.fleet_episode import FleetEpisode
+from warehouse_core.records.plans import StepPlans
 from warehouse_core.viz.fleet_track import track_of_fleet_episode
 from warehouse_core.viz.track import (
     FRAME_SECONDS,
@@ -42,6 +43,7 @@ def replay_animation(
     window: bool | None = None,
     beside: Record | None = None,
     frame_seconds: float = FRAME_SECONDS,
+    plans: Sequence[StepPlans] = (),
 ) -> Replay | None:
     """Return the animated replay of an episode.
 
@@ -61,15 +63,17 @@ def replay_animation(
         beside: a record to be replayed to the right of the first.
         frame_seconds: simulated time between two frames of a continuous motion, three of which
             are shown in ``interval_ms``.
+        plans: of robots of a ``FleetEpisode``, to be drawn ahead of them; see
+            ``track_of_fleet_episode``.
 
     Returns:
         A ``matplotlib.animation.FuncAnimation``; ``None`` without frames or without matplotlib.
 
     Raises:
-        ValueError: bad frames, metrics, interval or speed; the message names which and where.
-        TypeError: both a record and metrics.
+        ValueError: bad frames, metrics, interval, speed or plans; the message says which, where.
+        TypeError: both a record and metrics, or plans without a ``FleetEpisode``.
     """
-    track = _track_of(frames, metrics, frame_seconds)
+    track = _track_of(frames, metrics, frame_seconds, plans)
     if track is None or not _matplotlib_is_installed():
         return None
     from warehouse_core.viz.replay import replay_of_track
@@ -119,13 +123,18 @@ def save_frames_to_svg(frames: Record | Frames, output_dir: str | Path, dpi: flo
 
 
 def _track_of(
-    frames: Record | Frames, metrics: Metrics | None, frame_seconds: float
+    frames: Record | Frames,
+    metrics: Metrics | None,
+    frame_seconds: float,
+    plans: Sequence[StepPlans] = (),
 ) -> Track | None:
+    if plans and not isinstance(frames, FleetEpisode):
+        raise TypeError("plans are for the record of a fleet")
     if isinstance(frames, Record):
         if metrics is not None:
             raise TypeError("a record has its own metrics; metrics must be None")
         if isinstance(frames, FleetEpisode):
-            return track_of_fleet_episode(frames, frame_seconds)
+            return track_of_fleet_episode(frames, frame_seconds, plans)
         return track_of_episode(frames, frame_seconds)
     return track_of_frames(frames, metrics) if len(frames) else None
 

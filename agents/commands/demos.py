@@ -1,8 +1,8 @@
-"""Short demonstrations of continuous motion: one command and one picture each."""
+"""Short demonstrations of continuous motion and of fleets: one command and one picture each."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
@@ -10,6 +10,14 @@ import typer
 from agents.console.options import SaveReplayOption, ShowOption
 from agents.console.output import show_or_save
 from agents.console.terminal import say
+from agents.fleet.lanes_demo import BATTERY, ROBOTS, lanes_compared
+from agents.fleet.plan_log import PlanLog
+from agents.fleet.planned import PlannedFleet
+from agents.fleet.shift import run_shift
+from agents.mapf.cbs import ConflictTree
+from agents.mapf.graph import Graph
+from agents.mapf.pibt import PIBT
+from agents.mapf.problem import Problem
 from agents.run_episode import run_episode
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (
@@ -19,20 +27,28 @@ from warehouse_core import (
     FleetEnv,
     FleetEpisode,
     Layout,
+    OrderStream,
     WarehouseEnv,
     record_episode,
 )
 from warehouse_core.motion.backends import load_backend
 from warehouse_core.records import FleetRecorder
 from warehouse_core.viz.fleet_track import track_of_fleet_episode
-from warehouse_core.viz.track import Track, track_of_episode
+from warehouse_core.viz.track import INTERVAL_MS, Track, track_of_episode
+from warehouse_core.wording import counted
+from warehouse_core.world.named_layouts import DEPOT, find_layout
 
 if TYPE_CHECKING:
+    from agents.fleet.tree_picture import MakeFigure
+    from warehouse_core.viz.figure import SceneFigure
     from warehouse_core.viz.replay import Replay
 
 CORRIDOR = Layout(["########", "#P....D#", "########"])
 SLOW_MOTION = 0.025
 """Simulated seconds between frames in slow motion."""
+
+GAP = ("..#..", ".....", "..#..")
+CBS_SECONDS = 10.0
 
 HALL = Layout(["#######", "#.....#", "#.....#", "#.....#", "#######"])
 
@@ -43,6 +59,26 @@ class Demo(NamedTuple):
     said: str
     track: Track
     beside: Track | None = None
+
+
+class Picture(NamedTuple):
+    """A sentence computed from the results, and what draws the picture to show."""
+
+    said: str
+    draw: Callable[[MakeFigure], SceneFigure]
+
+
+class Still:
+    """A picture as a replay of one frame."""
+
+    def __init__(self, root: SceneFigure) -> None:
+        self.root = root
+
+    def __len__(self) -> int:
+        return 1
+
+    def show(self, frame: int) -> None:
+        """Do nothing: nothing moves."""
 
 
 def delivery() -> Demo:
@@ -127,14 +163,73 @@ def ring() -> Demo:
     return Demo(said, _together(episode, "A ring of four robots", f"{moved} moved on"))
 
 
-DEMOS = {
+def pibt() -> Demo:
+    """Robots that push others out of their way by PIBT, and the ways of three of them."""
+    layout, log = find_layout(DEPOT), PlanLog([0, 1, 2], pushes=True)
+    fleet = PlannedFleet(PIBT(Graph(layout)), "hungarian", log=log)
+    env = FleetEnv(
+        layout, 30, orders=OrderStream(1.0), max_steps=60, battery=BATTERY, dispatch=False
+    )
+    episode = run_shift(env, fleet, "PIBT", 1)
+    pushes = sum(len(plans.pushers) for plans in log.plans)
+    said = f"{counted(episode.robots, 'robot')} push {pushes} times in {episode.steps} steps"
+    track = track_of_fleet_episode(episode, plans=log.plans)
+    track.shift = None
+    return Demo(said, _titled(track, f"PIBT: {said}; arrows show who pushes whom"))
+
+
+def cbs() -> Picture:
+    """The conflict tree of two robots that want to pass through one gap."""
+    width = len(GAP[0])
+    tree = ConflictTree(Problem(Graph(Layout(GAP)), [width, 2 * width - 1], [2 * width - 1, width]))
+    tree.solve(CBS_SECONDS)
+    assert tree.solution is not None, "the tree has grown"
+    alone, together = tree.nodes[0].cost, tree.solution.cost
+    said = (
+        f"the ways alone cost {alone}, the optimal plan {together}, found after "
+        f"{counted(len(tree.nodes), 'node')}"
+    )
+
+    def draw(make: MakeFigure) -> SceneFigure:
+        from agents.fleet.tree_picture import tree_picture
+
+        return tree_picture(tree, make)
+
+    return Picture(said, draw)
+
+
+def lanes() -> Picture:
+    """Where robots are held up, without lanes and with."""
+    episodes = lanes_compared()
+    without, with_lanes = (episode.measures.per_hour for episode in episodes.values())
+    said = (
+        f"{without:,.0f} deliveries an hour without lanes, {with_lanes:,.0f} with: "
+        f"{with_lanes / without - 1:+.0%}"
+    )
+
+    def draw(make: MakeFigure) -> SceneFigure:
+        from warehouse_core.viz.axes.congestion import congestion_picture
+
+        title = f"{ROBOTS} robots led by PIBT, the same orders"
+        return congestion_picture(episodes, title, make)
+
+    return Picture(said, draw)
+
+
+DEMOS: dict[str, Callable[[], Demo | Picture]] = {
     "delivery": delivery,
     "bump": bump,
     "load": load,
     "slip": slip,
     "head-on": head_on,
     "ring": ring,
+    "pibt": pibt,
+    "cbs": cbs,
+    "lanes": lanes,
 }
+
+PHYSICS = frozenset(DEMOS) - {"pibt", "cbs", "lanes"}
+"""Those that need the backend."""
 
 
 def drive(
@@ -172,22 +267,28 @@ def demo(
     save: SaveReplayOption,
     show: ShowOption = None,
 ) -> None:
-    """Show a short demonstration of continuous motion.
+    """Show a short demonstration of continuous motion or of a fleet's planner.
 
     Example: warehouse demo bump --save bump.gif
     """
     if name not in DEMOS:
         raise typer.BadParameter(f"no demo is called {name!r}; allowed: {', '.join(DEMOS)}")
-    load_backend("physics")
+    if name in PHYSICS:
+        load_backend("physics")
     shown = DEMOS[name]()
     say(shown.said)
 
     def make_replay(window: bool) -> Replay:
-        from warehouse_core.viz.replay import replay_of_track
+        from warehouse_core.viz.figure import make_figure, make_window
+        from warehouse_core.viz.replay import Replay, replay_of_track
 
+        if isinstance(shown, Picture):
+            picture = Still(shown.draw(make_window if window else make_figure))
+            return Replay(picture, shown.said, INTERVAL_MS)
         return replay_of_track(shown.track, shown.beside, window=window)
 
-    show_or_save(make_replay, save, show, f"demo-{name}.gif")
+    suffix = "png" if isinstance(shown, Picture) else "gif"
+    show_or_save(make_replay, save, show, f"demo-{name}.{suffix}")
 
 
 def _together(episode: FleetEpisode, title: str, ending: str) -> Track:

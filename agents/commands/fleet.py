@@ -26,6 +26,7 @@ from agents.console.options import (
 from agents.console.output import replay_or_save
 from agents.console.terminal import print_error
 from agents.errors import EpisodeError, EpisodeInterrupted
+from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import DEFAULT_ASSIGNMENT, PLAN_SECONDS, PlannedFleet
 from agents.fleet.shift import run_shift
 from agents.mapf.assignment import ASSIGNMENTS
@@ -111,6 +112,20 @@ def parse_battery(text: str) -> Battery:
     return Battery(int(found[1]), found[2] or STEPS)
 
 
+def parse_robots(text: str | None, robots: int) -> list[int]:
+    """Return the numbers of robots in a text such as ``0,3``; of ``None`` none.
+
+    Raises:
+        typer.BadParameter: the text is not of that form, or has a robot that does not exist.
+    """
+    found = [] if text is None else text.split(",")
+    if not all(re.fullmatch(r"[0-9]{1,9}", each) and int(each) < robots for each in found):
+        raise typer.BadParameter(
+            f"--show-plans is {text!r}; it must be numbers of robots, 0..{robots - 1}, as in 0,3"
+        )
+    return [int(each) for each in found]
+
+
 def fleet(
     robots: Annotated[
         int,
@@ -167,6 +182,18 @@ def fleet(
             "--go-on/--stop",
             help="When a planner fails, let all robots wait for a step, or stop.",
         ),
+    ] = False,
+    show_plans: Annotated[
+        str | None,
+        typer.Option(
+            "--show-plans",
+            metavar="ROBOTS",
+            help="Draw the plans of these robots of a planner ahead of them, as in 0,3.",
+        ),
+    ] = None,
+    show_pushes: Annotated[
+        bool,
+        typer.Option("--show-pushes", help="Draw which robot pushes which, of a planner by PIBT."),
     ] = False,
     layout: Annotated[
         Path,
@@ -237,6 +264,10 @@ def fleet(
         raise typer.BadParameter("--assignment is for a --planner")
     if plan_seconds <= 0:
         raise typer.BadParameter(f"--plan-seconds is {plan_seconds}; it must be above 0")
+    watched = parse_robots(show_plans, robots)
+    if planner is None and (watched or show_pushes):
+        raise typer.BadParameter("--show-plans and --show-pushes are for a --planner")
+    log = PlanLog(watched, show_pushes) if watched or show_pushes else None
     floor, director = find_layout(layout), planner or agent
     make_env = partial(
         FleetEnv,
@@ -251,13 +282,21 @@ def fleet(
         late_penalty=late_penalty,
     )
 
+    first = draw_seed() if seed is None else seed
+
     def run(seed: int) -> FleetEpisode:
         whole_number("seed", seed, 0)
         directing = (
             make_team(agent, robots, seed, floor)
             if planner is None
             else make_fleet_agent(
-                planner, assignment, seed, floor, seconds=plan_seconds, goes_on=goes_on
+                planner,
+                assignment,
+                seed,
+                floor,
+                seconds=plan_seconds,
+                goes_on=goes_on,
+                log=log if seed == first else None,
             )
         )
         with closing(make_env(dispatch=getattr(directing, "dispatch", True))) as env:
@@ -265,7 +304,6 @@ def fleet(
         warn_of_lost_steps(directing, seed, director)
         return episode
 
-    first = draw_seed() if seed is None else seed
     title = (
         f"{counted(robots, 'robot')} ({director}) on layout {layout.stem}, backend {backend}, "
         f"{f'seed {first}' if shifts == 1 else f'seeds {first} to {first + shifts - 1}'}"
@@ -279,7 +317,7 @@ def fleet(
 
     def finish(show: bool | None, note: str = "") -> None:
         report_shifts(results, robots, title + note)
-        replay_or_save(records[0], save, show, speed=speed)
+        replay_or_save(records[0], save, show, speed=speed, plans=log.plans if log else ())
 
     try:
         run_shifts(run, range(first, first + shifts), keep)

@@ -11,6 +11,7 @@ from agents.console.options import RECORD_SUFFIX
 from agents.console.terminal import say
 from warehouse_core import Episode, FleetEpisode, RecordError
 from warehouse_core.files.atomic import atomic_path
+from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.window import has_display
 from warehouse_core.viz.track import INTERVAL_MS
 from warehouse_core.warehouse_viz import Record, replay_animation
@@ -32,6 +33,7 @@ def replay_or_save(
     show: bool | None,
     interval_ms: float = INTERVAL_MS,
     speed: float = 1.0,
+    plans: Sequence[StepPlans] = (),
 ) -> None:
     """Show or save an episode as ``show_or_save`` does; ``.npz`` is its record."""
     seed = "unseeded" if episode.seed is None else episode.seed
@@ -39,7 +41,7 @@ def replay_or_save(
     name = re.sub(r"[^\w-]+", "_", f"replay-{episode.agent}-{backend}-{seed}")
     # Writing each frame of a whole shift takes minutes.
     suffix = ".gif" if isinstance(episode, Episode) else ".png"
-    make_replay = _replay_of(episode, interval_ms, speed)
+    make_replay = _replay_of(episode, interval_ms, speed, plans)
     show_or_save(make_replay, targets, show, name + suffix, episode)
 
 
@@ -117,5 +119,9 @@ def _save(make_replay: MakeReplay, target: Path, episode: Record | None) -> None
     say(f"saved {target}")
 
 
-def _replay_of(episode: Record, interval_ms: float, speed: float) -> MakeReplay:
-    return lambda window: replay_animation(episode, None, interval_ms, speed, window=window)
+def _replay_of(
+    episode: Record, interval_ms: float, speed: float, plans: Sequence[StepPlans]
+) -> MakeReplay:
+    return lambda window: replay_animation(
+        episode, None, interval_ms, speed, window=window, plans=plans
+    )

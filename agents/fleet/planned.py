@@ -8,12 +8,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.errors import reason_of
+from agents.errors import AgentError, reason_of
 from agents.fleet.dispatcher import Dispatcher, shares_cell
+from agents.fleet.plan_log import PlanLog
 from agents.fleet.time_limit import time_limit
 from agents.mapf.graph import CLOSED, Graph, Integers
 from agents.mapf.planner import Planner, Situation, check_step
 from warehouse_core import FleetEnv
+from warehouse_core.records.plans import NO_PLANS
 from warehouse_core.world.actions import WAIT
 
 DEFAULT_ASSIGNMENT = "urgent"
@@ -33,6 +35,10 @@ class PlannedFleet:
         assignment: a name of ``ASSIGNMENTS``.
         seconds: that the planner may take for a step, above 0.
         goes_on: whether the fleet goes on when the planner fails; otherwise its error is raised.
+        log: gets the plans of each step.
+
+    Raises:
+        AgentError: the log is to have pushes, which the planner does not say.
 
     Attributes:
         dispatch: false, as the orders are assigned here; see ``FleetEnv``.
@@ -48,9 +54,12 @@ class PlannedFleet:
         *,
         seconds: float = PLAN_SECONDS,
         goes_on: bool = False,
+        log: PlanLog | None = None,
     ) -> None:
+        if log and log.pushes and not hasattr(planner, "pushers"):
+            raise AgentError(f"planner {type(planner).__name__} does not say which robots push")
         self.planner, self._assignment = planner, assignment
-        self._seconds, self._goes_on = seconds, goes_on
+        self._seconds, self._goes_on, self._log = seconds, goes_on, log
         self.reset()
 
     def reset(self) -> None:
@@ -58,6 +67,8 @@ class PlannedFleet:
         self.planner.reset()
         self._dispatcher: Dispatcher | None = None
         self.lost: list[tuple[int, str]] = []
+        if self._log:
+            self._log.plans.clear()
 
     def act(self, env: FleetEnv) -> NDArray[np.intp]:
         """Return the next action of each robot, as an index.
@@ -73,6 +84,8 @@ class PlannedFleet:
             with time_limit(self._seconds):
                 chosen = self.planner.next_cells(situation)
             chosen = check_step(graph, situation, chosen)
+            if self._log:
+                self._log.add(self.planner, graph, situation, chosen)
         except TimeoutError:
             chosen = self._lose(env, cells, f"the plan took more than {self._seconds:g} s")
         except Exception as error:  # the planner of a user may raise anything
@@ -87,6 +100,8 @@ class PlannedFleet:
     def _lose(self, env: FleetEnv, cells: Integers, reason: str) -> Integers:
         self.lost.append((env.steps + 1, reason))
         self.planner.reset()
+        if self._log:
+            self._log.plans.append(NO_PLANS)
         return cells
 
 

@@ -114,11 +114,13 @@ class ConflictTree:
 
     Attributes:
         nodes: all so far, the root first.
+        solution: the node whose ways are an optimal plan, once there is one.
     """
 
     def __init__(self, problem: Problem) -> None:
         graph = problem.graph if problem.graph.costs is None else Graph(problem.graph.layout)
         self.problem, self.nodes = problem, list[Node]()
+        self.solution: Node | None = None
         self._size, self._moves = graph.size, moves_of(graph)
         self._fields = [graph.distances(goal).tolist() for goal in problem.goals]
         self._mdds: dict[tuple[int, frozenset[Constraint]], MDD] = {}
@@ -132,7 +134,8 @@ class ConflictTree:
         """
         self._deadline = perf_counter() + seconds
         try:
-            return Plan.of(self._grow().ways)
+            self.solution = self._grow()
+            return Plan.of(self.solution.ways)
         except TimeoutError:
             nodes = counted(len(self.nodes), "node")
             raise PlanError(f"no plan in {seconds:g} s and {nodes} of the conflict tree") from None

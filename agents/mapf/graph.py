@@ -92,6 +92,23 @@ class Graph:
             self._fields.move_to_end(goal)
         return field
 
+    def way(self, cell: int, goal: int) -> list[int]:
+        """Return the cells of a cheapest way, both ends included; only the first if there is none.
+
+        Args:
+            cell: where it starts.
+            goal: another cell, or the same.
+        """
+        field, way = self.distances(goal), [cell]
+        while np.isfinite(field[cell]) and cell != goal:
+            reached = self.neighbours[cell, :WAIT]
+            costs = np.ones(WAIT) if self.costs is None else self.costs[cell]
+            cell = int(
+                reached[np.where(reached == CLOSED, np.inf, field[reached] + costs).argmin()]
+            )
+            way.append(cell)
+        return way
+
     def _reversed_edges(self) -> csr_array:
         """Return the moves from where they lead to where they start, so that goals are sources."""
         from scipy.sparse import csr_array

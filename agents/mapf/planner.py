@@ -35,7 +35,11 @@ class Situation(NamedTuple):
 
 
 class Planner(Protocol):
-    """Chooses the next cells of robots; each planner is made for one ``Graph``."""
+    """Chooses the next cells of robots; each planner is made for one ``Graph``.
+
+    For replays it may have a method ``plan_of(robot)``, which returns the cells that it has planned
+    after each of the next steps, that just chosen first, and ``pushers`` as ``PIBT`` has.
+    """
 
     def reset(self) -> None:
         """Forget the last episode."""

@@ -148,6 +148,11 @@ class WindowedPlanner:
         self._now += 1
         return np.array(self._step(set(situation.closed.tolist())), situation.cells.dtype)
 
+    def plan_of(self, robot: int) -> list[int]:
+        """Return the cells of a robot from the end of the step just chosen on; see ``Planner``."""
+        begin, way = self._taken.ways.get(robot, (self._now, []))
+        return way[self._now - begin :]
+
     def _read(self, situation: Situation) -> None:
         """Take over what is new in a situation."""
         self._cells, self._stays = situation.cells.tolist(), situation.stays.tolist()

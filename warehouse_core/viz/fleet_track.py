@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.motion.vector import NOTHING
 from warehouse_core.records.fleet_episode import FleetEpisode
+from warehouse_core.records.plans import NO_PLANS, StepPlans, check_plans
 from warehouse_core.render.palette import ORDER_COLORS
 from warehouse_core.viz.track import (
     FRAME_SECONDS,
@@ -35,22 +36,27 @@ NOTHING_CARRIED = -1
 
 
 def track_of_fleet_episode(
-    episode: FleetEpisode, frame_seconds: float | None = FRAME_SECONDS
+    episode: FleetEpisode,
+    frame_seconds: float | None = FRAME_SECONDS,
+    plans: Sequence[StepPlans] = (),
 ) -> Track:
     """Return the track of a fleet's record.
 
     Args:
         episode: the record.
         frame_seconds: as for ``track_of_episode``.
+        plans: to be drawn, those before the first step first; there may be fewer than steps.
 
     Raises:
-        ValueError: ``frame_seconds`` is not a positive finite number.
+        ValueError: ``frame_seconds`` is not a positive finite number, or ``plans`` are not those of
+            the episode.
         RecordError: continuous motions take more than ``MAX_FRAMES`` frames.
     """
     seconds = float(episode.seconds.max(axis=1).sum())
     is_continuous = bool(episode.motions) and frame_seconds is not None
     check_frame_seconds(frame_seconds, seconds if is_continuous else 0.0)
-    frames = list(_frames(episode, frame_seconds if is_continuous else None))
+    check_plans(plans, episode)
+    frames = list(_frames(episode, frame_seconds if is_continuous else None, plans))
     robots, backend = counted(episode.robots, "robot"), episode.backend
     title = f"{episode.agent or 'Fleet'}, {robots} on the {backend} backend, seed {episode.seed}"
     track = Track(frames, {}, is_continuous, episode.settings.battery.capacity, printable(title))
@@ -62,7 +68,9 @@ def track_of_fleet_episode(
     return track
 
 
-def _frames(episode: FleetEpisode, frame_seconds: float | None) -> Iterator[Frame]:
+def _frames(
+    episode: FleetEpisode, frame_seconds: float | None, plans: Sequence[StepPlans]
+) -> Iterator[Frame]:
     """Yield the frames, one a step or one every ``frame_seconds``."""
     orders, bodies = _Orders(episode), np.hstack([episode.cells, episode.people])
     loaded = np.hstack([episode.loaded, np.zeros_like(episode.people, np.bool_)]).tolist()
@@ -70,7 +78,8 @@ def _frames(episode: FleetEpisode, frame_seconds: float | None) -> Iterator[Fram
     headings = _headings(episode)
     last = Frame(rows, (), 0.0)
     for step in range(episode.steps + 1):
-        fleet, caption = orders.at(step), orders.caption(step)
+        now = plans[step] if step < len(plans) else NO_PLANS
+        fleet, caption = orders.at(step)._replace(plans=now), orders.caption(step)
         motions = episode.motions[step - 1] if step and frame_seconds else ()
         if motions and frame_seconds:
             before = last.fleet

@@ -29,6 +29,7 @@ from warehouse_core.render.palette import (
     WARNING,
     Color,
 )
+from warehouse_core.viz.axes.plans import PlanView
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.robot_view import ABOVE_TILES
 from warehouse_core.viz.track import FleetFrame, Frame, Pose, Waiting
@@ -83,6 +84,9 @@ class FleetView:
         self._grounds = PolyCollection([], facecolors=[PAPER], **edge)
         self._levels = PolyCollection([], linewidths=0, zorder=ABOVE_TILES)
         self._items = PolyCollection([], **edge)
+        self._plans = PlanView(axes, cell_points, ABOVE_TILES)
+        for mover in (self._plans.ways, self._plans.wishes):
+            figure.add_mover(mover)
         for collection in (self._people, self._noses, self._discs):
             self._add(collection)
         size = min(0.5, 1.5 * self._radius / (DIGIT * len(str(robots - 1))))
@@ -96,6 +100,7 @@ class FleetView:
         self._add(self._numbers)
         for collection in (self._grounds, self._levels, self._items):
             self._add(collection)
+        figure.add_mover(self._plans.pushes)
         self._waiting: list[Text] = []
 
     def show(self, frame: Frame) -> None:
@@ -111,6 +116,7 @@ class FleetView:
         colors = [_color_of(pose, share) for pose, share in zip(robots, fleet.battery, strict=True)]
         self._discs.set_offsets(places)
         self._discs.set_facecolor(colors)
+        self._plans.show(fleet.plans, places, colors)
         self._noses.set_segments([self._nose(pose) for pose in robots if pose.heading is not None])
         self._numbers.set_offsets(places)
         self._numbers.set_facecolor(

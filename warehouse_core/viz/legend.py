@@ -9,11 +9,13 @@ from matplotlib.figure import SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
+from warehouse_core.records.plans import NO_PLANS, StepPlans
 from warehouse_core.render.palette import (
     COLORS,
     HIT,
     INK,
     ORDER_COLORS,
+    PAPER,
     STRANDED,
     TRAIL_COLORS,
     TRAIL_STYLES,
@@ -21,6 +23,7 @@ from warehouse_core.render.palette import (
     UNKNOWN_STRIPE,
     WARNING,
 )
+from warehouse_core.viz.axes.plans import WISH_STYLE
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.grid_view import ROUTE_STYLE
 from warehouse_core.warehouse_env import legend
@@ -35,6 +38,7 @@ def draw_legend(
     has_chargers: bool,
     has_belief: bool = False,
     is_fleet: bool = False,
+    plans: StepPlans = NO_PLANS,
 ) -> None:
     """Draw the legend along the bottom of a figure.
 
@@ -43,6 +47,7 @@ def draw_legend(
         has_chargers: explain chargers.
         has_belief: explain cells not seen yet, and the plan.
         is_fleet: explain people, orders and batteries, and no trails.
+        plans: explain what of them is not empty.
     """
     edge: dict[str, Any] = {"linestyle": "none", "markeredgecolor": INK, "markeredgewidth": 0.6}
     signs: dict[str, Artist] = {}
@@ -66,11 +71,27 @@ def draw_legend(
             (0, 0), 1, 1, facecolor=UNKNOWN, edgecolor=UNKNOWN_STRIPE, hatch="//////"
         )
         signs["plan"] = Line2D([], [], color=INK, linestyle=ROUTE_STYLE, lw=2.2)
+    signs |= _plan_signs(plans)
     figure.legend(
         [*signs.values()], [*signs], loc="lower center", fontsize=8, frameon=False,
         ncols=6 if is_fleet or has_belief else 5, handlelength=2.0, columnspacing=1.4,
         handletextpad=0.5,
     )  # fmt: skip
+
+
+def _plan_signs(plans: StepPlans) -> dict[str, Artist]:
+    """Return the signs of plans ahead of robots."""
+    line: dict[str, Any] = {"color": COLORS[ROBOT_EMPTY], "lw": 3.0, "dash_capstyle": "round"}
+    signs: dict[str, Artist] = {}
+    if plans.ways:
+        signs["plan"] = Line2D([], [], **line)
+    if plans.wishes:
+        signs["shortest way on"] = Line2D([], [], linestyle=WISH_STYLE, **line)
+    if plans.pushers:
+        signs["pushes"] = Line2D(
+            [], [], linestyle="none", marker=">", markersize=9, color=INK, markeredgecolor=PAPER
+        )
+    return signs
 
 
 def _fleet_signs(edge: dict[str, Any]) -> dict[str, Artist]:

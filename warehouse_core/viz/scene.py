@@ -12,6 +12,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import SubFigure
 
+from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.palette import INK
 from warehouse_core.viz.axes import box_in
 from warehouse_core.viz.charts import BatteryBar, DistanceChart, MotionChart, RewardChart
@@ -119,6 +120,7 @@ class Scene:
                 has_chargers=track.has_chargers,
                 has_belief=track.has_routes,
                 is_fleet=track.is_fleet,
+                plans=_all_plans(track),
             )
         self.show(0)
 
@@ -191,3 +193,13 @@ class Scene:
         """Add axes at a place in inches from the top left corner."""
         size = self._width, self._height
         return self.figure.add_axes(box_in(size, left, top, width, height))
+
+
+def _all_plans(track: Track) -> StepPlans:
+    """Return the first plans of each kind, for the legend."""
+    plans = [frame.fleet.plans for frame in track.frames if frame.fleet]
+    return StepPlans(
+        next((each.ways for each in plans if each.ways), {}),
+        next((each.wishes for each in plans if each.wishes), {}),
+        next((each.pushers for each in plans if each.pushers), {}),
+    )

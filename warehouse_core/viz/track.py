@@ -18,6 +18,7 @@ from warehouse_core.errors import RecordError
 from warehouse_core.motion.base import Contact, Outcome
 from warehouse_core.records.episode import UNFINISHED, Episode
 from warehouse_core.records.failure_modes import diagnose
+from warehouse_core.records.plans import NO_PLANS, StepPlans
 from warehouse_core.wording import printable
 from warehouse_core.world.tiles import (
     ALLOWED_TILES,
@@ -73,7 +74,7 @@ class Waiting(NamedTuple):
 
 
 class FleetFrame(NamedTuple):
-    """What a frame of a fleet shows: orders that wait, and for each robot what it has.
+    """What a frame of a fleet shows: orders that wait, for each robot what it has, and plans.
 
     That is the age of its item or ``None``, and its share of a full battery. An *age* is an index
     into ``ORDER_COLORS``.
@@ -82,6 +83,7 @@ class FleetFrame(NamedTuple):
     waiting: tuple[Waiting, ...]
     items: tuple[int | None, ...]
     battery: tuple[float, ...]
+    plans: StepPlans = NO_PLANS
 
 
 class Shift(NamedTuple):
@@ -171,9 +173,7 @@ class Track:
     @property
     def has_chargers(self) -> bool:
         """Whether any frame shows a charger."""
-        return any(
-            map(has_chargers, {id(frame.tiles): frame.tiles for frame in self.frames}.values())
-        )
+        return any(map(has_chargers, {frame.tiles for frame in self.frames}))
 
     @property
     def has_routes(self) -> bool:

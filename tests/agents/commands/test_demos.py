@@ -1,9 +1,12 @@
+import re
+
 import pytest
 from PIL import Image
 
 from agents import cli
-from agents.commands.demos import bump, delivery, head_on, load, ring, slip
+from agents.commands.demos import bump, cbs, delivery, head_on, lanes, load, pibt, ring, slip
 from agents.console.main import main
+from warehouse_core.viz.figure import make_figure
 
 
 def run(*arguments: str) -> int:
@@ -68,7 +71,30 @@ def test_the_robots_of_a_ring_follow_each_other():
     assert track.ending == "4 moved on"
 
 
-@pytest.mark.parametrize("name", ["load", "head-on"])
+def test_robots_push_each_other_only_to_cells_beside_them():
+    frames = pibt().track.frames
+    pushes = [(frame, pair) for frame in frames for pair in frame.fleet.plans.pushers.items()]
+    assert len(pushes) > 50
+    for frame, pair in pushes:
+        (x, y), (to_x, to_y) = (frame.robots[robot].at for robot in pair)
+        assert abs(x - to_x) + abs(y - to_y) == 1
+    assert [*frames[0].fleet.plans.ways] == [0, 1, 2]
+
+
+def test_the_optimal_plan_costs_more_than_the_ways_alone():
+    assert cbs().said == "the ways alone cost 8, the optimal plan 11, found after 9 nodes"
+
+
+def test_lanes_deliver_much_more_on_the_crowded_floor():
+    picture = lanes()
+    without, with_lanes, gain = re.findall(r"[\d,]+(?= del| with:)|[+-]\d+%", picture.said)
+    assert int(with_lanes.replace(",", "")) > 1.4 * int(without.replace(",", ""))
+    assert gain.startswith("+")
+    texts = [text.get_text() for text in picture.draw(make_figure).texts]
+    assert {"Without lanes", "With lanes", f"{without} deliveries an hour"} <= {*texts}
+
+
+@pytest.mark.parametrize("name", ["load", "head-on", "cbs"])
 def test_every_demo_is_one_command_and_one_picture(name, tmp_path, capsys):
     target = tmp_path / f"{name}.png"
     assert run("demo", name, "--save", str(target)) == 0

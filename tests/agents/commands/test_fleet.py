@@ -210,6 +210,18 @@ def test_a_planner_and_an_assignment_by_name_lead_all_robots(
     assert episode.measures.blocked_by_robot == 0
 
 
+def test_the_replay_draws_the_plans_of_chosen_robots(capsys: pytest.CaptureFixture[str]) -> None:
+    options = (*SMALL, "--orders", 0.2, "--planner", "pibt", "-n", 2)
+    shows: list[tuple[str, ...]] = [(), ("--show-plans", "0,2"), ("--show-pushes",)]
+    for number, more in enumerate(shows):
+        target = f"{number}.svg"
+        assert command(capsys, *options, *more, "--save", target).code == 0
+    plain, plans, _ = (Path(f"{number}.svg").read_text() for number in range(3))
+    assert len(plans) > len(plain), "the legend explains plans"
+    said = refusal(capsys, *SMALL, "--planner", "windowed", "--show-pushes")
+    assert "planner WindowedPlanner does not say which robots push" in said
+
+
 def test_a_planner_that_fails_stops_the_shift_or_all_robots_wait(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -291,6 +303,10 @@ def test_without_a_display_the_end_is_written_as_a_picture(
         ("--battery 0", "--battery is '0'; it must be 1.."),
         ("--battery 5kg", "--battery is '5kg'; it must be 1.."),
         ("--battery 9999999999", "--battery is '9999999999'; it must be 1.."),
+        ("--show-plans 1", "--show-plans and --show-pushes are for a --planner"),
+        ("--show-pushes", "--show-plans and --show-pushes are for a --planner"),
+        ("--planner pibt --show-plans 8", "--show-plans is '8'; it must be numbers of robots, 0.."),
+        ("--planner pibt --show-plans 0,", "--show-plans is '0,'; it must be numbers of robots"),
         ("--late-penalty nan", "--late-penalty"),
         ("--seed -1", "seed is -1; it must be at least 0"),
         ("--robots 99999 --people 9", "robots and people is 100008; it must be at most"),

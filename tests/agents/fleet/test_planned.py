@@ -14,6 +14,7 @@ from agents.errors import AgentError, EpisodeError, PlanError
 from agents.fleet import PlannedFleet, run_shift
 from agents.fleet.charging import Chargers
 from agents.fleet.dispatcher import parking_of
+from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import part
 from agents.mapf.graph import Graph, Integers
 from agents.mapf.planner import Planner, Situation, check_step
@@ -355,6 +356,8 @@ def test_planners_and_agents_of_a_user_are_told_apart(tmp_path: Path) -> None:
     ):
         with pytest.raises(AgentError, match=re.escape(message)):
             make_fleet_agent(name, assignment, 1, ROOM)
+    with pytest.raises(AgentError, match=re.escape("has act(), so its plans are not known")):
+        make_fleet_agent(f"{mine}:Acts", None, 1, ROOM, log=PlanLog([0]))
     assert hasattr(make_planner("pibt-lanes:wrong_way=3", 1, ROOM), "next_cells")
 
 

@@ -103,16 +103,31 @@ def heat_map(rows: Sequence[str], panels: Mapping[str, Counts]) -> Figure:
         bottom, tall = 1 - (top + grid_height) / height, grid_height / height
         axes = figure.add_axes((left / width, bottom, grid_width / width, tall))
         axes.set_title(title, fontsize=9.5, loc="left", color=INK, pad=5, parse_math=False)
-        heat = _draw_panel(axes, rows, counts, cell * POINTS)
+        heat = draw_heat(axes, rows, counts, cell * POINTS, max(int(counts.max()), 1))
         left += grid_width + BAR_GAP
         _draw_bar(figure.add_axes((left / width, bottom, BAR / width, tall)), heat)
     return figure
 
 
-def _draw_panel(
-    axes: Axes, rows: Sequence[str], counts: Counts, cell_points: float
+def draw_heat(
+    axes: Axes,
+    rows: Sequence[str],
+    counts: Counts,
+    cell_points: float,
+    highest: int,
+    *,
+    digits: bool = True,
 ) -> PatchCollection:
-    """Draw floor, heat and walls, and return the heat."""
+    """Draw floor, heat and walls, and return the heat.
+
+    Args:
+        axes: to draw into.
+        rows: of tiles.
+        counts: ``[H, W]``.
+        cell_points: side of a cell in points.
+        highest: the count of the hottest colour.
+        digits: write the counts into cells that are large enough.
+    """
     longest = max(len(rows), len(rows[0]))
     every = 1 if longest <= 14 else 5 if longest <= 60 else 10
     thin = 0.5 if longest <= 30 else 0.25
@@ -120,7 +135,7 @@ def _draw_panel(
     places = np.argwhere(counts)
     heat = PatchCollection([Rectangle((col, row), 1, 1) for row, col in places], cmap=HEAT)
     heat.set_array(counts[counts > 0])
-    heat.set_norm(Normalize(0, max(int(counts.max()), 1)))
+    heat.set_norm(Normalize(0, highest))
     heat.set(edgecolor=PAPER, linewidth=min(0.4, cell_points / 20), zorder=1)
     axes.add_collection(heat)
     walls = [
@@ -131,13 +146,13 @@ def _draw_panel(
     # A thin edge and no smoothing leave no seam between the walls of neighbouring rows.
     wall: dict[str, Any] = {"facecolor": COLORS[WALL], "edgecolor": COLORS[WALL]}
     axes.add_collection(PatchCollection(walls, linewidth=0.4, antialiased=False, **wall))
-    if cell_points >= MIN_READABLE_CELL:
+    if digits and cell_points >= MIN_READABLE_CELL:
         for row, col in places:
-            digits = f"{counts[row, col]}"
-            size = min(0.34, 1.25 / len(digits)) * cell_points
-            color = PAPER if counts[row, col] / counts.max() > 0.6 else INK
+            number = f"{counts[row, col]}"
+            size = min(0.34, 1.25 / len(number)) * cell_points
+            color = PAPER if counts[row, col] / highest > 0.6 else INK
             axes.text(
-                col + 0.5, row + 0.54, digits, fontsize=size, color=color, ha="center",
+                col + 0.5, row + 0.54, number, fontsize=size, color=color, ha="center",
                 va="center", zorder=4,
             )  # fmt: skip
     return heat

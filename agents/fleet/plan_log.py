@@ -1,0 +1,55 @@
+"""The plans of chosen robots, step by step, for a replay."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from agents.mapf.graph import Graph, Integers
+from agents.mapf.pibt import NOBODY
+from agents.mapf.planner import Situation
+from warehouse_core.records.plans import StepPlans
+
+
+class PlanLog:
+    """Keeps what a planner plans for some robots, and who pushes whom.
+
+    Args:
+        robots: whose plans are kept.
+        pushes: whether to keep who pushes whom, for a planner that has ``pushers``.
+
+    Attributes:
+        pushes: as given.
+        plans: of the steps so far, as ``replay_animation`` takes them.
+    """
+
+    def __init__(self, robots: Sequence[int] = (), pushes: bool = False) -> None:
+        self.plans: list[StepPlans] = []
+        self._robots, self.pushes = robots, pushes
+
+    def add(self, planner: Any, graph: Graph, situation: Situation, chosen: Integers) -> None:
+        """Keep the plans of a step.
+
+        Args:
+            planner: that has planned it.
+            graph: of the floor, for a planner that has none.
+            situation: before the step.
+            chosen: ``[R]``, the next cells.
+        """
+        cells, goals = situation.cells, situation.goals
+        graph = getattr(planner, "graph", graph)
+        ways, wishes = dict[int, list[int]](), dict[int, list[int]]()
+        for robot in self._robots:
+            ahead = planner.plan_of(robot) if hasattr(planner, "plan_of") else []
+            # A robot that cannot go on as planned waits.
+            is_planned = ahead[:1] == [chosen[robot]]
+            ways[robot] = [int(cells[robot]), *(ahead if is_planned else [int(chosen[robot])])]
+            wishes[robot] = graph.way(ways[robot][-1], int(goals[robot]))
+        pushers = planner.pushers if self.pushes else []
+        width = graph.layout.width
+        places, wished = (
+            {robot: [divmod(cell, width) for cell in way] for robot, way in kind.items()}
+            for kind in (ways, wishes)
+        )
+        pushed = {robot: int(by) for robot, by in enumerate(pushers) if by != NOBODY}
+        self.plans.append(StepPlans(places, wished, pushed))

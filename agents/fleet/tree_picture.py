@@ -1,0 +1,189 @@
+"""The conflict tree of conflict-based search as a picture, for small problems."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
+
+from agents.mapf.cbs import Conflict, ConflictTree, Constraint, Node
+from agents.mapf.problem import Problem
+from warehouse_core.render.palette import COLORS, FAINT, INK, PAPER
+from warehouse_core.viz.axes import box_in, draw_grid
+from warehouse_core.viz.figure import SceneFigure, make_figure
+from warehouse_core.wording import counted
+from warehouse_core.world.tiles import DROPOFF, ROBOT_EMPTY, WALL, Cell
+
+MAX_NODES = 31
+
+CARD, GAP = (2.65, 1.3), (0.2, 0.5)
+"""Width and height of a node and between nodes, in inches."""
+
+HEAD = 0.36
+"""Height of the strip with the constraint, in inches."""
+
+TITLE, MARGIN, FLOOR_CELL, MAX_FLOOR, MIN_FLOOR = 0.85, 0.35, 0.75, 4.5, 2.9
+SMALL, LARGE, TITLE_SIZE = 13, 20, 21
+"""Sizes of words, in points."""
+
+HOW_TO_READ = """Discs are starts, squares are goals.
+
+Black: what one robot must
+not do in this node and below.
+Under the cost: the conflict,
+which the two children forbid
+to one of the robots each.
+Cells are (row, column)."""
+
+SOLUTION = COLORS[DROPOFF]
+
+MakeFigure = Callable[[tuple[float, float]], SceneFigure]
+
+
+def tree_picture(tree: ConflictTree, make: MakeFigure = make_figure) -> SceneFigure:
+    """Return a picture of a conflict tree that has grown, beside its problem.
+
+    A node shows the constraint that it has beyond its parent's, the cost of its ways, and the
+    conflict that its children forbid; one without children shows if it is the optimal plan.
+
+    Args:
+        tree: after ``solve``.
+        make: makes the figure of a width and height in inches.
+
+    Raises:
+        ValueError: the tree has no node, or more than ``MAX_NODES``.
+    """
+    if not 0 < len(tree.nodes) <= MAX_NODES:
+        raise ValueError(
+            f"the conflict tree has {len(tree.nodes)} nodes; a picture has 1..{MAX_NODES}"
+        )
+    places = places_of(tree.nodes)
+    layout = tree.problem.graph.layout
+    cell = min(FLOOR_CELL, MAX_FLOOR / max(layout.width, layout.height))
+    floor = (cell * layout.width, cell * layout.height)
+    across, down = CARD[0] + GAP[0], CARD[1] + GAP[1]
+    wide = (max(x for x, _ in places) + 1) * across - GAP[0]
+    high = (max(y for _, y in places) + 1) * down - GAP[1]
+    left = MARGIN + 0.2 + max(floor[0], MIN_FLOOR) + 2 * MARGIN
+    size = left + wide + MARGIN, TITLE + max(high, floor[1] + 2.2) + MARGIN
+    figure = make(size)
+    figure.set_facecolor(PAPER)
+    _draw_title(figure, tree, size)
+    _draw_floor(figure.add_axes(box_in(size, MARGIN + 0.2, TITLE + 0.2, *floor)), tree, 72 * cell)
+    figure.text(
+        MARGIN / size[0], 1 - (TITLE + floor[1] + 0.45) / size[1], HOW_TO_READ, fontsize=SMALL,
+        color=INK, va="top",
+    )  # fmt: skip
+    axes = figure.add_axes(box_in(size, left, TITLE, wide, high))
+    axes.set(xlim=(0, wide), ylim=(high, 0))
+    axes.axis("off")
+    corners = {
+        node: (x * across, y * down) for node, (x, y) in zip(tree.nodes, places, strict=True)
+    }
+    for node, corner in corners.items():
+        if node.parent is not None:
+            x, y = corners[node.parent]
+            ends = (x + CARD[0] / 2, corner[0] + CARD[0] / 2), (y + CARD[1], corner[1])
+            axes.plot(*ends, color=INK, linewidth=1.6, zorder=0)
+    for node, corner in corners.items():
+        _draw_card(axes, tree, node, corner)
+    return figure
+
+
+def places_of(nodes: list[Node]) -> list[tuple[float, int]]:
+    """Return the column and the level of each node: leaves side by side, parents above them."""
+    children: dict[Node | None, list[Node]] = {}
+    for node in nodes:
+        children.setdefault(node.parent, []).append(node)
+    found: dict[Node, tuple[float, int]] = {}
+    leaves = iter(range(len(nodes)))
+
+    def place(node: Node, level: int) -> float:
+        below = [place(child, level + 1) for child in children.get(node, [])]
+        column = sum(below) / len(below) if below else float(next(leaves))
+        found[node] = column, level
+        return column
+
+    place(nodes[0], 0)
+    return [found[node] for node in nodes]
+
+
+def words_of(tree: ConflictTree, what: Constraint | Conflict | None) -> str:
+    """Return a constraint or a conflict in words; robots and steps are numbers, cells places."""
+
+    def place(cell: int | None) -> Cell:
+        return divmod(cell or 0, tree.problem.graph.layout.width)
+
+    if what is None:
+        return ""
+    if isinstance(what, Constraint):
+        robot, time, cell, before = what
+        if cell is None:
+            return f"{robot} arrives after step {time}"
+        if before is None:
+            return f"{robot} not in {place(cell)} at {time}"
+        return f"{robot} not {place(before)}→{place(cell)} at {time}"
+    one, other = what
+    if one.cell is None:
+        return f"{one.robot} and {other.robot}: all shortest ways meet"
+    if one.before is None:
+        return f"{one.robot} and {other.robot} in {place(one.cell)} at {one.time}"
+    return f"{one.robot}, {other.robot} swap {place(one.before)}, {place(one.cell)} at {one.time}"
+
+
+def _draw_card(axes: Axes, tree: ConflictTree, node: Node, corner: tuple[float, float]) -> None:
+    (x, y), (wide, high), is_solution = corner, CARD, node is tree.solution
+    ground = PAPER if node.split or is_solution else FAINT
+    axes.add_patch(Rectangle(corner, wide, high, color=ground))
+    common: dict[str, Any] = {"ha": "center", "va": "center", "parse_math": False}
+    middle = x + wide / 2
+    if node.constraint is not None:
+        axes.add_patch(Rectangle(corner, wide, HEAD, color=INK))
+        words = words_of(tree, node.constraint)
+        axes.text(middle, y + HEAD / 2, words, fontsize=SMALL, color=PAPER, **common)
+    color, width = (SOLUTION, 7.0) if is_solution else (INK, 1.4)
+    axes.add_patch(
+        Rectangle(corner, wide, high, fill=False, edgecolor=color, linewidth=width, clip_on=False)
+    )
+    cost = f"cost {node.cost}"
+    axes.text(middle, y + HEAD + 0.3, cost, fontsize=LARGE, fontweight="bold", color=INK, **common)
+    last = (
+        "★ optimal plan" if is_solution
+        else words_of(tree, node.split) or "not opened"
+    )  # fmt: skip
+    weight = "bold" if is_solution else "normal"
+    axes.text(middle, y + high - 0.25, last, fontsize=SMALL, fontweight=weight, color=INK, **common)
+
+
+def _draw_floor(axes: Axes, tree: ConflictTree, cell_points: float) -> None:
+    """Draw starts as discs, goals as rings, and the ways of the solution."""
+    problem: Problem = tree.problem
+    layout = problem.graph.layout
+    draw_grid(axes, (layout.height, layout.width), 1, 0.6, label_size=11)
+    axes.xaxis.tick_top()
+    for row, line in enumerate(layout.rows):
+        for col, tile in enumerate(line):
+            if tile == WALL:
+                axes.add_patch(Rectangle((col, row), 1, 1, color=COLORS[WALL]))
+    for robot, ends in enumerate(zip(problem.starts, problem.goals, strict=True)):
+        for cell, shape, share, at in zip(ends, "os", (0.56, 0.36), (0.64, 0.22), strict=True):
+            row, col = divmod(cell, layout.width)
+            (x, y), size = (col + at, row + at), share * cell_points
+            color, ink = (COLORS[ROBOT_EMPTY], PAPER) if shape == "o" else (COLORS[DROPOFF], INK)
+            axes.plot(x, y, shape, markersize=size, color=color, markeredgecolor=INK, zorder=3)
+            axes.text(
+                x, y, str(robot), fontsize=0.62 * size, fontweight="bold", color=ink, ha="center",
+                va="center_baseline", zorder=4,
+            )  # fmt: skip
+
+
+def _draw_title(figure: SceneFigure, tree: ConflictTree, size: tuple[float, float]) -> None:
+    cost = f"cost {tree.solution.cost}" if tree.solution else "no plan yet"
+    nodes = counted(len(tree.nodes), "node")
+    title = f"Conflict-based search, {counted(tree.problem.robots, 'robot')}: {cost} after {nodes}"
+    figure.text(
+        MARGIN / size[0], 1 - TITLE / 2 / size[1], title, fontsize=TITLE_SIZE, fontweight="bold",
+        color=INK, va="center",
+    )  # fmt: skip

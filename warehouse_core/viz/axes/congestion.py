@@ -1,0 +1,89 @@
+"""Heat maps of where the robots of several fleets were held up, side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import EngFormatter
+
+from warehouse_core.motion.vector import NOTHING
+from warehouse_core.records.fleet_episode import FleetEpisode
+from warehouse_core.render.palette import INK, PAPER
+from warehouse_core.viz.axes.heat_map import Counts, draw_heat
+from warehouse_core.viz.axes.look import box_in
+from warehouse_core.world.actions import WAIT
+
+PANEL, MAX_CELL, SPACE = 6.2, 0.4, 0.55
+"""Width of a panel, of a cell and between panels, in inches."""
+
+HEAD, PANEL_HEAD, FOOT, BAR = 0.95, 0.6, 1.35, 0.22
+TITLE, WORDS, SMALL = 23, 25, 15
+"""Sizes of words, in points; a class is to read them."""
+
+AnyFigure = TypeVar("AnyFigure", bound=Figure)
+
+
+def held_up_cells(episode: FleetEpisode) -> Counts:
+    """Count in how many steps robots were held up in each cell.
+
+    That is each step in which a robot waited, not on a charger, or was blocked, or turned back into
+    the cell that it had left in the step before.
+    """
+    layout, cells = episode.layout, episode.cells
+    chargers = [row * layout.width + col for row, col in layout.chargers]
+    held_up = (episode.actions == WAIT) & ~np.isin(cells[:-1], chargers)
+    held_up |= episode.stopped_by != NOTHING
+    held_up[1:] |= (cells[2:] == cells[:-2]) & (cells[1:-1] != cells[2:])
+    size = layout.height * layout.width
+    return np.bincount(cells[:-1][held_up], minlength=size).reshape(layout.height, layout.width)
+
+
+def congestion_picture(
+    episodes: Mapping[str, FleetEpisode],
+    title: str,
+    make_figure: Callable[[tuple[float, float]], AnyFigure],
+) -> AnyFigure:
+    """Return heat maps of where robots were held up, with one scale, and what was delivered.
+
+    Args:
+        episodes: by the titles of their panels, on layouts of one size.
+        title: of the picture.
+        make_figure: makes the figure of a width and height in inches.
+    """
+    found = {name: held_up_cells(episode) for name, episode in episodes.items()}
+    highest = max(int(counts.max()) for counts in found.values())
+    height, width = next(iter(found.values())).shape
+    cell = min(PANEL / max(height, width), MAX_CELL)
+    wide, high = cell * width, cell * height
+    bar_left = SPACE + len(found) * (wide + SPACE)
+    size = bar_left + BAR + 1.1, HEAD + PANEL_HEAD + high + FOOT
+    figure = make_figure(size)
+    figure.set_facecolor(PAPER)
+    style: dict[str, Any] = {"color": INK, "parse_math": False, "va": "center"}
+
+    def write(left: float, top: float, words: str, **options: Any) -> None:
+        figure.text(left / size[0], 1 - top / size[1], words, **style, **options)
+
+    write(SPACE, HEAD / 2, title, fontsize=TITLE, fontweight="bold")
+    top = HEAD + PANEL_HEAD
+    for number, (name, counts) in enumerate(found.items()):
+        left, episode = SPACE + number * (wide + SPACE), episodes[name]
+        axes = figure.add_axes(box_in(size, left, top, wide, high))
+        heat = draw_heat(axes, episode.layout.rows, counts, cell * 72, highest, digits=False)
+        axes.tick_params(labelsize=10)
+        share = counts.sum() / max(episode.cells[:-1].size, 1)
+        write(left, HEAD + 0.25, name, fontsize=TITLE)
+        verdict = f"{episode.measures.per_hour:,.0f} deliveries an hour"
+        write(left, top + high + 0.55, verdict, fontsize=WORDS, fontweight="bold")
+        held_up = f"held up in {share:.0%} of the robots' steps"
+        write(left, top + high + 1.0, held_up, fontsize=SMALL)
+    axes = figure.add_axes(box_in(size, bar_left, top, BAR, high))
+    bar = figure.colorbar(heat, cax=axes)
+    bar.outline.set_visible(False)
+    axes.yaxis.set_major_formatter(EngFormatter(sep=""))
+    axes.tick_params(length=2, labelsize=SMALL, labelcolor=INK)
+    axes.set_ylabel("times robots were held up in a cell", fontsize=SMALL, color=INK)
+    return figure
