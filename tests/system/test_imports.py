@@ -157,6 +157,7 @@ batch = BatchEnv(3)
 batch.reset(seed=1)
 batch.step([1, 2, 3])
 """,
+    "planners": "import agents.mapf.lanes, agents.mapf.lacam, agents.mapf.prioritised",
 }
 """Programs that load none of them."""
 
