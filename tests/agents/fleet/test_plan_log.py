@@ -60,6 +60,8 @@ def test_robots_mostly_go_as_a_windowed_planner_has_planned() -> None:
         if len(way) > 3
     ]
     assert np.mean(kept) > 0.8
+    moving = [len(way) for ways, _, _ in log.plans for way in ways.values() if way[0] != way[1]]
+    assert np.mean(moving) > 5
 
 
 def test_the_wish_of_a_robot_is_the_cheapest_way_to_its_goal() -> None:

@@ -27,6 +27,7 @@ def test_waiting_being_blocked_and_turning_back_hold_robots_up() -> None:
 def test_charging_and_ways_around_corners_do_not_hold_robots_up() -> None:
     episode = driven(["E", "W"], ["E", "W"], ["WAIT", "N"], ["S", "E"], ["W", "E"])
     assert held_up_cells(episode).sum() == 0
+    assert held_up_cells(driven(*[["PICK", "DROP"]] * 3)).sum() == 0
 
 
 def test_a_wait_between_two_moves_is_counted_once() -> None:
