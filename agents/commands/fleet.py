@@ -257,7 +257,13 @@ def fleet(
             make_team(agent, robots, seed, floor)
             if planner is None
             else make_fleet_agent(
-                planner, assignment, seed, floor, seconds=plan_seconds, goes_on=goes_on
+                planner,
+                assignment,
+                seed,
+                floor,
+                robots,
+                seconds=plan_seconds,
+                goes_on=goes_on,
             )
         )
         with closing(make_env(dispatch=getattr(directing, "dispatch", True))) as env:
