@@ -20,16 +20,21 @@ import numpy as np
 from agents.errors import AgentError, reason_of
 from agents.evaluation.baselines import RandomAgent, ReflexAgent
 from agents.fleet.charging import costs_around_chargers
+from agents.fleet.guided import (
+    pibt_on_lanes,
+    pibt_on_learned,
+    windowed_on_lanes,
+    windowed_on_learned,
+)
 from agents.fleet.planned import DEFAULT_ASSIGNMENT, PlannedFleet
 from agents.fleet.team import Team
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_table import load_agent
 from agents.mapf.assignment import ASSIGNMENTS
 from agents.mapf.graph import Graph
-from agents.mapf.lanes import WRONG_WAY, lane_costs
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import Planner
-from agents.mapf.prioritised import REPLAN, WINDOW, WindowedPlanner
+from agents.mapf.prioritised import WindowedPlanner
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, RecordError
@@ -45,32 +50,13 @@ AGENTS: dict[str, Callable[..., Agent]] = {
     **{name: partial(SearchAgent, algorithm=name) for name in ALGORITHMS},
 }
 
-
-def pibt_on_lanes(layout: Layout, seed: int = 0, wrong_way: float = WRONG_WAY) -> PIBT:
-    """Return ``PIBT`` with the costs of lanes, see ``lane_costs``."""
-    return PIBT(_lanes(layout, wrong_way), seed)
-
-
-def windowed_on_lanes(
-    layout: Layout,
-    seed: int = 0,
-    wrong_way: float = WRONG_WAY,
-    window: int = WINDOW,
-    replan: int = REPLAN,
-) -> WindowedPlanner:
-    """Return a ``WindowedPlanner`` with the costs of lanes, see ``lane_costs``."""
-    return WindowedPlanner(_lanes(layout, wrong_way), window, replan, seed=seed)
-
-
-def _lanes(layout: Layout, wrong_way: float) -> Graph:
-    return Graph(layout, costs_around_chargers(layout, lane_costs(layout, wrong_way)))
-
-
 PLANNERS: dict[str, Callable[..., Planner]] = {
     "pibt": PIBT,
     "pibt-lanes": pibt_on_lanes,
+    "pibt-learned": pibt_on_learned,
     "windowed": WindowedPlanner,
     "windowed-lanes": windowed_on_lanes,
+    "windowed-learned": windowed_on_learned,
 }
 """Planners of the robots of a fleet, by name."""
 
@@ -140,7 +126,10 @@ def make_team(
 
 
 def make_planner(
-    name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT
+    name: str,
+    seed: int | None = None,
+    layout: Layout = DEFAULT_LAYOUT,
+    robots: int | None = None,
 ) -> Planner | FleetAgent:
     """Return a planner of the robots of a fleet, or an agent that directs them, by name.
 
@@ -151,11 +140,12 @@ def make_planner(
         seed: see ``make_agent``.
         layout: passed to the planner if it takes a ``layout``; if it takes a ``graph``, it gets
             that of the layout, where ways lead around chargers.
+        robots: passed to the planner if it takes ``robots`` and the name does not give them.
 
     Raises:
         AgentError: as ``make_agent``.
     """
-    [planner] = _make(PLANNER, name, [seed], layout)
+    [planner] = _make(PLANNER, name, [seed], layout, robots)
     return cast("Planner | FleetAgent", planner)
 
 
@@ -164,6 +154,7 @@ def make_fleet_agent(
     assignment: str | None = None,
     seed: int | None = None,
     layout: Layout = DEFAULT_LAYOUT,
+    robots: int | None = None,
     **options: Any,
 ) -> FleetAgent:
     """Return an agent that directs all robots of a fleet, by the names of its parts.
@@ -174,6 +165,7 @@ def make_fleet_agent(
             directs all robots assigns orders itself.
         seed: of the planner.
         layout: of the fleet.
+        robots: their number, see ``make_planner``.
         options: see ``PlannedFleet``.
 
     Raises:
@@ -183,7 +175,7 @@ def make_fleet_agent(
         raise AgentError(
             f"no assignment is called {assignment!r}; allowed: {', '.join(ASSIGNMENTS)}"
         )
-    made = make_planner(planner, seed, layout)
+    made = make_planner(planner, seed, layout, robots)
     if hasattr(made, "next_cells"):
         return PlannedFleet(cast(Planner, made), assignment or DEFAULT_ASSIGNMENT, **options)
     if options.get("log"):
@@ -204,7 +196,13 @@ def _make_agents(name: str, seeds: Sequence[int | None], layout: Layout) -> list
     return cast(list[Agent], _make(AGENT, name, seeds, layout))
 
 
-def _make(sort: Sort, name: str, seeds: Sequence[int | None], layout: Layout) -> list[Any]:
+def _make(
+    sort: Sort,
+    name: str,
+    seeds: Sequence[int | None],
+    layout: Layout,
+    robots: int | None = None,
+) -> list[Any]:
     """Return one by name for each seed."""
     source, options = _split(name)
     if seeds[0] is not None and source not in sort.known:
@@ -213,7 +211,7 @@ def _make(sort: Sort, name: str, seeds: Sequence[int | None], layout: Layout) ->
     kind = sort.known.get(source) or _load_class(sort, source)
     given = _options(f"{sort.word} {source!r}", kind, options)
     try:
-        return [kind(**(_wanted(kind, seed, layout) | given)) for seed in seeds]
+        return [kind(**(_wanted(kind, seed, layout, robots) | given)) for seed in seeds]
     except (Exception, SystemExit) as error:  # the code of a user may raise anything
         if source in sort.known:
             raise AgentError(f"{sort.word} {name!r}: {error}") from error
@@ -267,13 +265,17 @@ def agent_module(name: str) -> str | None:
     return source if is_own_code(name) and not source.endswith(".py") and source else None
 
 
-def _wanted(make: Callable[..., Any], seed: int | None, layout: Layout) -> dict[str, Any]:
-    """Return those of the arguments ``seed``, ``layout`` and ``graph`` that ``make`` takes."""
+def _wanted(
+    make: Callable[..., Any], seed: int | None, layout: Layout, robots: int | None = None
+) -> dict[str, Any]:
+    """Return those of ``seed``, ``layout``, ``graph`` and ``robots`` that ``make`` takes."""
     parts: dict[str, Callable[[], Any]] = {
         "seed": lambda: seed,
         "layout": lambda: layout,
         "graph": lambda: Graph(layout, costs_around_chargers(layout)),
     }
+    if robots is not None:
+        parts["robots"] = lambda: robots
     wanted = inspect.signature(make).parameters.keys()
     return {name: part() for name, part in parts.items() if name in wanted}
 

@@ -294,6 +294,7 @@ def fleet(
                 assignment,
                 seed,
                 floor,
+                robots,
                 seconds=plan_seconds,
                 goes_on=goes_on,
                 log=log if seed == first else None,

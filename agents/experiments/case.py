@@ -259,7 +259,7 @@ def make_fleet_agent_for(case: Case, seed: int, layout: Layout) -> FleetAgent:
         return make_team(_agent_name(case), case[FLEET], seed, layout)
     # A planner that assigns orders itself takes no assignment, not even the default.
     chosen = None if case["assignment"] == DEFAULT_ASSIGNMENT else case["assignment"]
-    return make_fleet_agent(case[PLANNER], chosen, seed, layout)
+    return make_fleet_agent(case[PLANNER], chosen, seed, layout, case[FLEET])
 
 
 def make_agent_for(case: Case, seed: int, layout: Layout) -> Agent:

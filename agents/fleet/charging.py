@@ -1,7 +1,7 @@
 """Charging as a task: which robot goes to which charger, and when.
 
-Each charger has one robot that charges there or goes there, and at most one more that comes next
-and waits some cells away, so that nobody is in the way of the one that leaves.
+Each charger has one robot that charges there or goes there, the nearest, and at most one more that
+comes next and waits some cells away, so that nobody is in the way of the one that leaves.
 """
 
 from __future__ import annotations
@@ -32,10 +32,13 @@ ENOUGH = 0.7
 
 NEARBY, PATIENCE = 10.0, 5.0
 """Steps more than to the nearest charger that a robot goes, and that it waits there; one that would
-run empty goes to any and waits."""
+run empty goes to any that it reaches and waits."""
 
 HASTE = 0.25
 """Steps of the way to a charger that a step which a battery lasts longer counts as."""
+
+HALF = 0.5
+"""Share of a full battery with which a robot leaves its charger to one that would run empty."""
 
 QUEUE_DISTANCE = 3
 """Cells from its charger at which the robot that comes next waits."""
@@ -89,6 +92,7 @@ class Chargers:
     When it is time to charge follows from a schedule by earliest deadline: the robots take turns
     in the order of the steps that their batteries last, each when the chargers are done with those
     before it. If one of them would run empty until then, it and all before it are to charge now.
+    If it was wrong, turns end early for those that would run empty.
 
     Args:
         env: of the fleet.
@@ -114,7 +118,6 @@ class Chargers:
         self._gain = max(charge - self._cost, 0.0) or self._cost
         self._full = max(battery.capacity - charge, ENOUGH * battery.capacity)
         self.turn = np.full(env.settings.robots, NONE)
-        self._is_next = np.zeros(env.settings.robots, np.bool_)
 
     def lasts(self, battery: NDArray[np.float64], ways: NDArray[np.floating]) -> NDArray[np.bool_]:
         """Return whether batteries last for ways of so many steps that end at a charger.
@@ -132,24 +135,23 @@ class Chargers:
         empty = needs.battery <= 0
         is_blocked = self._are_there(needs.cells[empty])
         self.turn[(needs.battery >= self._full) | empty | is_blocked[self.turn]] = NONE
-        holder = self._holders()
+        self._give_way(needs)
+        holder = self._holders(needs.cells)
         until = self._until(holder, needs)
         may_go = needs.may_go & np.isfinite(self.home[needs.cells])
-        for low, most in (self._low(until, needs), 1), (needs.battery < needs.limits, 0):
+        for low, most in (self._low(holder, until, needs), 1), (needs.battery < needs.limits, 0):
             robots = np.flatnonzero(low & may_go & (self.turn == NONE))
             counts = np.bincount(self.turn + 1, minlength=len(holder) + 1)[1:]
             chargers = np.flatnonzero((counts <= most) & ~is_blocked)
             if len(robots) and len(chargers):
                 self._give_turns(robots, chargers, until[chargers], needs)
-        self._is_next = (self.turn != NONE) & (holder[self.turn] != NONE)
-        self._is_next[holder[holder != NONE]] = False
 
     def goals(self, cells: Integers) -> NDArray[np.intp]:
         """Return the cell that each robot with a turn is to go to, ``[R]``, or ``NONE``."""
         goals = np.full(len(cells), NONE)
         robots = np.flatnonzero(self.turn != NONE)
         chargers, here = self.turn[robots], cells[robots]
-        is_used = self._are_there(cells)[chargers] | self._is_next[robots]
+        is_used = self._are_there(cells)[chargers] | (self._holders(cells)[chargers] != robots)
         waits = is_used & (self._ways[chargers, here] <= QUEUE_DISTANCE)
         waits &= here != self.cells[chargers]
         goals[robots] = np.where(waits, here, self.cells[chargers])
@@ -168,13 +170,28 @@ class Chargers:
         found: NDArray[np.bool_] = is_there[self.cells]
         return found
 
-    def _holders(self) -> NDArray[np.intp]:
-        """Return the robot that has each charger, ``[C]``: if nobody else, the one that is next."""
-        holder = np.full(len(self.cells), NONE)
-        for is_next in (True, False):
-            robots = np.flatnonzero((self.turn != NONE) & (self._is_next == is_next))
-            holder[self.turn[robots]] = robots
-        self._is_next[holder[holder != NONE]] = False
+    def _give_way(self, needs: Needs) -> None:
+        """End turns early for robots that would run empty.
+
+        Who charges gives way to the one that comes next. If robots have no turn, those that come
+        next but would not run empty give theirs back.
+        """
+        spare, has_turn = self._spare(needs), self.turn != NONE
+        is_first = self._holders(needs.cells)[self.turn] == np.arange(len(spare))
+        is_next = has_turn & ~is_first
+        hurries = np.bincount(self.turn[is_next & (spare < GAP)], minlength=len(self.cells)) > 0
+        charged = has_turn & is_first & (needs.battery >= HALF * self._capacity)
+        self.turn[charged & hurries[self.turn]] = NONE
+        in_need = needs.may_go & (needs.battery > 0) & (spare < SPARE_STEPS)
+        if (in_need & ~has_turn).any():
+            self.turn[is_next & ~in_need] = NONE
+
+    def _holders(self, cells: Integers) -> NDArray[np.intp]:
+        """Return the robot that has each charger, ``[C]``: the nearest of those with a turn."""
+        robots = np.flatnonzero(self.turn != NONE)
+        ways = self._ways[self.turn[robots], cells[robots]]
+        holder, by_way = np.full(len(self.cells), NONE), robots[np.argsort(-ways, kind="stable")]
+        holder[self.turn[by_way]] = by_way
         return holder
 
     def _until(self, holder: Integers, needs: Needs) -> NDArray[np.float64]:
@@ -185,11 +202,12 @@ class Chargers:
         until[used] = ways + self._charging_steps(needs.battery[robots], ways)
         return until
 
-    def _low(self, until: NDArray[np.float64], needs: Needs) -> NDArray[np.bool_]:
+    def _low(self, holder: Integers, until: NDArray[np.float64], needs: Needs) -> NDArray[np.bool_]:
         """Return whether each robot is to charge now, ``[R]``; see the class."""
         home = DETOUR * self.home[needs.cells]
         turns, spare = GAP + self._charging_steps(needs.battery, home), self._spare(needs)
-        coming = self._is_next & (self.turn != NONE)
+        coming = self.turn != NONE
+        coming[holder[holder != NONE]] = False
         robots = np.flatnonzero((self.turn == NONE) & (needs.battery > 0) & np.isfinite(home))
         robots = robots[np.argsort(spare[robots], kind="stable")]
         # Each step until its turn makes the turn of a robot longer, which grows like interest.
@@ -210,7 +228,8 @@ class Chargers:
         ways = self._ways[chargers][:, needs.cells[robots]].T
         waits, spare = np.maximum(until - DETOUR * ways, 0), self._spare(needs)[robots, None]
         near = ways <= self.home[needs.cells[robots], None] + NEARBY
-        allowed = np.isfinite(ways) & ((spare < SPARE_STEPS) | near & (waits <= PATIENCE))
+        reached = self._cost * ways <= needs.battery[robots, None]
+        allowed = reached & ((spare < SPARE_STEPS) | near & (waits <= PATIENCE))
         costs = np.where(allowed, ways + waits + HASTE * spare, OUT_OF_REACH)
         rows, columns = linear_sum_assignment(costs)
         given = allowed[rows, columns]

@@ -89,7 +89,8 @@ class Dispatcher:
         )
         people = np.array(env.people, np.intp).reshape(-1, 2) @ np.array([env.layout.width, 1])
         actions = np.where(at_work, np.where(robots.loaded, DROP, PICK), WAIT)
-        return Situation(robots.cells, goals, stays, people), actions
+        urgent = np.flatnonzero((self.chargers.turn != NONE) & (goals != robots.cells))
+        return Situation(robots.cells, goals, stays, people, urgent), actions
 
     def _look(self, env: FleetEnv) -> Robots:
         found, width = env.arrays(), np.array([env.layout.width, 1])

@@ -102,8 +102,9 @@ def choose_cells(
 class PIBT:
     """A planner by PIBT.
 
-    The priority of a robot is the number of steps since it was at its goal, or got it. Choices
-    that are equally good are ordered by whether somebody is in the cell, and then by chance.
+    The priority of a robot is the number of steps since it was at a goal of its own; urgent robots
+    go before all others. Choices that are equally good are ordered by whether somebody is in the
+    cell, and then by chance.
 
     Args:
         graph: of the floor.
@@ -131,18 +132,20 @@ class PIBT:
 
     def next_cells(self, situation: Situation) -> Integers:
         """Return the cell of each robot after the next joint step, ``[R]``."""
-        cells, goals, stays, closed = situation
+        cells, goals, stays, closed, urgent = situation
         if len(cells) != len(self._goals):
             self._ages, self._goals = np.zeros(len(cells), np.intp), goals
             self._ranks = self._random.random(len(cells))
         robot_in = self.robots_in(cells)
         choices, is_there = self.choices(cells, goals, robot_in)
-        self._ages = np.where(is_there | (goals != self._goals), 0, self._ages + 1)
+        self._ages = np.where(is_there | (cells == self._goals), 0, self._ages + 1)
         self._goals = goals.copy()
         is_taken = np.zeros(self.graph.size + 1, np.bool_)
         is_taken[closed] = is_taken[cells[stays]] = is_taken[CLOSED] = True
         chosen = np.where(stays, cells, UNDECIDED).tolist()
-        order = np.argsort(-self._ages - self._ranks).tolist()
+        priorities = self._ages + self._ranks
+        priorities[urgent] += self._ages.max(initial=0) + 1
+        order = np.argsort(-priorities).tolist()
         pushers = [NOBODY] * len(cells)
         choose_cells(
             order, cells.tolist(), choices, robot_in.tolist(), bytearray(is_taken), chosen, pushers

@@ -26,12 +26,14 @@ class Situation(NamedTuple):
         stays: ``[R]``, whether a robot stays where it is in this step, as one does that picks,
             drops or charges, or whose battery is empty.
         closed: cells that nobody can enter in this step, such as those of people.
+        urgent: robots that should go before all others, as those whose batteries are low.
     """
 
     cells: Integers
     goals: Integers
     stays: NDArray[np.bool_]
     closed: Integers
+    urgent: Integers = np.empty(0, np.intp)
 
 
 class Planner(Protocol):

@@ -99,9 +99,9 @@ def test_who_may_not_go_has_no_turn_and_who_is_empty_loses_it() -> None:
 
 def test_nobody_goes_to_a_charger_where_an_empty_robot_stands() -> None:
     chargers = chargers_of(2)
-    chargers.update(needs([5, 3], [20, 150]))
+    chargers.update(needs([5, 3], [29, 150]))
     assert chargers.turn.tolist() == [0, NONE]
-    chargers.update(needs([5, 0], [19, 0]))
+    chargers.update(needs([5, 0], [28, 0]))
     assert chargers.turn.tolist() == [1, NONE]
 
 
@@ -142,3 +142,34 @@ def test_ways_lead_around_chargers_where_they_can() -> None:
     doubled = costs_around_chargers(layout, np.full((9, 4), 2, np.float32))
     assert doubled is not None
     assert Graph(layout, doubled).distances(2)[0] == 8
+
+
+def test_the_nearer_of_two_charges_first_and_gives_way_to_one_that_would_run_empty() -> None:
+    one = Layout(["C" + "." * 29])
+    chargers = chargers_of(2, one)
+    chargers.update(needs([20, 2], [45, 100]))
+    assert chargers.turn.tolist() == [0, NONE]
+    chargers.update(needs([19, 2], [44, 20]))
+    assert chargers.turn.tolist() == [0, 0]
+    assert chargers.goals(np.array([19, 2])).tolist() == [0, 0]
+    there = np.array([QUEUE_DISTANCE, 0])
+    for battery, turn in (95, 0), (105, NONE):
+        chargers.update(needs(there.tolist(), [2 * QUEUE_DISTANCE + 4, battery]))
+        assert chargers.turn.tolist() == [0, turn]
+
+
+def test_who_comes_next_gives_its_turn_to_one_that_would_run_empty() -> None:
+    one = Layout(["C" + "." * 29])
+    chargers = chargers_of(3, one)
+    chargers.turn[:2] = 0
+    chargers.update(needs([0, 3, 6], [150, 130, 100]))
+    assert chargers.turn.tolist() == [0, 0, NONE]
+    chargers.update(needs([0, 3, 6], [160, 129, 25]))
+    assert chargers.turn.tolist() == [0, NONE, 0]
+
+
+def test_nobody_goes_to_a_charger_that_its_battery_does_not_reach() -> None:
+    chargers = chargers_of(3)
+    chargers.turn[:2] = 0
+    chargers.update(needs([0, 2, 4], [50, 9, 20]))
+    assert chargers.turn.tolist() == [0, 0, NONE]

@@ -164,7 +164,7 @@ def test_an_item_is_delivered_before_charging_if_the_battery_lasts(battery: int,
     assert env.loaded == [True]
     env._fleets.battery[0] = battery
     env._fleets.robots.cells[0] = 1
-    agent._dispatcher.chargers._low = lambda until, needs: np.ones(1, np.bool_)  # type: ignore
+    agent._dispatcher.chargers._low = lambda holder, until, needs: np.ones(1, np.bool_)  # type: ignore
     agent.act(env)
     assert planner.seen[-1].goals.tolist() == [goal]
 

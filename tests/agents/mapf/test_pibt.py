@@ -157,3 +157,24 @@ def test_robots_are_led_to_their_goals() -> None:
 def test_a_problem_that_it_does_not_solve_ends_in_time() -> None:
     with pytest.raises(PlanError, match=r"no plan after 0\.05 s"):
         pibt(Problem(Graph(Layout(["...."])), [1, 2], [2, 1]), 0.05)
+
+
+def test_urgent_robots_go_first() -> None:
+    corridor = Graph(Layout(["....."]))
+    given = np.array([1, 2]), np.array([4, 0]), np.zeros(2, np.bool_), np.empty(0, np.intp)
+    for urgent, after in ((0, [2, 3]), (1, [0, 1])):
+        for seed in range(4):
+            planner = PIBT(corridor, seed)
+            planner.next_cells(Situation(*given))
+            assert planner.next_cells(Situation(*given, np.array([urgent]))).tolist() == after
+
+
+def test_priority_begins_anew_at_a_goal_and_not_when_the_goal_changes() -> None:
+    corridor = Graph(Layout(["......."]))
+    for seed in range(5):
+        planner = PIBT(corridor, seed)
+        next_cells(planner, [1, 5], [3, 5])
+        assert next_cells(planner, [2, 3], [6, 0]) == [3, 4]
+        planner.reset()
+        next_cells(planner, [2, 5], [2, 6])
+        assert next_cells(planner, [2, 3], [6, 0]) == [1, 2]

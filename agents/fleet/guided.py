@@ -1,0 +1,81 @@
+"""Planners whose moves have costs: those of lanes, or those learned from traffic."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from agents.fleet.charging import costs_around_chargers
+from agents.mapf.graph import Costs, Graph
+from agents.mapf.lanes import WRONG_WAY, lane_costs, learned_costs
+from agents.mapf.pibt import PIBT
+from agents.mapf.prioritised import REPLAN, WINDOW, WindowedPlanner
+from warehouse_core import Layout
+
+TRIALS, TRIAL_SEED = 16, 1_000_000
+"""Runs that costs are learned from, and the seed of the first, not that of an episode."""
+
+
+def pibt_on_lanes(layout: Layout, seed: int = 0, wrong_way: float = WRONG_WAY) -> PIBT:
+    """Return ``PIBT`` with the costs of lanes, see ``lane_costs``."""
+    return PIBT(_lanes(layout, wrong_way), seed)
+
+
+def windowed_on_lanes(
+    layout: Layout,
+    seed: int = 0,
+    wrong_way: float = WRONG_WAY,
+    window: int = WINDOW,
+    replan: int = REPLAN,
+) -> WindowedPlanner:
+    """Return a ``WindowedPlanner`` with the costs of lanes, see ``lane_costs``."""
+    return WindowedPlanner(_lanes(layout, wrong_way), window, replan, seed=seed)
+
+
+def pibt_on_learned(
+    layout: Layout, robots: int, seed: int = 0, trials: int = TRIALS, trial_seed: int = TRIAL_SEED
+) -> PIBT:
+    """Return ``PIBT`` with costs learned from the traffic of so many robots in trial runs."""
+    return PIBT(_learned(layout, robots, trials, trial_seed), seed)
+
+
+def windowed_on_learned(
+    layout: Layout,
+    robots: int,
+    seed: int = 0,
+    trials: int = TRIALS,
+    trial_seed: int = TRIAL_SEED,
+    window: int = WINDOW,
+    replan: int = REPLAN,
+) -> WindowedPlanner:
+    """Return a ``WindowedPlanner`` with costs learned as for ``pibt_on_learned``."""
+    return WindowedPlanner(_learned(layout, robots, trials, trial_seed), window, replan, seed=seed)
+
+
+def _learned(layout: Layout, robots: int, trials: int, seed: int) -> Graph:
+    costs = learned_fleet_costs(layout, robots, trials, seed)
+    return Graph(layout, costs_around_chargers(layout, costs))
+
+
+def _lanes(layout: Layout, wrong_way: float) -> Graph:
+    return Graph(layout, costs_around_chargers(layout, lane_costs(layout, wrong_way)))
+
+
+@lru_cache(maxsize=16)
+def learned_fleet_costs(layout: Layout, robots: int, trials: int, seed: int) -> Costs:
+    """Return ``learned_costs`` of a fleet, whose goals are stations: half of them dropoffs.
+
+    They are learned once in a process, and are not to be changed.
+    """
+    pickups, dropoffs = (
+        np.array([row * layout.width + col for row, col in cells], np.intp)
+        for cells in (layout.pickups, layout.dropoffs)
+    )
+    goals = np.concatenate(
+        [np.tile(pickups, max(len(dropoffs), 1)), np.tile(dropoffs, max(len(pickups), 1))]
+    )
+    known = goals if len(goals) > 1 else None
+    costs = learned_costs(layout, robots, trials, seed=seed, goals=known)
+    costs.flags.writeable = False
+    return costs
