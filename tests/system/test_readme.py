@@ -31,7 +31,7 @@ WRITTEN = {
     "Write a layout": {"replay-GreedyAgent-grid-5.gif"},
     "Change one word: physics": {"both.gif"},
     "Several robots": {"replay-greedy-grid-12.png", "replay-greedy-grid-12-2.png"},
-    "Planning for several robots": {"replay-pibt-lanes-grid-12.png"},
+    "Planning for several robots": {"replay-pibt-lanes-grid-12.png", "planners.png"},
     "Gymnasium, one or thousands": set(),
     "Learn": {"table.npz", "table.png"},
     "Search": {"explore.gif", "search.gif", "agents.png", "benchmark.txt"},
