@@ -80,7 +80,9 @@ def run_trial(trial: Trial) -> Outcome:
     stepper = None
     planner: Planner = Unhindered(graph)
     if trial.planner != BOUND:
-        planner = stepper = make_stepper(trial.planner, trial.seed, floor.layout, trial.seconds)
+        planner = stepper = make_stepper(
+            trial.planner, trial.seed, floor.layout, trial.robots, trial.seconds
+        )
     run = run_lifelong(
         graph, planner, trial.robots, trial.steps, trial.seed, floor.starts, floor.goals
     )
@@ -144,7 +146,8 @@ def compare_planners(
     names = list(dict.fromkeys(planner or PLANNERS))
     floor = find_floor(layout)
     for name in names:
-        make_stepper(name, seed, floor.layout, time_limit)  # a wrong name is an error at once
+        # A wrong name is an error at once.
+        make_stepper(name, seed, floor.layout, min(sizes), time_limit)
     if max(sizes) > len(floor.starts):
         raise PlanError(
             f"--robots has {max(sizes)}; allowed: 1 to {len(floor.starts)}, the cells to start from"

@@ -250,8 +250,11 @@ def run_all(
         PlanError: a planner fails, or a step of it has a conflict.
     """
     names = planners or ["pibt", "pibt-lanes"]
-    steppers = [make_stepper(name, options.seed, graph.layout, options.seconds) for name in names]
     run, record = start(Unhindered(graph))
+    robots = run.cells.shape[1]
+    steppers = [
+        make_stepper(name, options.seed, graph.layout, robots, options.seconds) for name in names
+    ]
     most, steps = record.finished, len(run.seconds)
     bound = ("nobody in the way", str(most), f"{most / steps:.3f}", "", "", "")
     rows: list[tuple[str, ...]] = [bound]

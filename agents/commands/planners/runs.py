@@ -29,13 +29,13 @@ SOLVERS: dict[str, Solver] = {
 """Planners of robots that go to their goals once, by name."""
 
 
-def make_stepper(name: str, seed: int, layout: Layout, seconds: float) -> Stepper:
+def make_stepper(name: str, seed: int, layout: Layout, robots: int, seconds: float) -> Stepper:
     """Return a planner of step after step by a name of the registry.
 
     Raises:
         AgentError: as for ``make_planner``, or it is no ``Planner``.
     """
-    made = make_planner(name, seed, layout)
+    made = make_planner(name, seed, layout, robots)
     if not hasattr(made, "next_cells"):
         raise AgentError(f"planner {name!r} has no next_cells; it directs a fleet, not a problem")
     return Stepper(cast(Planner, made), name, Graph(layout), seconds)
@@ -55,7 +55,9 @@ def make_solver(name: str, seed: int, problem: Problem, seconds: float) -> Solve
             f"no planner is called {name!r}; allowed: {', '.join(known)}, or your own as "
             "file.py:Class or module:Class"
         )
-    return partial(solve_by_steps, make_stepper(name, seed, problem.graph.layout, seconds))
+    return partial(
+        solve_by_steps, make_stepper(name, seed, problem.graph.layout, problem.robots, seconds)
+    )
 
 
 class Stepper:
