@@ -198,7 +198,10 @@ def test_wrong_options_are_named(
     ("options", "words"),
     [
         ("--planner x", "no planner is called 'x'; allowed: pibt, lacam, prioritised, cbs, pibt-"),
-        ("--planner cbs --steps 9", "no planner is called 'cbs'; allowed: pibt, pibt-lanes, pibt-learned, wind"),
+        (
+            "--planner cbs --steps 9",
+            "no planner is called 'cbs'; allowed: pibt, pibt-lanes, pibt-learned, wind",
+        ),
         ("bay.scen --robots 3", "bay.scen has 2 scenarios, one for each robot; 3 robots cannot"),
         ("none.scen", "none.scen: No such file"),
         ("bay.scen --layout hall", "scenario 1 is for 2 x 3 cells"),
