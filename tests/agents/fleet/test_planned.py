@@ -4,6 +4,7 @@ import re
 import time
 import warnings
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any, cast
 
@@ -371,3 +372,14 @@ def test_chargers_that_suffice_keep_all_robots_going() -> None:
         assert measures.stranded == 0
         assert measures.delivered > 180
     assert Chargers(env, Graph(layout)).home.min() == 0
+
+
+def test_robots_on_the_way_to_a_charger_are_urgent() -> None:
+    planner = Waits()
+    with closing(
+        FleetEnv(LINE, 1, starts=[(0, 8)], orders=0.0, battery=40, max_steps=12, dispatch=False)
+    ) as env:
+        record_fleet_episode(env, PlannedFleet(planner), seed=0)
+    urgent = [each.urgent.tolist() for each in planner.seen]
+    assert urgent[0] == []
+    assert urgent[-1] == [0]

@@ -193,3 +193,12 @@ def test_the_same_seed_gives_the_same_steps() -> None:
 def test_replanning_is_within_the_window(name: str, window: int, replan: int) -> None:
     with pytest.raises(ValueError, match=f"{name} is "):
         WindowedPlanner(Graph(Layout(["..."])), window, replan)
+
+
+def test_the_plan_of_a_robot_begins_with_the_cell_just_chosen() -> None:
+    planner, cells = WindowedPlanner(Graph(Layout(["......."])), window=20), [0]
+    for step in range(1, 5):
+        cells = planner.next_cells(situation(cells, [6])).tolist()
+        assert cells == [step]
+        assert planner.plan_of(0)[: 7 - step] == [*range(step, 7)]
+    assert planner.plan_of(1) == []
