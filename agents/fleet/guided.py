@@ -28,9 +28,10 @@ def windowed_on_lanes(
     wrong_way: float = WRONG_WAY,
     window: int = WINDOW,
     replan: int = REPLAN,
+    groups: int = 0,
 ) -> WindowedPlanner:
     """Return a ``WindowedPlanner`` with the costs of lanes, see ``lane_costs``."""
-    return WindowedPlanner(_lanes(layout, wrong_way), window, replan, seed=seed)
+    return WindowedPlanner(_lanes(layout, wrong_way), window, replan, groups, seed=seed)
 
 
 def pibt_on_learned(
@@ -48,9 +49,12 @@ def windowed_on_learned(
     trial_seed: int = TRIAL_SEED,
     window: int = WINDOW,
     replan: int = REPLAN,
+    groups: int = 0,
 ) -> WindowedPlanner:
     """Return a ``WindowedPlanner`` with costs learned as for ``pibt_on_learned``."""
-    return WindowedPlanner(_learned(layout, robots, trials, trial_seed), window, replan, seed=seed)
+    return WindowedPlanner(
+        _learned(layout, robots, trials, trial_seed), window, replan, groups, seed=seed
+    )
 
 
 def _learned(layout: Layout, robots: int, trials: int, seed: int) -> Graph:

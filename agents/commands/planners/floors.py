@@ -36,7 +36,8 @@ class Floor(NamedTuple):
     """Where robots drive.
 
     Attributes:
-        layout: its walls; stations are floor, as planners of one command would avoid chargers.
+        layout: its walls. Chargers are floor, as planners of one command would avoid them, and so
+            are stations where goals may be anywhere; pickups tell planners that learn of the goals.
         starts: the cells that starts are drawn from.
         goals: the cells that goals are drawn from.
     """
@@ -57,7 +58,9 @@ def find_floor(name: str | None) -> Floor:
         OSError: the file cannot be read.
     """
     if name is None or name == KIVA:
-        return Floor(*kiva_warehouse())
+        layout, starts, goals = kiva_warehouse()
+        places = [divmod(goal, layout.width) for goal in goals.tolist()]
+        return Floor(layout.with_tiles(places, [], []), starts, goals)
     layout = find_layout(name).with_tiles([], [], [])
     labels = parts(Graph(layout))[layout.open_cells]
     cells = layout.open_cells[labels == np.bincount(labels).argmax()] if labels.size else labels

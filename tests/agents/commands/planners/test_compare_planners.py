@@ -14,6 +14,7 @@ from agents.commands.planners.compare_planners import (
     run_trials,
     summary,
 )
+from agents.commands.planners.floors import find_floor
 from agents.commands.planners.picture import throughput_figure
 from agents.evaluation.interval import Interval
 
@@ -96,3 +97,10 @@ def test_wrong_options_are_named(
 
 def test_sizes_are_read_in_ascending_order() -> None:
     assert parse_sizes("64, 8,64") == [8, 64]
+
+
+def test_planners_that_learn_know_the_goals_of_the_warehouse_of_papers() -> None:
+    floor = find_floor(None)
+    pickups = [row * floor.layout.width + col for row, col in floor.layout.pickups]
+    assert pickups == floor.goals.tolist()
+    assert not find_floor("depot").layout.pickups
