@@ -267,7 +267,7 @@ def demo(
     save: SaveReplayOption,
     show: ShowOption = None,
 ) -> None:
-    """Show a short demonstration of continuous motion or of a fleet's planner.
+    """Show a demonstration of bodies or of planners.
 
     Example: warehouse demo bump --save bump.gif
     """

@@ -10,7 +10,7 @@ from warehouse_core.extras import install_command
     [
         ("physics", ["pymunk"]),
         ("rl", ["sb3-contrib", "stable-baselines3"]),
-        ("bench", ["minigrid"]),
+        ("bench", ["minigrid", "pymapf"]),
         ("fleet", ["pettingzoo"]),
     ],
 )

@@ -328,7 +328,7 @@ def test_wrong_options_are_named(
         ("--orders nowhere.csv", "nowhere.csv: No such file"),
         ("--layout nowhere", "no layout is called 'nowhere'"),
         ("--agent nobody", "no agent is called 'nobody'"),
-        ("--planner nobody", "no planner is called 'nobody'; allowed: pibt, pibt-lanes, wi"),
+        ("--planner nobody", "no planner is called 'nobody'; allowed: pibt, pibt-lanes, pibt-le"),
         ("--planner pibt --assignment x", "no assignment is called 'x'; allowed: fifo, nearest"),
         ("--backend none", "no backend is called 'none'"),
         ("--orders 1e9", "MAX_ORDERS"),

@@ -26,7 +26,8 @@ class FakeReplay:
         self.arguments: list[tuple[Any, ...]] = []
         self.shown = 0
 
-    def __call__(self, *arguments: Any, window: bool) -> "FakeReplay":
+    def __call__(self, *arguments: Any, window: bool, plans: object) -> "FakeReplay":
+        assert not plans
         self.window = window
         self.arguments.append((*arguments, window))
         return self
