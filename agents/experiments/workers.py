@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import threading
+import traceback
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, suppress
@@ -233,4 +234,15 @@ def ending_of(error: BaseException | None) -> str | None:
         return str(error)
     if type(error).__name__ == "KilledWorker":  # of Dask, which may not be installed
         return "the Dask workers that ran it have ended"
+    if isinstance(error, ValueError) and _is_of_dask(error):
+        return "the Dask worker that ran it has ended"
     return None
+
+
+def _is_of_dask(error: ValueError) -> bool:
+    """Return whether an error comes from how Dask waits for a result.
+
+    It takes a result for an error if the worker that has it ends at that moment.
+    """
+    frames = traceback.extract_tb(error.__traceback__)
+    return bool(frames) and frames[-1].name == "_cascade_future"

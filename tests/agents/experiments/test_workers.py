@@ -15,7 +15,7 @@ import pytest
 from helpers.command_line import ROOT
 
 from agents.errors import WorkerError
-from agents.experiments.workers import process_pool, teller
+from agents.experiments.workers import ending_of, process_pool, teller
 
 ORPHAN_MAKER = """
 import os, time
@@ -136,3 +136,14 @@ def test_workers_end_when_their_parent_is_killed() -> None:
         assert found
         parent.kill()
     wait_until_gone(found)
+
+
+def test_a_result_that_dask_takes_for_an_error_is_the_end_of_a_worker() -> None:
+    def _cascade_future(result: tuple[object, ...]) -> None:  # as in distributed/cfexecutor.py
+        _kind, _error, _traceback = result
+
+    with pytest.raises(ValueError, match="too many values") as raised:
+        _cascade_future((1.0, [], "a program", None))
+    assert ending_of(raised.value) == "the Dask worker that ran it has ended"
+    assert ending_of(ValueError("of an agent")) is None
+    assert ending_of(None) is None
