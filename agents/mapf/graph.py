@@ -6,6 +6,7 @@ Cells are numbers, ``row * W + col``, as in the arrays of a fleet.
 from __future__ import annotations
 
 from collections import OrderedDict
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -65,7 +66,6 @@ class Graph:
             to = (layout.open_cells + down * width + right).astype(np.int32)
             self.neighbours[layout.open_cells[reached], action] = to[reached]
         self._fields: OrderedDict[int, Costs] = OrderedDict()
-        self._edges = self._reversed_edges()
 
     def distances(self, goal: int, keep: bool = True) -> Costs:
         """Return the cost of the cheapest way from each cell to a goal, ``[H * W]`` float32.
@@ -109,7 +109,8 @@ class Graph:
             way.append(cell)
         return way
 
-    def _reversed_edges(self) -> csr_array:
+    @cached_property
+    def _edges(self) -> csr_array:
         """Return the moves from where they lead to where they start, so that goals are sources."""
         from scipy.sparse import csr_array
 

@@ -33,7 +33,7 @@ class Situation(NamedTuple):
     goals: Integers
     stays: NDArray[np.bool_]
     closed: Integers
-    urgent: Integers = np.empty(0, np.intp)
+    urgent: Integers = NO_CELLS
 
 
 class Planner(Protocol):

@@ -13,7 +13,7 @@ import typer
 
 from agents.commands.planners.floors import KIVA, FloorOption, find_floor
 from agents.commands.planners.mapf import PlannerOption, TimeLimitOption
-from agents.commands.planners.runs import Unhindered, make_stepper
+from agents.commands.planners.runs import BOUND, STEPPERS, Unhindered, make_stepper
 from agents.console.options import MAX_COUNT
 from agents.console.output import PICTURES, save_picture
 from agents.console.table import Table, print_table
@@ -29,10 +29,7 @@ from warehouse_core.files.atomic import check_suffix, check_target
 from warehouse_core.wording import counted
 
 SIZES = "32,64,96,128,160,192"
-PLANNERS = ("pibt", "pibt-lanes")
 MAX_SEEDS, MAX_JOBS = 1000, 64
-
-BOUND = "nobody in the way"
 
 
 class Trial(NamedTuple):
@@ -143,11 +140,11 @@ def compare_planners(
     if save is not None:
         check_suffix(save, PICTURES)
         check_target(save)
-    names = list(dict.fromkeys(planner or PLANNERS))
+    names = list(dict.fromkeys(planner or STEPPERS))
     floor = find_floor(layout)
     for name in names:
-        # A wrong name is an error at once.
-        make_stepper(name, seed, floor.layout, min(sizes), time_limit)
+        # A wrong name is an error at once; planners that learn take least time for one robot.
+        make_stepper(name, seed, floor.layout, 1, time_limit)
     if max(sizes) > len(floor.starts):
         raise PlanError(
             f"--robots has {max(sizes)}; allowed: 1 to {len(floor.starts)}, the cells to start from"

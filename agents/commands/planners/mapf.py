@@ -20,7 +20,9 @@ from agents.commands.planners.floors import (
 )
 from agents.commands.planners.output import Record, record_of_plan, record_of_run, write_result
 from agents.commands.planners.runs import (
+    BOUND,
     SOLVERS,
+    STEPPERS,
     TaskPool,
     Unhindered,
     make_solver,
@@ -249,14 +251,14 @@ def run_all(
         AgentError: a planner is unknown.
         PlanError: a planner fails, or a step of it has a conflict.
     """
-    names = planners or ["pibt", "pibt-lanes"]
+    names = planners or STEPPERS
     run, record = start(Unhindered(graph))
     robots = run.cells.shape[1]
     steppers = [
         make_stepper(name, options.seed, graph.layout, robots, options.seconds) for name in names
     ]
     most, steps = record.finished, len(run.seconds)
-    bound = ("nobody in the way", str(most), f"{most / steps:.3f}", "", "", "")
+    bound = (BOUND, str(most), f"{most / steps:.3f}", "", "", "")
     rows: list[tuple[str, ...]] = [bound]
     lost = []
     for name, stepper in zip(names, steppers, strict=True):
@@ -275,7 +277,7 @@ def run_all(
                 run.seconds.tolist(), stepper.lost,
             )  # fmt: skip
     header = ("planner", what, "a step", "of the bound", "ms a step", "longest ms")
-    caption = "nobody in the way: each robot by a shortest way, as if it were alone"
+    caption = f"{BOUND}: each robot by a shortest way, as if it were alone"
     print_table(Table(header, rows, title, caption))
     for each in lost:
         print_error(f"warning: {each}")

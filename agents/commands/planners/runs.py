@@ -28,6 +28,12 @@ SOLVERS: dict[str, Solver] = {
 }
 """Planners of robots that go to their goals once, by name."""
 
+STEPPERS = ("pibt", "pibt-lanes")
+"""Planners of robots that go from goal to goal, if none is named; see the registry for all."""
+
+BOUND = "nobody in the way"
+"""The name of ``Unhindered``."""
+
 
 def make_stepper(name: str, seed: int, layout: Layout, robots: int, seconds: float) -> Stepper:
     """Return a planner of step after step by a name of the registry.

@@ -52,7 +52,7 @@ def answers_of(
     Args:
         design: of the experiment.
         told: yields the sentences about a factor and its series.
-        apart: yields those about all episodes, if there is no series.
+        apart: yields those about the first cases, if there is no series.
     """
     found = []
     for factor in design.factors:
@@ -61,7 +61,12 @@ def answers_of(
             parameter = PARAMETERS.get(factor.name)
             question = parameter.question if parameter else f"What does {factor.name} change?"
             found.append(Answer(question, tuple(map(sentence, told(factor, series)))))
-    return tuple(found) or (Answer("How does it do?", tuple(map(sentence, apart))),)
+    if found:
+        return tuple(found)
+    told_apart, left = list(apart), len(design.labels) - MAX_DESCRIBED
+    if left > 0:
+        told_apart.append(f"{counted(left, 'further combination')} cannot be compared with these")
+    return (Answer("How does it do?", tuple(map(sentence, told_apart))),)
 
 
 def lone_points(experiment: Experiment[AnyResults], design: Design) -> Iterator[Point[AnyResults]]:
@@ -79,9 +84,6 @@ def _apart(experiment: Experiment[Deliveries], design: Design) -> Iterator[str]:
         yield from statements.lengths([point])
         yield from statements.time_and_energy([point])
         yield from statements.failures([point])
-    left = len(design.labels) - MAX_DESCRIBED
-    if left > 0:
-        yield f"{counted(left, 'further combination')} cannot be compared with these"
 
 
 def _sentences(

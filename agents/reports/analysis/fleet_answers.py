@@ -52,9 +52,6 @@ def _apart(experiment: Experiment[Shifts], design: Design) -> Iterator[str]:
             f"{_rate(point)} are delivered{name} over {counted(point.results.episodes, 'episode')}"
         )
         yield from _measures([point])
-    left = len(design.labels) - MAX_DESCRIBED
-    if left > 0:
-        yield f"{counted(left, 'further combination')} cannot be compared with these"
 
 
 def _sentences(
