@@ -29,7 +29,7 @@ from agents.experiments.sweep import sweep
 from agents.reports.report import report
 from agents.run_episode import report_episode, run
 from warehouse_core import FleetEpisode
-from warehouse_core.viz.track import INTERVAL_MS
+from warehouse_core.viz.tracks.track import INTERVAL_MS
 
 app = console.application(
     name="warehouse",

@@ -15,14 +15,11 @@ from warehouse_core.files.atomic import atomic_path
 from warehouse_core.records.episode import Episode
 from warehouse_core.records.fleet_episode import FleetEpisode
 from warehouse_core.records.plans import StepPlans
-from warehouse_core.viz.fleet_track import track_of_fleet_episode
-from warehouse_core.viz.track import (
-    FRAME_SECONDS,
-    INTERVAL_MS,
-    Track,
-    track_of_episode,
-    track_of_frames,
-)
+from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.tracks.fleet_track import track_of_fleet_episode
+from warehouse_core.viz.tracks.grid_track import track_of_frames
+from warehouse_core.viz.tracks.motion_frames import FRAME_SECONDS
+from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
 
 if TYPE_CHECKING:
     from warehouse_core.viz.replay import Replay

@@ -33,8 +33,9 @@ from warehouse_core import (
 )
 from warehouse_core.motion.backends import load_backend
 from warehouse_core.records import FleetRecorder
-from warehouse_core.viz.fleet_track import track_of_fleet_episode
-from warehouse_core.viz.track import INTERVAL_MS, Track, track_of_episode
+from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.tracks.fleet_track import track_of_fleet_episode
+from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
 from warehouse_core.wording import counted
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 

@@ -23,7 +23,7 @@ from agents.run_episode import draw_seed, report_episode
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.render.window import has_display
-from warehouse_core.viz.track import track_of_episode
+from warehouse_core.viz.tracks.episode_track import track_of_episode
 
 KEYS = {
     "up": "N", "n": "N",

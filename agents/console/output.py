@@ -13,7 +13,7 @@ from warehouse_core import Episode, FleetEpisode, RecordError
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.window import has_display
-from warehouse_core.viz.track import INTERVAL_MS
+from warehouse_core.viz.tracks.track import INTERVAL_MS
 from warehouse_core.warehouse_viz import Record, replay_animation
 
 if TYPE_CHECKING:

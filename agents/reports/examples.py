@@ -15,7 +15,8 @@ from agents.reports.figures.pictures import MAX_CELLS
 from warehouse_core import BackendError, Episode, LayoutError
 from warehouse_core.records.failure_modes import MODES, diagnose
 from warehouse_core.viz.replay import replay_of_track
-from warehouse_core.viz.track import INTERVAL_MS, track_of_episode
+from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.tracks.track import INTERVAL_MS
 
 SHORTEST = """
 WITH best AS (SELECT mode, count(*) AS episodes, min(steps) AS steps FROM episodes GROUP BY mode),

@@ -24,7 +24,7 @@ from warehouse_core.render.palette import (
 )
 from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.figure import SceneFigure
-from warehouse_core.viz.track import Track
+from warehouse_core.viz.tracks.track import Track
 from warehouse_core.world.tiles import DROPOFF, PICKUP, TILES
 
 LOW_BATTERY = 0.2

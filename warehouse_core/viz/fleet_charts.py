@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from warehouse_core.render.palette import BATTERY, FAINT, INK, WARNING
 from warehouse_core.viz.charts import fit, prepare
 from warehouse_core.viz.figure import SceneFigure
-from warehouse_core.viz.track import Shift, Track
+from warehouse_core.viz.tracks.track import Shift, Track
 
 DATA_COLOR = "0.45"
 

@@ -32,7 +32,7 @@ from warehouse_core.render.palette import (
 from warehouse_core.viz.axes.plans import PlanView
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.robot_view import ABOVE_TILES
-from warehouse_core.viz.track import FleetFrame, Frame, Pose, Waiting
+from warehouse_core.viz.tracks.track import FleetFrame, Frame, Pose, Waiting
 from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED
 
 RADIUS, MAX_RADIUS, GOOD_POINTS, MIN_POINTS = 0.36, 0.45, 9.0, 2.5

@@ -18,7 +18,7 @@ from warehouse_core.viz.axes import draw_grid
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.fleet_view import FleetView
 from warehouse_core.viz.robot_view import ABOVE_TILES, RobotView, letter
-from warehouse_core.viz.track import FleetFrame, Frame, Hit, Point, Rows, has_chargers
+from warehouse_core.viz.tracks.track import FleetFrame, Frame, Hit, Point, Rows, has_chargers
 from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, WALL, runs_of
 
 ROUTE_STYLE: tuple[float, tuple[float, ...]] = (0, (1.0, 1.6))

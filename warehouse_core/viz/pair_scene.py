@@ -12,7 +12,7 @@ from matplotlib.figure import SubFigure
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.legend import draw_legend
 from warehouse_core.viz.scene import FOOT, MARGIN, Plan, Scene
-from warehouse_core.viz.track import Track
+from warehouse_core.viz.tracks.track import Track
 
 
 class PairScene:

@@ -21,7 +21,7 @@ from warehouse_core.viz.export.gif_writer import GifWriter
 from warehouse_core.viz.figure import PAIR_DPI, SceneFigure, make_figure, make_window, save_svg
 from warehouse_core.viz.pair_scene import PairScene
 from warehouse_core.viz.scene import Scene
-from warehouse_core.viz.track import INTERVAL_MS, Track
+from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
 
 CONTINUOUS_FRAMES = 3
 """Frames of continuous motions that are shown in the time of one step of a grid."""

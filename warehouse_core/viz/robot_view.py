@@ -14,7 +14,7 @@ from matplotlib.text import Text
 
 from warehouse_core.render.palette import COLORS, INK, TRAIL_COLORS, TRAIL_STYLES
 from warehouse_core.viz.figure import SceneFigure
-from warehouse_core.viz.track import Pose
+from warehouse_core.viz.tracks.track import Pose
 from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED
 
 ROBOT_RADIUS = 0.31

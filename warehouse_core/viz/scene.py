@@ -25,7 +25,7 @@ from warehouse_core.viz.fleet_charts import (
 )
 from warehouse_core.viz.grid_view import GridView
 from warehouse_core.viz.legend import draw_legend
-from warehouse_core.viz.track import Track
+from warehouse_core.viz.tracks.track import Track
 
 StepChart = RewardChart | DistanceChart | MotionChart | DeliveryChart | LatenessChart | EnergyChart
 Chart = StepChart | BatteryBar

@@ -21,7 +21,7 @@ from agents.search.belief_replay import (
 from warehouse_core import DEFAULT_LAYOUT, Episode, Layout, WarehouseEnv, record_episode
 from warehouse_core.render.palette import INK, UNKNOWN
 from warehouse_core.viz.replay import Replay, replay_of_track
-from warehouse_core.viz.track import track_of_episode
+from warehouse_core.viz.tracks.episode_track import track_of_episode
 
 DETOUR = Layout(["#########", "#.......#", "#.#####.#", "#P....#D#", "#.....#.#", "#########"])
 

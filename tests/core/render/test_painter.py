@@ -18,7 +18,7 @@ from warehouse_core.render.palette import BATTERY, COLORS, FAINT, INK, PAPER, UN
 from warehouse_core.viz import robot_view
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.grid_view import GridView
-from warehouse_core.viz.track import Pose
+from warehouse_core.viz.tracks.track import Pose
 from warehouse_core.world.tables import tile_codes
 from warehouse_core.world.tiles import CELL_CODES
 

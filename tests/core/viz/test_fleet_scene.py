@@ -22,7 +22,7 @@ from warehouse_core.render.palette import (
 )
 from warehouse_core.viz.fleet_view import FEW
 from warehouse_core.viz.replay import Replay, replay_of_track
-from warehouse_core.viz.track import FleetFrame, Frame, Pose, Track, Waiting
+from warehouse_core.viz.tracks.track import FleetFrame, Frame, Pose, Track, Waiting
 
 FLOOR = Layout(["......", ".P....", "......", "......"])
 

@@ -8,7 +8,8 @@ from agents.run_episode import run_episode
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.pair_scene import PairScene
 from warehouse_core.viz.replay import replay_of_track
-from warehouse_core.viz.track import track_of_episode, track_of_frames
+from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.tracks.grid_track import track_of_frames
 
 
 def texts(scene: PairScene) -> list[str]:

@@ -9,7 +9,7 @@ from matplotlib.backend_bases import KeyEvent
 
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.viz.replay import Replay, replay_of_track
-from warehouse_core.viz.track import track_of_episode
+from warehouse_core.viz.tracks.episode_track import track_of_episode
 
 LAST = 6
 

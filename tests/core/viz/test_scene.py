@@ -26,7 +26,8 @@ from warehouse_core.viz.figure import SceneFigure, make_figure
 from warehouse_core.viz.grid_view import GridView
 from warehouse_core.viz.replay import Replay
 from warehouse_core.viz.scene import Scene
-from warehouse_core.viz.track import METRICS, Hit, Pose, track_of_episode
+from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.tracks.track import METRICS, Hit, Pose
 
 BARE = ["#####", "#P.D#", "#..R#", "#####"]
 METRIC_TITLES = {

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from warehouse_core.records.plans import NO_PLANS, StepPlans
 from warehouse_core.render.palette import COLORS
 from warehouse_core.viz.axes.plans import FADE_STEPS, PlanView
-from warehouse_core.viz.fleet_track import track_of_fleet_episode
+from warehouse_core.viz.tracks.fleet_track import track_of_fleet_episode
 from warehouse_core.world.tiles import EMPTY
 
 RED, BLUE = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)

@@ -12,8 +12,8 @@ from warehouse_core.motion.vector import NOTHING
 from warehouse_core.records.fleet_episode import FleetEpisode
 from warehouse_core.records.plans import NO_PLANS, StepPlans, check_plans
 from warehouse_core.render.palette import ORDER_COLORS
-from warehouse_core.viz.track import (
-    FRAME_SECONDS,
+from warehouse_core.viz.tracks.motion_frames import FRAME_SECONDS, check_frame_seconds, frames_along
+from warehouse_core.viz.tracks.track import (
     FleetFrame,
     Frame,
     Hit,
@@ -21,8 +21,6 @@ from warehouse_core.viz.track import (
     Shift,
     Track,
     Waiting,
-    check_frame_seconds,
-    frames_along,
     middle,
 )
 from warehouse_core.wording import counted, printable
@@ -60,6 +58,7 @@ def track_of_fleet_episode(
     robots, backend = counted(episode.robots, "robot"), episode.backend
     title = f"{episode.agent or 'Fleet'}, {robots} on the {backend} backend, seed {episode.seed}"
     track = Track(frames, {}, is_continuous, episode.settings.battery.capacity, printable(title))
+    track.view_radius = episode.settings.view_radius
     if episode.robots == 1:
         track.metrics = _metrics(episode)
     else:
@@ -85,7 +84,7 @@ def _frames(
             before = last.fleet
             along = frames_along(last, motions, loaded[step], size, frame_seconds, caption)
             for last in along:
-                last.hits = tuple(Hit(hit.at, "") for hit in last.hits)
+                last.hits = tuple(Hit(hit.at, "", hit.robot) for hit in last.hits)
                 last.fleet = fleet if last.progress == step else before
                 yield last
         else:
@@ -121,7 +120,7 @@ def _hits(episode: FleetEpisode, step: int) -> tuple[Hit, ...]:
         row, col = divmod(int(episode.cells[step, robot]), episode.layout.width)
         action = int(episode.actions[step, robot])
         down, right = DISPLACEMENTS[action] if action < WAIT else (0, 0)
-        found.append(Hit((col + 0.5 + right / 2, row + 0.5 + down / 2), ""))
+        found.append(Hit((col + 0.5 + right / 2, row + 0.5 + down / 2), "", robot))
     return tuple(found)
 
 
@@ -210,6 +209,8 @@ def _shift(episode: FleetEpisode) -> Shift:
         shares.mean(axis=1).tolist(),
         shares.min(axis=1).tolist(),
         [0.0, *episode.joules.sum(axis=1).cumsum().tolist()],
+        episode.orders,
+        episode.assignments,
     )
 
 

@@ -8,16 +8,10 @@ from helpers.pictures import HOSTILE_NAMES, ROOM, named, short_episode
 
 from warehouse_core import Layout, RecordError, WarehouseEnv
 from warehouse_core.motion.base import Contact
-from warehouse_core.viz.track import (
-    METRICS,
-    Frame,
-    Pose,
-    Rows,
-    Track,
-    frames_along,
-    track_of_episode,
-    track_of_frames,
-)
+from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.tracks.grid_track import track_of_frames
+from warehouse_core.viz.tracks.motion_frames import frames_along
+from warehouse_core.viz.tracks.track import METRICS, Frame, Pose, Rows, Track
 
 
 def frame(*rows: str) -> list[list[str]]:

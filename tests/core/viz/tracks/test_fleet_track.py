@@ -8,8 +8,9 @@ from helpers.fleets import LINE, SHELVES, Couriers, fleet_episode
 
 from warehouse_core import FleetEnv, FleetEpisode, Layout, Order, RecordError, WarehouseEnv
 from warehouse_core.records import FleetRecorder, record_episode
-from warehouse_core.viz import track_of_fleet_episode
-from warehouse_core.viz.track import Waiting, track_of_episode
+from warehouse_core.viz.tracks import track_of_fleet_episode
+from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.tracks.track import Waiting
 
 LATE = 3
 

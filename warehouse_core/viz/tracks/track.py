@@ -1,0 +1,180 @@
+"""What a replay draws: frames, and what changes with the steps.
+
+Positions are in cells here: ``x`` counts columns and ``y`` rows from the top left corner, so the
+middle of cell ``(row, col)`` is at ``x = col + 0.5``, ``y = row + 0.5``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from warehouse_core.orders.order import Order
+from warehouse_core.records.plans import NO_PLANS, StepPlans
+from warehouse_core.world.tiles import (
+    CHARGER,
+    Cell,
+)
+
+INTERVAL_MS = 150
+"""Milliseconds between frames of a replay."""
+
+METRICS = ("rewards", "battery", "dist_pickup", "dist_dropoff")
+
+Rows = tuple[str, ...]
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Hit:
+    """A collision: where, in cells, the label drawn beside it, and the index of the robot."""
+
+    at: Point
+    label: str
+    robot: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Where a robot is, in cells, its heading (radians, or ``None``), and whether it is loaded."""
+
+    at: Point
+    heading: float | None
+    loaded: bool
+
+
+class Waiting(NamedTuple):
+    """Orders that wait in a place, their number, and the greatest of their ages."""
+
+    at: Point
+    number: int
+    age: int
+
+
+class FleetFrame(NamedTuple):
+    """What a frame of a fleet shows: orders that wait, for each robot what it has, and plans.
+
+    That is the age of its item or ``None``, and its share of a full battery. An *age* is an index
+    into ``ORDER_COLORS``.
+    """
+
+    waiting: tuple[Waiting, ...]
+    items: tuple[int | None, ...]
+    battery: tuple[float, ...]
+    plans: StepPlans = NO_PLANS
+
+
+class Shift(NamedTuple):
+    """What the charts of a fleet show; all but ``lateness`` are lists ``[S]``, see ``Track``.
+
+    That is orders released and items delivered so far, mean and lowest share of a full battery, and
+    energy used so far. ``lateness`` has the step of each delivery and by how many it was late.
+    ``orders`` and ``assignments`` are those of the record.
+    """
+
+    released: list[int]
+    delivered: list[int]
+    lateness: list[tuple[int, int]]
+    battery: list[float]
+    lowest: list[float]
+    joules: list[float]
+    orders: Sequence[Order] = ()
+    assignments: Sequence[tuple[int, int, int | None]] = ()
+
+
+@dataclass(slots=True)
+class Frame:
+    """One drawn frame. In a continuous track it is a moment inside a motion.
+
+    Attributes:
+        tiles: rows of tiles without the robots, ``UNSEEN`` where a cell has not been seen.
+        robots: the pose of each robot, ``None`` for one that is not shown; those of a fleet are
+            followed by people.
+        progress: steps taken, with a fraction inside a continuous motion.
+        caption: the action and its reason; in the last frame of an episode its diagnosis.
+        hits: the collisions to show.
+        clock: simulated seconds.
+        speed: of the first robot, in m/s.
+        energy: used so far by the first robot, in joules.
+        route: the planned way of the robot; empty where no plan is shown.
+        fleet: orders and batteries of a fleet.
+    """
+
+    tiles: Rows
+    robots: tuple[Pose | None, ...]
+    progress: float
+    caption: str = ""
+    hits: tuple[Hit, ...] = ()
+    clock: float = 0.0
+    speed: float = 0.0
+    energy: float = 0.0
+    route: tuple[Point, ...] = ()
+    fleet: FleetFrame | None = None
+
+
+@dataclass(slots=True)
+class Track:
+    """Everything a replay shows. ``S`` is the number of steps plus one.
+
+    Attributes:
+        frames: at least one; all have the same number of robots.
+        metrics: for some of ``METRICS`` a list ``[S]``; NaN is not drawn.
+        is_continuous: whether frames have a clock, a speed and an energy.
+        full_battery: units of a full battery.
+        title: shown above the grid.
+        ending: how it ended, shown with the last frame.
+        shift: what the charts of a fleet show.
+        view_radius: cells that a robot sees in each direction, ``None`` if unknown.
+        slippery: cells with slippery floor.
+        motor_strength: actual share of the motor force.
+    """
+
+    frames: list[Frame]
+    metrics: dict[str, list[float]]
+    is_continuous: bool = False
+    full_battery: float = 1.0
+    title: str = ""
+    ending: str = ""
+    shift: Shift | None = None
+    view_radius: int | None = None
+    slippery: tuple[Cell, ...] = ()
+    motor_strength: float = 1.0
+
+    def __len__(self) -> int:
+        return len(self.frames)
+
+    def step_at(self, frame: int) -> int:
+        """Return how many steps are complete in ``frame``."""
+        return math.floor(self.frames[frame].progress)
+
+    @property
+    def steps(self) -> int:
+        """The number of steps that the track shows."""
+        return math.ceil(self.frames[-1].progress)
+
+    @property
+    def is_fleet(self) -> bool:
+        """Whether the robots are those of a fleet."""
+        return self.frames[0].fleet is not None
+
+    @property
+    def has_chargers(self) -> bool:
+        """Whether any frame shows a charger."""
+        return any(map(has_chargers, {frame.tiles for frame in self.frames}))
+
+    @property
+    def has_routes(self) -> bool:
+        """Whether any frame shows a planned way."""
+        return any(frame.route for frame in self.frames)
+
+
+def has_chargers(rows: Rows) -> bool:
+    """Return whether there is a charger among the tiles."""
+    return any(CHARGER in line for line in rows)
+
+
+def middle(cell: Cell) -> Point:
+    """Return the middle of a cell."""
+    return cell[1] + 0.5, cell[0] + 0.5
