@@ -41,6 +41,7 @@ MAY_IMPORT = {
     "warehouse_core/records": "errors files fleet motion orders task warehouse_env wording world",
     "warehouse_core/viz/tracks": "arguments errors motion orders records render wording world",
     "warehouse_core/viz/axes": "motion records render wording world",
+    "warehouse_core/viz/player": "render viz/tracks world",
     "warehouse_core/viz/export": "errors extras render",
     "warehouse_core/viz": (
         "arguments errors files records render viz/axes viz/export viz/tracks warehouse_env world"
@@ -120,6 +121,7 @@ EXPORTS = {
     "warehouse_core.viz.tracks": """
         Frame Pose Track track_of_episode track_of_fleet_episode track_of_frames
     """,
+    "warehouse_core.viz.player": "player_page",
     "warehouse_core.viz.axes": "box_in draw_grid style_chart",
     "warehouse_core.viz.export": "FORMATS ffmpeg page progress_bar self_contained",
     "warehouse_core.world": """

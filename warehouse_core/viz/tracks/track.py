@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from warehouse_core.orders.order import Order
 from warehouse_core.records.plans import NO_PLANS, StepPlans
+from warehouse_core.render.palette import Color
 from warehouse_core.world.tiles import (
     CHARGER,
     Cell,
@@ -84,6 +85,26 @@ class Shift(NamedTuple):
     assignments: Sequence[tuple[int, int, int | None]] = ()
 
 
+class Marks(NamedTuple):
+    """Cells that change their colour, such as those that a search expands.
+
+    Attributes:
+        times: ``[K]``, not decreasing.
+        cells: ``[K]``.
+        values: ``[K]`` indices into ``colors``.
+        colors: of the floor from then on.
+        names: of the colours, for the legend.
+        ends: start and goal.
+    """
+
+    times: Sequence[int]
+    cells: Sequence[Cell]
+    values: Sequence[int]
+    colors: Sequence[Color]
+    names: Sequence[str]
+    ends: tuple[Cell, Cell]
+
+
 @dataclass(slots=True)
 class Frame:
     """One drawn frame. In a continuous track it is a moment inside a motion.
@@ -129,6 +150,7 @@ class Track:
         view_radius: cells that a robot sees in each direction, ``None`` if unknown.
         slippery: cells with slippery floor.
         motor_strength: actual share of the motor force.
+        marks: of a search.
     """
 
     frames: list[Frame]
@@ -141,6 +163,7 @@ class Track:
     view_radius: int | None = None
     slippery: tuple[Cell, ...] = ()
     motor_strength: float = 1.0
+    marks: Marks | None = None
 
     def __len__(self) -> int:
         return len(self.frames)

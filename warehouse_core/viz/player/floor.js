@@ -1,0 +1,137 @@
+// Draws what stands still: floor, walls, shelves, stations, and what is not seen yet.
+
+const WALL = "#";
+const UNSEEN = "?";
+const STATIONS = ["P", "D", "C"];
+const MAX_LINED_COLUMNS = 40;
+const MIN_STATION = 6;
+const MIN_TEXTURE = 9;
+const MIN_LETTER = 16;
+
+/** Draw the tiles of a floor. Colours are those of the theme. */
+export function drawFloor(context, track, tiles, view, theme) {
+  context.fillStyle = theme.floor;
+  context.fillRect(...view.box(0, 0, track.width, track.height));
+  if (track.width <= MAX_LINED_COLUMNS) drawLines(context, track, view, theme);
+  drawSlippery(context, track, view, theme);
+  drawRuns(context, track, tiles, view, UNSEEN, theme.unseen);
+  drawHatching(context, track, tiles, view, theme);
+  drawRuns(context, track, tiles, view, WALL, theme.wall);
+  if (view.scale >= MIN_TEXTURE) drawShelves(context, track, tiles, view, theme);
+  drawBorder(context, track, tiles, view, theme);
+  for (let cell = 0; cell < tiles.length; cell++) {
+    if (STATIONS.includes(tiles[cell])) drawStation(context, track, cell, tiles[cell], view, theme);
+  }
+}
+
+function drawLines(context, track, view, theme) {
+  context.fillStyle = theme.line;
+  const [left, top, width, height] = view.box(0, 0, track.width, track.height);
+  for (let column = 1; column < track.width; column++) {
+    context.fillRect(Math.round(view.x(column)), top, 1, height);
+  }
+  for (let row = 1; row < track.height; row++) {
+    context.fillRect(left, Math.round(view.y(row)), width, 1);
+  }
+}
+
+/** Fill each run of a tile in a row as one box. */
+function drawRuns(context, track, tiles, view, tile, color) {
+  context.fillStyle = color;
+  for (let row = 0; row < track.height; row++) {
+    const line = tiles.slice(row * track.width, (row + 1) * track.width);
+    for (let first = line.indexOf(tile); first >= 0; ) {
+      let end = first;
+      while (line[end] === tile) end++;
+      context.fillRect(...view.box(first, row, end - first, 1));
+      first = line.indexOf(tile, end);
+    }
+  }
+}
+
+function isBorder(track, row, column) {
+  return row === 0 || column === 0 || row === track.height - 1 || column === track.width - 1;
+}
+
+/** Draw two boards across each wall that is not part of the border. */
+function drawShelves(context, track, tiles, view, theme) {
+  context.fillStyle = theme.board;
+  const thick = Math.max(1, Math.round(view.scale / 12));
+  for (let cell = 0; cell < tiles.length; cell++) {
+    const [row, column] = [Math.floor(cell / track.width), cell % track.width];
+    if (tiles[cell] !== WALL || isBorder(track, row, column)) continue;
+    const [x, , width] = view.box(column, row, 1, 1, 0.12);
+    for (const share of [0.3, 0.62]) {
+      context.fillRect(x, Math.round(view.y(row + share)), width, thick);
+    }
+  }
+}
+
+/** Lighten the outer part of the border, so that it is a thin wall. */
+function drawBorder(context, track, tiles, view, theme) {
+  context.fillStyle = theme.border;
+  const thin = 0.72;
+  for (let cell = 0; cell < tiles.length; cell++) {
+    const [row, column] = [Math.floor(cell / track.width), cell % track.width];
+    if (tiles[cell] !== WALL || !isBorder(track, row, column)) continue;
+    const [top, left] = [row === 0, column === 0];
+    const [bottom, right] = [row === track.height - 1, column === track.width - 1];
+    if (top) context.fillRect(...view.box(column, row, 1, thin));
+    if (bottom) context.fillRect(...view.box(column, row + 1 - thin, 1, thin));
+    if (left) context.fillRect(...view.box(column, row, thin, 1));
+    if (right) context.fillRect(...view.box(column + 1 - thin, row, thin, 1));
+  }
+}
+
+function drawStation(context, track, cell, tile, view, theme) {
+  const [row, column] = [Math.floor(cell / track.width), cell % track.width];
+  const inset = Math.max(0, Math.min(0.06, (1 - MIN_STATION / view.scale) / 2));
+  let [x, y, width, height] = view.box(column, row, 1, 1, inset);
+  if (width < MIN_STATION) {
+    [x, y] = [x - (MIN_STATION - width) / 2, y - (MIN_STATION - height) / 2];
+    [width, height] = [MIN_STATION, MIN_STATION];
+  }
+  context.fillStyle = theme.colors[tile];
+  context.fillRect(x, y, width, height);
+  if (view.scale < MIN_LETTER) return;
+  context.fillStyle = theme.dark;
+  context.font = `bold ${Math.round(0.3 * view.scale)}px system-ui, sans-serif`;
+  context.textAlign = "left";
+  context.textBaseline = "top";
+  context.fillText(tile, x + 0.06 * view.scale, y + 0.05 * view.scale);
+}
+
+/** Draw waves on slippery cells. */
+function drawSlippery(context, track, view, theme) {
+  for (const [row, column] of track.slippery) {
+    context.fillStyle = theme.ice;
+    context.fillRect(...view.box(column, row));
+    context.strokeStyle = theme.wave;
+    context.lineWidth = Math.max(1, view.scale / 22);
+    for (const share of [0.25, 0.5, 0.75]) {
+      const [x, y, size] = [view.x(column + 0.12), view.y(row + share), 0.19 * view.scale];
+      context.beginPath();
+      context.moveTo(x, y);
+      for (let wave = 0; wave < 4; wave++) {
+        const [start, bend] = [x + wave * size, (wave % 2 ? 0.3 : -0.3) * size];
+        context.quadraticCurveTo(start + size / 2, y + 2 * bend, start + size, y);
+      }
+      context.stroke();
+    }
+  }
+}
+
+/** Draw stripes on cells that are not seen yet, along their diagonals. */
+function drawHatching(context, track, tiles, view, theme) {
+  if (!tiles.includes(UNSEEN)) return;
+  context.strokeStyle = theme.stripe;
+  context.lineWidth = Math.max(1, view.scale / 14);
+  context.beginPath();
+  for (let cell = 0; cell < tiles.length; cell++) {
+    if (tiles[cell] !== UNSEEN) continue;
+    const [x, y, width, height] = view.box(cell % track.width, Math.floor(cell / track.width));
+    context.moveTo(x, y + height);
+    context.lineTo(x + width, y);
+  }
+  context.stroke();
+}

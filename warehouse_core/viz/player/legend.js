@@ -1,0 +1,51 @@
+// The legend: what the tracks of a page have in them, and nothing else.
+
+const ORDERS = ["order, new", "order, older", "order, nearly due", "order, late"];
+
+/** Return the signs of tracks: words, a shape of the style sheet, and a colour. */
+export function signsOf(tracks, theme) {
+  const { colors } = theme;
+  const has = (test) => tracks.some(test);
+  const hasTile = (tile) => has((track) => track.tiles.some((tiles) => tiles.includes(tile)));
+  const hasLoad = (test) => has((track) => track.load.some(test));
+  const isFleet = has((track) => track.isFleet && track.robots > 1);
+  const marks = tracks.find((track) => track.marks)?.marks;
+  const signs = [
+    [has((track) => track.robots > 0) && hasLoad((load) => load === 0), "robot, empty", "disc", colors.R],
+    [hasLoad((load) => load > 0), "robot with an item", "disc box", colors.r],
+    [has((track) => track.bodies > track.robots), "person", "diamond", colors.H],
+    [hasTile("P") && !marks, "pickup", "square", colors.P],
+    [hasTile("D") && !marks, "dropoff", "square", colors.D],
+    [hasTile("C") && !marks, "charger", "square", colors.C],
+    ...ORDERS.map((words, age) => [
+      isFleet && has((track) => track.fleet?.orders), words, "square", colors.orders[age],
+    ]),
+    [hasTile("#"), "wall or shelf", "square", theme.wall],
+    [hasTile("?"), "not seen yet", "square", colors.unknown],
+    [has((track) => track.slippery.length), "slippery floor", "square", theme.ice],
+    [has((track) => track.robots === 1 && track.viewRadius !== null && !track.isFleet),
+      "what the robot does not see", "square", theme.shadow],
+    [has((track) => track.hits.frame.length), "hit", "star", colors.hit],
+    [has((track) => track.route && !track.marks), "plan", "dots", theme.ink],
+    ...(marks ? marks.names.map((name, i) => [true, name, "square", marks.colors[i]]) : []),
+    [Boolean(marks), "S start, G goal", "disc", theme.light],
+  ];
+  return signs.filter(([isThere]) => isThere).map(([, words, shape, color]) => ({ words, shape, color }));
+}
+
+/** Fill a list with the signs of tracks, if the theme is another one than before. */
+export function drawLegend(list, tracks, theme) {
+  if (list.dataset.key === theme.key) return;
+  list.dataset.key = theme.key;
+  list.replaceChildren(
+    ...signsOf(tracks, theme).map(({ words, shape, color }) => {
+      const entry = document.createElement("li");
+      const sign = document.createElement("span");
+      sign.className = `sign ${shape}`;
+      sign.style.setProperty("--sign", color);
+      sign.ariaHidden = "true";
+      entry.append(sign, words);
+      return entry;
+    }),
+  );
+}

@@ -1,0 +1,115 @@
+// Starts the page: reads its data, and connects buttons, keys and the address with the player.
+
+import { decode, unpack } from "./decode.js";
+import { Player, SPEEDS } from "./player.js";
+
+const ZOOM = 1.5;
+
+async function start() {
+  const root = document.getElementById("player");
+  const data = decode(await unpack(document.getElementById("data").textContent));
+  document.getElementById("too-old").remove();
+  root.hidden = false;
+  const player = new Player(data, root);
+  globalThis.player = player;
+  connect(player);
+  readAddress(player);
+  addEventListener("hashchange", () => readAddress(player));
+  new ResizeObserver(() => player.draw()).observe(root);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => player.draw());
+  player.draw();
+}
+
+function connect(player) {
+  const find = (name) => player.find(name);
+  const [slider, play, speed, place] = ["slider", "play", "speed", "place"].map(find);
+  slider.max = player.longest.steps;
+  slider.addEventListener("input", () => player.goTo(Number(slider.value)));
+  speed.append(...SPEEDS.map((value) => new Option(`${value}\u00d7`, value)));
+  speed.addEventListener("change", () => {
+    player.speed = Number(speed.value);
+    player.draw();
+  });
+  const actions = {
+    play: () => player.toggle(),
+    back: () => player.move(-1),
+    forward: () => player.move(1),
+    first: () => player.seek(0),
+    last: () => player.seek(player.end),
+    event: () => tell(player, player.goToEvent()),
+    larger: () => player.zoom(ZOOM),
+    smaller: () => player.zoom(1 / ZOOM),
+    fit: () => player.fit(),
+    full: () => fullScreen(player.root),
+    help: () => find("helping").showModal(),
+    slower: () => player.faster(-1),
+    faster: () => player.faster(1),
+  };
+  for (const button of player.root.querySelectorAll("button[data-do]")) {
+    button.addEventListener("click", actions[button.dataset.do]);
+  }
+  listenToKeys(player, actions);
+  player.listeners.push(() => {
+    slider.value = player.step;
+    slider.setAttribute("aria-valuetext", player.place);
+    speed.value = player.speed;
+    play.classList.toggle("playing", player.isPlaying);
+    play.ariaLabel = player.isPlaying ? "Pause" : "Play";
+    if (place.textContent !== player.place) place.textContent = player.place;
+    if (!player.isPlaying) {
+      tell(player, player.panels.map((panel) => panel.place).join(". "));
+      writeAddress(player);
+    }
+  });
+}
+
+const KEYS = {
+  " ": "play", ArrowLeft: "back", ArrowRight: "forward", Home: "first", End: "last", n: "event",
+  f: "full", "?": "help", "+": "larger", "=": "larger", "-": "smaller", 0: "fit", "<": "slower",
+  ">": "faster", ",": "slower", ".": "faster",
+};
+
+function listenToKeys(player, actions) {
+  document.addEventListener("keydown", (event) => {
+    const { target, key } = event;
+    if (event.ctrlKey || event.metaKey || event.altKey || player.find("helping").open) return;
+    if (target.matches("input[type=number], select") && key !== "Escape") return;
+    if (target.matches("button, input[type=checkbox], summary") && key === " ") return;
+    if (!(key in KEYS)) return;
+    event.preventDefault();
+    actions[KEYS[key]]();
+  });
+}
+
+/** Say something to a screen reader. */
+function tell(player, words) {
+  const status = player.find("status");
+  if (status.textContent !== words) status.textContent = words;
+}
+
+function fullScreen(element) {
+  if (document.fullscreenElement) document.exitFullscreen();
+  else element.requestFullscreen?.();
+}
+
+/** Go to the step, and choose the robot, that the address of the page names. */
+function readAddress(player) {
+  const words = new URLSearchParams(location.hash.slice(1));
+  const [step, robot] = ["step", "robot"].map((name) => Number.parseInt(words.get(name), 10));
+  if (step >= 0) player.goTo(step);
+  if (robot >= 0 && robot < player.lead.robots) player.choose(robot);
+}
+
+/** Put the step and the chosen robot into the address, so that a link opens here. */
+function writeAddress(player) {
+  const robot = player.chosen === null ? "" : `&robot=${player.chosen}`;
+  const hash = player.step || robot ? `#step=${player.step}${robot}` : "";
+  if (hash === location.hash) return;
+  try {
+    history.replaceState(null, "", hash || location.pathname + location.search);
+  } catch {
+    // A page inside another one may have no address of its own.
+  }
+}
+
+start();

@@ -1,0 +1,77 @@
+"""A page that plays tracks: one file of HTML that loads nothing and needs nothing but a browser.
+
+Its parts are files of this folder. Text from users is in the data only, which is never markup, and
+the page's Content-Security-Policy allows this script and this style alone.
+"""
+
+from __future__ import annotations
+
+import html
+import re
+from base64 import b64encode
+from collections.abc import Sequence
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+
+from warehouse_core.viz.player.tracks import packed
+from warehouse_core.viz.tracks.track import Track
+
+FOLDER = Path(__file__).parent
+
+SCRIPTS = (
+    "scale.js", "decode.js", "track.js", "orders.js", "view.js", "theme.js", "floor.js",
+    "bodies.js", "charts.js", "legend.js", "panel.js", "fleet.js", "player.js", "main.js",
+)  # fmt: skip
+"""Each imports only those before it, so that they can be one script."""
+
+IMPORT = re.compile(r"^import [^;]*;\n", re.MULTILINE)
+EXPORT = re.compile(r"^export ", re.MULTILINE)
+
+MAX_TITLE = 200
+
+
+def player_page(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0) -> str:
+    """Return a page that plays tracks side by side on one clock, as HTML.
+
+    Args:
+        tracks: at least one, each with at least one frame.
+        title: of the page; by default that of the first track.
+        speed: factor on the playing speed.
+    """
+    title = title or tracks[0].title or "Warehouse replay"
+    parts = {
+        "policy": policy(),
+        "title": html.escape(title[:MAX_TITLE]),
+        "style": style(),
+        "data": packed(tracks, title, speed),
+        "script": script(),
+    }
+    page = (FOLDER / "player.html").read_text(encoding="utf-8")
+    return re.sub(r"\{([a-z]+)\}", lambda match: parts[match[1]], page)
+
+
+@cache
+def script() -> str:
+    """Return the files of the script as one."""
+    texts = [(FOLDER / name).read_text(encoding="utf-8") for name in SCRIPTS]
+    return "".join(EXPORT.sub("", IMPORT.sub("", text)) for text in texts)
+
+
+@cache
+def style() -> str:
+    """Return the style sheet."""
+    return (FOLDER / "player.css").read_text(encoding="utf-8")
+
+
+def policy() -> str:
+    """Return the Content-Security-Policy of the page."""
+    return (
+        f"default-src 'none'; script-src {digest(script())}; style-src {digest(style())}; "
+        "img-src data:; base-uri 'none'; form-action 'none'"
+    )
+
+
+def digest(text: str) -> str:
+    """Return the hash of an inline script or style, as a policy names it."""
+    return f"'sha256-{b64encode(sha256(text.encode('utf-8')).digest()).decode('ascii')}'"

@@ -1,0 +1,146 @@
+// One track on the page: its floor, what the robot does and why, its battery and its ending.
+
+import { drawBodies } from "./bodies.js";
+import { drawFloor } from "./floor.js";
+import { shown } from "./scale.js";
+
+const TAP = 6;
+const LOW = 0.2;
+
+export class Panel {
+  /** Args: a `Track`, the view that it shares with others, and the page's `Player`. */
+  constructor(track, view, player) {
+    Object.assign(this, { track, view, player });
+    this.element = copy("panel-template");
+    const find = (name) => this.element.querySelector(`[data-part="${name}"]`);
+    this.parts = Object.fromEntries(
+      ["title", "floor", "caption", "ending", "battery", "level", "units"].map((name) => [name, find(name)]),
+    );
+    this.parts.title.textContent = track.title;
+    this.parts.battery.hidden = !track.battery.length;
+    this.canvas = this.parts.floor;
+    this.canvas.style.aspectRatio = `${track.width} / ${track.height}`;
+    this.listen();
+  }
+
+  /** Draw the panel at a time, in the colours of a theme. */
+  draw(time, theme) {
+    const moment = this.track.at(time);
+    this.drawFloor(moment, theme);
+    this.say(moment);
+  }
+
+  drawFloor(moment, theme) {
+    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
+    const size = [Math.round(width * theme.density), Math.round(height * theme.density)];
+    if (!size[0] || !size[1]) return;
+    if (this.canvas.width !== size[0] || this.canvas.height !== size[1]) {
+      [this.canvas.width, this.canvas.height] = size;
+    }
+    const { track, view } = this;
+    view.place(...size, theme.density);
+    const index = track.tileAt[moment.frame];
+    const key = `${view.key} ${index} ${theme.key}`;
+    if (key !== this.key) this.still = this.drawStill(track.tiles[index], theme);
+    this.key = key;
+    const context = this.canvas.getContext("2d");
+    context.drawImage(this.still, 0, 0);
+    drawBodies(context, track, moment, view, theme, this.player);
+  }
+
+  /** Return a canvas with all that does not move. */
+  drawStill(tiles, theme) {
+    const still = this.still ?? document.createElement("canvas");
+    [still.width, still.height] = [this.canvas.width, this.canvas.height];
+    const context = still.getContext("2d", { alpha: false });
+    context.fillStyle = theme.paper;
+    context.fillRect(0, 0, still.width, still.height);
+    drawFloor(context, this.track, tiles, this.view, theme);
+    return still;
+  }
+
+  say(moment) {
+    const { track, parts } = this;
+    const caption = track.caption(moment);
+    const isOver = moment.frame === track.frames - 1;
+    setText(parts.caption, caption || (moment.frame === 0 ? "ready" : ""));
+    setText(parts.ending, isOver ? track.ending : "");
+    parts.ending.hidden = !isOver || !track.ending;
+    const place = this.player.describe(track, moment);
+    if (place !== this.place) this.canvas.setAttribute("aria-label", place);
+    this.place = place;
+    if (!track.battery.length) return;
+    const left = track.battery[Math.floor(track.progress[moment.frame])];
+    const level = Math.min(Math.max(left / track.fullBattery, 0), 1) || 0;
+    parts.level.style.width = `${100 * level}%`;
+    parts.battery.classList.toggle("low", level < LOW);
+    const warning = level >= LOW ? "" : level > 0 ? " low!" : " empty!";
+    setText(parts.units, `battery ${shown(left)} of ${shown(track.fullBattery)}${warning}`);
+  }
+
+  /** Let the pointer pan and zoom the floor, and choose a robot of a fleet. */
+  listen() {
+    const pointers = new Map();
+    let moved = 0;
+    const at = (event) => [event.offsetX, event.offsetY].map((part) => part * this.player.density);
+    this.canvas.addEventListener("pointerdown", (event) => {
+      pointers.set(event.pointerId, at(event));
+      if (pointers.size === 1) moved = 0;
+      this.canvas.setPointerCapture(event.pointerId);
+    });
+    this.canvas.addEventListener("pointermove", (event) => {
+      const before = pointers.get(event.pointerId);
+      if (!before) return;
+      const now = at(event);
+      const other = [...pointers].find(([id]) => id !== event.pointerId)?.[1];
+      if (other) this.view.zoomBy(distance(now, other) / Math.max(distance(before, other), 1), ...other);
+      else if (this.view.zoom > 1) this.view.moveBy(now[0] - before[0], now[1] - before[1]);
+      moved += distance(before, now);
+      pointers.set(event.pointerId, now);
+      this.player.draw();
+    });
+    const end = (event) => {
+      const isTap = pointers.size === 1 && moved < TAP * this.player.density;
+      if (pointers.delete(event.pointerId) && isTap && event.type === "pointerup") this.tap(...at(event));
+    };
+    this.canvas.addEventListener("pointerup", end);
+    this.canvas.addEventListener("pointercancel", end);
+    this.canvas.addEventListener(
+      "wheel",
+      (event) => {
+        if (!event.ctrlKey && !event.metaKey) return;
+        event.preventDefault();
+        this.player.zoom(1.2 ** -Math.sign(event.deltaY), this.view, ...at(event));
+      },
+      { passive: false },
+    );
+  }
+
+  /** Choose the robot of a fleet that is nearest to a point, or none. */
+  tap(x, y) {
+    if (!this.track.isFleet) return;
+    const moment = this.track.at(this.player.time);
+    const [column, row] = this.view.cellAt(x, y);
+    let [nearest, least] = [null, Math.max(0.8, (10 * this.player.density) / this.view.scale)];
+    for (let robot = 0; robot < this.track.robots; robot++) {
+      const pose = this.track.pose(robot, moment);
+      const away = pose ? Math.hypot(pose.x - column, pose.y - row) : Infinity;
+      if (away < least) [nearest, least] = [robot, away];
+    }
+    this.player.choose(nearest);
+  }
+}
+
+function distance([x, y], [otherX, otherY]) {
+  return Math.hypot(x - otherX, y - otherY);
+}
+
+/** Return a copy of the only element of a template. */
+export function copy(id) {
+  return document.getElementById(id).content.firstElementChild.cloneNode(true);
+}
+
+/** Set the text of an element, if it is another one: a screen reader reads changes. */
+export function setText(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}

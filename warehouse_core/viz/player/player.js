@@ -1,0 +1,193 @@
+// The page: one clock, and everything that is drawn at its time.
+
+import { Chart } from "./charts.js";
+import { FleetPanel } from "./fleet.js";
+import { drawLegend } from "./legend.js";
+import { Panel } from "./panel.js";
+import { shown } from "./scale.js";
+import { nextEvent, Track } from "./track.js";
+import { readTheme } from "./theme.js";
+import { View } from "./view.js";
+
+export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16];
+
+const WORDS = { hit: "hit", pick: "item picked", drop: "item delivered", stuck: "stuck" };
+
+export class Player {
+  /** Args: the decoded data of a page, and the element that it is shown in. */
+  constructor(data, root) {
+    this.root = root;
+    this.colors = data.colors;
+    this.rate = data.rate;
+    this.speed = SPEEDS.reduce((best, speed) =>
+      Math.abs(Math.log(speed / data.speed)) < Math.abs(Math.log(best / data.speed)) ? speed : best,
+    );
+    this.tracks = data.tracks.map((track) => new Track(track));
+    this.end = Math.max(...this.tracks.map((track) => track.end));
+    this.longest = this.tracks.find((track) => track.end === this.end);
+    this.lead = this.tracks.find((track) => track.isFleet || track.robots === 1) ?? this.longest;
+    this.time = 0;
+    this.isPlaying = false;
+    this.chosen = null;
+    this.hasHeat = false;
+    this.isReduced = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.listeners = [];
+    this.build(data);
+  }
+
+  build(data) {
+    const views = new Map();
+    this.panels = this.tracks.map((track) => {
+      const size = `${track.width} ${track.height}`;
+      if (!views.has(size)) views.set(size, new View(track.width, track.height));
+      return new Panel(track, views.get(size), this);
+    });
+    this.views = [...views.values()];
+    this.find("floors").append(...this.panels.map((panel) => panel.element));
+    const names = this.tracks.map((track) => track.title);
+    this.charts = data.charts.map((chart) => new Chart(chart, names, this.end, (time) => this.seek(time)));
+    this.find("charts").append(...this.charts.map((chart) => chart.element));
+    const fleets = this.tracks.filter((track) => track.isFleet && track.robots > 1);
+    this.fleets = fleets.map((track) => new FleetPanel(track, this));
+    this.find("side").prepend(...this.fleets.map((fleet) => fleet.element));
+  }
+
+  find(name) {
+    return this.root.querySelector(`[data-part="${name}"]`);
+  }
+
+  get density() {
+    return this.theme?.density ?? devicePixelRatio;
+  }
+
+  /** Draw everything at the present time. The same time gives the same picture. */
+  draw() {
+    this.theme = readTheme(this.root, this.colors);
+    const time = this.isReduced && this.isPlaying ? this.momentary() : this.time;
+    for (const panel of this.panels) panel.draw(time, this.theme);
+    for (const chart of this.charts) chart.draw(time, this.theme);
+    for (const fleet of this.fleets) fleet.draw(time);
+    drawLegend(this.find("legend"), this.tracks, this.theme);
+    for (const listener of this.listeners) listener();
+  }
+
+  /** Return the time of the last complete step, where nothing is between two places. */
+  momentary() {
+    return this.longest.timeOf(this.step);
+  }
+
+  /** The number of steps that are complete. */
+  get step() {
+    return Math.floor(this.longest.progress[this.longest.at(this.time).frame]);
+  }
+
+  /** Play or pause; at the end start again. */
+  toggle() {
+    if (this.isPlaying) this.pause();
+    else this.play();
+  }
+
+  play() {
+    if (this.time >= this.end) this.time = 0;
+    this.isPlaying = true;
+    this.before = null;
+    requestAnimationFrame((now) => this.tick(now));
+    this.draw();
+  }
+
+  pause() {
+    this.isPlaying = false;
+    this.draw();
+  }
+
+  tick(now) {
+    if (!this.isPlaying) return;
+    if (this.before !== null) this.time += ((now - this.before) / 1000) * this.speed * this.rate;
+    this.before = now;
+    if (this.time >= this.end) {
+      this.time = this.end;
+      this.isPlaying = false;
+    }
+    this.draw();
+    if (this.isPlaying) requestAnimationFrame((next) => this.tick(next));
+  }
+
+  /** Pause at a time, or at the nearest that there is. */
+  seek(time) {
+    this.time = Math.min(Math.max(time, 0), this.end);
+    this.pause();
+  }
+
+  /** Pause at a step. */
+  goTo(step) {
+    this.seek(this.longest.timeOf(step));
+  }
+
+  /** Pause a step later or, if negative, earlier; within a step go to its end. */
+  move(steps) {
+    const isBetween = this.time > this.longest.timeOf(this.step);
+    this.goTo(this.step + steps + (steps < 0 && isBetween ? 1 : 0));
+  }
+
+  /** Pause at the next hit, pick, drop, or robot that is stuck; of the chosen robot, if any. */
+  goToEvent() {
+    const found = this.tracks.flatMap((track) => {
+      const bodies = this.chosen === null ? [...Array(track.robots).keys()] : [this.chosen];
+      const event = nextEvent(track, track.at(this.time).frame, bodies);
+      return event ? [{ ...event, time: track.time[event.frame], track }] : [];
+    });
+    found.sort((a, b) => a.time - b.time);
+    const [next] = found;
+    this.seek(next ? next.time : this.end);
+    if (!next) return "no further hit, pick, drop or stuck robot";
+    const robot = next.track.robots > 1 ? `robot ${next.body}: ` : "";
+    return `${robot}${WORDS[next.what]}`;
+  }
+
+  /** Choose a robot of a fleet by number, or `null` for none. */
+  choose(robot) {
+    this.chosen = robot;
+    this.draw();
+  }
+
+  faster(steps) {
+    const place = SPEEDS.indexOf(this.speed) + steps;
+    this.speed = SPEEDS[Math.min(Math.max(place, 0), SPEEDS.length - 1)];
+    this.draw();
+  }
+
+  /** Zoom a view, or all of them around their middle. */
+  zoom(factor, view = null, x = 0, y = 0) {
+    for (const each of view ? [view] : this.views) {
+      const middle = [each.canvasWidth / 2, each.canvasHeight / 2];
+      each.zoomBy(factor, ...(view ? [x, y] : middle));
+    }
+    this.draw();
+  }
+
+  fit() {
+    for (const view of this.views) view.fit();
+    this.draw();
+  }
+
+  /** The step, and the clock where there is one, in words. */
+  get place() {
+    const { longest } = this;
+    const clock = this.tracks.some((track) => track.isContinuous) ? `, ${this.time.toFixed(1)} s` : "";
+    return `step ${longest.stepAt(this.time)} of ${longest.steps}${clock}`;
+  }
+
+  /** Return words for a moment of a track, for those who do not see it. */
+  describe(track, moment) {
+    const words = [`${track.title}, step ${Math.ceil(track.progress[moment.next])} of ${track.steps}`];
+    if (track.robots === 1 && track.load[moment.frame] >= 0) {
+      const [cell, load] = [track.cell(0, moment.frame), track.load[moment.frame]];
+      const place = `row ${Math.floor(cell / track.width)}, column ${cell % track.width}`;
+      words.push(`${load > 0 ? "loaded" : "empty"} robot at ${place}`);
+    } else if (track.robots > 1) words.push(`${shown(track.robots)} robots`);
+    const hits = track.hitsIn(moment.frame).length;
+    if (hits) words.push(hits === 1 ? "a hit" : `${hits} hits`);
+    words.push(track.caption(moment));
+    return words.filter(Boolean).join("; ");
+  }
+}

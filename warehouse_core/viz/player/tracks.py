@@ -1,0 +1,247 @@
+"""What a page says of tracks, as a JSON value with columns; ``player/decode.js`` reads it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from warehouse_core.render.palette import (
+    BATTERY,
+    COLORS,
+    HIT,
+    ORDER_COLORS,
+    STRANDED,
+    UNKNOWN,
+    WARNING,
+    Color,
+)
+from warehouse_core.viz.player.charts import packed_charts
+from warehouse_core.viz.player.columns import Columns
+from warehouse_core.viz.tracks.track import Frame, Shift, Track
+from warehouse_core.world.tiles import Cell
+
+FINE, HALF = 1 / 1024, 1 / 2
+"""Units of places, in cells: of continuous tracks, and of others, whose robots are in cells."""
+
+TURN, NO_HEADING = 120, 127
+"""Parts of a whole turn, and the sign of an unknown heading."""
+
+NOT_SHOWN, EMPTY = -1, 0
+"""Loads of robots; a loaded one has 1 plus the age of its order."""
+
+MILLI = 1e-3
+
+DEFAULT_SPEED = 4.0
+"""Simulated seconds in a second; a step of the grid takes a second."""
+
+MAX_SECONDS = 30.0
+"""In which a search is shown at the default speed."""
+
+
+def packed(tracks: Sequence[Track], title: str, speed: float) -> str:
+    """Return everything that a page says of tracks, as text.
+
+    Args:
+        tracks: to be shown side by side on one clock.
+        title: of the page.
+        speed: factor on the playing speed.
+
+    Raises:
+        ValueError: a place is not finite.
+    """
+    columns = Columns()
+    times = [_times(track) for track in tracks]
+    end = max(moments[-1] for moments in times)
+    is_search = any(track.marks for track in tracks)
+    rate = max(1.0, end / (MAX_SECONDS * DEFAULT_SPEED)) if is_search else 1.0
+    page = {
+        "title": title,
+        "speed": DEFAULT_SPEED * speed,
+        "rate": rate,
+        "colors": _colors(),
+        "tracks": [
+            _packed_track(track, moments, columns)
+            for track, moments in zip(tracks, times, strict=True)
+        ],
+        "charts": packed_charts(tracks, times, columns),
+    }
+    return columns.packed(page)
+
+
+def _times(track: Track) -> list[float]:
+    """Return the time of each frame in seconds; a step of the grid takes one."""
+    if track.frames[-1].clock:
+        return [frame.clock for frame in track.frames]
+    return [frame.progress for frame in track.frames]
+
+
+def _packed_track(track: Track, times: Sequence[float], columns: Columns) -> dict[str, Any]:
+    frames = track.frames
+    rows = frames[0].tiles
+    first = frames[0].fleet
+    bodies = max(len(frame.robots) for frame in frames)
+    robots = bodies if first is None else len(first.battery)
+    tiles, tile_at = _indexed("".join(frame.tiles) for frame in frames)
+    captions, caption_at = _indexed(frame.caption for frame in frames)
+    return {
+        "title": track.title,
+        "ending": track.ending,
+        "isContinuous": track.is_continuous,
+        "isFleet": track.is_fleet,
+        "width": len(rows[0]),
+        "height": len(rows),
+        "robots": robots,
+        "bodies": bodies,
+        "tiles": tiles,
+        "tileAt": columns.whole(tile_at, is_delta=True),
+        "captions": captions,
+        "captionAt": columns.whole(caption_at, is_delta=True),
+        "time": columns.whole(times, is_delta=True, unit=MILLI),
+        "progress": columns.real([frame.progress for frame in frames]),
+        **_poses(track, bodies, columns),
+        "hits": _hits(frames, columns),
+        "route": _routes(frames, columns),
+        "battery": columns.real(track.metrics.get("battery", [])),
+        "fullBattery": track.full_battery,
+        "viewRadius": track.view_radius,
+        "slippery": [list(cell) for cell in track.slippery],
+        "motorStrength": track.motor_strength,
+        "fleet": None if first is None else _fleet(track, robots, columns),
+        "marks": None if track.marks is None else _marks(track, columns),
+    }
+
+
+def _poses(track: Track, bodies: int, columns: Columns) -> dict[str, Any]:
+    """Return place, heading and load of each body in each frame, one body after the other."""
+    shape = len(track.frames), bodies
+    xs, ys = np.zeros(shape), np.zeros(shape)
+    headings, loads = np.full(shape, NO_HEADING), np.full(shape, NOT_SHOWN)
+    for index, frame in enumerate(track.frames):
+        for body, pose in enumerate(frame.robots):
+            if pose is None:
+                continue
+            xs[index, body], ys[index, body] = pose.at
+            loads[index, body] = int(pose.loaded)
+            if pose.heading is not None:
+                headings[index, body] = round(pose.heading / (2 * np.pi) * TURN) % TURN
+        if frame.fleet is not None:
+            ages = frame.fleet.items
+            loads[index, : len(ages)] = [0 if age is None else 1 + age for age in ages]
+    unit = FINE if track.is_continuous else HALF
+    return {
+        "x": columns.whole(xs.T, is_delta=True, unit=unit),
+        "y": columns.whole(ys.T, is_delta=True, unit=unit),
+        "heading": columns.whole(headings.T),
+        "load": columns.whole(loads.T),
+    }
+
+
+def _hits(frames: Sequence[Frame], columns: Columns) -> dict[str, Any]:
+    found = [(index, hit) for index, frame in enumerate(frames) for hit in frame.hits]
+    labels, label_at = _indexed(hit.label for _, hit in found)
+    return {
+        "frame": columns.whole([index for index, _ in found], is_delta=True),
+        "x": columns.whole([hit.at[0] for _, hit in found], unit=FINE),
+        "y": columns.whole([hit.at[1] for _, hit in found], unit=FINE),
+        "robot": columns.whole([hit.robot for _, hit in found]),
+        "labels": labels,
+        "labelAt": columns.whole(label_at),
+    }
+
+
+def _routes(frames: Sequence[Frame], columns: Columns) -> dict[str, Any] | None:
+    points = [point for frame in frames for point in frame.route]
+    if not points:
+        return None
+    return {
+        "count": columns.whole([len(frame.route) for frame in frames]),
+        "x": columns.whole([x for x, _ in points], is_delta=True, unit=FINE),
+        "y": columns.whole([y for _, y in points], is_delta=True, unit=FINE),
+    }
+
+
+def _marks(track: Track, columns: Columns) -> dict[str, Any]:
+    marks = track.marks
+    assert marks is not None, "only tracks of searches have them"
+    return {
+        "time": columns.whole(marks.times, is_delta=True),
+        "cell": columns.whole(_numbers(marks.cells, track), is_delta=True),
+        "value": columns.whole(marks.values),
+        "colors": [_hex(color) for color in marks.colors],
+        "names": list(marks.names),
+        "ends": [list(cell) for cell in marks.ends],
+    }
+
+
+def _fleet(track: Track, robots: int, columns: Columns) -> dict[str, Any]:
+    fleets = [frame.fleet for frame in track.frames if frame.fleet is not None]
+    battery = np.array([fleet.battery for fleet in fleets]).reshape(-1, robots)
+    ways: list[Cell] = []
+    lines: list[tuple[int, int, int, int]] = []
+    pushes: list[tuple[int, int, int]] = []
+    for index, fleet in enumerate(fleets):
+        for kind, found in enumerate((fleet.plans.ways, fleet.plans.wishes)):
+            for robot, way in found.items():
+                lines.append((index, robot, kind, len(way)))
+                ways += way
+        pushes += [(index, robot, pusher) for robot, pusher in fleet.plans.pushers.items()]
+    return {
+        "battery": columns.whole(battery.T, is_delta=True, unit=MILLI),
+        "plans": columns.whole(np.array(lines, np.int64).reshape(-1, 4).T, is_delta=True),
+        "ways": columns.whole(_numbers(ways, track), is_delta=True),
+        "pushes": columns.whole(np.array(pushes, np.int64).reshape(-1, 3).T, is_delta=True),
+        **({} if track.shift is None else _orders(track, track.shift, columns)),
+    }
+
+
+def _orders(track: Track, shift: Shift, columns: Columns) -> dict[str, Any]:
+    orders = shift.orders
+    fields = {
+        "released": [order.released for order in orders],
+        "due": [order.due for order in orders],
+        "taken": [_or_never(order.taken) for order in orders],
+        "takenBy": [_or_never(order.taken_by) for order in orders],
+        "delivered": [_or_never(order.delivered) for order in orders],
+        "pickup": _numbers([order.pickup for order in orders], track),
+        "dropoff": _numbers([order.dropoff for order in orders], track),
+    }
+    assigned = [(step, robot, _or_never(order)) for step, robot, order in shift.assignments]
+    return {
+        "orders": {name: columns.whole(values, is_delta=True) for name, values in fields.items()},
+        "assigned": columns.whole(np.array(assigned, np.int64).reshape(-1, 3).T, is_delta=True),
+    }
+
+
+def _or_never(value: int | None) -> int:
+    return -1 if value is None else value
+
+
+def _numbers(cells: Iterable[Cell], track: Track) -> list[int]:
+    """Return cells as ``row * W + col``."""
+    width = len(track.frames[0].tiles[0])
+    return [row * width + col for row, col in cells]
+
+
+def _indexed(texts: Iterable[str]) -> tuple[list[str], list[int]]:
+    """Return the different ones of some texts, and the index of each."""
+    number: dict[str, int] = {}
+    places = [number.setdefault(text, len(number)) for text in texts]
+    return list(number), places
+
+
+def _colors() -> dict[str, Any]:
+    return {
+        **{tile: _hex(color) for tile, color in COLORS.items()},
+        "battery": _hex(BATTERY),
+        "hit": _hex(HIT),
+        "warning": _hex(WARNING),
+        "stranded": _hex(STRANDED),
+        "unknown": _hex(UNKNOWN),
+        "orders": [_hex(color) for color in ORDER_COLORS],
+    }
+
+
+def _hex(color: Color) -> str:
+    return "#" + "".join(f"{round(255 * part):02x}" for part in color)
