@@ -14,7 +14,7 @@ class Settings:
 
     ``backend`` is the name of the backend, or of its class if it was given as a class or instance.
     ``cell_size`` is in metres, ``battery`` in units of one step. ``slippery`` are the open cells
-    with slippery floor, ``motor_strength`` the actual share of the motor force, if the backend says.
+    with slippery floor and ``motor_strength`` the actual share of the motor force, if known.
     """
 
     backend: str
