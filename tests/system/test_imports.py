@@ -101,8 +101,8 @@ EXPORTS = {
         FORMS ID Extent Form WarehouseGymnasiumEnv WarehouseVectorEnv make_form
     """,
     "warehouse_core.motion": """
-        BatchMotion BatchOutcome Batchable Contact Motion Outcome backend_names
-        load_backend make_motion
+        BatchMotion BatchOutcome Batchable Conditions Contact HasConditions Motion Outcome
+        backend_names load_backend make_motion
     """,
     "warehouse_core.orders": "Order OrderQueue OrderStream load_orders save_orders",
     "warehouse_core.pettingzoo_env": "env parallel_env",

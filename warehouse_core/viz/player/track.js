@@ -199,10 +199,10 @@ export function visitsUntil(track, body, frame) {
   return found.counts;
 }
 
-/** Return how often robots were held up in each cell up to a frame, as a map from cells. */
-export function heldUpUntil(track, frame) {
-  const known = track.heldUp && track.heldUp.frame <= frame;
-  const found = known ? track.heldUp : { frame: -1, counts: new Map() };
+/** Return how often robots were blocked in each cell up to a frame, as a map from cells. */
+export function blockedUntil(track, frame) {
+  const known = track.blocked && track.blocked.frame <= frame;
+  const found = known ? track.blocked : { frame: -1, counts: new Map() };
   for (let next = found.frame + 1; next <= frame; next++) {
     for (const hit of track.hitsIn(next)) {
       const cell = track.cell(hit.robot, next);
@@ -210,6 +210,6 @@ export function heldUpUntil(track, frame) {
     }
   }
   found.frame = frame;
-  track.heldUp = found;
+  track.blocked = found;
   return found.counts;
 }

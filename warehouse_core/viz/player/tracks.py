@@ -84,6 +84,7 @@ def _packed_track(track: Track, times: Sequence[float], columns: Columns) -> dic
     bodies = max(len(frame.robots) for frame in frames)
     robots = bodies if first is None else len(first.battery)
     tiles, tile_at = _indexed("".join(frame.tiles) for frame in frames)
+    energy = any(frame.energy for frame in frames)
     captions, caption_at = _indexed(frame.caption for frame in frames)
     return {
         "title": track.title,
@@ -103,6 +104,7 @@ def _packed_track(track: Track, times: Sequence[float], columns: Columns) -> dic
         **_poses(track, bodies, columns),
         "hits": _hits(frames, columns),
         "route": _routes(frames, columns),
+        "energy": columns.real([frame.energy for frame in frames] if energy else []),
         "battery": columns.real(track.metrics.get("battery", [])),
         "fullBattery": track.full_battery,
         "viewRadius": track.view_radius,

@@ -55,6 +55,8 @@ def track_of_episode(episode: Episode, frame_seconds: float | None = FRAME_SECON
         episode.settings.battery,
         printable(title),
         view_radius=episode.settings.view_radius,
+        slippery=episode.settings.slippery,
+        motor_strength=episode.settings.motor_strength,
     )
     if episode.outcome != UNFINISHED:
         diagnosis = diagnose(episode)

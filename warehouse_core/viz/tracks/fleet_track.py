@@ -59,6 +59,7 @@ def track_of_fleet_episode(
     title = f"{episode.agent or 'Fleet'}, {robots} on the {backend} backend, seed {episode.seed}"
     track = Track(frames, {}, is_continuous, episode.settings.battery.capacity, printable(title))
     track.view_radius = episode.settings.view_radius
+    track.slippery, track.motor_strength = episode.slippery, episode.motor_strength
     if episode.robots == 1:
         track.metrics = _metrics(episode)
     else:
