@@ -69,8 +69,9 @@ export class Track {
   /** Return the pose of a body, or `null` if it is not shown. A heading is in radians. */
   pose(body, { frame, next, share }) {
     const from = body * this.frames + frame;
-    const to = body * this.frames + next;
     if (this.load[from] < 0) return null;
+    const after = body * this.frames + next;
+    const to = this.load[after] < 0 ? from : after;
     return {
       x: this.x[from] + share * (this.x[to] - this.x[from]),
       y: this.y[from] + share * (this.y[to] - this.y[from]),
