@@ -118,6 +118,7 @@ def belief_tracks(episode: Episode, history: Sequence[Insight]) -> tuple[Track, 
             frame.route = _way_ahead(pose.at, history[choice].route)
         if frame is not last:  # which keeps the diagnosis
             frame.caption = f"now {words[choice]}, {counts[choice]} cells seen"
+    belief.tells_next = True
     belief.title = f"Belief of {belief.title}"
     return belief, world
 

@@ -151,6 +151,7 @@ class Track:
         slippery: cells with slippery floor.
         motor_strength: actual share of the motor force.
         marks: of a search.
+        tells_next: whether a caption is about the next step, not the one before.
     """
 
     frames: list[Frame]
@@ -164,6 +165,7 @@ class Track:
     slippery: tuple[Cell, ...] = ()
     motor_strength: float = 1.0
     marks: Marks | None = None
+    tells_next: bool = False
 
     def __len__(self) -> int:
         return len(self.frames)
