@@ -8,15 +8,15 @@ const TAP = 6;
 const LOW = 0.2;
 
 export class Panel {
-  /** Args: a `Track`, the view that it shares with others, and the page's `Player`. */
-  constructor(track, view, player) {
+  /** Args: a `Track`, its title, the view that it shares with others, and the page's `Player`. */
+  constructor(track, title, view, player) {
     Object.assign(this, { track, view, player });
     this.element = copy("panel-template");
     const find = (name) => this.element.querySelector(`[data-part="${name}"]`);
     this.parts = Object.fromEntries(
       ["title", "floor", "caption", "ending", "battery", "level", "units", "facts"].map((name) => [name, find(name)]),
     );
-    this.parts.title.textContent = track.title;
+    this.parts.title.textContent = title;
     this.parts.battery.hidden = !track.battery.length;
     this.parts.facts.hidden = !track.energy.length;
     this.canvas = this.parts.floor;
