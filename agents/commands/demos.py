@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import typer
 
 from agents.console.options import SaveReplayOption, ShowOption
-from agents.console.output import show_or_save
+from agents.console.output import PICTURES, show_or_save, show_or_save_picture
 from agents.console.terminal import say
 from agents.fleet.lanes_demo import BATTERY, ROBOTS, lanes_compared
 from agents.fleet.plan_log import PlanLog
@@ -31,11 +31,12 @@ from warehouse_core import (
     WarehouseEnv,
     record_episode,
 )
+from warehouse_core.files.atomic import check_suffix
 from warehouse_core.motion.backends import load_backend
 from warehouse_core.records import FleetRecorder
 from warehouse_core.viz.tracks.episode_track import track_of_episode
 from warehouse_core.viz.tracks.fleet_track import track_of_fleet_episode
-from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
+from warehouse_core.viz.tracks.track import Track
 from warehouse_core.wording import counted
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 
@@ -67,19 +68,6 @@ class Picture(NamedTuple):
 
     said: str
     draw: Callable[[MakeFigure], SceneFigure]
-
-
-class Still:
-    """A picture as a replay of one frame."""
-
-    def __init__(self, root: SceneFigure) -> None:
-        self.root = root
-
-    def __len__(self) -> int:
-        return 1
-
-    def show(self, frame: int) -> None:
-        """Do nothing: nothing moves."""
 
 
 def delivery() -> Demo:
@@ -121,10 +109,7 @@ def load() -> Demo:
         f"empty {empty.seconds:.1f} s and {empty.joules:.0f} J, "
         f"loaded {loaded.seconds:.1f} s and {loaded.joules:.0f} J"
     )
-    tracks = [
-        _titled(track_of_episode(e), f"{e.agent.title()}: {e.seconds:.1f} s, {e.joules:.0f} J")
-        for e in (empty, loaded)
-    ]
+    tracks = [_titled(track_of_episode(e), e.agent.title()) for e in (empty, loaded)]
     return Demo(said, tracks[0], tracks[1])
 
 
@@ -137,12 +122,14 @@ def slip() -> Demo:
     env = WarehouseEnv(CORRIDOR, backend=RigidBodyMotion(disturbances=disturbances))
     plan = [str(action) for action in planned.actions]
     slipped = drive(env, plan, "the same actions", seed=0)
+    beside = track_of_episode(slipped)
     ended = slipped.outcome if slipped.terminated else f"the item is at {slipped.cells[-1]}"
+    beside.ending = slipped.outcome if slipped.terminated else "not delivered"
     said = f"the plan delivers in {planned.steps} steps on the grid; on the slippery floor {ended}"
     return Demo(
         said,
         _titled(track_of_episode(planned), "The plan, on the grid"),
-        _titled(track_of_episode(slipped), "The same actions, columns 3 and 4 slippery"),
+        _titled(beside, "The same actions, columns 3 and 4 slippery"),
     )
 
 
@@ -217,7 +204,7 @@ def lanes() -> Picture:
     return Picture(said, draw)
 
 
-DEMOS: dict[str, Callable[[], Demo | Picture]] = {
+DEMOS: dict[str, Callable[[], Demo]] = {
     "delivery": delivery,
     "bump": bump,
     "load": load,
@@ -225,11 +212,12 @@ DEMOS: dict[str, Callable[[], Demo | Picture]] = {
     "head-on": head_on,
     "ring": ring,
     "pibt": pibt,
-    "cbs": cbs,
-    "lanes": lanes,
 }
 
-PHYSICS = frozenset(DEMOS) - {"pibt", "cbs", "lanes"}
+STILLS: dict[str, Callable[[], Picture]] = {"cbs": cbs, "lanes": lanes}
+"""Those that are one picture."""
+
+PHYSICS = DEMOS.keys() - {"pibt"}
 """Those that need the backend."""
 
 
@@ -263,33 +251,43 @@ def drive_together(moves: Mapping[Cell, str]) -> FleetEpisode:
 
 
 def demo(
-    name: Annotated[str, typer.Argument(help=f"One of {', '.join(DEMOS)}.")],
+    name: Annotated[
+        str | None, typer.Argument(help=f"One of {', '.join([*DEMOS, *STILLS])}.")
+    ] = None,
     *,
     save: SaveReplayOption,
     show: ShowOption = None,
 ) -> None:
-    """Show a demonstration of bodies or of planners.
+    """Show a demonstration of bodies or of planners; without a name, list them.
 
     Example: warehouse demo bump --save bump.gif
     """
-    if name not in DEMOS:
-        raise typer.BadParameter(f"no demo is called {name!r}; allowed: {', '.join(DEMOS)}")
+    known = DEMOS | STILLS
+    if name is None and not save:
+        for each, make in known.items():
+            say(f"{each:<10}{(make.__doc__ or '').strip()}")
+        return
+    if name is None or name not in known:
+        given = "--save is of a demo" if name is None else f"no demo is called {name!r}"
+        raise typer.BadParameter(f"{given}; allowed: {', '.join(known)}")
+    if name in STILLS:
+        for path in save:
+            check_suffix(path, PICTURES)
+        picture = STILLS[name]()
+        say(picture.said)
+        show_or_save_picture(picture.draw, save, show, f"demo-{name}.png")
+        return
     if name in PHYSICS:
         load_backend("physics")
     shown = DEMOS[name]()
     say(shown.said)
 
     def make_replay(window: bool) -> Replay:
-        from warehouse_core.viz.figure import make_figure, make_window
-        from warehouse_core.viz.replay import Replay, replay_of_track
+        from warehouse_core.viz.replay import replay_of_track
 
-        if isinstance(shown, Picture):
-            picture = Still(shown.draw(make_window if window else make_figure))
-            return Replay(picture, shown.said, INTERVAL_MS)
         return replay_of_track(shown.track, shown.beside, window=window)
 
-    suffix = "png" if isinstance(shown, Picture) else "gif"
-    show_or_save(make_replay, save, show, f"demo-{name}.{suffix}")
+    show_or_save(make_replay, save, show, f"demo-{name}.gif")
 
 
 def _together(episode: FleetEpisode, title: str, ending: str) -> Track:

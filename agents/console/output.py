@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from agents.console.options import RECORD_SUFFIX
 from agents.console.terminal import say
@@ -25,6 +25,9 @@ PICTURES = (".svg", ".png")
 
 MakeReplay = Callable[[bool], "Replay | None"]
 """Makes a replay with a window or without one."""
+
+Draw = Callable[[Callable[[tuple[float, float]], "SceneFigure"]], "SceneFigure"]
+"""Draws a picture into the figure that a function makes, of a width and height in inches."""
 
 
 def replay_or_save(
@@ -74,19 +77,48 @@ def show_or_save(
     If no window can be opened and nothing was written, write the replay to ``fallback``, with a
     number if there is such a file.
     """
-    for target in targets:
-        _save(make_replay, target, episode)
-    if not (show or (show is None and not targets)):
-        return
-    replay = make_replay(has_display())
-    if replay is not None and replay.window:
+
+    def open_window() -> bool:
+        replay = make_replay(has_display())
+        if replay is None or not replay.window:
+            return False
         say("space pauses, left and right step, q closes the window")
         replay.show()
-        return
-    consequence = "" if targets else ", so the replay goes to a file"
-    say(f"there is no display to open a window on{consequence}")
-    if not targets:
-        _save(make_replay, unused(Path(fallback)), episode)
+        return True
+
+    def save(target: Path) -> None:
+        _save(make_replay, target, episode)
+
+    _save_and_show(save, open_window, targets, show, "replay", fallback)
+
+
+def show_or_save_picture(
+    draw: Draw, targets: Sequence[Path], show: bool | None, fallback: str
+) -> None:
+    """Do for a picture what ``show_or_save`` does for a replay."""
+
+    def open_window() -> bool:
+        if not has_display():
+            return False
+        import matplotlib.pyplot as plt
+
+        from warehouse_core.viz.figure import make_window
+
+        figure: Any = draw(make_window)
+        figure.canvas.mpl_connect(
+            "key_press_event", lambda event: plt.close(figure) if event.key == "q" else None
+        )
+        say("q closes the window")
+        plt.show()
+        return True
+
+    def save(target: Path) -> None:
+        from warehouse_core.viz.figure import make_figure
+
+        save_picture(draw(make_figure), target)
+        say(f"saved {target}")
+
+    _save_and_show(save, open_window, targets, show, "picture", fallback)
 
 
 def save_picture(figure: SceneFigure, path: Path) -> None:
@@ -107,6 +139,24 @@ def unused(path: Path) -> Path:
         number += 1
         path = first.with_stem(f"{first.stem}-{number}")
     return path
+
+
+def _save_and_show(
+    save: Callable[[Path], None],
+    open_window: Callable[[], bool],
+    targets: Sequence[Path],
+    show: bool | None,
+    noun: str,
+    fallback: str,
+) -> None:
+    for target in targets:
+        save(target)
+    if not (show or (show is None and not targets)) or open_window():
+        return
+    consequence = "" if targets else f", so the {noun} goes to a file"
+    say(f"there is no display to open a window on{consequence}")
+    if not targets:
+        save(unused(Path(fallback)))
 
 
 def _save(make_replay: MakeReplay, target: Path, episode: Record | None) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator, Iterator
-from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -18,7 +17,7 @@ from warehouse_core.files.atomic import atomic_path, check_suffix
 from warehouse_core.render.window import has_display
 from warehouse_core.viz.export import FORMATS, ffmpeg, page, progress_bar, self_contained
 from warehouse_core.viz.export.gif_writer import GifWriter
-from warehouse_core.viz.figure import PAIR_DPI, SceneFigure, make_figure, make_window, save_svg
+from warehouse_core.viz.figure import SceneFigure, make_figure, make_window, save_svg
 from warehouse_core.viz.pair_scene import PairScene
 from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
@@ -226,7 +225,7 @@ def replay_of_track(
     real_number("speed", speed, above=True)
     window = has_display() if window is None else window
     make = make_window if window else make_figure
-    scene = PairScene(track, beside, partial(make, dpi=PAIR_DPI)) if beside else Scene(track, make)
+    scene = PairScene(track, beside, make) if beside else Scene(track, make)
     is_continuous = track.is_continuous or (beside is not None and beside.is_continuous)
     frame_ms = interval_ms / speed / (CONTINUOUS_FRAMES if is_continuous else 1)
     return Replay(scene, track.title, frame_ms, first_frame=first_frame)

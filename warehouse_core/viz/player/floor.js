@@ -72,10 +72,8 @@ const OUTER = 0.7;
 
 /** Return how much of the outermost cells is not shown: a border of walls is thin. */
 export function outerOf(track) {
-  const isWall = (tile, cell) => {
-    return tile === WALL || !isBorder(track, Math.floor(cell / track.width), cell % track.width);
-  };
-  return track.tiles.every((tiles) => [...tiles].every(isWall)) ? OUTER : 0;
+  track.outer ??= track.tiles.every((tiles) => isBordered(track, tiles)) ? OUTER : 0;
+  return track.outer;
 }
 
 /** Clear the outer part of the border, so that it is a thin wall. */
@@ -90,6 +88,14 @@ function drawBorder(context, track, view, theme) {
     [0, 0, outer, height],
     [width - outer, 0, outer, height],
   ]) context.fillRect(...view.box(column, row, columns, rows));
+}
+
+function isBordered(track, tiles) {
+  for (let cell = 0; cell < tiles.length; cell++) {
+    const isOuter = isBorder(track, Math.floor(cell / track.width), cell % track.width);
+    if (isOuter && tiles[cell] !== WALL && tiles[cell] !== UNSEEN) return false;
+  }
+  return true;
 }
 
 function drawStation(context, track, cell, tile, view, theme) {

@@ -11,9 +11,10 @@ export function drawSight(context, track, body, moment, view, theme) {
   if (track.viewRadius === null || !pose) return;
   const [column, row] = [Math.floor(pose.x) - track.viewRadius, Math.floor(pose.y) - track.viewRadius];
   const side = 2 * track.viewRadius + 1;
-  const [left, top] = [Math.max(column, 0), Math.max(row, 0)];
-  const [right, bottom] = [Math.min(column + side, track.width), Math.min(row + side, track.height)];
   const outer = outerOf(track);
+  const [left, top] = [Math.max(column, outer), Math.max(row, outer)];
+  const right = Math.min(column + side, track.width - outer);
+  const bottom = Math.min(row + side, track.height - outer);
   context.fillStyle = theme.shadow;
   context.beginPath();
   context.rect(...view.box(outer, outer, track.width - 2 * outer, track.height - 2 * outer));

@@ -157,10 +157,15 @@ export class Player {
     });
     found.sort((a, b) => a.time - b.time);
     const [next] = found;
-    this.seek(next ? next.time : this.end);
-    if (!next) return "no further hit, pick, drop or stuck robot";
-    const robot = next.track.robots > 1 ? `robot ${next.body}: ` : "";
-    return `${robot}${WORDS[next.what]}`;
+    const robot = next?.track.robots > 1 ? `robot ${next.body}: ` : "";
+    const words = next ? `${robot}${WORDS[next.what]}` : "no further event";
+    this.told = { time: next ? next.time : this.end, words };
+    this.seek(this.told.time);
+  }
+
+  /** The event that was gone to, in words, as long as its time is shown. */
+  get event() {
+    return this.told?.time === this.time ? this.told.words : "";
   }
 
   /** Choose a robot of a fleet by number, or `null` for none. */

@@ -62,8 +62,9 @@ export class Track {
     return this.time[this.stepFrames[Math.min(Math.max(step, 0), this.stepFrames.length - 1)]];
   }
 
+  /** Return the words for a moment: on the step that is under way or, at its end, on that one. */
   caption(moment) {
-    return this.captions[this.captionAt[moment.next]];
+    return this.captions[this.captionAt[this.tellsNext ? moment.frame : moment.next]];
   }
 
   /** Return the pose of a body, or `null` if it is not shown. A heading is in radians. */

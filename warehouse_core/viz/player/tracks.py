@@ -98,6 +98,7 @@ def _packed_track(track: Track, times: Sequence[float], columns: Columns) -> dic
         "tiles": tiles,
         "tileAt": columns.whole(tile_at, is_delta=True),
         "captions": captions,
+        "tellsNext": track.tells_next,
         "captionAt": columns.whole(caption_at, is_delta=True),
         "time": columns.whole(times, is_delta=True, unit=MILLI),
         "progress": columns.real([frame.progress for frame in frames]),

@@ -96,7 +96,8 @@ def _frames(
                 )
             )
             hits = _hits(episode, step - 1) if step else ()
-            last = Frame(rows, poses, float(step), caption, hits, fleet=fleet)
+            clock = last.clock + float(episode.seconds[step - 1].max()) if step else 0.0
+            last = Frame(rows, poses, float(step), caption, hits, clock, fleet=fleet)
             yield last
 
 
