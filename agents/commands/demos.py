@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import typer
 
 from agents.console.options import SaveReplayOption, ShowOption
-from agents.console.output import show_or_save
+from agents.console.output import Film, show_or_save
 from agents.console.terminal import say
 from agents.fleet.lanes_demo import BATTERY, ROBOTS, lanes_compared
 from agents.fleet.plan_log import PlanLog
@@ -17,7 +17,7 @@ from agents.fleet.shift import run_shift
 from agents.mapf.cbs import ConflictTree
 from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
-from agents.mapf.problem import Problem
+from agents.mapf.problem import Plan, Problem
 from agents.run_episode import run_episode
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (
@@ -35,7 +35,7 @@ from warehouse_core.motion.backends import load_backend
 from warehouse_core.records import FleetRecorder
 from warehouse_core.viz.tracks.episode_track import track_of_episode
 from warehouse_core.viz.tracks.fleet_track import track_of_fleet_episode
-from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
+from warehouse_core.viz.tracks.track import INTERVAL_MS, Frame, Pose, Track, middle
 from warehouse_core.wording import counted
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 
@@ -63,10 +63,11 @@ class Demo(NamedTuple):
 
 
 class Picture(NamedTuple):
-    """A sentence computed from the results, and what draws the picture to show."""
+    """A sentence computed from the results, what draws the picture, and tracks for a page."""
 
     said: str
     draw: Callable[[MakeFigure], SceneFigure]
+    tracks: Callable[[], Sequence[Track]]
 
 
 class Still:
@@ -183,9 +184,8 @@ def cbs() -> Picture:
     """The conflict tree of two robots that want to pass through one gap."""
     width = len(GAP[0])
     tree = ConflictTree(Problem(Graph(Layout(GAP)), [width, 2 * width - 1], [2 * width - 1, width]))
-    tree.solve(CBS_SECONDS)
-    assert tree.solution is not None, "the tree has grown"
-    alone, together = tree.nodes[0].cost, tree.solution.cost
+    plan = tree.solve(CBS_SECONDS)
+    alone, together = tree.nodes[0].cost, int(plan.costs.sum())
     said = (
         f"the ways alone cost {alone}, the optimal plan {together}, found after "
         f"{counted(len(tree.nodes), 'node')}"
@@ -196,7 +196,7 @@ def cbs() -> Picture:
 
         return tree_picture(tree, make)
 
-    return Picture(said, draw)
+    return Picture(said, draw, lambda: [_track_of_plan(plan, f"The optimal plan, cost {together}")])
 
 
 def lanes() -> Picture:
@@ -214,7 +214,7 @@ def lanes() -> Picture:
         title = f"{ROBOTS} robots led by PIBT, the same orders"
         return congestion_picture(episodes, title, make)
 
-    return Picture(said, draw)
+    return Picture(said, draw, lambda: [*map(track_of_fleet_episode, episodes.values())])
 
 
 DEMOS: dict[str, Callable[[], Demo | Picture]] = {
@@ -279,17 +279,34 @@ def demo(
     shown = DEMOS[name]()
     say(shown.said)
 
-    def make_replay(window: bool) -> Replay:
+    film, suffix = _film_of(shown)
+    show_or_save(film, save, show, f"demo-{name}.{suffix}")
+
+
+def _film_of(shown: Demo | Picture) -> tuple[Film, str]:
+    """Return what to show, and the suffix of the file that it goes to without a display."""
+    if isinstance(shown, Demo):
+        tracks = [shown.track, shown.beside] if shown.beside else [shown.track]
+        return Film(lambda: tracks), "gif"
+
+    def draw(window: bool) -> Replay:
         from warehouse_core.viz.figure import make_figure, make_window
-        from warehouse_core.viz.replay import Replay, replay_of_track
+        from warehouse_core.viz.replay import Replay
 
-        if isinstance(shown, Picture):
-            picture = Still(shown.draw(make_window if window else make_figure))
-            return Replay(picture, shown.said, INTERVAL_MS)
-        return replay_of_track(shown.track, shown.beside, window=window)
+        picture = Still(shown.draw(make_window if window else make_figure))
+        return Replay(picture, shown.tracks(), INTERVAL_MS)
 
-    suffix = "png" if isinstance(shown, Picture) else "gif"
-    show_or_save(make_replay, save, show, f"demo-{name}.{suffix}")
+    return Film(shown.tracks, draw=draw), "png"
+
+
+def _track_of_plan(plan: Plan, title: str) -> Track:
+    """Return the track of a plan in the gap."""
+    places = [[middle(divmod(cell, len(GAP[0]))) for cell in row] for row in plan.cells.tolist()]
+    frames = [
+        Frame(GAP, tuple(Pose(place, None, False) for place in row), float(step))
+        for step, row in enumerate(places)
+    ]
+    return Track(frames, {}, title=title)
 
 
 def _together(episode: FleetEpisode, title: str, ending: str) -> Track:
