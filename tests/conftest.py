@@ -81,11 +81,10 @@ def small_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw small pictures without their texts, which are most of the work."""
     from matplotlib.backends.backend_agg import RendererAgg
 
-    from warehouse_core.viz import figure, replay
+    from warehouse_core.viz import figure
 
     for make in (figure.make_figure, figure.make_window):
         monkeypatch.setattr(make, "__defaults__", (20,))
-    monkeypatch.setattr(replay, "PAIR_DPI", 20)
     monkeypatch.setattr(RendererAgg, "draw_text", lambda *_, **__: None)
 
 

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, SupportsIndex
 
 from warehouse_core.arguments import as_cell, whole_number
 from warehouse_core.motion.backends import Backend, make_motion
-from warehouse_core.motion.base import Motion, Outcome
+from warehouse_core.motion.base import Motion, Outcome, conditions_of
 from warehouse_core.task.rules import charged, is_truncated, judge
 from warehouse_core.task.settings import Settings
 from warehouse_core.task.sight import Sight
@@ -152,6 +152,7 @@ class WarehouseEnv:
             max_steps=self.max_steps,
             battery=self.max_battery,
             view_radius=self._view_radius,
+            **conditions_of(self._motion, self.layout)._asdict(),
         )
 
     def reset(self, randomize: bool | str = False, seed: int | None = None) -> Observation:

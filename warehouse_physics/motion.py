@@ -10,7 +10,7 @@ import numpy as np
 
 from warehouse_core import Cell, Layout, Outcome
 from warehouse_core.arguments import whole_number
-from warehouse_core.motion.base import check_moves, check_starts
+from warehouse_core.motion.base import Conditions, check_moves, check_starts
 from warehouse_physics.arena import Arena
 from warehouse_physics.disturbances import Disturbances, FloorConditions
 from warehouse_physics.exclusive import exclusive
@@ -66,6 +66,13 @@ class RigidBodyMotion:
         self._record_path = record_path
         self._paces = [self.spec.attainable_acceleration(loaded) for loaded in (False, True)]
         self._arena: Arena | None = None
+
+    @property
+    def conditions(self) -> Conditions:
+        """Floor and motors, for records."""
+        return Conditions(
+            tuple(sorted(self.disturbances.slippery)), self.disturbances.motor_strength
+        )
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         """Build a new arena with robots at rest; see ``Motion.reset``.

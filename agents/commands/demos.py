@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import typer
 
 from agents.console.options import SaveReplayOption, ShowOption
-from agents.console.output import Film, show_or_save
+from agents.console.output import PICTURES, Film, show_or_save, show_or_save_picture
 from agents.console.terminal import say
 from agents.fleet.lanes_demo import BATTERY, ROBOTS, lanes_compared
 from agents.fleet.plan_log import PlanLog
@@ -17,7 +17,7 @@ from agents.fleet.shift import run_shift
 from agents.mapf.cbs import ConflictTree
 from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
-from agents.mapf.problem import Plan, Problem
+from agents.mapf.problem import Problem
 from agents.run_episode import run_episode
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (
@@ -31,18 +31,18 @@ from warehouse_core import (
     WarehouseEnv,
     record_episode,
 )
+from warehouse_core.files.atomic import check_suffix
 from warehouse_core.motion.backends import load_backend
 from warehouse_core.records import FleetRecorder
 from warehouse_core.viz.tracks.episode_track import track_of_episode
 from warehouse_core.viz.tracks.fleet_track import track_of_fleet_episode
-from warehouse_core.viz.tracks.track import INTERVAL_MS, Frame, Pose, Track, middle
+from warehouse_core.viz.tracks.track import Track
 from warehouse_core.wording import counted
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 
 if TYPE_CHECKING:
     from agents.fleet.tree_picture import MakeFigure
     from warehouse_core.viz.figure import SceneFigure
-    from warehouse_core.viz.replay import Replay
 
 CORRIDOR = Layout(["########", "#P....D#", "########"])
 SLOW_MOTION = 0.025
@@ -63,24 +63,10 @@ class Demo(NamedTuple):
 
 
 class Picture(NamedTuple):
-    """A sentence computed from the results, what draws the picture, and tracks for a page."""
+    """A sentence computed from the results, and what draws the picture to show."""
 
     said: str
     draw: Callable[[MakeFigure], SceneFigure]
-    tracks: Callable[[], Sequence[Track]]
-
-
-class Still:
-    """A picture as a replay of one frame."""
-
-    def __init__(self, root: SceneFigure) -> None:
-        self.root = root
-
-    def __len__(self) -> int:
-        return 1
-
-    def show(self, frame: int) -> None:
-        """Do nothing: nothing moves."""
 
 
 def delivery() -> Demo:
@@ -122,10 +108,7 @@ def load() -> Demo:
         f"empty {empty.seconds:.1f} s and {empty.joules:.0f} J, "
         f"loaded {loaded.seconds:.1f} s and {loaded.joules:.0f} J"
     )
-    tracks = [
-        _titled(track_of_episode(e), f"{e.agent.title()}: {e.seconds:.1f} s, {e.joules:.0f} J")
-        for e in (empty, loaded)
-    ]
+    tracks = [_titled(track_of_episode(e), e.agent.title()) for e in (empty, loaded)]
     return Demo(said, tracks[0], tracks[1])
 
 
@@ -138,12 +121,14 @@ def slip() -> Demo:
     env = WarehouseEnv(CORRIDOR, backend=RigidBodyMotion(disturbances=disturbances))
     plan = [str(action) for action in planned.actions]
     slipped = drive(env, plan, "the same actions", seed=0)
+    beside = track_of_episode(slipped)
     ended = slipped.outcome if slipped.terminated else f"the item is at {slipped.cells[-1]}"
+    beside.ending = slipped.outcome if slipped.terminated else "not delivered"
     said = f"the plan delivers in {planned.steps} steps on the grid; on the slippery floor {ended}"
     return Demo(
         said,
         _titled(track_of_episode(planned), "The plan, on the grid"),
-        _titled(track_of_episode(slipped), "The same actions, columns 3 and 4 slippery"),
+        _titled(beside, "The same actions, columns 3 and 4 slippery"),
     )
 
 
@@ -184,8 +169,9 @@ def cbs() -> Picture:
     """The conflict tree of two robots that want to pass through one gap."""
     width = len(GAP[0])
     tree = ConflictTree(Problem(Graph(Layout(GAP)), [width, 2 * width - 1], [2 * width - 1, width]))
-    plan = tree.solve(CBS_SECONDS)
-    alone, together = tree.nodes[0].cost, int(plan.costs.sum())
+    tree.solve(CBS_SECONDS)
+    assert tree.solution is not None, "the tree has grown"
+    alone, together = tree.nodes[0].cost, tree.solution.cost
     said = (
         f"the ways alone cost {alone}, the optimal plan {together}, found after "
         f"{counted(len(tree.nodes), 'node')}"
@@ -196,7 +182,7 @@ def cbs() -> Picture:
 
         return tree_picture(tree, make)
 
-    return Picture(said, draw, lambda: [_track_of_plan(plan, f"The optimal plan, cost {together}")])
+    return Picture(said, draw)
 
 
 def lanes() -> Picture:
@@ -214,10 +200,10 @@ def lanes() -> Picture:
         title = f"{ROBOTS} robots led by PIBT, the same orders"
         return congestion_picture(episodes, title, make)
 
-    return Picture(said, draw, lambda: [*map(track_of_fleet_episode, episodes.values())])
+    return Picture(said, draw)
 
 
-DEMOS: dict[str, Callable[[], Demo | Picture]] = {
+DEMOS: dict[str, Callable[[], Demo]] = {
     "delivery": delivery,
     "bump": bump,
     "load": load,
@@ -225,11 +211,12 @@ DEMOS: dict[str, Callable[[], Demo | Picture]] = {
     "head-on": head_on,
     "ring": ring,
     "pibt": pibt,
-    "cbs": cbs,
-    "lanes": lanes,
 }
 
-PHYSICS = frozenset(DEMOS) - {"pibt", "cbs", "lanes"}
+STILLS: dict[str, Callable[[], Picture]] = {"cbs": cbs, "lanes": lanes}
+"""Those that are one picture."""
+
+PHYSICS = DEMOS.keys() - {"pibt"}
 """Those that need the backend."""
 
 
@@ -263,50 +250,39 @@ def drive_together(moves: Mapping[Cell, str]) -> FleetEpisode:
 
 
 def demo(
-    name: Annotated[str, typer.Argument(help=f"One of {', '.join(DEMOS)}.")],
+    name: Annotated[
+        str | None, typer.Argument(help=f"One of {', '.join([*DEMOS, *STILLS])}.")
+    ] = None,
     *,
     save: SaveReplayOption,
     show: ShowOption = None,
 ) -> None:
-    """Show a demonstration of bodies or of planners.
+    """Show a demonstration of bodies or of planners; without a name, list them.
 
     Example: warehouse demo bump --save bump.gif
     """
-    if name not in DEMOS:
-        raise typer.BadParameter(f"no demo is called {name!r}; allowed: {', '.join(DEMOS)}")
+    known = DEMOS | STILLS
+    if name is None and not save:
+        for each, make in known.items():
+            say(f"{each:<10}{(make.__doc__ or '').strip()}")
+        return
+    if name is None or name not in known:
+        given = "--save is of a demo" if name is None else f"no demo is called {name!r}"
+        raise typer.BadParameter(f"{given}; allowed: {', '.join(known)}")
+    if name in STILLS:
+        for path in save:
+            check_suffix(path, PICTURES)
+        picture = STILLS[name]()
+        say(picture.said)
+        show_or_save_picture(picture.draw, save, show, f"demo-{name}.png")
+        return
     if name in PHYSICS:
         load_backend("physics")
     shown = DEMOS[name]()
     say(shown.said)
 
-    film, suffix = _film_of(shown)
-    show_or_save(film, save, show, f"demo-{name}.{suffix}")
-
-
-def _film_of(shown: Demo | Picture) -> tuple[Film, str]:
-    """Return what to show, and the suffix of the file that it goes to without a display."""
-    if isinstance(shown, Demo):
-        tracks = [shown.track, shown.beside] if shown.beside else [shown.track]
-        return Film(lambda: tracks), "gif"
-
-    def draw(window: bool) -> Replay:
-        from warehouse_core.viz.figure import make_figure, make_window
-        from warehouse_core.viz.replay import Replay
-
-        picture = Still(shown.draw(make_window if window else make_figure))
-        return Replay(picture, shown.tracks(), INTERVAL_MS)
-
-    return Film(shown.tracks, draw=draw), "png"
-
-
-def _track_of_plan(plan: Plan, title: str) -> Track:
-    """Return the track of a plan in the gap."""
-    places = [[middle(divmod(cell, len(GAP[0]))) for cell in row] for row in plan.cells.tolist()]
-    frames = [
-        Frame(GAP, tuple(Pose(place, None, False) for place in row), float(step))
-        for step, row in enumerate(places)
-    ]
-    return Track(frames, {}, title=title)
+    tracks = [shown.track, shown.beside] if shown.beside else [shown.track]
+    show_or_save(Film(lambda: tracks), save, show, f"demo-{name}.gif")
 
 
 def _together(episode: FleetEpisode, title: str, ending: str) -> Track:

@@ -1,4 +1,4 @@
-"""Run the exploring agent, and replay the world beside its belief."""
+"""Run the exploring agent, and replay its belief with the world beside it."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def explore(
 ) -> None:
     """Explore an unknown warehouse.
 
-    The replay shows the world beside what the agent believes about it.
+    The replay shows what the agent believes, and the world beside it.
 
     Example: warehouse explore --layout maze --view-radius 1
     """

@@ -78,6 +78,7 @@ def report(
     say(page.summary)
     for answer in page.answers:
         say(f"\n{answer.question}", bold=True)
+        say(answer.verdict, bold=True)
         for sentence in answer.sentences:
             say(sentence)
     say("\n" + "\n".join(saved))

@@ -1,4 +1,4 @@
-"""A replay of the world beside the belief of an exploring agent. ``T`` is the number of steps."""
+"""A replay of an exploring agent's belief, beside the world. ``T`` is the number of steps."""
 
 from __future__ import annotations
 
@@ -83,9 +83,9 @@ def believed_tiles(layout: Layout, history: Sequence[Insight]) -> list[Rows]:
 
 
 def belief_tracks(episode: Episode, history: Sequence[Insight]) -> tuple[Track, Track]:
-    """Return the tracks of the world and of the agent's belief, with the same frames in time.
+    """Return the tracks of the agent's belief and of the world, with the same frames in time.
 
-    The charts and captions are those of the belief, because the agent acts on it.
+    The charts, captions and ending are those of the belief, because the agent acts on it.
 
     Args:
         episode: of an agent that was watched.
@@ -102,6 +102,8 @@ def belief_tracks(episode: Episode, history: Sequence[Insight]) -> tuple[Track, 
         frames=[replace(frame, caption="") for frame in belief.frames],
         metrics={},
         is_continuous=False,
+        title="The world",
+        ending="",
     )
     tiles = believed_tiles(episode.layout, history)
     counts = list(accumulate(len(insight.seen) for insight in history))
@@ -115,8 +117,9 @@ def belief_tracks(episode: Episode, history: Sequence[Insight]) -> tuple[Track, 
             frame.route = _way_ahead(pose.at, history[choice].route)
         if frame is not last:  # which keeps the diagnosis
             frame.caption = f"now {words[choice]}, {counts[choice]} cells seen"
-    belief.title, belief.ending = "What it believes", ""
-    return world, belief
+    belief.tells_next = True
+    belief.title = f"Belief of {belief.title}"
+    return belief, world
 
 
 def _way_ahead(at: Point, route: Sequence[Cell]) -> tuple[Point, ...]:

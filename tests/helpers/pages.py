@@ -73,7 +73,10 @@ def a_page(**changes: Any) -> Page:
         "title": "A title",
         "summary": "A summary",
         "methods": "The methods",
-        "answers": (Answer("Is it so?", ("It is.", "Mostly.")), Answer("And that?", ("No.",))),
+        "answers": (
+            Answer("Is it so?", "It is.", ("Mostly.",)),
+            Answer("And that?", "No.", ()),
+        ),
         "pictures": (Picture("success", "A caption", SVG),),
         "settings": (("escape", "on, off"), ("memory", "5")),
         "tables": (
@@ -96,7 +99,7 @@ def a_page_of(name: str, svg: bytes = SVG) -> Page:
         title=name,
         summary=name,
         methods=name,
-        answers=(Answer(name, (name, name)),),
+        answers=(Answer(name, name, (name, name)),),
         pictures=(Picture(name, name, svg),),
         settings=((name, name),),
         tables=(Table((name, name), ((name, name),), name),),

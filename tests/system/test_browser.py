@@ -1,24 +1,36 @@
 """The page in a real browser: it shows its pictures, loads nothing and runs nothing."""
 
+import contextlib
 import http.server
+import json
+import re
 import shutil
 import subprocess
 import threading
+import zlib
 from collections.abc import Iterator
+from html import unescape
 from pathlib import Path
 
 import numpy as np
 import pytest
 from helpers.pages import HOSTILE, a_page, a_page_of
+from helpers.results_files import fill, outcomes
 from numpy.typing import NDArray
 from PIL import Image
 
+from agents.experiments.store import Store
+from agents.reports.contents import make_page
 from agents.reports.page import write_page
 
 pytestmark = pytest.mark.browser
 
 WIDE, NARROW = (1200, 2400), (500, 2400)
 """500 is the smallest width of a window of headless Chromium."""
+
+PHONE = 420
+
+LIGHT, DARK = (f"--blink-settings=preferredColorScheme={scheme}" for scheme in (1, 0))
 
 MAGENTA, CYAN = (255, 0, 255), (0, 255, 255)
 """Of the pictures in ``pages.py``, the SVG and the GIF."""
@@ -135,16 +147,139 @@ def test_a_narrow_page_does_not_scroll_sideways(page: Path) -> None:
     assert widths == [300, 300], "each picture has been loaded"
 
 
-def test_a_dark_scheme_has_a_dark_background_and_pictures_keep_a_white_one(page: Path) -> None:
+def test_a_dark_scheme_has_a_dark_background_and_replays_keep_a_white_one(page: Path) -> None:
     write_page(page, a_page())
-    light = screenshot(page, WIDE, "--blink-settings=preferredColorScheme=1")
-    dark = screenshot(page, WIDE, "--blink-settings=preferredColorScheme=0")
+    light = screenshot(page, WIDE, LIGHT)
+    dark = screenshot(page, WIDE, DARK)
     assert light[5, 5].min() > 240
     assert dark[5, 5].max() < 50
-    rows, cols = np.nonzero((dark == MAGENTA).all(axis=-1))
-    beside = dark[rows[0], cols[0] - 5]
-    assert beside.min() > 240
+    for color, is_dark in ((MAGENTA, True), (CYAN, False)):
+        rows, cols = np.nonzero((np.abs(dark.astype(int) - color) <= 3).all(axis=-1))
+        beside = dark[rows[0], cols[0] - 5]
+        assert beside.max() < 50 if is_dark else beside.min() > 240
     assert area(dark, CYAN) > 0.95 * 300 * 100
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a page of real results, whose figures are of each kind."""
+    folder = tmp_path_factory.mktemp("drawn")
+    hall = folder / "hall.txt"
+    hall.write_text("########\n#P....D#\n########\n")
+    cases = [
+        ({"layout": layout, "battery": battery}, outcomes("d" * battery + "w" * (9 - battery)))
+        for layout in ("default", str(hall))
+        for battery in (2, 4, 8)
+    ]
+    page = folder / "report.html"
+    with Store(fill(folder / "results.sqlite", cases), read_only=True) as store:
+        write_page(page, make_page(store, ()))
+    return page
+
+
+def test_figures_are_dark_in_a_dark_scheme_and_light_in_a_light_one(drawn: Path) -> None:
+    light, dark = (screenshot(drawn, (1200, 3600), scheme) for scheme in (LIGHT, DARK))
+    assert light.shape == dark.shape
+    for pixels, bright in ((light, True), (dark, False)):
+        brightest = pixels.min(axis=-1)
+        assert (np.mean(brightest > 200) > 0.7) == bright
+        assert (np.mean(brightest > 200) < 0.05) != bright
+    # Text, axes, bars and heat differ from the paper in both.
+    assert np.mean(np.abs(dark.astype(int) - dark[5, 5]).max(axis=-1) > 60) > 0.03
+
+
+def inspected(page: Path, expression: str, *words: str) -> str:
+    """Return the value of an expression in a copy of a page in a frame as wide as a phone.
+
+    The policy of the page forbids every script, so it is removed from the copy.
+    """
+    text = page.read_text(encoding="utf-8")
+    assert "default-src 'none'" in text
+    copy, frame = page.with_name("copy.html"), page.with_name("frame.html")
+    script = (
+        "<script>addEventListener('load', () => "
+        f"parent.postMessage(String({expression}), '*'))</script>"
+    )
+    copy.write_text(
+        text.replace("default-src 'none'; ", "").replace("</body>", f"{script}</body>"),
+        encoding="utf-8",
+    )
+    frame.write_text(
+        "<!DOCTYPE html><title></title>"
+        "<script>addEventListener('message', event => document.title = event.data)</script>"
+        f"<iframe src='copy.html' width={PHONE} height=900 style='border: 0'></iframe>",
+        encoding="utf-8",
+    )
+    dom = chromium(page.parent, "--virtual-time-budget=9000", *words, "--dump-dom", frame.as_uri())
+    return unescape(dom.partition("<title>")[2].partition("</title>")[0])
+
+
+def test_nothing_but_what_scrolls_in_its_box_is_wider_than_a_phone(drawn: Path) -> None:
+    found = json.loads(
+        inspected(
+            drawn,
+            "(document.querySelectorAll('details').forEach(each => each.open = true),"
+            "JSON.stringify({"
+            "screen: innerWidth, whole: document.documentElement.scrollWidth,"
+            "wide: [...document.body.querySelectorAll('*')].filter(each => "
+            "!each.parentElement.closest('.scroll') && (each.getBoundingClientRect().right > "
+            "innerWidth || (each.scrollWidth > each.clientWidth && each.clientWidth && "
+            "!each.matches('.scroll')))).map(each => each.outerHTML.slice(0, 80)),"
+            "scrolls: [...document.querySelectorAll('.scroll')].map(each => "
+            "getComputedStyle(each).overflowX),"
+            "shrunk: [...document.images].filter(each => "
+            "each.getBoundingClientRect().width < each.naturalWidth - 1).length,"
+            "images: document.images.length}))",
+        )
+    )
+    assert found["screen"] == found["whole"] == PHONE
+    assert found["wide"] == []
+    assert set(found["scrolls"]) == {"auto"}
+    assert found["images"] == 5
+    assert found["shrunk"] == 0, "their text would be less than 12 pixels high"
+
+
+def test_the_verdicts_are_seen_at_once_and_the_evidence_after_a_click(drawn: Path) -> None:
+    found = json.loads(
+        inspected(
+            drawn,
+            "JSON.stringify([...document.querySelectorAll('.answer')].map(each => [each.innerText,"
+            "getComputedStyle(each.querySelector('strong')).fontWeight >= 600,"
+            "(each.querySelector('details').open = true, each.innerText)]))",
+        )
+    )
+    assert len(found) == 2
+    for folded, is_bold, opened in found:
+        question, verdict, *others = folded.split("\n\n")
+        assert question.endswith("?")
+        assert verdict.endswith(".")
+        assert others == ["Evidence"]
+        assert is_bold
+        assert opened.startswith(folded)
+        assert "uccess " in opened.removeprefix(folded)
+
+
+def printed(page: Path, scheme: str) -> list[bytes]:
+    """Return what is drawn on the sheets of a printed page, as streams of PDF operators."""
+    file = page.with_suffix(".pdf")
+    chromium(page.parent, f"--print-to-pdf={file}", "--no-pdf-header-footer", scheme, page.as_uri())
+    streams = []
+    for found in re.finditer(rb"stream\r?\n(.*?)endstream", file.read_bytes(), re.DOTALL):
+        with contextlib.suppress(zlib.error):
+            streams.append(zlib.decompress(found[1]))
+    return [stream for stream in streams if re.search(rb" (cm|rg)\b", stream)]
+
+
+def test_a_printed_page_is_light_and_its_details_are_open(drawn: Path) -> None:
+    light, dark = printed(drawn, LIGHT), printed(drawn, DARK)
+    assert light == dark
+    text = drawn.read_text(encoding="utf-8")
+    opened = drawn.with_name("open.html")
+    opened.write_text(text.replace("<details>", "<details open>"), encoding="utf-8")
+    glyphs = [b"".join(re.findall(rb"<([0-9A-F]+)> Tj", b"".join(sheet)))
+              for sheet in (dark, printed(opened, LIGHT))]  # fmt: skip
+    assert len(glyphs[0]) > 4 * 1000
+    assert len(glyphs[0]) == len(glyphs[1])
 
 
 def test_names_run_no_script_and_load_nothing(page: Path, server: tuple[str, list[str]]) -> None:

@@ -45,7 +45,7 @@ MAY_IMPORT = {
     "warehouse_core/viz/export": "errors extras render",
     "warehouse_core/viz": (
         "arguments errors files records render viz/axes viz/export viz/player viz/tracks "
-        "warehouse_env world"
+        "warehouse_env wording world"
     ),
     "warehouse_core/warehouse_viz": "arguments files records viz viz/export viz/tracks",
     "warehouse_physics/exclusive": "",
@@ -102,8 +102,8 @@ EXPORTS = {
         FORMS ID Extent Form WarehouseGymnasiumEnv WarehouseVectorEnv make_form
     """,
     "warehouse_core.motion": """
-        BatchMotion BatchOutcome Batchable Contact Motion Outcome backend_names
-        load_backend make_motion
+        BatchMotion BatchOutcome Batchable Conditions Contact HasConditions Motion Outcome
+        backend_names load_backend make_motion
     """,
     "warehouse_core.orders": "Order OrderQueue OrderStream load_orders save_orders",
     "warehouse_core.pettingzoo_env": "env parallel_env",

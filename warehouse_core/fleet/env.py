@@ -18,7 +18,7 @@ from warehouse_core.fleet.people import People
 from warehouse_core.fleet.settings import FleetSettings, as_orders
 from warehouse_core.fleet.tally import FleetMeasures
 from warehouse_core.motion.backends import Backend, make_motion
-from warehouse_core.motion.base import Outcome
+from warehouse_core.motion.base import Outcome, conditions_of
 from warehouse_core.motion.vector import Flags
 from warehouse_core.orders.order import Order, OrderArrays, Orders
 from warehouse_core.wording import brief
@@ -93,6 +93,7 @@ class FleetEnv:
         settings: the arguments that follow it.
         backend: its name, or that of its class if it was given as a class or instance.
         cell_size: side of a cell in metres.
+        conditions: of floor and motors, as the backend gives them.
         assignments: the calls of ``assign`` in this episode: steps taken, robot and order.
 
     Raises:
@@ -133,7 +134,7 @@ class FleetEnv:
             team_reward=team_reward,
         )
         motion = make_motion(backend)
-        self.cell_size = motion.cell_size
+        self.cell_size, self.conditions = motion.cell_size, conditions_of(motion, self.layout)
         self.backend = backend if isinstance(backend, str) else type(motion).__name__
         self._fleets = make_fleets([self.layout], self.settings, motion)
         self._warn_of_supply(self.cell_size)

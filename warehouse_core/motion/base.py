@@ -25,6 +25,38 @@ from warehouse_core.world.tiles import Cell
 WALL_CONTACT = "wall"
 
 
+class Conditions(NamedTuple):
+    """How far the floor and the motors of a motion are known to differ from the nominal.
+
+    Attributes:
+        slippery: cells with slippery floor.
+        motor_strength: actual share of the motor force, 0 to 1.
+    """
+
+    slippery: tuple[Cell, ...] = ()
+    motor_strength: float = 1.0
+
+
+@runtime_checkable
+class HasConditions(Protocol):
+    """What a motion offers whose conditions are to be recorded, and drawn in replays."""
+
+    @property
+    def conditions(self) -> Conditions:
+        """Floor and motors."""
+
+
+def conditions_of(motion: object, layout: Layout) -> Conditions:
+    """Return the conditions of a motion in a layout, in whose open cells the floor may be slippery.
+
+    Those of a motion that has none are nominal.
+    """
+    if not isinstance(motion, HasConditions):
+        return Conditions()
+    slippery, strength = motion.conditions
+    return Conditions(tuple(filter(layout.is_open, sorted(slippery))), float(strength))
+
+
 def robot_contact(robot: int) -> str:
     """Return the name of a robot as the counterpart of a contact."""
     return f"robot {robot}"

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import operator
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import asdict
 from typing import Any, TypeVar
 
@@ -21,6 +21,7 @@ from warehouse_core.files.npz import Arrays, Schema
 from warehouse_core.motion.base import Contact, Outcome
 from warehouse_core.task.settings import Settings
 from warehouse_core.world.layout import MAX_CELLS, Layout, check_size
+from warehouse_core.world.tiles import Cell
 
 FORMAT = "warehouse-lab episode 1"
 
@@ -159,9 +160,17 @@ def unpack_fields(arrays: Arrays) -> Fields:
     for cell in (fields["settings"].start_pos, *fields["cells"]):
         if not fields["layout"].is_open(cell):
             raise RecordError(f"no robot can be where {fields['layout'].describe(cell)}")
+    check_slippery(fields["layout"], fields["settings"].slippery)
     if [motion.cell for motion in fields["motions"]] != fields["cells"][1:]:
         raise RecordError("the motions end in other cells than the robot was in")
     return fields
+
+
+def check_slippery(layout: Layout, cells: Iterable[Cell]) -> None:
+    """Raise ``RecordError`` unless these cells are open."""
+    for cell in cells:
+        if not layout.is_open(cell):
+            raise RecordError(f"no floor is slippery where {layout.describe(cell)}")
 
 
 def pack_layout(layout: Layout) -> NDArray[np.uint8]:

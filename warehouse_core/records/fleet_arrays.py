@@ -25,6 +25,7 @@ from warehouse_core.records.episode_arrays import (
     MOTION_SCHEMA,
     Fields,
     check_numbers,
+    check_slippery,
     pack_header,
     pack_layout,
     pack_motions,
@@ -32,6 +33,7 @@ from warehouse_core.records.episode_arrays import (
     unpack_layout,
     unpack_motions,
 )
+from warehouse_core.task.settings import conditions_in
 from warehouse_core.world.actions import INVALID
 from warehouse_core.world.layout import Layout
 
@@ -85,7 +87,7 @@ def pack(fields: Fields) -> Arrays:
         "settings": fields["settings"].to_json(),
         "measures": {name: None if math.isnan(x) else x for name, x in measures.items()},
         "counterparts": counterparts,
-    } | {name: fields[name] for name in HEADER_TYPES}
+    } | {name: fields[name] for name in (*HEADER_TYPES, "slippery", "motor_strength")}
     return {
         "header": pack_header(header),
         "layout": pack_layout(fields["layout"]),
@@ -110,6 +112,8 @@ def unpack(arrays: Arrays) -> Fields:
     _check_orders(arrays["orders"], layout, settings.robots, steps)
     fields: Fields = {name: header[name] for name in HEADER_TYPES}
     fields |= {name: arrays[name] for name in (*FRAME_COLUMNS, *STEP_COLUMNS, *END_COLUMNS)}
+    fields |= conditions_in(header)
+    check_slippery(layout, fields["slippery"])
     return fields | {
         "layout": layout,
         "settings": settings,

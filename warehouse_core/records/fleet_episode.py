@@ -36,6 +36,7 @@ from warehouse_core.records.fleet_arrays import (
 )
 from warehouse_core.wording import counted
 from warehouse_core.world.layout import Layout
+from warehouse_core.world.tiles import Cell
 
 NO_PATHS = ("grid", GridMotion.__name__)
 """Backends whose robots drive straight from cell to cell, so that the cells say it all."""
@@ -85,6 +86,8 @@ class FleetEpisode:
         measures: of the whole episode.
         motions: ``[T]`` outcomes of the robots and then the people; none for backends whose robots
             drive straight from cell to cell.
+        slippery: open cells whose floor the backend says is slippery.
+        motor_strength: actual share of the motor force.
     """
 
     layout: Layout
@@ -108,6 +111,8 @@ class FleetEpisode:
     assignments: list[tuple[int, int, int | None]]
     measures: FleetMeasures
     motions: list[tuple[Outcome, ...]] = field(default_factory=list)
+    slippery: tuple[Cell, ...] = ()
+    motor_strength: float = 1.0
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, FleetEpisode):
@@ -237,6 +242,7 @@ class FleetRecorder:
             assignments=list(env.assignments),
             measures=env.measures,
             motions=list(self._motions),
+            **env.conditions._asdict(),
         )
 
     def _keep_frame(self) -> None:

@@ -13,7 +13,8 @@ class Settings:
     """The arguments of ``WarehouseEnv`` that are not its layout.
 
     ``backend`` is the name of the backend, or of its class if it was given as a class or instance.
-    ``cell_size`` is in metres, ``battery`` in units of one step.
+    ``cell_size`` is in metres, ``battery`` in units of one step. ``slippery`` are the open cells
+    with slippery floor and ``motor_strength`` the actual share of the motor force, if known.
     """
 
     backend: str
@@ -22,6 +23,8 @@ class Settings:
     max_steps: int
     battery: int
     view_radius: int
+    slippery: tuple[Cell, ...] = ()
+    motor_strength: float = 1.0
 
     @classmethod
     def from_json(cls, values: Any) -> Settings:
@@ -30,6 +33,8 @@ class Settings:
         Raises:
             ValueError: a key is missing or unknown, or a value is of the wrong type or size.
         """
+        if isinstance(values, dict):
+            values = {"slippery": [], "motor_strength": 1.0} | values  # older records have neither
         if not isinstance(values, dict) or values.keys() != set(cls.__slots__):
             raise ValueError(f"settings must have the keys {', '.join(cls.__slots__)}")
         minima = {"max_steps": 1, "battery": 1, "view_radius": 0}
@@ -38,9 +43,29 @@ class Settings:
                 raise ValueError(f"{name} is {values[name]!r}; it must be an integer >= {minimum}")
         if not isinstance(values["backend"], str):
             raise ValueError(f"backend is {values['backend']!r}; it must be a name")
-        size, start = values["cell_size"], values["start_pos"]
+        size = values["cell_size"]
         if type(size) is not float or not 0 < size < float("inf"):
             raise ValueError(f"cell_size is {size!r}; it must be positive and finite")
-        if not isinstance(start, list) or [type(part) for part in start] != [int, int]:
-            raise ValueError(f"start_pos is {start!r}; it must be a row and a column")
-        return cls(**values | {"start_pos": (start[0], start[1])})
+        start = _cell("start_pos", values["start_pos"])
+        return cls(**values | {"start_pos": start} | conditions_in(values))
+
+
+def conditions_in(values: dict[str, Any]) -> dict[str, Any]:
+    """Return ``slippery`` and ``motor_strength`` of a JSON object, nominal if they are missing.
+
+    Raises:
+        ValueError: one of them is of the wrong type or size.
+    """
+    cells, strength = values.get("slippery", []), values.get("motor_strength", 1.0)
+    if type(strength) is not float or not 0 <= strength <= 1:
+        raise ValueError(f"motor_strength is {strength!r:.200}; it must be a share from 0 to 1")
+    if not isinstance(cells, list):
+        raise ValueError(f"slippery is {cells!r:.200}; it must be a list of cells")
+    slippery = tuple(_cell("slippery", cell) for cell in cells)
+    return {"slippery": slippery, "motor_strength": strength}
+
+
+def _cell(name: str, value: Any) -> Cell:
+    if not isinstance(value, list) or [type(part) for part in value] != [int, int]:
+        raise ValueError(f"{name} is {value!r:.200}; it must be a row and a column")
+    return value[0], value[1]

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.patches import Polygon, Rectangle
 from matplotlib.text import Text
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import EngFormatter, MaxNLocator
 
 from warehouse_core.render.palette import (
     BATTERY,
@@ -24,19 +24,49 @@ from warehouse_core.render.palette import (
 )
 from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.figure import SceneFigure
-from warehouse_core.viz.tracks.track import Track
+from warehouse_core.viz.tracks.track import Frame, Track
 from warehouse_core.world.tiles import DROPOFF, PICKUP, TILES
 
 LOW_BATTERY = 0.2
 """Share of a full battery below which the bar shows a warning."""
 
 
+class TimeAxis:
+    """The horizontal axis of charts: steps, or simulated seconds.
+
+    Args:
+        end: the last step or second to leave room for.
+        clocks: ``[S]`` the seconds at which each step was complete; ``None`` counts steps.
+    """
+
+    def __init__(self, end: float, clocks: Sequence[float] | None = None) -> None:
+        self.end, self._clocks = end, clocks
+        self.in_seconds = clocks is not None
+        self.label = "seconds" if self.in_seconds else "step"
+
+    @classmethod
+    def of(cls, track: Track) -> TimeAxis:
+        """Return the axis of a complete track: in seconds if its motion is continuous."""
+        if track.is_continuous:
+            return cls(track.frames[-1].clock, track.clocks)
+        return cls(track.steps)
+
+    def of_steps(self, last: int) -> list[float]:
+        """Return the places of the steps 0 to ``last``."""
+        steps = range(last + 1)
+        return [*steps] if self._clocks is None else [self._clocks[step] for step in steps]
+
+    def of_frame(self, frame: Frame) -> float:
+        """Return the place of a frame."""
+        return frame.clock if self.in_seconds else frame.progress
+
+
 class RewardChart:
     """Cumulative reward as a line, the reward of each step as a bar."""
 
-    def __init__(self, figure: SceneFigure, axes: Axes, track: Track, length: int) -> None:
-        prepare(axes, "cumulative reward (bars: each step)", length)
-        self._axes = axes
+    def __init__(self, figure: SceneFigure, axes: Axes, track: Track, time: TimeAxis) -> None:
+        prepare(axes, "cumulative reward (bars: each step)", time)
+        self._axes, self._time, self.scales = axes, time, (axes,)
         axes.axhline(0, color=FAINT, linewidth=0.8, zorder=0)
         self._bars = LineCollection([], colors=[BATTERY], linewidths=1.6, alpha=0.7)
         axes.add_collection(self._bars, autolim=False)
@@ -53,9 +83,10 @@ class RewardChart:
         last = track.step_at(frame)
         rewards, totals = _rewards(track, last + 1)
         fit(self._axes, [*rewards, *totals])
-        self._bars.set_segments([[(step, 0.0), (step, r)] for step, r in enumerate(rewards)])
-        self._line.set_data(range(last + 1), totals)
-        self._head.set_data([last], [totals[-1]])
+        times = self._time.of_steps(last)
+        self._bars.set_segments([[(x, 0.0), (x, r)] for x, r in zip(times, rewards, strict=True)])
+        self._line.set_data(times, totals)
+        self._head.set_data(times[-1:], totals[-1:])
 
 
 class DistanceChart:
@@ -64,11 +95,11 @@ class DistanceChart:
     NAMES: ClassVar[dict[str, str]] = {PICKUP: "dist_pickup", DROPOFF: "dist_dropoff"}
     STYLES: ClassVar[dict[str, LineStyle]] = {PICKUP: "-", DROPOFF: (0, (4, 1.5))}
 
-    def __init__(self, figure: SceneFigure, axes: Axes, track: Track, length: int) -> None:
-        self._axes = axes
+    def __init__(self, figure: SceneFigure, axes: Axes, track: Track, time: TimeAxis) -> None:
+        self._axes, self._time, self.scales = axes, time, (axes,)
         self._tiles = [tile for tile, name in self.NAMES.items() if name in track.metrics]
         stations = " and ".join(TILES[tile] for tile in self._tiles)
-        prepare(axes, f"distance to {stations} (cells)", length)
+        prepare(axes, f"distance to {stations} (cells)", time)
         axes.set_ylim(-0.5, 1)
         self._lines = {
             tile: axes.plot([], [], color=COLORS[tile], linestyle=self.STYLES[tile], linewidth=1.8)[
@@ -85,13 +116,14 @@ class DistanceChart:
     def show(self, track: Track, frame: int) -> None:
         """Draw everything up to the last complete step of ``frame``."""
         last = track.step_at(frame)
+        times = self._time.of_steps(last)
         for tile in self._tiles:
             distances = track.metrics[self.NAMES[tile]][: last + 1]
             fit(self._axes, distances)
-            self._lines[tile].set_data(range(last + 1), distances)
+            self._lines[tile].set_data(times, distances)
             here = distances[-1]
             self._letters[tile].set_visible(not math.isnan(here))
-            self._letters[tile].set_position((last, 0.0 if math.isnan(here) else here))
+            self._letters[tile].set_position((times[-1], 0.0 if math.isnan(here) else here))
 
     def _letter(self, tile: str) -> Text:
         disc = {"boxstyle": "circle,pad=0.15", "facecolor": COLORS[tile], "linewidth": 0}
@@ -101,32 +133,38 @@ class DistanceChart:
 
 
 class MotionChart:
-    """Speed as a line, and the energy used so far as an area with its own scale."""
+    """Energy used so far as an area, and the speed of continuous motions as a line."""
 
-    def __init__(self, figure: SceneFigure, axes: Axes, track: Track, length: int) -> None:
-        prepare(axes, "speed (m/s, line) and energy used (J, area)", length)
-        self._axes, self._energy_axes = axes, axes.twinx()
+    def __init__(self, figure: SceneFigure, axes: Axes, track: Track, time: TimeAxis) -> None:
+        speed = "speed (m/s, line), " if track.is_continuous else ""
+        prepare(axes, f"{speed}energy used (area)", time)
+        axes.yaxis.set_visible(track.is_continuous)
+        self._axes, self._energy_axes, self._time = axes, axes.twinx(), time
+        self.scales = (self._axes, self._energy_axes)
         self._energy_axes.set_zorder(axes.get_zorder() - 1)
         axes.patch.set_visible(False)
         self._energy_axes.spines[:].set_visible(False)
-        self._energy_axes.tick_params(labelsize=7, labelcolor="0.45", length=0, pad=1)
+        self._energy_axes.tick_params(labelsize=8, labelcolor="0.35", length=0, pad=3)
         self._energy_axes.yaxis.set_major_locator(MaxNLocator(nbins=3))
+        self._energy_axes.yaxis.set_major_formatter(EngFormatter(unit="J"))
         self._area = Polygon([(0, 0), (0, 0)], closed=True, facecolor=FAINT, linewidth=0)
         self._energy_axes.add_patch(self._area)
         self._line = axes.plot([], [], color=BATTERY, linewidth=1.2)[0]
         for mover in (self._area, self._line):
             figure.add_mover(mover)
-        axes.set_ylim(-0.05, 1)
-        self._energy_axes.set_ylim(0, 100)
+        axes.set_ylim(0, 1)
+        self._energy_axes.set_ylim(0, 1)
         self._fit(track)
 
     def show(self, track: Track, frame: int) -> None:
         """Draw everything up to ``frame``."""
         self._fit(track)
         frames = track.frames[: frame + 1]
-        self._line.set_data([f.progress for f in frames], [f.speed for f in frames])
-        edge = [(f.progress, f.energy) for f in frames]
-        self._area.set_xy([(0.0, 0.0), *edge, (frames[-1].progress, 0.0)])
+        times = list(map(self._time.of_frame, frames))
+        if track.is_continuous:
+            self._line.set_data(times, [each.speed for each in frames])
+        edge = [(x, each.energy) for x, each in zip(times, frames, strict=True)]
+        self._area.set_xy([(0.0, 0.0), *edge, (times[-1], 0.0)])
 
     def _fit(self, track: Track) -> None:
         fit(self._axes, [max(frame.speed for frame in track.frames)])
@@ -161,11 +199,12 @@ class BatteryBar:
         self._text.set_text(f"battery {units}{warning}")
 
 
-def prepare(axes: Axes, title: str, count: int) -> None:
-    """Give a chart its title and an axis for ``count`` steps."""
+def prepare(axes: Axes, title: str, time: TimeAxis) -> None:
+    """Give a chart its title and its horizontal axis."""
     axes.set_title(title, fontsize=9, loc="left", color=INK, pad=4)
-    axes.set_xlim(-0.5, max(count - 0.5, 1))
-    axes.xaxis.set_major_locator(MaxNLocator(nbins=8, integer=True))
+    room = 0.02 * time.end if time.in_seconds else 0.5
+    axes.set_xlim(-room, max(time.end + room, 1))
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=8, integer=not time.in_seconds))
     style_chart(axes)
 
 

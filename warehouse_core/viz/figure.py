@@ -23,9 +23,6 @@ from warehouse_core.render.palette import indexed_palette
 
 DPI = 100
 
-PAIR_DPI = 70
-"""For two pictures side by side, which would be wider than a screen."""
-
 
 class SceneFigure(Figure):
     """A ``Figure`` with movers: artists that are drawn last and do not make it stale."""

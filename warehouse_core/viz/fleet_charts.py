@@ -9,7 +9,7 @@ from matplotlib.patches import Polygon
 from matplotlib.ticker import MaxNLocator
 
 from warehouse_core.render.palette import BATTERY, FAINT, INK, WARNING
-from warehouse_core.viz.charts import fit, prepare
+from warehouse_core.viz.charts import TimeAxis, fit, prepare
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.tracks.track import Shift, Track
 
@@ -24,8 +24,9 @@ def _shift_of(track: Track) -> Shift:
 class DeliveryChart:
     """Orders released and delivered so far."""
 
-    def __init__(self, figure: SceneFigure, axes: Axes, track: Track, length: int) -> None:
-        prepare(axes, "orders delivered (thin line: released)", length)
+    def __init__(self, figure: SceneFigure, axes: Axes, track: Track, time: TimeAxis) -> None:
+        prepare(axes, "orders delivered (thin line: released)", time)
+        self._time, self.scales = time, (axes,)
         axes.yaxis.set_major_locator(MaxNLocator(nbins=5, integer=True))
         style: dict[str, Any] = {"color": INK, "drawstyle": "steps-post"}
         self._released = axes.plot([], [], linewidth=0.8, **style)[0]
@@ -38,16 +39,17 @@ class DeliveryChart:
 
     def show(self, track: Track, frame: int) -> None:
         """Draw everything up to the last complete step of ``frame``."""
-        steps, shift = range(track.step_at(frame) + 1), _shift_of(track)
-        self._released.set_data(steps, shift.released[: len(steps)])
-        self._delivered.set_data(steps, shift.delivered[: len(steps)])
+        times, shift = self._time.of_steps(track.step_at(frame)), _shift_of(track)
+        self._released.set_data(times, shift.released[: len(times)])
+        self._delivered.set_data(times, shift.delivered[: len(times)])
 
 
 class LatenessChart:
     """By how many steps each delivery was late; dots on time, triangles late."""
 
-    def __init__(self, figure: SceneFigure, axes: Axes, track: Track, length: int) -> None:
-        prepare(axes, "lateness of each delivery (steps; ▲ late)", length)
+    def __init__(self, figure: SceneFigure, axes: Axes, track: Track, time: TimeAxis) -> None:
+        prepare(axes, "lateness of each delivery (steps; ▲ late)", time)
+        self._time, self.scales = time, (axes,)
         axes.axhline(0, color=INK, linewidth=0.8, zorder=0)
         style: dict[str, Any] = {"linestyle": "none", "markeredgewidth": 0}
         self._on_time = axes.plot([], [], marker="o", markersize=3.5, color=BATTERY, **style)[0]
@@ -60,18 +62,20 @@ class LatenessChart:
     def show(self, track: Track, frame: int) -> None:
         """Draw everything up to the last complete step of ``frame``."""
         last = track.step_at(frame)
-        shown = [(step, late) for step, late in _shift_of(track).lateness if step <= last]
+        times, lateness = self._time.of_steps(last), _shift_of(track).lateness
+        shown = [(times[step], late) for step, late in lateness if step <= last]
         for line, is_late in ((self._on_time, False), (self._late, True)):
             points = [point for point in shown if (point[1] > 0) == is_late]
-            line.set_data([step for step, _ in points], [late for _, late in points])
+            line.set_data([x for x, _ in points], [late for _, late in points])
 
 
 class EnergyChart:
     """The batteries as lines, and the energy used so far as an area with its own scale."""
 
-    def __init__(self, figure: SceneFigure, axes: Axes, track: Track, length: int) -> None:
-        prepare(axes, "battery (%; thin line: lowest) and energy (kJ, area)", length)
+    def __init__(self, figure: SceneFigure, axes: Axes, track: Track, time: TimeAxis) -> None:
+        prepare(axes, "battery (%; thin line: lowest) and energy (kJ, area)", time)
         energy = axes.twinx()
+        self._time, self.scales = time, (axes, energy)
         energy.set_zorder(axes.get_zorder() - 1)
         axes.patch.set_visible(False)
         energy.spines[:].set_visible(False)
@@ -88,11 +92,12 @@ class EnergyChart:
 
     def show(self, track: Track, frame: int) -> None:
         """Draw everything up to the last complete step of ``frame``."""
-        steps, shift = range(track.step_at(frame) + 1), _shift_of(track)
-        self._mean.set_data(steps, [100 * share for share in shift.battery[: len(steps)]])
-        self._lowest.set_data(steps, [100 * share for share in shift.lowest[: len(steps)]])
-        edge = [(step, shift.joules[step] / 1000) for step in steps]
-        self._area.set_xy([(0.0, 0.0), *edge, (steps[-1], 0.0)])
+        times, shift = self._time.of_steps(track.step_at(frame)), _shift_of(track)
+        count = len(times)
+        self._mean.set_data(times, [100 * share for share in shift.battery[:count]])
+        self._lowest.set_data(times, [100 * share for share in shift.lowest[:count]])
+        edge = zip(times, (joules / 1000 for joules in shift.joules), strict=False)
+        self._area.set_xy([(0.0, 0.0), *edge, (times[-1], 0.0)])
 
 
 FLEET_CHARTS = (DeliveryChart, LatenessChart, EnergyChart)

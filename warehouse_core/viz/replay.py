@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -17,7 +16,7 @@ from warehouse_core.files.atomic import atomic_path, check_suffix
 from warehouse_core.render.window import has_display
 from warehouse_core.viz.export import FORMATS, ffmpeg, progress_bar
 from warehouse_core.viz.export.gif_writer import GifWriter
-from warehouse_core.viz.figure import PAIR_DPI, SceneFigure, make_figure, make_window, save_svg
+from warehouse_core.viz.figure import SceneFigure, make_figure, make_window, save_svg
 from warehouse_core.viz.pair_scene import PairScene
 from warehouse_core.viz.player import player_frame, save_page
 from warehouse_core.viz.scene import Scene
@@ -223,7 +222,7 @@ def replay_of_track(
     real_number("speed", speed, above=True)
     window = has_display() if window is None else window
     make = make_window if window else make_figure
-    scene = PairScene(track, beside, partial(make, dpi=PAIR_DPI)) if beside else Scene(track, make)
+    scene = PairScene(track, beside, make) if beside else Scene(track, make)
     is_continuous = track.is_continuous or (beside is not None and beside.is_continuous)
     frame_ms = interval_ms / speed / (CONTINUOUS_FRAMES if is_continuous else 1)
     tracks = (track, beside) if beside else (track,)

@@ -15,7 +15,7 @@ from matplotlib.figure import SubFigure
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.palette import INK
 from warehouse_core.viz.axes import box_in
-from warehouse_core.viz.charts import BatteryBar, DistanceChart, MotionChart, RewardChart
+from warehouse_core.viz.charts import BatteryBar, DistanceChart, MotionChart, RewardChart, TimeAxis
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.fleet_charts import (
     FLEET_CHARTS,
@@ -35,7 +35,7 @@ MakeFigure = Callable[[tuple[float, float]], SceneFigure | SubFigure]
 
 GRID_INCHES, FLEET_INCHES = (6.4, 4.6), (10.0, 6.4)
 """Maximum width and height of the grid; that of a fleet has room for numbers on robots."""
-MAX_CELL_INCHES = 0.55
+MAX_CELL_INCHES = 0.9
 CHART_INCHES = 3.3
 MARGIN = 0.3
 HEAD, FOOT, FLEET_FOOT, BAR = 0.85, 0.75, 1.0, 0.26
@@ -94,6 +94,7 @@ class Scene:
     ) -> None:
         self._track = track
         self._length = length or track.steps + 1
+        self._time = TimeAxis(length - 1) if length else TimeAxis.of(track)
         foot = FLEET_FOOT if track.is_fleet else FOOT
         plan = Plan(track, foot if legend else MARGIN, body)
         self.figure = make_figure(plan.size)
@@ -164,9 +165,9 @@ class Scene:
         for kind in kinds:
             top = HEAD + len(charts) * (height + gap)
             axes = self._axes(MARGIN + plan.left_width + 0.75, top, CHART_INCHES, height)
-            charts.append(kind(self.root, axes, self._track, self._length))
+            charts.append(kind(self.root, axes, self._track, self._time))
             if kind is kinds[-1]:
-                axes.set_xlabel("step", fontsize=8, labelpad=1)
+                axes.set_xlabel(self._time.label, fontsize=8, labelpad=1)
         return charts
 
     def _make_texts(self) -> None:

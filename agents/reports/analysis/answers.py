@@ -7,29 +7,36 @@ series are summarised in one sentence.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from agents.evaluation.wording import points, sentence
+from agents.evaluation.wording import percent, points, sentence
 from agents.experiments.parameters import PARAMETERS, shown
-from agents.reports.analysis import statements
-from agents.reports.analysis.comparison import compare
+from agents.reports.analysis import statements, verdicts
+from agents.reports.analysis.comparison import Comparison, compare
 from agents.reports.analysis.design import Design, Factor, Series, described
 from agents.reports.analysis.results import AnyResults, Deliveries, Experiment
-from agents.reports.analysis.statements import Point
+from agents.reports.analysis.statements import SIGNIFICANCE, Point
+from agents.reports.analysis.verdicts import Place
 from warehouse_core.wording import counted
 
 OTHER_TASKS = {"layout", "size", "density", "stations"}
 """If one of these differs, equal seeds are different tasks, and are not compared."""
+
+HARDEST_FIRST = "layout"
+"""The question about it is which is hardest; that about others is which does best."""
+
+APART = "no two of the combinations differ in one setting alone, so they cannot be compared"
 
 MAX_DESCRIBED = 4
 """Values that have sentences of their own; of more only the two that are compared."""
 
 
 class Answer(NamedTuple):
-    """A question, and the sentences that answer it."""
+    """A question, the sentence that answers it, and those that say how it is known."""
 
     question: str
+    verdict: str
     sentences: tuple[str, ...]
 
 
@@ -51,7 +58,7 @@ def answers_of(
 
     Args:
         design: of the experiment.
-        told: yields the sentences about a factor and its series.
+        told: yields the verdict on a factor and its series, and then the other sentences.
         apart: yields those about the first cases, if there is no series.
     """
     found = []
@@ -60,13 +67,18 @@ def answers_of(
         if series:
             parameter = PARAMETERS.get(factor.name)
             question = parameter.question if parameter else f"What does {factor.name} change?"
-            found.append(Answer(question, tuple(map(sentence, told(factor, series)))))
+            found.append(_answer(question, told(factor, series)))
     if found:
         return tuple(found)
     told_apart, left = list(apart), len(design.labels) - MAX_DESCRIBED
     if left > 0:
         told_apart.append(f"{counted(left, 'further combination')} cannot be compared with these")
-    return (Answer("How does it do?", tuple(map(sentence, told_apart))),)
+    return (_answer("How does it do?", told_apart),)
+
+
+def _answer(question: str, told: Iterable[str]) -> Answer:
+    verdict, *sentences = map(sentence, told)
+    return Answer(question, verdict, tuple(sentences))
 
 
 def lone_points(experiment: Experiment[AnyResults], design: Design) -> Iterator[Point[AnyResults]]:
@@ -79,7 +91,9 @@ def lone_points(experiment: Experiment[AnyResults], design: Design) -> Iterator[
 
 def _apart(experiment: Experiment[Deliveries], design: Design) -> Iterator[str]:
     """Describe cases none of which can be compared with another."""
-    for point in lone_points(experiment, design):
+    points = list(lone_points(experiment, design))
+    yield APART if len(points) > 1 else statements.alone_in_short(points[0])
+    for point in points:
         yield statements.alone(point)
         yield from statements.lengths([point])
         yield from statements.time_and_energy([point])
@@ -95,16 +109,18 @@ def _sentences(
     if is_trend(factor):
         pair, pairs = (line[0], line[-1]), 1
         told: Sequence[Point[Deliveries]] = pair
-        yield where + statements.trend(line)
     else:
-        line.sort(key=lambda point: -point.results.share)
+        line.sort(key=lambda point: point.results.share, reverse=factor.name != HARDEST_FIRST)
         # The best is compared with the next; that it beats the worst would say little.
         pair, pairs = (line[0], line[1]), math.comb(len(line), 2)
         told = line if len(line) <= MAX_DESCRIBED else pair
-        yield where + statements.ranking(line)
-    yield from statements.numbers(line)
+    found = None
     if factor.name not in OTHER_TASKS:
         found = compare(experiment.store, pair[0].case_id, pair[1].case_id, pairs)
+    yield where + _verdict(factor, line, found)
+    yield where + (statements.trend(line) if is_trend(factor) else statements.ranking(line))
+    yield from statements.numbers(line)
+    if found:
         yield from statements.seed_by_seed(*pair, found)
     yield from statements.lengths(told)
     yield from statements.time_and_energy(told)
@@ -115,6 +131,24 @@ def _sentences(
             if is_trend(factor)
             else _best_elsewhere(experiment, factor, line[0], others)
         ) + _numbers(experiment, line, others)
+
+
+def _verdict(factor: Factor, line: Sequence[Point[Deliveries]], found: Comparison | None) -> str:
+    """Return the verdict on a factor.
+
+    Args:
+        factor: in question.
+        line: its points, in the order of its values or the first of a ranking first.
+        found: the ends of a trend or the first two of a ranking, compared seed by seed.
+    """
+    places = [
+        Place(point.name, point.results.success, percent(point.results.share)) for point in line
+    ]
+    is_clear = found.chance < SIGNIFICANCE if found and found.seeds else None
+    if is_trend(factor):
+        return verdicts.trend("success", places, is_clear=is_clear)
+    verbs = verdicts.HARDEST if factor.name == HARDEST_FIRST else verdicts.BEST
+    return verdicts.ranking(places, verbs, "delivered", is_clear=is_clear)
 
 
 def is_trend(factor: Factor) -> bool:
@@ -169,20 +203,23 @@ def _best_elsewhere(
     best: Point[Deliveries],
     series: Sequence[Series],
 ) -> str:
-    """Give the range of the lead of the best value in the other series."""
+    """Give the range of the lead of the best value, or of the hardest, in the other series."""
+    is_hardest = factor.name == HARDEST_FIRST
     leads = []
     for each in series:
         line = line_of(experiment, factor, each)
         others = [point.results.share for point in line if point.name != best.name]
         own = [point.results.share for point in line if point.name == best.name]
         if own and others:
-            leads.append((own[0] - max(others), described(each.others)))
+            lead = min(others) - own[0] if is_hardest else own[0] - max(others)
+            leads.append((lead, described(each.others)))
     if not leads:
         return f"no other combination has {best.name}"
+    of_the_next = "behind the next" if is_hardest else "ahead of the next"
     least, most = min(leads), max(leads)
     if len(leads) == 1:
-        return f"with {least[1]}, {best.name} is {points(least[0])} ahead of the next"
+        return f"with {least[1]}, {best.name} is {points(least[0])} {of_the_next}"
     return (
         f"in the other {len(leads)} combinations {best.name} is between {points(least[0])} "
-        f"({least[1]}) and {points(most[0])} ({most[1]}) ahead of the next"
+        f"({least[1]}) and {points(most[0])} ({most[1]}) {of_the_next}"
     )

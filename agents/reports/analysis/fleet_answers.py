@@ -12,9 +12,11 @@ import numpy as np
 
 from agents.evaluation.interval import Interval, mean_interval
 from agents.evaluation.wording import mean, percent, share
-from agents.experiments.parameters import FLEET
-from agents.reports.analysis import statements
+from agents.experiments.parameters import FLEET, shown
+from agents.reports.analysis import statements, verdicts
 from agents.reports.analysis.answers import (
+    APART,
+    HARDEST_FIRST,
     MAX_DESCRIBED,
     Answer,
     answers_of,
@@ -25,6 +27,7 @@ from agents.reports.analysis.answers import (
 from agents.reports.analysis.design import Design, Factor, Series, described
 from agents.reports.analysis.results import Experiment, Shifts
 from agents.reports.analysis.statements import MIN_CHANGE, Point
+from agents.reports.analysis.verdicts import Place
 from warehouse_core.wording import counted, listed
 
 Line = Sequence[Point[Shifts]]
@@ -46,7 +49,9 @@ def fleet_answers(experiment: Experiment[Shifts], design: Design) -> tuple[Answe
 
 def _apart(experiment: Experiment[Shifts], design: Design) -> Iterator[str]:
     """Describe cases none of which can be compared with another."""
-    for point in lone_points(experiment, design):
+    points = list(lone_points(experiment, design))
+    yield APART if len(points) > 1 else f"{_rate(points[0])} are delivered"
+    for point in points:
         name = f" with {point.name}" if point.name else ""
         yield (
             f"{_rate(point)} are delivered{name} over {counted(point.results.episodes, 'episode')}"
@@ -60,20 +65,26 @@ def _sentences(
     main, *others = series
     line = line_of(experiment, factor, main)
     where = f"with {described(main.others)}, " if described(main.others) else ""
-    ranked = sorted(line, key=_items, reverse=True)
+    is_hardest = factor.name == HARDEST_FIRST
+    ranked = sorted(line, key=_items, reverse=not is_hardest)
+    most = "fewest" if is_hardest else "most"
+    yield where + _verdict(factor, line if is_trend(factor) else ranked)
     if is_trend(factor):
-        yield where + trend(factor, line)
+        yield where + trend(line)
         told: Line = list(dict.fromkeys((line[0], ranked[0], line[-1])))
     else:
         listing = [f"{_rate(point)} with {point.name}" for point in ranked[: statements.MAX_NAMED]]
-        yield f"{where}most are delivered with {ranked[0].name}: {listed(listing)}"
+        yield f"{where}{most} are delivered with {ranked[0].name}: {listed(listing)}"
         told = ranked[:MAX_DESCRIBED]
     yield from statements.numbers(line)
     yield from seed_by_seed(experiment, *ranked[:2])
     yield from _measures(told)
     if others:
         best = [
-            (max(line_of(experiment, factor, each), key=_items), described(each.others))
+            (
+                (min if is_hardest else max)(line_of(experiment, factor, each), key=_items),
+                described(each.others),
+            )
             for each in others
         ]
         parts = [
@@ -81,10 +92,39 @@ def _sentences(
         ]
         left = len(best) - len(parts)
         more = f", and {counted(left, 'combination')} more" if left else ""
-        yield f"elsewhere most are delivered with {'; '.join(parts)}{more}"
+        yield f"elsewhere {most} are delivered with {'; '.join(parts)}{more}"
 
 
-def trend(factor: Factor, line: Line) -> str:
+def _verdict(factor: Factor, line: Line) -> str:
+    """Return the verdict on a factor.
+
+    Args:
+        factor: in question.
+        line: its points, in the order of its values or the first of a ranking first.
+    """
+    places = [
+        Place(point.name, point.results.per_hour, mean(Interval(_items(point)), ""))
+        for point in line
+    ]
+    if not is_trend(factor):
+        verbs = verdicts.HARDEST if factor.name == HARDEST_FIRST else verdicts.BEST
+        return verdicts.ranking(places, verbs, "items an hour")
+    words = verdicts.trend("the number of items an hour", places)
+    if factor.name != FLEET or not all(place.result.is_known for place in places):
+        return words
+    best = max(place.result for place in places)
+    # The largest fleet that may be as good as the best.
+    *_, enough = [
+        value
+        for value, place in zip(factor.values, places, strict=True)
+        if place.result.high >= best.low
+    ]
+    if enough == factor.values[-1]:
+        return f"{shown(enough)} are not too many: {words}"
+    return f"more than {shown(enough)} are too many: {words}"
+
+
+def trend(line: Line) -> str:
     """Describe how deliveries change from the first value to the last."""
     first, last, best = line[0], line[-1], max(line, key=_items)
     if _items(best) - min(map(_items, line)) < MIN_CHANGE * _items(best):
@@ -94,14 +134,13 @@ def trend(factor: Factor, line: Line) -> str:
     if best is not first:
         parts.append(f"rise from {_at(first)} to {_at(best)}")
     if best is not last:
-        verb = "fall to" if falls else "are about the same,"
+        is_known = last.results.per_hour.is_known and best.results.per_hour.is_known
+        verb = "fall to" if falls else "are about the same," if is_known else "are"
         parts.append(f"{verb} {_at(last)}" if parts else f"fall from {_at(first)} to {_at(last)}")
     words = f"deliveries {', and '.join(parts)}"
     near = [each for each in line if each.results.per_hour.high >= best.results.per_hour.low]
     if near and near[0] not in (first, best):
         words += f"; the intervals allow as many {_at(near[0])}"
-    if factor.name == FLEET and falls:
-        words = f"more than {best.name.removeprefix(FLEET).strip()} are too many: {words}"
     return words
 
 

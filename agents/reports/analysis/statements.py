@@ -51,6 +51,12 @@ def alone(point: Point[Deliveries]) -> str:
     )
 
 
+def alone_in_short(point: Point[Deliveries]) -> str:
+    """Give the success of one case without its interval."""
+    results = point.results
+    return f"{percent(results.share)} of {counted(results.episodes, 'episode')} are delivered"
+
+
 def trend(line: Sequence[Point[Deliveries]]) -> str:
     """Describe how success changes from the first value to the last."""
     first, last = line[0], line[-1]

@@ -47,14 +47,22 @@ def stuck_cells(store: Store, rows: Sequence[str], case_ids: Sequence[int]) -> d
     return {mode: found[mode] for mode in MODES if mode in found}
 
 
-def stuck_heat_map(rows: Sequence[str], stuck: Mapping[str, Counts], episodes: int) -> Figure:
-    """Return the heat maps of a layout without its stations, one panel per mode.
+def stuck_heat_map(
+    rows: Sequence[str],
+    stuck: Mapping[str, Counts],
+    episodes: int,
+    *,
+    with_stations: bool = False,
+) -> Figure:
+    """Return the heat maps of a layout, one panel per mode.
 
     Args:
         rows: of tiles.
         stuck: for each mode ``[H, W]`` counts, as ``stuck_cells`` gives them; at least one.
         episodes: the number of all episodes, deliveries included.
+        with_stations: mark the pickup and the dropoff of the layout.
     """
     counts = {mode: int(cells.sum()) for mode, cells in stuck.items()}
     titles = {mode: f"{mode}: {count:,} ({count / episodes:.1%})" for mode, count in counts.items()}
-    return heat_map(rows, {titles[mode]: cells for mode, cells in stuck.items()})
+    found = {titles[mode]: cells for mode, cells in stuck.items()}
+    return heat_map(rows, found, with_stations=with_stations)

@@ -11,6 +11,7 @@ from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
 from matplotlib.ticker import PercentFormatter
 
 from agents.evaluation.interval import Interval
@@ -28,10 +29,11 @@ from agents.reports.figures.panels import (
     prepare_axis,
 )
 from agents.reports.figures.roles import lines_of, roles_of
-from warehouse_core.render.palette import FAINT
+from warehouse_core.render.palette import FAINT, INK
 from warehouse_core.viz.figure import SceneFigure
 
-COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#888888")
+COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", to_hex(INK),
+          "#888888")  # fmt: skip
 """Of the lines. Source: Okabe and Ito (2008), Color universal design, without the yellow."""
 
 MARKERS = "os^Dv*PX"
@@ -73,7 +75,9 @@ def measure_chart(
         return None
     panels = list(dict.fromkeys(panel for panel, _ in lines))
     colors = list(dict.fromkeys(color for _, color in lines))
-    figure, axes = make_panels(title, len(panels), len(colors))
+    name = roles.color.name if roles.color else ""
+    labels = {color: f"{name} {shown(color)}" for color in colors if roles.color}
+    figure, axes = make_panels(title, len(panels), list(labels.values()))
     places = places_of(roles.axis)
     placed = sum(any(value is not None for value in line) for line in lines.values())
     width = max(places.values()) if placed > 1 else 0
@@ -96,10 +100,7 @@ def measure_chart(
     if unit != "%":
         axes[0].set_ylabel(unit, **SMALL)
     if roles.color:
-        name = roles.color.name
-        draw_legend(
-            figure, [(f"{name} {shown(each)}", keys[each]) for each in colors if each in keys]
-        )
+        draw_legend(figure, [(labels[each], keys[each]) for each in colors if each in keys])
     return figure
 
 
@@ -119,7 +120,7 @@ def _draw_line(
 ) -> Any:
     """Draw the results of one colour and return what a legend shows of them."""
     key: Any = None
-    look: Text = {"color": COLORS[number], "linewidth": 1.6}
+    look: Text = {"color": COLORS[number], "linewidth": 2.0}
     points = [(places[value] + shift, point) for value, point in line.items()
               if value is not None and point]  # fmt: skip
     if points:
@@ -130,7 +131,7 @@ def _draw_line(
         ]
         key = axes.errorbar(
             [place for place, _ in points], middles, reach, fmt=MARKERS[number], capsize=3,
-            markersize=5, linestyle="-" if axis.is_ordered else "none", **look,
+            markersize=6.5, linestyle="-" if axis.is_ordered else "none", **look,
         )  # fmt: skip
     everywhere = line.get(None)
     if everywhere:

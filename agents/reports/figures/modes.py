@@ -17,6 +17,7 @@ from agents.reports.figures.panels import (
     MAX_TICKS,
     PANELS_A_ROW,
     SMALL,
+    TEXT_SIZE,
     draw_legend,
     fitting,
     make_panels,
@@ -40,13 +41,14 @@ from warehouse_core.records.fleet_modes import (
     STARVATION,
     STRANDED,
 )
+from warehouse_core.render.palette import PAPER
 from warehouse_core.viz.figure import SceneFigure
 
 MODE_COLORS = {
     DELIVERED: "#2a9d5c",
-    UNREACHABLE: "#6b6b70",
+    UNREACHABLE: "#8c564b",
     STALLED: "#8c4fa3",
-    INEFFECTIVE: "#3d3d42",
+    INEFFECTIVE: "#5f5f68",
     OSCILLATION: "#d1495b",
     WANDERING: "#edae49",
     BATTERY_DEPLETED: "#2e6fa7",
@@ -67,6 +69,9 @@ LUMINANCE = (0.299, 0.587, 0.114)
 MIN_LEGIBLE = 0.08
 """Minimum share of a bar for a number to fit into it."""
 
+MAX_NUMBERED = 15
+"""Bars of a row; the numbers of more would not fit into them."""
+
 
 @mpl.rc_context({"text.parse_math": False})
 def modes_chart(experiment: Experiment[AnyResults], design: Design, title: str) -> SceneFigure:
@@ -75,7 +80,7 @@ def modes_chart(experiment: Experiment[AnyResults], design: Design, title: str) 
     lines = lines_of(experiment, design, roles)
     everywhere = f"any {roles.axis.name}" if roles.axis else "all episodes"
     occurring = {mode for line in lines.values() for each in line.values() for mode in each.modes}
-    figure, axes = make_panels(title, len(lines), len(occurring))
+    figure, axes = make_panels(title, len(lines), list(occurring))
     for (panel, color), line, each in zip(lines, lines.values(), axes, strict=True):
         for place, results in enumerate(line.values()):
             _draw_bar(each, place, results, len(line) * min(len(lines), PANELS_A_ROW))
@@ -97,16 +102,19 @@ def _draw_bar(axes: Axes, place: int, results: AnyResults, bars: int) -> None:
     bottom = 0.0
     for mode, count in results.modes.items():
         share = count / results.episodes
-        axes.bar(place, share, 0.8, bottom, color=MODE_COLORS[mode])
-        if share >= MIN_LEGIBLE and bars <= 2 * MAX_TICKS:
+        axes.bar(place, share, 0.8, bottom, color=MODE_COLORS[mode], edgecolor=PAPER)
+        if share >= MIN_LEGIBLE and bars <= MAX_NUMBERED:
             axes.text(
-                place, bottom + share / 2, f"{share:.0%}", ha="center", va="center", fontsize=7.5,
-                color=ink_on(MODE_COLORS[mode]),
+                place, bottom + share / 2, f"{share:.0%}", ha="center", va="center",
+                fontsize=TEXT_SIZE, color=ink_on(MODE_COLORS[mode]),
             )  # fmt: skip
         bottom += share
 
 
 def ink_on(color: str) -> str:
-    """Return black or white, whichever is legible on a colour."""
+    """Return black or nearly white, whichever is legible on a colour.
+
+    It is not ``PAPER``, which is dark on a dark page.
+    """
     light = sum(weight * part for weight, part in zip(LUMINANCE, to_rgb(color), strict=True))
-    return "black" if light > 0.55 else "white"
+    return "black" if light > 0.55 else "whitesmoke"

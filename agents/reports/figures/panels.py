@@ -15,28 +15,32 @@ from warehouse_core.render.palette import INK
 from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.figure import SceneFigure, make_figure
 
-WIDTH, PANEL_HEIGHT, HEAD, FOOT, DPI = 9.0, 3.3, 0.85, 0.35, 100
+WIDTH, PANEL_HEIGHT, HEAD, FOOT, DPI = 9.0, 3.4, 1.0, 0.42, 100
 """In inches, and dots per inch."""
 
-LEGEND_COLUMNS, LEGEND_ROW = 4, 0.2
+MAX_LEGEND_COLUMNS, LEGEND_ROW, LEGEND_LETTERS = 4, 0.23, 92
+"""The last is the letters of a row; each key takes four more."""
 
 MAX_TICKS = 12
 
 PANELS_A_ROW = 3
 
-MAX_LETTERS = 110
+MAX_LETTERS = 80
 """Along the axes of all panels of a row."""
 
 Text = dict[str, Any]
 
-SMALL: Text = {"fontsize": 8.5, "color": INK}
+TITLE_SIZE, TEXT_SIZE = 14.0, 10.5
+"""In points; the smallest text of a chart is 14 CSS pixels high."""
+
+SMALL: Text = {"fontsize": TEXT_SIZE, "color": INK}
 
 
-def make_panels(title: str, count: int, keys: int) -> tuple[SceneFigure, list[Axes]]:
-    """Return a figure with ``count`` panels, a title and room for the keys of a legend."""
+def make_panels(title: str, count: int, keys: Sequence[str]) -> tuple[SceneFigure, list[Axes]]:
+    """Return a figure with ``count`` panels, a title and room for a legend with these keys."""
     columns = min(count, PANELS_A_ROW)
     rows = math.ceil(count / columns)
-    head = HEAD + LEGEND_ROW * (math.ceil(keys / LEGEND_COLUMNS) - 1)
+    head = HEAD + LEGEND_ROW * max(math.ceil(len(keys) / _legend_columns(keys)) - 1, 0)
     height = head + rows * PANEL_HEIGHT + FOOT
     figure = make_figure((WIDTH, height), DPI)
     grid = figure.subplots(rows, columns, squeeze=False, sharey=True)
@@ -44,12 +48,17 @@ def make_panels(title: str, count: int, keys: int) -> tuple[SceneFigure, list[Ax
         left=0.075, right=0.98, wspace=0.08, hspace=0.38,
         top=1 - head / height, bottom=(FOOT + 0.2) / height,
     )  # fmt: skip
-    figure.suptitle(title, x=0.012, y=1 - 0.1 / height, ha="left", va="top", fontsize=12, color=INK)
+    figure.suptitle(
+        title, x=0.012, y=1 - 0.1 / height, ha="left", va="top", fontsize=TITLE_SIZE, color=INK
+    )
     axes = list(grid.flat)
     for each in axes[count:]:
         each.remove()
     for each in axes[:count]:
         style_chart(each, lines=None)
+        each.set_facecolor("none")
+        each.spines[:].set_color(INK)
+        each.tick_params(labelsize=TEXT_SIZE, labelcolor=INK, color=INK)
     return figure, axes[:count]
 
 
@@ -96,6 +105,12 @@ def draw_legend(figure: Figure, keys: Sequence[tuple[str, Any]]) -> None:
     labels, handles = zip(*keys, strict=True)
     height = figure.get_figheight()
     figure.legend(
-        handles, labels, loc="upper left", bbox_to_anchor=(0.004, 1 - 0.33 / height),
-        ncols=LEGEND_COLUMNS, fontsize=8.5, frameon=False, columnspacing=1.4, handletextpad=0.5,
+        handles, labels, loc="upper left", bbox_to_anchor=(0.004, 1 - 0.38 / height),
+        ncols=_legend_columns(labels), fontsize=TEXT_SIZE, labelcolor=INK, frameon=False,
+        columnspacing=1.4, handletextpad=0.5,
     )  # fmt: skip
+
+
+def _legend_columns(labels: Sequence[str]) -> int:
+    longest = max(map(len, labels), default=0) + 4
+    return min(max(LEGEND_LETTERS // longest, 1), MAX_LEGEND_COLUMNS)

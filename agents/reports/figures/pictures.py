@@ -4,22 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from io import BytesIO
 from operator import attrgetter
 from typing import NamedTuple
-
-from matplotlib.figure import Figure
 
 from agents.evaluation.interval import CONFIDENCE, MIN_VALUES
 from agents.experiments.case import TILES, cells_of
 from agents.experiments.parameters import shown
 from agents.reports.analysis.design import Design, make_design
 from agents.reports.analysis.results import AnyResults, Deliveries, Experiment, Shifts
+from agents.reports.figures.dark import themed_svg
 from agents.reports.figures.heat_map import stuck_cells, stuck_heat_map
 from agents.reports.figures.measure import Measure, measure_chart, measured
 from agents.reports.figures.modes import modes_chart
 from agents.reports.figures.roles import lines_of, roles_of
-from warehouse_core.viz.figure import save_svg
 from warehouse_core.wording import counted, listed
 
 MAX_MAPS = 4
@@ -28,7 +25,10 @@ MAX_MAPS = 4
 MAX_CELLS = 300_000
 """Of a layout that has a heat map or a replay; in a larger one no cell could be seen."""
 
-STATIONS = {"drawn": "random in each episode", "kept": "those of the layout in every episode"}
+STATIONS = {
+    "drawn": "Pickup and dropoff are random in each episode",
+    "kept": "Pickup (P) and dropoff (D) are those of the layout in every episode",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,13 +111,13 @@ def _charts(
             points = _points(experiment, design)
             intervals = _intervals(points, measure, method)
             left_out = _left_out(experiment, design, points)
-            yield Picture(name, f"{title}{on}: {what}, {intervals}{left_out}.", _svg(chart))
+            yield Picture(name, f"{title}{on}: {what}, {intervals}{left_out}.", themed_svg(chart))
 
 
 def _modes(experiment: Experiment[AnyResults], design: Design, name: str, title: str) -> Picture:
     left_out = _left_out(experiment, design, _points(experiment, design))
     chart = modes_chart(experiment, design, title)
-    return Picture(name, f"{title}, as shares{left_out}.", _svg(chart))
+    return Picture(name, f"{title}, as shares{left_out}.", themed_svg(chart))
 
 
 def _points(experiment: Experiment[AnyResults], design: Design) -> list[AnyResults]:
@@ -184,12 +184,7 @@ def _maps(experiment: Experiment[Deliveries]) -> Iterator[Picture]:
         caption = (
             f"Where robots got stuck on layout {name}: of {counted(episodes, 'episode')} those of "
             "each failure mode, by the cell where they were stuck or ended"
-            f"{_numbers(experiment, ids)}. Pickup and dropoff are {STATIONS[stations]}."
+            f"{_numbers(experiment, ids)}. {STATIONS[stations]}."
         )
-        yield Picture(f"stuck-{number}", caption, _svg(stuck_heat_map(rows, stuck, episodes)))
-
-
-def _svg(figure: Figure) -> bytes:
-    file = BytesIO()
-    save_svg(figure, file)
-    return file.getvalue()
+        figure = stuck_heat_map(rows, stuck, episodes, with_stations=stations == "kept")
+        yield Picture(f"stuck-{number}", caption, themed_svg(figure))

@@ -53,7 +53,7 @@ def test_compare_prints_the_table_and_saves_both_replays(
     result = command(capsys, "compare", "--seed", 12, "--max-steps", 2, "--save", target)
     assert result.code == 0
     with Image.open(target) as image:
-        assert image.width > 3 * image.height
+        assert image.width > 1.5 * image.height
     assert all(word in result.out for word in ("grid", "physics", "joules", "out of time"))
 
 

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from numpy.typing import NDArray
@@ -40,10 +39,10 @@ def replay(**options: Any) -> Replay:
 
 
 def unknown_share(image: NDArray[np.int64]) -> tuple[float, float]:
-    """Return the share of pixels near ``UNKNOWN`` in the left third and in the middle one."""
+    """Return the share of pixels near ``UNKNOWN`` in the left half and in the right third."""
     near = np.all(np.abs(image - 255 * np.array(UNKNOWN)) < 10, axis=-1)
-    third = image.shape[1] // 3
-    return float(near[:, :third].mean()), float(near[:, third : 2 * third].mean())
+    width = image.shape[1]
+    return float(near[:, : width // 2].mean()), float(near[:, 2 * width // 3 :].mean())
 
 
 # Recorded beliefs.
@@ -141,7 +140,7 @@ def test_a_second_station_that_has_not_been_seen_is_unknown() -> None:
 @pytest.mark.parametrize("backend", ["grid", "physics"])
 def test_both_tracks_have_the_same_frames(backend: str) -> None:
     episode, history = explored(backend=backend)
-    world, belief = belief_tracks(episode, history)
+    belief, world = belief_tracks(episode, history)
     plain = track_of_episode(episode)
     for one, other, alone in zip(world.frames, belief.frames, plain.frames, strict=True):
         assert one.robots == other.robots == alone.robots
@@ -152,7 +151,7 @@ def test_both_tracks_have_the_same_frames(backend: str) -> None:
 @pytest.mark.parametrize("backend", ["grid", "physics"])
 def test_each_frame_shows_the_belief_and_the_reason_of_its_move(backend: str) -> None:
     episode, history = explored(backend=backend)
-    _, belief = belief_tracks(episode, history)
+    belief, _ = belief_tracks(episode, history)
     tiles = believed_tiles(DETOUR, history)
     for index, frame in enumerate(belief.frames[:-1]):
         step = belief.step_at(index)
@@ -168,7 +167,7 @@ def test_each_frame_shows_the_belief_and_the_reason_of_its_move(backend: str) ->
 
 def test_the_plan_begins_at_the_edge_of_the_robot_and_ends_at_its_goal() -> None:
     episode, history = explored(backend="physics")
-    _, belief = belief_tracks(episode, history)
+    belief, _ = belief_tracks(episode, history)
     assert belief.frames[-1].route == ()
     for index, frame in enumerate(belief.frames):
         [pose], route = frame.robots, frame.route
@@ -186,20 +185,33 @@ def test_unknown_cells_are_grey_in_the_belief_only_and_become_fewer() -> None:
     before = unknown_share(np.asarray(shown.figure.pixels()).astype(np.int64))
     shown.show_end()
     after = unknown_share(np.asarray(shown.figure.pixels()).astype(np.int64))
-    assert before[0] < 0.01
-    assert before[1] > 0.15
-    assert after[1] < before[1] / 2
+    assert before[1] < 0.01
+    assert before[0] > 0.15
+    assert after[0] < before[0] / 2
 
 
-def test_the_two_grids_are_aligned_and_of_equal_size() -> None:
-    """The charts beside one of them need more height than either."""
-    shown = replay(backend="physics", max_steps=2)
-    grids = [axes for axes in shown.figure.findobj(Axes) if axes.get_aspect() == 1]
-    boxes = [axes.get_window_extent() for axes in grids]
-    assert len(boxes) == 2
-    assert boxes[0].height == pytest.approx(boxes[1].height)
-    assert boxes[0].y0 == pytest.approx(boxes[1].y0)
-    assert boxes[0].x1 < boxes[1].x0
+@pytest.mark.parametrize("backend", ["grid", "physics"])
+def test_the_belief_leads_and_the_charts_are_below_the_world(backend: str) -> None:
+    shown = replay(backend=backend, max_steps=2)
+    shown.go_to(1)
+    axes = shown.figure.axes
+    belief, world = (each.get_window_extent() for each in axes if each.get_aspect() == 1)
+    charts = [each.get_window_extent() for each in axes if each.get_title(loc="left")]
+    assert belief.x1 < world.x0
+    assert belief.width > 1.5 * world.width
+    assert belief.y1 == pytest.approx(world.y1)
+    assert len(charts) == 2
+    assert all(box.y1 < world.y0 and box.x0 >= world.x0 for box in charts)
+
+
+def test_the_sentence_of_the_plan_is_above_the_belief() -> None:
+    shown = replay()
+    shown.go_to(0)
+    [sentence] = [text for text in shown.figure.texts if "cells seen" in text.get_text()]
+    box = sentence.get_window_extent()
+    belief = shown.figure.axes[0].get_window_extent()
+    assert belief.y1 < box.y0
+    assert belief.x0 <= box.x0 < box.x1 <= belief.x1
 
 
 def test_the_plan_is_drawn_from_the_robot_to_the_goal() -> None:
@@ -223,9 +235,9 @@ def test_the_legend_explains_the_stripes_and_the_dots() -> None:
 def test_unknown_cells_are_grey_in_a_gif(tmp_path: Path) -> None:
     replay(max_steps=2).save(tmp_path / "belief.gif")
     with Image.open(tmp_path / "belief.gif") as image:
-        left, middle = unknown_share(np.asarray(image.convert("RGB")).astype(np.int64))
-    assert left < 0.01
-    assert middle > 0.15
+        belief, world = unknown_share(np.asarray(image.convert("RGB")).astype(np.int64))
+    assert world < 0.01
+    assert belief > 0.15
 
 
 def test_the_history_of_another_episode_is_an_error() -> None:

@@ -239,3 +239,10 @@ def test_an_additional_array_raises(load_changed: Load) -> None:
     count = len(EPISODE_SCHEMA)
     message = refused(load_changed, more=np.zeros(1))
     assert f"{count + 1} arrays; there must be {count}" in message
+
+
+def test_a_slippery_wall_raises(arrays: Arrays, load_changed: Load) -> None:
+    header = header_of(arrays)
+    header["settings"]["slippery"] = [[1, 1], [0, 0]]
+    message = refused(load_changed, header=as_text(header))
+    assert "no floor is slippery where row 0, column 0 is wall" in message

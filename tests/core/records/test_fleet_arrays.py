@@ -63,6 +63,8 @@ def test_unchanged_arrays_load(arrays: Arrays, tmp_path: Path) -> None:
         *[("counterparts", bad) for bad in (None, [1])],
         *[("measures", bad) for bad in (None, {}, {"steps": 1})],
         *[("settings", bad) for bad in (None, {}, [])],
+        ("motor_strength", 2.0),
+        *[("slippery", bad) for bad in (5, [[1]], [[0, 0]])],
     ],
 )
 def test_a_header_with_an_invalid_value_is_refused(

@@ -5,9 +5,10 @@ from typing import Any
 import pytest
 
 from warehouse_core import Settings, WarehouseEnv
+from warehouse_core.motion.base import Conditions
 from warehouse_core.motion.grid import GridMotion
 
-SETTINGS = Settings("grid", 0.5, (2, 3), 100, 50, 1)
+SETTINGS = Settings("grid", 0.5, (2, 3), 100, 50, 1, ((1, 2), (1, 3)), 0.5)
 
 
 def as_json(settings: Settings) -> dict[str, Any]:
@@ -43,6 +44,8 @@ def test_settings_cannot_be_changed() -> None:
         ("view_radius", -1),
         ("backend", 5),
         *[("cell_size", bad) for bad in (0.0, 1, float("nan"), float("inf"))],
+        *[("motor_strength", bad) for bad in (1, -0.1, 1.1, float("nan"), "weak")],
+        *[("slippery", bad) for bad in ("11", None, [5], [[1]], [[1, 2.0]], {"a": 1})],
         *[("start_pos", bad) for bad in ("11", [1, 1, 1], [1.0, 1], [True, 1])],
     ],
 )
@@ -55,6 +58,21 @@ def test_the_error_of_an_invalid_value_names_it(name: str, value: object) -> Non
 def test_missing_keys_raise(values: object) -> None:
     with pytest.raises(ValueError, match="must have the keys backend, cell_size"):
         Settings.from_json(values)
+
+
+def test_settings_of_older_records_are_nominal() -> None:
+    values = as_json(SETTINGS)
+    del values["slippery"], values["motor_strength"]
+    assert Settings.from_json(values) == Settings("grid", 0.5, (2, 3), 100, 50, 1)
+
+
+def test_the_conditions_of_a_motion_are_recorded_where_the_floor_is_open() -> None:
+    class IcyMotion(GridMotion):
+        conditions = Conditions(((2, 1), (0, 0), (1, 1), (99, 1)), 1)
+
+    settings = WarehouseEnv(backend=IcyMotion()).settings
+    assert (settings.slippery, settings.motor_strength) == (((1, 1), (2, 1)), 1.0)
+    assert Settings.from_json(as_json(settings)) == settings
 
 
 def test_an_unknown_key_raises() -> None:

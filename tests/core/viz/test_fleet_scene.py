@@ -123,7 +123,7 @@ def test_a_person_is_a_diamond(drawn: Any) -> None:
 
 def test_few_robots_show_their_batteries(drawn: Any) -> None:
     replay, image = drawn(at(0, 0), at(2, 2), battery=(0.9, 0.1))
-    full, low = (patch(replay, image, x + 0.1, x + 0.7, x + 0.9, x + 0.95) for x in (0, 2))
+    full, low = (patch(replay, image, x + 0.1, x + 0.8, x + 0.9, x + 0.95) for x in (0, 2))
     assert count_color(full, BATTERY) > 2 * count_color(low, WARNING) > 0
     assert count_color(full, PAPER) < count_color(low, PAPER)
 
@@ -131,7 +131,7 @@ def test_few_robots_show_their_batteries(drawn: Any) -> None:
 def test_of_many_robots_only_low_batteries_are_shown(drawn: Any) -> None:
     robots = [at(0, 0), at(2, 2), *[at(3, 5)] * FEW]
     replay, image = drawn(*robots, battery=(0.9, 0.1, *[0.9] * FEW))
-    full, low = (patch(replay, image, x + 0.1, x + 0.7, x + 0.9, x + 0.95) for x in (0, 2))
+    full, low = (patch(replay, image, x + 0.1, x + 0.8, x + 0.9, x + 0.95) for x in (0, 2))
     assert count_color(full, BATTERY) == 0
     assert count_color(low, WARNING) > 0
 
@@ -230,8 +230,10 @@ def test_fleets_are_shown_beside_each_other(episode: FleetEpisode) -> None:
     pixels(replay)
     titles = [axes.get_title(loc="left") for axes in replay.figure.axes]
     assert titles.count("orders delivered (thin line: released)") == 2
-    left, right = replay._scene._scenes  # type: ignore[attr-defined]
-    assert [scene._title.get_text()[-6:] for scene in (left, right)] == ["seed 5", "seed 6"]
+    ends = [text[-6:] for text in texts(replay) if "backend" in text]
+    assert ends == ["seed 5", "seed 6"]
+    replay.show_end()
+    assert any("5 delivered, 80 steps, 80.0 s, " in text for text in texts(replay))
 
 
 def test_bodies_of_a_fleet_have_a_clock_and_no_speed() -> None:

@@ -22,10 +22,10 @@ from numpy.typing import NDArray
 from warehouse_core.motion.vector import NOTHING
 from warehouse_core.motion.vector import WALL as WALL_STOPS
 from warehouse_core.records.fleet_episode import FleetEpisode
-from warehouse_core.render.palette import COLORS, INK, PAPER
+from warehouse_core.render.palette import COLORS, INK, PAPER, Color
 from warehouse_core.viz.axes.look import draw_grid
 from warehouse_core.wording import counted
-from warehouse_core.world.tiles import WALL, runs_of
+from warehouse_core.world.tiles import DROPOFF, PICKUP, WALL, runs_of
 
 Counts = NDArray[np.int64]
 """``[H, W]`` numbers of what happened in each cell."""
@@ -38,20 +38,34 @@ COLUMNS = {1: 1, 2: 2, 4: 2}
 MAX_COLUMNS = 3
 
 MAX_GRID_HEIGHT, MAX_CELL = 4.6, 0.5
-LEFT, RIGHT, TOP, BOTTOM = 0.3, 0.62, 0.42, 0.28
+LEFT, RIGHT, TOP, BOTTOM = 0.36, 0.72, 0.5, 0.34
 """Around the grid of each panel, in inches, for its numbers, its colour bar and its title."""
-MIN_PANEL = 2.9
+MIN_PANEL = 3.3
 """Enough for the longest title with the largest numbers."""
 BAR, BAR_GAP = 0.11, 0.09
 
 POINTS = 72
 """Per inch."""
 
-MIN_READABLE_CELL = 19.0
-"""Points; the numbers of smaller cells are not written."""
+TITLE_SIZE, MIN_SIZE = 11.0, 9.0
+"""Of text, in points; 9 are 12 CSS pixels. Smaller counts are not written."""
 
-HEAT = LinearSegmentedColormap.from_list("heat", mpl.colormaps["YlOrRd"](np.linspace(0.12, 1, 64)))
+STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1_000, 5_000, 10_000, 100_000, 1_000_000)
+"""Rows and columns from one number to the next."""
+
+TICK_ROOM = 21.0
+"""Points from one number of a row or column to the next."""
+
+STATIONS = (PICKUP, DROPOFF)
+"""Whose cells are marked with their letters."""
+
+HEAT = LinearSegmentedColormap.from_list(
+    "heat", mpl.colormaps["YlOrRd"](np.linspace(0.12, 1, 64)), N=32
+)
 """It begins darker than the floor."""
+
+MAX_LIGHT_HEAT = 0.6
+"""On which a dark number is legible."""
 
 BLOCKED = ("wall", "robot", "person")
 """What blocks a move."""
@@ -80,12 +94,15 @@ def blocked_heat_map(episode: FleetEpisode) -> Figure:
     return heat_map(episode.layout.rows, panels)
 
 
-def heat_map(rows: Sequence[str], panels: Mapping[str, Counts]) -> Figure:
-    """Return the heat maps of a layout without its stations.
+def heat_map(
+    rows: Sequence[str], panels: Mapping[str, Counts], *, with_stations: bool = False
+) -> Figure:
+    """Return the heat maps of a layout.
 
     Args:
         rows: of tiles.
         panels: ``[H, W]`` counts by title; at least one.
+        with_stations: mark the pickup and the dropoff of the layout.
     """
     columns = COLUMNS.get(len(panels), MAX_COLUMNS)
     if len(rows[0]) > 30:  # wide layouts need room
@@ -102,8 +119,10 @@ def heat_map(rows: Sequence[str], panels: Mapping[str, Counts]) -> Figure:
         left, top = column * panel_width + LEFT, line * panel_height + TOP
         bottom, tall = 1 - (top + grid_height) / height, grid_height / height
         axes = figure.add_axes((left / width, bottom, grid_width / width, tall))
-        axes.set_title(title, fontsize=9.5, loc="left", color=INK, pad=5, parse_math=False)
+        axes.set_title(title, fontsize=TITLE_SIZE, loc="left", color=INK, pad=6, parse_math=False)
         heat = draw_heat(axes, rows, counts, cell * POINTS, max(int(counts.max()), 1))
+        if with_stations:
+            _mark_stations(axes, rows, cell * POINTS)
         left += grid_width + BAR_GAP
         _draw_bar(figure.add_axes((left / width, bottom, BAR / width, tall)), heat)
     return figure
@@ -129,9 +148,10 @@ def draw_heat(
         digits: write the counts into cells that are large enough.
     """
     longest = max(len(rows), len(rows[0]))
-    every = 1 if longest <= 14 else 5 if longest <= 60 else 10
+    every = next(step for step in STEPS if step * cell_points >= TICK_ROOM)
     thin = 0.5 if longest <= 30 else 0.25
-    draw_grid(axes, (len(rows), len(rows[0])), every, thin, label_size=6.5, pad=1.5)
+    draw_grid(axes, (len(rows), len(rows[0])), every, thin, label_size=MIN_SIZE, pad=1.5)
+    axes.tick_params(labelcolor=INK)
     places = np.argwhere(counts)
     heat = PatchCollection([Rectangle((col, row), 1, 1) for row, col in places], cmap=HEAT)
     heat.set_array(counts[counts > 0])
@@ -146,11 +166,11 @@ def draw_heat(
     # A thin edge and no smoothing leave no seam between the walls of neighbouring rows.
     wall: dict[str, Any] = {"facecolor": COLORS[WALL], "edgecolor": COLORS[WALL]}
     axes.add_collection(PatchCollection(walls, linewidth=0.4, antialiased=False, **wall))
-    if digits and cell_points >= MIN_READABLE_CELL:
+    size = min(0.42, 1.45 / len(f"{counts.max()}")) * cell_points
+    if digits and size >= MIN_SIZE:
         for row, col in places:
             number = f"{counts[row, col]}"
-            size = min(0.34, 1.25 / len(number)) * cell_points
-            color = PAPER if counts[row, col] / highest > 0.6 else INK
+            color = ink_of_heat(counts[row, col] / highest)
             axes.text(
                 col + 0.5, row + 0.54, number, fontsize=size, color=color, ha="center",
                 va="center", zorder=4,
@@ -158,11 +178,33 @@ def draw_heat(
     return heat
 
 
+def ink_of_heat(share: float) -> Color:
+    """Return the colour of a number on the colour of a share of the highest count."""
+    return PAPER if share > MAX_LIGHT_HEAT else INK
+
+
+def _mark_stations(axes: Axes, rows: Sequence[str], cell_points: float) -> None:
+    """Draw a frame in the colour of each station around its cell, with its letter on top."""
+    wide = min(2.5, cell_points / 4)
+    for row, line in enumerate(rows):
+        for col, tile in enumerate(line):
+            if tile in STATIONS:
+                frame: dict[str, Any] = {"edgecolor": COLORS[tile], "linewidth": wide, "zorder": 3}
+                axes.add_patch(Rectangle((col, row), 1, 1, fill=False, **frame))
+                axes.text(
+                    col + 0.5, row, tile, fontsize=MIN_SIZE, fontweight="bold", color="black",
+                    ha="center", va="center_baseline", zorder=5,
+                    bbox={"boxstyle": "round,pad=0.2", "facecolor": COLORS[tile], "linewidth": 0},
+                )  # fmt: skip
+
+
 def _draw_bar(axes: Axes, heat: PatchCollection) -> None:
     """Draw the colour bar of one panel."""
     assert axes.figure is not None, "axes are of a figure"
     bar = axes.figure.colorbar(heat, cax=axes)
     bar.outline.set_visible(False)
+    assert bar.solids is not None, "the bar of a collection is solid"
+    bar.solids.set_edgecolor("face")
     axes.yaxis.set_major_locator(MaxNLocator(nbins=4, integer=True))
     axes.yaxis.set_major_formatter(EngFormatter(sep=""))
-    axes.tick_params(length=2, labelsize=6.5, labelcolor="0.45", color="0.6", pad=1.5)
+    axes.tick_params(length=2, labelsize=MIN_SIZE, labelcolor=INK, color=INK, pad=1.5)

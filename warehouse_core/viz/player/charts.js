@@ -12,7 +12,8 @@ export class Chart {
   /** Args: the data of a chart, the names of the tracks, the end of time, what a click calls. */
   constructor(data, names, end, goTo) {
     this.data = data;
-    this.names = names;
+    const { series } = data;
+    this.names = series.every(({ track }) => track === series[0].track) ? [] : names;
     this.end = Math.max(end, 1e-9);
     this.range = extent(data.series.map((series) => series.y));
     this.element = document.createElement("figure");
@@ -65,7 +66,7 @@ export class Chart {
   /** Write the values at a time above the chart. */
   say(time, theme) {
     const words = this.data.series.map((series) => {
-      const name = this.names.length > 1 ? `${this.names[series.track]} ${series.name}` : series.name;
+      const name = [this.names[series.track], series.name].filter(Boolean).join(" ");
       const known = series.x.length && series.x[0] <= time;
       const value = known ? shown(series.y[indexAt(series.x, time)]) : "\u2013";
       return { series, text: `${name} ${value}` };

@@ -100,8 +100,6 @@ def _series_of_shift(track: Track, steps: Sequence[float]) -> Iterator[Series]:
 
 def step_times(track: Track, times: Sequence[float]) -> list[float]:
     """Return ``[S]`` the time at which each step is complete."""
-    found: list[float] = []
-    for index, time in enumerate(times):
-        if track.step_at(index) == len(found):
-            found.append(time)
-    return found
+    return [
+        time for time, frame in zip(times, track.frames, strict=True) if frame.progress.is_integer()
+    ]

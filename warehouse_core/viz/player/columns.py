@@ -14,7 +14,7 @@ from base64 import b64encode
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 ALIGNMENT = 4
 KINDS = {"i1": 2**7, "i2": 2**15, "i4": 2**31}
@@ -36,13 +36,11 @@ class Columns:
         Raises:
             ValueError: a number is not finite, or too large for 32 bits.
         """
-        numbers = np.asarray(values, np.float64).ravel() / unit
-        if numbers.size and not np.abs(numbers).max() < 2**31:
-            raise ValueError("a number of a page is not finite, or too large for 32 bits")
-        stored = np.rint(numbers).astype(np.int64)
+        stored = np.rint(np.asarray(values, np.float64).ravel() / unit)
+        largest = _largest(stored)
         if is_delta:
             stored = np.diff(stored, prepend=0)
-        largest = max(abs(int(stored.min())), abs(int(stored.max()))) if stored.size else 0
+            largest = _largest(stored)
         kind = next(name for name, limit in KINDS.items() if largest < limit)
         return self._add(kind, stored.astype(f"<{kind}"), is_delta=is_delta, unit=unit)
 
@@ -65,3 +63,11 @@ class Columns:
         self._parts.append(data)
         self._length += len(data)
         return {"$": reference}
+
+
+def _largest(numbers: NDArray[np.float64]) -> float:
+    """Return the largest absolute value of some numbers, or 0; raise unless 32 bits hold it."""
+    largest = float(np.abs(numbers).max(initial=0))
+    if not largest < KINDS["i4"]:
+        raise ValueError("a number of a page is not finite, or too large for 32 bits")
+    return largest

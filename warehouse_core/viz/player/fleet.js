@@ -1,7 +1,6 @@
 // What the page tells about a fleet: a chosen robot, and the orders that wait.
 
-import { ageWords, goalOf } from "./bodies.js";
-import { historyOf, orderOf, waitingAt } from "./orders.js";
+import { ageWords, goalOf, historyOf, orderOf, waitingAt } from "./orders.js";
 import { copy, setText } from "./panel.js";
 import { shown } from "./scale.js";
 
@@ -23,7 +22,10 @@ export class FleetPanel {
       player.hasHeat = event.target.checked;
       player.draw();
     });
-    this.find("orders").hidden = !track.fleet.orders;
+    this.find("heat").parentElement.hidden = !track.hits.frame.length;
+    this.orders = this.find("orders");
+    this.orders.hidden = !track.fleet.orders;
+    this.findOrders = (name) => this.orders.querySelector(`[data-part="${name}"]`);
   }
 
   /** Write everything about a moment, if the step or the robot is another one. */
@@ -48,7 +50,7 @@ export class FleetPanel {
     const pose = track.pose(robot, moment);
     const level = track.fleet.battery[robot * track.frames + moment.frame];
     setText(this.find("battery"), level > 0 ? `${shown(100 * level, 0)}%` : "empty");
-    setText(this.find("place"), `row ${Math.floor(pose.y)}, column ${Math.floor(pose.x)}`);
+    setText(this.find("where"), `row ${Math.floor(pose.y)}, column ${Math.floor(pose.x)}`);
     setText(this.find("order"), this.orderWords(robot, step));
     setText(this.find("history"), this.historyWords(robot, step));
   }
@@ -70,7 +72,7 @@ export class FleetPanel {
     const { track } = this;
     if (!track.fleet.orders) return "";
     const { orders } = track.fleet;
-    const lines = historyOf(orders, robot, step).slice(0, MAX_ROWS).map(({ step: at, what, order }) => {
+    const lines = historyOf(orders, robot, step).map(({ step: at, what, order }) => {
       const late = what === "delivered" ? at - orders.due[order] : 0;
       return `step ${at}: ${what} order ${order}${late > 0 ? `, ${late} late` : ""}`;
     });
@@ -80,7 +82,7 @@ export class FleetPanel {
   sayOrders(step) {
     const { orders } = this.track.fleet;
     const waiting = waitingAt(orders, step);
-    setText(this.find("waiting"), `${waiting.length} waiting`);
+    setText(this.findOrders("waiting"), `${waiting.length} waiting`);
     const rows = waiting.slice(0, MAX_ROWS).map((order) => {
       const row = document.createElement("tr");
       const due = orders.due[order] - step;
@@ -94,7 +96,7 @@ export class FleetPanel {
       for (const text of cells) row.append(Object.assign(document.createElement("td"), { textContent: text }));
       return row;
     });
-    this.find("rows").replaceChildren(...rows);
+    this.findOrders("rows").replaceChildren(...rows);
   }
 
   cellWords(cell) {

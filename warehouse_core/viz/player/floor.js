@@ -18,7 +18,7 @@ export function drawFloor(context, track, tiles, view, theme) {
   drawHatching(context, track, tiles, view, theme);
   drawRuns(context, track, tiles, view, WALL, theme.wall);
   if (view.scale >= MIN_TEXTURE) drawShelves(context, track, tiles, view, theme);
-  drawBorder(context, track, tiles, view, theme);
+  drawBorder(context, track, view, theme);
   for (let cell = 0; cell < tiles.length; cell++) {
     if (STATIONS.includes(tiles[cell])) drawStation(context, track, cell, tiles[cell], view, theme);
   }
@@ -67,20 +67,35 @@ function drawShelves(context, track, tiles, view, theme) {
   }
 }
 
-/** Lighten the outer part of the border, so that it is a thin wall. */
-function drawBorder(context, track, tiles, view, theme) {
-  context.fillStyle = theme.border;
-  const thin = 0.72;
+/** The width of the part of a border that is not shown, in cells. */
+const OUTER = 0.7;
+
+/** Return how much of the outermost cells is not shown: a border of walls is thin. */
+export function outerOf(track) {
+  track.outer ??= track.tiles.every((tiles) => isBordered(track, tiles)) ? OUTER : 0;
+  return track.outer;
+}
+
+/** Clear the outer part of the border, so that it is a thin wall. */
+function drawBorder(context, track, view, theme) {
+  context.fillStyle = theme.paper;
+  const { width, height } = track;
+  const outer = outerOf(track);
+  if (!outer) return;
+  for (const [column, row, columns, rows] of [
+    [0, 0, width, outer],
+    [0, height - outer, width, outer],
+    [0, 0, outer, height],
+    [width - outer, 0, outer, height],
+  ]) context.fillRect(...view.box(column, row, columns, rows));
+}
+
+function isBordered(track, tiles) {
   for (let cell = 0; cell < tiles.length; cell++) {
-    const [row, column] = [Math.floor(cell / track.width), cell % track.width];
-    if (tiles[cell] !== WALL || !isBorder(track, row, column)) continue;
-    const [top, left] = [row === 0, column === 0];
-    const [bottom, right] = [row === track.height - 1, column === track.width - 1];
-    if (top) context.fillRect(...view.box(column, row, 1, thin));
-    if (bottom) context.fillRect(...view.box(column, row + 1 - thin, 1, thin));
-    if (left) context.fillRect(...view.box(column, row, thin, 1));
-    if (right) context.fillRect(...view.box(column + 1 - thin, row, thin, 1));
+    const isOuter = isBorder(track, Math.floor(cell / track.width), cell % track.width);
+    if (isOuter && tiles[cell] !== WALL && tiles[cell] !== UNSEEN) return false;
   }
+  return true;
 }
 
 function drawStation(context, track, cell, tile, view, theme) {

@@ -21,7 +21,7 @@ export function signsOf(tracks, theme) {
       isFleet && has((track) => track.fleet?.orders), words, "square", colors.orders[age],
     ]),
     [hasTile("#"), "wall or shelf", "square", theme.wall],
-    [hasTile("?"), "not seen yet", "square", colors.unknown],
+    [hasTile("?"), "not seen yet", "square", theme.unseen],
     [has((track) => track.slippery.length), "slippery floor", "square", theme.ice],
     [has((track) => track.robots === 1 && track.viewRadius !== null && !track.isFleet),
       "what the robot does not see", "square", theme.shadow],

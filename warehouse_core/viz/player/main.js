@@ -1,6 +1,7 @@
 // Starts the page: reads its data, and connects buttons, keys and the address with the player.
 
 import { decode, unpack } from "./decode.js";
+import { setText } from "./panel.js";
 import { Player, SPEEDS } from "./player.js";
 
 const ZOOM = 1.5;
@@ -22,7 +23,8 @@ async function start() {
 
 function connect(player) {
   const find = (name) => player.find(name);
-  const [slider, play, speed, place] = ["slider", "play", "speed", "place"].map(find);
+  const names = ["slider", "play", "speed", "place", "event"];
+  const [slider, play, speed, place, event] = names.map(find);
   slider.max = player.longest.steps;
   slider.addEventListener("input", () => player.goTo(Number(slider.value)));
   speed.append(...SPEEDS.map((value) => new Option(`${value}\u00d7`, value)));
@@ -36,7 +38,7 @@ function connect(player) {
     forward: () => player.move(1),
     first: () => player.seek(0),
     last: () => player.seek(player.end),
-    event: () => tell(player, player.goToEvent()),
+    event: () => player.goToEvent(),
     larger: () => player.zoom(ZOOM),
     smaller: () => player.zoom(1 / ZOOM),
     fit: () => player.fit(),
@@ -55,9 +57,12 @@ function connect(player) {
     speed.value = player.speed;
     play.classList.toggle("playing", player.isPlaying);
     play.ariaLabel = player.isPlaying ? "Pause" : "Play";
-    if (place.textContent !== player.place) place.textContent = player.place;
+    setText(place, player.place);
+    setText(event, player.event);
     if (!player.isPlaying) {
-      tell(player, player.panels.map((panel) => panel.place).join(". "));
+      const words = [player.event, ...player.panels.map((panel) => panel.place)];
+      // A screen reader reads what changes; while the page plays that would be too much.
+      setText(find("status"), words.filter(Boolean).join(". "));
       writeAddress(player);
     }
   });
@@ -79,12 +84,6 @@ function listenToKeys(player, actions) {
     event.preventDefault();
     actions[KEYS[key]]();
   });
-}
-
-/** Say something to a screen reader. */
-function tell(player, words) {
-  const status = player.find("status");
-  if (status.textContent !== words) status.textContent = words;
 }
 
 function fullScreen(element) {

@@ -62,3 +62,18 @@ export function historyOf(orders, robot, step) {
   }
   return found.sort((a, b) => b.step - a.step);
 }
+
+/** Return the cell of a robot's next station: the pickup or the dropoff of its order, or -1. */
+export function goalOf(track, robot, step) {
+  if (!track.fleet?.orders) return -1;
+  const { orders } = track.fleet;
+  const order = orderOf(track.fleet, robot, step);
+  if (order < 0) return -1;
+  const isTaken = orders.taken[order] >= 0 && orders.taken[order] <= step;
+  return isTaken ? orders.dropoff[order] : orders.pickup[order];
+}
+
+/** Return words on the age of an order. */
+export function ageWords(orders, order, step) {
+  return ["new", "older", "nearly due", "late"][ageOf(orders, order, step)];
+}

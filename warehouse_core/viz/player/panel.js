@@ -1,8 +1,8 @@
 // One track on the page: its floor, what the robot does and why, its battery and its ending.
 
-import { drawBodies } from "./bodies.js";
 import { drawFloor } from "./floor.js";
 import { shown } from "./scale.js";
+import { drawScene } from "./scene.js";
 
 const TAP = 6;
 const LOW = 0.2;
@@ -14,12 +14,13 @@ export class Panel {
     this.element = copy("panel-template");
     const find = (name) => this.element.querySelector(`[data-part="${name}"]`);
     this.parts = Object.fromEntries(
-      ["title", "floor", "caption", "ending", "battery", "level", "units"].map((name) => [name, find(name)]),
+      ["title", "floor", "caption", "ending", "battery", "level", "units", "facts"].map((name) => [name, find(name)]),
     );
     this.parts.title.textContent = track.title;
     this.parts.battery.hidden = !track.battery.length;
+    this.parts.facts.hidden = !track.energy.length;
     this.canvas = this.parts.floor;
-    this.canvas.style.aspectRatio = `${track.width} / ${track.height}`;
+    this.canvas.style.aspectRatio = `${view.columns + 2 * view.margin} / ${view.rows + 2 * view.margin}`;
     this.listen();
   }
 
@@ -45,7 +46,7 @@ export class Panel {
     this.key = key;
     const context = this.canvas.getContext("2d");
     context.drawImage(this.still, 0, 0);
-    drawBodies(context, track, moment, view, theme, this.player);
+    drawScene(context, track, moment, view, theme, this.player);
   }
 
   /** Return a canvas with all that does not move. */
@@ -69,6 +70,10 @@ export class Panel {
     const place = this.player.describe(track, moment);
     if (place !== this.place) this.canvas.setAttribute("aria-label", place);
     this.place = place;
+    if (track.energy.length) {
+      const joules = track.energy[moment.next];
+      setText(parts.facts, `${track.time[moment.next].toFixed(1)} s, ${shown(joules, 0)} J`);
+    }
     if (!track.battery.length) return;
     const left = track.battery[Math.floor(track.progress[moment.frame])];
     const level = Math.min(Math.max(left / track.fullBattery, 0), 1) || 0;

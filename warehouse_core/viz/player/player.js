@@ -2,6 +2,7 @@
 
 import { Chart } from "./charts.js";
 import { FleetPanel } from "./fleet.js";
+import { outerOf } from "./floor.js";
 import { drawLegend } from "./legend.js";
 import { Panel } from "./panel.js";
 import { shown } from "./scale.js";
@@ -11,7 +12,22 @@ import { View } from "./view.js";
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16];
 
+/** Cells around what is drawn of a floor. */
+const MARGIN = 0.1;
+
 const WORDS = { hit: "hit", pick: "item picked", drop: "item delivered", stuck: "stuck" };
+
+/** Return what differs between titles: without the words that all begin or end with. */
+export function shortNames(titles) {
+  const lines = titles.map((title) => title.split(" "));
+  const least = Math.min(...lines.map((line) => line.length));
+  const areSame = (place) => lines.every((line) => line.at(place) === lines[0].at(place));
+  let [first, last] = [0, 0];
+  while (first < least && areSame(first)) first++;
+  while (last < least - first && areSame(-1 - last)) last++;
+  const names = lines.map((line) => line.slice(first, line.length - last).join(" "));
+  return names.every(Boolean) ? names : titles;
+}
 
 export class Player {
   /** Args: the decoded data of a page, and the element that it is shown in. */
@@ -39,17 +55,20 @@ export class Player {
     const views = new Map();
     this.panels = this.tracks.map((track) => {
       const size = `${track.width} ${track.height}`;
-      if (!views.has(size)) views.set(size, new View(track.width, track.height));
+      const margin = MARGIN - outerOf(track);
+      if (!views.has(size)) views.set(size, new View(track.width, track.height, margin));
       return new Panel(track, views.get(size), this);
     });
     this.views = [...views.values()];
+    this.root.classList.toggle("several", this.tracks.length > 1);
     this.find("floors").append(...this.panels.map((panel) => panel.element));
-    const names = this.tracks.map((track) => track.title);
+    const names = shortNames(this.tracks.map((track) => track.title));
     this.charts = data.charts.map((chart) => new Chart(chart, names, this.end, (time) => this.seek(time)));
     this.find("charts").append(...this.charts.map((chart) => chart.element));
     const fleets = this.tracks.filter((track) => track.isFleet && track.robots > 1);
     this.fleets = fleets.map((track) => new FleetPanel(track, this));
-    this.find("side").prepend(...this.fleets.map((fleet) => fleet.element));
+    this.find("charts").before(...this.fleets.map((fleet) => fleet.element));
+    this.find("charts").after(...this.fleets.map((fleet) => fleet.orders));
   }
 
   find(name) {
@@ -138,10 +157,15 @@ export class Player {
     });
     found.sort((a, b) => a.time - b.time);
     const [next] = found;
-    this.seek(next ? next.time : this.end);
-    if (!next) return "no further hit, pick, drop or stuck robot";
-    const robot = next.track.robots > 1 ? `robot ${next.body}: ` : "";
-    return `${robot}${WORDS[next.what]}`;
+    const robot = next?.track.robots > 1 ? `robot ${next.body}: ` : "";
+    const words = next ? `${robot}${WORDS[next.what]}` : "no further event";
+    this.told = { time: next ? next.time : this.end, words };
+    this.seek(this.told.time);
+  }
+
+  /** The event that was gone to, in words, as long as its time is shown. */
+  get event() {
+    return this.told?.time === this.time ? this.told.words : "";
   }
 
   /** Choose a robot of a fleet by number, or `null` for none. */

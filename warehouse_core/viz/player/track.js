@@ -62,15 +62,17 @@ export class Track {
     return this.time[this.stepFrames[Math.min(Math.max(step, 0), this.stepFrames.length - 1)]];
   }
 
+  /** Return the words for a moment: on the step that is under way or, at its end, on that one. */
   caption(moment) {
-    return this.captions[this.captionAt[moment.next]];
+    return this.captions[this.captionAt[this.tellsNext ? moment.frame : moment.next]];
   }
 
   /** Return the pose of a body, or `null` if it is not shown. A heading is in radians. */
   pose(body, { frame, next, share }) {
     const from = body * this.frames + frame;
-    const to = body * this.frames + next;
     if (this.load[from] < 0) return null;
+    const after = body * this.frames + next;
+    const to = this.load[after] < 0 ? from : after;
     return {
       x: this.x[from] + share * (this.x[to] - this.x[from]),
       y: this.y[from] + share * (this.y[to] - this.y[from]),
@@ -198,10 +200,10 @@ export function visitsUntil(track, body, frame) {
   return found.counts;
 }
 
-/** Return how often robots were held up in each cell up to a frame, as a map from cells. */
-export function heldUpUntil(track, frame) {
-  const known = track.heldUp && track.heldUp.frame <= frame;
-  const found = known ? track.heldUp : { frame: -1, counts: new Map() };
+/** Return how often robots were blocked in each cell up to a frame, as a map from cells. */
+export function blockedUntil(track, frame) {
+  const known = track.blocked && track.blocked.frame <= frame;
+  const found = known ? track.blocked : { frame: -1, counts: new Map() };
   for (let next = found.frame + 1; next <= frame; next++) {
     for (const hit of track.hitsIn(next)) {
       const cell = track.cell(hit.robot, next);
@@ -209,6 +211,6 @@ export function heldUpUntil(track, frame) {
     }
   }
   found.frame = frame;
-  track.heldUp = found;
+  track.blocked = found;
   return found.counts;
 }

@@ -84,6 +84,7 @@ def _packed_track(track: Track, times: Sequence[float], columns: Columns) -> dic
     bodies = max(len(frame.robots) for frame in frames)
     robots = bodies if first is None else len(first.battery)
     tiles, tile_at = _indexed("".join(frame.tiles) for frame in frames)
+    energy = any(frame.energy for frame in frames)
     captions, caption_at = _indexed(frame.caption for frame in frames)
     return {
         "title": track.title,
@@ -97,12 +98,14 @@ def _packed_track(track: Track, times: Sequence[float], columns: Columns) -> dic
         "tiles": tiles,
         "tileAt": columns.whole(tile_at, is_delta=True),
         "captions": captions,
+        "tellsNext": track.tells_next,
         "captionAt": columns.whole(caption_at, is_delta=True),
         "time": columns.whole(times, is_delta=True, unit=MILLI),
         "progress": columns.real([frame.progress for frame in frames]),
         **_poses(track, bodies, columns),
         "hits": _hits(frames, columns),
         "route": _routes(frames, columns),
+        "energy": columns.real([frame.energy for frame in frames] if energy else []),
         "battery": columns.real(track.metrics.get("battery", [])),
         "fullBattery": track.full_battery,
         "viewRadius": track.view_radius,

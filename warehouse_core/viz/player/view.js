@@ -1,12 +1,14 @@
 // Where the floor is in a canvas: places are in cells, pixels are those of the device.
 
 const MAX_CELL = 96;
-const MARGIN = 0.4;
+const MAX_ZOOM = 64;
 
 export class View {
-  constructor(width, height) {
+  /** Args: columns and rows of the floor, and the cells around it that are shown too. */
+  constructor(width, height, margin) {
     this.columns = width;
     this.rows = height;
+    this.margin = margin;
     this.zoom = 1;
     this.middle = [width / 2, height / 2];
   }
@@ -15,7 +17,7 @@ export class View {
   place(canvasWidth, canvasHeight, density) {
     this.canvasWidth = canvasWidth;
     this.canvasHeight = canvasHeight;
-    const [wide, high] = [this.columns + MARGIN, this.rows + MARGIN];
+    const [wide, high] = [this.columns + 2 * this.margin, this.rows + 2 * this.margin];
     const fitting = Math.min(canvasWidth / wide, canvasHeight / high);
     this.scale = Math.min(fitting, MAX_CELL * density) * this.zoom;
     this.middle = [
@@ -28,8 +30,8 @@ export class View {
 
   /** Keep the middle of the view so that the floor fills the canvas, or is in its middle. */
   clamp(middle, cells, pixels) {
-    const half = pixels / this.scale / 2 - MARGIN / 2;
-    return half * 2 >= cells ? cells / 2 : Math.min(Math.max(middle, half), cells - half);
+    const half = pixels / this.scale / 2 - this.margin;
+    return 2 * half >= cells - 1e-9 ? cells / 2 : Math.min(Math.max(middle, half), cells - half);
   }
 
   x(column) {
@@ -62,7 +64,7 @@ export class View {
   /** Zoom by a factor around a point in pixels. */
   zoomBy(factor, x, y) {
     const [column, row] = this.cellAt(x, y);
-    const zoom = Math.min(Math.max(this.zoom * factor, 1), 64);
+    const zoom = Math.min(Math.max(this.zoom * factor, 1), MAX_ZOOM);
     const ratio = this.zoom / zoom;
     this.zoom = zoom;
     this.middle = [

@@ -43,9 +43,13 @@ def track_of_episode(episode: Episode, frame_seconds: float | None = FRAME_SECON
             heading = float(motion.path[-1, 3])
             pose = Pose(middle(episode.cells[step]), heading, episode.loaded[step])
             hits = tuple(hit_of(contact, size, "") for contact in motion.contacts)
+            before, caption = frames[-1], captions[step - 1]
             frames.append(
-                Frame(episode.layout.rows, (pose,), float(step), captions[step - 1], hits)
-            )
+                Frame(
+                    episode.layout.rows, (pose,), float(step), caption, hits,
+                    before.clock + motion.seconds, energy=before.energy + motion.joules,
+                )
+            )  # fmt: skip
     seed = "" if episode.seed is None else f", seed {episode.seed}"
     title = f"{episode.agent or 'Warehouse'} on the {episode.settings.backend} backend{seed}"
     track = Track(
@@ -55,6 +59,8 @@ def track_of_episode(episode: Episode, frame_seconds: float | None = FRAME_SECON
         episode.settings.battery,
         printable(title),
         view_radius=episode.settings.view_radius,
+        slippery=episode.settings.slippery,
+        motor_strength=episode.settings.motor_strength,
     )
     if episode.outcome != UNFINISHED:
         diagnosis = diagnose(episode)

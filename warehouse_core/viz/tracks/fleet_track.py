@@ -59,6 +59,7 @@ def track_of_fleet_episode(
     title = f"{episode.agent or 'Fleet'}, {robots} on the {backend} backend, seed {episode.seed}"
     track = Track(frames, {}, is_continuous, episode.settings.battery.capacity, printable(title))
     track.view_radius = episode.settings.view_radius
+    track.slippery, track.motor_strength = episode.slippery, episode.motor_strength
     if episode.robots == 1:
         track.metrics = _metrics(episode)
     else:
@@ -95,7 +96,8 @@ def _frames(
                 )
             )
             hits = _hits(episode, step - 1) if step else ()
-            last = Frame(rows, poses, float(step), caption, hits, fleet=fleet)
+            clock = last.clock + float(episode.seconds[step - 1].max()) if step else 0.0
+            last = Frame(rows, poses, float(step), caption, hits, clock, fleet=fleet)
             yield last
 
 

@@ -116,7 +116,7 @@ class Frame:
         progress: steps taken, with a fraction inside a continuous motion.
         caption: the action and its reason; in the last frame of an episode its diagnosis.
         hits: the collisions to show.
-        clock: simulated seconds.
+        clock: simulated seconds; 0 in all frames if the track has no motions.
         speed: of the first robot, in m/s.
         energy: used so far by the first robot, in joules.
         route: the planned way of the robot; empty where no plan is shown.
@@ -142,7 +142,7 @@ class Track:
     Attributes:
         frames: at least one; all have the same number of robots.
         metrics: for some of ``METRICS`` a list ``[S]``; NaN is not drawn.
-        is_continuous: whether frames have a clock, a speed and an energy.
+        is_continuous: whether frames have a speed, and show moments inside a step.
         full_battery: units of a full battery.
         title: shown above the grid.
         ending: how it ended, shown with the last frame.
@@ -151,6 +151,7 @@ class Track:
         slippery: cells with slippery floor.
         motor_strength: actual share of the motor force.
         marks: of a search.
+        tells_next: whether a caption is about the next step, not the one before.
     """
 
     frames: list[Frame]
@@ -164,6 +165,7 @@ class Track:
     slippery: tuple[Cell, ...] = ()
     motor_strength: float = 1.0
     marks: Marks | None = None
+    tells_next: bool = False
 
     def __len__(self) -> int:
         return len(self.frames)
@@ -176,6 +178,11 @@ class Track:
     def steps(self) -> int:
         """The number of steps that the track shows."""
         return math.ceil(self.frames[-1].progress)
+
+    @property
+    def clocks(self) -> list[float]:
+        """``[S]`` the simulated seconds at which each step was complete."""
+        return [frame.clock for frame in self.frames if frame.progress.is_integer()]
 
     @property
     def is_fleet(self) -> bool:

@@ -46,6 +46,7 @@ def test_the_question_of_escape_is_answered_seed_by_seed(tmp_path: Path) -> None
     assert answered(tmp_path, [(ON, on), (OFF, off)]) == (
         Answer(
             "Does escaping loops cut delivery time, or does it make the robot wander?",
+            "Escape on does best: 83% delivered, against 17% with escape off.",
             (
                 "Success is 83.3% (55.2 to 95.3) with escape on and 16.7% (4.7 to 44.8) with "
                 "escape off.",
@@ -201,6 +202,7 @@ def test_the_extremes_of_the_other_changes_are_stated(tmp_path: Path) -> None:
 def test_a_single_case_has_an_answer(tmp_path: Path) -> None:
     [answer] = answered(tmp_path, [({}, outcomes("dddw"))])
     assert answer.question == "How does it do?"
+    assert answer.verdict == "75% of 4 episodes are delivered."
     assert answer.sentences[0] == "Success is 75.0% (30.1 to 95.4) over 4 episodes."
     assert answer.sentences[-1] == "Every failure is wandering (1 episode)."
 
@@ -293,8 +295,8 @@ def test_of_many_values_only_the_best_and_the_worst_are_named(tmp_path: Path) ->
     folder.mkdir()
     first = said(folder, layouts).splitlines()[0]
     assert first.count(" with layout ") == 6
-    assert first.startswith("Success is 88.9%")
-    assert "0.0% (0.0 to 29.9) with layout hall0.txt; 3 others lie between." in first
+    assert first.startswith("Success is 0.0% (0.0 to 29.9) with layout hall0.txt, 11.1%")
+    assert "88.9% (56.5 to 98.0) with layout hall8.txt; 3 others lie between." in first
 
 
 def test_the_sentence_states_nearly_the_same_success_at_both_ends(tmp_path: Path) -> None:
@@ -313,3 +315,58 @@ def test_only_the_most_frequent_failure_is_compared(tmp_path: Path) -> None:
 def test_every_parameter_has_its_own_question() -> None:
     assert all(each.question.endswith("?") for each in PARAMETERS.values())
     assert len({each.question for each in PARAMETERS.values()}) == len(PARAMETERS)
+
+
+def test_the_hardest_layout_comes_first(tmp_path: Path) -> None:
+    cases = []
+    for number, outcome in enumerate(("d" * 40, "d" * 10 + "w" * 30, "d" * 25 + "w" * 15)):
+        file = tmp_path / f"hall{number}.txt"
+        wall = "#" * (number + 4)
+        file.write_text(f"{wall}\n#P{'.' * number}D#\n{wall}")
+        cases += [
+            ({"layout": str(file)}, outcomes(outcome)),
+            ({"layout": str(file), "battery": 9}, outcomes("d" * 20)),
+        ]
+    (tmp_path / "results").mkdir()
+    answer = next(
+        each for each in answered(tmp_path / "results", cases) if "hardest" in each.question
+    )
+    assert answer.verdict == (
+        "With battery 200, layout hall1.txt is hardest: 25% delivered, against 62% with layout "
+        "hall2.txt."
+    )
+    assert answer.sentences[0].startswith("With battery 200, success is 25.0% (")
+    assert "40.2) with layout hall1.txt, 62.5% (" in answer.sentences[0]
+    assert answer.sentences[-1].startswith(
+        "With battery 9, layout hall1.txt is +0.0 points behind the next"
+    )
+
+
+def test_the_verdict_is_that_of_the_seeds_where_they_are_the_same_tasks(tmp_path: Path) -> None:
+    def verdict(first: str, second: str) -> str:
+        return answered(tmp_path, [(ON, outcomes(first)), (OFF, outcomes(second))])[0].verdict
+
+    # The intervals of 55% and 40% overlap, but no seed is delivered without escape alone.
+    assert verdict("d" * 22 + "w" * 18, "d" * 16 + "o" * 24).startswith("Escape on does best: 55%")
+    assert verdict("d" * 5 + "w" * 35, "w" * 33 + "d" * 7) == (
+        "No clear difference: 18% delivered with escape off and 12% with escape on."
+    )
+
+
+def test_the_verdict_on_a_trend_is_that_of_its_ends(tmp_path: Path) -> None:
+    def verdict(*shares: int) -> str:
+        cases = [
+            ({"battery": battery}, outcomes("d" * share + "w" * (100 - share)))
+            for battery, share in zip((10, 20, 30), shares, strict=True)
+        ]
+        return answered(tmp_path, cases)[0].verdict
+
+    assert verdict(10, 30, 50) == "Success rises from 10% at battery 10 to 50% at battery 30."
+    assert verdict(50, 20, 10) == "Success falls from 50% at battery 10 to 10% at battery 30."
+    assert verdict(50, 52, 51) == (
+        "No clear change: success is 50% at battery 10 and 51% at battery 30."
+    )
+    assert verdict(10, 90, 30) == (
+        "Success is highest at battery 20: 90%, against 10% at battery 10 and 30% at battery 30."
+    )
+    assert verdict(60, 5, 55).startswith("Success is lowest at battery 20: 5%, against 60% at ")

@@ -29,12 +29,14 @@ def trend(tmp_path: Path, *rates: float, name: str = "robots") -> Sequence[str]:
         for number, rate in enumerate(rates, start=1)
     ]
     [answer] = answered(tmp_path, cases)
-    return answer.sentences
+    return answer.verdict, *answer.sentences
 
 
 def test_too_many_robots_are_named_with_the_rise_before_and_the_fall_after(tmp_path: Path) -> None:
-    assert trend(tmp_path, 40, 60.1, 60.2, 30)[:2] == (
-        "More than 6 are too many: deliveries rise from 40.0 an hour (39.7 to 40.3) at robots 2 "
+    assert trend(tmp_path, 40, 60.1, 60.2, 30)[:3] == (
+        "More than 6 are too many: the number of items an hour is highest at robots 6: 60.2, "
+        "against 40.0 at robots 2 and 30.0 at robots 8.",
+        "Deliveries rise from 40.0 an hour (39.7 to 40.3) at robots 2 "
         "to 60.2 an hour (59.9 to 60.5) at robots 6, and fall to 30.0 an hour (29.7 to 30.3) at "
         "robots 8; the intervals allow as many 60.1 an hour (59.8 to 60.4) at robots 4.",
         "Seed by seed, robots 6 against robots 4: 0.10 (0.10 to 0.10) more an hour.",
@@ -44,15 +46,61 @@ def test_too_many_robots_are_named_with_the_rise_before_and_the_fall_after(tmp_p
 def test_a_trend_is_told_by_its_ends_and_its_best_value(tmp_path: Path) -> None:
     for number, (rates, words) in enumerate({
         (40.0, 50.0, 60.0): "Deliveries rise from 40.0",
-        (60.0, 50.0, 40.0): "More than 2 are too many: deliveries fall from 60.0",
+        (60.0, 50.0, 40.0): "Deliveries fall from 60.0",
         (40.0, 60.1, 60.0): "Deliveries rise from 40.0 an hour (39.7 to 40.3) at robots 2 to 60.1 "
         "an hour (59.8 to 60.4) at robots 4, and are about the same, 60.0",
         (60.0, 60.1, 60.0): "Deliveries are all but the same, 60.0",
     }.items()):  # fmt: skip
         folder = tmp_path / str(number)
         folder.mkdir()
+        assert trend(folder, *rates)[1].startswith(words)
+    assert trend(tmp_path, 40, 60, 30, name="people")[1].startswith("Deliveries rise from 40.0")
+
+
+def test_the_verdict_on_fleets_is_the_largest_that_is_not_clearly_worse(tmp_path: Path) -> None:
+    for number, (rates, words) in enumerate({
+        (60.0, 50.0, 40.0): "More than 2 are too many: the number of items an hour falls from 60.0",
+        (40.0, 60.0, 59.9, 30.0): "More than 6 are too many: the number of items an hour is highes",
+        (40.0, 50.0, 60.0): "6 are not too many: the number of items an hour rises from 40.0 at",
+    }.items()):  # fmt: skip
+        folder = tmp_path / str(number)
+        folder.mkdir()
         assert trend(folder, *rates)[0].startswith(words)
-    assert trend(tmp_path, 40, 60, 30, name="people")[0].startswith("Deliveries rise from 40.0")
+    assert trend(tmp_path, 40, 60, 30, name="people")[0] == (
+        "The number of items an hour is highest at people 4: 60.0, against 40.0 at people 2 and "
+        "30.0 at people 6."
+    )
+
+
+def test_few_episodes_allow_no_verdict_and_no_word_on_what_is_the_same(tmp_path: Path) -> None:
+    cases = [
+        ({"robots": n}, [shift(0, per_hour=rate)]) for n, rate in ((4, 9.0), (8, 50.0), (16, 30.0))
+    ]
+    [answer] = answered(tmp_path, cases)
+    assert answer.verdict == (
+        "Too few episodes to tell: the number of items an hour is 9.00 at robots 4, 50.0 at robots "
+        "8 and 30.0 at robots 16."
+    )
+    assert answer.sentences[0] == (
+        "Deliveries rise from 9.00 an hour at robots 4 to 50.0 an hour at robots 8, and are 30.0 "
+        "an hour at robots 16."
+    )
+
+
+def test_the_hardest_layout_of_a_fleet_comes_first(tmp_path: Path) -> None:
+    cases = []
+    for name, rate in (("easy", 90.0), ("hard", 30.0)):
+        file = tmp_path / f"{name}.txt"
+        file.write_text("######\n#P...#\n#...D#\n######\n" + "######\n" * (name == "easy"))
+        rows = [shift(seed, per_hour=rate + seed % 3) for seed in range(30)]
+        cases.append(({"robots": 2, "layout": str(file)}, rows))
+    (tmp_path / "results").mkdir()
+    [answer] = answered(tmp_path / "results", cases)
+    assert answer.question == "Which layout is hardest?"
+    assert answer.verdict == (
+        "Layout hard.txt is hardest: 31.0 items an hour, against 91.0 with layout easy.txt."
+    )
+    assert answer.sentences[0].startswith("Fewest are delivered with layout hard.txt: 31.0 ")
 
 
 def test_the_best_of_values_without_an_order_comes_first_with_its_measures(tmp_path: Path) -> None:
@@ -67,6 +115,7 @@ def test_the_best_of_values_without_an_order_comes_first_with_its_measures(tmp_p
     )  # fmt: skip
     assert answer == Answer(
         "Which agent does best?",
+        "Too few episodes to tell: from 200 items an hour with agent b to 0.00 with agent c.",
         (
             "Most are delivered with agent b: 200 an hour with agent b, 115 an hour with agent a "
             "and 0.00 an hour with agent c.",
@@ -101,6 +150,9 @@ def test_combinations_that_cannot_be_compared_are_each_described(tmp_path: Path)
     cases = [({"robots": n, "people": n}, [shift(0)]) for n in range(1, MAX_DESCRIBED + 2)]
     [answer] = answered(tmp_path, cases)
     assert answer.question == "How does it do?"
+    assert answer.verdict == (
+        "No two of the combinations differ in one setting alone, so they cannot be compared."
+    )
     assert answer.sentences[0] == (
         "180 an hour are delivered with robots 1, people 1 over 1 episode."
     )

@@ -1,6 +1,7 @@
 """Heat maps of where robots get stuck: the counts and the picture."""
 
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -136,6 +137,31 @@ def test_panels_neither_overlap_nor_leave_the_figure(rows: tuple[str, ...], coun
         assert box.x1 <= figure.bbox.width
         assert box.y1 <= figure.bbox.height
         assert not any(box.overlaps(other) for other in whole[:number])
+
+
+@pytest.mark.parametrize("small", [False, True])
+def test_stations_of_the_layout_have_their_letters_on_top_and_a_frame(small: bool) -> None:
+    rows = ["#" * 6, "#P...#", "#...D#", "#" * 6]
+    if small:
+        rows = [line + "#" * 60 for line in rows]
+    stuck = {"wandering": counts((1, 1, 3), rows=tuple(rows))}
+    [axes] = panels(stuck_heat_map(rows, stuck, 9, with_stations=True))
+    letters = {text.get_text(): text.get_position() for text in axes.texts}
+    assert {name: letters[name] for name in "PD"} == {"P": (1.5, 1), "D": (4.5, 2)}
+    frames = {frame.get_xy(): frame.get_edgecolor()[:3] for frame in axes.patches}
+    assert frames == {(1, 1): COLORS["P"], (4, 2): COLORS["D"]}
+    [plain] = panels(stuck_heat_map(rows, stuck, 9))
+    assert len(plain.patches) == 0
+
+
+def test_numbers_of_rows_and_columns_do_not_overlap() -> None:
+    rows = ("#" * 700, "#" + "." * 698 + "#", "#" * 700)
+    figure = stuck_heat_map(rows, {"wandering": counts((1, 2, 41), rows=rows)}, 99)
+    [axes] = panels(figure)
+    FigureCanvasAgg(figure).draw()
+    boxes = [label.get_window_extent() for label in axes.get_xticklabels()]
+    assert len(boxes) > 5
+    assert all(one.x1 < other.x0 for one, other in pairwise(boxes))
 
 
 def test_cells_are_square() -> None:

@@ -165,7 +165,7 @@ def test_each_mode_has_its_own_colour_and_a_name_in_the_legend(store: Store) -> 
 
 def test_numbers_contrast_with_their_background() -> None:
     assert ink_on("#ffffff") == "black"
-    assert ink_on("#000000") == "white"
+    assert ink_on("#000000") == "whitesmoke"
 
 
 def test_long_names_do_not_overlap(tmp_path: Path) -> None:

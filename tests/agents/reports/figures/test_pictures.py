@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 from helpers.results_files import fill, outcomes, row
+from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from agents.experiments.store import Store
 from agents.reports.analysis.design import make_design
@@ -78,7 +80,7 @@ def test_the_layouts_with_the_most_episodes_have_maps(tmp_path: Path) -> None:
     maps = [found[name].caption for name in found if name.startswith("stuck")]
     assert len(maps) == MAX_MAPS
     assert "hall5.txt: of 6 episodes" in maps[0]
-    assert "Pickup and dropoff are those of the layout in every episode." in maps[0]
+    assert "Pickup (P) and dropoff (D) are those of the layout in every episode." in maps[0]
     assert "hall2.txt: of 3 episodes" in maps[-1]
 
 
@@ -156,6 +158,36 @@ def test_the_same_results_make_the_same_bytes(tmp_path: Path) -> None:
         assert list(pictures(Experiment(store, Deliveries))) == list(
             pictures(Experiment(store, Deliveries))
         )
+
+
+def test_each_text_of_a_figure_is_at_least_12_pixels_high_on_a_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    figures: list[Figure] = []
+    monkeypatch.setattr(
+        picture_module, "themed_svg", lambda each: (figures.append(each), b"<svg/>")[1]
+    )
+    hall = tmp_path / "hall.txt"
+    hall.write_text(f"{'#' * 30}\n#P{'.' * 26}D#\n{'#' * 30}")
+    cases = [
+        ({"layout": layout, "escape": escape}, [row(seed, mode) for seed, mode in modes])
+        for layout in ("default", str(hall))
+        for escape in (True, False)
+        for modes in [[*enumerate(("delivered", "wandering", "oscillation"))]]
+    ]
+    drawn(tmp_path, cases)
+    assert len(figures) == 5
+    letters = [{text.get_text() for text in each.findobj(Text)} & {"P", "D"} for each in figures]
+    assert letters == [set(), set(), set(), set(), {"P", "D"}], "only of the layout that keeps them"
+    sizes = {
+        text.get_text(): text.get_fontsize()
+        for figure in figures
+        for text in figure.findobj(Text)
+        if text.get_text() and text.get_visible()
+    }
+    assert {"P", "wandering", "escape on", "33%", "layout", "steps"} <= sizes.keys()
+    # SVG has 96 pixels an inch and 72 points.
+    assert min(sizes.values()) * 96 / 72 >= 12, sizes
 
 
 def test_no_figure_has_a_date_or_loads_anything(tmp_path: Path) -> None:

@@ -53,6 +53,7 @@ def test_robots_and_then_people_are_where_the_record_has_them(episode: FleetEpis
         ]
     loaded = [[pose.loaded for pose in frame.robots if pose] for frame in track.frames]
     assert loaded == [[*row, False, False] for row in episode.loaded.tolist()]
+    assert track.clocks == [float(second) for second in range(81)]
 
 
 def test_orders_wait_at_their_pickups_and_age(episode: FleetEpisode) -> None:

@@ -307,6 +307,21 @@ def test_the_time_between_frames_must_be_positive(seconds: float) -> None:
         track_of_episode(short_episode(), seconds)
 
 
+def test_a_track_on_the_grid_has_the_clock_and_energy_of_its_motions() -> None:
+    episode = short_episode()
+    slow = episode.motions[2]._replace(seconds=4.0, joules=70.0)
+    motions = [*episode.motions[:2], slow, *episode.motions[3:]]
+    track = track_of_episode(dataclasses.replace(episode, motions=motions))
+    assert track.clocks == [0, 1, 2, 6, 7, 8, 9]
+    energy = [frame.energy for frame in track.frames]
+    assert energy[3] - energy[2] == pytest.approx(70)
+    assert energy[-1] == pytest.approx(sum(motion.joules for motion in motions))
+
+
+def test_the_clocks_of_a_continuous_track_are_those_of_complete_steps() -> None:
+    assert continuous_track().clocks == pytest.approx([0, 1, 2, 3, 5, 6, 7])
+
+
 def test_a_continuous_episode_can_have_one_frame_a_step() -> None:
     track = continuous_track(None)
     assert (len(track), track.is_continuous) == (7, False)

@@ -1,0 +1,149 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import {
+  angleBetween,
+  heldUpUntil,
+  indexAt,
+  nextEvent,
+  stuckFrames,
+  sums,
+  visitsUntil,
+} from "../../../../warehouse_core/viz/player/track.js";
+import { along, hitsOf, trackOf } from "./some_tracks.mjs";
+
+test("an index at a time is the last of those that are not later, as a plain search says", () => {
+  const times = [0, 1, 1, 1, 2.5, 4];
+  for (let time = -1; time <= 5; time += 0.25) {
+    assert.equal(indexAt(times, time), Math.max(times.findLastIndex((each) => each <= time), 0), `${time}`);
+  }
+});
+
+test("a heading turns the short way round", () => {
+  assert.equal(angleBetween(0, 30, 0.5), 15);
+  assert.equal(angleBetween(110, 10, 0.5), 120);
+  assert.equal(angleBetween(10, 110, 0.5), 0);
+  assert.equal(angleBetween(60, 60, 0.3), 60);
+});
+
+test("a robot glides between two frames and keeps its load until the second", () => {
+  const track = trackOf([[[0.5, 0.5, 0, 0], [1.5, 0.5, 1, 30]]]);
+  assert.deepEqual(track.pose(0, track.at(0.25)), { x: 0.75, y: 0.5, heading: (7.5 / 120) * 2 * Math.PI, load: 0 });
+  assert.deepEqual(track.pose(0, track.at(1)), { x: 1.5, y: 0.5, heading: Math.PI / 2, load: 1 });
+});
+
+test("times before the start and after the end are those", () => {
+  const track = trackOf([along([0, 1, 2])]);
+  assert.equal(track.pose(0, track.at(-3)).x, 0.5);
+  assert.equal(track.pose(0, track.at(99)).x, 2.5);
+  assert.equal(track.timeOf(-1), 0);
+  assert.equal(track.timeOf(99), 2);
+});
+
+test("a robot that is not shown in a frame has no pose there and does not glide to it", () => {
+  const track = trackOf([[[4.5, 4.5, 0], [0, 0, -1], [5.5, 4.5, 0]]]);
+  assert.deepEqual(track.pose(0, track.at(0.5)), { x: 4.5, y: 4.5, heading: null, load: 0 });
+  assert.equal(track.pose(0, track.at(1)), null);
+  assert.equal(track.pose(0, track.at(1.5)), null);
+  assert.equal(track.pose(0, track.at(2)).x, 5.5);
+});
+
+test("an unknown heading is none, until it is known", () => {
+  const track = trackOf([[[0.5, 0.5, 0], [0.5, 0.5, 0, 30], [0.5, 0.5, 0]]]);
+  assert.equal(track.pose(0, track.at(0)).heading, null);
+  assert.equal(track.pose(0, track.at(0.5)).heading, Math.PI / 2);
+  assert.equal(track.pose(0, track.at(1.5)).heading, null);
+});
+
+test("frames within a step belong to it, and each step has the frame in which it is complete", () => {
+  const progress = [0, 0.5, 1, 4 / 3, 5 / 3, 2];
+  const time = [0, 2, 4, 5, 6, 7];
+  const track = trackOf([along([0, 0, 1, 1, 1, 2])], { time, progress });
+  assert.deepEqual(track.stepFrames, [0, 2, 5]);
+  assert.deepEqual([0, 1, 2, 3].map((step) => track.timeOf(step)), [0, 4, 7, 7]);
+  assert.deepEqual([0, 0.1, 2, 4, 4.1, 6.9, 7].map((at) => track.stepAt(at)), [0, 1, 1, 1, 2, 2, 2]);
+  assert.equal(track.steps, 2);
+});
+
+test("the caption is that of the step under way", () => {
+  const track = trackOf([along([0, 1, 2])]);
+  assert.equal(track.caption(track.at(1)), "caption 1");
+  assert.equal(track.caption(track.at(1.1)), "caption 2");
+});
+
+test("each frame has its own hits", () => {
+  const hits = hitsOf([[0, 1, 1, 0], [2, 2, 2, 1], [2, 3, 3, 0]]);
+  const track = trackOf([along([0, 0, 0]), along([1, 1, 1])], { hits });
+  const shown = [0, 1, 2].map((frame) => track.hitsIn(frame).map((hit) => hit.x));
+  assert.deepEqual(shown, [[1], [], [2, 3]]);
+  assert.deepEqual(track.hitsIn(2)[0], { x: 2, y: 2, robot: 1, label: "12 N·s" });
+});
+
+test("a hit that is shown for several frames is one event, and in steps each is one", () => {
+  const hits = hitsOf([[1, 1, 1, 0], [2, 1, 1, 0], [2, 2, 2, 0], [3, 2, 2, 0]]);
+  const isHit = (isContinuous) => {
+    const track = trackOf([along([0, 1, 2, 3])], { hits, isContinuous });
+    return [0, 1, 2, 3].map((frame) => track.isHit(0, frame));
+  };
+  assert.deepEqual(isHit(true), [false, true, true, false]);
+  assert.deepEqual(isHit(false), [false, true, true, true]);
+});
+
+test("a route is that of its frame", () => {
+  const route = { count: [1, 0, 2], x: [1, 2, 3], y: [4, 5, 6] };
+  const track = trackOf([along([0, 1, 2])], { route });
+  assert.deepEqual([0, 1, 2].map((frame) => track.routeIn(frame)), [[[1, 4]], [], [[2, 5], [3, 6]]]);
+  assert.deepEqual(trackOf([along([0])]).routeIn(0), []);
+});
+
+test("sums start at 0 and end with the whole", () => {
+  assert.deepEqual([...sums([3, 0, 2])], [0, 3, 3, 5]);
+});
+
+test("the next event is a pick, a drop or a hit, of the robots asked for", () => {
+  const loads = [0, 0, 1, 1, 0].map((load, frame) => [frame + 0.5, 0.5, load]);
+  const track = trackOf([loads, along([5, 6, 7, 8, 9])], { hits: hitsOf([[3, 8, 1, 1]]) });
+  const walk = (bodies) => {
+    const found = [];
+    for (let event = nextEvent(track, 0, bodies); event; event = nextEvent(track, event.frame, bodies)) {
+      found.push([event.frame, event.body, event.what]);
+    }
+    return found;
+  };
+  assert.deepEqual(walk([0, 1]), [[2, 0, "pick"], [3, 1, "hit"], [4, 0, "drop"]]);
+  assert.deepEqual(walk([1]), [[3, 1, "hit"]]);
+});
+
+test("a robot that starts with an item has picked nothing, whatever the one before it did", () => {
+  const track = trackOf([along([0, 1]), along([3, 4], 1)]);
+  assert.equal(nextEvent(track, 0, [0, 1]), null);
+});
+
+test("a robot is stuck on its third visit of a cell, once, and not after a pick", () => {
+  const track = trackOf([along([0, 1, 0, 1, 0, 1, 0])]);
+  assert.deepEqual([...stuckFrames(track, 0)], [4]);
+  const poses = along([0, 1, 0, 1, 0]);
+  poses.forEach((pose, frame) => {
+    pose[2] = frame >= 2 ? 1 : 0;
+  });
+  assert.deepEqual([...stuckFrames(trackOf([poses]), 0)], []);
+});
+
+test("a robot of a fleet that waits is not stuck, and one that goes round in circles is", () => {
+  const track = trackOf([along([3, 3, 3, 3, 3, 3]), along([0, 1, 0, 1, 0, 1])]);
+  assert.deepEqual([...stuckFrames(track, 0)], []);
+  assert.deepEqual([...stuckFrames(track, 1)], [4]);
+});
+
+test("visits and held up robots are the same after going back as from the start", () => {
+  const hits = hitsOf([[1, 1, 0.5, 0], [2, 1, 0.5, 1], [4, 1, 0.5, 1]]);
+  const fresh = () => trackOf([along([0, 1, 0, 1, 2]), along([5, 4, 4, 4, 4])], { hits });
+  const used = fresh();
+  for (const frame of [4, 1, 3, 0, 2]) {
+    assert.deepEqual(visitsUntil(used, 0, frame), visitsUntil(fresh(), 0, frame), `${frame}`);
+    assert.deepEqual(heldUpUntil(used, frame), heldUpUntil(fresh(), frame), `${frame}`);
+  }
+  assert.deepEqual([...visitsUntil(used, 0, 3)], [[0, 2], [1, 2]]);
+  assert.deepEqual([...visitsUntil(used, 1, 3)], [[5, 1], [4, 1]]);
+  assert.deepEqual([...heldUpUntil(used, 4)], [[1, 1], [4, 2]]);
+});

@@ -1,0 +1,85 @@
+// Draws what tints the cells of a floor: visits, blocked moves, sight, and the marks of a search.
+
+import { outerOf } from "./floor.js";
+import { blockedUntil, visitsUntil } from "./track.js";
+
+const MAX_HEAT = 0.75;
+
+/** Darken what a robot does not see, around the window of its view. */
+export function drawSight(context, track, body, moment, view, theme) {
+  const pose = track.pose(body, moment);
+  if (track.viewRadius === null || !pose) return;
+  const [column, row] = [Math.floor(pose.x) - track.viewRadius, Math.floor(pose.y) - track.viewRadius];
+  const side = 2 * track.viewRadius + 1;
+  const outer = outerOf(track);
+  const [left, top] = [Math.max(column, outer), Math.max(row, outer)];
+  const right = Math.min(column + side, track.width - outer);
+  const bottom = Math.min(row + side, track.height - outer);
+  context.fillStyle = theme.shadow;
+  context.beginPath();
+  context.rect(...view.box(outer, outer, track.width - 2 * outer, track.height - 2 * outer));
+  context.rect(...view.box(left, top, right - left, bottom - top));
+  context.fill("evenodd");
+}
+
+/** Tint the cells that a robot has been to, the more the oftener. */
+export function drawVisits(context, track, body, moment, view, theme) {
+  for (const [cell, count] of visitsUntil(track, body, moment.frame)) {
+    if (count < 2) continue;
+    context.globalAlpha = Math.min(0.12 * (count - 1), 0.5);
+    context.fillStyle = theme.visited;
+    context.fillRect(...view.box(cell % track.width, Math.floor(cell / track.width)));
+  }
+  context.globalAlpha = 1;
+}
+
+/** Draw how often robots were blocked in each cell so far. */
+export function drawHeat(context, track, moment, view, theme) {
+  const counts = blockedUntil(track, moment.frame);
+  let most = 1;
+  for (const count of counts.values()) most = Math.max(most, count);
+  context.fillStyle = theme.colors.warning;
+  for (const [cell, count] of counts) {
+    context.globalAlpha = 0.1 + (MAX_HEAT - 0.1) * (count / most);
+    context.fillRect(...view.box(cell % track.width, Math.floor(cell / track.width)));
+  }
+  context.globalAlpha = 1;
+}
+
+/** Draw the cells of a search in the colours that they have by now, and its ends. */
+export function drawMarks(context, track, moment, view, theme) {
+  const { time, cell, value, colors, ends } = track.marks;
+  const now = marksUntil(track, moment.time, { time, cell, value });
+  for (const [place, index] of now) {
+    context.fillStyle = colors[index];
+    context.fillRect(...view.box(place % track.width, Math.floor(place / track.width), 1, 1, 0.03));
+  }
+  ends.forEach(([row, column], i) => {
+    const [x, y, radius] = [view.x(column + 0.5), view.y(row + 0.5), Math.max(8, 0.46 * view.scale)];
+    context.beginPath();
+    context.arc(x, y, radius, 0, 2 * Math.PI);
+    context.fillStyle = theme.light;
+    context.strokeStyle = theme.dark;
+    context.lineWidth = Math.max(1, radius / 8);
+    context.fill();
+    context.stroke();
+    context.fillStyle = theme.dark;
+    context.font = `bold ${Math.round(1.3 * radius)}px system-ui, sans-serif`;
+    context.textAlign = "center";
+    context.textBaseline = "middle";
+    context.fillText("SG"[i], x, y + 0.08 * radius);
+  });
+}
+
+/** Return the mark of each cell at a time, as a map. */
+export function marksUntil(track, until, { time, cell, value }) {
+  const known = track.marked && track.marked.until <= until;
+  const found = known ? track.marked : { until: -1, next: 0, cells: new Map() };
+  while (found.next < time.length && time[found.next] <= until) {
+    found.cells.set(cell[found.next], value[found.next]);
+    found.next++;
+  }
+  found.until = until;
+  track.marked = found;
+  return found.cells;
+}
