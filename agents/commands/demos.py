@@ -124,6 +124,7 @@ def slip() -> Demo:
     beside = track_of_episode(slipped)
     ended = slipped.outcome if slipped.terminated else f"the item is at {slipped.cells[-1]}"
     beside.ending = slipped.outcome if slipped.terminated else "not delivered"
+    beside.frames[-1].caption = ended
     said = f"the plan delivers in {planned.steps} steps on the grid; on the slippery floor {ended}"
     return Demo(
         said,

@@ -58,7 +58,7 @@ class SearchPanel:
         self._ground = np.where(is_wall, np.uint8(_WALL), np.uint8(_FLOOR))
         has_lines = cell_points >= LINED_CELL
         size, every = (layout.height, layout.width), _numbered(layout, cell_points)
-        draw_grid(axes, size, every, line_width=0.6 if has_lines else 0, zorder=2)
+        draw_grid(axes, size, every, line_width=0.6 if has_lines else 0, zorder=2, label_size=9)
         axes.xaxis.tick_top()
         self._image = self._show_image(_COLORS[self._ground], zorder=1)
         if has_lines:
@@ -74,9 +74,9 @@ class SearchPanel:
         for name, cell in zip("SG", ends, strict=True):
             self._draw_end(name, cell)
         artists: list[Any] = [*axes.images, *axes.collections, *axes.lines, *axes.texts]
-        name = self._draw_text(course.name, 26, fontsize=10, fontweight="bold")
+        name = self._draw_text(course.name, 34, fontsize=13, fontweight="bold")
         artists.sort(key=lambda artist: artist.get_zorder())
-        self._counts = self._draw_text("", 14, fontsize=8.5)
+        self._counts = self._draw_text("", 17, fontsize=11)
         for artist in (*artists, name, self._counts):
             figure.add_mover(artist)
 
@@ -121,7 +121,7 @@ class SearchPanel:
     def _draw_end(self, name: str, cell: Cell) -> None:
         """Draw the letter of the start or the goal on a disc, not too small to be read."""
         row, col = cell
-        size = max(10.0, 0.72 * self._cell_points)
+        size = max(13.0, 0.85 * self._cell_points)
         self._axes.plot(
             [col + 0.5], [row + 0.5], "o", color=PAPER, markeredgecolor=INK, markersize=size,
             zorder=6, clip_on=False,

@@ -1,11 +1,15 @@
-"""A display for the tests that open windows."""
+"""A display for the tests that open windows, and a browser for those that open pages."""
 
 import os
 import shutil
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
 
 import pytest
+from helpers.player_pages import Files, Shown, launched, shown
 from helpers.windows import stop
 
 
@@ -31,3 +35,31 @@ def display() -> Iterator[str]:
         yield f":{number}"
     finally:
         stop(server)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """Yield a headless Chromium, driven by Playwright."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        chromium = launched(playwright)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="session")
+def files(tmp_path_factory: pytest.TempPathFactory) -> Files:
+    """Return a function that writes pages, each once."""
+    return Files(tmp_path_factory.mktemp("pages"))
+
+
+@pytest.fixture
+def opened(browser: Any) -> Iterator[Callable[..., Shown]]:
+    """Return a function that opens a file in a page of its own; it is checked at the end."""
+    with ExitStack() as stack:
+
+        def open_file(file: Path, fragment: str = "", **options: Any) -> Shown:
+            return stack.enter_context(shown(browser, **options)).open(file, fragment)
+
+        yield open_file

@@ -1,0 +1,131 @@
+"""Pages that play tracks, opened in headless Chromium by Playwright."""
+
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from warehouse_core.viz.player import player_page
+from warehouse_core.viz.tracks import Track
+
+LISTENING = """
+globalThis.violations = [];
+addEventListener("securitypolicyviolation", (event) => violations.push(event.blockedURI));
+"""
+"""Runs before the page's own script."""
+
+COUNT = """
+([panel, column, row, columns, rows, color]) => {
+  const {view, canvas} = player.panels[panel];
+  const [x, y, width, height] = view.box(column, row, columns, rows);
+  const {data} = canvas.getContext("2d").getImageData(x, y, width, height);
+  const probe = Object.assign(document.createElement("canvas"), {width: 1, height: 1});
+  const context = probe.getContext("2d");
+  context.fillStyle = color.startsWith("#") ? color : player.theme[color];
+  context.fillRect(0, 0, 1, 1);
+  const wanted = context.getImageData(0, 0, 1, 1).data;
+  let count = 0;
+  for (let i = 0; i < data.length; i += 4) {
+    if ([0, 1, 2].every((part) => Math.abs(data[i + part] - wanted[part]) <= 2)) count++;
+  }
+  return count / (width * height);
+}
+"""
+
+PICTURES = """
+() => [...document.querySelectorAll("main canvas")].map((canvas) => canvas.toDataURL()).join(" ")
+"""
+
+
+def launched(playwright: Any) -> Any:
+    """Return a headless Chromium that draws without a GPU."""
+    program = shutil.which("chromium") or shutil.which("google-chrome")
+    assert program is not None, "these tests need chromium: apt-get install chromium"
+    return playwright.chromium.launch(
+        executable_path=program, args=["--no-sandbox", "--disable-gpu"]
+    )
+
+
+class Shown:
+    """A page in a browser, and what went wrong in it."""
+
+    def __init__(self, page: Any) -> None:
+        self.page = page
+        self.errors: list[str] = []
+        self.requests: list[str] = []
+        page.on("pageerror", lambda error: self.errors.append(f"uncaught: {error}"))
+        page.on("console", lambda message: self.errors.append(f"console: {message.text}"))
+        page.on("request", lambda request: self.requests.append(request.url))
+        page.add_init_script(LISTENING)
+
+    def open(self, file: Path, fragment: str = "") -> "Shown":
+        """Load a file, and wait until the page shows it."""
+        self.page.goto(file.as_uri() + fragment)
+        self.page.wait_for_function("globalThis.player !== undefined")
+        return self
+
+    def hold_clock(self) -> None:
+        """Let time pass in the page by ``self.page.clock.run_for`` alone."""
+        self.page.clock.install(time=0)
+        self.page.clock.pause_at(1000)
+
+    def read(self, expression: str) -> Any:
+        """Return the value of an expression of JavaScript."""
+        return self.page.evaluate(expression)
+
+    def part(self, name: str) -> Any:
+        """Return the locator of a part of the page."""
+        return self.page.locator(f'[data-part="{name}"]')
+
+    def press(self, *keys: str) -> None:
+        for key in keys:
+            self.page.keyboard.press(key)
+
+    def seek(self, step: float) -> None:
+        """Go to a step, or to a time within one."""
+        self.read(f"player.seek({step})" if step % 1 else f"player.goTo({step})")
+
+    def share(self, color: str, box: tuple[float, float, float, float], panel: int = 0) -> float:
+        """Return which part of a box of cells (column, row, columns, rows) has a colour."""
+        share: float = self.page.evaluate(COUNT, [panel, *box, color])
+        return share
+
+    def pictures(self) -> str:
+        """Return all canvases as text."""
+        text: str = self.read(PICTURES)
+        return text
+
+    def check(self) -> None:
+        """Raise unless nothing went wrong and nothing was loaded."""
+        assert self.errors == [], self.errors
+        assert self.read("violations") == []
+        others = [url for url in self.requests if not url.startswith(("about:", "data:", "file:"))]
+        assert others == [], others
+
+
+@contextmanager
+def shown(browser: Any, *, is_held: bool = False, **options: Any) -> Iterator[Shown]:
+    """Yield an empty page with options of a browser context; check it at the end."""
+    context = browser.new_context(**{"viewport": {"width": 1200, "height": 800}, **options})
+    try:
+        page = Shown(context.new_page())
+        if is_held:
+            page.hold_clock()
+        yield page
+        page.check()
+    finally:
+        context.close()
+
+
+class Files:
+    """Writes pages into a folder, each once."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def __call__(self, name: str, tracks: Callable[[], list[Track]], **options: Any) -> Path:
+        path = self._folder / f"{name}.html"
+        if not path.exists():
+            path.write_text(player_page(tracks(), **options), encoding="utf-8")
+        return path

@@ -1,0 +1,425 @@
+"""The page that plays tracks, in a real browser: every control, by keys and by mouse."""
+
+import html
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers.fleets import fleet_episode
+from helpers.player_pages import Files, Shown
+
+from agents.run_episode import run_episode
+from warehouse_core.viz.tracks import Track, track_of_episode, track_of_fleet_episode
+
+pytestmark = pytest.mark.browser
+
+Open = Callable[..., Shown]
+
+
+@pytest.fixture(scope="module")
+def track() -> Track:
+    """Return an episode on the grid with a pick and a drop."""
+    return track_of_episode(run_episode("greedy", "grid", seed=12))
+
+
+@pytest.fixture(scope="module")
+def fleet() -> Track:
+    return track_of_fleet_episode(fleet_episode())
+
+
+@pytest.fixture
+def page(opened: Open, files: Files, track: Track) -> Shown:
+    return opened(files("grid", lambda: [track]))
+
+
+@pytest.fixture
+def crowd(opened: Open, files: Files, fleet: Track) -> Shown:
+    return opened(files("fleet", lambda: [fleet]))
+
+
+def steps(page: Shown) -> int:
+    """Return the step that the page shows, the same in its words, its slider and its address."""
+    step: int = page.read("player.step")
+    assert page.part("place").inner_text().startswith(f"step {step} of ")
+    assert page.part("slider").input_value() == str(step)
+    assert page.page.url.partition("#")[2].split("&")[0] == (f"step={step}" if step else "")
+    return step
+
+
+def test_keys_go_to_steps(page: Shown, track: Track) -> None:
+    last = track.steps
+    walk = [
+        ("ArrowRight", 1), ("ArrowRight", 2), ("ArrowLeft", 1), ("Home", 0), ("ArrowLeft", 0),
+        ("End", last), ("ArrowRight", last), ("ArrowLeft", last - 1),
+    ]  # fmt: skip
+    for key, step in walk:
+        page.press(key)
+        assert (key, steps(page)) == (key, step)
+
+
+def test_buttons_do_what_the_keys_do(page: Shown, track: Track) -> None:
+    names = [
+        ("One step on", 1), ("One step on", 2), ("One step back", 1), ("To the end", track.steps),
+        ("To the start", 0),
+    ]  # fmt: skip
+    for name, step in names:
+        page.page.get_by_role("button", name=name, exact=True).click()
+        assert (name, steps(page)) == (name, step)
+
+
+def test_space_plays_and_pauses_at_the_speed_that_is_shown(
+    opened: Open, files: Files, track: Track
+) -> None:
+    page = opened(files("grid", lambda: [track]), is_held=True)
+    for speed, seconds in (("1", 2), ("4", 1), ("0.25", 2)):
+        page.press("Home")
+        page.part("speed").select_option(speed)
+        page.page.locator("body").click(position={"x": 2, "y": 2})
+        page.press("Space")
+        assert page.page.get_by_role("button", name="Pause", exact=True).count() == 1
+        page.page.clock.run_for(1000 * seconds)
+        page.press("Space")
+        assert page.read("player.time") == pytest.approx(float(speed) * seconds, rel=0.05)
+        at = page.pictures()
+        page.page.clock.run_for(500)
+        assert page.pictures() == at, "it is paused"
+
+
+def test_playing_ends_at_the_end_and_then_starts_again(
+    opened: Open, files: Files, track: Track
+) -> None:
+    page = opened(files("grid", lambda: [track]), is_held=True)
+    page.part("speed").select_option("16")
+    play = page.part("play")
+    play.click()
+    page.page.clock.run_for(1000 * track.steps / 16 + 100)
+    assert steps(page) == track.steps
+    assert play.get_attribute("aria-label") == "Play"
+    assert page.part("ending").inner_text().lower() == track.ending
+    play.click()
+    page.page.clock.run_for(100)
+    play.click()
+    assert 0 < page.read("player.time") < 4
+
+
+def test_speeds_change_by_keys_within_their_range(page: Shown) -> None:
+    speed = page.part("speed")
+    options = speed.locator("option").evaluate_all("all => all.map(option => option.value)")
+    assert options == ["0.25", "0.5", "1", "2", "4", "8", "16"]
+    page.press(*[">"] * 9)
+    assert speed.input_value() == "16"
+    page.press("<")
+    assert speed.input_value() == "8"
+    page.press(*["<"] * 9)
+    assert speed.input_value() == "0.25"
+
+
+def test_the_slider_is_dragged(page: Shown, track: Track) -> None:
+    box = page.part("slider").bounding_box()
+    middle = box["y"] + box["height"] / 2
+    page.page.mouse.move(box["x"] + 3, middle)
+    page.page.mouse.down()
+    seen = []
+    for share in (0.25, 0.5, 0.75):
+        page.page.mouse.move(box["x"] + share * box["width"], middle)
+        seen.append(steps(page))
+    page.page.mouse.up()
+    assert seen == pytest.approx([share * track.steps for share in (0.25, 0.5, 0.75)], abs=1)
+
+
+def test_a_chart_is_clicked_and_dragged(page: Shown, track: Track) -> None:
+    canvas = page.page.locator(".chart canvas").first
+    box = canvas.bounding_box()
+    for share in (0.3, 0.8):
+        canvas.click(position={"x": share * box["width"], "y": 30})
+        expected = page.read(f"player.charts[0].timeAt({share} * {box['width']})")
+        assert page.read("player.time") == pytest.approx(expected, abs=0.01)
+        assert 0 < expected < track.steps
+    canvas.hover(position={"x": 0.5 * box["width"], "y": 30})
+    before = page.read("player.time")
+    assert before == pytest.approx(expected, abs=0.01), "moving without a button does nothing"
+    page.page.mouse.down()
+    page.page.mouse.move(box["x"] + box["width"] + 50, box["y"] + 30)
+    page.page.mouse.up()
+    assert steps(page) == track.steps
+
+
+def events(track: Track, robot: int) -> list[int]:
+    """Return the frames in which a robot picks, drops or is blocked."""
+    found = []
+    for index, (before, frame) in enumerate(zip(track.frames, track.frames[1:], strict=False), 1):
+        was, now = before.robots[robot], frame.robots[robot]
+        assert was
+        assert now
+        if was.loaded != now.loaded or any(hit.robot == robot for hit in frame.hits):
+            found.append(index)
+    return found
+
+
+def test_n_goes_from_event_to_event_and_says_which(page: Shown, track: Track) -> None:
+    said: dict[int, str] = {}
+    while track.steps not in said:
+        page.press("n")
+        said[steps(page)] = page.part("status").inner_text()
+    picked, dropped = events(track, 0)
+    assert (said.pop(picked), said.pop(dropped)) == ("item picked", "item delivered")
+    # In between the robot comes to cells for the third time.
+    assert {*said.values()} == {"stuck"}
+    assert all(picked < step < dropped for step in said)
+    page.page.get_by_role("button", name="Next event").click()
+    assert steps(page) == track.steps
+    assert "no further" in page.part("status").inner_text()
+
+
+def test_n_goes_to_the_events_of_the_chosen_robot(crowd: Shown, fleet: Track) -> None:
+    crowd.read("player.choose(2)")
+    expected = events(fleet, 2)
+    for _ in range(3):
+        crowd.press("n")
+    found = crowd.read("player.step")
+    stuck = crowd.part("status").inner_text().count("stuck")
+    assert found in expected or stuck
+    assert "robot 2" in crowd.part("status").inner_text()
+
+
+def test_f_is_full_screen_and_back(page: Shown) -> None:
+    page.press("f")
+    page.page.wait_for_function("document.fullscreenElement !== null")
+    page.press("f")
+    page.page.wait_for_function("document.fullscreenElement === null")
+
+
+def test_help_is_a_dialog_whose_keys_are_its_own(page: Shown) -> None:
+    dialog = page.part("helping")
+    page.press("?")
+    assert dialog.is_visible()
+    page.press("ArrowRight", "n")
+    assert steps(page) == 0
+    page.press("Escape")
+    assert not dialog.is_visible()
+    page.page.get_by_role("button", name="Help").click()
+    page.page.get_by_role("button", name="Close").click()
+    assert not dialog.is_visible()
+    page.press("ArrowRight")
+    assert steps(page) == 1
+
+
+def test_keys_with_ctrl_are_the_browsers(page: Shown) -> None:
+    page.press("Control+ArrowRight", "Alt+f")
+    assert steps(page) == 0
+    assert page.read("document.fullscreenElement") is None
+
+
+def test_zoom_pan_and_fit(page: Shown) -> None:
+    whole = page.pictures()
+    floor = page.page.locator("canvas.floor")
+    page.press("+", "+")
+    assert page.read("player.views[0].zoom") == pytest.approx(2.25)
+    zoomed = page.pictures()
+    assert zoomed != whole
+    box = floor.bounding_box()
+    center = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    before = page.read("player.views[0].middle")
+    page.page.mouse.move(*center)
+    page.page.mouse.down()
+    page.page.mouse.move(center[0] + 40, center[1] + 30)
+    page.page.mouse.up()
+    scale = page.read("player.views[0].scale")
+    after = page.read("player.views[0].middle")
+    assert after == pytest.approx([before[0] - 40 / scale, before[1] - 30 / scale], abs=0.02)
+    page.press("-")
+    assert page.read("player.views[0].zoom") == pytest.approx(1.5)
+    page.press("0")
+    assert page.pictures() == whole
+    for name in ("Zoom in", "Zoom in", "Zoom out"):
+        page.page.get_by_role("button", name=name).click()
+    assert page.read("player.views[0].zoom") == pytest.approx(1.5)
+    page.page.get_by_role("button", name="Fit the floor").click()
+    assert page.pictures() == whole
+
+
+def test_ctrl_and_the_wheel_zoom_where_the_pointer_is(page: Shown) -> None:
+    box = page.page.locator("canvas.floor").bounding_box()
+    page.page.mouse.move(box["x"] + 0.7 * box["width"], box["y"] + 0.4 * box["height"])
+    page.page.mouse.wheel(0, -100)
+    assert page.read("player.views[0].zoom") == 1
+    page.page.keyboard.down("Control")
+    page.page.mouse.wheel(0, -100)
+    page.page.wait_for_function("player.views[0].zoom > 1.1")
+    page.page.keyboard.up("Control")
+
+
+def click_robot(page: Shown, robot: int) -> None:
+    """Click the middle of a robot of the first track."""
+    x, y = page.read(
+        f"""(() => {{
+          const [panel] = player.panels;
+          const pose = panel.track.pose({robot}, panel.track.at(player.time));
+          return [panel.view.x(pose.x) / devicePixelRatio, panel.view.y(pose.y) / devicePixelRatio];
+        }})()"""
+    )
+    page.page.locator("canvas.floor").first.click(position={"x": x, "y": y})
+
+
+def test_a_robot_is_chosen_by_a_click_and_by_its_number(crowd: Shown, fleet: Track) -> None:
+    number = crowd.part("number")
+    assert number.input_value() == ""
+    for robot in range(4):
+        click_robot(crowd, robot)
+        assert crowd.read("player.chosen") == robot
+        assert number.input_value() == str(robot)
+    crowd.seek(10)
+    pose = fleet.frames[10].robots[3]
+    assert pose
+    column, row = (int(part) for part in pose.at)
+    assert crowd.part("robot").inner_text().count(f"row {row}, column {column}") == 1
+    number.fill("1")
+    assert crowd.read("player.chosen") == 1
+    assert crowd.page.url.endswith("#step=10&robot=1")
+    number.fill("99")
+    assert crowd.read("player.chosen") is None
+    number.fill("")
+    assert crowd.read("player.chosen") is None
+    assert not crowd.part("robot").is_visible()
+
+
+def test_typing_a_number_does_not_play_or_step(crowd: Shown) -> None:
+    number = crowd.part("number")
+    number.click()
+    crowd.press("2", "Home", "n", "f", "Space")
+    assert crowd.read("[player.chosen, player.step, player.isPlaying]") == [2, 0, False]
+
+
+def test_a_click_beside_all_robots_chooses_none(crowd: Shown) -> None:
+    crowd.read("player.choose(1)")
+    crowd.page.locator("canvas.floor").click(position={"x": 2, "y": 2})
+    assert crowd.read("player.chosen") is None
+
+
+def test_the_heat_of_held_up_robots_is_a_layer(crowd: Shown) -> None:
+    crowd.press("End")
+    without = crowd.pictures()
+    heat = crowd.page.get_by_role("checkbox")
+    heat.check()
+    assert crowd.pictures() != without
+    heat.uncheck()
+    assert crowd.pictures() == without
+
+
+@pytest.mark.parametrize("fragment", ["#step=12&robot=3", "#robot=3&step=12"])
+def test_an_address_opens_at_its_step_and_robot_and_follows_them(
+    opened: Open, files: Files, fleet: Track, fragment: str
+) -> None:
+    page = opened(files("fleet", lambda: [fleet]), fragment)
+    assert page.read("[player.step, player.chosen]") == [12, 3]
+    assert page.page.url.endswith("#step=12&robot=3")
+    page.press("ArrowRight")
+    assert page.page.url.endswith("#step=13&robot=3")
+    page.read("location.hash = '#step=2&robot=0'")
+    page.page.wait_for_function("player.step === 2 && player.chosen === 0")
+
+
+@pytest.mark.parametrize(
+    "fragment",
+    ["#step=-3", "#step=x&robot=99", "#step=1e9", "#robot=-1", "#%E0%A4%A", "#step=999999999999"],
+)
+def test_an_address_that_makes_no_sense_opens_a_page_that_works(
+    opened: Open, files: Files, fleet: Track, fragment: str
+) -> None:
+    page = opened(files("fleet", lambda: [fleet]), fragment)
+    page.press("Home", "ArrowRight")
+    assert steps(page) == 1
+    assert page.read("player.chosen") is None
+
+
+def test_what_was_played_and_what_was_scrubbed_are_the_same_pictures(
+    opened: Open, files: Files, track: Track, fleet: Track
+) -> None:
+    def tracks() -> list[Track]:
+        return [track, track_of_episode(run_episode("greedy", "physics", seed=12))]
+
+    for path, prepare in (
+        (files("pair", tracks), ""),
+        (files("fleet", lambda: [fleet]), "player.choose(1); player.hasHeat = true"),
+    ):
+        played = opened(path, is_held=True)
+        played.read(prepare or "null")
+        played.press("Space")
+        played.page.clock.run_for(2345)
+        played.press("Space")
+        time = played.read("player.time")
+        assert time > 5
+        scrubbed = opened(path)
+        scrubbed.read(prepare or "null")
+        for step in (20, 3, 11, 0, 7):
+            scrubbed.seek(step)
+        scrubbed.read(f"player.seek({time!r})")
+        assert scrubbed.pictures() == played.pictures()
+        played.press("ArrowRight")
+        step = played.read("player.step")
+        linked = opened(path, f"#step={step}")
+        linked.read(f"{prepare or 'null'}; player.draw()")
+        assert linked.pictures() == played.pictures()
+
+
+def test_reduced_motion_shows_whole_steps_only(opened: Open, files: Files, track: Track) -> None:
+    page = opened(files("grid", lambda: [track]), reduced_motion="reduce", is_held=True)
+    page.press("Space")
+    floor = "player.panels[0].canvas.toDataURL()"
+    page.page.clock.run_for(640)
+    assert 0.1 < page.read("player.time") % 1 < 0.9, "it is playing, within a step"
+    between = page.read(floor)
+    page.press("Space")
+    page.seek(page.read("player.step"))
+    assert page.read(floor) == between
+
+
+def test_everything_has_a_name_and_is_reached_by_tab(crowd: Shown, page: Shown) -> None:
+    for each in (crowd, page):
+        tree = each.page.locator("main").aria_snapshot()
+        roles = ("button", "slider", "combobox", "spinbutton", "checkbox", "img")
+        lines = [line.strip(" -:") for line in tree.splitlines()]
+        assert [line for line in lines if line in roles] == []
+        expected = each.read(
+            """[...document.querySelectorAll("button, input, select, summary")]
+              .filter(element => element.checkVisibility()).length"""
+        )
+        reached = each.read("document.body.focus(); globalThis.reached = new Set(); 0")
+        for _ in range(expected + 3):
+            each.press("Tab")
+            each.read("void reached.add(document.activeElement)")
+        reached = each.read("[...reached].filter(element => element !== document.body).length")
+        assert reached == expected
+
+
+def test_a_screen_reader_is_told_what_is_shown(page: Shown, track: Track) -> None:
+    page.press("ArrowRight")
+    status = page.part("status").inner_text()
+    assert "step 1 of" in status
+    assert track.frames[1].caption in status
+    canvas = page.page.locator("canvas.floor")
+    assert canvas.get_attribute("aria-label") == status
+    assert page.part("slider").get_attribute("aria-valuetext").startswith("step 1 of")
+
+
+def test_a_page_in_a_sandboxed_frame_plays(
+    opened: Open, files: Files, track: Track, tmp_path: Path
+) -> None:
+    text = html.escape(files("grid", lambda: [track]).read_text(encoding="utf-8"))
+    outer = tmp_path / "outer.html"
+    outer.write_text(
+        f"<!DOCTYPE html><script>globalThis.player = 0</script>"
+        f'<iframe sandbox="allow-scripts" width="900" height="700" srcdoc="{text}"></iframe>',
+        encoding="utf-8",
+    )
+    page = opened(outer)
+    frame = page.page.frames[1]
+    frame.wait_for_function("globalThis.player !== undefined")
+    inner: Any = page.page.frame_locator("iframe")
+    inner.get_by_role("button", name="One step on", exact=True).click()
+    assert frame.evaluate("player.step") == 1
+    assert inner.locator('[data-part="place"]').inner_text().startswith("step 1 of")
+    page.press("Space")
+    frame.wait_for_function("player.step > 1")
+    assert frame.evaluate("violations") == []
