@@ -10,20 +10,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from agents.search.trace import WAITS, SearchCourse
-from warehouse_core.render.palette import COLORS, HIT, INK, PAPER, WARNING, Color, blend
+from agents.search.trace import FRONTIER, SHADES, WAITS, SearchCourse
+from warehouse_core.render.palette import COLORS, INK, PAPER, WARNING, Color
 from warehouse_core.viz.axes import draw_grid
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tiles import EMPTY, PICKUP, WALL, Cell
+from warehouse_core.world.tiles import EMPTY, WALL, Cell
 
-# Most are in the palette of a replay's files, which have no other colours.
-SHADES: tuple[Color, ...] = tuple(
-    blend(COLORS[PICKUP], COLORS[EMPTY], share) for share in (0.75, 0.5, 0.25, 0.0)
-)
-"""Of expanded cells: the first quarter of them, and so on."""
-
-FRONTIER: Color = HIT
 PATH: Color = WARNING
 
 _FLOOR, _WALL, _FRONTIER, _FIRST_SHADE = range(4)
@@ -94,18 +87,14 @@ class SearchPanel:
         codes = self._ground.copy()
         codes[marks == WAITS] = _FRONTIER
         is_expanded = marks > 0
-        parts = (marks[is_expanded] - 1) * len(SHADES) // max(len(course), 1)
-        codes[is_expanded] = _FIRST_SHADE + parts
+        codes[is_expanded] = _FIRST_SHADE + course.shades(marks[is_expanded])
         self._image.set_data(_COLORS[codes])
         is_over = course.is_over(count)
         self._path.set_visible(is_over and solution.found)
         now = course.expanded_by(count)
         at = [] if now is None else [now]
         self._now.set_data([col + 0.5 for _, col in at], [row + 0.5 for row, _ in at])
-        counts = f"expanded {min(count, len(course))}   frontier {int((marks == WAITS).sum())}"
-        if is_over:
-            counts += f"   cost {solution.cost:g}" if solution.found else "   no path"
-        self._counts.set_text(counts)
+        self._counts.set_text("   ".join(course.words_after(count)))
         self._counts.set_fontweight("bold" if is_over else "normal")
 
     def _show_image(self, picture: NDArray[np.uint8], zorder: float) -> Any:

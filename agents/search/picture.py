@@ -8,8 +8,9 @@ from typing import Any
 
 from matplotlib.lines import Line2D
 
-from agents.search.panel import FRONTIER, PATH, SHADES, SearchPanel
-from agents.search.trace import SearchCourse
+from agents.search.course_track import track_of_course
+from agents.search.panel import PATH, SearchPanel
+from agents.search.trace import FRONTIER, MAX_PANELS, SHADES, SearchCourse
 from warehouse_core.render.palette import COLORS, INK, PAPER, WARNING
 from warehouse_core.viz.axes import box_in
 from warehouse_core.viz.figure import DPI, SceneFigure, make_figure, make_window
@@ -20,8 +21,6 @@ from warehouse_core.world.tiles import WALL, Cell
 
 MAX_FRAMES = 120
 """Of an animation, the first and the last included."""
-
-MAX_PANELS = 6
 
 FRAME_MS = 100.0
 
@@ -119,7 +118,9 @@ def search_replay(
     """
     if not 1 <= len(courses) <= MAX_PANELS:
         raise ValueError(f"{len(courses)} searches; there must be 1..{MAX_PANELS}")
-    return Replay(_SearchScene(layout, (start, goal), courses, title, window), title, FRAME_MS)
+    scene = _SearchScene(layout, (start, goal), courses, title, window)
+    tracks = [track_of_course(course, goal) for course in courses]
+    return Replay(scene, tracks, FRAME_MS)
 
 
 def draw_legend(figure: SceneFigure) -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.pictures import HOSTILE_NAMES, is_color, patch, pixels, texts
+from helpers.player import page_in, said_by
 from matplotlib.backend_bases import KeyEvent
 from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
@@ -12,13 +13,14 @@ from PIL import Image
 
 from agents.search.algorithms import Solution, weighted_astar_search
 from agents.search.heuristics import manhattan
-from agents.search.panel import FRONTIER, PATH, SHADES
-from agents.search.picture import MAX_FRAMES, MAX_PANELS, search_replay
+from agents.search.panel import PATH
+from agents.search.picture import MAX_FRAMES, search_replay
 from agents.search.problems import RouteProblem
-from agents.search.trace import UNTOUCHED, WAITS, SearchCourse
+from agents.search.trace import FRONTIER, MAX_PANELS, SHADES, UNTOUCHED, WAITS, SearchCourse
 from warehouse_core import DEFAULT_LAYOUT, Layout
 from warehouse_core.render.palette import COLORS
 from warehouse_core.viz.replay import Replay
+from warehouse_core.wording import printable
 from warehouse_core.world.generators import random_layout
 from warehouse_core.world.tiles import EMPTY, WALL, Cell
 
@@ -256,7 +258,9 @@ def test_names_are_shown_literally() -> None:
         shown = search_replay(HALL, START, START, [named], name)
         shown.figure.canvas.draw()
         assert texts(shown).count(name) == 2
-        assert "alert(1)" not in shown.to_jshtml()
+        page = page_in(shown._repr_html_())
+        assert "<script>alert" not in page
+        assert [track["title"] for track in said_by(page)["tracks"]] == [printable(name)]
 
 
 def test_a_gif_has_every_frame_in_the_colours_of_the_screen(tmp_path: Path) -> None:
