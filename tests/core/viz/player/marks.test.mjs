@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { marksUntil } from "../../../../warehouse_core/viz/player/bodies.js";
+import { marksUntil } from "../../../../warehouse_core/viz/player/layers.js";
 import { signsOf } from "../../../../warehouse_core/viz/player/legend.js";
 import { along, hitsOf, trackOf } from "./some_tracks.mjs";
 

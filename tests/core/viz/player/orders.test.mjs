@@ -1,9 +1,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { ageWords, goalOf } from "../../../../warehouse_core/viz/player/bodies.js";
 import {
   ageOf,
+  ageWords,
+  goalOf,
   historyOf,
   orderOf,
   waitingAt,

@@ -3,7 +3,7 @@ import { test } from "node:test";
 
 import {
   angleBetween,
-  heldUpUntil,
+  blockedUntil,
   indexAt,
   nextEvent,
   stuckFrames,
@@ -69,6 +69,8 @@ test("the caption is that of the step under way", () => {
   const track = trackOf([along([0, 1, 2])]);
   assert.equal(track.caption(track.at(1)), "caption 1");
   assert.equal(track.caption(track.at(1.1)), "caption 2");
+  track.tellsNext = true;
+  assert.equal(track.caption(track.at(1.1)), "caption 1");
 });
 
 test("each frame has its own hits", () => {
@@ -135,15 +137,15 @@ test("a robot of a fleet that waits is not stuck, and one that goes round in cir
   assert.deepEqual([...stuckFrames(track, 1)], [4]);
 });
 
-test("visits and held up robots are the same after going back as from the start", () => {
+test("visits and blocked moves are the same after going back as from the start", () => {
   const hits = hitsOf([[1, 1, 0.5, 0], [2, 1, 0.5, 1], [4, 1, 0.5, 1]]);
   const fresh = () => trackOf([along([0, 1, 0, 1, 2]), along([5, 4, 4, 4, 4])], { hits });
   const used = fresh();
   for (const frame of [4, 1, 3, 0, 2]) {
     assert.deepEqual(visitsUntil(used, 0, frame), visitsUntil(fresh(), 0, frame), `${frame}`);
-    assert.deepEqual(heldUpUntil(used, frame), heldUpUntil(fresh(), frame), `${frame}`);
+    assert.deepEqual(blockedUntil(used, frame), blockedUntil(fresh(), frame), `${frame}`);
   }
   assert.deepEqual([...visitsUntil(used, 0, 3)], [[0, 2], [1, 2]]);
   assert.deepEqual([...visitsUntil(used, 1, 3)], [[5, 1], [4, 1]]);
-  assert.deepEqual([...heldUpUntil(used, 4)], [[1, 1], [4, 2]]);
+  assert.deepEqual([...blockedUntil(used, 4)], [[1, 1], [4, 2]]);
 });

@@ -1,10 +1,11 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
+import { shortNames } from "../../../../warehouse_core/viz/player/player.js";
 import { View } from "../../../../warehouse_core/viz/player/view.js";
 
 function viewOf(columns, rows, width, height) {
-  const view = new View(columns, rows);
+  const view = new View(columns, rows, 0.1);
   view.place(width, height, 1);
   return view;
 }
@@ -79,4 +80,12 @@ test("what is outside of the canvas is not shown", () => {
   assert.ok(view.shows(0.5, 0.5, 1));
   assert.ok(!view.shows(9.5, 0.5, 1));
   assert.ok(!view.shows(0.5, 9.5, 1));
+});
+
+test("names of tracks leave out what their titles share, unless nothing is left", () => {
+  const of = (...backends) => backends.map((backend) => `greedy on the ${backend} backend, seed 12`);
+  assert.deepEqual(shortNames(of("grid", "physics")), ["grid", "physics"]);
+  assert.deepEqual(shortNames(["a b", "a b"]), ["a b", "a b"]);
+  assert.deepEqual(shortNames(["a", "a b"]), ["a", "a b"]);
+  assert.deepEqual(shortNames(["x y x", "x x"]), ["x y x", "x x"]);
 });
