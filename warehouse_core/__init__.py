@@ -1,5 +1,6 @@
 """A grid warehouse for rational agents, with a motion backend that can be swapped."""
 
+import warehouse_core.notebooks  # noqa: F401 - adds methods that notebooks call
 from warehouse_core.errors import (
     BackendError,
     LayoutError,

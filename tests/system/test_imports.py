@@ -47,6 +47,7 @@ MAY_IMPORT = {
         "arguments errors files records render viz/axes viz/export viz/player viz/tracks "
         "warehouse_env wording world"
     ),
+    "warehouse_core/notebooks": ("fleet records render viz/player viz/tracks warehouse_env world"),
     "warehouse_core/warehouse_viz": "arguments files records viz viz/export viz/tracks",
     "warehouse_physics/exclusive": "",
     "warehouse_physics/profile": "",
@@ -146,7 +147,7 @@ EXPORTS = {
 }
 """The exported names of each package that has any."""
 
-HEAVY = ("matplotlib", "gymnasium", "pymunk", "rich", "typer")
+HEAVY = ("matplotlib", "gymnasium", "pymunk", "rich", "typer", "PIL", "IPython")
 PROGRAMS = {
     "one": """
 import warehouse_core

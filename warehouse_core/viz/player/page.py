@@ -82,7 +82,7 @@ def player_frame(tracks: Sequence[Track], *, speed: float = 1.0) -> str:
     """
     page = html.escape(player_page(tracks, speed=speed))
     return (
-        f'<iframe srcdoc="{page}" sandbox="allow-scripts" allow="fullscreen" allowfullscreen '
+        f'<iframe srcdoc="{page}" sandbox="allow-scripts" allow="fullscreen" '
         f'title="Replay" style="width:100%;height:{FRAME_HEIGHT}px;border:0"></iframe>'
     )
 
