@@ -19,11 +19,11 @@ from agents.console.options import (
     StationsOption,
     load_place,
 )
-from agents.console.output import show_or_save
+from agents.console.output import Film, show_or_save
 from agents.console.table import Table, print_table
 from agents.run_episode import draw_seed, run_episode
 from warehouse_core import Episode
-from warehouse_core.warehouse_viz import replay_animation
+from warehouse_core.viz.tracks.episode_track import track_of_episode
 
 ROWS: dict[str, Callable[[Episode], str]] = {
     "outcome": lambda episode: episode.outcome,
@@ -89,9 +89,5 @@ def compare(
         for backend in (left, right)
     )
     print_table(comparison_table(one, other))
-    show_or_save(
-        lambda window: replay_animation(one, beside=other, window=window),
-        save,
-        show,
-        f"compare-{one.agent}-{left}-{right}-{seed}.gif",
-    )
+    film = Film(lambda: [track_of_episode(one), track_of_episode(other)])
+    show_or_save(film, save, show, f"compare-{one.agent}-{left}-{right}-{seed}.gif")

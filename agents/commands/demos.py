@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import typer
 
 from agents.console.options import SaveReplayOption, ShowOption
-from agents.console.output import PICTURES, show_or_save, show_or_save_picture
+from agents.console.output import PICTURES, Film, show_or_save, show_or_save_picture
 from agents.console.terminal import say
 from agents.fleet.lanes_demo import BATTERY, ROBOTS, lanes_compared
 from agents.fleet.plan_log import PlanLog
@@ -43,7 +43,6 @@ from warehouse_core.world.named_layouts import DEPOT, find_layout
 if TYPE_CHECKING:
     from agents.fleet.tree_picture import MakeFigure
     from warehouse_core.viz.figure import SceneFigure
-    from warehouse_core.viz.replay import Replay
 
 CORRIDOR = Layout(["########", "#P....D#", "########"])
 SLOW_MOTION = 0.025
@@ -125,6 +124,7 @@ def slip() -> Demo:
     beside = track_of_episode(slipped)
     ended = slipped.outcome if slipped.terminated else f"the item is at {slipped.cells[-1]}"
     beside.ending = slipped.outcome if slipped.terminated else "not delivered"
+    beside.frames[-1].caption = ended
     said = f"the plan delivers in {planned.steps} steps on the grid; on the slippery floor {ended}"
     return Demo(
         said,
@@ -282,12 +282,8 @@ def demo(
     shown = DEMOS[name]()
     say(shown.said)
 
-    def make_replay(window: bool) -> Replay:
-        from warehouse_core.viz.replay import replay_of_track
-
-        return replay_of_track(shown.track, shown.beside, window=window)
-
-    show_or_save(make_replay, save, show, f"demo-{name}.gif")
+    tracks = [shown.track, shown.beside] if shown.beside else [shown.track]
+    show_or_save(Film(lambda: tracks), save, show, f"demo-{name}.gif")
 
 
 def _together(episode: FleetEpisode, title: str, ending: str) -> Track:

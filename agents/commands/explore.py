@@ -17,7 +17,7 @@ from agents.console.options import (
     ViewRadiusOption,
     load_place,
 )
-from agents.console.output import show_or_save
+from agents.console.output import Film, show_or_save
 from agents.console.terminal import say
 from agents.run_episode import draw_seed, report_episode
 from agents.search.agents import ExploringAgent
@@ -49,7 +49,6 @@ def explore(
     Example: warehouse explore --layout maze --view-radius 1
     """
     from agents.search.belief_replay import belief_tracks, record_beliefs
-    from warehouse_core.viz.replay import replay_of_track
 
     seed = draw_seed() if seed is None else seed
     place = load_place(layout, stations, start)
@@ -63,13 +62,8 @@ def explore(
         env.close()
     report_episode(episode, place.stations)
     report_exploring(episode, history, agent.plans)
-    show_or_save(
-        lambda window: replay_of_track(*belief_tracks(episode, history), window=window),
-        save,
-        show,
-        f"explore-{backend}-{seed}.gif",
-        episode,
-    )
+    film = Film(lambda: belief_tracks(episode, history), record=episode)
+    show_or_save(film, save, show, f"explore-{backend}-{seed}.gif")
 
 
 def report_exploring(episode: Episode, history: list[Insight], plans: int) -> None:

@@ -17,7 +17,7 @@ from agents.console.options import (
     load_layout,
     parse_cell,
 )
-from agents.console.output import show_or_save
+from agents.console.output import Film, show_or_save
 from agents.console.table import Table, print_table
 from agents.console.terminal import say
 from agents.search.algorithms import (
@@ -27,9 +27,10 @@ from agents.search.algorithms import (
     check_weight,
     weighted_astar_search,
 )
+from agents.search.course_track import track_of_course
 from agents.search.heuristics import manhattan, true_distance, zero
 from agents.search.problems import RouteProblem
-from agents.search.trace import SearchCourse
+from agents.search.trace import MAX_PANELS, SearchCourse
 from warehouse_core.errors import LayoutError
 from warehouse_core.world.distances import distances
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout, check_open
@@ -66,8 +67,6 @@ def parse_weights(text: str) -> list[float]:
     Raises:
         typer.BadParameter: a wrong weight, or too many.
     """
-    from agents.search.picture import MAX_PANELS
-
     weights = [_parse_weight(part) for part in text.split(",")]
     if len(weights) > MAX_PANELS:
         raise typer.BadParameter(
@@ -172,14 +171,16 @@ def search(
     if not found[0].found:
         say(f"no path leads from {begin} to {end}")
 
-    def make_replay(window: bool) -> Replay:
+    named = zip(map(_panel_name, values), found, strict=True)
+    courses = [SearchCourse(name, grid, begin, each) for name, each in named]
+
+    def draw(window: bool) -> Replay:
         from agents.search.picture import search_replay
 
-        named = zip(map(_panel_name, values), found, strict=True)
-        courses = [SearchCourse(name, grid, begin, each) for name, each in named]
         return search_replay(grid, begin, end, courses, title, window=window)
 
-    show_or_save(make_replay, save, show, "search.gif")
+    film = Film(lambda: [track_of_course(each, end) for each in courses], title, draw=draw)
+    show_or_save(film, save, show, "search.gif")
 
 
 def _parse_weight(text: str) -> float:

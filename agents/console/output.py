@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,8 +14,11 @@ from warehouse_core import Episode, FleetEpisode, RecordError
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.window import has_display
-from warehouse_core.viz.tracks.track import INTERVAL_MS
-from warehouse_core.warehouse_viz import Record, replay_animation
+from warehouse_core.viz.player import save_page
+from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.tracks.fleet_track import track_of_fleet_episode
+from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
+from warehouse_core.warehouse_viz import Record
 
 if TYPE_CHECKING:
     from warehouse_core.viz.figure import SceneFigure
@@ -23,11 +27,48 @@ if TYPE_CHECKING:
 PICTURES = (".svg", ".png")
 """Suffixes of ``save_picture``."""
 
-MakeReplay = Callable[[bool], "Replay | None"]
-"""Makes a replay with a window or without one."""
+PAGE_SUFFIX = ".html"
 
 Draw = Callable[[Callable[[tuple[float, float]], "SceneFigure"]], "SceneFigure"]
 """Draws a picture into the figure that a function makes, of a width and height in inches."""
+
+
+@dataclass(frozen=True, slots=True)
+class Film:
+    """What a command shows. Matplotlib is imported for a window or a picture, not for a page.
+
+    Attributes:
+        tracks: returns them; called when they are needed.
+        title: of a page; by default those of the tracks.
+        record: of the episode, which can be saved too.
+        speed: factor on the playing speed.
+        draw: makes the replay with a window or without one; by default that of the tracks.
+    """
+
+    tracks: Callable[[], Sequence[Track]]
+    title: str = ""
+    record: Record | None = None
+    speed: float = 1.0
+    draw: Callable[[bool], Replay] | None = None
+
+    def replay(self, window: bool) -> Replay:
+        """Return the replay, with a window or without one."""
+        if self.draw is not None:
+            return self.draw(window)
+        from warehouse_core.viz.replay import replay_of_track
+
+        return replay_of_track(*self.tracks(), speed=self.speed, window=window)
+
+    def save(self, target: Path) -> None:
+        """Write the record, a page or a picture, by the suffix, whole or not at all."""
+        suffix = target.suffix.lower()
+        if suffix == RECORD_SUFFIX and self.record is not None:
+            self.record.save(target)
+        elif suffix == PAGE_SUFFIX:
+            save_page(target, self.tracks(), title=self.title, speed=self.speed)
+        else:
+            self.replay(window=False).save(target)
+        say(f"saved {target}")
 
 
 def replay_or_save(
@@ -44,8 +85,12 @@ def replay_or_save(
     name = re.sub(r"[^\w-]+", "_", f"replay-{episode.agent}-{backend}-{seed}")
     # Writing each frame of a whole shift takes minutes.
     suffix = ".gif" if isinstance(episode, Episode) else ".png"
-    make_replay = _replay_of(episode, interval_ms, speed, plans)
-    show_or_save(make_replay, targets, show, name + suffix, episode)
+    film = Film(
+        lambda: [_track_of(episode, plans)],
+        record=episode,
+        speed=speed * INTERVAL_MS / interval_ms,
+    )
+    show_or_save(film, targets, show, name + suffix)
 
 
 def load_record(path: Path) -> Record:
@@ -65,31 +110,19 @@ def load_record(path: Path) -> Record:
             raise error if "arrays; there must be" in str(other) else other from None
 
 
-def show_or_save(
-    make_replay: MakeReplay,
-    targets: Sequence[Path],
-    show: bool | None,
-    fallback: str,
-    episode: Record | None = None,
-) -> None:
+def show_or_save(film: Film, targets: Sequence[Path], show: bool | None, fallback: str) -> None:
     """Write ``targets``, then open a window if ``show``, or if it is None and there are none.
 
     If no window can be opened and nothing was written, write the replay to ``fallback``, with a
     number if there is such a file.
     """
 
-    def open_window() -> bool:
-        replay = make_replay(has_display())
-        if replay is None or not replay.window:
-            return False
+    def open_window() -> None:
+        replay = film.replay(window=True)
         say("space pauses, left and right step, q closes the window")
         replay.show()
-        return True
 
-    def save(target: Path) -> None:
-        _save(make_replay, target, episode)
-
-    _save_and_show(save, open_window, targets, show, "replay", fallback)
+    _save_and_show(film.save, open_window, targets, show, "replay", fallback)
 
 
 def show_or_save_picture(
@@ -97,9 +130,7 @@ def show_or_save_picture(
 ) -> None:
     """Do for a picture what ``show_or_save`` does for a replay."""
 
-    def open_window() -> bool:
-        if not has_display():
-            return False
+    def open_window() -> None:
         import matplotlib.pyplot as plt
 
         from warehouse_core.viz.figure import make_window
@@ -110,7 +141,6 @@ def show_or_save_picture(
         )
         say("q closes the window")
         plt.show()
-        return True
 
     def save(target: Path) -> None:
         from warehouse_core.viz.figure import make_figure
@@ -143,7 +173,7 @@ def unused(path: Path) -> Path:
 
 def _save_and_show(
     save: Callable[[Path], None],
-    open_window: Callable[[], bool],
+    open_window: Callable[[], None],
     targets: Sequence[Path],
     show: bool | None,
     noun: str,
@@ -151,7 +181,10 @@ def _save_and_show(
 ) -> None:
     for target in targets:
         save(target)
-    if not (show or (show is None and not targets)) or open_window():
+    if not (show or (show is None and not targets)):
+        return
+    if has_display():
+        open_window()
         return
     consequence = "" if targets else f", so the {noun} goes to a file"
     say(f"there is no display to open a window on{consequence}")
@@ -159,19 +192,7 @@ def _save_and_show(
         save(unused(Path(fallback)))
 
 
-def _save(make_replay: MakeReplay, target: Path, episode: Record | None) -> None:
-    if episode is not None and target.suffix.lower() == RECORD_SUFFIX:
-        episode.save(target)
-    else:
-        replay = make_replay(False)
-        assert replay is not None, "matplotlib is installed with this package"
-        replay.save(target)
-    say(f"saved {target}")
-
-
-def _replay_of(
-    episode: Record, interval_ms: float, speed: float, plans: Sequence[StepPlans]
-) -> MakeReplay:
-    return lambda window: replay_animation(
-        episode, None, interval_ms, speed, window=window, plans=plans
-    )
+def _track_of(episode: Record, plans: Sequence[StepPlans]) -> Track:
+    if isinstance(episode, Episode):
+        return track_of_episode(episode)
+    return track_of_fleet_episode(episode, plans=plans)

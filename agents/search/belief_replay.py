@@ -9,8 +9,7 @@ from itertools import accumulate, product
 
 from agents.search.agents import ExploringAgent
 from warehouse_core import Episode, EpisodeRecorder, Layout, WarehouseEnv
-from warehouse_core.render.atlas import UNSEEN
-from warehouse_core.viz.robot_view import ROBOT_RADIUS
+from warehouse_core.render.atlas import ROBOT_RADIUS, UNSEEN
 from warehouse_core.viz.tracks.episode_track import step_captions, track_of_episode
 from warehouse_core.viz.tracks.track import Point, Rows, Track
 from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, Cell

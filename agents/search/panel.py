@@ -10,20 +10,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from agents.search.trace import WAITS, SearchCourse
-from warehouse_core.render.palette import COLORS, HIT, INK, PAPER, WARNING, Color, blend
+from agents.search.trace import FRONTIER, SHADES, WAITS, SearchCourse
+from warehouse_core.render.palette import COLORS, INK, PAPER, WARNING, Color
 from warehouse_core.viz.axes import draw_grid
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tiles import EMPTY, PICKUP, WALL, Cell
+from warehouse_core.world.tiles import EMPTY, WALL, Cell
 
-# Most are in the palette of a replay's files, which have no other colours.
-SHADES: tuple[Color, ...] = tuple(
-    blend(COLORS[PICKUP], COLORS[EMPTY], share) for share in (0.75, 0.5, 0.25, 0.0)
-)
-"""Of expanded cells: the first quarter of them, and so on."""
-
-FRONTIER: Color = HIT
 PATH: Color = WARNING
 
 _FLOOR, _WALL, _FRONTIER, _FIRST_SHADE = range(4)
@@ -65,7 +58,7 @@ class SearchPanel:
         self._ground = np.where(is_wall, np.uint8(_WALL), np.uint8(_FLOOR))
         has_lines = cell_points >= LINED_CELL
         size, every = (layout.height, layout.width), _numbered(layout, cell_points)
-        draw_grid(axes, size, every, line_width=0.6 if has_lines else 0, zorder=2)
+        draw_grid(axes, size, every, line_width=0.6 if has_lines else 0, zorder=2, label_size=9)
         axes.xaxis.tick_top()
         self._image = self._show_image(_COLORS[self._ground], zorder=1)
         if has_lines:
@@ -81,9 +74,9 @@ class SearchPanel:
         for name, cell in zip("SG", ends, strict=True):
             self._draw_end(name, cell)
         artists: list[Any] = [*axes.images, *axes.collections, *axes.lines, *axes.texts]
-        name = self._draw_text(course.name, 26, fontsize=10, fontweight="bold")
+        name = self._draw_text(course.name, 34, fontsize=13, fontweight="bold")
         artists.sort(key=lambda artist: artist.get_zorder())
-        self._counts = self._draw_text("", 14, fontsize=8.5)
+        self._counts = self._draw_text("", 17, fontsize=11)
         for artist in (*artists, name, self._counts):
             figure.add_mover(artist)
 
@@ -94,18 +87,14 @@ class SearchPanel:
         codes = self._ground.copy()
         codes[marks == WAITS] = _FRONTIER
         is_expanded = marks > 0
-        parts = (marks[is_expanded] - 1) * len(SHADES) // max(len(course), 1)
-        codes[is_expanded] = _FIRST_SHADE + parts
+        codes[is_expanded] = _FIRST_SHADE + course.shades(marks[is_expanded])
         self._image.set_data(_COLORS[codes])
         is_over = course.is_over(count)
         self._path.set_visible(is_over and solution.found)
         now = course.expanded_by(count)
         at = [] if now is None else [now]
         self._now.set_data([col + 0.5 for _, col in at], [row + 0.5 for row, _ in at])
-        counts = f"expanded {min(count, len(course))}   frontier {int((marks == WAITS).sum())}"
-        if is_over:
-            counts += f"   cost {solution.cost:g}" if solution.found else "   no path"
-        self._counts.set_text(counts)
+        self._counts.set_text("   ".join(course.words_after(count)))
         self._counts.set_fontweight("bold" if is_over else "normal")
 
     def _show_image(self, picture: NDArray[np.uint8], zorder: float) -> Any:
@@ -132,7 +121,7 @@ class SearchPanel:
     def _draw_end(self, name: str, cell: Cell) -> None:
         """Draw the letter of the start or the goal on a disc, not too small to be read."""
         row, col = cell
-        size = max(10.0, 0.72 * self._cell_points)
+        size = max(13.0, 0.85 * self._cell_points)
         self._axes.plot(
             [col + 0.5], [row + 0.5], "o", color=PAPER, markeredgecolor=INK, markersize=size,
             zorder=6, clip_on=False,

@@ -8,9 +8,10 @@ from typing import Any
 
 from matplotlib.lines import Line2D
 
-from agents.search.panel import FRONTIER, PATH, SHADES, SearchPanel
-from agents.search.trace import SearchCourse
-from warehouse_core.render.palette import COLORS, INK, WARNING
+from agents.search.course_track import track_of_course
+from agents.search.panel import PATH, SearchPanel
+from agents.search.trace import FRONTIER, MAX_PANELS, SHADES, SearchCourse
+from warehouse_core.render.palette import COLORS, INK, PAPER, WARNING
 from warehouse_core.viz.axes import box_in
 from warehouse_core.viz.figure import DPI, SceneFigure, make_figure, make_window
 from warehouse_core.viz.replay import Replay
@@ -21,16 +22,14 @@ from warehouse_core.world.tiles import WALL, Cell
 MAX_FRAMES = 120
 """Of an animation, the first and the last included."""
 
-MAX_PANELS = 6
-
 FRAME_MS = 100.0
 
 # In pixels, because cells of a whole number of pixels have sharp edges.
-MAX_SIZE = (1400, 860)
-MARGIN, HEAD, FOOT = 24, 56, 40
-PANEL_LEFT, PANEL_HEAD, PANEL_FOOT = 20, 54, 12
-MIN_WIDTH = 600  # for the title and the legend
-MIN_PANEL, MAX_CELL, GOOD_CELL = 240, 40, 16
+MAX_SIZE = (1366, 860)
+MARGIN, HEAD, FOOT = 24, 76, 52
+PANEL_LEFT, PANEL_HEAD, PANEL_FOOT = 20, 68, 12
+MIN_WIDTH = 940  # for the title and the legend
+MIN_PANEL, MAX_CELL, GOOD_CELL = 340, 40, 28
 
 
 class _Plan:
@@ -77,9 +76,9 @@ class _SearchScene:
             points = plan.cell * 72 / DPI
             self._panels.append(SearchPanel(self.root, axes, points, layout, ends, course))
         common: dict[str, Any] = {"parse_math": False, "va": "center", "color": INK}
-        left, top = MARGIN / plan.width, 1 - 20 / plan.height
-        self.root.text(left, top, printable(title), fontsize=11, fontweight="bold", **common)
-        self._counter = self.root.text(left, 1 - 42 / plan.height, "", fontsize=9, **common)
+        left, top = MARGIN / plan.width, 1 - 24 / plan.height
+        self.root.text(left, top, printable(title), fontsize=14, fontweight="bold", **common)
+        self._counter = self.root.text(left, 1 - 54 / plan.height, "", fontsize=12, **common)
         self.root.add_mover(self._counter)
         draw_legend(self.root)
         self.show(0)
@@ -119,23 +118,29 @@ def search_replay(
     """
     if not 1 <= len(courses) <= MAX_PANELS:
         raise ValueError(f"{len(courses)} searches; there must be 1..{MAX_PANELS}")
-    return Replay(_SearchScene(layout, (start, goal), courses, title, window), title, FRAME_MS)
+    scene = _SearchScene(layout, (start, goal), courses, title, window)
+    tracks = [track_of_course(course, goal) for course in courses]
+    return Replay(scene, tracks, FRAME_MS)
 
 
 def draw_legend(figure: SceneFigure) -> None:
     """Draw the legend along the bottom."""
-    square: dict[str, Any] = {"marker": "s", "markersize": 9, "linestyle": "none", "mec": INK}
-    signs = {
+    square: dict[str, Any] = {"marker": "s", "markersize": 12, "linestyle": "none", "mec": INK}
+    disc = Line2D([], [], color=PAPER, **(square | {"marker": "o", "markersize": 17}))
+    letter: dict[str, Any] = {"markersize": 9, "linestyle": "none", "color": INK, "mew": 0.6}
+    signs: dict[str, Any] = {
+        "start": (disc, Line2D([], [], marker="$\\mathbf{S}$", **letter)),
+        "goal": (disc, Line2D([], [], marker="$\\mathbf{G}$", **letter)),
         "wall": Line2D([], [], color=COLORS[WALL], **square),
         "expanded first": Line2D([], [], color=SHADES[0], **square),
         "expanded last": Line2D([], [], color=SHADES[-1], **square),
         "frontier": Line2D([], [], color=FRONTIER, **square),
         "expanded now": Line2D([], [], color=WARNING, **(square | {"marker": "D"})),
-        "path": Line2D([], [], color=PATH, linewidth=2.2),
+        "path": Line2D([], [], color=PATH, linewidth=3.5),
     }
     figure.legend(
-        [*signs.values()], [*signs], loc="lower left", ncols=len(signs), fontsize=8,
-        frameon=False, handlelength=1.6, columnspacing=1.2, handletextpad=0.4,
+        [*signs.values()], [*signs], loc="lower left", ncols=len(signs), fontsize=11,
+        frameon=False, handlelength=1.4, columnspacing=1.1, handletextpad=0.4,
         bbox_to_anchor=(0.01, 0.0),
     )  # fmt: skip
 

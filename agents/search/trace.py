@@ -6,8 +6,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.search.algorithms import Solution
+from warehouse_core.render.palette import COLORS, HIT, Color, blend
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tiles import Cell
+from warehouse_core.world.tiles import EMPTY, PICKUP, Cell
+
+# Most are in the palette of a replay's files, which have no other colours.
+SHADES: tuple[Color, ...] = tuple(
+    blend(COLORS[PICKUP], COLORS[EMPTY], share) for share in (0.75, 0.5, 0.25, 0.0)
+)
+"""Of expanded cells: the first quarter of them, and so on."""
+
+FRONTIER: Color = HIT
+
+MAX_PANELS = 6
+"""Of searches side by side."""
 
 WAITS, UNTOUCHED = -1, 0
 """Marks of a cell on the frontier and of a cell not reached yet."""
@@ -37,8 +49,7 @@ class SearchCourse:
                 f"{name} has {len(solution.events)} events of {solution.expanded} expansions; "
                 "a search is recorded by with_events=True"
             )
-        self.name = name
-        self.solution = solution
+        self.name, self.layout, self.start, self.solution = name, layout, start, solution
         self._shape = layout.height, layout.width
         cells, marks, ends = [start], [WAITS], [1]
         for number, (expanded, reached) in enumerate(solution.events, start=1):
@@ -68,6 +79,21 @@ class SearchCourse:
             goal = self.solution.states[-1]
             marks[goal] = max(len(self), 1)
         return marks
+
+    def shades(self, numbers: Marks) -> Marks:
+        """Return for numbers of expansions the index of its shade in ``SHADES``."""
+        return (numbers - 1) * len(SHADES) // max(len(self), 1)
+
+    def words_after(self, count: int) -> list[str]:
+        """Return in words what ``marks_after`` shows, and the cost at the end."""
+        waiting = int((self.marks_after(count) == WAITS).sum())
+        words = [f"expanded {min(count, len(self))}", f"frontier {waiting}"]
+        return [*words, self.ending] if self.is_over(count) else words
+
+    @property
+    def ending(self) -> str:
+        """The cost of the path, or that there is none."""
+        return f"cost {self.solution.cost:g}" if self.solution.found else "no path"
 
     def expanded_by(self, count: int) -> Cell | None:
         """Return the cell of expansion ``count``; ``None`` before the first and at the end."""

@@ -3,7 +3,6 @@
 import tracemalloc
 from time import perf_counter
 
-import matplotlib as mpl
 import numpy as np
 from helpers.fleets import fleet_episode
 from matplotlib.animation import FuncAnimation, PillowWriter
@@ -80,24 +79,6 @@ def test_a_gif_of_fifty_robots(times_faster, tmp_path):
         rounds=3,
     )
     assert ratio >= 1 / 5
-
-
-def test_a_page_of_a_hundred_steps(times_faster, tmp_path):
-    episode = episode_of(STEPS)
-    start = perf_counter()
-    replay_animation(episode, window=False).save(tmp_path / "ours.html")
-    assert perf_counter() - start < 10
-
-    def plain() -> None:
-        with mpl.rc_context({"animation.embed_limit": 1000}):
-            plain_animation(episode).to_jshtml()
-
-    ratio = times_faster(
-        lambda: replay_animation(episode, window=False).save(tmp_path / "ours.html"),
-        plain,
-        rounds=3,
-    )
-    assert ratio >= 1.0
 
 
 def test_a_frame_of_a_fifty_by_fifty_grid(times_faster):

@@ -41,10 +41,11 @@ MAY_IMPORT = {
     "warehouse_core/records": "errors files fleet motion orders task warehouse_env wording world",
     "warehouse_core/viz/tracks": "arguments errors motion orders records render wording world",
     "warehouse_core/viz/axes": "motion records render wording world",
-    "warehouse_core/viz/player": "render viz/tracks world",
+    "warehouse_core/viz/player": "arguments files render viz/tracks wording world",
     "warehouse_core/viz/export": "errors extras render",
     "warehouse_core/viz": (
-        "arguments errors files records render viz/axes viz/export viz/tracks warehouse_env world"
+        "arguments errors files records render viz/axes viz/export viz/player viz/tracks "
+        "warehouse_env wording world"
     ),
     "warehouse_core/warehouse_viz": "arguments files records viz viz/export viz/tracks",
     "warehouse_physics/exclusive": "",
@@ -121,9 +122,9 @@ EXPORTS = {
     "warehouse_core.viz.tracks": """
         Frame Pose Track track_of_episode track_of_fleet_episode track_of_frames
     """,
-    "warehouse_core.viz.player": "player_page",
+    "warehouse_core.viz.player": "player_frame player_page save_page",
     "warehouse_core.viz.axes": "box_in draw_grid style_chart",
-    "warehouse_core.viz.export": "FORMATS ffmpeg page progress_bar self_contained",
+    "warehouse_core.viz.export": "FORMATS ffmpeg progress_bar",
     "warehouse_core.world": """
         DEFAULT_LAYOUT Cell Layout benchmark_warehouse load_layout load_map
         random_layout save_layout save_map shelf_layout

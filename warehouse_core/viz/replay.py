@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -15,10 +14,11 @@ from warehouse_core.arguments import real_number
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.files.atomic import atomic_path, check_suffix
 from warehouse_core.render.window import has_display
-from warehouse_core.viz.export import FORMATS, ffmpeg, page, progress_bar, self_contained
+from warehouse_core.viz.export import FORMATS, ffmpeg, progress_bar
 from warehouse_core.viz.export.gif_writer import GifWriter
 from warehouse_core.viz.figure import SceneFigure, make_figure, make_window, save_svg
 from warehouse_core.viz.pair_scene import PairScene
+from warehouse_core.viz.player import player_frame, save_page
 from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
 
@@ -46,15 +46,22 @@ class Replay(FuncAnimation):
 
     Args:
         scene: to be played.
-        title: of a page that it is saved as.
+        tracks: that the scene shows, to be played by a page.
         frame_ms: milliseconds between frames.
+        speed: of a page, a factor.
         first_frame: the frames before it are neither shown nor saved.
     """
 
     def __init__(
-        self, scene: Playable, title: str, frame_ms: float, *, first_frame: int = 0
+        self,
+        scene: Playable,
+        tracks: Sequence[Track],
+        frame_ms: float,
+        *,
+        speed: float = 1.0,
+        first_frame: int = 0,
     ) -> None:
-        self.title = title
+        self._tracks, self._speed = tracks, speed
         self.frame = self._first = first_frame
         self.playing = True
         self.frame_ms = frame_ms
@@ -147,7 +154,7 @@ class Replay(FuncAnimation):
             with mpl.rc_context({"animation.ffmpeg_path": ffmpeg()}):
                 self.save(path, FFMpegWriter(self.fps, codec="h264"))
         elif suffix == ".html":
-            path.write_text(page(self.title, self.to_jshtml()), encoding="utf-8")
+            save_page(path, self._tracks, speed=self._speed)
         else:
             self.show_end()
             if suffix == ".svg":
@@ -155,18 +162,8 @@ class Replay(FuncAnimation):
             else:
                 self.figure.pixels().save(path, format="PNG")
 
-    def to_jshtml(
-        self, fps: int | None = None, embed_frames: bool = True, default_mode: str | None = None
-    ) -> str:
-        """Return the replay as HTML with controls; the page loads nothing from the network."""
-        with mpl.rc_context({"animation.embed_limit": math.inf}):
-            player = super().to_jshtml(
-                self.fps if fps is None else fps, embed_frames, default_mode or "once"
-            )
-        return self_contained(player)
-
     def _repr_html_(self) -> str:
-        return self.to_jshtml()
+        return player_frame(self._tracks, speed=self._speed)
 
     def new_saved_frame_seq(self) -> Iterator[int]:  # type: ignore[override]
         """Return every frame once, whatever the current frame is."""
@@ -228,4 +225,6 @@ def replay_of_track(
     scene = PairScene(track, beside, make) if beside else Scene(track, make)
     is_continuous = track.is_continuous or (beside is not None and beside.is_continuous)
     frame_ms = interval_ms / speed / (CONTINUOUS_FRAMES if is_continuous else 1)
-    return Replay(scene, track.title, frame_ms, first_frame=first_frame)
+    tracks = (track, beside) if beside else (track,)
+    page_speed = speed * INTERVAL_MS / interval_ms
+    return Replay(scene, tracks, frame_ms, speed=page_speed, first_frame=first_frame)

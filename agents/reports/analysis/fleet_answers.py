@@ -68,7 +68,7 @@ def _sentences(
     is_hardest = factor.name == HARDEST_FIRST
     ranked = sorted(line, key=_items, reverse=not is_hardest)
     most = "fewest" if is_hardest else "most"
-    yield where + _verdict(factor, line if is_trend(factor) else ranked)
+    yield where + _verdict(experiment, factor, line if is_trend(factor) else ranked)
     if is_trend(factor):
         yield where + trend(line)
         told: Line = list(dict.fromkeys((line[0], ranked[0], line[-1])))
@@ -95,10 +95,11 @@ def _sentences(
         yield f"elsewhere {most} are delivered with {'; '.join(parts)}{more}"
 
 
-def _verdict(factor: Factor, line: Line) -> str:
+def _verdict(experiment: Experiment[Shifts], factor: Factor, line: Line) -> str:
     """Return the verdict on a factor.
 
     Args:
+        experiment: the results.
         factor: in question.
         line: its points, in the order of its values or the first of a ranking first.
     """
@@ -112,16 +113,24 @@ def _verdict(factor: Factor, line: Line) -> str:
     words = verdicts.trend("the number of items an hour", places)
     if factor.name != FLEET or not all(place.result.is_known for place in places):
         return words
-    best = max(place.result for place in places)
+    best = max(line, key=_items)
     # The largest fleet that may be as good as the best.
     *_, enough = [
         value
-        for value, place in zip(factor.values, places, strict=True)
-        if place.result.high >= best.low
+        for value, point in zip(factor.values, line, strict=True)
+        if point is best or not _is_better(experiment, best, point)
     ]
     if enough == factor.values[-1]:
         return f"{shown(enough)} are not too many: {words}"
     return f"more than {shown(enough)} are too many: {words}"
+
+
+def _is_better(experiment: Experiment[Shifts], one: Point[Shifts], other: Point[Shifts]) -> bool:
+    """Return whether more is delivered, seed by seed, or by the intervals if that is unknown."""
+    found = _difference(experiment, one, other)
+    if found is None or not found.is_known:
+        return other.results.per_hour.high < one.results.per_hour.low
+    return found.low > 0
 
 
 def trend(line: Line) -> str:
@@ -148,8 +157,7 @@ def seed_by_seed(
     experiment: Experiment[Shifts], one: Point[Shifts], other: Point[Shifts]
 ) -> Iterator[str]:
     """Describe how the deliveries of two cases differ on the seeds that both have."""
-    rows = experiment.store.query(PAIRS, one.case_id, other.case_id)
-    found = mean_interval(np.fromiter((value for (value,) in rows), dtype=float))
+    found = _difference(experiment, one, other)
     if found is None:
         yield f"{one.name} and {other.name} share no seed, so they are not compared seed by seed"
     elif found.is_known and found.estimate:
@@ -161,6 +169,14 @@ def seed_by_seed(
             else f"{mean(size, '')} {more} an hour"
         )
         yield f"seed by seed, {one.name} against {other.name}: {words}"
+
+
+def _difference(
+    experiment: Experiment[Shifts], one: Point[Shifts], other: Point[Shifts]
+) -> Interval | None:
+    """Return how many items an hour more are delivered, ``None`` without a common seed."""
+    rows = experiment.store.query(PAIRS, one.case_id, other.case_id)
+    return mean_interval(np.fromiter((value for (value,) in rows), dtype=float))
 
 
 def _measures(line: Line) -> Iterator[str]:

@@ -1,14 +1,17 @@
+import subprocess
+import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
 from helpers.command_line import without_display
 from helpers.pictures import short_episode
+from helpers.player import said_by
 from PIL import Image
 
 from agents.console import output
 from agents.console.output import replay_or_save
 from warehouse_core import Episode
+from warehouse_core.viz.tracks.track import Track
 
 NO_DISPLAY = "there is no display to open a window on"
 
@@ -20,19 +23,20 @@ def folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, small_pictures: None
 
 
 class FakeReplay:
-    """Replaces ``replay_animation`` and the replay, and records the calls."""
+    """Replaces the replay of tracks, and records the calls."""
 
     def __init__(self) -> None:
-        self.arguments: list[tuple[Any, ...]] = []
+        self.speeds: list[float] = []
         self.shown = 0
 
-    def __call__(self, *arguments: Any, window: bool, plans: object) -> "FakeReplay":
-        assert not plans
+    def __call__(self, track: Track, *, speed: float, window: bool) -> "FakeReplay":
+        assert track.title.endswith("on the grid backend, seed 4") or "seed" not in track.title
         self.window = window
-        self.arguments.append((*arguments, window))
+        self.speeds.append(speed)
         return self
 
     def show(self) -> None:
+        assert self.window
         self.shown += 1
 
     def save(self, target: Path) -> None:
@@ -42,7 +46,7 @@ class FakeReplay:
 
 def fake(monkeypatch: pytest.MonkeyPatch, *, has_display: bool) -> FakeReplay:
     replay = FakeReplay()
-    monkeypatch.setattr(output, "replay_animation", replay)
+    monkeypatch.setattr("warehouse_core.viz.replay.replay_of_track", replay)
     monkeypatch.setattr(output, "has_display", lambda: has_display)
     return replay
 
@@ -95,7 +99,7 @@ def test_a_window_opens_if_requested_or_if_nothing_is_saved(
     assert replay.shown == opened
     lines = [f"saved {file}" for file in files]
     if opened:
-        assert replay.arguments[-1] == (episode, None, 70, 3.0, True)
+        assert replay.speeds[-1] == 3.0 * 150 / 70
         lines.append("space pauses, left and right step, q closes the window")
     assert capsys.readouterr().out.splitlines() == lines
 
@@ -158,3 +162,53 @@ def test_the_name_of_an_agent_cannot_lead_to_another_folder(
     episode.agent = "../my agent"
     replay_or_save(episode, [], None)
     assert names(folder) == ["replay-_my_agent-grid-4.gif"]
+
+
+def test_a_page_is_written_at_the_given_speed(folder: Path) -> None:
+    for speed in (1.0, 2.0):
+        replay_or_save(short_episode(), [Path(f"{speed:g}.HTML")], None, 75, speed)
+    assert names(folder) == ["1.HTML", "2.HTML"]
+    pages = [said_by(Path(name).read_text(encoding="utf-8")) for name in names(folder)]
+    assert pages[1]["speed"] == 2 * pages[0]["speed"]
+    assert pages[0]["tracks"][0]["ending"] == "delivered"
+
+
+@pytest.mark.parametrize(
+    ("words", "titles"),
+    [
+        ("run --seed 12 --backend physics", ["GreedyAgent on the physics backend, seed 12"]),
+        ("replay old.npz", ["Tester on the grid backend, seed 4"]),
+        (
+            "compare --seed 12",
+            [f"GreedyAgent on the {backend} backend, seed 12" for backend in ("grid", "physics")],
+        ),
+        ("fleet --robots 2 --steps 5 --seed 1", ["greedy, 2 robots on the grid backend, seed 1"]),
+        ("demo ring", ["A ring of four robots"]),
+        ("search --weights 0,1", ["uniform-cost, W = 0", "A*, W = 1"]),
+    ],
+)
+def test_commands_write_pages_without_matplotlib(
+    folder: Path, words: str, titles: list[str]
+) -> None:
+    short_episode().save(folder / "old.npz")
+    program = (
+        "import sys; sys.modules['matplotlib'] = None; from agents.__main__ import main; main()"
+    )
+    command = [sys.executable, "-c", program, *words.split(), "--save", "film.html"]
+    done = subprocess.run(command, check=False, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    said = said_by((folder / "film.html").read_text(encoding="utf-8"))
+    assert [track["title"] for track in said["tracks"]] == titles
+
+
+def test_a_page_that_cannot_be_written_leaves_no_file(
+    monkeypatch: pytest.MonkeyPatch, folder: Path
+) -> None:
+    def broken(self: Path, text: str, **_: object) -> None:
+        self.write_bytes(b"half of it")
+        raise OSError("the disk is full")
+
+    monkeypatch.setattr(Path, "write_text", broken)
+    with pytest.raises(OSError, match="full"):
+        replay_or_save(short_episode(), [Path("film.html")], None)
+    assert names(folder) == []

@@ -3,8 +3,9 @@
 import math
 
 import pytest
+from matplotlib.text import Text
 
-from agents.evaluation.figure import scores_figure
+from agents.evaluation.figure import message, scores_figure
 from agents.evaluation.scores import MEASURES, Run, Scores, Task, evaluate
 from agents.run_episode import run_episode
 from agents.search.agents import SearchAgent
@@ -134,6 +135,58 @@ def test_the_figure_has_a_mark_for_each_agent_in_each_panel() -> None:
 def test_an_agent_without_deliveries_has_a_text_instead_of_a_mark() -> None:
     figure = scores_figure({"one": Scores([BAD] * 3)}, "")
     figure.pixels()
-    assert [len(axes.patches) for axes in figure.axes] == [1, 0, 0, 1, 0, 0]
-    words = [[text.get_text() for text in axes.texts] for axes in figure.axes]
-    assert words == [[], ["no delivery"], ["no delivery"], [], ["no delivery"], ["no delivery"]]
+    assert [len(axes.patches) for axes in figure.axes] == [2, 0, 0, 1, 0, 0]
+    words = [[text.get_text() for text in axes.texts] for axes in figure.axes[1:]]
+    assert words == [["no delivery"], ["no delivery"], [], ["no delivery"], ["no delivery"]]
+
+
+def test_failures_are_counted_and_fill_the_bars_of_deliveries() -> None:
+    figure = scores_figure({"one": Scores([GOOD] * 30 + [BAD] * 10), "two": Scores([GOOD])}, "")
+    first = figure.axes[0]
+    assert [text.get_text() for text in first.texts] == ["failed", "10", "0"]
+    bars = sorted((bar.get_x(), bar.get_width()) for bar in first.patches)  # type: ignore[attr-defined]
+    assert bars == [(0, 0.75), (0, 1), (0.75, 0.25)]
+
+
+SLOW = Run(True, 30, 10.0, 40.0, 900.0, 5)
+
+
+@pytest.mark.parametrize(
+    ("scores", "said"),
+    [
+        ({"a": [BAD] * 2}, "No agent delivered in 2 episodes"),
+        ({"a": [GOOD]}, "All 1 delivered by a, at 20 steps a delivery"),
+        (
+            {"a": [BAD] * 3, "b": [SLOW, SLOW, SLOW], "c": [GOOD, GOOD, BAD], "d": [GOOD] * 3},
+            "All 3 delivered by b and d, at 20 to 30 steps a delivery;\n"
+            "c failed 1 time, at 120 steps",
+        ),
+        (
+            {"a": [BAD] * 2, "b": [GOOD, BAD]},
+            "Most delivered by b: 1 of 2, at 220 steps a delivery;\na failed 2 times",
+        ),
+        (
+            dict.fromkeys("abcde", [GOOD] * 2),
+            "All 2 delivered by 5 agents, at 20 steps a delivery",
+        ),
+    ],
+)
+def test_the_message_is_computed_from_the_scores(scores: dict[str, list[Run]], said: str) -> None:
+    assert message({name: Scores(runs) for name, runs in scores.items()}) == said
+
+
+def test_the_message_is_the_largest_text_however_long_it_is() -> None:
+    scores = {f"{name}{'n' * 60}": Scores([GOOD]) for name in "abcd"}
+    figure = scores_figure(scores, "200 episodes", "What is measured.")
+    figure.pixels()
+    [said] = [text for text in figure.texts if text.get_text().startswith("All 1 delivered")]
+    assert said.get_fontsize() > max(
+        text.get_fontsize() for text in figure.findobj(Text) if text is not said
+    )
+    box = said.get_window_extent()
+    [below] = [text for text in figure.texts if text.get_text() == "200 episodes"]
+    assert said.get_text().count("\n") >= 1
+    assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
+    assert box.y1 <= figure.bbox.y1
+    assert below.get_window_extent().y1 <= box.y0
+    assert below.get_window_extent().y0 > figure.axes[0].title.get_window_extent().y1

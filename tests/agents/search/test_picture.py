@@ -5,19 +5,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.pictures import HOSTILE_NAMES, is_color, patch, pixels, texts
+from helpers.player import page_in, said_by
 from matplotlib.backend_bases import KeyEvent
+from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
 from PIL import Image
 
 from agents.search.algorithms import Solution, weighted_astar_search
 from agents.search.heuristics import manhattan
-from agents.search.panel import FRONTIER, PATH, SHADES
-from agents.search.picture import MAX_FRAMES, MAX_PANELS, search_replay
+from agents.search.panel import PATH
+from agents.search.picture import MAX_FRAMES, search_replay
 from agents.search.problems import RouteProblem
-from agents.search.trace import UNTOUCHED, WAITS, SearchCourse
-from warehouse_core import Layout
+from agents.search.trace import FRONTIER, MAX_PANELS, SHADES, UNTOUCHED, WAITS, SearchCourse
+from warehouse_core import DEFAULT_LAYOUT, Layout
 from warehouse_core.render.palette import COLORS
 from warehouse_core.viz.replay import Replay
+from warehouse_core.wording import printable
 from warehouse_core.world.generators import random_layout
 from warehouse_core.world.tiles import EMPTY, WALL, Cell
 
@@ -223,6 +226,26 @@ def test_panels_neither_overlap_nor_leave_the_figure(panels: int, size: tuple[in
         assert not any(box.overlaps(other) for other in boxes[number + 1 :])
 
 
+def test_the_legend_explains_the_letters_of_start_and_goal() -> None:
+    shown = replay(0)
+    [legend] = shown.figure.legends
+    words = [text.get_text() for text in legend.get_texts()]
+    assert words[:2] == ["start", "goal"]
+    letters = [line.get_marker() for line in legend.findobj(Line2D)]
+    assert sum("S" in str(marker) for marker in letters) == 1
+    assert sum("G" in str(marker) for marker in letters) == 1
+
+
+def test_the_four_usual_searches_have_large_cells_and_letters() -> None:
+    layout = DEFAULT_LAYOUT
+    shown = replay(0, 1, 5, INF, layout=layout, start=(2, 10), goal=(1, 3))
+    first = shown.figure.axes[0]
+    assert first.get_window_extent().width / layout.width >= 28
+    letters = [text for text in first.texts if text.get_text() in "SG"]
+    assert min(text.get_fontsize() for text in letters) > 14
+    assert shown.figure.bbox.width <= 1366
+
+
 def test_no_search_and_too_many_are_errors() -> None:
     for count in (0, MAX_PANELS + 1):
         with pytest.raises(ValueError, match=rf"{count} searches; there must be 1\.\.6"):
@@ -235,7 +258,9 @@ def test_names_are_shown_literally() -> None:
         shown = search_replay(HALL, START, START, [named], name)
         shown.figure.canvas.draw()
         assert texts(shown).count(name) == 2
-        assert "alert(1)" not in shown.to_jshtml()
+        page = page_in(shown._repr_html_())
+        assert "<script>alert" not in page
+        assert [track["title"] for track in said_by(page)["tracks"]] == [printable(name)]
 
 
 def test_a_gif_has_every_frame_in_the_colours_of_the_screen(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.pictures import pixels, replay_of, short_episode, texts
+from helpers.player import page_in, said_by
 from matplotlib.animation import PillowWriter
 from matplotlib.backend_bases import KeyEvent
 
@@ -207,29 +208,11 @@ def test_a_writer_of_matplotlib_gets_every_frame(replay: Replay, tmp_path: Path)
 # In a notebook.
 
 
-def test_a_notebook_shows_a_player_with_every_frame_in_it(replay: Replay) -> None:
-    page = replay._repr_html_()
-    assert page.count("data:image/png;base64,") == LAST + 1
-    assert "<script" in page
-
-
-def test_a_player_loads_no_other_files(replay: Replay) -> None:
-    page = replay.to_jshtml()
-    assert not re.search(r"https?:|//cdn|<link|@import|src=\"(?!data:)|url\(", page)
-
-
-def test_every_button_of_a_player_has_a_symbol(replay: Replay) -> None:
-    page = replay.to_jshtml()
-    buttons = re.findall(r'<i class="fa fa-([\w-]+)', page)
-    assert len(buttons) == 9
-    for name in buttons:
-        assert f".fa-{name}::before" in page
-
-
-def test_a_player_plays_at_the_speed_of_the_replay() -> None:
-    page = replay_of([["R."]], interval_ms=300, speed=2).to_jshtml()
-    # Matplotlib rounds the time of a frame down to a whole millisecond.
-    assert re.search(r"new Animation\(frames, img_id, slider_id, (149|150)(\.0)?,", page)
+def test_a_notebook_shows_a_player(replay: Replay) -> None:
+    frame = replay._repr_html_()
+    assert frame.count("<") == 2, "the page is the value of an attribute"
+    said = said_by(page_in(frame))
+    assert len(said["tracks"][0]["progress"]) == LAST + 1
 
 
 def test_a_replay_that_is_never_drawn_causes_no_warning() -> None:

@@ -33,9 +33,8 @@ Counts = NDArray[np.int64]
 WIDTH = 9.6
 """Of a figure, in inches."""
 
-COLUMNS = {1: 1, 2: 2, 4: 2}
-"""Columns of panels by the number of panels; ``MAX_COLUMNS`` for others."""
-MAX_COLUMNS = 3
+MAX_COLUMNS = 2
+"""Of panels; three would leave no room for the counts."""
 
 MAX_GRID_HEIGHT, MAX_CELL = 4.6, 0.5
 LEFT, RIGHT, TOP, BOTTOM = 0.36, 0.72, 0.5, 0.34
@@ -104,9 +103,7 @@ def heat_map(
         panels: ``[H, W]`` counts by title; at least one.
         with_stations: mark the pickup and the dropoff of the layout.
     """
-    columns = COLUMNS.get(len(panels), MAX_COLUMNS)
-    if len(rows[0]) > 30:  # wide layouts need room
-        columns = min(columns, 2)
+    columns = min(len(panels), MAX_COLUMNS)
     room = WIDTH / columns - LEFT - RIGHT
     cell = min(room / len(rows[0]), MAX_GRID_HEIGHT / len(rows), MAX_CELL)
     grid_width, grid_height = cell * len(rows[0]), cell * len(rows)

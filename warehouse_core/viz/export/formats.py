@@ -1,9 +1,7 @@
-"""The formats of replays, and what writing them needs: a progress bar, pages and ffmpeg."""
+"""The formats of replays, and what writing them needs: a progress bar and ffmpeg."""
 
 from __future__ import annotations
 
-import html
-import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -34,45 +32,6 @@ def progress_bar(frames: int, label: str) -> Iterator[Progress]:
     with Bar(console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(label, total=frames)
         yield lambda frame, _: bar.update(task, completed=frame + 1)
-
-
-_SIGNS = {
-    "minus": "\u2212",
-    "fast-backward": "\u00ab",
-    "step-backward": "\u2039",
-    "play": "\u25b6",
-    "pause": "\u2016",
-    "step-forward": "\u203a",
-    "fast-forward": "\u00bb",
-    "plus": "+",
-}
-
-_BUTTON_STYLE = (
-    "<style>.fa{font:bold 16px/24px sans-serif}"
-    ".fa-flip-horizontal{display:inline-block;transform:scaleX(-1)}"
-    + "".join(f'.fa-{name}::before{{content:"{sign}"}}' for name, sign in _SIGNS.items())
-    + "</style>"
-)
-
-_PAGE = """<!DOCTYPE html>
-<html lang="en">
-<head><meta charset="utf-8"><title>{title}</title>
-<style>body{{margin:1rem;text-align:center}}.animation img{{max-width:100%}}</style></head>
-<body>
-{player}
-</body>
-</html>
-"""
-
-
-def self_contained(player: str) -> str:
-    """Return a player whose button signs come from a style, not from a font on the network."""
-    return re.sub(r"<link\b[^>]*>", lambda _: _BUTTON_STYLE, player)
-
-
-def page(title: str, player: str) -> str:
-    """Return a page with a player."""
-    return _PAGE.format(title=html.escape(title or "Warehouse replay"), player=player)
 
 
 def ffmpeg() -> str:

@@ -1,5 +1,5 @@
 """A page that plays tracks in a browser."""
 
-from warehouse_core.viz.player.page import player_page
+from warehouse_core.viz.player.page import player_frame, player_page, save_page
 
-__all__ = ["player_page"]
+__all__ = ["player_frame", "player_page", "save_page"]

@@ -7,6 +7,10 @@ const MIN_RADIUS = 2;
 const MIN_DETAIL = 7;
 const MIN_NUMBER = 8;
 
+/** Up to so many robots show their batteries; more do only where they are low. */
+const FEW = 12;
+const LOW_SHARE = 0.25;
+
 export function drawRobots(context, track, moment, view, theme, chosen) {
   const radius = Math.max(RADIUS * view.scale, MIN_RADIUS);
   const groups = new Map();
@@ -96,13 +100,13 @@ function drawBatteries(context, shown, track, moment, radius, theme) {
   for (const { body, x, y } of shown) {
     if (body >= track.robots) continue;
     const level = share(track, body, moment);
-    if (level >= 0.25 && track.robots > 12) continue;
+    if (level >= (track.robots > FEW ? LOW_SHARE : 1)) continue;
     const [left, top] = [x - radius, y + 0.8 * radius];
     context.fillStyle = theme.dark;
     context.fillRect(left - 1, top - 1, length + 2, height + 2);
     context.fillStyle = theme.light;
     context.fillRect(left, top, length, height);
-    context.fillStyle = level < 0.25 ? theme.colors.warning : theme.colors.battery;
+    context.fillStyle = level < LOW_SHARE ? theme.colors.warning : theme.colors.battery;
     context.fillRect(left, top, level * length, height);
   }
 }

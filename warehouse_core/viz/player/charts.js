@@ -82,7 +82,7 @@ export class Chart {
       ...words.map(({ series, text: value }) => {
         const span = document.createElement("span");
         span.textContent = value;
-        span.className = `key ${series.kind}`;
+        span.className = `key ${series.kind} ${series.track ? "other" : ""}`;
         span.style.setProperty("--key", seriesColor(series, theme));
         return span;
       }),

@@ -43,6 +43,8 @@ def packed_charts(
     charts: dict[str, list[dict[str, Any]]] = {}
     for number, (track, moments) in enumerate(zip(tracks, times, strict=True)):
         for series in _series_of(track, moments):
+            if series.kind == "bars" and len(tracks) > 1:
+                continue  # they would hide each other
             charts.setdefault(series.chart, []).append(
                 {
                     "track": number,

@@ -27,6 +27,8 @@ export function signsOf(tracks, theme) {
       "what the robot does not see", "square", theme.shadow],
     [has((track) => track.hits.frame.length), "hit", "star", colors.hit],
     [has((track) => track.route && !track.marks), "plan", "dots", theme.ink],
+    [has((track) => track.fleet?.plans.length), "plan of a robot", "line", colors.R],
+    [has((track) => track.fleet?.pushes.length), "pushes", "arrow", theme.ink],
     ...(marks ? marks.names.map((name, i) => [true, name, "square", marks.colors[i]]) : []),
     [Boolean(marks), "S start, G goal", "disc", theme.light],
   ];

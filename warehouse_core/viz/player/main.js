@@ -25,8 +25,9 @@ function connect(player) {
   const find = (name) => player.find(name);
   const names = ["slider", "play", "speed", "place", "event"];
   const [slider, play, speed, place, event] = names.map(find);
-  slider.max = player.longest.steps;
-  slider.addEventListener("input", () => player.goTo(Number(slider.value)));
+  const { time } = player.longest;
+  slider.max = time.length - 1;
+  slider.addEventListener("input", () => player.seek(time[slider.value]));
   speed.append(...SPEEDS.map((value) => new Option(`${value}\u00d7`, value)));
   speed.addEventListener("change", () => {
     player.speed = Number(speed.value);
@@ -52,7 +53,7 @@ function connect(player) {
   }
   listenToKeys(player, actions);
   player.listeners.push(() => {
-    slider.value = player.step;
+    slider.value = player.longest.at(player.time).frame;
     slider.setAttribute("aria-valuetext", player.place);
     speed.value = player.speed;
     play.classList.toggle("playing", player.isPlaying);

@@ -14,8 +14,11 @@ from functools import cache
 from hashlib import sha256
 from pathlib import Path
 
+from warehouse_core.arguments import real_number
+from warehouse_core.files.atomic import atomic_path
 from warehouse_core.viz.player.tracks import packed
 from warehouse_core.viz.tracks.track import Track
+from warehouse_core.wording import printable
 
 FOLDER = Path(__file__).parent
 
@@ -31,16 +34,24 @@ EXPORT = re.compile(r"^export ", re.MULTILINE)
 
 MAX_TITLE = 200
 
+FRAME_HEIGHT = 640
+"""Of a page inside another page, in pixels."""
+
 
 def player_page(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0) -> str:
     """Return a page that plays tracks side by side on one clock, as HTML.
 
     Args:
         tracks: at least one, each with at least one frame.
-        title: of the page; by default that of the first track.
+        title: of the page; by default those of the tracks.
         speed: factor on the playing speed.
+
+    Raises:
+        ValueError: ``speed`` is not a positive finite number, or a place is not finite.
     """
-    title = title or tracks[0].title or "Warehouse replay"
+    real_number("speed", speed, above=True)
+    titles = dict.fromkeys(track.title for track in tracks if track.title)
+    title = printable(title or " / ".join(titles) or "Warehouse replay")
     parts = {
         "policy": policy(),
         "title": html.escape(title[:MAX_TITLE]),
@@ -50,6 +61,30 @@ def player_page(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0)
     }
     page = (FOLDER / "player.html").read_text(encoding="utf-8")
     return re.sub(r"\{([a-z]+)\}", lambda match: parts[match[1]], page)
+
+
+def save_page(
+    path: str | Path, tracks: Sequence[Track], *, title: str = "", speed: float = 1.0
+) -> None:
+    """Write what ``player_page`` returns; the file is complete or not there.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    with atomic_path(path) as part:
+        part.write_text(player_page(tracks, title=title, speed=speed), encoding="utf-8")
+
+
+def player_frame(tracks: Sequence[Track], *, speed: float = 1.0) -> str:
+    """Return ``player_page(tracks, speed=speed)`` as a frame of another page, such as a notebook.
+
+    Its script cannot reach the page around it.
+    """
+    page = html.escape(player_page(tracks, speed=speed))
+    return (
+        f'<iframe srcdoc="{page}" sandbox="allow-scripts" allow="fullscreen" allowfullscreen '
+        f'title="Replay" style="width:100%;height:{FRAME_HEIGHT}px;border:0"></iframe>'
+    )
 
 
 @cache

@@ -8,17 +8,17 @@ const TAP = 6;
 const LOW = 0.2;
 
 export class Panel {
-  /** Args: a `Track`, the view that it shares with others, and the page's `Player`. */
-  constructor(track, view, player) {
+  /** Args: a `Track`, its title, the view that it shares with others, and the page's `Player`. */
+  constructor(track, title, view, player) {
     Object.assign(this, { track, view, player });
     this.element = copy("panel-template");
     const find = (name) => this.element.querySelector(`[data-part="${name}"]`);
     this.parts = Object.fromEntries(
       ["title", "floor", "caption", "ending", "battery", "level", "units", "facts"].map((name) => [name, find(name)]),
     );
-    this.parts.title.textContent = track.title;
+    this.parts.title.textContent = title;
     this.parts.battery.hidden = !track.battery.length;
-    this.parts.facts.hidden = !track.energy.length;
+    this.parts.facts.hidden = !track.energy.length && track.motorStrength === 1;
     this.canvas = this.parts.floor;
     this.canvas.style.aspectRatio = `${view.columns + 2 * view.margin} / ${view.rows + 2 * view.margin}`;
     this.listen();
@@ -70,10 +70,7 @@ export class Panel {
     const place = this.player.describe(track, moment);
     if (place !== this.place) this.canvas.setAttribute("aria-label", place);
     this.place = place;
-    if (track.energy.length) {
-      const joules = track.energy[moment.next];
-      setText(parts.facts, `${track.time[moment.next].toFixed(1)} s, ${shown(joules, 0)} J`);
-    }
+    setText(parts.facts, this.factsAt(moment));
     if (!track.battery.length) return;
     const left = track.battery[Math.floor(track.progress[moment.frame])];
     const level = Math.min(Math.max(left / track.fullBattery, 0), 1) || 0;
@@ -81,6 +78,14 @@ export class Panel {
     parts.battery.classList.toggle("low", level < LOW);
     const warning = level >= LOW ? "" : level > 0 ? " low!" : " empty!";
     setText(parts.units, `battery ${shown(left)} of ${shown(track.fullBattery)}${warning}`);
+  }
+
+  /** Return the time and energy so far, and how strong the motors are if they are weak. */
+  factsAt({ next }) {
+    const { energy, motorStrength, time } = this.track;
+    const facts = energy.length ? [`${time[next].toFixed(1)} s`, `${shown(energy[next], 0)} J`] : [];
+    if (motorStrength < 1) facts.push(`motors at ${shown(100 * motorStrength, 0)}% of their force`);
+    return facts.join(", ");
   }
 
   /** Let the pointer pan and zoom the floor, and choose a robot of a fleet. */

@@ -15,9 +15,12 @@ export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16];
 /** Cells around what is drawn of a floor. */
 const MARGIN = 0.1;
 
+const MAX_NAME = 16;
+const LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
+
 const WORDS = { hit: "hit", pick: "item picked", drop: "item delivered", stuck: "stuck" };
 
-/** Return what differs between titles: without the words that all begin or end with. */
+/** Return what differs between titles, without the words that they share, or letters. */
 export function shortNames(titles) {
   const lines = titles.map((title) => title.split(" "));
   const least = Math.min(...lines.map((line) => line.length));
@@ -26,7 +29,8 @@ export function shortNames(titles) {
   while (first < least && areSame(first)) first++;
   while (last < least - first && areSame(-1 - last)) last++;
   const names = lines.map((line) => line.slice(first, line.length - last).join(" "));
-  return names.every(Boolean) ? names : titles;
+  const areShort = names.every((name) => name && name.length <= MAX_NAME);
+  return areShort ? names : titles.map((_, i) => LETTERS[i]);
 }
 
 export class Player {
@@ -53,16 +57,18 @@ export class Player {
 
   build(data) {
     const views = new Map();
-    this.panels = this.tracks.map((track) => {
+    const titles = this.tracks.map((track) => track.title);
+    const names = shortNames(titles);
+    this.panels = this.tracks.map((track, i) => {
       const size = `${track.width} ${track.height}`;
       const margin = MARGIN - outerOf(track);
       if (!views.has(size)) views.set(size, new View(track.width, track.height, margin));
-      return new Panel(track, views.get(size), this);
+      const title = names[i].length === 1 ? `${names[i]}: ${titles[i]}` : titles[i];
+      return new Panel(track, title, views.get(size), this);
     });
     this.views = [...views.values()];
     this.root.classList.toggle("several", this.tracks.length > 1);
     this.find("floors").append(...this.panels.map((panel) => panel.element));
-    const names = shortNames(this.tracks.map((track) => track.title));
     this.charts = data.charts.map((chart) => new Chart(chart, names, this.end, (time) => this.seek(time)));
     this.find("charts").append(...this.charts.map((chart) => chart.element));
     const fleets = this.tracks.filter((track) => track.isFleet && track.robots > 1);

@@ -36,8 +36,8 @@ MILLI = 1e-3
 DEFAULT_SPEED = 4.0
 """Simulated seconds in a second; a step of the grid takes a second."""
 
-MAX_SECONDS = 30.0
-"""In which a search is shown at the default speed."""
+MAX_SECONDS, MIN_SECONDS = 30.0, 6.0
+"""In which a search is shown at the default speed; in which slow motion is shown at least."""
 
 
 def packed(tracks: Sequence[Track], title: str, speed: float) -> str:
@@ -58,7 +58,7 @@ def packed(tracks: Sequence[Track], title: str, speed: float) -> str:
     rate = max(1.0, end / (MAX_SECONDS * DEFAULT_SPEED)) if is_search else 1.0
     page = {
         "title": title,
-        "speed": DEFAULT_SPEED * speed,
+        "speed": min(DEFAULT_SPEED, end / MIN_SECONDS or 1.0) * speed,
         "rate": rate,
         "colors": _colors(),
         "tracks": [

@@ -60,7 +60,7 @@ def test_a_trend_is_told_by_its_ends_and_its_best_value(tmp_path: Path) -> None:
 def test_the_verdict_on_fleets_is_the_largest_that_is_not_clearly_worse(tmp_path: Path) -> None:
     for number, (rates, words) in enumerate({
         (60.0, 50.0, 40.0): "More than 2 are too many: the number of items an hour falls from 60.0",
-        (40.0, 60.0, 59.9, 30.0): "More than 6 are too many: the number of items an hour is highes",
+        (40.0, 60.0, 60.0, 30.0): "More than 6 are too many: the number of items an hour is highes",
         (40.0, 50.0, 60.0): "6 are not too many: the number of items an hour rises from 40.0 at",
     }.items()):  # fmt: skip
         folder = tmp_path / str(number)
@@ -70,6 +70,23 @@ def test_the_verdict_on_fleets_is_the_largest_that_is_not_clearly_worse(tmp_path
         "The number of items an hour is highest at people 4: 60.0, against 40.0 at people 2 and "
         "30.0 at people 6."
     )
+
+
+def test_the_verdict_on_fleets_is_that_of_the_seeds_they_share(tmp_path: Path) -> None:
+    def verdict(first_seed: int) -> str:
+        folder = tmp_path / str(first_seed)
+        folder.mkdir()
+        cases = [
+            ({"robots": robots}, [
+                shift(start + n, per_hour=rate + 9 * (n % 5) + n % robots / robots)
+                for n in range(30)
+            ])
+            for robots, rate, start in ((2, 20.0, 0), (4, 60.0, 0), (8, 58.0, first_seed))
+        ]  # fmt: skip
+        return answered(folder, cases)[0].verdict
+
+    assert verdict(500).startswith("8 are not too many: "), "the intervals overlap"
+    assert verdict(0).startswith("More than 4 are too many: "), "less with each seed that both have"
 
 
 def test_few_episodes_allow_no_verdict_and_no_word_on_what_is_the_same(tmp_path: Path) -> None:
