@@ -64,6 +64,7 @@ def packed(tracks: Sequence[Track], title: str, speed: float) -> str:
         "title": title,
         "speed": min(DEFAULT_SPEED, end / MIN_SECONDS or 1.0) * speed,
         "rate": rate,
+        "unit": "expansion" if is_search else "step",
         "colors": _colors(),
         "tracks": [
             _packed_track(track, moments, columns)
