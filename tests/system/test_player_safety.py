@@ -77,11 +77,6 @@ def track_saying(text: str) -> Track:
     return Track(frames, metrics, title=text, ending=text)
 
 
-def shown_text(text: str) -> str:
-    """Return a text as the browser hands it over, which knows no lone surrogates."""
-    return re.sub("[\ud800-\udfff]", "\ufffd", text)
-
-
 def test_text_from_users_is_shown_and_not_run(
     browser: Any, tmp_path: Path, server: tuple[str, list[str]]
 ) -> None:
@@ -98,7 +93,8 @@ def test_text_from_users_is_shown_and_not_run(
             page.press("ArrowRight", "End")
             for name in ("title", "caption", "ending"):
                 words = page.part(name).evaluate_all("all => all.map(part => part.textContent)")
-                assert words == [shown_text(text) for text in texts]
+                said = [re.sub("^[A-Z]: ", "", each) for each in words]
+                assert said == texts
             assert page.page.locator(tags).count() == 0
             assert page.read("[document.scripts.length, globalThis.owned]") == [2, None]
             assert page.page.title().split()[:1] != ["owned"]
