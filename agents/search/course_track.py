@@ -45,7 +45,7 @@ def track_of_course(course: SearchCourse, goal: Cell) -> Track:
         for step, count in enumerate(counts)
     ]
     frames[-1].route = tuple(map(middle, course.solution.states))
-    return Track(frames, {}, title=printable(course.name), ending=course.ending, marks=marks)
+    return Track(frames, {}, title=printable(course.name), marks=marks)
 
 
 def _marks(course: SearchCourse) -> Iterator[Mark]:

@@ -1,13 +1,16 @@
 """Pages that play tracks, opened in headless Chromium by Playwright."""
 
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from warehouse_core.viz.player import player_page
 from warehouse_core.viz.tracks import Track
+
+Box = tuple[float, float, float, float]
+"""Of cells: column, row, columns, rows."""
 
 LISTENING = """
 globalThis.violations = [];
@@ -16,22 +19,42 @@ addEventListener("securitypolicyviolation", (event) => violations.push(event.blo
 """Runs before the page's own script."""
 
 COUNT = """
-([panel, column, row, columns, rows, color]) => {
+([panel, color, boxes]) => {
   const {view, canvas} = player.panels[panel];
-  const [x, y, width, height] = view.box(column, row, columns, rows);
-  const {data} = canvas.getContext("2d").getImageData(x, y, width, height);
-  const probe = Object.assign(document.createElement("canvas"), {width: 1, height: 1});
-  const context = probe.getContext("2d");
+  const {width, height} = canvas;
+  const copy = Object.assign(document.createElement("canvas"), {width: width + 1, height});
+  const context = copy.getContext("2d", {willReadFrequently: true});
+  context.drawImage(canvas, 0, 0);
   context.fillStyle = color.startsWith("#") ? color : player.theme[color];
-  context.fillRect(0, 0, 1, 1);
-  const wanted = context.getImageData(0, 0, 1, 1).data;
-  let count = 0;
-  for (let i = 0; i < data.length; i += 4) {
-    if ([0, 1, 2].every((part) => Math.abs(data[i + part] - wanted[part]) <= 2)) count++;
-  }
-  return count / (width * height);
+  context.fillRect(width, 0, 1, 1);
+  const wanted = context.getImageData(width, 0, 1, 1).data;
+  return boxes.map((box) => {
+    const {data} = context.getImageData(...view.box(...box));
+    let count = 0;
+    for (let i = 0; i < data.length; i += 4) {
+      if ([0, 1, 2].every((part) => Math.abs(data[i + part] - wanted[part]) <= 2)) count++;
+    }
+    return count / (data.length / 4);
+  });
 }
 """
+"""Returns which part of each box has a colour."""
+
+CURSOR = """
+() => {
+  const [{canvas}] = player.charts;
+  const copy = Object.assign(document.createElement("canvas"), {width: canvas.width, height: 1});
+  const context = copy.getContext("2d", {willReadFrequently: true});
+  context.drawImage(canvas, 0, -4);
+  context.fillStyle = player.theme.accent;
+  context.fillRect(0, 0, 1, 1);
+  const {data} = context.getImageData(0, 0, canvas.width, 1);
+  for (let x = 1; x < canvas.width; x++) {
+    if ([0, 1, 2].every((part) => data[4 * x + part] === data[part])) return x;
+  }
+}
+"""
+"""Returns the place of the first pixel of the cursor in a row of the first chart."""
 
 PICTURES = """
 () => [...document.querySelectorAll("main canvas")].map((canvas) => canvas.toDataURL()).join(" ")
@@ -86,10 +109,14 @@ class Shown:
         """Go to a step, or to a time within one."""
         self.read(f"player.seek({step})" if step % 1 else f"player.goTo({step})")
 
-    def share(self, color: str, box: tuple[float, float, float, float], panel: int = 0) -> float:
-        """Return which part of a box of cells (column, row, columns, rows) has a colour."""
-        share: float = self.page.evaluate(COUNT, [panel, *box, color])
-        return share
+    def shares(self, color: str, boxes: Sequence[Box]) -> list[float]:
+        """Return which part of each of some boxes of the first floor has a colour."""
+        shares: list[float] = self.page.evaluate(COUNT, [0, color, boxes])
+        return shares
+
+    def share(self, color: str, box: Box) -> float:
+        """Return which part of a box has a colour."""
+        return self.shares(color, [box])[0]
 
     def pictures(self) -> str:
         """Return all canvases as text."""

@@ -46,15 +46,19 @@ export function drawHeat(context, track, moment, view, theme) {
   context.globalAlpha = 1;
 }
 
-/** Draw the cells of a search in the colours that they have by now, and its ends. */
+/** Draw the cells of a search in the colours that they have by now. */
 export function drawMarks(context, track, moment, view, theme) {
-  const { time, cell, value, colors, ends } = track.marks;
+  const { time, cell, value, colors } = track.marks;
   const now = marksUntil(track, moment.time, { time, cell, value });
   for (const [place, index] of now) {
     context.fillStyle = colors[index];
     context.fillRect(...view.box(place % track.width, Math.floor(place / track.width), 1, 1, 0.03));
   }
-  ends.forEach(([row, column], i) => {
+}
+
+/** Draw the start and the goal of a search as letters. */
+export function drawEnds(context, track, view, theme) {
+  track.marks.ends.forEach(([row, column], i) => {
     const [x, y, radius] = [view.x(column + 0.5), view.y(row + 0.5), Math.max(8, 0.46 * view.scale)];
     context.beginPath();
     context.arc(x, y, radius, 0, 2 * Math.PI);

@@ -15,6 +15,10 @@ export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16];
 /** Cells around what is drawn of a floor. */
 const MARGIN = 0.1;
 
+/** Columns of floors by the number of tracks. */
+const COLUMNS = { 1: 1, 2: 2, 4: 2 };
+const MAX_COLUMNS = 3;
+
 const MAX_NAME = 16;
 const LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
 
@@ -39,6 +43,7 @@ export class Player {
     this.root = root;
     this.colors = data.colors;
     this.rate = data.rate;
+    this.unit = data.unit;
     this.speed = SPEEDS.reduce((best, speed) =>
       Math.abs(Math.log(speed / data.speed)) < Math.abs(Math.log(best / data.speed)) ? speed : best,
     );
@@ -59,15 +64,19 @@ export class Player {
     const views = new Map();
     const titles = this.tracks.map((track) => track.title);
     const names = shortNames(titles);
+    const isTold = data.charts.some(({ series }) => series.some(({ track }) => track !== series[0].track));
     this.panels = this.tracks.map((track, i) => {
       const size = `${track.width} ${track.height}`;
       const margin = MARGIN - outerOf(track);
       if (!views.has(size)) views.set(size, new View(track.width, track.height, margin));
-      const title = names[i].length === 1 ? `${names[i]}: ${titles[i]}` : titles[i];
+      const title = isTold && names[i] === LETTERS[i] ? `${names[i]}: ${titles[i]}` : titles[i];
       return new Panel(track, title, views.get(size), this);
     });
     this.views = [...views.values()];
     this.root.classList.toggle("several", this.tracks.length > 1);
+    const columns = COLUMNS[this.tracks.length] ?? MAX_COLUMNS;
+    this.find("floors").style.setProperty("--columns", columns);
+    this.root.classList.toggle("many", this.tracks.length > columns);
     this.find("floors").append(...this.panels.map((panel) => panel.element));
     this.charts = data.charts.map((chart) => new Chart(chart, names, this.end, (time) => this.seek(time)));
     this.find("charts").append(...this.charts.map((chart) => chart.element));
@@ -204,12 +213,12 @@ export class Player {
   get place() {
     const { longest } = this;
     const clock = this.tracks.some((track) => track.isContinuous) ? `, ${this.time.toFixed(1)} s` : "";
-    return `step ${longest.stepAt(this.time)} of ${longest.steps}${clock}`;
+    return `${this.unit} ${longest.stepAt(this.time)} of ${longest.steps}${clock}`;
   }
 
   /** Return words for a moment of a track, for those who do not see it. */
   describe(track, moment) {
-    const words = [`${track.title}, step ${Math.ceil(track.progress[moment.next])} of ${track.steps}`];
+    const words = [`${track.title}, ${this.unit} ${Math.ceil(track.progress[moment.next])} of ${track.steps}`];
     if (track.robots === 1 && track.load[moment.frame] >= 0) {
       const [cell, load] = [track.cell(0, moment.frame), track.load[moment.frame]];
       const place = `row ${Math.floor(cell / track.width)}, column ${cell % track.width}`;

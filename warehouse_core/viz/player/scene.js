@@ -2,7 +2,7 @@
 
 import { drawHits, drawRobots } from "./bodies.js";
 import { drawItem, drawWaiting } from "./items.js";
-import { drawHeat, drawMarks, drawSight, drawVisits } from "./layers.js";
+import { drawEnds, drawHeat, drawMarks, drawSight, drawVisits } from "./layers.js";
 import { drawPlans, drawPushes, drawRoute, drawTrail, drawWayAhead } from "./ways.js";
 
 /** Draw everything that moves at a moment. `chosen` is the number of a robot, or `null`. */
@@ -14,6 +14,7 @@ export function drawScene(context, track, moment, view, theme, { chosen, hasHeat
   if (watched !== null && !track.isFleet) drawSight(context, track, watched, moment, view, theme);
   drawRoute(context, track, moment, view, theme);
   if (track.fleet) drawPlans(context, track, moment, view, theme);
+  if (track.marks) drawEnds(context, track, view, theme);
   if (chosen !== null) drawWayAhead(context, track, chosen, moment, view, theme);
   if (watched !== null) drawTrail(context, track, watched, moment, view, theme);
   if (track.fleet) drawWaiting(context, track, moment, view, theme);

@@ -40,6 +40,10 @@ MAX_SECONDS, MIN_SECONDS = 30.0, 6.0
 """In which a search is shown at the default speed; in which slow motion is shown at least."""
 
 
+MAX_TEXT = 1_000
+"""Characters of a title, a caption or a label; a longer one is cut."""
+
+
 def packed(tracks: Sequence[Track], title: str, speed: float) -> str:
     """Return everything that a page says of tracks, as text.
 
@@ -60,6 +64,7 @@ def packed(tracks: Sequence[Track], title: str, speed: float) -> str:
         "title": title,
         "speed": min(DEFAULT_SPEED, end / MIN_SECONDS or 1.0) * speed,
         "rate": rate,
+        "unit": "expansion" if is_search else "step",
         "colors": _colors(),
         "tracks": [
             _packed_track(track, moments, columns)
@@ -85,10 +90,10 @@ def _packed_track(track: Track, times: Sequence[float], columns: Columns) -> dic
     robots = bodies if first is None else len(first.battery)
     tiles, tile_at = _indexed("".join(frame.tiles) for frame in frames)
     energy = any(frame.energy for frame in frames)
-    captions, caption_at = _indexed(frame.caption for frame in frames)
+    captions, caption_at = _indexed(_cut(frame.caption) for frame in frames)
     return {
-        "title": track.title,
-        "ending": track.ending,
+        "title": _cut(track.title),
+        "ending": _cut(track.ending),
         "isContinuous": track.is_continuous,
         "isFleet": track.is_fleet,
         "width": len(rows[0]),
@@ -142,7 +147,7 @@ def _poses(track: Track, bodies: int, columns: Columns) -> dict[str, Any]:
 
 def _hits(frames: Sequence[Frame], columns: Columns) -> dict[str, Any]:
     found = [(index, hit) for index, frame in enumerate(frames) for hit in frame.hits]
-    labels, label_at = _indexed(hit.label for _, hit in found)
+    labels, label_at = _indexed(_cut(hit.label) for _, hit in found)
     return {
         "frame": columns.whole([index for index, _ in found], is_delta=True),
         "x": columns.whole([hit.at[0] for _, hit in found], unit=FINE),
@@ -172,7 +177,7 @@ def _marks(track: Track, columns: Columns) -> dict[str, Any]:
         "cell": columns.whole(_numbers(marks.cells, track), is_delta=True),
         "value": columns.whole(marks.values),
         "colors": [_hex(color) for color in marks.colors],
-        "names": list(marks.names),
+        "names": [_cut(name) for name in marks.names],
         "ends": [list(cell) for cell in marks.ends],
     }
 
@@ -224,6 +229,10 @@ def _numbers(cells: Iterable[Cell], track: Track) -> list[int]:
     """Return cells as ``row * W + col``."""
     width = len(track.frames[0].tiles[0])
     return [row * width + col for row, col in cells]
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= MAX_TEXT else f"{text[: MAX_TEXT - 1]}\N{HORIZONTAL ELLIPSIS}"
 
 
 def _indexed(texts: Iterable[str]) -> tuple[list[str], list[int]]:

@@ -82,10 +82,11 @@ test("what is outside of the canvas is not shown", () => {
   assert.ok(!view.shows(0.5, 9.5, 1));
 });
 
-test("names of tracks leave out what their titles share, unless nothing is left", () => {
+test("names of tracks leave out what their titles share, and are letters if that is too little", () => {
   const of = (...backends) => backends.map((backend) => `greedy on the ${backend} backend, seed 12`);
   assert.deepEqual(shortNames(of("grid", "physics")), ["grid", "physics"]);
-  assert.deepEqual(shortNames(["a b", "a b"]), ["a b", "a b"]);
-  assert.deepEqual(shortNames(["a", "a b"]), ["a", "a b"]);
-  assert.deepEqual(shortNames(["x y x", "x x"]), ["x y x", "x x"]);
+  assert.deepEqual(shortNames(["x y x", "x z x", "x x x"]), ["y", "z", "x"]);
+  for (const titles of [["a b", "a b"], ["a", "a b"], ["x y x", "x x"], ["c".repeat(99), "d"]]) {
+    assert.deepEqual(shortNames(titles), ["A", "B"]);
+  }
 });

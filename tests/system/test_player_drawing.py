@@ -1,0 +1,219 @@
+"""The canvas of the page that plays tracks, against what the tracks say."""
+
+import dataclasses
+from collections.abc import Callable, Iterator
+
+import pytest
+from helpers.player_pages import CURSOR, Files, Shown
+from matplotlib.colors import to_hex
+
+from agents.run_episode import run_episode
+from warehouse_core.render.palette import COLORS, HIT, ORDER_COLORS
+from warehouse_core.viz.tracks import Frame, Pose, Track, track_of_episode
+from warehouse_core.viz.tracks.track import FleetFrame, Hit, Marks
+from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, WALL
+
+pytestmark = pytest.mark.browser
+
+Open = Callable[..., Shown]
+
+EMPTY_COLOR, LOADED_COLOR = to_hex(COLORS[ROBOT_EMPTY]), to_hex(COLORS[ROBOT_LOADED])
+STAR = to_hex(HIT)
+LOOKS = [(1, "light"), (1, "dark"), (2, "light"), (2, "dark")]
+
+
+def cell(row: float, col: float) -> tuple[float, float, float, float]:
+    """Return the box of a cell."""
+    return col, row, 1, 1
+
+
+@pytest.fixture(scope="module")
+def track() -> Track:
+    return track_of_episode(run_episode("greedy", "grid", seed=12))
+
+
+@pytest.mark.parametrize(("density", "scheme"), LOOKS)
+def test_tiles_and_the_robot_are_where_the_track_has_them(
+    opened: Open, files: Files, track: Track, density: int, scheme: str
+) -> None:
+    path = files("seen", lambda: [dataclasses.replace(track, view_radius=None)])
+    page = opened(path, device_scale_factor=density, color_scheme=scheme)
+    width = page.read("player.panels[0].canvas.width / player.panels[0].canvas.clientWidth")
+    assert width == pytest.approx(density, rel=0.01)
+    rows = track.frames[0].tiles
+    inner = [(row, col) for row in range(1, len(rows) - 1) for col in range(1, len(rows[0]) - 1)]
+    for tile, color in (
+        (WALL, "wall"), *((tile, to_hex(COLORS[tile])) for tile in (PICKUP, DROPOFF, CHARGER)),
+    ):  # fmt: skip
+        shares = page.shares(color, [cell(*place) for place in inner])
+        found = [place for place, share in zip(inner, shares, strict=True) if share > 0.3]
+        assert found == [(row, col) for row, col in inner if rows[row][col] == tile]
+    for step in (0, 5, 9, 12, track.steps):
+        page.seek(step)
+        pose = track.frames[step].robots[0]
+        assert pose is not None
+        mine, other = EMPTY_COLOR, LOADED_COLOR
+        if pose.loaded:
+            mine, other = other, mine
+        x, y = pose.at
+        assert page.share(mine, (x - 0.3, y - 0.3, 0.6, 0.6)) > 0.15
+        assert page.share(other, (x - 0.3, y - 0.3, 0.6, 0.6)) < 0.02
+        box = page.share("item", (x - 0.3, y - 0.3, 0.6, 0.6))
+        assert box > 0.05 if pose.loaded or step == track.steps else box == 0
+
+
+def test_the_item_waits_at_the_pickup_is_carried_and_stays_at_the_dropoff(
+    opened: Open, files: Files, track: Track
+) -> None:
+    page = opened(files("grid", lambda: [track]))
+    [picked] = [i for i, f in enumerate(track.frames) if "PICK" in f.caption]
+    rows = track.frames[0].tiles
+    [pickup] = [(r, line.index("P")) for r, line in enumerate(rows) if "P" in line]
+    [dropoff] = [(r, line.index("D")) for r, line in enumerate(rows) if "D" in line]
+    shares = []
+    for step in (0, picked - 1, picked + 3, track.steps):
+        page.seek(step)
+        shares.append([page.share("item", cell(*place)) > 0.03 for place in (pickup, dropoff)])
+    assert shares == [[True, False], [True, False], [False, False], [False, True]]
+
+
+def test_between_two_steps_the_robot_is_between_two_cells(
+    opened: Open, files: Files, track: Track
+) -> None:
+    page = opened(files("grid", lambda: [track]))
+    page.seek(1.5)
+    (x, y), (other_x, other_y) = (track.frames[i].robots[0].at for i in (1, 2))  # type: ignore[union-attr]
+    middle = (x + other_x) / 2, (y + other_y) / 2
+    assert page.share(EMPTY_COLOR, (middle[0] - 0.25, middle[1] - 0.25, 0.5, 0.5)) > 0.4
+
+
+def test_the_trail_is_where_the_robot_was_and_nowhere_else(
+    opened: Open, files: Files, track: Track
+) -> None:
+    page = opened(files("seen", lambda: [dataclasses.replace(track, view_radius=None)]))
+    rows, steps = track.frames[0].tiles, 6
+    inner = [(row, col) for row in range(1, len(rows) - 1) for col in range(1, len(rows[0]) - 1)]
+    shares = []
+    for step in (0, steps):
+        page.seek(step)
+        shares.append(page.shares("floor", [cell(*place) for place in inner]))
+    poses = [pose for frame in track.frames[: steps + 1] for pose in frame.robots if pose]
+    visited = {(int(y), int(x)) for x, y in (pose.at for pose in poses)}
+    assert len(visited) >= 6
+    for (row, col), before, after in zip(inner, *shares, strict=True):
+        away = min(max(abs(row - other), abs(col - at)) for other, at in visited)
+        if not away:
+            assert after < 0.97, (row, col)
+        elif away > 1:
+            assert after == before, (row, col)
+
+
+def simple(frames: list[Frame], **changes: object) -> Track:
+    """Return a track of frames, without metrics."""
+    return dataclasses.replace(Track(frames, {}), **changes)  # type: ignore[arg-type]
+
+
+def test_a_hit_is_a_star_with_its_label_while_its_frame_is_shown(
+    opened: Open, files: Files
+) -> None:
+    rows = ("......", "......", "......", "......")
+    pose = Pose((2.5, 2.5), 0.0, False)
+    frames = [Frame(rows, (pose,), float(step)) for step in range(3)]
+    frames[1].hits = (Hit((4.0, 2.5), "12 N·s"),)
+    page = opened(files("hit", lambda: [simple(frames)]))
+    star, label = (3.75, 2.25, 0.5, 0.5), (3, 1, 2, 1)
+    seen = []
+    for step in (0, 1, 2):
+        page.seek(step)
+        seen.append((page.share(STAR, star) > 0.2, page.share(STAR, label) > 0.03))
+    assert seen == [(False, False), (True, True), (False, False)]
+
+
+def test_slippery_and_unseen_cells_and_the_view_are_drawn(opened: Open, files: Files) -> None:
+    rows = ("......", "..?...", "......", "......")
+    pose = Pose((0.5, 3.5), None, False)
+    track = simple([Frame(rows, (pose,), 0.0)], slippery=((0, 4),), view_radius=1)
+    page = opened(files("floors", lambda: [track]))
+    assert page.share("floor", cell(0, 4)) == 0
+    assert page.share("floor", cell(1, 2)) < 0.2
+    assert page.share("floor", cell(0, 0)) < 0.1, "it is out of the view"
+    assert page.share("floor", cell(2, 1)) > 0.8, "it is in the view"
+    without = opened(files("no floors", lambda: [dataclasses.replace(track, view_radius=None)]))
+    assert without.share("floor", cell(0, 0)) > 0.8
+
+
+def fleet_frames() -> Iterator[Frame]:
+    """Yield frames of two robots of a fleet and a person, the second robot loaded, then empty."""
+    rows = ("........",) * 4
+    for step in range(3):
+        poses = (
+            Pose((1.5 + step, 0.5), 0.0, False), Pose((4.5, 2.5), None, step < 2),
+            Pose((7.5, 3.5), None, False),
+        )  # fmt: skip
+        items = (None, 3 if step < 2 else None)
+        yield Frame(rows, poses, float(step), fleet=FleetFrame((), items, (1.0, 0.0)))
+
+
+def test_robots_of_a_fleet_show_their_items_age_and_an_empty_battery(
+    opened: Open, files: Files
+) -> None:
+    page = opened(files("two", lambda: [simple(list(fleet_frames()))]))
+    late = to_hex(ORDER_COLORS[3])
+    for step, is_late in ((0, True), (2, False)):
+        page.seek(step)
+        assert (page.share(late, cell(2, 4)) > 0.03) == is_late
+    assert page.share("#616166", cell(2, 4)) > 0.1, "it is stranded"
+    assert page.share(EMPTY_COLOR, cell(0, 3)) > 0.1
+    assert page.share(EMPTY_COLOR, cell(0, 1)) == 0
+    assert page.share(to_hex(COLORS["H"]), cell(3, 7)) > 0.1
+
+
+def test_marks_have_the_colour_of_their_time(opened: Open, files: Files) -> None:
+    rows = ("......",) * 3
+    frames = [Frame(rows, (), float(step)) for step in range(4)]
+    marks = Marks(
+        [1, 2, 3], [(1, 1), (1, 2), (1, 1)], [0, 0, 1], [(0.0, 1.0, 1.0), (1.0, 0.0, 1.0)],
+        ["expanded", "path"], ((0, 0), (2, 5)),
+    )  # fmt: skip
+    page = opened(files("marks", lambda: [simple(frames, marks=marks)]))
+    seen = []
+    for time in (3, 0, 1, 2, 1):
+        page.read(f"player.seek({time})")
+        seen.append(
+            "".join(
+                "c" if page.share("#00ffff", cell(1, col)) > 0.8
+                else "m" if page.share("#ff00ff", cell(1, col)) > 0.8
+                else "."
+                for col in (1, 2)
+            )
+        )  # fmt: skip
+    assert seen == ["mc", "..", "c.", "cc", "c."]
+
+
+@pytest.mark.parametrize("density", [1, 2])
+def test_a_chart_has_its_cursor_at_the_time(
+    opened: Open, files: Files, track: Track, density: int
+) -> None:
+    page = opened(files("grid", lambda: [track]), device_scale_factor=density)
+    places = []
+    for step in (0, 10, track.steps):
+        page.seek(step)
+        places.append(page.read(CURSOR))
+    low, high = page.read("[player.charts[0].x(0), player.charts[0].x(player.end)]")
+    expected = [low + (high - low) * step / track.steps for step in (0, 10, track.steps)]
+    assert places == pytest.approx(expected, abs=1.1)
+
+
+def test_a_floor_of_many_columns_has_stations_and_robots_of_a_least_size(
+    opened: Open, files: Files
+) -> None:
+    rows = ["." * 500 for _ in range(140)]
+    rows[70] = "." * 250 + "D" + "." * 249
+    pose = Pose((100.5, 20.5), None, False)
+    page = opened(files("large", lambda: [simple([Frame(tuple(rows), (pose,), 0.0)])]))
+    scale = page.read("player.views[0].scale")
+    assert scale < 3
+    robot = page.share(EMPTY_COLOR, (90.5, 10.5, 20, 20)) * (20 * scale) ** 2
+    assert robot >= 4
+    station = page.share(to_hex(COLORS[DROPOFF]), (240.5, 60.5, 20, 20)) * (20 * scale) ** 2
+    assert station >= 16
