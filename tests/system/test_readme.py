@@ -29,12 +29,12 @@ WRITTEN = {
     "What to try first": {"replay.html", "replay.gif", "episode.npz", "hall.txt"},
     "Write an agent": {"replay-Wanderer-grid-3.gif"},
     "Write a layout": {"replay-GreedyAgent-grid-5.gif"},
-    "Change one word: physics": {"both.gif"},
+    "Change one word: physics": {"both.html"},
     "Several robots": {"replay-greedy-grid-12.png", "replay-greedy-grid-12-2.png"},
     "Planning for several robots": {"replay-pibt-lanes-grid-12.png", "planners.png"},
     "Gymnasium, one or thousands": set(),
     "Learn": {"table.npz", "table.png"},
-    "Search": {"explore.gif", "search.gif", "agents.png", "benchmark.txt"},
+    "Search": {"explore.html", "search.html", "agents.png", "benchmark.txt"},
     "Experiments": {"escape.html", "mine.csv", "mine.html", "figures"},
 }
 """The sections that have commands, and files that these write."""

@@ -31,7 +31,7 @@ LEAD_WIDTH = 8.0
 MAX_MAP, MAX_LEAD_MAP, MAX_SMALL_MAP = 3.3, 4.8, 2.3
 """Heights of equal maps, of the map that leads and of the other one, in inches."""
 
-HEAD, GAP, BAR, VERDICT, FOOT, FLEET_FOOT = 1.32, 0.1, 0.2, 0.45, 0.6, 0.8
+HEAD, GAP, BAR, VERDICT, FOOT, FLEET_FOOT = 1.45, 0.1, 0.2, 0.45, 0.6, 0.8
 """Heights above and below maps, of the battery, the verdict and the legends, in inches."""
 
 CHART, CHART_HEAD, CHART_FOOT, CHART_LEFT, CHART_RIGHT = 1.05, 0.3, 0.38, 0.4, 0.5
@@ -39,7 +39,7 @@ CHART, CHART_HEAD, CHART_FOOT, CHART_LEFT, CHART_RIGHT = 1.05, 0.3, 0.38, 0.4, 0
 
 BELOW = GAP + BAR + VERDICT
 
-LETTER = 0.088
+LETTER = 0.118
 """Mean width of a letter of a caption, in inches."""
 
 
@@ -266,8 +266,8 @@ class _Side:
             self.charts.append(kind(figure, axes, track, time))
             axes.set_xlabel(time.label, fontsize=8, labelpad=1)
         self._letters = int(place.width / LETTER)
-        page.write(place.left, 0.62, 12).set_text(track.title)
-        self._caption = page.write(place.left, 0.77, 11, va="top", fontweight="normal")
+        page.write(place.left, 0.62, 11, fontweight="normal").set_text(track.title)
+        self._caption = page.write(place.left, 0.77, 13, va="top")
         self._verdict = page.write(place.left, place.below + BELOW - VERDICT / 2, 15)
         self._verdict.set_visible(place.has_verdict)
 

@@ -17,6 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 ALIGNMENT = 4
+LEVEL = 6
+"""Of compression; the highest takes ten times as long for pages of fleets, 7% smaller."""
+
 KINDS = {"i1": 2**7, "i2": 2**15, "i4": 2**31}
 """Types of whole numbers, and what their absolute values are below."""
 
@@ -54,7 +57,7 @@ class Columns:
         words = text.encode("utf-8", "backslashreplace")
         words += b" " * (-len(words) % ALIGNMENT)
         block = b"".join([struct.pack("<I", len(words)), words, *self._parts])
-        return b64encode(zlib.compress(block, 9)).decode("ascii")
+        return b64encode(zlib.compress(block, LEVEL)).decode("ascii")
 
     def _add(self, kind: str, stored: Any, *, is_delta: bool, unit: float) -> Reference:
         data = stored.tobytes()

@@ -124,23 +124,22 @@ def _packed_track(track: Track, times: Sequence[float], columns: Columns) -> dic
 def _poses(track: Track, bodies: int, columns: Columns) -> dict[str, Any]:
     """Return place, heading and load of each body in each frame, one body after the other."""
     shape = len(track.frames), bodies
-    xs, ys = np.zeros(shape), np.zeros(shape)
-    headings, loads = np.full(shape, NO_HEADING), np.full(shape, NOT_SHOWN)
+    places, angles, loads = np.zeros((*shape, 2)), np.full(shape, np.nan), np.full(shape, NOT_SHOWN)
     for index, frame in enumerate(track.frames):
-        for body, pose in enumerate(frame.robots):
-            if pose is None:
-                continue
-            xs[index, body], ys[index, body] = pose.at
-            loads[index, body] = int(pose.loaded)
-            if pose.heading is not None:
-                headings[index, body] = round(pose.heading / (2 * np.pi) * TURN) % TURN
+        here = [body for body, pose in enumerate(frame.robots) if pose is not None]
+        poses = [pose for pose in frame.robots if pose is not None]
+        if poses:
+            places[index, here] = [pose.at for pose in poses]
+            loads[index, here] = [pose.loaded for pose in poses]
+            angles[index, here] = [pose.heading for pose in poses]  # None becomes NaN
         if frame.fleet is not None:
-            ages = frame.fleet.items
-            loads[index, : len(ages)] = [0 if age is None else 1 + age for age in ages]
+            ages = np.array(frame.fleet.items, np.float64)  # as here
+            loads[index, : len(ages)] = np.where(np.isnan(ages), EMPTY, 1 + ages)
+    headings = np.where(np.isnan(angles), NO_HEADING, np.rint(angles / (2 * np.pi) * TURN) % TURN)
     unit = FINE if track.is_continuous else HALF
     return {
-        "x": columns.whole(xs.T, is_delta=True, unit=unit),
-        "y": columns.whole(ys.T, is_delta=True, unit=unit),
+        "x": columns.whole(places[..., 0].T, is_delta=True, unit=unit),
+        "y": columns.whole(places[..., 1].T, is_delta=True, unit=unit),
         "heading": columns.whole(headings.T),
         "load": columns.whole(loads.T),
     }

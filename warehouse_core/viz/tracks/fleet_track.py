@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,6 +77,11 @@ def _frames(
     loaded = np.hstack([episode.loaded, np.zeros_like(episode.people, np.bool_)]).tolist()
     rows, width, size = episode.layout.rows, episode.layout.width, episode.cell_size
     headings = _headings(episode)
+
+    @cache
+    def pose_of(cell: int, heading: float | None, is_loaded: bool) -> Pose:
+        return Pose(middle(divmod(cell, width)), heading, is_loaded)
+
     last = Frame(rows, (), 0.0)
     for step in range(episode.steps + 1):
         now = plans[step] if step < len(plans) else NO_PLANS
@@ -89,12 +95,8 @@ def _frames(
                 last.fleet = fleet if last.progress == step else before
                 yield last
         else:
-            poses = tuple(
-                Pose(middle(divmod(cell, width)), heading, is_loaded)
-                for cell, heading, is_loaded in zip(
-                    bodies[step].tolist(), headings[step], loaded[step], strict=True
-                )
-            )
+            keys = zip(bodies[step].tolist(), headings[step], loaded[step], strict=True)
+            poses = tuple([pose_of(*key) for key in keys])
             hits = _hits(episode, step - 1) if step else ()
             clock = last.clock + float(episode.seconds[step - 1].max()) if step else 0.0
             last = Frame(rows, poses, float(step), caption, hits, clock, fleet=fleet)
