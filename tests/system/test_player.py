@@ -161,7 +161,7 @@ def test_n_goes_from_event_to_event_and_says_which(page: Shown, track: Track) ->
     said: dict[int, str] = {}
     while track.steps not in said:
         page.press("n")
-        said[steps(page)] = page.part("status").inner_text()
+        said[steps(page)] = page.part("event").inner_text()
     picked, dropped = events(track, 0)
     assert (said.pop(picked), said.pop(dropped)) == ("item picked", "item delivered")
     # In between the robot comes to cells for the third time.
@@ -169,7 +169,7 @@ def test_n_goes_from_event_to_event_and_says_which(page: Shown, track: Track) ->
     assert all(picked < step < dropped for step in said)
     page.page.get_by_role("button", name="Next event").click()
     assert steps(page) == track.steps
-    assert "no further" in page.part("status").inner_text()
+    assert "no further" in page.part("event").inner_text()
 
 
 def test_n_goes_to_the_events_of_the_chosen_robot(crowd: Shown, fleet: Track) -> None:
@@ -178,9 +178,9 @@ def test_n_goes_to_the_events_of_the_chosen_robot(crowd: Shown, fleet: Track) ->
     for _ in range(3):
         crowd.press("n")
     found = crowd.read("player.step")
-    stuck = crowd.part("status").inner_text().count("stuck")
+    stuck = crowd.part("event").inner_text().count("stuck")
     assert found in expected or stuck
-    assert "robot 2" in crowd.part("status").inner_text()
+    assert "robot 2" in crowd.part("event").inner_text()
 
 
 def test_f_is_full_screen_and_back(page: Shown) -> None:

@@ -6,6 +6,9 @@ import { indexAt } from "./track.js";
 const HEIGHT = 110;
 const [LEFT, RIGHT, TOP, BOTTOM] = [46, 10, 8, 20];
 const PALE = 0.25;
+
+/** Times of charts have single precision. */
+const ROUNDING = 1e-3;
 const DASHES = [[], [6, 4], [2, 3], [8, 3, 2, 3]];
 
 export class Chart {
@@ -67,8 +70,9 @@ export class Chart {
   say(time, theme) {
     const words = this.data.series.map((series) => {
       const name = [this.names[series.track], series.name].filter(Boolean).join(" ");
-      const known = series.x.length && series.x[0] <= time;
-      const value = known ? shown(series.y[indexAt(series.x, time)]) : "\u2013";
+      const now = time + ROUNDING;
+      const known = series.x.length && series.x[0] <= now;
+      const value = known ? shown(series.y[indexAt(series.x, now)]) : "\u2013";
       return { series, text: `${name} ${value}` };
     });
     const text = `${this.data.title}: ${words.map((word) => word.text).join(", ")}`;

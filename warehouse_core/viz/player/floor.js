@@ -7,6 +7,7 @@ const MAX_LINED_COLUMNS = 40;
 const MIN_STATION = 6;
 const MIN_TEXTURE = 9;
 const MIN_LETTER = 16;
+const MIN_NUMERAL = 9;
 
 /** Draw the tiles of a floor. Colours are those of the theme. */
 export function drawFloor(context, track, tiles, view, theme) {
@@ -19,6 +20,7 @@ export function drawFloor(context, track, tiles, view, theme) {
   drawRuns(context, track, tiles, view, WALL, theme.wall);
   if (view.scale >= MIN_TEXTURE) drawShelves(context, track, tiles, view, theme);
   drawBorder(context, track, view, theme);
+  drawNumbers(context, track, view, theme);
   for (let cell = 0; cell < tiles.length; cell++) {
     if (STATIONS.includes(tiles[cell])) drawStation(context, track, cell, tiles[cell], view, theme);
   }
@@ -88,6 +90,23 @@ function drawBorder(context, track, view, theme) {
     [0, 0, outer, height],
     [width - outer, 0, outer, height],
   ]) context.fillRect(...view.box(column, row, columns, rows));
+}
+
+/** Write the numbers of columns and rows on a thin border that has room for them. */
+function drawNumbers(context, track, view, theme) {
+  const middle = (1 + outerOf(track)) / 2;
+  const size = 0.75 * (1 - outerOf(track)) * view.scale;
+  if (!outerOf(track) || size < MIN_NUMERAL * theme.density) return;
+  context.fillStyle = theme.paper;
+  context.font = `${Math.round(size)}px system-ui, sans-serif`;
+  context.textAlign = "center";
+  context.textBaseline = "middle";
+  for (let column = 1; column < track.width - 1; column++) {
+    context.fillText(String(column), view.x(column + 0.5), view.y(middle));
+  }
+  for (let row = 1; row < track.height - 1; row++) {
+    context.fillText(String(row), view.x(middle), view.y(row + 0.5));
+  }
 }
 
 function isBordered(track, tiles) {
