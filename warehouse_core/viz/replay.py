@@ -49,7 +49,6 @@ class Replay(FuncAnimation):
         tracks: that the scene shows, to be played by a page.
         frame_ms: milliseconds between frames.
         speed: of a page, a factor.
-        first_frame: the frames before it are neither shown nor saved.
     """
 
     def __init__(
@@ -59,10 +58,9 @@ class Replay(FuncAnimation):
         frame_ms: float,
         *,
         speed: float = 1.0,
-        first_frame: int = 0,
     ) -> None:
         self._tracks, self._speed = tracks, speed
-        self.frame = self._first = first_frame
+        self.frame = 0
         self.playing = True
         self.frame_ms = frame_ms
         # Matplotlib asks for an integer but takes any number; slow replays need a fraction.
@@ -103,14 +101,14 @@ class Replay(FuncAnimation):
     def go_to(self, frame: int) -> None:
         """Show ``frame``, or the nearest that exists, and pause."""
         self.playing = False
-        self.frame = min(max(frame, self._first), len(self._scene) - 1)
+        self.frame = min(max(frame, 0), len(self._scene) - 1)
         self.refresh()
 
     def toggle(self) -> None:
         """Pause or resume; at the end start again."""
         self.playing = not self.playing
         if self.playing and self.frame == len(self._scene) - 1:
-            self.frame = self._first
+            self.frame = 0
             self.refresh()
 
     def refresh(self) -> None:
@@ -167,7 +165,7 @@ class Replay(FuncAnimation):
 
     def new_saved_frame_seq(self) -> Iterator[int]:  # type: ignore[override]
         """Return every frame once, whatever the current frame is."""
-        return iter(range(self._first, len(self._scene)))
+        return iter(range(len(self._scene)))
 
     def _frames_to_play(self) -> Generator[int, None, None]:
         """Yield the frame to show at each tick, forever; a pause repeats a frame."""
@@ -203,7 +201,6 @@ def replay_of_track(
     interval_ms: float = INTERVAL_MS,
     speed: float = 1.0,
     window: bool | None = None,
-    first_frame: int = 0,
 ) -> Replay:
     """Return the replay of a track, or of two side by side.
 
@@ -213,7 +210,6 @@ def replay_of_track(
         interval_ms: milliseconds between frames at speed 1.
         speed: factor on the playing speed.
         window: draw into a window, which ``show`` opens; ``None`` means if there is a display.
-        first_frame: the frames before it are neither shown nor saved.
 
     Raises:
         ValueError: ``interval_ms`` or ``speed`` is not a positive finite number.
@@ -227,4 +223,4 @@ def replay_of_track(
     frame_ms = interval_ms / speed / (CONTINUOUS_FRAMES if is_continuous else 1)
     tracks = (track, beside) if beside else (track,)
     page_speed = speed * INTERVAL_MS / interval_ms
-    return Replay(scene, tracks, frame_ms, speed=page_speed, first_frame=first_frame)
+    return Replay(scene, tracks, frame_ms, speed=page_speed)
