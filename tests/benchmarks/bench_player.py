@@ -32,7 +32,7 @@ MAX_SECONDS = 3.0
 
 DRAW = """
 ([frames, setting]) => {
-  Object.assign(player, {chosen: null, hasHeat: false}, setting);
+  Object.assign(player, {chosen: null, hasHeat: false, isPlaying: true}, setting);
   const canvases = [...document.querySelectorAll("main canvas")];
   const contexts = canvases.map((canvas) => canvas.getContext("2d"));
   const spent = [];

@@ -39,6 +39,19 @@ HOSTILE = (
 """Markup, scripts, event handlers, URLs, ends of comments and CDATA, entities, templates, control
 characters, bidi marks, NUL, lone surrogates and what is no character."""
 
+
+def loaders(address: str) -> str:
+    """Return HTML that loads something in each way that needs no click."""
+    return (
+        f'<img src="{address}/img"><script src="{address}/script"></script>'
+        f'<link rel="stylesheet" href="{address}/style"><iframe src="{address}/frame"></iframe>'
+        f'<object data="{address}/object"></object><video src="{address}/video" autoplay></video>'
+        f'<div style="background: url({address}/background)">x</div>'
+        f"<script>document.title = 'owned'; fetch('{address}/fetch')</script>"
+        f"<img src=x onerror=\"document.title = 'owned'\">"
+    )
+
+
 SVG = (
     b'<svg xmlns="http://www.w3.org/2000/svg" width="300" height="100">'
     b'<rect width="300" height="100" fill="#ff00ff"/></svg>'

@@ -1,8 +1,10 @@
-"""A display for the tests that open windows, and a browser for those that open pages."""
+"""A display for the tests that open windows, a browser for those that open pages, and a server."""
 
+import http.server
 import os
 import shutil
 import subprocess
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -63,3 +65,28 @@ def opened(browser: Any) -> Iterator[Callable[..., Shown]]:
             return stack.enter_context(shown(browser, **options)).open(file, fragment)
 
         yield open_file
+
+
+@pytest.fixture
+def server() -> Iterator[tuple[str, list[str]]]:
+    """Yield the address of a server, and a list of the paths requested from it."""
+    requested: list[str] = []
+
+    class Handler(http.server.BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            requested.append(self.path)
+            self.send_response(404)
+            self.end_headers()
+
+        def log_message(self, format: str, *_: object) -> None:  # noqa: A002
+            pass
+
+    listener = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+    thread = threading.Thread(target=listener.serve_forever)
+    thread.start()
+    try:
+        yield f"http://127.0.0.1:{listener.server_port}", requested
+    finally:
+        listener.shutdown()
+        thread.join()
+        listener.server_close()

@@ -1,21 +1,18 @@
 """The page in a real browser: it shows its pictures, loads nothing and runs nothing."""
 
 import contextlib
-import http.server
 import json
 import re
 import shutil
 import subprocess
-import threading
 import zlib
-from collections.abc import Iterator
 from html import unescape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from helpers.pages import HOSTILE, a_page, a_page_of
+from helpers.pages import HOSTILE, a_page, a_page_of, loaders
 from helpers.results_files import fill, outcomes
 from numpy.typing import NDArray
 from PIL import Image
@@ -78,43 +75,6 @@ def area(pixels: NDArray[np.uint8], color: tuple[int, int, int]) -> int:
 @pytest.fixture
 def page(tmp_path: Path) -> Path:
     return tmp_path / "report.html"
-
-
-@pytest.fixture
-def server() -> Iterator[tuple[str, list[str]]]:
-    """Yield the address of a server, and a list of the paths requested from it."""
-    requested: list[str] = []
-
-    class Handler(http.server.BaseHTTPRequestHandler):
-        def do_GET(self) -> None:
-            requested.append(self.path)
-            self.send_response(404)
-            self.end_headers()
-
-        def log_message(self, format: str, *_: object) -> None:  # noqa: A002
-            pass
-
-    listener = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
-    thread = threading.Thread(target=listener.serve_forever)
-    thread.start()
-    try:
-        yield f"http://127.0.0.1:{listener.server_port}", requested
-    finally:
-        listener.shutdown()
-        thread.join()
-        listener.server_close()
-
-
-def loaders(address: str) -> str:
-    """Return HTML that loads something in each way that needs no click."""
-    return (
-        f'<img src="{address}/img"><script src="{address}/script"></script>'
-        f'<link rel="stylesheet" href="{address}/style"><iframe src="{address}/frame"></iframe>'
-        f'<object data="{address}/object"></object><video src="{address}/video" autoplay></video>'
-        f'<div style="background: url({address}/background)">x</div>'
-        f"<script>document.title = 'owned'; fetch('{address}/fetch')</script>"
-        f"<img src=x onerror=\"document.title = 'owned'\">"
-    )
 
 
 @pytest.mark.parametrize("size", [WIDE, NARROW], ids=["wide", "narrow"])

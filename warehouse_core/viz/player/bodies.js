@@ -4,6 +4,7 @@ import { drawBox } from "./items.js";
 
 const RADIUS = 0.34;
 const MIN_RADIUS = 2;
+const MIN_SHAPE = 4;
 const MIN_DETAIL = 7;
 const MIN_NUMBER = 8;
 
@@ -28,10 +29,14 @@ export function drawRobots(context, track, moment, view, theme, chosen) {
   if (radius >= MIN_DETAIL) drawNoses(context, shown, radius, theme);
   for (const [color, items] of groups) {
     context.fillStyle = color;
+    if (radius < MIN_SHAPE) {
+      // Squares: a browser fills a path of a thousand circles slowly.
+      for (const { x, y } of items) context.fillRect(x - radius, y - radius, 2 * radius, 2 * radius);
+      continue;
+    }
     context.beginPath();
     for (const { body, x, y } of items) outline(context, x, y, radius, body >= track.robots);
     context.fill();
-    if (radius < 4) continue;
     context.strokeStyle = theme.dark;
     context.lineWidth = Math.max(1, radius / 8);
     context.stroke();
@@ -95,7 +100,7 @@ function drawItems(context, shown, track, radius, theme) {
 
 /** Draw a bar below each robot whose battery is low, or of a few robots below each. */
 function drawBatteries(context, shown, track, moment, radius, theme) {
-  if (!track.fleet || radius < 4) return;
+  if (!track.fleet || radius < MIN_SHAPE) return;
   const [length, height] = [2 * radius, Math.max(2, 0.3 * radius)];
   for (const { body, x, y } of shown) {
     if (body >= track.robots) continue;

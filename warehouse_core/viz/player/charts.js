@@ -130,7 +130,9 @@ export class Chart {
     context.textBaseline = "bottom";
     context.textAlign = "center";
     for (const value of ticks(0, this.end, 5)) {
-      context.fillText(shown(value, 1), this.x(value), this.height - 2);
+      const words = shown(value, 1);
+      const half = context.measureText(words).width / 2;
+      context.fillText(words, Math.min(this.x(value), this.width - half), this.height - 2);
     }
   }
 

@@ -35,15 +35,27 @@ export function drawVisits(context, track, body, moment, view, theme) {
 
 /** Draw how often robots were blocked in each cell so far. */
 export function drawHeat(context, track, moment, view, theme) {
-  const counts = blockedUntil(track, moment.frame);
+  const key = `${moment.frame} ${theme.key}`;
+  if (track.heat?.key !== key) track.heat = { key, image: heatOf(track, moment.frame, theme) };
+  const [width, height] = [track.width * view.scale, track.height * view.scale];
+  context.imageSmoothingEnabled = false;
+  context.drawImage(track.heat.image, view.x(0), view.y(0), width, height);
+}
+
+/** Return an image of a pixel for each cell. */
+function heatOf(track, frame, theme) {
+  const image = document.createElement("canvas");
+  [image.width, image.height] = [track.width, track.height];
+  const context = image.getContext("2d");
+  const counts = blockedUntil(track, frame);
   let most = 1;
   for (const count of counts.values()) most = Math.max(most, count);
   context.fillStyle = theme.colors.warning;
   for (const [cell, count] of counts) {
     context.globalAlpha = 0.1 + (MAX_HEAT - 0.1) * (count / most);
-    context.fillRect(...view.box(cell % track.width, Math.floor(cell / track.width)));
+    context.fillRect(cell % track.width, Math.floor(cell / track.width), 1, 1);
   }
-  context.globalAlpha = 1;
+  return image;
 }
 
 /** Draw the cells of a search in the colours that they have by now. */

@@ -25,8 +25,12 @@ export function extent(lists) {
   return low === high ? [low, low + 1] : [low, high];
 }
 
+const FORMATS = new Map();
+
 /** Return a number as text of at most so many digits after the point, with a real minus sign. */
 export function shown(value, digits = 2) {
   if (Number.isNaN(value)) return "unknown";
-  return value.toLocaleString("en-US", { maximumFractionDigits: digits }).replace("-", "\u2212");
+  // A format takes longer to make than to use.
+  if (!FORMATS.has(digits)) FORMATS.set(digits, new Intl.NumberFormat("en-US", { maximumFractionDigits: digits }));
+  return FORMATS.get(digits).format(value).replace("-", "\u2212");
 }
