@@ -51,12 +51,7 @@ class PairScene:
             for track, part in zip(tracks, parts, strict=True)
         ]  # fmt: skip
         self._moments = sorted({*self._times[0], *self._times[1]})
-        draw_legend(
-            bottom,
-            has_chargers=left.has_chargers or right.has_chargers,
-            has_belief=left.has_routes or right.has_routes,
-            is_fleet=left.is_fleet or right.is_fleet,
-        )
+        draw_legend(bottom, [left, right], columns=6)
 
     def __len__(self) -> int:
         return len(self._moments)

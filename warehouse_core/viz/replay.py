@@ -26,6 +26,9 @@ from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
 CONTINUOUS_FRAMES = 3
 """Frames of continuous motions that are shown in the time of one step of a grid."""
 
+GIF_FRAMES_APART = 2
+"""Of continuous motions a GIF has every second frame, and the last."""
+
 
 class Playable(Protocol):
     """A figure with frames, any of which it can show."""
@@ -50,14 +53,21 @@ class Replay(FuncAnimation):
         title: of a page that it is saved as.
         frame_ms: milliseconds between frames.
         first_frame: the frames before it are neither shown nor saved.
+        gif_every: a GIF has only every so many frames, each shown as much longer.
     """
 
     def __init__(
-        self, scene: Playable, title: str, frame_ms: float, *, first_frame: int = 0
+        self,
+        scene: Playable,
+        title: str,
+        frame_ms: float,
+        *,
+        first_frame: int = 0,
+        gif_every: int = 1,
     ) -> None:
         self.title = title
         self.frame = self._first = first_frame
-        self.playing = True
+        self.playing, self._gif_every = True, gif_every
         self.frame_ms = frame_ms
         # Matplotlib asks for an integer but takes any number; slow replays need a fraction.
         self.fps: Any = 1000 / frame_ms
@@ -142,8 +152,7 @@ class Replay(FuncAnimation):
 
     def _write(self, path: Path, suffix: str) -> None:
         if suffix == ".gif":
-            with self.figure.drawn_on_demand():
-                self.save(path, GifWriter(self.figure, self.frame_ms))
+            self._write_gif(path)
         elif suffix == ".mp4":
             with mpl.rc_context({"animation.ffmpeg_path": ffmpeg()}):
                 self.save(path, FFMpegWriter(self.fps, codec="h264"))
@@ -155,6 +164,16 @@ class Replay(FuncAnimation):
                 save_svg(self.figure, path)
             else:
                 self.figure.pixels().save(path, format="PNG")
+
+    def _write_gif(self, path: Path) -> None:
+        last, every = len(self._scene) - 1, self._gif_every
+        with progress_bar(last + 1, "Drawing") as report, path.open("wb") as file:
+            writer = GifWriter(file, self.frame_ms * every)
+            for frame in [*range(self._first, last, every), last]:
+                self._scene.show(frame)
+                writer.add(self.figure.rgba(), self.figure.changed)
+                report(frame, None)
+            writer.finish()
 
     def to_jshtml(
         self, fps: int | None = None, embed_frames: bool = True, default_mode: str | None = None
@@ -229,4 +248,5 @@ def replay_of_track(
     scene = PairScene(track, beside, partial(make, dpi=PAIR_DPI)) if beside else Scene(track, make)
     is_continuous = track.is_continuous or (beside is not None and beside.is_continuous)
     frame_ms = interval_ms / speed / (CONTINUOUS_FRAMES if is_continuous else 1)
-    return Replay(scene, track.title, frame_ms, first_frame=first_frame)
+    every = GIF_FRAMES_APART if is_continuous else 1
+    return Replay(scene, track.title, frame_ms, first_frame=first_frame, gif_every=every)
