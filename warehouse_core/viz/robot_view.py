@@ -244,10 +244,8 @@ class RobotView:
         for row, line in enumerate(rows):
             if PICKUP in line:
                 at_rest |= {(row, col) for col, tile in enumerate(line) if tile == PICKUP} - taken
-        dx, dy = STATION_BOX
-        boxes = [
-            _SQUARE * self._box + np.array((col + dx, row + dy)) for row, col in sorted(at_rest)
-        ]
+        places = [np.array((col, row)) + STATION_BOX for row, col in sorted(at_rest)]
+        boxes = [self._box * _SQUARE + place for place in places]
         if pose is not None and pose.loaded:
             boxes.append(BOX * self._radius * _SQUARE + np.array(pose.at))
         self._items.set_verts(boxes)

@@ -57,7 +57,7 @@ def test_two_continuous_tracks_advance_by_time(episodes):
 
 def test_there_is_one_legend_for_both(episodes):
     grid, physics = map(track_of_episode, episodes)
-    assert texts(PairScene(grid, physics, make_figure)).count("hit") == 1
+    assert texts(PairScene(grid, physics, make_figure)).count("#  wall") == 1
 
 
 def test_the_legend_explains_chargers_of_either():

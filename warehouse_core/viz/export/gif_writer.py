@@ -82,7 +82,7 @@ class GifWriter:
     def _indices_of(self, colors: NDArray[np.uint32]) -> Pixels:
         """Return the indices of colours into the palette, each looked up once."""
         rgb = colors & MAX_COLOR
-        found = self._known[rgb]
+        found: Pixels = self._known[rgb]
         missing = found == self._unchanged
         if missing.any():
             new = np.array(sorted({*rgb[missing].tolist()}), "<u4")
