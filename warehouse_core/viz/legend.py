@@ -107,7 +107,7 @@ def _tile_signs(track: Track) -> Signs:
             signs[f"{tile}  {TILES[tile]}"] = _marker("s", COLORS[tile])
     if any(is_open(rows, cell) for rows in all_rows for cell in track.slippery):
         signs["slippery floor"] = Rectangle(
-            (0, 0), 1, 1, facecolor=ICE, edgecolor=ICE_WAVE, hatch="~~", linewidth=0
+            (0, 0), 1, 1, facecolor=ICE, edgecolor=ICE_WAVE, hatch="\\\\\\", linewidth=0
         )
     if track.has_routes:
         signs["not seen yet"] = Rectangle(

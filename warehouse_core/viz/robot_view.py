@@ -44,7 +44,7 @@ TRAIL_STEPS = 60
 FRAMES_APART = 3
 """Of the points of a trail inside a continuous motion."""
 
-BOX, STATION_BOX, MIN_BOX_POINTS = 0.62, (0.73, 0.73), 2.0
+BOX, STATION_BOX, MIN_BOX_POINTS = 0.56, (0.73, 0.73), 2.0
 """Half a side of an item as a share of the radius of a robot, and where one is in its station."""
 
 NOSE = np.array([(0.72, -0.62), (1.5, 0.0), (0.72, 0.62)])

@@ -157,5 +157,5 @@ def _ice(axes: Axes, cells: Sequence[Cell], cell_points: float) -> Iterator[Arti
 def _letter(axes: Axes, cell_points: float, tile: str, cell: Cell) -> Artist:
     row, col = cell
     size = max(LETTER, MIN_LETTER_POINTS / cell_points)
-    path = letter_path(tile, size, (col + 0.11, row + 0.1), (0.0, 0.0))
+    path = letter_path(tile, size, (col + 0.085, row + 0.075), (0.0, 0.0))
     return axes.add_patch(PathPatch(path, facecolor=INK, linewidth=0, zorder=2))
