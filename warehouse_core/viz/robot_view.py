@@ -63,17 +63,19 @@ class History:
     Attributes:
         frames: the number of the frame at the end of each step.
         cells: where it was then.
-        taken: frames in which it had just taken an item, and from which cell.
-        delivered: the same of items put down.
+        taken: the frames in which it had just taken an item.
+        delivered: the frames in which it had just put one down, and where.
+        starts_loaded: whether it has an item in the first frame.
     """
 
     def __init__(self, robot: int) -> None:
         self._robot, self._read = robot, 0
         self.frames: list[int] = []
         self.cells: list[Cell | None] = []
-        self.taken: list[tuple[int, Cell]] = []
+        self.taken: list[int] = []
         self.delivered: list[tuple[int, Cell]] = []
         self._was_loaded: bool | None = None
+        self.starts_loaded = False
 
     def read(self, frames: Sequence[Frame]) -> None:
         """Read the frames that have not been read yet."""
@@ -85,8 +87,12 @@ class History:
                 self.cells.append(cell)
             if pose is None or cell is None:
                 continue
-            if self._was_loaded is not None and pose.loaded != self._was_loaded:
-                (self.taken if pose.loaded else self.delivered).append((number, cell))
+            if self._was_loaded is None:
+                self.starts_loaded = pose.loaded
+            elif pose.loaded and not self._was_loaded:
+                self.taken.append(number)
+            elif self._was_loaded and not pose.loaded:
+                self.delivered.append((number, cell))
             self._was_loaded = pose.loaded
         self._read = max(self._read, len(frames))
 
@@ -239,11 +245,15 @@ class RobotView:
 
     def _show_items(self, rows: Rows, pose: Pose | None, number: int) -> None:
         """Draw the items that wait at pickups, that on the robot, and what it has delivered."""
-        taken = {cell for frame, cell in self._history.taken if frame <= number}
-        at_rest = {cell for frame, cell in self._history.delivered if frame <= number}
-        for row, line in enumerate(rows):
-            if PICKUP in line:
-                at_rest |= {(row, col) for col, tile in enumerate(line) if tile == PICKUP} - taken
+        history = self._history
+        at_rest = {cell for frame, cell in history.delivered if frame <= number}
+        if not history.starts_loaded and not any(frame <= number for frame in history.taken):
+            at_rest |= {
+                (row, col)
+                for row, line in enumerate(rows)
+                for col, tile in enumerate(line)
+                if tile == PICKUP
+            }
         places = [np.array((col, row)) + STATION_BOX for row, col in sorted(at_rest)]
         boxes = [self._box * _SQUARE + place for place in places]
         if pose is not None and pose.loaded:

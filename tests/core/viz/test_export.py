@@ -119,7 +119,6 @@ def test_the_colours_of_a_gif_are_exact(films: Path) -> None:
     replay = replay_of(short_episode())
     places = {
         "#": (0, 0.9, 0.9),
-        ".": (3, 3.8, 2.2),
         "P": (0, 1.2, 1.8),
         "D": (0, 3.2, 1.8),
         "R": (0, 2.5, 1.27),
