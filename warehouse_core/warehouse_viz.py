@@ -114,7 +114,7 @@ def save_frames_to_svg(frames: Record | Frames, output_dir: str | Path, dpi: flo
                 save_svg(scene.root, part, dpi)
             report(frame, None)
     legend = make_figure(FLEET_LEGEND_INCHES if track.is_fleet else LEGEND_INCHES)
-    draw_legend(legend, has_chargers=track.has_chargers, is_fleet=track.is_fleet)
+    draw_legend(legend, [track], columns=6 if track.is_fleet else 5)
     with atomic_path(folder / "legend.svg") as part:
         save_svg(legend, part, dpi)
 

@@ -83,8 +83,8 @@ def replay_or_save(
     seed = "unseeded" if episode.seed is None else episode.seed
     backend = episode.settings.backend if isinstance(episode, Episode) else episode.backend
     name = re.sub(r"[^\w-]+", "_", f"replay-{episode.agent}-{backend}-{seed}")
-    # Writing each frame of a whole shift takes minutes.
-    suffix = ".gif" if isinstance(episode, Episode) else ".png"
+    # Drawing each frame of a whole shift takes minutes; a page does not.
+    suffix = ".gif" if isinstance(episode, Episode) else PAGE_SUFFIX
     film = Film(
         lambda: [_track_of(episode, plans)],
         record=episode,

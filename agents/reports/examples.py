@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from agents.errors import AgentError, EpisodeError, reason_of
 from agents.experiments.case import Case, cells_of
@@ -12,11 +10,10 @@ from agents.experiments.episodes import check_fingerprint, run_alone
 from agents.experiments.store import Store
 from agents.registry import agent_file, is_own_code
 from agents.reports.figures.pictures import MAX_CELLS
-from warehouse_core import BackendError, Episode, LayoutError
+from warehouse_core import BackendError, LayoutError
 from warehouse_core.records.failure_modes import MODES, diagnose
-from warehouse_core.viz.replay import replay_of_track
 from warehouse_core.viz.tracks.episode_track import track_of_episode
-from warehouse_core.viz.tracks.track import INTERVAL_MS
+from warehouse_core.viz.tracks.track import Track
 
 SHORTEST = """
 WITH best AS (SELECT mode, count(*) AS episodes, min(steps) AS steps FROM episodes GROUP BY mode),
@@ -36,17 +33,11 @@ SELECT mode, case_id, steps, episodes, (
 """
 """Both inner queries follow the order of the table and end with the first row they find."""
 
-MAX_STEPS = 200
-"""Of a replay; of a longer episode the last steps are shown."""
-
 MAX_REPLAY_STEPS = 10_000
 """Of an episode that is run again."""
 
 MAX_WORK, PHYSICS_WORK = 20_000_000, 20_000
 """The cells that an agent may look at in all its steps, and how many a step of physics counts."""
-
-MAX_PLAY_MS = 12_000
-"""Of a replay."""
 
 CLEAR_ERRORS = (AgentError, BackendError, EpisodeError, LayoutError, OSError)
 """Errors whose message is enough; of others the class and the place are shown too."""
@@ -65,11 +56,11 @@ class Found:
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """A replay; the sentence is the evidence for its mode, or says why there is no GIF."""
+    """A replay; the sentence is the evidence for its mode, or says why there is no track."""
 
     found: Found
     sentence: str
-    gif: bytes
+    track: Track | None = None
 
 
 def find_examples(store: Store) -> list[Found]:
@@ -97,9 +88,9 @@ def replay(found: Found, *, run_own_code: bool) -> Example:
         run_own_code: run user agents too. The results name them, and may come from a stranger.
     """
     if is_own_code(found.case["agent"]) and not run_own_code:
-        return Example(found, "Its agent is not part of this program; --replays runs it.", b"")
+        return Example(found, "Its agent is not part of this program; --replays runs it.")
     if (why := _too_much(found)) is not None:
-        return Example(found, f"It is not run again: {why}.", b"")
+        return Example(found, f"It is not run again: {why}.")
     # It may go on for longer than the results say.
     case = {**found.case, "max_steps": min(found.case["max_steps"], found.steps + 1)}
     try:
@@ -109,7 +100,7 @@ def replay(found: Found, *, run_own_code: bool) -> Example:
         is_clear = isinstance(error, CLEAR_ERRORS)
         words = str(error) if is_clear else reason_of(error, agent_file(found.case["agent"]))
         why = " ".join(words.split()).rstrip(".")
-        return Example(found, f"It cannot be run again: {why}.", b"")
+        return Example(found, f"It cannot be run again: {why}.")
     diagnosis = diagnose(episode)
     if (diagnosis.mode, episode.steps) != (found.mode, found.steps):
         now = f"{diagnosis.mode} after {episode.steps} steps"
@@ -120,10 +111,8 @@ def replay(found: Found, *, run_own_code: bool) -> Example:
             f"{found.mode} after {found.steps}. The agent or a library has changed since the "
             "results were written."
         )
-        return Example(found, sentence, b"")
-    left_out = max(episode.steps - MAX_STEPS, 0)
-    only = f"; the replay shows the last {MAX_STEPS} of {episode.steps} steps" if left_out else ""
-    return Example(found, f"{diagnosis.sentence}{only}", _gif(episode, left_out))
+        return Example(found, sentence)
+    return Example(found, diagnosis.sentence, track_of_episode(episode))
 
 
 def _too_much(found: Found) -> str | None:
@@ -141,14 +130,3 @@ def _too_much(found: Found) -> str | None:
     if found.steps > limit:
         return f"it has {found.steps:,} steps; with its map, view and backend at most {limit:,} are"
     return None
-
-
-def _gif(episode: Episode, left_out: int) -> bytes:
-    """Return the replay of an episode without its first steps, as a GIF of one frame a step."""
-    track = track_of_episode(episode, frame_seconds=None)
-    interval = min(INTERVAL_MS, MAX_PLAY_MS / (len(track) - left_out))
-    film = replay_of_track(track, interval_ms=interval, window=False, first_frame=left_out)
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "replay.gif"
-        film.save(path)
-        return path.read_bytes()

@@ -1,6 +1,7 @@
-"""The report as one page of HTML, without scripts and without anything loaded from elsewhere.
+"""The report as one page of HTML, without anything loaded from elsewhere.
 
-Names given by users, such as those of agents and layouts, are always escaped text.
+The only script is that of the players. Names given by users, such as those of agents and layouts,
+are always escaped text.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
 
 from agents.experiments.case import flags_of
 from agents.experiments.parameters import shown
@@ -19,6 +21,8 @@ from agents.reports.analysis.answers import Answer
 from agents.reports.examples import Example
 from agents.reports.figures.pictures import Picture
 from warehouse_core.files.atomic import atomic_path
+from warehouse_core.viz.player import player_frame
+from warehouse_core.viz.player.page import digest, script
 from warehouse_core.wording import printable
 
 TEMPLATE = "page.html"
@@ -72,14 +76,30 @@ def write_page(path: Path, page: Page) -> None:
         loader=FileSystemLoader(Path(__file__).parent),
         autoescape=True,
         undefined=StrictUndefined,
-        finalize=lambda value: printable(value) if isinstance(value, str) else value,
+        finalize=_shown,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"data_uri": _data_uri, "flags": flags_of, "numeric": _numeric}
-    text = environment.get_template(TEMPLATE).render(page=page)
+    environment.filters |= {
+        "data_uri": _data_uri, "flags": flags_of, "numeric": _numeric, "player": _player,
+    }  # fmt: skip
+    has_players = any(example.track for example in page.examples)
+    scripts = digest(script()) if has_players else ""
+    text = environment.get_template(TEMPLATE).render(page=page, scripts=scripts)
     with atomic_path(path) as part:
         part.write_text(text, encoding="utf-8")
+
+
+def _shown(value: object) -> object:
+    """Return a value as it is shown: text without invisible characters, markup as it is."""
+    is_text = isinstance(value, str) and not isinstance(value, Markup)
+    return printable(str(value)) if is_text else value
+
+
+def _player(example: Example) -> Markup:
+    assert example.track is not None, "only asked for if there is one"
+    title = f"Replay of an episode that ended as {example.found.mode}: {example.sentence}"
+    return Markup(player_frame([example.track], title=title))
 
 
 def _data_uri(data: bytes, kind: str) -> str:

@@ -1,5 +1,7 @@
 """Exports and replays, against matplotlib's own way of doing the same."""
 
+import subprocess
+import sys
 import tracemalloc
 from time import perf_counter
 
@@ -65,6 +67,27 @@ def test_a_gif_of_a_hundred_steps(times_faster, tmp_path):
         rounds=3,
     )
     assert ratio >= 1.0
+
+
+def test_a_gif_of_a_physics_episode_is_small_in_memory(measured, tmp_path):
+    """Print its seconds, beyond imports, and the peak of memory of the whole process."""
+    program = f"""
+import resource, time
+from agents.run_episode import run_episode
+from warehouse_core.warehouse_viz import replay_animation
+import warehouse_core.viz.replay
+episode = run_episode(seed=2, backend="physics")
+start = time.perf_counter()
+replay_animation(episode, window=False).save({str(tmp_path / "film.gif")!r})
+print(time.perf_counter() - start, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+"""
+    words = [sys.executable, "-c", program]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    spent, megabytes = map(float, done.stdout.split())
+    size = (tmp_path / "film.gif").stat().st_size / 1e6
+    found = f"{spent:.1f} s, {megabytes:.0f} MB of memory, a file of {size:.1f} MB"
+    measured("a GIF of 134 steps of physics", found)
+    assert megabytes < 300
 
 
 def test_a_gif_of_fifty_robots(times_faster, tmp_path):

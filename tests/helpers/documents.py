@@ -66,6 +66,8 @@ def executable(tag: str, attributes: dict[str, Any]) -> Iterator[str]:
         is_link = key.lower() in LINKS and not target.startswith(("#", "data:image/", "data:,"))
         if key.lower().startswith("on") or is_link:
             yield f"{tag} {key}"
+        if key.lower() == "srcdoc":
+            yield from _Found(str(value)).nodes
 
 
 def executable_nodes(path: Path) -> list[str]:

@@ -1,9 +1,6 @@
 """Helpers for tests of reports: a page with every part, and hostile names."""
 
-import io
 from typing import Any
-
-from PIL import Image
 
 from agents.experiments.case import make_case
 from agents.experiments.parameters import shown
@@ -11,6 +8,8 @@ from agents.reports.analysis.answers import Answer
 from agents.reports.examples import Example, Found
 from agents.reports.figures.pictures import Picture
 from agents.reports.page import Page, Table
+from helpers.pictures import named
+from warehouse_core.viz.tracks import track_of_episode
 
 HOSTILE = (
     "<script>alert(1)</script>",
@@ -59,13 +58,6 @@ SVG = (
 )
 
 
-def gif(color: str = "#00ffff", size: tuple[int, int] = (300, 100)) -> bytes:
-    """Return a GIF of one colour."""
-    file = io.BytesIO()
-    Image.new("RGB", size, color).save(file, "GIF")
-    return file.getvalue()
-
-
 def found(mode: str = "oscillation", **changes: Any) -> Found:
     """Return an example of a failure mode."""
     return Found(
@@ -99,7 +91,7 @@ def a_page(**changes: Any) -> Page:
                 "A note",
             ),
         ),
-        "examples": (Example(found(), "swung to and fro", gif()),),
+        "examples": (Example(found(), "swung to and fro", track_of_episode(named("A robot"))),),
         "made_with": (("warehouse-lab", "1.2.3"),),
     }
     return Page(**parts | changes)
@@ -117,8 +109,8 @@ def a_page_of(name: str, svg: bytes = SVG) -> Page:
         settings=((name, name),),
         tables=(Table((name, name), ((name, name),), name),),
         examples=(
-            Example(found(name, case=case), name, gif()),
-            Example(found(name, case=case), name, b""),
+            Example(found(name, case=case), name, track_of_episode(named(name))),
+            Example(found(name, case=case), name),
         ),
         made_with=((name, name),),
     )

@@ -13,7 +13,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.render.palette import COLORS, FAINT, INK, PAPER, UNKNOWN, Color, blend
+from warehouse_core.render.palette import COLORS, FAINT, INK, ITEM, PAPER, UNKNOWN, Color, blend
 from warehouse_core.world.tiles import (
     CHARGER,
     DROPOFF,
@@ -33,7 +33,7 @@ Pixels = NDArray[np.uint8]
 Places = NDArray[np.float64]
 Shape = NDArray[np.bool_]
 
-NO_ROBOT, UNSEEN = "", "?"
+NO_ROBOT, UNSEEN, WAITING_ITEM = "", "?", "item"
 
 CELLS = (
     (EMPTY, NO_ROBOT),
@@ -56,8 +56,9 @@ CELLS = (
     (PICKUP, PERSON),
     (DROPOFF, PERSON),
     (CHARGER, PERSON),
+    (PICKUP, WAITING_ITEM),
 )
-"""Everything that can be painted: a tile and the robot or person on it. The index is its code.
+"""Everything that can be painted: a tile and what is on it, such as a robot. The index is its code.
 
 The first ten are the characters of a window in the order of ``tiles.CELL_CODES``, so the codes of a
 window can be painted without a change.
@@ -81,6 +82,9 @@ INSET, CORNER = 0.06, 0.1
 
 ROBOT_RADIUS, OUTLINE = 0.31, 1 / 22
 """Radius of the robot and width of the line around it, in cells."""
+
+BOX, STATION_BOX = 0.174, 0.73
+"""Half a side of an item, and the middle of one at a station from the left and top, in cells."""
 
 CORNER_LETTER, ROBOT_LETTER = 0.175, 0.306
 """Heights of capital letters, in cells."""
@@ -124,7 +128,9 @@ def _draw_cell(tile: str, robot: str, side: int) -> Pixels:
     if tile in (PICKUP, DROPOFF, CHARGER):
         lettered = side >= (MIN_BOTH_LETTERED if robot else MIN_LETTERED)
         _draw_station(points, x, y, side, tile, lettered)
-    if robot:
+    if robot == WAITING_ITEM:
+        _draw_item(points, x - STATION_BOX * side, y - STATION_BOX * side, side)
+    elif robot:
         _draw_robot(points, x - side / 2, y - side / 2, side, robot)
     mixed = points.reshape(side, SAMPLES, side, SAMPLES, 3).mean(axis=(1, 3))
     pixels: Pixels = np.rint(mixed).astype(np.uint8)
@@ -150,12 +156,22 @@ def _draw_robot(points: Pixels, x: Places, y: Places, side: int, robot: str) -> 
     distance = 0.8 * (np.abs(x) + np.abs(y)) if robot == PERSON else np.hypot(x, y)
     _fill(points, distance < radius + outline / 2, INK)
     _fill(points, distance < radius - outline / 2, COLORS[robot])
+    if robot == ROBOT_LOADED and side >= MIN_LETTERED:
+        _draw_item(points, x, y, side)
     if side >= MIN_LETTERED:
         capital = max(MIN_ROBOT_LETTER, round(ROBOT_LETTER * side))
         width = _centred(WIDTHS[robot] * capital, side)
         height = _centred(0.76 * capital if robot in LOWERCASE else capital, side)
         letter = _letter(robot, x + width / 2, y + height / 2, width, height)
         _fill(points, letter, INK if robot in LOWERCASE else PAPER)
+
+
+def _draw_item(points: Pixels, x: Places, y: Places, side: int) -> None:
+    """Draw a box whose middle is at 0, 0."""
+    half, outline = BOX * side, OUTLINE * side if side >= MIN_OUTLINED else 0.0
+    distance = np.maximum(np.abs(x), np.abs(y))
+    _fill(points, distance < half + outline / 2, INK)
+    _fill(points, distance < half - outline / 2, ITEM)
 
 
 def _centred(length: float, side: int) -> int:

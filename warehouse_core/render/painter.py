@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from warehouse_core.arguments import whole_number
-from warehouse_core.render.atlas import CODES, Pixels, atlas, color_bytes
+from warehouse_core.render.atlas import CODES, WAITING_ITEM, Pixels, atlas, color_bytes
 from warehouse_core.render.palette import BATTERY, FAINT, Color
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import tile_codes
@@ -66,8 +66,16 @@ class TilePainter:
         return painted.view(np.uint8).reshape(*batch, height * side, width * side, 3)
 
     def picture(self, layout: Layout, robot_cell: Cell, loaded: bool) -> Pixels:
-        """Return a new picture of a layout with its robot; see ``fleet_picture``."""
-        return self.fleet_picture(layout, [(robot_cell, loaded)])
+        """Return a new picture of a layout with its robot and the items that wait at pickups.
+
+        None waits while the robot has one, or is in front of it. See ``fleet_picture``.
+        """
+        items = [cell for cell in layout.pickups if cell != robot_cell and not loaded]
+        return self._picture(
+            layout,
+            [(robot_cell, ROBOT_LOADED if loaded else ROBOT_EMPTY)]
+            + [(cell, WAITING_ITEM) for cell in items],
+        )
 
     def fleet_picture(
         self, layout: Layout, robots: Iterable[tuple[Cell, bool]], people: Iterable[Cell] = ()
@@ -85,11 +93,14 @@ class TilePainter:
         Raises:
             KeyError: a robot or a person is on a wall.
         """
+        placed = [(cell, ROBOT_LOADED if loaded else ROBOT_EMPTY) for cell, loaded in robots]
+        return self._picture(layout, [*placed, *((cell, PERSON) for cell in people)])
+
+    def _picture(self, layout: Layout, placed: Iterable[tuple[Cell, str]]) -> Pixels:
         if layout is not self._layout:
             self._background, self._layout = self.paint(tile_codes(layout)), layout
         picture, side = self._background.copy(), self.tile_pixels
-        placed = [(cell, ROBOT_LOADED if loaded else ROBOT_EMPTY) for cell, loaded in robots]
-        for (row, col), sign in (*placed, *((cell, PERSON) for cell in people)):
+        for (row, col), sign in placed:
             tile = self._atlas[CODES[layout.rows[row][col], sign]]
             picture[row * side : (row + 1) * side, col * side : (col + 1) * side] = tile
         return picture

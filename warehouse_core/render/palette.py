@@ -60,6 +60,18 @@ UNKNOWN: Color = (0.62, 0.62, 0.66)
 UNKNOWN_STRIPE: Color = (0.72, 0.72, 0.75)
 """Of the stripes in such a cell."""
 
+ITEM: Color = (1.0, 0.92, 0.7)
+"""Of an item, a box with an edge of ink, which separates it from every ground."""
+
+SHELF: Color = (0.46, 0.46, 0.48)
+"""Of walls inside the border, between boards of the colour of walls."""
+
+SEEN: Color = (1.0, 0.975, 0.82)
+"""Of the floor that a robot sees."""
+
+ICE, ICE_WAVE = (0.8, 0.92, 1.0), (0.1, 0.45, 0.7)
+"""Of slippery floor and of the waves on it."""
+
 LineStyle = Literal["-"] | tuple[float, tuple[float, ...]]
 
 TRAIL_STYLES: dict[bool, LineStyle] = {False: "-", True: (0, (2.5, 1.5))}
@@ -77,11 +89,34 @@ TRAIL_COLORS = {
     True: blend(COLORS[ROBOT_LOADED], COLORS[EMPTY], 0.25),
 }
 
+FADES = 5
+"""Shades of a trail by its age."""
+
+VISITED: tuple[Color, ...] = tuple(
+    blend(COLORS[EMPTY], COLORS[ROBOT_EMPTY], share) for share in (0.12, 0.22, 0.34)
+)
+"""Of floor that a robot has been to twice, three or four times, and more often."""
+
+
+def faded_trail(loaded: bool, age: float) -> Color:
+    """Return the colour of a trail by its age, from 0 to below 1."""
+    return blend(TRAIL_COLORS[loaded], COLORS[EMPTY], 0.8 * int(age * FADES) / FADES)
+
+
+_TINTS = (
+    ITEM, SHELF, SEEN, ICE, ICE_WAVE, *VISITED,
+    *(faded_trail(loaded, age / FADES) for loaded in (False, True) for age in range(1, FADES)),
+)  # fmt: skip
+"""They have no smooth edges of their own in files."""
+
 _OWN_COLORS = (
     PAPER, INK, FAINT, BATTERY, WARNING, PALE_WARNING, HIT, STRANDED, *ORDER_COLORS,
     *COLORS.values(), *TRAIL_COLORS.values(),
 )  # fmt: skip
 _GROUNDS = (PAPER, INK, COLORS[EMPTY])
+MAX_COLORS = 255
+"""In a file, whose 256th colour means that nothing has changed."""
+
 _NEAR = 0.03
 """Pillow treats colours this close as the same."""
 
@@ -89,10 +124,10 @@ _NEAR = 0.03
 @cache
 def indexed_palette() -> list[int]:
     """Return bytes of R, G, B: the colours of a replay, and blends of them for smooth edges."""
-    colors = list(dict.fromkeys(_OWN_COLORS))
+    colors = list(dict.fromkeys((*_OWN_COLORS, *_TINTS)))
     edges = [
         blend(color, ground, share)
-        for color in colors
+        for color in _OWN_COLORS
         for ground in _GROUNDS
         for share in (0.25, 0.5, 0.75)
     ]
@@ -101,4 +136,4 @@ def indexed_palette() -> list[int]:
             max(abs(a - b) for a, b in zip(edge, color, strict=True)) > _NEAR for color in colors
         ):
             colors.append(edge)
-    return [round(255 * part) for color in colors[:256] for part in color]
+    return [round(255 * part) for color in colors[:MAX_COLORS] for part in color]

@@ -19,6 +19,7 @@ from warehouse_core.render.palette import (
     FAINT,
     INK,
     PALE_WARNING,
+    PAPER,
     WARNING,
     LineStyle,
 )
@@ -172,18 +173,23 @@ class MotionChart:
 
 
 class BatteryBar:
-    """The battery level; below ``LOW_BATTERY`` it turns red, with a warning in words."""
+    """A short bar with the battery level in words; when low it is red and the words warn.
 
-    def __init__(self, figure: SceneFigure, axes: Axes) -> None:
-        axes.set(xlim=(0, 1), ylim=(0, 1), xticks=[], yticks=[], facecolor="white")
-        axes.spines[:].set_color(INK)
-        self._paper = axes.add_patch(Rectangle((0, 0), 1, 1, linewidth=0))
-        self._bar = axes.add_patch(Rectangle((0, 0), 1, 1, linewidth=0))
-        self._text = axes.text(
-            0.5, 0.47, "", ha="center", va="center", fontsize=8, fontweight="bold", color=INK
+    Args:
+        figure: to add the movers to.
+        axes: as wide as the bar and the words.
+        length: share of the width that the bar takes.
+    """
+
+    def __init__(self, figure: SceneFigure, axes: Axes, length: float = 0.2) -> None:
+        axes.set(xlim=(0, 1 / length), ylim=(0, 1))
+        axes.set_axis_off()
+        self._paper = axes.add_patch(
+            Rectangle((0, 0.2), 1, 0.6, linewidth=0.8, edgecolor=INK, facecolor=PAPER)
         )
-        self._text.set_bbox({"boxstyle": "round,pad=0.15", "fc": "white", "lw": 0, "alpha": 0.75})
-        for mover in (self._paper, self._bar, self._text, *axes.spines.values()):
+        self._bar = axes.add_patch(Rectangle((0, 0.2), 1, 0.6, linewidth=0))
+        self._text = axes.text(1.06, 0.47, "", va="center", fontsize=8.5, color=INK)
+        for mover in (self._paper, self._bar, self._text):
             figure.add_mover(mover)
 
     def show(self, track: Track, frame: int) -> None:
@@ -192,11 +198,15 @@ class BatteryBar:
         known = not math.isnan(level)
         share = min(1.0, max(0.0, level / track.full_battery)) if known else 0.0
         low = known and share < LOW_BATTERY
-        self._paper.set_facecolor(PALE_WARNING if low else "white")
+        self._paper.set(facecolor=PALE_WARNING if low else PAPER, linewidth=1.6 if low else 0.8)
         self._bar.set(width=share, facecolor=WARNING if low else BATTERY)
         warning = "" if not low else "  EMPTY!" if share == 0 else "  LOW!"
         units = f"{level:.10g} of {track.full_battery:.10g}" if known else "unknown"
-        self._text.set_text(f"battery {units}{warning}")
+        self._text.set(
+            text=f"battery {units}{warning}",
+            fontweight="bold" if low else "normal",
+            fontsize=12 if low else 8.5,
+        )
 
 
 def prepare(axes: Axes, title: str, time: TimeAxis) -> None:

@@ -1,13 +1,13 @@
 """A figure that redraws only what moves.
 
 Walls, axes and legend never change. They are drawn once into a background, and each frame is the
-background with the moving artists on top, in a window as in an exported file.
+background with the moving artists on top, in a window as in an exported file. Of these only the
+parts of the figure are drawn again in which something has changed: axes, or a text of the figure.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from pathlib import Path
 from typing import IO, Any
 
@@ -17,22 +17,40 @@ from matplotlib.artist import Artist
 from matplotlib.backend_bases import DrawEvent
 from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 from PIL import Image
 
-from warehouse_core.render.palette import indexed_palette
+from warehouse_core.viz.export.gif_writer import indexed
 
-DPI = 100
+DPI, POINTS = 100, 72
+"""Pixels and points in an inch."""
+
+AROUND_AXES, AROUND_TEXT = 8.0, 3.0
+"""Points around axes that their movers may draw into, and around a text."""
+
+Pixels = NDArray[np.uint8]
+Part = tuple[float, ...] | Artist
+Box = tuple[int, int, int, int]
+"""Top, bottom, left and right of pixels."""
 
 
 class SceneFigure(Figure):
-    """A ``Figure`` with movers: artists that are drawn last and do not make it stale."""
+    """A ``Figure`` with movers: artists that are drawn last and do not make it stale.
+
+    Attributes:
+        replay: what plays it, if anything does.
+        changed: around what the last drawing has changed.
+    """
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
         self._movers: list[Artist] = []
-        self._background: Any = None
+        self._background: Pixels = np.empty((0, 0, 4), np.uint8)
+        self._shown = self._background
         self._background_size: tuple[float, float, float] | None = None
-        self._is_wanted = True
+        self._boxes: dict[Part, Box] = {}
+        self._settled: dict[Part, tuple[int, Pixels]] = {}
+        self.changed: Box = (0, 0, 0, 0)
         self.replay: object = None
 
     def add_mover(self, artist: Artist) -> None:
@@ -43,24 +61,73 @@ class SceneFigure(Figure):
 
     def draw(self, renderer: Any) -> None:
         """Draw the movers over the background, which is drawn again only if it has changed."""
-        if not self._is_wanted:
-            return
-        is_pixels = isinstance(renderer, RendererAgg)
-        if not is_pixels:
+        if not isinstance(renderer, RendererAgg):
             self._draw_still(renderer, with_movers=True)
             return
+        self._update(renderer)
+        canvas: Pixels = np.asarray(renderer.buffer_rgba())  # type: ignore[no-untyped-call]
+        canvas[:] = self._shown
+        self.canvas.callbacks.process("draw_event", DrawEvent("draw_event", self.canvas, renderer))
+
+    def _update(self, renderer: Any) -> None:
+        """Draw what has changed since the last time, and keep it."""
+        canvas: Pixels = np.asarray(renderer.buffer_rgba())
         size = (renderer.width, renderer.height, renderer.dpi)
-        if self.stale or size != self._background_size:
+        is_new = self.stale or size != self._background_size
+        boxes = []
+        if is_new:
+            renderer.clear()
             # Listeners are told later: one of them, a replay, would change the movers.
             with self.canvas.callbacks.blocked(signal="draw_event"):
                 self._draw_still(renderer, with_movers=False)
-            self._background = renderer.copy_from_bbox(self.bbox)
+            self._background, self._shown = canvas.copy(), canvas.copy()
+            self._boxes, self._settled = {}, {}
             self._background_size = size
-        else:
-            renderer.restore_region(self._background)
-        for artist in self._movers:
-            artist.draw(renderer)
-        self.canvas.callbacks.process("draw_event", DrawEvent("draw_event", self.canvas, renderer))
+            boxes.append((0, renderer.height, 0, renderer.width))
+        for part, movers in self._parts().items():
+            if is_new or any(mover.stale for mover in movers):
+                boxes.append(self._draw_part(renderer, canvas, part, movers))
+        self.changed = around(boxes) if boxes else (0, 0, 0, 0)
+
+    def _parts(self) -> dict[Part, list[Artist]]:
+        """Return the movers by axes, of which those in the same place are one, or by text."""
+        parts: dict[Part, list[Artist]] = {}
+        for mover in self._movers:
+            axes = mover.axes
+            parts.setdefault(axes.bbox.bounds if axes else mover, []).append(mover)
+        return parts
+
+    def _draw_part(self, renderer: Any, canvas: Pixels, part: Part, movers: list[Artist]) -> Box:
+        """Draw movers around where they were and are; what they draw elsewhere is not kept.
+
+        The first of them that have not changed are drawn once and kept as one picture.
+        """
+        now = self._box_of(movers[0], renderer)
+        box = around([now, self._boxes.get(part, now)])
+        area = slice(*box[:2]), slice(*box[2:])
+        still = next((n for n, mover in enumerate(movers) if mover.stale), len(movers))
+        first, picture = self._settled.get(part, (0, self._background[area]))
+        if first > still:
+            first, picture = 0, self._background[area]
+        canvas[area] = picture
+        for number, mover in enumerate(movers[first:], first):
+            if number == still > first:
+                self._settled[part] = still, canvas[area].copy()
+            mover.draw(renderer)
+            mover.stale = False
+        if first == 0 == still:
+            self._settled.pop(part, None)
+        self._boxes[part] = now
+        self._shown[area] = canvas[area]
+        return box
+
+    def _box_of(self, mover: Artist, renderer: Any) -> Box:
+        """Return top, bottom, left and right of the pixels around a text or axes."""
+        extent = mover.axes.bbox if mover.axes else mover.get_window_extent(renderer)
+        around = (AROUND_AXES if mover.axes else AROUND_TEXT) * self.dpi / POINTS
+        left, right = (round(x) for x in (extent.x0 - around, extent.x1 + around))
+        top, bottom = (round(renderer.height - y) for y in (extent.y1 + around, extent.y0 - around))
+        return max(top, 0), max(bottom, 0), max(left, 0), max(right, 0)
 
     def savefig(self, fname: Any, *, transparent: bool | None = None, **options: Any) -> None:
         """Save as ``Figure.savefig`` does, but faster for pixels at the figure's own resolution."""
@@ -73,35 +140,21 @@ class SceneFigure(Figure):
         else:
             super().savefig(fname, transparent=transparent, **options)
 
-    @contextmanager
-    def drawn_on_demand(self) -> Iterator[None]:
-        """Draw only when ``pixels`` is called.
-
-        Otherwise matplotlib would draw each frame of an animation once more while saving it.
-        """
-        self._is_wanted = False
-        try:
-            yield
-        finally:
-            self._is_wanted = True
-
-    def pixels(self) -> Image.Image:
-        """Return the figure as an RGB image."""
+    def rgba(self) -> Pixels:
+        """Return the figure as ``[height, width, 4]``, which the next drawing changes."""
         if not isinstance(self.canvas, FigureCanvasAgg):
             raise TypeError(f"a {type(self.canvas).__name__} has no pixels; it must be an Agg one")
         canvas: Any = self.canvas
-        before, self._is_wanted = self._is_wanted, True
-        try:
-            canvas.draw()
-        finally:
-            self._is_wanted = before
-        return Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+        self._update(canvas.get_renderer())
+        return self._shown
+
+    def pixels(self) -> Image.Image:
+        """Return the figure as an RGB image."""
+        return Image.fromarray(self.rgba()).convert("RGB")
 
     def indexed_pixels(self) -> Image.Image:
         """Return the figure as an image of 256 colours, the same ones for every frame."""
-        palette = Image.new("P", (1, 1))
-        palette.putpalette(indexed_palette())
-        return self.pixels().quantize(palette=palette, dither=Image.Dither.NONE)
+        return indexed(self.pixels())
 
     def _draw_still(self, renderer: Any, *, with_movers: bool) -> None:
         """Draw everything but the movers, or everything."""
@@ -114,6 +167,12 @@ class SceneFigure(Figure):
             artist.set_animated(True)
             artist.set_visible(True)
         self.stale = False
+
+
+def around(boxes: Iterable[Box]) -> Box:
+    """Return the smallest box around boxes."""
+    tops, bottoms, lefts, rights = zip(*boxes, strict=True)
+    return min(tops), max(bottoms), min(lefts), max(rights)
 
 
 def make_figure(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:

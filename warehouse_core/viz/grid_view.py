@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.collections import PatchCollection
 from matplotlib.lines import Line2D
-from matplotlib.patches import Rectangle
-from matplotlib.text import Text
 
-from warehouse_core.render.atlas import UNSEEN
-from warehouse_core.render.palette import COLORS, HIT, INK, UNKNOWN, UNKNOWN_STRIPE
+from warehouse_core.render.palette import HIT, INK
 from warehouse_core.viz.axes import draw_grid
+from warehouse_core.viz.axes.tiles import draw_tiles
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.fleet_view import FleetView
-from warehouse_core.viz.robot_view import ABOVE_TILES, RobotView, letter
-from warehouse_core.viz.tracks.track import FleetFrame, Frame, Hit, Point, Rows, has_chargers
-from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, WALL, runs_of
+from warehouse_core.viz.robot_view import ABOVE_TILES, RobotView
+from warehouse_core.viz.tracks.track import Frame, Hit, Point, Rows, Track
+from warehouse_core.world.tiles import WALL
 
 ROUTE_STYLE: tuple[float, tuple[float, ...]] = (0, (1.0, 1.6))
 """Dots, because a trail is a line or dashes."""
+
+MAX_LINED_COLUMNS = 40
+"""Wider grids have no lines between cells."""
+
+LABEL_CELLS = 1.2
+"""A label of a hit that is closer to the left or right end of the grid is moved inside."""
 
 
 class GridView:
@@ -32,43 +34,42 @@ class GridView:
         figure: to add the movers to.
         axes: to draw into.
         cell_points: side of a cell in points, 1/72 inch.
-        rows: the tiles of the first frame.
-        robots: their number.
-        fleet: what the first frame shows of a fleet, if the robots are those of one.
+        track: with at least one frame.
     """
 
-    def __init__(
-        self,
-        figure: SceneFigure,
-        axes: Axes,
-        cell_points: float,
-        rows: Rows,
-        robots: int,
-        fleet: FleetFrame | None = None,
-    ) -> None:
+    def __init__(self, figure: SceneFigure, axes: Axes, cell_points: float, track: Track) -> None:
         self._axes = axes
         self._figure = figure
         self._cell_points = cell_points
+        self._slippery = track.slippery
         self._route: Line2D | None = None
         self._tiles: list[Artist] = []
         self._rows: Rows = ()
-        largest = max(len(rows), len(rows[0]))
+        first = track.frames[0]
+        rows, fleet = first.tiles, first.fleet
+        height, width = len(rows), len(rows[0])
+        largest = max(height, width)
         every = 1 if largest <= 20 else 5 if largest <= 60 else 10
-        draw_grid(axes, (len(rows), len(rows[0])), every, line_width=0.6)
+        lines = 0.6 if width <= MAX_LINED_COLUMNS else 0.0
+        draw_grid(axes, (height, width), every, line_width=lines)
         axes.set_aspect("equal")
         axes.xaxis.tick_top()
-        self.robots = [RobotView(figure, axes, cell_points) for _ in range(0 if fleet else robots)]
+        self.robots = [
+            RobotView(figure, axes, cell_points, robot, track)
+            for robot in range(0 if fleet else len(first.robots))
+        ]
         self._fleet: FleetView | None = None
         if fleet:
             self._fleet = FleetView(figure, axes, cell_points, len(fleet.battery))
         self._hits = axes.plot(
             [], [], "*", color=HIT, markeredgecolor=INK, markeredgewidth=0.5 if fleet else 1.0,
             markersize=0.4 * cell_points if fleet else max(9.0, 0.5 * cell_points),
-            zorder=ABOVE_TILES + 1 if fleet else 2,
+            zorder=ABOVE_TILES + 1, clip_on=False,
         )[0]  # fmt: skip
         self._hit_label = axes.text(
-            0, 0, "", fontsize=8, fontweight="bold", color=INK, ha="center", va="bottom",
+            0, 0, "", fontsize=10, fontweight="bold", color=INK, va="bottom",
             bbox={"boxstyle": "round,pad=0.2", "facecolor": HIT, "linewidth": 0},
+            zorder=ABOVE_TILES + 1,
         )  # fmt: skip
         for mover in (self._hits, self._hit_label):
             figure.add_mover(mover)
@@ -81,23 +82,15 @@ class GridView:
         for artist in self._tiles:
             artist.remove()
         self._rows = rows
-        # A thin edge without antialiasing leaves no seam between the walls of two rows.
-        self._tiles = [self._draw(rows, WALL, 0.0, color=COLORS[WALL], linewidth=0.4)]
-        for tile in (PICKUP, DROPOFF, *has_chargers(rows) * CHARGER):
-            self._tiles.append(self._draw(rows, tile, 0.06, color=COLORS[tile], linewidth=0.0))
-        self._tiles += self._letters(rows)
-        if any(UNSEEN in line for line in rows):
-            stripes = {"edgecolor": UNKNOWN_STRIPE, "linewidth": 0, "hatch": "///"}
-            self._tiles.append(self._draw(rows, UNSEEN, 0.0, facecolor=UNKNOWN, **stripes))
+        open_cells = [cell for cell in self._slippery if is_open(rows, cell)]
+        self._tiles = draw_tiles(self._axes, rows, self._cell_points, open_cells)
 
-    def show_robots(self, frames: Sequence[Frame]) -> None:
-        """Draw the robots where they are in the last of these frames, and their trails there."""
+    def show_robots(self, frames: Sequence[Frame], number: int) -> None:
+        """Draw the robots where they are in a frame, and what they have left behind before."""
         if self._fleet:
-            self._fleet.show(frames[-1])
-            return
-        ways = zip(*(frame.robots for frame in frames), strict=True)
-        for robot, poses in zip(self.robots, ways, strict=True):
-            robot.show(poses)
+            self._fleet.show(frames[number])
+        for robot in self.robots:
+            robot.show(frames, number)
 
     def show_hits(self, hits: Sequence[Hit]) -> None:
         """Mark the places of hits, and label the last of them."""
@@ -105,7 +98,10 @@ class GridView:
         label = hits[-1].label if hits else ""
         self._hit_label.set_visible(bool(label))
         if label:
-            self._hit_label.set(text=label, position=(hits[-1].at[0], hits[-1].at[1] - 0.25))
+            (x, y), width = hits[-1].at, len(self._rows[0])
+            side = "left" if x < LABEL_CELLS else "right" if x > width - LABEL_CELLS else "center"
+            place = (min(max(x, 0.1), width - 0.1), max(y - 0.25, 0.5))
+            self._hit_label.set(text=label, position=place, ha=side)
 
     def show_route(self, points: Sequence[Point]) -> None:
         """Draw a planned way as dots."""
@@ -119,31 +115,8 @@ class GridView:
             self._figure.add_mover(self._route)
         self._route.set_data([x for x, _ in points], [y for _, y in points])
 
-    def _draw(self, rows: Rows, tile: str, inset: float, **style: Any) -> Artist:
-        """Draw the runs of a tile, or each of its cells with an inset."""
-        runs = [(row, *run) for row, line in enumerate(rows) for run in runs_of(tile, line)]
-        if inset:
-            runs = [(row, col, col + 1) for row, *run in runs for col in range(*run)]
-        rectangles = [
-            Rectangle((left + inset, row + inset), right - left - 2 * inset, 1 - 2 * inset)
-            for row, left, right in runs
-        ]
-        patches = PatchCollection(rectangles, antialiased=False, zorder=1, **style)
-        return self._axes.add_collection(patches)
 
-    def _letters(self, rows: Rows) -> Iterator[Text]:
-        for row, line in enumerate(rows):
-            for col, tile in enumerate(line):
-                if tile in (PICKUP, DROPOFF, CHARGER):
-                    yield letter(
-                        self._axes,
-                        self._cell_points,
-                        col + 0.09,
-                        row + 0.08,
-                        tile,
-                        0.24,
-                        color=INK,
-                        ha="left",
-                        va="top",
-                        zorder=2,
-                    )
+def is_open(rows: Rows, cell: tuple[int, int]) -> bool:
+    """Return whether a cell is among the tiles, and not a wall."""
+    row, col = cell
+    return 0 <= row < len(rows) and 0 <= col < len(rows[0]) and rows[row][col] != WALL

@@ -1,7 +1,9 @@
-"""The legend of a replay: tiles, robots, trails, hits and, for a belief, what is not seen."""
+"""The legend of a replay: what is in its picture, and nothing else."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 from matplotlib.artist import Artist
@@ -9,104 +11,175 @@ from matplotlib.figure import SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from warehouse_core.records.plans import NO_PLANS, StepPlans
+from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.palette import (
     COLORS,
     HIT,
+    ICE,
+    ICE_WAVE,
     INK,
+    ITEM,
     ORDER_COLORS,
     PAPER,
+    SEEN,
+    SHELF,
     STRANDED,
     TRAIL_COLORS,
     TRAIL_STYLES,
     UNKNOWN,
     UNKNOWN_STRIPE,
+    VISITED,
     WARNING,
 )
 from warehouse_core.viz.axes.plans import WISH_STYLE
+from warehouse_core.viz.axes.tiles import is_on_border
 from warehouse_core.viz.figure import SceneFigure
-from warehouse_core.viz.grid_view import ROUTE_STYLE
-from warehouse_core.warehouse_env import legend
-from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED
+from warehouse_core.viz.fleet_view import LOW_BATTERY
+from warehouse_core.viz.grid_view import ROUTE_STYLE, is_open
+from warehouse_core.viz.robot_view import WEAK_MOTOR, History
+from warehouse_core.viz.tracks.track import Track
+from warehouse_core.warehouse_env import LEGEND
+from warehouse_core.world.tiles import PERSON, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, TILES, WALL
 
 ORDER_WORDS = (", new", ", older", ", nearly due", ", late (!)")
 
+Signs = dict[str, Artist]
 
-def draw_legend(
-    figure: SceneFigure | SubFigure,
-    *,
-    has_chargers: bool,
-    has_belief: bool = False,
-    is_fleet: bool = False,
-    plans: StepPlans = NO_PLANS,
-) -> None:
-    """Draw the legend along the bottom of a figure.
+EDGE: dict[str, Any] = {"linestyle": "none", "markeredgecolor": INK, "markeredgewidth": 0.6}
+
+
+def draw_legend(figure: SceneFigure | SubFigure, tracks: Sequence[Track], columns: int = 0) -> None:
+    """Draw the legend of what tracks show, along the right side of a figure.
 
     Args:
         figure: to draw into.
-        has_chargers: explain chargers.
-        has_belief: explain cells not seen yet, and the plan.
-        is_fleet: explain people, orders and batteries, and no trails.
-        plans: explain what of them is not empty.
+        tracks: whose signs are explained.
+        columns: along the bottom instead, in so many columns.
     """
-    edge: dict[str, Any] = {"linestyle": "none", "markeredgecolor": INK, "markeredgewidth": 0.6}
-    signs: dict[str, Artist] = {}
-    for character, meaning in legend(has_chargers).items():
-        marker = "o" if character in (ROBOT_EMPTY, ROBOT_LOADED) else "s"
-        color = COLORS[character]
-        has_letter = marker == "s" or not is_fleet
-        signs[f"{character}  {meaning}" if has_letter else meaning] = Line2D(
-            [], [], marker=marker, markersize=10, markerfacecolor=color, **edge
+    signs: Signs = {}
+    for track in tracks:
+        signs |= signs_of(track)
+    place: dict[str, Any] = {"loc": "center right", "ncols": 1, "labelspacing": 0.7}
+    if columns:
+        place = {"loc": "lower center", "ncols": columns}
+    figure.legend(
+        [*signs.values()], [*signs], fontsize=8, frameon=False, handlelength=2.0,
+        columnspacing=1.4, handletextpad=0.5, **place,
+    )  # fmt: skip
+
+
+def signs_of(track: Track) -> Signs:
+    """Return the signs in any frame of a track, by what they mean."""
+    poses = [pose for frame in track.frames for pose in frame.robots if pose is not None]
+    signs = _tile_signs(track)
+    for kind, loaded in ((ROBOT_EMPTY, False), (ROBOT_LOADED, True)):
+        if any(pose.loaded == loaded for pose in poses):
+            words = LEGEND[kind] if track.is_fleet else f"{kind}  {LEGEND[kind]}"
+            signs[words] = _marker("o", COLORS[kind])
+    if track.is_fleet:
+        signs |= _fleet_signs(track)
+    else:
+        signs |= _lone_signs(track)
+    if any(frame.hits for frame in track.frames):
+        signs["blocked" if track.is_fleet else "hit"] = _marker("*", HIT, 11)
+    if track.motor_strength < 1:
+        signs[f"motors at {track.motor_strength:.0%}"] = Rectangle(
+            (0, 0), 1, 1, facecolor=PAPER, edgecolor=INK, linestyle=WEAK_MOTOR, linewidth=1.4
         )
-    if is_fleet:
-        signs |= _fleet_signs(edge)
-    for loaded, color in () if is_fleet else TRAIL_COLORS.items():
-        line = Line2D([], [], color=color, linestyle=TRAIL_STYLES[loaded], lw=2.2)
-        signs[f"trail {'loaded' if loaded else 'empty'}"] = line
-    signs["blocked" if is_fleet else "hit"] = Line2D(
-        [], [], marker="*", markersize=11, color=HIT, **edge
-    )
-    if has_belief:
+    return signs
+
+
+def _tile_signs(track: Track) -> Signs:
+    signs: Signs = {}
+    boards: dict[str, Any] = {"facecolor": SHELF, "edgecolor": COLORS[WALL], "hatch": "---"}
+    all_rows = {frame.tiles for frame in track.frames}
+    for tile in TILES:
+        cells = {
+            (is_on_border((row, col), (len(rows), len(rows[0]))))
+            for rows in all_rows
+            for row, line in enumerate(rows)
+            for col, found in enumerate(line)
+            if found == tile
+        }
+        if tile == WALL and False in cells:
+            signs[f"{tile}  shelf"] = Rectangle((0, 0), 1, 1, **boards)
+        if cells and (tile != WALL or True in cells):
+            signs[f"{tile}  {TILES[tile]}"] = _marker("s", COLORS[tile])
+    if any(is_open(rows, cell) for rows in all_rows for cell in track.slippery):
+        signs["slippery floor"] = Rectangle(
+            (0, 0), 1, 1, facecolor=ICE, edgecolor=ICE_WAVE, hatch="\\\\\\", linewidth=0
+        )
+    if track.has_routes:
         signs["not seen yet"] = Rectangle(
             (0, 0), 1, 1, facecolor=UNKNOWN, edgecolor=UNKNOWN_STRIPE, hatch="//////"
         )
         signs["plan"] = Line2D([], [], color=INK, linestyle=ROUTE_STYLE, lw=2.2)
-    signs |= _plan_signs(plans)
-    figure.legend(
-        [*signs.values()], [*signs], loc="lower center", fontsize=8, frameon=False,
-        ncols=6 if is_fleet or has_belief else 5, handlelength=2.0, columnspacing=1.4,
-        handletextpad=0.5,
-    )  # fmt: skip
+    return signs
 
 
-def _plan_signs(plans: StepPlans) -> dict[str, Artist]:
+def _lone_signs(track: Track) -> Signs:
+    """Return the signs of items, trails and the view of robots that are no fleet."""
+    signs: Signs = {}
+    frames = track.frames
+    histories = [History(robot) for robot in range(len(frames[0].robots))]
+    for history in histories:
+        history.read(frames)
+    is_loaded = any(pose and pose.loaded for frame in frames for pose in frame.robots)
+    if is_loaded or any(PICKUP in line for line in frames[0].tiles):
+        signs["item"] = _marker("s", ITEM, 8)
+    if track.view_radius is not None and len(histories) == 1:
+        signs["what the robot sees"] = Rectangle(
+            (0, 0), 1, 1, facecolor=SEEN, edgecolor=INK, lw=0.4
+        )
+    if any(max(history.visits(track.steps).values(), default=0) > 1 for history in histories):
+        signs["visited often"] = Rectangle((0, 0), 1, 1, facecolor=VISITED[-1], lw=0)
+    moves = {
+        before.robots[robot].loaded  # type: ignore[union-attr] # asked for below
+        for before, after in pairwise(frames)
+        for robot in range(len(histories))
+        if before.robots[robot] and after.robots[robot]
+        and before.robots[robot].at != after.robots[robot].at  # type: ignore[union-attr]
+    }  # fmt: skip
+    for loaded in sorted(moves):
+        signs[f"trail {'loaded' if loaded else 'empty'}"] = Line2D(
+            [], [], color=TRAIL_COLORS[loaded], linestyle=TRAIL_STYLES[loaded], lw=2.2
+        )
+    return signs
+
+
+def _fleet_signs(track: Track) -> Signs:
+    """Return the signs of people, orders, batteries and plans."""
+    fleets = [frame.fleet for frame in track.frames if frame.fleet]
+    ages = {each.age for fleet in fleets for each in fleet.waiting}
+    ages |= {age for fleet in fleets for age in fleet.items if age is not None}
+    lowest = min((min(fleet.battery) for fleet in fleets), default=1.0)
+    signs: Signs = {}
+    if len(track.frames[0].robots) > len(fleets[0].battery):
+        signs["person"] = _marker("D", COLORS[PERSON], 8)
+    for age, words in enumerate(ORDER_WORDS):
+        if age in ages:
+            signs[f"order{words}"] = _marker("s", ORDER_COLORS[age], 8)
+    if lowest < LOW_BATTERY:
+        signs["battery low"] = Line2D([], [], color=WARNING, lw=4.0, solid_capstyle="butt")
+    if lowest <= 0:
+        signs["battery empty"] = _marker("o", STRANDED, 8)
+    return signs | _plan_signs([fleet.plans for fleet in fleets])
+
+
+def _plan_signs(plans: Sequence[StepPlans]) -> Signs:
     """Return the signs of plans ahead of robots."""
     line: dict[str, Any] = {"color": COLORS[ROBOT_EMPTY], "lw": 3.0, "dash_capstyle": "round"}
-    signs: dict[str, Artist] = {}
-    if plans.ways:
+    signs: Signs = {}
+    if any(each.ways for each in plans):
         signs["plan"] = Line2D([], [], **line)
-    if plans.wishes:
+    if any(each.wishes for each in plans):
         signs["shortest way on"] = Line2D([], [], linestyle=WISH_STYLE, **line)
-    if plans.pushers:
+    if any(each.pushers for each in plans):
         signs["pushes"] = Line2D(
             [], [], linestyle="none", marker=">", markersize=9, color=INK, markeredgecolor=PAPER
         )
     return signs
 
 
-def _fleet_signs(edge: dict[str, Any]) -> dict[str, Artist]:
-    """Return the signs of what only fleets have."""
-    marks = {
-        "person": ("D", COLORS[PERSON]),
-        **{
-            f"order{words}": ("s", color)
-            for words, color in zip(ORDER_WORDS, ORDER_COLORS, strict=True)
-        },
-        "battery empty": ("o", STRANDED),
-    }
-    signs: dict[str, Artist] = {
-        words: Line2D([], [], marker=marker, markersize=8, markerfacecolor=color, **edge)
-        for words, (marker, color) in marks.items()
-    }
-    signs["battery low"] = Line2D([], [], color=WARNING, lw=4.0, solid_capstyle="butt")
-    return signs
+def _marker(marker: str, color: Any, size: float = 10) -> Line2D:
+    return Line2D([], [], marker=marker, markersize=size, markerfacecolor=color, **EDGE)

@@ -39,6 +39,8 @@ CHART, CHART_HEAD, CHART_FOOT, CHART_LEFT, CHART_RIGHT = 1.05, 0.3, 0.38, 0.4, 0
 
 BELOW = GAP + BAR + VERDICT
 
+LEGEND_COLUMNS = 7
+
 LETTER = 0.118
 """Mean width of a letter of a caption, in inches."""
 
@@ -80,12 +82,7 @@ class PairScene:
         ]
         share_scales([side.charts for side in self._sides])
         self._clock = page.write(WIDTH / 2, 0.28, 18, ha="center")
-        draw_legend(
-            self.root,
-            has_chargers=left.has_chargers or right.has_chargers,
-            has_belief=left.has_routes or right.has_routes,
-            is_fleet=is_fleet,
-        )
+        draw_legend(self.root, tracks, columns=LEGEND_COLUMNS)
         self.show(0)
 
     def __len__(self) -> int:
@@ -251,11 +248,10 @@ class _Side:
 
     def __init__(self, page: _Page, place: _Place, track: Track, time: TimeAxis) -> None:
         self._track = track
-        first, figure = track.frames[0], page.figure
-        rows = first.tiles
+        figure, rows = page.figure, track.frames[0].tiles
         width, height = place.cell * len(rows[0]), place.cell * len(rows)
         axes = page.axes(place.left, HEAD, width, height)
-        self._grid = GridView(figure, axes, place.cell * 72, rows, len(first.robots), first.fleet)
+        self._grid = GridView(figure, axes, place.cell * 72, track)
         self._bars = list[BatteryBar]()
         if "battery" in track.metrics:
             axes = page.axes(place.left, place.below + GAP, width, BAR)
@@ -275,7 +271,7 @@ class _Side:
         """Show a frame of the track."""
         track, now = self._track, self._track.frames[frame]
         self._grid.show_tiles(now.tiles)
-        self._grid.show_robots(track.frames[: frame + 1])
+        self._grid.show_robots(track.frames, frame)
         self._grid.show_route(now.route)
         self._grid.show_hits(now.hits)
         for chart in (*self._bars, *self.charts):

@@ -25,6 +25,9 @@ from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
 CONTINUOUS_FRAMES = 3
 """Frames of continuous motions that are shown in the time of one step of a grid."""
 
+GIF_FRAMES_APART = 2
+"""Of continuous motions a GIF has every second frame, and the last."""
+
 
 class Playable(Protocol):
     """A figure with frames, any of which it can show."""
@@ -49,7 +52,7 @@ class Replay(FuncAnimation):
         tracks: that the scene shows, to be played by a page.
         frame_ms: milliseconds between frames.
         speed: of a page, a factor.
-        first_frame: the frames before it are neither shown nor saved.
+        gif_every: a GIF has only every so many frames, each shown as much longer.
     """
 
     def __init__(
@@ -59,11 +62,11 @@ class Replay(FuncAnimation):
         frame_ms: float,
         *,
         speed: float = 1.0,
-        first_frame: int = 0,
+        gif_every: int = 1,
     ) -> None:
         self._tracks, self._speed = tracks, speed
-        self.frame = self._first = first_frame
-        self.playing = True
+        self.frame = 0
+        self.playing, self._gif_every = True, gif_every
         self.frame_ms = frame_ms
         # Matplotlib asks for an integer but takes any number; slow replays need a fraction.
         self.fps: Any = 1000 / frame_ms
@@ -103,14 +106,14 @@ class Replay(FuncAnimation):
     def go_to(self, frame: int) -> None:
         """Show ``frame``, or the nearest that exists, and pause."""
         self.playing = False
-        self.frame = min(max(frame, self._first), len(self._scene) - 1)
+        self.frame = min(max(frame, 0), len(self._scene) - 1)
         self.refresh()
 
     def toggle(self) -> None:
         """Pause or resume; at the end start again."""
         self.playing = not self.playing
         if self.playing and self.frame == len(self._scene) - 1:
-            self.frame = self._first
+            self.frame = 0
             self.refresh()
 
     def refresh(self) -> None:
@@ -148,8 +151,7 @@ class Replay(FuncAnimation):
 
     def _write(self, path: Path, suffix: str) -> None:
         if suffix == ".gif":
-            with self.figure.drawn_on_demand():
-                self.save(path, GifWriter(self.figure, self.frame_ms))
+            self._write_gif(path)
         elif suffix == ".mp4":
             with mpl.rc_context({"animation.ffmpeg_path": ffmpeg()}):
                 self.save(path, FFMpegWriter(self.fps, codec="h264"))
@@ -162,12 +164,22 @@ class Replay(FuncAnimation):
             else:
                 self.figure.pixels().save(path, format="PNG")
 
+    def _write_gif(self, path: Path) -> None:
+        last, every = len(self._scene) - 1, self._gif_every
+        with progress_bar(last + 1, "Drawing") as report, path.open("wb") as file:
+            writer = GifWriter(file, self.frame_ms * every)
+            for frame in [*range(0, last, every), last]:
+                self._scene.show(frame)
+                writer.add(self.figure.rgba(), self.figure.changed)
+                report(frame, None)
+            writer.finish()
+
     def _repr_html_(self) -> str:
         return player_frame(self._tracks, speed=self._speed)
 
     def new_saved_frame_seq(self) -> Iterator[int]:  # type: ignore[override]
         """Return every frame once, whatever the current frame is."""
-        return iter(range(self._first, len(self._scene)))
+        return iter(range(len(self._scene)))
 
     def _frames_to_play(self) -> Generator[int, None, None]:
         """Yield the frame to show at each tick, forever; a pause repeats a frame."""
@@ -203,7 +215,6 @@ def replay_of_track(
     interval_ms: float = INTERVAL_MS,
     speed: float = 1.0,
     window: bool | None = None,
-    first_frame: int = 0,
 ) -> Replay:
     """Return the replay of a track, or of two side by side.
 
@@ -213,7 +224,6 @@ def replay_of_track(
         interval_ms: milliseconds between frames at speed 1.
         speed: factor on the playing speed.
         window: draw into a window, which ``show`` opens; ``None`` means if there is a display.
-        first_frame: the frames before it are neither shown nor saved.
 
     Raises:
         ValueError: ``interval_ms`` or ``speed`` is not a positive finite number.
@@ -227,4 +237,5 @@ def replay_of_track(
     frame_ms = interval_ms / speed / (CONTINUOUS_FRAMES if is_continuous else 1)
     tracks = (track, beside) if beside else (track,)
     page_speed = speed * INTERVAL_MS / interval_ms
-    return Replay(scene, tracks, frame_ms, speed=page_speed, first_frame=first_frame)
+    every = GIF_FRAMES_APART if is_continuous else 1
+    return Replay(scene, tracks, frame_ms, speed=page_speed, gif_every=every)

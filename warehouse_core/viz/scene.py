@@ -6,13 +6,13 @@ The layout of pictures is here, for windows, files and notebooks alike.
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Callable
 from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import SubFigure
 
-from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.palette import INK
 from warehouse_core.viz.axes import box_in
 from warehouse_core.viz.charts import BatteryBar, DistanceChart, MotionChart, RewardChart, TimeAxis
@@ -38,7 +38,18 @@ GRID_INCHES, FLEET_INCHES = (6.4, 4.6), (10.0, 6.4)
 MAX_CELL_INCHES = 0.9
 CHART_INCHES = 3.3
 MARGIN = 0.3
-HEAD, FOOT, FLEET_FOOT, BAR = 0.85, 0.75, 1.0, 0.26
+HEAD, FOOT, BAR, LEGEND = 1.0, 0.75, 0.2, 1.75
+
+MAX_CAPTION, MIN_CAPTION = 18.0, 10.0
+"""Sizes of the action and its reason in points; of those too long for a line, two are smaller."""
+LETTER_WIDTH = 0.66
+"""Mean width of a letter, as a share of its size."""
+
+LONG_SECONDS = 100
+"""Longer episodes show whole seconds."""
+
+MOTION_PARTS = 100
+"""The chart of a motion grows in so many parts, or with each step if there are more steps."""
 
 
 class Plan:
@@ -48,9 +59,10 @@ class Plan:
         track: to be drawn.
         foot: height below the grid.
         body: minimum height of the grid's part of a track without charts.
+        beside: width of the legend.
     """
 
-    def __init__(self, track: Track, foot: float, body: float = 0.0) -> None:
+    def __init__(self, track: Track, foot: float, body: float = 0.0, beside: float = 0.0) -> None:
         rows = track.frames[0].tiles
         height, width = len(rows), len(rows[0])
         widest, highest = FLEET_INCHES if track.frames[0].fleet else GRID_INCHES
@@ -63,9 +75,9 @@ class Plan:
         self.left_width = max(self.grid_width, 4.8)
         self.body_height = max(self.grid_height, least)
         charts = 0.75 + CHART_INCHES if has_charts else 0.0
-        battery = BAR + 0.15 if self.has_battery else 0.0
+        battery = BAR + 0.12 if self.has_battery else 0.0
         self.size = (
-            MARGIN + self.left_width + charts + MARGIN,
+            MARGIN + self.left_width + charts + MARGIN + beside,
             HEAD + self.body_height + battery + foot,
         )
 
@@ -79,7 +91,7 @@ class Scene:
         length: number of steps plus one to leave room for, where the track is still growing.
         height: minimum height of the figure in inches.
         body: minimum height of the grid's part in inches, for a track without charts.
-        legend: draw the legend along the bottom.
+        legend: draw the legend along the right side.
     """
 
     def __init__(
@@ -95,8 +107,7 @@ class Scene:
         self._track = track
         self._length = length or track.steps + 1
         self._time = TimeAxis(length - 1) if length else TimeAxis.of(track)
-        foot = FLEET_FOOT if track.is_fleet else FOOT
-        plan = Plan(track, foot if legend else MARGIN, body)
+        plan = Plan(track, MARGIN, body, LEGEND if legend else 0.0)
         self.figure = make_figure(plan.size)
         root = self.figure.get_figure(root=True)
         assert isinstance(root, SceneFigure), "make_figure makes nothing else"
@@ -104,25 +115,17 @@ class Scene:
         self._width, self._height = plan.size[0], max(height, plan.size[1])
         grid_left = MARGIN + (plan.left_width - plan.grid_width) / 2
         grid_top = HEAD + (plan.body_height - plan.grid_height) / 2
-        first = track.frames[0]
         axes = self._axes(grid_left, grid_top, plan.grid_width, plan.grid_height)
-        self._grid = GridView(
-            self.root, axes, plan.cell * 72, first.tiles, len(first.robots), first.fleet
-        )
+        self._grid = GridView(self.root, axes, plan.cell * 72, track)
         self._charts = self._make_charts(plan)
         if plan.has_battery:
             top = HEAD + plan.body_height + 0.12
-            axes = self._axes(grid_left, top, plan.grid_width, BAR)
+            axes = self._axes(MARGIN, top, plan.left_width, BAR)
             self._charts.append(BatteryBar(self.root, axes))
+        self._charted: tuple[int, int, int] | None = None
         self._make_texts()
         if legend:
-            draw_legend(
-                self.figure,
-                has_chargers=track.has_chargers,
-                has_belief=track.has_routes,
-                is_fleet=track.is_fleet,
-                plans=_all_plans(track),
-            )
+            draw_legend(self.figure, [track])
         self.show(0)
 
     def __len__(self) -> int:
@@ -138,16 +141,51 @@ class Scene:
         track = self._track = track or self._track
         now = track.frames[frame]
         self._grid.show_tiles(now.tiles)
-        self._grid.show_robots(track.frames[: frame + 1])
+        self._grid.show_robots(track.frames, frame)
         self._grid.show_route(now.route)
         self._grid.show_hits(now.hits)
+        charted = self._charted_frame(track, frame)
         for chart in self._charts:
-            chart.show(track, frame)
+            if self._has_grown(chart, charted, track):
+                chart.show(track, charted)
+        self._charted = charted, track.step_at(frame), len(track)
         self._title.set_text(track.title)
-        clock = f"   {now.clock:.1f} s" if track.is_continuous else ""
+        digits = 0 if track.frames[-1].clock > LONG_SECONDS else 1
+        clock = f"   {now.clock:.{digits}f} s" if track.is_continuous else ""
         self._counter.set_text(f"step {math.ceil(now.progress)} of {self._length - 1}{clock}")
-        self._caption.set_text(now.caption)
+        words, size = self._fitted(now.caption)
+        if words != self._caption.get_text():
+            self._caption.set(text=words, fontsize=size)
         self._ending.set_text(track.ending.upper() if frame == len(track) - 1 else "")
+
+    def _has_grown(self, chart: Chart, frame: int, track: Track) -> bool:
+        """Return whether a chart differs from the one that is drawn."""
+        now = frame, track.step_at(frame), len(track)
+        if self._charted is None or isinstance(chart, MotionChart):
+            return now != self._charted
+        return now[1:] != self._charted[1:]
+
+    def _charted_frame(self, track: Track, frame: int) -> int:
+        """Return the first frame whose charts can be told from those of the frame before it."""
+
+        def place(number: int) -> tuple[int, int]:
+            progress = track.frames[number].progress
+            return math.floor(progress), math.floor(progress * MOTION_PARTS / self._length)
+
+        while frame and place(frame - 1) == place(frame):
+            frame -= 1
+        return frame
+
+    def _fitted(self, caption: str) -> tuple[str, float]:
+        """Return a caption in one or two lines, and the size at which it fits."""
+        points = 72 * (self._width - 2 * MARGIN) / LETTER_WIDTH
+        size = points / max(len(caption), 1)
+        if size < MIN_CAPTION:
+            lines = textwrap.wrap(caption, max(len(caption) * 6 // 11, 1), max_lines=2)
+            caption = "\n".join(lines)
+            size = points / max(map(len, lines), default=1)
+        most = MAX_CAPTION * (0.7 if "\n" in caption else 1)
+        return caption, min(size, most)
 
     def _make_charts(self, plan: Plan) -> list[Chart]:
         metrics = self._track.metrics.keys()
@@ -172,20 +210,13 @@ class Scene:
 
     def _make_texts(self) -> None:
         left, right = MARGIN / self._width, 1 - MARGIN / self._width
-        title, line = 1 - 0.2 / self._height, 1 - 0.46 / self._height
+        title, line = 1 - 0.2 / self._height, 1 - 0.56 / self._height
         common: dict[str, Any] = {"parse_math": False, "va": "center", "color": INK}
-        self._title = self.figure.text(left, title, "", fontsize=10, fontweight="bold", **common)
-        self._counter = self.figure.text(left, line, "", fontsize=9, **common)
-        self._caption = self.figure.text(
-            (MARGIN + (2.1 if self._track.is_continuous else 1.4)) / self._width,
-            line,
-            "",
-            fontsize=9,
-            fontweight="bold",
-            **common,
-        )
+        self._title = self.figure.text(left, title, "", fontsize=9, **common)
+        self._counter = self.figure.text(right, title, "", fontsize=9, ha="right", **common)
+        self._caption = self.figure.text(left, line, "", fontweight="bold", **common)
         self._ending = self.figure.text(
-            right, title, "", fontsize=10, fontweight="bold", ha="right", **common
+            0.5, title, "", fontsize=11, fontweight="bold", ha="center", **common
         )
         for text in (self._title, self._counter, self._caption, self._ending):
             self.root.add_mover(text)
@@ -194,13 +225,3 @@ class Scene:
         """Add axes at a place in inches from the top left corner."""
         size = self._width, self._height
         return self.figure.add_axes(box_in(size, left, top, width, height))
-
-
-def _all_plans(track: Track) -> StepPlans:
-    """Return the first plans of each kind, for the legend."""
-    plans = [frame.fleet.plans for frame in track.frames if frame.fleet]
-    return StepPlans(
-        next((each.ways for each in plans if each.ways), {}),
-        next((each.wishes for each in plans if each.wishes), {}),
-        next((each.pushers for each in plans if each.pushers), {}),
-    )

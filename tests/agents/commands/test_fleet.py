@@ -110,7 +110,7 @@ def test_several_shifts_are_diagnosed_by_counts() -> None:
 def test_a_damaged_record_is_told_by_its_kind(capsys: pytest.CaptureFixture[str]) -> None:
     command(capsys, *SMALL, "--save", "shift.npz")
     data = bytearray(Path("shift.npz").read_bytes())
-    data[len(data) // 2] ^= 255
+    data[100] ^= 255  # in the first array: not every byte of a header matters
     Path("shift.npz").write_bytes(data)
     assert refusal(capsys, "replay", "shift.npz").startswith("shift.npz: damaged")
 
@@ -285,11 +285,11 @@ def test_a_fleet_that_will_run_empty_is_warned_of_once(capsys: pytest.CaptureFix
     )
 
 
-def test_without_a_display_the_end_is_written_as_a_picture(
+def test_without_a_display_a_page_is_written(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     out = command(capsys, *SMALL).out
-    assert out.endswith("saved replay-greedy-grid-5.png\n")
+    assert out.endswith("saved replay-greedy-grid-5.html\n")
 
 
 @pytest.mark.parametrize(

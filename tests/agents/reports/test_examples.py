@@ -1,13 +1,11 @@
 """One example of each outcome: which episode is chosen, and its replay."""
 
-import io
 import os
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from PIL import Image
 
 from agents.errors import StoreError
 from agents.experiments.case import FINGERPRINT, Case, make_case
@@ -45,16 +43,6 @@ def found_in(store: Store, episodes: int = 12, **settings: object) -> list[Found
     return find_examples(store)
 
 
-def frames_of(gif: bytes) -> list[int]:
-    """Return the duration of each frame in milliseconds."""
-    durations = []
-    with Image.open(io.BytesIO(gif)) as film:
-        for index in range(film.n_frames):  # type: ignore[attr-defined]
-            film.seek(index)
-            durations.append(int(film.info["duration"]))
-    return durations
-
-
 def agent_in(folder: Path, source: str = WAITING) -> Path:
     path = folder / "mine.py"
     path.write_text(source)
@@ -79,55 +67,23 @@ def test_every_mode_that_occurs_has_an_example_in_the_order_of_definition(store:
     assert tuple(each.mode for each in find_examples(store)) == MODES[::2]
 
 
-def test_a_replay_shows_every_step_and_the_outcome_and_leaves_no_files(
-    tmp_path: Path, store: Store, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    folder = tmp_path / "temporary"
-    folder.mkdir()
-    monkeypatch.setattr("tempfile.tempdir", str(folder))
+def test_a_replay_shows_every_step_and_the_outcome(store: Store) -> None:
     found = found_in(store)[0]
     example = replay(found, run_own_code=True)
     assert found.mode == "delivered"
     assert example.found == found
     assert example.sentence.startswith(f"delivered in {found.steps} steps")
-    assert len(frames_of(example.gif)) == found.steps + 1
-    assert list(folder.iterdir()) == []
+    assert example.track is not None
+    assert example.track.steps == found.steps
+    assert example.track.ending == "delivered"
 
 
-def test_a_continuous_motion_is_shown_step_by_step(store: Store) -> None:
+def test_a_continuous_motion_is_shown_between_the_steps(store: Store) -> None:
     found = found_in(store, episodes=1, backend="physics", max_steps=8)[0]
-    assert len(frames_of(replay(found, run_own_code=True).gif)) == found.steps + 1
-
-
-def test_the_replay_of_a_long_episode_shows_its_end_and_the_sentence_states_it(
-    store: Store, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    found, *_ = [
-        each for each in found_in(store, episodes=3, battery=12, escape=False) if each.steps == 12
-    ]
-    whole = replay(found, run_own_code=True)
-    monkeypatch.setattr(examples, "MAX_STEPS", 4)
-    part = replay(found, run_own_code=True)
-    assert len(frames_of(part.gif)) == 5
-    said = "; the replay shows the last 4 of 12 steps"
-    assert part.sentence == whole.sentence + said
-    pictures = []
-    for gif in (whole.gif, part.gif):
-        with Image.open(io.BytesIO(gif)) as film:
-            film.seek(film.n_frames - 1)  # type: ignore[attr-defined]
-            pictures.append(film.convert("RGB").tobytes())
-    assert pictures[0] == pictures[1]
-
-
-def test_a_long_replay_plays_faster(
-    tmp_path: Path, store: Store, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(examples, "MAX_PLAY_MS", 1000)
-    agent = agent_in(tmp_path)
-    [found] = found_in(store, episodes=1, agent=f"{agent}:Waiting", max_steps=20)
-    durations = frames_of(replay(found, run_own_code=True).gif)
-    assert len(durations) == 21
-    assert sum(durations[:-1]) <= 1000
+    track = replay(found, run_own_code=True).track
+    assert track is not None
+    assert track.is_continuous
+    assert track.steps == found.steps < len(track) - 1
 
 
 def test_an_episode_that_now_has_another_outcome_has_no_replay(store: Store) -> None:
@@ -135,7 +91,7 @@ def test_an_episode_that_now_has_another_outcome_has_no_replay(store: Store) -> 
     longer = replay(replace(found, steps=found.steps + 1), run_own_code=True)
     other = replay(replace(found, mode="stalled"), run_own_code=True)
     for example in (longer, other):
-        assert example.gif == b""
+        assert example.track is None
         assert f"delivered after {found.steps} steps" in example.sentence
     assert f"not delivered after {found.steps + 1}" in longer.sentence
     assert f"not stalled after {found.steps}" in other.sentence
@@ -144,10 +100,10 @@ def test_an_episode_that_now_has_another_outcome_has_no_replay(store: Store) -> 
 def test_a_missing_agent_file_is_named(tmp_path: Path, store: Store) -> None:
     agent = agent_in(tmp_path)
     [found] = found_in(store, episodes=1, agent=f"{agent}:Waiting", max_steps=12)
-    assert replay(found, run_own_code=True).gif
+    assert replay(found, run_own_code=True).track
     agent.unlink()
     example = replay(found, run_own_code=True)
-    assert example.gif == b""
+    assert example.track is None
     assert example.sentence == (
         f"It cannot be run again: the file of agent '{agent}:Waiting': No such file or directory."
     )
@@ -172,7 +128,7 @@ def test_an_agent_that_no_longer_works_has_no_replay(
     agent_in(tmp_path, source)
     unmarked = {name: value for name, value in found.case.items() if name != FINGERPRINT}
     example = replay(replace(found, case=unmarked), run_own_code=True)
-    assert example.gif == b""
+    assert example.track is None
     assert example.sentence.startswith("It cannot be run again: ")
     assert said in example.sentence
     assert example.sentence.endswith(".")
@@ -203,7 +159,7 @@ def test_an_episode_that_is_too_much_work_is_not_run(
     case = {k: v for k, v in {**make_case({}), **change}.items() if v is not None}
     monkeypatch.delattr(examples, "run_alone")
     example = replay(Found("stalled", case, 0, steps, 1), run_own_code=True)
-    assert (example.sentence, example.gif) == (f"It is not run again: {why}.", b"")
+    assert (example.sentence, example.track) == (f"It is not run again: {why}.", None)
 
 
 def test_an_episode_that_goes_on_for_longer_than_the_results_say_is_stopped(
@@ -251,7 +207,7 @@ def test_a_user_agent_is_run_only_on_request(tmp_path: Path) -> None:
     file.write_text(f"open({str(marker)!r}, 'w')\nclass Mine:\n    pass\n")
     case = {**make_case({}), "agent": f"{file}:Mine"}
     example = replay(Found("wandering", case, 0, 5, 1), run_own_code=False)
-    assert example.gif == b""
+    assert example.track is None
     assert "--replays" in example.sentence
     assert not marker.exists()
 

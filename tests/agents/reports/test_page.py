@@ -6,7 +6,8 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from helpers.pages import HOSTILE, SVG, a_page, a_page_of, found, gif
+from helpers.pages import HOSTILE, SVG, a_page, a_page_of, found
+from helpers.player import said_by
 from jinja2 import UndefinedError
 
 from agents.experiments.case import make_case
@@ -18,14 +19,15 @@ from agents.reports.analysis.answers import Answer
 from agents.reports.examples import Example, find_examples, replay
 from agents.reports.figures.pictures import Picture
 from agents.reports.page import Table, write_page
+from warehouse_core.viz.player.page import digest, script
 from warehouse_core.wording import printable
 
 NOTHING = shown(None)
-VOID = {"meta", "link", "img"}
+VOID = {"meta", "link", "img", "input"}
 ALLOWED = {
     "html", "head", "meta", "link", "title", "style", "body", "header", "nav", "main", "section",
     "article", "h1", "h2", "h3", "p", "ul", "li", "a", "div", "span", "figure", "figcaption", "img",
-    "table", "thead", "tbody", "tr", "th", "td", "code", "details", "summary", "strong",
+    "table", "thead", "tbody", "tr", "th", "td", "code", "details", "summary", "strong", "iframe",
 }  # fmt: skip
 
 
@@ -107,15 +109,29 @@ def test_all_parts_are_on_the_page_the_answers_first(path: Path) -> None:
 
 
 def test_pictures_are_in_the_page_byte_for_byte(path: Path) -> None:
-    replay_bytes = gif("#123456")
-    example = Example(found(), "swung", replay_bytes)
-    write_page(path, a_page(examples=(example,)))
-    picture, film = read(path).all("img")
+    write_page(path, a_page())
+    [picture] = read(path).all("img")
     assert bytes_of(picture["src"], "image/svg+xml") == SVG
-    assert bytes_of(film["src"], "image/gif") == replay_bytes
-    assert film["loading"] == "lazy"
     assert picture["alt"] == "A caption"
-    assert film["alt"] == "Replay of an episode that ended as oscillation: swung"
+
+
+def test_a_replay_is_a_player_whose_script_alone_is_allowed(path: Path) -> None:
+    write_page(path, a_page())
+    [frame] = read(path).all("iframe")
+    assert frame["sandbox"] == "allow-scripts"
+    assert frame["title"] == "Replay of an episode that ended as oscillation: swung to and fro"
+    [track] = said_by(frame["srcdoc"])["tracks"]
+    assert track["title"] == "A robot on the grid backend, seed 4"
+    own, allowed = rules_of(Seen(frame["srcdoc"])), rules_of(read(path))
+    assert allowed["script-src"] == own["script-src"] == digest(script())
+    source = frame["srcdoc"].partition('<script type="module">')[2].partition("</script>")[0]
+    assert source == script(), "as it was hashed"
+
+
+def rules_of(seen: Seen) -> dict[str, str]:
+    """Return the Content-Security-Policy of a page."""
+    [policy] = [each["content"] for each in seen.all("meta") if "http-equiv" in each]
+    return dict(rule.split(maxsplit=1) for rule in policy.split("; "))
 
 
 def test_an_example_has_its_outcome_its_settings_and_its_number_of_episodes(path: Path) -> None:
@@ -129,7 +145,7 @@ def test_an_example_has_its_outcome_its_settings_and_its_number_of_episodes(path
 
 
 def test_an_example_without_a_replay_gives_the_reason(path: Path) -> None:
-    example = Example(found(), "It cannot be run again: it is gone.", b"")
+    example = Example(found(), "It cannot be run again: it is gone.")
     write_page(path, a_page(pictures=(), examples=(example,)))
     seen = read(path)
     assert seen.all("img") == []
@@ -137,7 +153,7 @@ def test_an_example_without_a_replay_gives_the_reason(path: Path) -> None:
 
 
 def test_a_count_of_one_is_singular(path: Path) -> None:
-    write_page(path, a_page(examples=(Example(found(episodes=1, steps=1), "x", b""),)))
+    write_page(path, a_page(examples=(Example(found(episodes=1, steps=1), "x"),)))
     seen = read(path)
     assert "1 episode" in seen.said("span")
     assert any(text.startswith("Seed 1234, 1 step,") for text in seen.said("p"))
@@ -163,6 +179,7 @@ def test_a_page_with_empty_parts_is_valid(path: Path) -> None:
     seen = read(path)
     assert seen.open == []
     assert seen.said("h2") == ["Settings", "All cases", "Made with"]
+    assert "script-src" not in rules_of(seen)
     targets = {each["href"] for each in seen.all("a")}
     assert targets == {f"#{each['id']}" for each in seen.all("section")}
 
@@ -196,11 +213,10 @@ def test_names_are_escaped_and_load_nothing(path: Path, name: str) -> None:
     [style] = seen.said("style")
     assert "url(" not in style
     assert "@import" not in style
-    [policy] = [each["content"] for each in seen.all("meta") if "http-equiv" in each]
-    rules = dict(rule.split(maxsplit=1) for rule in policy.split("; "))
+    rules = rules_of(seen)
     assert rules["default-src"] == "'none'"
     assert rules["img-src"] == "data:"
-    assert "script-src" not in rules
+    assert rules["script-src"] == digest(script())
 
 
 def test_the_content_security_policy_precedes_all_content(path: Path) -> None:
@@ -234,7 +250,7 @@ def test_names_of_files_and_agents_in_real_results_are_escaped(
         examples = tuple(replay(each, run_own_code=True) for each in find_examples(store))
     write_page(path, a_page(examples=examples))
     seen = read(path)
-    assert examples[0].gif
+    assert examples[0].track
     assert {tag for tag, _ in seen.elements} <= ALLOWED
     assert f"layout={layout}" in seen.said("code")
     assert f"agent={agent}:A" in seen.said("code")

@@ -37,7 +37,7 @@ def test_the_command_prints_the_answers_and_writes_the_page(
     page = results.with_suffix(".html").read_text(encoding="utf-8")
     assert page.startswith("<!DOCTYPE html>")
     assert "Every failure with escape off is oscillation (3 episodes)." in page
-    assert "image/gif" not in page
+    assert "<iframe" not in page
 
 
 def test_figures_are_saved_in_a_folder(
@@ -79,7 +79,7 @@ def test_each_outcome_is_replayed(tmp_path: Path, capsys: pytest.CaptureFixture[
         modes = {mode for (mode,) in store.query("SELECT DISTINCT mode FROM episodes")}
     page = results.with_suffix(".html").read_text(encoding="utf-8")
     assert len(modes) > 1
-    assert page.count("data:image/gif") == len(modes)
+    assert page.count("<iframe") == len(modes)
     assert "run again: " not in page
     assert "different now" not in page
     assert "<td>kept</td>" in page

@@ -31,6 +31,82 @@ def contrast(one: tuple[float, float, float], other: tuple[float, float, float])
     return (lighter + 0.05) / (darker + 0.05)
 
 
+IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+EYES = {
+    "normal": IDENTITY,
+    "protanopia": (
+        (0.152286, 1.052583, -0.204868),
+        (0.114503, 0.786281, 0.099216),
+        (-0.003882, -0.048116, 1.051998),
+    ),
+    "deuteranopia": (
+        (0.367322, 0.860646, -0.227968),
+        (0.280085, 0.672501, 0.047413),
+        (-0.011820, 0.042940, 0.968881),
+    ),
+    "tritanopia": (
+        (1.255528, -0.076749, -0.178779),
+        (-0.078411, 0.930809, 0.147602),
+        (0.004733, 0.691367, 0.303900),
+    ),
+}
+"""Linear RGB as other eyes see it. Source: Machado, Oliveira and Fernandes, A Physiologically-based
+Model for Simulation of Color Vision Deficiency, IEEE TVCG 15(6), 2009, severity 1.0."""
+
+GROUNDS = {
+    **{sign: COLORS[sign] for sign in ".PDC"},
+    "seen floor": palette.SEEN,
+    "slippery floor": palette.ICE,
+    **{f"visited {n}": color for n, color in enumerate(palette.VISITED)},
+}
+
+
+def seen_by(eyes: str, color: palette.Color) -> palette.Color:
+    """Return a colour as other eyes see it."""
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in color]
+    mixed = [
+        min(1.0, max(0.0, sum(share * part for share, part in zip(row, linear, strict=True))))
+        for row in EYES[eyes]
+    ]
+    red, green, blue = (
+        12.92 * c if c <= 0.0031308 else 1.055 * c ** (1 / 2.4) - 0.055 for c in mixed
+    )
+    return red, green, blue
+
+
+def seen_contrast(eyes: str, one: palette.Color, other: palette.Color) -> float:
+    return contrast(seen_by(eyes, one), seen_by(eyes, other))
+
+
+@pytest.mark.parametrize("eyes", EYES)
+def test_robots_and_items_are_told_from_what_is_under_them_by_every_eye(eyes: str) -> None:
+    """Their outline is of ink, which has the contrast that their fixed colours do not have."""
+    for name, ground in GROUNDS.items():
+        assert seen_contrast(eyes, palette.INK, ground) >= 3, f"an outline on {name}"
+    for name, color in (("item", palette.ITEM), ("loaded robot", COLORS["r"])):
+        assert seen_contrast(eyes, palette.INK, color) >= 3, f"an outline around {name}"
+    assert seen_contrast(eyes, palette.PAPER, COLORS["R"]) >= 3, "the letter of an empty robot"
+
+
+@pytest.mark.parametrize("eyes", EYES)
+def test_walls_and_shelves_are_told_from_floor_and_from_each_other_by_every_eye(eyes: str) -> None:
+    for name, ground in GROUNDS.items():
+        if name not in "PDC":
+            assert seen_contrast(eyes, COLORS["#"], ground) >= 3, name
+    assert seen_contrast(eyes, palette.SHELF, COLORS["."]) >= 3
+    assert seen_contrast(eyes, palette.SHELF, palette.SEEN) >= 3
+    assert seen_contrast(eyes, palette.SHELF, COLORS["#"]) >= 3
+    assert seen_contrast(eyes, palette.ICE_WAVE, palette.ICE) >= 3
+
+
+def test_other_eyes_see_grey_as_grey() -> None:
+    for eyes in EYES:
+        assert seen_by(eyes, (0.5, 0.5, 0.5)) == pytest.approx((0.5, 0.5, 0.5), abs=0.01)
+    red, green = (seen_by("deuteranopia", color) for color in ((0.8, 0.2, 0.2), (0.2, 0.5, 0.2)))
+    assert red[0] - red[1] < 0.3 > abs(green[0] - green[1])
+
+
 def test_a_charger_is_seen_on_the_floor_and_beside_walls_and_its_letter_on_it() -> None:
     for other in (COLORS["."], COLORS["#"], palette.INK):
         assert contrast(COLORS["C"], other) >= 3
@@ -58,7 +134,7 @@ def test_a_blend_is_between_its_colours() -> None:
 def test_the_indexed_palette_fits_into_a_gif() -> None:
     values = indexed_palette()
     assert len(values) % 3 == 0
-    assert 3 * len(COLORS) < len(values) <= 3 * 256
+    assert 3 * len(COLORS) < len(values) <= 3 * 255
     assert all(0 <= value <= 255 for value in values)
 
 
@@ -80,6 +156,13 @@ def test_the_entries_of_the_indexed_palette_are_different() -> None:
         palette.WARNING,
         palette.PALE_WARNING,
         palette.HIT,
+        palette.ITEM,
+        palette.SHELF,
+        palette.SEEN,
+        palette.ICE,
+        palette.ICE_WAVE,
+        *palette.VISITED,
+        *(palette.faded_trail(loaded, 0.3) for loaded in (False, True)),
     ],
 )
 def test_colours_of_the_replay_are_exact_in_256_colours(

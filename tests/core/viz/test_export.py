@@ -32,6 +32,7 @@ from warehouse_core.errors import FormatError
 from warehouse_core.render.palette import COLORS
 from warehouse_core.viz.export import FORMATS, progress_bar
 from warehouse_core.viz.export import formats as export
+from warehouse_core.viz.export.gif_writer import GifWriter
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.replay import Replay
 from warehouse_core.warehouse_viz import replay_animation
@@ -118,21 +119,25 @@ def test_the_colours_of_a_gif_are_exact(films: Path) -> None:
     images, _ = frames_of_gif(films / "film.gif")
     replay = replay_of(short_episode())
     places = {
-        "#": (0, 0.5, 0.5),
-        ".": (0, 1.5, 2.5),
-        "P": (0, 1.8, 1.8),
-        "D": (0, 3.8, 1.8),
-        "R": (0, 2.75, 1.5),
-        "r": (4, 2.25, 1.5),
+        "#": (0, 0.9, 0.9),
+        "P": (0, 1.2, 1.8),
+        "D": (0, 3.2, 1.8),
+        "R": (0, 2.5, 1.27),
+        "r": (4, 2.5, 1.27),
     }
     for tile, (frame, x, y) in places.items():
         assert is_color(images[frame][point_of(replay, x, y)], COLORS[tile]), tile
 
 
-def test_each_frame_of_a_gif_is_drawn_once(tmp_path: Path) -> None:
+def test_each_frame_of_a_gif_is_drawn_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     replay = replay_of(named("Tester"))
-    drawn_frames: list[object] = []
-    replay.figure.canvas.mpl_connect("draw_event", drawn_frames.append)
+    update, drawn_frames = SceneFigure._update, []
+
+    def counted(self: SceneFigure, renderer: object) -> None:
+        drawn_frames.append(self)
+        update(self, renderer)
+
+    monkeypatch.setattr(SceneFigure, "_update", counted)
     replay.save(tmp_path / "film.gif")
     assert len(drawn_frames) == 2 + 1, "and at the end the frame that it showed before"
 
@@ -343,15 +348,15 @@ def test_a_suffix_may_be_in_capitals(tmp_path: Path) -> None:
 def fail_after_three_frames(monkeypatch: pytest.MonkeyPatch) -> None:
     """Make the fourth picture fail, as a full disk would."""
     taken = []
-    take = SceneFigure.pixels
+    take = SceneFigure.rgba
 
-    def broken(self: SceneFigure) -> Image.Image:
+    def broken(self: SceneFigure) -> np.ndarray:
         taken.append(self)
         if len(taken) > 3:
             raise OSError(errno.ENOSPC, "No space left on device")
         return take(self)
 
-    monkeypatch.setattr(SceneFigure, "pixels", broken)
+    monkeypatch.setattr(SceneFigure, "rgba", broken)
 
 
 def fail_while_writing(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -363,6 +368,7 @@ def fail_while_writing(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(Image.Image, "save", broken)
     monkeypatch.setattr(SceneFigure, "savefig", broken)
+    monkeypatch.setattr(GifWriter, "finish", lambda self: broken(self, self._file.name))
 
 
 def fail_to_write_text(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -467,7 +473,7 @@ def test_an_interrupt_before_the_first_frame_is_not_hidden(
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("warehouse_core.viz.export.gif_writer.GifWriter.grab_frame", interrupted)
+    monkeypatch.setattr("warehouse_core.viz.export.gif_writer.GifWriter.add", interrupted)
     with pytest.raises(KeyboardInterrupt):
         replay_animation(short_episode()).save(tmp_path / "film.gif")
     assert list(tmp_path.iterdir()) == []

@@ -143,31 +143,6 @@ def test_a_listener_that_moves_something_does_not_change_the_present_drawing() -
     assert np.array_equal(pixels(replay), drawn_in_new_figure(LAST))
 
 
-def test_on_demand_only_pixels_draws(replay: Replay) -> None:
-    seen: list[object] = []
-    replay.figure.canvas.mpl_connect("draw_event", seen.append)
-    with replay.figure.drawn_on_demand():
-        replay.go_to(3)
-        replay.figure.canvas.draw()
-        assert seen == []
-        assert np.array_equal(pixels(replay), drawn_in_new_figure(3))
-        assert len(seen) == 1
-        replay.go_to(5)
-        assert len(seen) == 1
-    replay.go_to(6)
-    assert len(seen) == 2, "it draws as before"
-    assert np.array_equal(pixels(replay), drawn_in_new_figure(6))
-
-
-def test_it_draws_as_before_after_an_error(replay: Replay) -> None:
-    with pytest.raises(KeyError), replay.figure.drawn_on_demand():
-        raise KeyError
-    seen: list[object] = []
-    replay.figure.canvas.mpl_connect("draw_event", seen.append)
-    replay.figure.canvas.draw()
-    assert len(seen) == 1
-
-
 def test_a_png_of_the_figures_own_resolution_has_indexed_pixels(replay: Replay) -> None:
     replay.go_to(5)
     for options in ({}, {"dpi": replay.figure.dpi}):

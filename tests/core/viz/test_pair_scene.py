@@ -226,7 +226,7 @@ def test_a_reason_is_not_read_as_mathematics(grid: Track) -> None:
 
 
 def test_there_is_one_legend_for_both(grid: Track, physics: Track) -> None:
-    assert texts(PairScene(grid, physics, make_figure)).count("hit") == 1
+    assert texts(PairScene(grid, physics, make_figure)).count("#  wall") == 1
 
 
 def test_the_legend_explains_chargers_of_either() -> None:

@@ -9,8 +9,7 @@ from matplotlib.animation import PillowWriter
 from matplotlib.backend_bases import KeyEvent
 
 from warehouse_core.errors import NoDisplayError
-from warehouse_core.viz.replay import Replay, replay_of_track
-from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.replay import Replay
 
 LAST = 6
 
@@ -230,15 +229,3 @@ def test_a_figure_keeps_its_replay() -> None:
     assert isinstance(figure.replay, Replay)
     press(figure.replay, "right")
     assert shown(figure.replay) == 1
-
-
-def test_a_replay_may_begin_with_a_later_frame(tmp_path: Path) -> None:
-    track = track_of_episode(short_episode())
-    replay = replay_of_track(track, window=False, first_frame=4)
-    assert list(replay.new_saved_frame_seq()) == [4, 5, 6]
-    replay.figure.canvas.draw()
-    assert played(replay, 4) == [4, 5, 6, 6]
-    press(replay, " ")
-    assert shown(replay) == 4
-    press(replay, "left")
-    assert shown(replay) == replay.frame == 4

@@ -1,15 +1,13 @@
-"""A matplotlib writer of GIF files that share one palette and store only what changes."""
+"""GIF files whose frames share one palette and store only what changes."""
 
 from __future__ import annotations
 
-import zlib
-from collections.abc import Iterator
-from typing import Any, Protocol
+from functools import cache
+from typing import IO
 
 import numpy as np
-from matplotlib.animation import AbstractMovieWriter
 from numpy.typing import NDArray
-from PIL import Image
+from PIL import GifImagePlugin, Image
 
 from warehouse_core.render.palette import indexed_palette
 
@@ -22,64 +20,98 @@ MIN_FRAME_MS, MAX_FRAME_MS = 20, 655_350
 KEEP_FRAME = 1
 """The disposal method of a GIF that draws each frame over the one before."""
 
+MAX_COLOR = 0xFFFFFF
+"""Red, green and blue in three bytes."""
+
+TRAILER = b";"
+
 Pixels = NDArray[np.uint8]
-"""``[height, width]`` of indices into the palette."""
 
 
-class Picture(Protocol):
-    """What is drawn into a GIF, see ``SceneFigure``."""
+class GifWriter:
+    """Writes each frame when the next one comes, so that a long replay fits into memory.
 
-    def indexed_pixels(self) -> Image.Image:
-        """Return the picture as it is now, in the colours of ``indexed_palette``."""
+    Args:
+        file: to write to.
+        frame_ms: milliseconds between frames.
+    """
 
-
-class GifWriter(AbstractMovieWriter):
-    """Keeps the changes of each frame, compressed, so that a long replay fits into memory."""
-
-    def __init__(self, figure: Picture, frame_ms: float) -> None:
-        super().__init__(fps=1000 / frame_ms)  # type: ignore[arg-type] # it may be a fraction
-        self._figure = figure
+    def __init__(self, file: IO[bytes], frame_ms: float) -> None:
+        self._file = file
         self._frame_ms = round(min(max(frame_ms, MIN_FRAME_MS), MAX_FRAME_MS))
-        palette = indexed_palette()
-        # The index after the last colour means unchanged. Pillow would find the unchanged pixels
-        # too, but one by one.
-        self._unchanged = len(palette) // 3
-        self._palette = [*palette, 0, 0, 0]
-        self._last: Pixels | None = None
-        self._frames: list[bytes] = []
+        # The index after the last colour means unchanged.
+        self._unchanged = len(indexed_palette()) // 3
+        self._known = np.full(MAX_COLOR + 1, self._unchanged, np.uint8)
+        self._last: NDArray[np.uint32] | None = None
+        self._pending: tuple[Image.Image, tuple[int, int]] | None = None
 
-    def setup(self, fig: Any, outfile: Any, dpi: float | None = None) -> None:
-        """Begin a file."""
-        super().setup(fig, outfile, dpi)
+    def add(self, frame: Pixels, changed: tuple[int, int, int, int]) -> None:
+        """Add a frame.
 
-    def grab_frame(self, **_: Any) -> None:
-        """Add the figure as it is now."""
-        pixels = np.asarray(self._figure.indexed_pixels())
-        same = False if self._last is None else pixels == self._last
-        changed = np.where(same, np.uint8(self._unchanged), pixels)
-        self._frames.append(zlib.compress(changed.tobytes(), 1))
-        self._last = pixels
+        Args:
+            frame: pixels ``[height, width, 4]``, of one size.
+            changed: top, bottom, left and right of what may differ from the frame before.
+        """
+        colors = frame.view("<u4")[..., 0]
+        if self._last is None:
+            self._last, top, left = colors.copy(), 0, 0
+            image = indexed(Image.fromarray(frame).convert("RGB"))
+            image.putpalette([*indexed_palette(), 0, 0, 0])
+            header, _ = GifImagePlugin.getheader(image, info={"loop": 0})
+            self._file.write(b"".join(header))
+        else:
+            top, bottom, left, right = changed
+            differs = colors[top:bottom, left:right] != self._last[top:bottom, left:right]
+            rows, columns = _extent(differs.any(axis=1)), _extent(differs.any(axis=0))
+            differs = differs[rows, columns]
+            top, left = top + rows.start, left + columns.start
+            height, width = differs.shape
+            box = slice(top, top + height), slice(left, left + width)
+            self._last[box] = colors[box]
+            indices = np.full(differs.shape, self._unchanged, np.uint8)
+            indices[differs] = self._indices_of(colors[box][differs])
+            image = Image.fromarray(indices)
+        self._write(self._frame_ms)
+        self._pending = image, (left, top)
 
     def finish(self) -> None:
-        """Write the file; nothing, if an exception came before the first frame."""
-        if self._last is None:
-            return
-        images = self._images(*self._last.shape)
-        durations = [self._frame_ms] * (len(self._frames) - 1) + [LAST_FRAME_MS]
-        next(images).save(
-            self.outfile,
-            format="GIF",
-            save_all=True,
-            append_images=images,
-            duration=durations,
-            loop=0,
-            optimize=False,  # done here already
-            transparency=self._unchanged,
-            disposal=KEEP_FRAME,
-        )
+        """Write the last frame and the end of the file."""
+        self._write(LAST_FRAME_MS)
+        self._file.write(TRAILER)
 
-    def _images(self, height: int, width: int) -> Iterator[Image.Image]:
-        for data in self._frames:
-            image = Image.frombytes("P", (width, height), zlib.decompress(data))
-            image.putpalette(self._palette)
-            yield image
+    def _indices_of(self, colors: NDArray[np.uint32]) -> Pixels:
+        """Return the indices of colours into the palette, each looked up once."""
+        rgb = colors & MAX_COLOR
+        found: Pixels = self._known[rgb]
+        missing = found == self._unchanged
+        if missing.any():
+            new = np.array(sorted({*rgb[missing].tolist()}), "<u4")
+            parts = new.view(np.uint8).reshape(1, -1, 4)[..., :3]
+            self._known[new] = np.asarray(indexed(Image.fromarray(np.ascontiguousarray(parts))))[0]
+            found = self._known[rgb]
+        return found
+
+    def _write(self, duration: int) -> None:
+        if self._pending is None:
+            return
+        image, offset = self._pending
+        options = {"transparency": self._unchanged, "disposal": KEEP_FRAME}
+        self._file.writelines(GifImagePlugin.getdata(image, offset, duration=duration, **options))
+
+
+def indexed(image: Image.Image) -> Image.Image:
+    """Return an RGB image in the colours of ``indexed_palette``."""
+    return image.quantize(palette=_palette_image(), dither=Image.Dither.NONE)
+
+
+@cache
+def _palette_image() -> Image.Image:
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(indexed_palette())
+    return palette
+
+
+def _extent(flags: NDArray[np.bool_]) -> slice:
+    """Return the shortest slice with all that is true; of the first one if nothing is."""
+    found = np.flatnonzero(flags)
+    return slice(int(found[0]), int(found[-1]) + 1) if len(found) else slice(0, 1)

@@ -75,15 +75,17 @@ def save_page(
         part.write_text(player_page(tracks, title=title, speed=speed), encoding="utf-8")
 
 
-def player_frame(tracks: Sequence[Track], *, speed: float = 1.0) -> str:
-    """Return ``player_page(tracks, speed=speed)`` as a frame of another page, such as a notebook.
+def player_frame(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0) -> str:
+    """Return what ``player_page`` returns as a frame of another page, such as a notebook.
 
-    Its script cannot reach the page around it.
+    Its script cannot reach the page around it. If that has a Content-Security-Policy, it must allow
+    ``digest(script())``.
     """
-    page = html.escape(player_page(tracks, speed=speed))
+    page = html.escape(player_page(tracks, title=title, speed=speed))
+    name = html.escape(printable(title or "Replay"))
     return (
         f'<iframe srcdoc="{page}" sandbox="allow-scripts" allow="fullscreen" '
-        f'title="Replay" style="width:100%;height:{FRAME_HEIGHT}px;border:0"></iframe>'
+        f'title="{name}" style="width:100%;height:{FRAME_HEIGHT}px;border:0"></iframe>'
     )
 
 

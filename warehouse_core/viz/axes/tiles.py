@@ -1,0 +1,161 @@
+"""The tiles of a layout: walls, shelves, stations, and what covers the floor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PatchCollection
+from matplotlib.patches import PathPatch, Rectangle
+
+from warehouse_core.render.atlas import UNSEEN
+from warehouse_core.render.palette import (
+    COLORS,
+    ICE,
+    ICE_WAVE,
+    INK,
+    PAPER,
+    SHELF,
+    UNKNOWN,
+    UNKNOWN_STRIPE,
+)
+from warehouse_core.viz.axes.glyphs import letter_path
+from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, WALL, Cell
+
+BAND = 0.22
+"""Thickness of walls along the border, in cells; the rest of their cells is left blank."""
+
+INSET, MIN_STATION_POINTS = 0.06, 6.5
+"""Of the square of a station in its cell, and its minimum side."""
+
+MIN_BOARDS, MIN_WAVES = 7.0, 9.0
+"""Minimum sides of cells, in points, with the boards of shelves and with waves."""
+
+LETTER, MIN_LETTER_POINTS = 0.24, 6.0
+"""Size of the letter of a station, in cells, and its minimum."""
+
+Box = tuple[float, float, float, float]
+"""Left, top, right and bottom, in cells."""
+
+
+def draw_tiles(
+    axes: Axes, rows: Sequence[str], cell_points: float, slippery: Sequence[Cell] = ()
+) -> list[Artist]:
+    """Draw what does not move into axes whose unit is a cell, and return it.
+
+    Args:
+        axes: to draw into.
+        rows: of tiles.
+        cell_points: side of a cell in points.
+        slippery: cells with slippery floor.
+    """
+    walls = [
+        (row, col) for row, line in enumerate(rows) for col, tile in enumerate(line) if tile == WALL
+    ]
+    size = len(rows), len(rows[0])
+    border = {cell for cell in walls if is_on_border(cell, size)}
+    shelves = [cell for cell in walls if cell not in border]
+    drawn: list[Artist] = [
+        *_ice(axes, slippery, cell_points),
+        _boxes(axes, [_whole(cell) for cell in border], PAPER),
+        _boxes(axes, [_band(cell, size) for cell in border], COLORS[WALL]),
+        *_shelves(axes, shelves, cell_points),
+    ]
+    inset = min(INSET, 0.5 - MIN_STATION_POINTS / cell_points / 2)
+    for tile in (PICKUP, DROPOFF, CHARGER):
+        cells = [
+            (row, col)
+            for row, line in enumerate(rows)
+            for col, found in enumerate(line)
+            if found == tile
+        ]
+        drawn.append(_boxes(axes, [_whole(cell, inset) for cell in cells], COLORS[tile]))
+        drawn += [_letter(axes, cell_points, tile, cell) for cell in cells]
+    unseen = [
+        (row, col)
+        for row, line in enumerate(rows)
+        for col, found in enumerate(line)
+        if found == UNSEEN
+    ]
+    if unseen:
+        stripes = {"edgecolor": UNKNOWN_STRIPE, "hatch": "///"}
+        drawn.append(_boxes(axes, [_whole(cell) for cell in unseen], UNKNOWN, **stripes))
+    return drawn
+
+
+def is_on_border(cell: Cell, size: tuple[int, int]) -> bool:
+    """Return whether a cell is in the outermost ring of a layout of ``size`` rows and columns."""
+    return any(place in (0, length - 1) for place, length in zip(cell, size, strict=True))
+
+
+def _whole(cell: Cell, inset: float = 0.0) -> Box:
+    row, col = cell
+    return col + inset, row + inset, col + 1 - inset, row + 1 - inset
+
+
+def _band(cell: Cell, size: tuple[int, int]) -> Box:
+    """Return the part of a wall on the border that is next to the inside of the layout."""
+    (row, col), (height, width) = cell, size
+    outer = 1 - BAND
+    return (
+        col + outer * (col == 0 < width - 1),
+        row + outer * (row == 0 < height - 1),
+        col + 1 - outer * (col == width - 1 > 0),
+        row + 1 - outer * (row == height - 1 > 0),
+    )
+
+
+def _boxes(axes: Axes, boxes: Sequence[Box], color: Any, **style: Any) -> Artist:
+    # A thin edge without antialiasing leaves no seam between neighbours.
+    style = {"facecolor": color, "edgecolor": color, "linewidth": 0.4 * (color != UNKNOWN)} | style
+    rectangles = [Rectangle((x, y), right - x, bottom - y) for x, y, right, bottom in boxes]
+    return axes.add_collection(PatchCollection(rectangles, antialiased=False, zorder=1, **style))
+
+
+def _shelves(axes: Axes, cells: Sequence[Cell], cell_points: float) -> Iterator[Artist]:
+    """Draw walls inside the border, with an outline and boards."""
+    if not cells:
+        return
+    yield _boxes(axes, [_whole(cell) for cell in cells], SHELF)
+    known = set(cells)
+    lines = []
+    for row, col in cells:
+        sides = {
+            (row - 1, col): ((col, row), (col + 1, row)),
+            (row + 1, col): ((col, row + 1), (col + 1, row + 1)),
+            (row, col - 1): ((col, row), (col, row + 1)),
+            (row, col + 1): ((col + 1, row), (col + 1, row + 1)),
+        }
+        lines += [line for side, line in sides.items() if side not in known]
+    width = max(0.8, cell_points / 13)
+    style: dict[str, Any] = {"colors": [COLORS[WALL]], "capstyle": "projecting", "zorder": 1.1}
+    yield axes.add_collection(LineCollection(lines, linewidths=width, **style))
+    if cell_points >= MIN_BOARDS:
+        boards = [((col, row + y), (col + 1, row + y)) for row, col in cells for y in (0.33, 0.67)]
+        style["capstyle"] = "butt"
+        yield axes.add_collection(LineCollection(boards, linewidths=0.8 * width, **style))
+
+
+def _ice(axes: Axes, cells: Sequence[Cell], cell_points: float) -> Iterator[Artist]:
+    """Draw waves on slippery floor."""
+    if not cells:
+        return
+    yield _boxes(axes, [_whole(cell, 0.02) for cell in cells], ICE)
+    if cell_points >= MIN_WAVES:
+        x = np.linspace(0.12, 0.88, 17)
+        wave = np.column_stack([x, 0.06 * np.sin(4 * np.pi * x)])
+        waves = [wave + np.array((col, row + y)) for row, col in cells for y in (0.25, 0.5, 0.75)]
+        width = max(0.8, cell_points / 22)
+        yield axes.add_collection(
+            LineCollection(waves, colors=[ICE_WAVE], linewidths=width, zorder=1)
+        )
+
+
+def _letter(axes: Axes, cell_points: float, tile: str, cell: Cell) -> Artist:
+    row, col = cell
+    size = max(LETTER, MIN_LETTER_POINTS / cell_points)
+    path = letter_path(tile, size, (col + 0.085, row + 0.075), (0.0, 0.0))
+    return axes.add_patch(PathPatch(path, facecolor=INK, linewidth=0, zorder=2))
