@@ -106,7 +106,10 @@ class Scene:
     ) -> None:
         self._track = track
         self._length = length or track.steps + 1
-        plan = Plan(track, MARGIN, body, LEGEND if legend else 0.0)
+        foot = (
+            MARGIN if "battery" in track.metrics or not legend else 0.5
+        )  # for the words below charts
+        plan = Plan(track, foot, body, LEGEND if legend else 0.0)
         self.figure = make_figure(plan.size)
         root = self.figure.get_figure(root=True)
         assert isinstance(root, SceneFigure), "make_figure makes nothing else"
