@@ -7,7 +7,6 @@ from itertools import pairwise
 from typing import Any
 
 from matplotlib.artist import Artist
-from matplotlib.figure import SubFigure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
@@ -48,7 +47,7 @@ Signs = dict[str, Artist]
 EDGE: dict[str, Any] = {"linestyle": "none", "markeredgecolor": INK, "markeredgewidth": 0.6}
 
 
-def draw_legend(figure: SceneFigure | SubFigure, tracks: Sequence[Track], columns: int = 0) -> None:
+def draw_legend(figure: SceneFigure, tracks: Sequence[Track], columns: int = 0) -> None:
     """Draw the legend of what tracks show, along the right side of a figure.
 
     Args:

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from typing import Any
 
 from matplotlib.axes import Axes
-from matplotlib.figure import SubFigure
 
 from warehouse_core.render.palette import INK
 from warehouse_core.viz.axes import box_in
@@ -30,8 +29,8 @@ from warehouse_core.viz.tracks.track import Track
 StepChart = RewardChart | DistanceChart | MotionChart | DeliveryChart | LatenessChart | EnergyChart
 Chart = StepChart | BatteryBar
 
-MakeFigure = Callable[[tuple[float, float]], SceneFigure | SubFigure]
-"""Makes a figure of a width and height in inches, or returns a part of a ``SceneFigure``."""
+MakeFigure = Callable[[tuple[float, float]], SceneFigure]
+"""Makes a figure of a width and height in inches."""
 
 GRID_INCHES, FLEET_INCHES = (6.4, 4.6), (10.0, 6.4)
 """Maximum width and height of the grid; that of a fleet has room for numbers on robots."""
@@ -58,11 +57,10 @@ class Plan:
     Args:
         track: to be drawn.
         foot: height below the grid.
-        body: minimum height of the grid's part of a track without charts.
         beside: width of the legend.
     """
 
-    def __init__(self, track: Track, foot: float, body: float = 0.0, beside: float = 0.0) -> None:
+    def __init__(self, track: Track, foot: float, beside: float) -> None:
         rows = track.frames[0].tiles
         height, width = len(rows), len(rows[0])
         widest, highest = FLEET_INCHES if track.frames[0].fleet else GRID_INCHES
@@ -71,7 +69,7 @@ class Plan:
         metrics = track.metrics.keys() - {"battery"}
         has_charts = bool(metrics or track.is_continuous or track.shift)
         self.has_battery = "battery" in track.metrics
-        least = 4.2 if track.is_continuous or track.shift else 3.2 if has_charts else body
+        least = 4.2 if track.is_continuous or track.shift else 3.2 if has_charts else 0.0
         self.left_width = max(self.grid_width, 4.8)
         self.body_height = max(self.grid_height, least)
         charts = 0.75 + CHART_INCHES if has_charts else 0.0
@@ -89,8 +87,6 @@ class Scene:
         track: with at least one frame.
         make_figure: makes the figure of a width and height in inches.
         length: number of steps plus one to leave room for, where the track is still growing.
-        height: minimum height of the figure in inches.
-        body: minimum height of the grid's part in inches, for a track without charts.
         legend: draw the legend along the right side.
     """
 
@@ -100,19 +96,16 @@ class Scene:
         make_figure: MakeFigure,
         *,
         length: int | None = None,
-        height: float = 0.0,
-        body: float = 0.0,
         legend: bool = True,
     ) -> None:
         self._track = track
         self._length = length or track.steps + 1
         self._time = TimeAxis(length - 1) if length else TimeAxis.of(track)
-        plan = Plan(track, MARGIN, body, LEGEND if legend else 0.0)
-        self.figure = make_figure(plan.size)
-        root = self.figure.get_figure(root=True)
-        assert isinstance(root, SceneFigure), "make_figure makes nothing else"
-        self.root = root
-        self._width, self._height = plan.size[0], max(height, plan.size[1])
+        # Without a battery there are only the words below charts.
+        foot = MARGIN if "battery" in track.metrics or not legend else 0.5
+        plan = Plan(track, foot, LEGEND if legend else 0.0)
+        self.root = make_figure(plan.size)
+        self._width, self._height = plan.size
         grid_left = MARGIN + (plan.left_width - plan.grid_width) / 2
         grid_top = HEAD + (plan.body_height - plan.grid_height) / 2
         axes = self._axes(grid_left, grid_top, plan.grid_width, plan.grid_height)
@@ -125,7 +118,7 @@ class Scene:
         self._charted: tuple[int, int, int] | None = None
         self._make_texts()
         if legend:
-            draw_legend(self.figure, [track])
+            draw_legend(self.root, [track])
         self.show(0)
 
     def __len__(self) -> int:
@@ -212,10 +205,10 @@ class Scene:
         left, right = MARGIN / self._width, 1 - MARGIN / self._width
         title, line = 1 - 0.2 / self._height, 1 - 0.56 / self._height
         common: dict[str, Any] = {"parse_math": False, "va": "center", "color": INK}
-        self._title = self.figure.text(left, title, "", fontsize=9, **common)
-        self._counter = self.figure.text(right, title, "", fontsize=9, ha="right", **common)
-        self._caption = self.figure.text(left, line, "", fontweight="bold", **common)
-        self._ending = self.figure.text(
+        self._title = self.root.text(left, title, "", fontsize=9, **common)
+        self._counter = self.root.text(right, title, "", fontsize=9, ha="right", **common)
+        self._caption = self.root.text(left, line, "", fontweight="bold", **common)
+        self._ending = self.root.text(
             0.5, title, "", fontsize=11, fontweight="bold", ha="center", **common
         )
         for text in (self._title, self._counter, self._caption, self._ending):
@@ -224,4 +217,4 @@ class Scene:
     def _axes(self, left: float, top: float, width: float, height: float) -> Axes:
         """Add axes at a place in inches from the top left corner."""
         size = self._width, self._height
-        return self.figure.add_axes(box_in(size, left, top, width, height))
+        return self.root.add_axes(box_in(size, left, top, width, height))

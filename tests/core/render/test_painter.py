@@ -262,14 +262,16 @@ def test_unseen_cells_are_hatched_grey_without_seams() -> None:
 # Likeness to the replay.
 
 
-@pytest.mark.parametrize(("robot", "loaded"), [((1, 1), False), ((2, 1), True)])
+@pytest.mark.parametrize(("robot", "loaded"), [((2, 1), False), ((2, 1), True)])
 def test_a_picture_looks_like_the_replay(robot: tuple[int, int], loaded: bool) -> None:
     painted = TilePainter(40).picture(YARD, robot, loaded)
     drawn = drawn_by_the_replay(YARD, 40, robot, loaded=loaded)
     assert painted.shape == drawn.shape
     # Walls along the border are a narrower band in the replay.
-    painted, drawn = (image[45:-45, 45:-45] for image in (painted, drawn))
-    assert correlation(painted, drawn) > 0.8
+    inside = np.zeros_like(painted)
+    inside[42:-42, 42:-42] = 1
+    painted, drawn = painted * inside, drawn * inside
+    assert correlation(painted, drawn) > 0.97
     assert np.abs(blurred(painted, 10) - blurred(drawn, 10)).max() < 45
     assert np.abs(blurred(painted, 40) - blurred(drawn, 40)).max() < 12
 

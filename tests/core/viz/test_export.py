@@ -265,7 +265,11 @@ def test_a_page_says_what_the_replay_shows(films: Path) -> None:
     ]
     assert track["load"] == [0, 0, 0, 1, 1, 1, 0]
     assert [track["captions"][index] for index in track["captionAt"]][1] == "N (why not)"
-    assert {chart["title"] for chart in said["charts"]} == {"Reward", "Distance (cells)"}
+    assert {chart["title"] for chart in said["charts"]} == {
+        "Reward",
+        "Distance (cells)",
+        "Energy used (J)",
+    }
 
 
 def test_a_page_plays_at_the_speed_of_the_replay(tmp_path: Path) -> None:
