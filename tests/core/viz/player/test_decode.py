@@ -66,12 +66,6 @@ def test_real_numbers_come_back_in_single_precision_and_nan_among_them() -> None
     assert found == {"odd": [1, 2, 3], "real": expected}
 
 
-@pytest.mark.parametrize("values", [[2**31 - 0.4], [0, 2**31 - 1, -1], [math.nan], [math.inf] * 2])
-def test_numbers_or_differences_that_32_bits_cannot_hold_are_refused(values: list[float]) -> None:
-    with pytest.raises(ValueError, match="32 bits"):
-        Columns().whole(values, is_delta=True)
-
-
 def test_texts_come_back_letter_by_letter() -> None:
     texts = ["", "müde 🤖 \u202e\u2066", "$", '{"$": ["i1", 0, 1, 0, 1]}', *HOSTILE, "\0" * 3]
     columns = Columns()
