@@ -200,7 +200,7 @@ def test_the_action_and_its_reason_are_the_largest_words() -> None:
         replay.figure.pixels()
         (said,) = [t for t in replay.figure.texts if t.get_text().startswith(("N (x", "W (why)"))]
         width = said.get_window_extent().x1
-        assert width <= replay.figure.bbox.x1
+        assert width <= replay.root.bbox.x1
     others = [text for axes in replay.figure.axes for text in axes.texts]
     sizes = [text.get_fontsize() for text in (*replay.figure.texts, *others) if text is not said]
     assert said.get_fontsize() > 1.3 * max(sizes)
@@ -234,9 +234,9 @@ def test_the_letter_of_a_tile_stays_readable_under_the_robot(
 
 def test_a_heading_is_a_nose_in_front_of_the_robot() -> None:
     replay = replay_of(short_episode())
-    sides = {(1, "north"): (2.5, 1.16), (2, "west"): (1.16, 1.5), (4, "east"): (2.84, 1.5)}
+    sides = {(1, "north"): (2.5, 1.1), (2, "west"): (1.1, 1.5), (4, "east"): (2.9, 1.5)}
     image = pixels(replay)
-    assert not is_color(image[point_of(replay, 2.5, 1.16)], INK)
+    assert not is_color(image[point_of(replay, 2.5, 1.1)], INK)
     for (frame, name), place in sides.items():
         replay.go_to(frame)
         row, column = point_of(replay, *place)
@@ -313,8 +313,8 @@ def test_a_layout_of_any_shape_fits_into_the_picture(height: int, width: int) ->
     rows = ["." * width] * height
     replay = replay_of([[["R", *rows[0][1:]], *rows[1:]]], {"battery": [1.0]})
     box = replay.figure.axes[0].get_window_extent()
-    assert replay.figure.bbox.x0 <= box.x0 < box.x1 <= replay.figure.bbox.x1
-    assert replay.figure.bbox.y0 <= box.y0 < box.y1 <= replay.figure.bbox.y1
+    assert replay.root.bbox.x0 <= box.x0 < box.x1 <= replay.figure.bbox.x1
+    assert replay.root.bbox.y0 <= box.y0 < box.y1 <= replay.figure.bbox.y1
     assert box.width / box.height == pytest.approx(width / height)
     # On cells this small the robot is larger than a cell, so that it can be seen.
     grid = patch(replay, pixels(replay), 0.0, 0.0, width - 0.01, height - 0.01)
@@ -496,7 +496,7 @@ def battery_of(level: float | None, full: float = 100.0) -> tuple[Replay, str]:
 def color_in_the_bar(replay: Replay, share: float) -> Any:
     axes = replay.figure.axes[-1]
     column, height = axes.transData.transform((share, 0.5))
-    return pixels(replay)[round(replay.figure.bbox.height) - 1 - int(height), int(column)]
+    return pixels(replay)[round(replay.root.bbox.height) - 1 - int(height), int(column)]
 
 
 @pytest.mark.parametrize(
@@ -553,24 +553,24 @@ def test_a_scene_shows_a_track_that_has_grown() -> None:
         )
     )
     scene = Scene(start, make_figure, length=31)
-    assert "step 0 of 30" in [text.get_text() for text in scene.figure.texts]
-    before = scene.figure.axes[1].get_ylim()
+    assert "step 0 of 30" in [text.get_text() for text in scene.root.texts]
+    before = scene.root.axes[1].get_ylim()
     scene.show(6, whole)
-    words = [text.get_text() for text in scene.figure.texts]
+    words = [text.get_text() for text in scene.root.texts]
     delivered = "delivered in 6 steps; the shortest way takes 5"
     assert {"step 6 of 30", delivered, "DELIVERED"} <= set(words)
-    low, high = scene.figure.axes[1].get_ylim()
+    low, high = scene.root.axes[1].get_ylim()
     assert low < before[0]
     assert high > 13
     scene.show(0, start)
-    assert scene.figure.axes[1].get_ylim() == (low, high), "the range is never narrowed"
+    assert scene.root.axes[1].get_ylim() == (low, high), "the range is never narrowed"
 
 
 def test_a_picture_may_be_without_its_legend() -> None:
     track = track_of_episode(short_episode())
     small, whole = Scene(track, make_figure, legend=False), Scene(track, make_figure)
-    assert small.figure.legends == []
-    assert small.figure.get_figwidth() < whole.figure.get_figwidth()
+    assert small.root.legends == []
+    assert small.root.get_figwidth() < whole.root.get_figwidth()
 
 
 def test_every_robot_of_a_track_is_drawn_with_its_trail() -> None:
@@ -578,8 +578,8 @@ def test_every_robot_of_a_track_is_drawn_with_its_trail() -> None:
     for frame in track.frames:
         frame.robots = (*frame.robots, Pose((1.5 + 2 * (frame.progress > 0), 2.5), None, True))
     scene = Scene(track, make_figure)
-    (left, bottom), (right, top) = scene.figure.axes[0].transData.transform([(1, 3), (4, 2)])
-    height = round(scene.figure.bbox.height)
+    (left, bottom), (right, top) = scene.root.axes[0].transData.transform([(1, 3), (4, 2)])
+    height = round(scene.root.bbox.height)
     row = slice(height - round(top), height - round(bottom)), slice(round(left), round(right))
     drawings = []
     for frame in (0, 1):

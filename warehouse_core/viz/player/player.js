@@ -57,6 +57,7 @@ export class Player {
     this.hasHeat = false;
     this.isReduced = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.listeners = [];
+    root.style.setProperty("--item", this.colors.item);
     this.build(data);
   }
 

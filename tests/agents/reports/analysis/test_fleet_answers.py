@@ -60,7 +60,7 @@ def test_a_trend_is_told_by_its_ends_and_its_best_value(tmp_path: Path) -> None:
 def test_the_verdict_on_fleets_is_the_largest_that_is_not_clearly_worse(tmp_path: Path) -> None:
     for number, (rates, words) in enumerate({
         (60.0, 50.0, 40.0): "More than 2 are too many: the number of items an hour falls from 60.0",
-        (40.0, 60.0, 60.0, 30.0): "More than 6 are too many: the number of items an hour is highes",
+        (40.0, 60.0, 60.0, 30.0): "More than 6 are too many: the number of items an hour is high",
         (40.0, 50.0, 60.0): "6 are not too many: the number of items an hour rises from 40.0 at",
     }.items()):  # fmt: skip
         folder = tmp_path / str(number)
