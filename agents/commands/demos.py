@@ -258,7 +258,7 @@ def demo(
     save: SaveReplayOption,
     show: ShowOption = None,
 ) -> None:
-    """Show a demonstration of bodies or of planners; without a name, list them.
+    """Show a demonstration of bodies or of planners.
 
     Example: warehouse demo bump --save bump.gif
     """

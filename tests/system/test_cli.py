@@ -18,6 +18,7 @@ import agents.__main__ as program
 from agents import cli
 from agents.run_episode import run_episode
 from warehouse_core import Episode
+from warehouse_core.viz.export.gif_writer import GifWriter
 
 HEAVY = ("matplotlib", "scipy", "gymnasium", "pymunk", "jinja2", "rich", "PIL", "torch")
 WAITER = """
@@ -211,7 +212,7 @@ def test_a_full_disk_is_one_line(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(np, "savez_compressed", full)
-    monkeypatch.setattr(Image.Image, "save", full)
+    monkeypatch.setattr(GifWriter, "add", full)
     words = ["run", "--seed", 1, "--battery", 2, "--save"]
     for file in ("e.npz", "e.gif"):
         assert refusal(capsys, *words, file) == "No space left on device"
@@ -313,7 +314,7 @@ def test_an_interrupt_ends_with_130_and_leaves_no_partial_file(
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(Image.Image, "save", interrupted)
+    monkeypatch.setattr(GifWriter, "add", interrupted)
     result = command(capsys, "replay", record, "--save", "a.gif")
     assert result.code == 130
     assert "Traceback" not in result.err

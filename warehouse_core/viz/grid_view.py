@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from warehouse_core.render.palette import HIT, INK
 from warehouse_core.viz.axes import draw_grid
-from warehouse_core.viz.axes.tiles import draw_tiles
+from warehouse_core.viz.axes.tiles import draw_tiles, outer_of
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.fleet_view import FleetView
 from warehouse_core.viz.robot_view import ABOVE_TILES, RobotView
@@ -52,7 +52,8 @@ class GridView:
         every = 1 if largest <= 20 else 5 if largest <= 60 else 10
         lines = 0.6 if width <= MAX_LINED_COLUMNS else 0.0
         draw_grid(axes, (height, width), every, line_width=lines)
-        axes.set_aspect("equal")
+        outer = outer_of_track(track)
+        axes.set(xlim=(outer, width - outer), ylim=(height - outer, outer), aspect="equal")
         axes.xaxis.tick_top()
         self.robots = [
             RobotView(figure, axes, cell_points, robot, track)
@@ -114,6 +115,17 @@ class GridView:
             )
             self._figure.add_mover(self._route)
         self._route.set_data([x for x, _ in points], [y for _, y in points])
+
+
+def outer_of_track(track: Track) -> float:
+    """Return how much of the outermost cells of a track is not shown, in cells."""
+    return outer_of({frame.tiles for frame in track.frames})
+
+
+def shown_size(track: Track) -> tuple[float, float]:
+    """Return the width and height of what is shown of the map of a track, in cells."""
+    rows, outer = track.frames[0].tiles, outer_of_track(track)
+    return len(rows[0]) - 2 * outer, len(rows) - 2 * outer
 
 
 def is_open(rows: Rows, cell: tuple[int, int]) -> bool:

@@ -16,7 +16,7 @@ from warehouse_core.viz.axes import box_in
 from warehouse_core.viz.charts import BatteryBar, DistanceChart, MotionChart, RewardChart, TimeAxis
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.fleet_charts import FLEET_CHARTS
-from warehouse_core.viz.grid_view import GridView
+from warehouse_core.viz.grid_view import GridView, shown_size
 from warehouse_core.viz.legend import draw_legend
 from warehouse_core.viz.scene import MAX_CELL_INCHES, StepChart
 from warehouse_core.viz.tracks.track import Track
@@ -160,7 +160,7 @@ def _places_equal(tracks: Sequence[Track]) -> list[_Place]:
     """Return columns of equal width with maps of one scale, and charts below them."""
     width = (WIDTH - GUTTER) / 2 - MARGIN
     cell = min(_cell(track, width, MAX_MAP) for track in tracks)
-    below = HEAD + cell * max(len(track.frames[0].tiles) for track in tracks)
+    below = HEAD + cell * max(shown_size(track)[1] for track in tracks)
     kinds = _kinds(tracks)
     places = []
     for left, track in zip((MARGIN, MARGIN + width + GUTTER), tracks, strict=True):
@@ -181,8 +181,7 @@ def _places_leading(left: Track, right: Track) -> list[_Place]:
     width = WIDTH - MARGIN - edge
     cells = _cell(left, LEAD_WIDTH, MAX_LEAD_MAP), _cell(right, width, MAX_SMALL_MAP)
     below = [
-        HEAD + cell * len(track.frames[0].tiles)
-        for cell, track in zip(cells, (left, right), strict=True)
+        HEAD + cell * shown_size(track)[1] for cell, track in zip(cells, (left, right), strict=True)
     ]
     charts = {
         kind: _chart_box(edge, below[1], row, width) for row, kind in enumerate(_kinds([left]))
@@ -194,8 +193,8 @@ def _places_leading(left: Track, right: Track) -> list[_Place]:
 
 
 def _cell(track: Track, width: float, height: float) -> float:
-    rows = track.frames[0].tiles
-    return min(width / len(rows[0]), height / len(rows), MAX_CELL_INCHES)
+    columns, rows = shown_size(track)
+    return min(width / columns, height / rows, MAX_CELL_INCHES)
 
 
 def _chart_box(left: float, top: float, row: int, width: float) -> Box:
@@ -248,8 +247,8 @@ class _Side:
 
     def __init__(self, page: _Page, place: _Place, track: Track, time: TimeAxis) -> None:
         self._track = track
-        figure, rows = page.figure, track.frames[0].tiles
-        width, height = place.cell * len(rows[0]), place.cell * len(rows)
+        figure = page.figure
+        width, height = (place.cell * cells for cells in shown_size(track))
         axes = page.axes(place.left, HEAD, width, height)
         self._grid = GridView(figure, axes, place.cell * 72, track)
         self._bars = list[BatteryBar]()

@@ -22,7 +22,7 @@ from warehouse_core.viz.fleet_charts import (
     EnergyChart,
     LatenessChart,
 )
-from warehouse_core.viz.grid_view import GridView
+from warehouse_core.viz.grid_view import GridView, shown_size
 from warehouse_core.viz.legend import draw_legend
 from warehouse_core.viz.tracks.track import Track
 
@@ -34,7 +34,7 @@ MakeFigure = Callable[[tuple[float, float]], SceneFigure]
 
 GRID_INCHES, FLEET_INCHES = (6.4, 4.6), (10.0, 6.4)
 """Maximum width and height of the grid; that of a fleet has room for numbers on robots."""
-MAX_CELL_INCHES = 0.9
+MAX_CELL_INCHES = 1.05
 CHART_INCHES = 3.3
 MARGIN = 0.3
 HEAD, FOOT, BAR, LEGEND = 1.0, 0.75, 0.2, 1.75
@@ -61,8 +61,7 @@ class Plan:
     """
 
     def __init__(self, track: Track, foot: float, beside: float) -> None:
-        rows = track.frames[0].tiles
-        height, width = len(rows), len(rows[0])
+        width, height = shown_size(track)
         widest, highest = FLEET_INCHES if track.frames[0].fleet else GRID_INCHES
         self.cell = min(widest / width, highest / height, MAX_CELL_INCHES)
         self.grid_width, self.grid_height = self.cell * width, self.cell * height

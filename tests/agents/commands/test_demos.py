@@ -23,6 +23,7 @@ from agents.console import output
 from agents.console.main import main
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.replay import replay_of_track
+from warehouse_core.viz.scene import LEGEND
 
 
 def run(*arguments: str) -> int:
@@ -116,7 +117,8 @@ def test_a_single_step_is_in_seconds_from_0_beside_a_large_map(make):
     floor, speed, energy = figure.axes
     assert speed.get_xlabel() == "seconds"
     assert speed.get_ylim()[0] == energy.get_ylim()[0] == 0
-    assert floor.get_window_extent().width > 0.55 * figure.bbox.width
+    beside_legend = 1 - LEGEND / figure.get_figwidth()
+    assert floor.get_window_extent().width > 0.55 * beside_legend * figure.bbox.width
     assert figure.get_figwidth() <= 13.66
 
 

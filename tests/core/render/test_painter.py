@@ -45,6 +45,7 @@ def drawn_by_the_replay(
     pose = Pose((robot[1] + 0.5, robot[0] + 0.5), None, loaded)
     frame = Frame(layout.rows, (pose,), 0.0)
     GridView(figure, axes, side * 0.72, Track([frame], {})).show_robots([frame], 0)
+    axes.set(xlim=(0, layout.width), ylim=(layout.height, 0))  # also what is not shown of a border
     return np.asarray(figure.pixels())
 
 

@@ -200,7 +200,7 @@ def test_the_action_and_its_reason_are_the_largest_words() -> None:
         replay.figure.pixels()
         (said,) = [t for t in replay.figure.texts if t.get_text().startswith(("N (x", "W (why)"))]
         width = said.get_window_extent().x1
-        assert width <= replay.root.bbox.x1
+        assert width <= replay.figure.bbox.x1
     others = [text for axes in replay.figure.axes for text in axes.texts]
     sizes = [text.get_fontsize() for text in (*replay.figure.texts, *others) if text is not said]
     assert said.get_fontsize() > 1.3 * max(sizes)
@@ -313,8 +313,8 @@ def test_a_layout_of_any_shape_fits_into_the_picture(height: int, width: int) ->
     rows = ["." * width] * height
     replay = replay_of([[["R", *rows[0][1:]], *rows[1:]]], {"battery": [1.0]})
     box = replay.figure.axes[0].get_window_extent()
-    assert replay.root.bbox.x0 <= box.x0 < box.x1 <= replay.figure.bbox.x1
-    assert replay.root.bbox.y0 <= box.y0 < box.y1 <= replay.figure.bbox.y1
+    assert replay.figure.bbox.x0 <= box.x0 < box.x1 <= replay.figure.bbox.x1
+    assert replay.figure.bbox.y0 <= box.y0 < box.y1 <= replay.figure.bbox.y1
     assert box.width / box.height == pytest.approx(width / height)
     # On cells this small the robot is larger than a cell, so that it can be seen.
     grid = patch(replay, pixels(replay), 0.0, 0.0, width - 0.01, height - 0.01)
@@ -496,7 +496,7 @@ def battery_of(level: float | None, full: float = 100.0) -> tuple[Replay, str]:
 def color_in_the_bar(replay: Replay, share: float) -> Any:
     axes = replay.figure.axes[-1]
     column, height = axes.transData.transform((share, 0.5))
-    return pixels(replay)[round(replay.root.bbox.height) - 1 - int(height), int(column)]
+    return pixels(replay)[round(replay.figure.bbox.height) - 1 - int(height), int(column)]
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,9 @@ from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, WALL, Cell
 
 BAND = 0.22
 """Thickness of walls along the border, in cells; the rest of their cells is left blank."""
+
+OUTER = 0.7
+"""How much of the cells of a border of walls is not shown."""
 
 INSET, MIN_STATION_POINTS = 0.06, 6.5
 """Of the square of a station in its cell, and its minimum side."""
@@ -89,6 +92,19 @@ def draw_tiles(
 def is_on_border(cell: Cell, size: tuple[int, int]) -> bool:
     """Return whether a cell is in the outermost ring of a layout of ``size`` rows and columns."""
     return any(place in (0, length - 1) for place, length in zip(cell, size, strict=True))
+
+
+def outer_of(all_rows: Iterable[Sequence[str]]) -> float:
+    """Return how much of the outermost cells of a layout needs not be shown.
+
+    Args:
+        all_rows: its tiles, and perhaps what is known of them at other times.
+    """
+    sides = set[str]()
+    for rows in all_rows:
+        sides.update(rows[0], rows[-1], *(line[0] + line[-1] for line in rows))
+    is_wide = min(len(rows), len(rows[0])) > 2
+    return OUTER if is_wide and sides <= {WALL, UNSEEN} else 0.0
 
 
 def _whole(cell: Cell, inset: float = 0.0) -> Box:

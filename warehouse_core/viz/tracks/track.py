@@ -15,7 +15,6 @@ from warehouse_core.orders.order import Order
 from warehouse_core.records.plans import NO_PLANS, StepPlans
 from warehouse_core.render.palette import Color
 from warehouse_core.world.tiles import (
-    CHARGER,
     Cell,
 )
 
@@ -190,19 +189,9 @@ class Track:
         return self.frames[0].fleet is not None
 
     @property
-    def has_chargers(self) -> bool:
-        """Whether any frame shows a charger."""
-        return any(map(has_chargers, {frame.tiles for frame in self.frames}))
-
-    @property
     def has_routes(self) -> bool:
         """Whether any frame shows a planned way."""
         return any(frame.route for frame in self.frames)
-
-
-def has_chargers(rows: Rows) -> bool:
-    """Return whether there is a charger among the tiles."""
-    return any(CHARGER in line for line in rows)
 
 
 def middle(cell: Cell) -> Point:
