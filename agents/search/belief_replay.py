@@ -99,7 +99,7 @@ def belief_tracks(episode: Episode, history: Sequence[Insight]) -> tuple[Track, 
     belief = track_of_episode(episode)
     world = replace(
         belief,
-        frames=[replace(frame, caption="") for frame in belief.frames],
+        frames=[replace(frame, caption="", energy=0.0) for frame in belief.frames],
         metrics={},
         is_continuous=False,
         title="The world",

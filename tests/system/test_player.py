@@ -242,6 +242,24 @@ def test_zoom_pan_and_fit(page: Shown) -> None:
     assert page.pictures() == whole
 
 
+def test_a_zoomed_floor_is_moved_by_keys(page: Shown) -> None:
+    page.press("+", "+")
+    before = page.read("player.views[0].middle")
+    page.press("Shift+ArrowRight", "Shift+ArrowDown")
+    after = page.read("player.views[0].middle")
+    assert after[0] > before[0] + 0.5
+    assert after[1] > before[1] + 0.3
+    assert steps(page) == 0, "arrows alone go to another step"
+    page.press("Shift+ArrowLeft", "Shift+ArrowUp")
+    assert page.read("player.views[0].middle") == pytest.approx(before)
+
+
+def test_space_plays_after_a_click_on_another_button(page: Shown) -> None:
+    page.page.get_by_role("button", name="One step on").click()
+    page.press(" ")
+    assert page.read("player.isPlaying")
+
+
 def test_ctrl_and_the_wheel_zoom_where_the_pointer_is(page: Shown) -> None:
     box = page.page.locator("canvas.floor").bounding_box()
     page.page.mouse.move(box["x"] + 0.7 * box["width"], box["y"] + 0.4 * box["height"])

@@ -156,7 +156,7 @@ def _draw_robot(points: Pixels, x: Places, y: Places, side: int, robot: str) -> 
     distance = 0.8 * (np.abs(x) + np.abs(y)) if robot == PERSON else np.hypot(x, y)
     _fill(points, distance < radius + outline / 2, INK)
     _fill(points, distance < radius - outline / 2, COLORS[robot])
-    if robot == ROBOT_LOADED and side >= MIN_LETTERED:
+    if robot == ROBOT_LOADED:
         _draw_item(points, x, y, side)
     if side >= MIN_LETTERED:
         capital = max(MIN_ROBOT_LETTER, round(ROBOT_LETTER * side))
@@ -167,10 +167,12 @@ def _draw_robot(points: Pixels, x: Places, y: Places, side: int, robot: str) -> 
 
 
 def _draw_item(points: Pixels, x: Places, y: Places, side: int) -> None:
-    """Draw a box whose middle is at 0, 0."""
+    """Draw a box whose middle is at 0, 0; where it would be too small, a dark square."""
     half, outline = BOX * side, OUTLINE * side if side >= MIN_OUTLINED else 0.0
     distance = np.maximum(np.abs(x), np.abs(y))
     _fill(points, distance < half + outline / 2, INK)
+    if side < MIN_LETTERED:
+        return
     _fill(points, distance < half - outline / 2, ITEM)
 
 

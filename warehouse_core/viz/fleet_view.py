@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import (
     EllipseCollection,
-    LineCollection,
     PathCollection,
     PolyCollection,
 )
@@ -51,6 +50,9 @@ LOW_BATTERY = 0.25
 
 LATE = len(ORDER_COLORS) - 1
 
+NOSE = np.array([(0.72, -0.6), (1.38, 0.0), (0.72, 0.6)])
+"""Corners of the wedge of a robot that heads east, in radii."""
+
 _SQUARE = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
 _DIAMOND = np.array([(0, -1), (1, 0), (0, 1), (-1, 0)])
 
@@ -75,9 +77,7 @@ class FleetView:
         edge: dict[str, Any] = {"edgecolors": [INK], "linewidths": thin, "zorder": ABOVE_TILES}
         side = 2 * self._radius
         self._people = PolyCollection([], facecolors=[COLORS[PERSON]], **edge)
-        self._noses = LineCollection(
-            [], colors=[INK], linewidths=max(0.8, cell_points / 12), zorder=ABOVE_TILES
-        )
+        self._noses = PolyCollection([], facecolors=[INK], linewidths=0, zorder=ABOVE_TILES)
         self._discs = EllipseCollection(
             [side], [side], [0], units="xy", offsets=[], offset_transform=axes.transData, **edge
         )
@@ -117,7 +117,7 @@ class FleetView:
         self._discs.set_offsets(places)
         self._discs.set_facecolor(colors)
         self._plans.show(fleet.plans, places, colors)
-        self._noses.set_segments([self._nose(pose) for pose in robots if pose.heading is not None])
+        self._noses.set_verts([self._nose(pose) for pose in robots if pose.heading is not None])
         self._numbers.set_offsets(places)
         self._numbers.set_facecolor(
             [INK if color == COLORS[ROBOT_LOADED] else PAPER for color in colors]
@@ -174,10 +174,11 @@ class FleetView:
         self._figure.add_mover(text)
         return text
 
-    def _nose(self, pose: Pose) -> list[tuple[float, float]]:
-        (x, y), heading = pose.at, pose.heading or 0.0
-        ends = (self._radius, 1.22 * self._radius)
-        return [(x + r * math.cos(heading), y + r * math.sin(heading)) for r in ends]
+    def _nose(self, pose: Pose) -> Any:
+        """Return the corners of the wedge at the rim of a robot that shows where it heads."""
+        heading = pose.heading or 0.0
+        cos, sin = math.cos(heading), math.sin(heading)
+        return self._radius * NOSE @ np.array([(cos, sin), (-sin, cos)]) + np.array(pose.at)
 
     def _add(self, collection: Any) -> None:
         self._axes.add_collection(collection, autolim=False)

@@ -234,7 +234,7 @@ def test_small_tiles_have_no_letters(side: int) -> None:
         assert not where(atlas(side)[CODES[tile, NO_ROBOT]], INK).any()
     for robot in "RrOoH":
         centre = atlas(side)[CODES[".", robot]][side // 2, side // 2]
-        assert side <= 3 or is_color(centre, COLORS[robot])
+        assert side <= 3 or is_color(centre, INK if robot == "r" else COLORS[robot])
 
 
 def test_a_tile_shows_two_letters_only_if_there_is_room() -> None:
@@ -477,3 +477,10 @@ print([name for name in ("matplotlib", "PIL", "gymnasium") if name in sys.module
     words = [sys.executable, "-c", program]
     done = subprocess.run(words, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize("side", [6, 8, 12])
+def test_a_loaded_robot_has_a_dark_middle_where_there_is_no_room_for_a_letter(side: int) -> None:
+    middle = slice(side // 2 - 1, side // 2 + 1)
+    empty, loaded = (atlas(side)[CODES[".", sign]][middle, middle].mean() for sign in "Rr")
+    assert loaded < 0.6 * empty

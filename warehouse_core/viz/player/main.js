@@ -49,7 +49,10 @@ function connect(player) {
     faster: () => player.faster(1),
   };
   for (const button of player.root.querySelectorAll("button[data-do]")) {
-    button.addEventListener("click", actions[button.dataset.do]);
+    button.addEventListener("click", (event) => {
+      actions[button.dataset.do]();
+      if (event.detail) button.blur(); // of a pointer: space plays from now on
+    });
   }
   listenToKeys(player, actions);
   player.listeners.push(() => {
@@ -75,15 +78,19 @@ const KEYS = {
   ">": "faster", ",": "slower", ".": "faster",
 };
 
+/** Of the view, with the shift key. */
+const DIRECTIONS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+
 function listenToKeys(player, actions) {
   document.addEventListener("keydown", (event) => {
     const { target, key } = event;
     if (event.ctrlKey || event.metaKey || event.altKey || player.find("helping").open) return;
     if (target.matches("input[type=number], select") && key !== "Escape") return;
     if (target.matches("button, input[type=checkbox], summary") && key === " ") return;
-    if (!(key in KEYS)) return;
+    if (event.shiftKey && key in DIRECTIONS) player.pan(...DIRECTIONS[key]);
+    else if (key in KEYS) actions[KEYS[key]]();
+    else return;
     event.preventDefault();
-    actions[KEYS[key]]();
   });
 }
 

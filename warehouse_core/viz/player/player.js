@@ -205,6 +205,14 @@ export class Player {
     this.draw();
   }
 
+  /** Move the views by an eighth of a canvas to the right and down. */
+  pan(right, down) {
+    for (const view of this.views) {
+      view.moveBy((-right * view.canvasWidth) / 8, (-down * view.canvasHeight) / 8);
+    }
+    this.draw();
+  }
+
   fit() {
     for (const view of this.views) view.fit();
     this.draw();
