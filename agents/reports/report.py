@@ -47,7 +47,7 @@ def report(
     """Report on a sweep, as text and as an HTML page.
 
     The page has answers to the questions of the sweep, figures, replays, and a table of all
-    combinations. It is one file without scripts.
+    combinations. It is one file that loads nothing.
 
     Example: warehouse report results.sqlite --figures figures
     """

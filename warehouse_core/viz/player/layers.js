@@ -59,7 +59,7 @@ function heatOf(track, frame, theme) {
 }
 
 /** Draw the cells of a search in the colours that they have by now. */
-export function drawMarks(context, track, moment, view, theme) {
+export function drawMarks(context, track, moment, view) {
   const { time, cell, value, colors } = track.marks;
   const now = marksUntil(track, moment.time, { time, cell, value });
   for (const [place, index] of now) {

@@ -8,7 +8,7 @@ import { drawPlans, drawPushes, drawRoute, drawTrail, drawWayAhead } from "./way
 /** Draw everything that moves at a moment. `chosen` is the number of a robot, or `null`. */
 export function drawScene(context, track, moment, view, theme, { chosen, hasHeat }) {
   const watched = chosen ?? (track.robots === 1 && track.bodies > 0 ? 0 : null);
-  if (track.marks) drawMarks(context, track, moment, view, theme);
+  if (track.marks) drawMarks(context, track, moment, view);
   if (watched !== null) drawVisits(context, track, watched, moment, view, theme);
   if (hasHeat) drawHeat(context, track, moment, view, theme);
   if (watched !== null && !track.isFleet) drawSight(context, track, watched, moment, view, theme);
