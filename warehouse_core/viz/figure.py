@@ -83,7 +83,8 @@ class SceneFigure(Figure):
             self._background, self._shown = canvas.copy(), canvas.copy()
             self._boxes, self._settled = {}, {}
             self._background_size = size
-            boxes.append((0, renderer.height, 0, renderer.width))
+            height, width, _ = canvas.shape
+            boxes.append((0, height, 0, width))
         for part, movers in self._parts().items():
             if is_new or any(mover.stale for mover in movers):
                 boxes.append(self._draw_part(renderer, canvas, part, movers))

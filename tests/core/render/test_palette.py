@@ -1,4 +1,5 @@
 import pytest
+from helpers.colors import EYES, contrast, seen_by, seen_contrast
 from PIL import Image
 
 from warehouse_core.render import palette
@@ -18,65 +19,12 @@ def test_the_six_colours_are_the_chapters() -> None:
     assert dict(list(COLORS.items())[:6]) == CHAPTER
 
 
-def contrast(one: tuple[float, float, float], other: tuple[float, float, float]) -> float:
-    """Return the contrast of two colours, 1 to 21, by WCAG 2."""
-
-    def luminance(color: tuple[float, float, float]) -> float:
-        red, green, blue = (
-            part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in color
-        )
-        return 0.2126 * red + 0.7152 * green + 0.0722 * blue
-
-    darker, lighter = sorted((luminance(one), luminance(other)))
-    return (lighter + 0.05) / (darker + 0.05)
-
-
-IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-
-EYES = {
-    "normal": IDENTITY,
-    "protanopia": (
-        (0.152286, 1.052583, -0.204868),
-        (0.114503, 0.786281, 0.099216),
-        (-0.003882, -0.048116, 1.051998),
-    ),
-    "deuteranopia": (
-        (0.367322, 0.860646, -0.227968),
-        (0.280085, 0.672501, 0.047413),
-        (-0.011820, 0.042940, 0.968881),
-    ),
-    "tritanopia": (
-        (1.255528, -0.076749, -0.178779),
-        (-0.078411, 0.930809, 0.147602),
-        (0.004733, 0.691367, 0.303900),
-    ),
-}
-"""Linear RGB as other eyes see it. Source: Machado, Oliveira and Fernandes, A Physiologically-based
-Model for Simulation of Color Vision Deficiency, IEEE TVCG 15(6), 2009, severity 1.0."""
-
 GROUNDS = {
     **{sign: COLORS[sign] for sign in ".PDC"},
     "seen floor": palette.SEEN,
     "slippery floor": palette.ICE,
     **{f"visited {n}": color for n, color in enumerate(palette.VISITED)},
 }
-
-
-def seen_by(eyes: str, color: palette.Color) -> palette.Color:
-    """Return a colour as other eyes see it."""
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in color]
-    mixed = [
-        min(1.0, max(0.0, sum(share * part for share, part in zip(row, linear, strict=True))))
-        for row in EYES[eyes]
-    ]
-    red, green, blue = (
-        12.92 * c if c <= 0.0031308 else 1.055 * c ** (1 / 2.4) - 0.055 for c in mixed
-    )
-    return red, green, blue
-
-
-def seen_contrast(eyes: str, one: palette.Color, other: palette.Color) -> float:
-    return contrast(seen_by(eyes, one), seen_by(eyes, other))
 
 
 @pytest.mark.parametrize("eyes", EYES)

@@ -37,7 +37,7 @@ export function drawRobots(context, track, moment, view, theme, chosen) {
     context.beginPath();
     for (const { body, x, y } of items) outline(context, x, y, radius, body >= track.robots);
     context.fill();
-    context.strokeStyle = theme.dark;
+    context.strokeStyle = theme.rim;
     context.lineWidth = Math.max(1, radius / 8);
     context.stroke();
   }
@@ -71,7 +71,7 @@ function share(track, body, moment) {
 
 /** Draw the nose of each robot that has a heading: a wedge at its rim. */
 function drawNoses(context, shown, radius, theme) {
-  context.fillStyle = theme.dark;
+  context.fillStyle = theme.rim;
   context.beginPath();
   for (const { x, y, heading } of shown) {
     if (heading === null) continue;

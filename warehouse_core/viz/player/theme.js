@@ -1,8 +1,8 @@
 // The colours of canvases: those of the style sheet, light or dark, and those of the data.
 
 const NAMES = [
-  "paper", "ink", "quiet", "accent", "warning", "floor", "line", "wall", "board", "border", "unseen",
-  "stripe", "shadow", "visited", "ice", "wave", "item", "dark", "light",
+  "paper", "ink", "quiet", "accent", "warning", "floor", "line", "wall", "board", "unseen",
+  "stripe", "shadow", "visited", "ice", "wave", "item", "rim", "dark", "light",
 ];
 
 let known = { key: "" };
