@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.fleet_truth import big_warehouse
-from helpers.player_pages import launched
+from helpers.player_pages import launched, wait_until
 from helpers.timing import seconds
 from numpy.typing import NDArray
 
@@ -127,7 +127,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Write:
 def load(browser: Any, path: Path) -> Any:
     page = browser.new_page(viewport={"width": 1366, "height": 768})
     page.goto(path.as_uri())
-    page.wait_for_function("globalThis.player?.theme !== undefined")
+    wait_until(page, "globalThis.player?.theme !== undefined")
     page.evaluate("document.querySelector('canvas').getContext('2d').getImageData(0, 0, 1, 1)")
     return page
 

@@ -4,6 +4,7 @@ import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from time import monotonic, sleep
 from typing import Any
 
 from warehouse_core.viz.player import player_page
@@ -11,6 +12,9 @@ from warehouse_core.viz.tracks import Track
 
 Box = tuple[float, float, float, float]
 """Of cells: column, row, columns, rows."""
+
+MAX_WAIT = 30.0
+"""Seconds."""
 
 LISTENING = """
 globalThis.violations = [];
@@ -70,6 +74,17 @@ def launched(playwright: Any) -> Any:
     )
 
 
+def wait_until(frame: Any, condition: str) -> None:
+    """Wait until a condition holds in a page or a frame.
+
+    Its policy forbids what ``wait_for_function`` of Playwright does.
+    """
+    end = monotonic() + MAX_WAIT
+    while not frame.evaluate(condition):
+        assert monotonic() < end, condition
+        sleep(0.02)
+
+
 class Shown:
     """A page in a browser, and what went wrong in it."""
 
@@ -85,7 +100,7 @@ class Shown:
     def open(self, file: Path, fragment: str = "") -> "Shown":
         """Load a file, and wait until the page shows it."""
         self.page.goto(file.as_uri() + fragment)
-        self.page.wait_for_function("globalThis.player !== undefined")
+        wait_until(self.page, "globalThis.player !== undefined")
         return self
 
     def hold_clock(self) -> None:

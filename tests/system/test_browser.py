@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.pages import HOSTILE, a_page, a_page_of, loaders
+from helpers.player_pages import wait_until
 from helpers.results_files import fill, outcomes
 from numpy.typing import NDArray
 from PIL import Image
@@ -93,7 +94,7 @@ def test_replays_play_inside_the_page(page: Path, browser: Any, scheme: str, pap
         tab.goto(page.as_uri())
         _, *players = tab.frames
         for player in players:
-            player.wait_for_function("globalThis.player !== undefined")
+            wait_until(player, "globalThis.player !== undefined")
             player.locator("[data-do=last]").click()
             assert player.evaluate("player.step") == 1
             color = player.evaluate("getComputedStyle(document.body).backgroundColor")

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from helpers.fleets import fleet_episode
-from helpers.player_pages import Files, Shown
+from helpers.player_pages import Files, Shown, wait_until
 
 from agents.run_episode import run_episode
 from warehouse_core.viz.tracks import Track, track_of_episode, track_of_fleet_episode
@@ -188,9 +188,9 @@ def test_n_goes_to_the_events_of_the_chosen_robot(crowd: Shown, fleet: Track) ->
 
 def test_f_is_full_screen_and_back(page: Shown) -> None:
     page.press("f")
-    page.page.wait_for_function("document.fullscreenElement !== null")
+    wait_until(page.page, "document.fullscreenElement !== null")
     page.press("f")
-    page.page.wait_for_function("document.fullscreenElement === null")
+    wait_until(page.page, "document.fullscreenElement === null")
 
 
 def test_help_is_a_dialog_whose_keys_are_its_own(page: Shown) -> None:
@@ -267,7 +267,7 @@ def test_ctrl_and_the_wheel_zoom_where_the_pointer_is(page: Shown) -> None:
     assert page.read("player.views[0].zoom") == 1
     page.page.keyboard.down("Control")
     page.page.mouse.wheel(0, -100)
-    page.page.wait_for_function("player.views[0].zoom > 1.1")
+    wait_until(page.page, "player.views[0].zoom > 1.1")
     page.page.keyboard.up("Control")
 
 
@@ -338,7 +338,7 @@ def test_an_address_opens_at_its_step_and_robot_and_follows_them(
     page.press("ArrowRight")
     assert page.page.url.endswith("#step=13&robot=3")
     page.read("location.hash = '#step=2&robot=0'")
-    page.page.wait_for_function("player.step === 2 && player.chosen === 0")
+    wait_until(page.page, "player.step === 2 && player.chosen === 0")
 
 
 @pytest.mark.parametrize(
@@ -435,11 +435,11 @@ def test_a_page_in_a_sandboxed_frame_plays(
     )
     page = opened(outer)
     frame = page.page.frames[1]
-    frame.wait_for_function("globalThis.player !== undefined")
+    wait_until(frame, "globalThis.player !== undefined")
     inner: Any = page.page.frame_locator("iframe")
     inner.get_by_role("button", name="One step on", exact=True).click()
     assert frame.evaluate("player.step") == 1
     assert inner.locator('[data-part="place"]').inner_text().startswith("step 1 of")
     page.press("Space")
-    frame.wait_for_function("player.step > 1")
+    wait_until(frame, "player.step > 1")
     assert frame.evaluate("violations") == []
