@@ -19,7 +19,7 @@ from warehouse_core.wording import counted, listed, printable
 WIDTH, HEIGHT, ROW_HEIGHT, DPI = 11.5, 2.5, 0.4, 110
 """In inches, the height without message and agents, of the row of an agent, and dots per inch."""
 
-MESSAGE_LETTERS, LINE, MAX_BEST = 84, 0.26, 4
+MESSAGE_LETTERS, LINE, MAX_BEST = 76, 0.26, 4
 """In a line of the message, its height in inches, and the most agents that it names as best."""
 
 MAX_LETTERS, LETTER = 36, 0.0068
