@@ -14,6 +14,7 @@ from agents.commands.compare_backends import compare
 from agents.commands.demos import demo
 from agents.commands.explore import explore
 from agents.commands.fleet import fleet
+from agents.commands.gap.gap import gap
 from agents.commands.planners.compare_planners import compare_planners
 from agents.commands.planners.mapf import mapf
 from agents.commands.play import play
@@ -39,6 +40,7 @@ app = console.application(
 app.command()(run)
 app.command()(play)
 app.command()(fleet)
+app.command()(gap)
 app.command()(mapf)
 app.command()(compare_planners)
 app.command()(compare)

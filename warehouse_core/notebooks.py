@@ -13,9 +13,7 @@ from typing import Any
 from warehouse_core.fleet.env import FleetEnv
 from warehouse_core.records.episode import Episode
 from warehouse_core.records.fleet_episode import FleetEpisode
-from warehouse_core.viz.tracks.episode_track import track_of_episode
-from warehouse_core.viz.tracks.fleet_track import track_of_fleet_episode
-from warehouse_core.viz.tracks.track import Track
+from warehouse_core.viz.tracks.record_track import Record, track_of_record
 from warehouse_core.warehouse_env import WarehouseEnv
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
@@ -24,14 +22,17 @@ MAX_BYTES = 3_000_000
 """Of a player in a notebook, which keeps it in its file."""
 
 
-def episode_player(episode: Episode) -> str:
-    """Return the player of a record as HTML."""
-    return _player(track_of_episode(episode))
+def record_player(record: Record) -> str:
+    """Return the player of a record as HTML, or how to save it if it is large."""
+    from warehouse_core.viz.player import player_frame
 
-
-def fleet_player(episode: FleetEpisode) -> str:
-    """Return the player of a fleet's record as HTML."""
-    return _player(track_of_fleet_episode(episode))
+    frame = player_frame([track_of_record(record)])
+    if len(frame) <= MAX_BYTES:
+        return frame
+    return (
+        f"<p>This replay has {len(frame) / 1e6:.1f} MB, more than a notebook should keep. "
+        "<code>replay_animation(episode).save('replay.html')</code> writes it as a page.</p>"
+    )
 
 
 def layout_picture(layout: Layout) -> bytes:
@@ -51,18 +52,6 @@ def fleet_picture(env: FleetEnv) -> bytes:
     return _picture(env.layout, zip(env.cells, env.loaded, strict=True), env.people)
 
 
-def _player(track: Track) -> str:
-    from warehouse_core.viz.player import player_frame
-
-    frame = player_frame([track])
-    if len(frame) <= MAX_BYTES:
-        return frame
-    return (
-        f"<p>This replay has {len(frame) / 1e6:.1f} MB, more than a notebook should keep. "
-        "<code>replay_animation(episode).save('replay.html')</code> writes it as a page.</p>"
-    )
-
-
 def _picture(
     layout: Layout, robots: Iterable[tuple[Cell, bool]] = (), people: Iterable[Cell] = ()
 ) -> bytes:
@@ -77,8 +66,8 @@ def _picture(
 
 
 SHOWN: dict[tuple[type, str], Callable[[Any], str | bytes]] = {
-    (Episode, "_repr_html_"): episode_player,
-    (FleetEpisode, "_repr_html_"): fleet_player,
+    (Episode, "_repr_html_"): record_player,
+    (FleetEpisode, "_repr_html_"): record_player,
     (Layout, "_repr_png_"): layout_picture,
     (WarehouseEnv, "_repr_png_"): env_picture,
     (FleetEnv, "_repr_png_"): fleet_picture,

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from typing import Any, ClassVar, SupportsIndex
 
 from warehouse_core.arguments import as_cell, whole_number
+from warehouse_core.errors import BackendError
 from warehouse_core.motion.backends import Backend, make_motion
-from warehouse_core.motion.base import Motion, Outcome, conditions_of
+from warehouse_core.motion.base import DrivesThrough, Motion, Outcome, conditions_of
 from warehouse_core.task.rules import charged, is_truncated, judge
 from warehouse_core.task.settings import Settings
 from warehouse_core.task.sight import Sight
@@ -104,6 +105,11 @@ class WarehouseEnv:
         self._use(layout)
         self._start_pos = self._start_in(self.layout, start_pos)
         self._motion = make_motion(backend)
+        if isinstance(self._motion, DrivesThrough):
+            raise BackendError(
+                f"backend {backend!r} drives through the cells of a plan; allowed here: one whose "
+                "robots rest in each cell. FleetEnv takes both"
+            )
         self.last_motion: Outcome | None = None
         self._placed: Cell = self._start_pos
         self.backend = backend if isinstance(backend, str) else type(self._motion).__name__

@@ -12,13 +12,11 @@ from typing import TYPE_CHECKING
 
 from warehouse_core.arguments import real_number
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.records.episode import Episode
 from warehouse_core.records.fleet_episode import FleetEpisode
 from warehouse_core.records.plans import StepPlans
-from warehouse_core.viz.tracks.episode_track import track_of_episode
-from warehouse_core.viz.tracks.fleet_track import track_of_fleet_episode
 from warehouse_core.viz.tracks.grid_track import track_of_frames
 from warehouse_core.viz.tracks.motion_frames import FRAME_SECONDS
+from warehouse_core.viz.tracks.record_track import Record, track_of_record
 from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
 
 if TYPE_CHECKING:
@@ -27,7 +25,6 @@ if TYPE_CHECKING:
 LEGEND_INCHES, FLEET_LEGEND_INCHES = (6.0, 0.6), (8.0, 0.8)
 
 Frames = Sequence[Sequence[Sequence[str]]]
-Record = Episode | FleetEpisode
 Metrics = Mapping[str, Sequence[float | None]]
 
 
@@ -130,9 +127,7 @@ def _track_of(
     if isinstance(frames, Record):
         if metrics is not None:
             raise TypeError("a record has its own metrics; metrics must be None")
-        if isinstance(frames, FleetEpisode):
-            return track_of_fleet_episode(frames, frame_seconds, plans)
-        return track_of_episode(frames, frame_seconds)
+        return track_of_record(frames, frame_seconds, plans)
     return track_of_frames(frames, metrics) if len(frames) else None
 
 

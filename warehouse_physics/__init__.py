@@ -2,8 +2,9 @@
 
 # Check the version first: with a wrong one the other imports may fail for another reason.
 from warehouse_physics import pymunk_version as _checked  # noqa: F401
-from warehouse_physics.disturbances import Disturbances
+from warehouse_physics.disturbances import Disturbances, Stop
+from warehouse_physics.driving import DrivingMotion
 from warehouse_physics.motion import RigidBodyMotion
 from warehouse_physics.robot_spec import RobotSpec
 
-__all__ = ["Disturbances", "RigidBodyMotion", "RobotSpec"]
+__all__ = ["Disturbances", "DrivingMotion", "RigidBodyMotion", "RobotSpec", "Stop"]

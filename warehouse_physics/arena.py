@@ -75,7 +75,7 @@ class Arena:
     def _report_hits(self, hits: list[Hit], now: int) -> None:
         """Pass the hits of this substep to the robots, with the velocities after them."""
         for (one, two), normal, point, velocities in hits:
-            impulse = _impulse_of(one, two, normal.dot(velocities[0] - velocities[1]))
+            impulse = impulse_of(one, two, normal.dot(velocities[0] - velocities[1]))
             for body, other, sign, velocity in (
                 (one, two, -1.0, velocities[0]),
                 (two, one, 1.0, velocities[1]),
@@ -128,7 +128,7 @@ def _note_hit(arbiter: pymunk.Arbiter) -> Hit:
     return Hit(bodies, points.normal, points.points[0].point_a, velocities)
 
 
-def _impulse_of(body: pymunk.Body, other: pymunk.Body, speed: float) -> float:
+def impulse_of(body: pymunk.Body, other: pymunk.Body, speed: float) -> float:
     """Return the impulse in N·s of a hit between two bodies that approach with ``speed``.
 
     They do not bounce, so the hit takes all of that speed from their reduced mass. What the solver

@@ -2,13 +2,41 @@
 
 from __future__ import annotations
 
+import math
 import random
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from operator import index
 
 from warehouse_core import Cell
-from warehouse_core.arguments import real_number
+from warehouse_core.arguments import real_number, whole_number
+from warehouse_core.motion.base import Conditions
 from warehouse_physics.robot_spec import GRAVITY
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A failure of a robot, which brakes and stands still for some time.
+
+    Attributes:
+        robot: its number.
+        at: seconds from the reset.
+        seconds: how long it does not drive; ``math.inf`` for a robot that has died.
+
+    Raises:
+        ValueError: naming the field, its value and what is allowed.
+        TypeError: ``robot`` is not an integer.
+    """
+
+    robot: int
+    at: float
+    seconds: float
+
+    def __post_init__(self) -> None:
+        whole_number("robot", self.robot, minimum=0)
+        real_number("at", self.at)
+        if self.seconds != math.inf:
+            real_number("seconds", self.seconds, above=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +52,9 @@ class Disturbances:
         grip: friction coefficient of wheels on slippery floor; about 0.05 on wet ice.
         motor_strength: actual share of the motor force, 0 to 1.
         drag_spread: the drag of each cell is drawn within this share of the nominal, below 1.
-        patience: durations of a free move after which no new attempt is made, at least 1.
+        patience: durations of a free move after which no new attempt is made, at least 1; robots
+            that drive through have no such limit.
+        stops: failures of robots; only for robots that drive through.
 
     Raises:
         ValueError: naming the field, its value and what is allowed.
@@ -36,6 +66,7 @@ class Disturbances:
     motor_strength: float = 1.0
     drag_spread: float = 0.0
     patience: float = 2.0
+    stops: tuple[Stop, ...] = ()
 
     def __post_init__(self) -> None:
         allowed = {
@@ -53,6 +84,15 @@ class Disturbances:
             message = f"slippery is {self.slippery!r}; it must be cells (row, column)"
             raise ValueError(message) from None
         object.__setattr__(self, "slippery", slippery)
+        is_sequence = isinstance(self.stops, Sequence)
+        if not is_sequence or not all(isinstance(each, Stop) for each in self.stops):
+            raise ValueError(f"stops is {self.stops!r}; it must be a sequence of Stop")
+        object.__setattr__(self, "stops", tuple(self.stops))
+
+    @property
+    def conditions(self) -> Conditions:
+        """Floor and motors, for records."""
+        return Conditions(tuple(sorted(self.slippery)), self.motor_strength)
 
     @property
     def any(self) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TypeVar
 
 import numpy as np
@@ -36,6 +36,11 @@ class RigidBodyMotion:
     cell; see ``giving_way.py`` for several that are in each other's way. All robots accelerate like
     the slowest of them, such as a loaded one. Each has its own ``seconds``, until it is at rest.
 
+    Robots with ``turn_seconds`` first turn on the spot, the shorter way round, and drive back
+    backwards. All that move set off together, after the longest turn of any of them, as a robot
+    that follows another, or goes round with others in a ring, needs them to leave at the same time.
+    Those that have less to turn turn more slowly.
+
     Args:
         spec: of the robots.
         disturbances: how far the physics departs from the nominal.
@@ -43,7 +48,7 @@ class RigidBodyMotion:
         path_every: substeps between rows of a path, at least 1.
 
     Raises:
-        ValueError: ``path_every`` is below 1.
+        ValueError: ``path_every`` is below 1, or there are stops, which these robots cannot have.
         TypeError: ``path_every`` is not an integer, ``spec`` no ``RobotSpec``, or ``disturbances``
             no ``Disturbances``.
     """
@@ -60,19 +65,27 @@ class RigidBodyMotion:
     ) -> None:
         every = whole_number("path_every", path_every, minimum=1)
         self._path_every = every if record_path else MAX_SUBSTEPS
-        self.spec = _instance("spec", spec, RobotSpec)
-        self.disturbances = _instance("disturbances", disturbances, Disturbances)
+        self.spec = instance("spec", spec, RobotSpec)
+        self.disturbances = instance("disturbances", disturbances, Disturbances)
+        if self.disturbances.stops:
+            raise ValueError(
+                f"stops is {self.disturbances.stops}; it must be empty for robots that move step "
+                "by step, as only a DrivingMotion carries out stops"
+            )
         self.cell_size = self.spec.cell_size
         self._record_path = record_path
         self._paces = [self.spec.attainable_acceleration(loaded) for loaded in (False, True)]
         self._arena: Arena | None = None
 
+    @classmethod
+    def from_numbers(cls, numbers: Mapping[str, float]) -> RigidBodyMotion:
+        """Return a motion of nominal robots; see ``RobotSpec.from_numbers``."""
+        return cls(RobotSpec.from_numbers(numbers))
+
     @property
     def conditions(self) -> Conditions:
         """Floor and motors, for records."""
-        return Conditions(
-            tuple(sorted(self.disturbances.slippery)), self.disturbances.motor_strength
-        )
+        return self.disturbances.conditions
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         """Build a new arena with robots at rest; see ``Motion.reset``.
@@ -108,8 +121,12 @@ class RigidBodyMotion:
         check_moves(len(robots), displacements, loaded)
         moves = zip(displacements, loaded, strict=True)
         pace = self._paces[any(load and displacement != STAY for displacement, load in moves)]
-        for robot, displacement, load in zip(robots, displacements, loaded, strict=True):
+        turning = max(
             robot.begin(displacement, load, pace)
+            for robot, displacement, load in zip(robots, displacements, loaded, strict=True)
+        )
+        for robot in robots:
+            robot.set_off(turning)
         paths = [[self._row(0.0, robot)] for robot in robots]
         substeps = self._drive(self._arena, paths)
         return [self._outcome(*each, substeps) for each in zip(robots, paths, strict=True)]
@@ -179,7 +196,7 @@ class RigidBodyMotion:
         return seconds, x, y, robot.body.angle
 
 
-def _instance(name: str, value: Part | None, kind: type[Part]) -> Part:
+def instance(name: str, value: Part | None, kind: type[Part]) -> Part:
     """Return an argument that must be of a kind, or a default one."""
     if value is None:
         return kind()

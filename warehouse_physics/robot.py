@@ -16,6 +16,7 @@ import pymunk
 
 from warehouse_core import Cell
 from warehouse_core.motion.base import Contact, centre_of
+from warehouse_physics.clearance import apart, comes_closer
 from warehouse_physics.disturbances import FloorConditions
 from warehouse_physics.profile import braking, plan_profile
 from warehouse_physics.robot_spec import ARRIVED, RobotSpec
@@ -129,10 +130,13 @@ class Robot:
         self._steering.max_bias = TURN_RATE * quickness
         self._steering.error_bias **= quickness  # the error that is left after a second
         self._turn_acceleration = TURN_ACCELERATION * quickness**2
+        if spec.turn_seconds:  # at a constant rate, which is reached in a substep
+            self._steering.error_bias = 0.0
+            self._turn_acceleration = math.pi / spec.turn_seconds / spec.time_step
         # The motor comes after the floor, so that its impulse is the last in each solver round.
         space.add(self.body, shape, self._control, self._floor, self._motor, self._steering)
         self.action = Action(cell, cell, centre)
-        self._heading = 0.0
+        self._heading = self._turn = 0.0
         self.look()
         # Of the present profile: where work was last counted, the kinetic energy there, and for
         # how many substeps to brake at its end.
@@ -153,13 +157,16 @@ class Robot:
         x, y = self.position
         return math.floor(y / self._spec.cell_size), math.floor(x / self._spec.cell_size)
 
-    def begin(self, displacement: Cell, loaded: bool, pace: float) -> None:
+    def begin(self, displacement: Cell, loaded: bool, pace: float) -> int:
         """Begin an action: drive to the middle of a cell, or back if something is in the way.
 
         Args:
             displacement: ``(0, 0)``, or one cell in one direction.
             loaded: whether it carries an item.
             pace: acceleration in m/s² to drive with.
+
+        Returns:
+            For how many substeps it has to turn on the spot before; see ``set_off``.
         """
         if loaded != self._loaded or pace != self._pace:
             self._load(loaded, pace)
@@ -168,8 +175,17 @@ class Robot:
         goal = home[0] + displacement[0], home[1] + displacement[1]
         deadline = math.inf if self._uneven is None else self._deadline(self._uneven)
         self.action = Action(home, goal, centre_of(goal, self._spec.cell_size), deadline)
-        if goal != home:
-            self._turn_towards(displacement)
+        return self._turn_towards(displacement) if goal != home else 0
+
+    def set_off(self, turning: int) -> None:
+        """Drive off after so many substeps, in which it turns on the spot; or stay."""
+        if self.action.goal == self.action.home:
+            return
+        if turning:
+            self._steering.max_bias = abs(self._turn) / (turning * self._spec.time_step)
+            self.action.deadline += turning
+            self._brake(0, turning)
+        else:
             self.drive(0, self.action.target)
 
     def next_phase(self, now: int) -> None:
@@ -307,12 +323,17 @@ class Robot:
         deceleration = max(self._pace, self._spec.floor_deceleration)
         return braking(speed, deceleration, self._spec.time_step)
 
-    def _turn_towards(self, displacement: Cell) -> None:
-        """Turn the heading the shorter way round while driving; the way back does not turn it."""
-        turn = math.remainder(math.atan2(*displacement) - self._heading, math.tau)
-        if turn:
-            self._heading += turn
+    def _turn_towards(self, displacement: Cell) -> int:
+        """Turn the heading the shorter way round; the way back does not turn it.
+
+        Returns:
+            The substeps that this takes on the spot, or 0 if the robot turns while it drives.
+        """
+        self._turn = math.remainder(math.atan2(*displacement) - self._heading, math.tau)
+        if self._turn:
+            self._heading += self._turn
             self._control.angle = self._heading
+        return self._spec.turn_substeps(round(abs(self._turn) / (math.pi / 2)))
 
     def _push(self, force: float) -> None:
         """Let the motor push with up to ``force`` N, or less if motor or floor limit it."""
@@ -372,21 +393,3 @@ class Robot:
             self._drag *= self._uneven.drag_factor(self._on)
         self._floor.max_force = self._drag
         self._steering.max_force = self.body.moment * self._turn_acceleration
-
-
-def apart(position: Position, other: Position) -> Position:
-    """Return the way to a position from another."""
-    return position[0] - other[0], position[1] - other[1]
-
-
-def comes_closer(before: Position, after: Position, reach: float) -> bool:
-    """Return whether a straight way comes closer to the origin than ``reach``.
-
-    One that starts closer may lead away from there.
-    """
-    way = apart(after, before)
-    towards = -(before[0] * way[0] + before[1] * way[1])
-    if towards <= 0:
-        return False
-    done = min(1.0, towards / (way[0] ** 2 + way[1] ** 2))
-    return math.hypot(before[0] + done * way[0], before[1] + done * way[1]) < reach

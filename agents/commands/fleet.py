@@ -12,6 +12,16 @@ from typing import Annotated
 
 import typer
 
+from agents.commands.shift_options import (
+    DUE,
+    AssignmentOption,
+    FleetBatteryOption,
+    FleetLayoutOption,
+    PlanSecondsOption,
+    RobotsOption,
+    parse_battery,
+    parse_due,
+)
 from agents.commands.shift_report import Result, report_shifts, result_of
 from agents.console.options import (
     MAX_COUNT,
@@ -27,27 +37,23 @@ from agents.console.output import replay_or_save
 from agents.console.terminal import print_error
 from agents.errors import EpisodeError, EpisodeInterrupted
 from agents.fleet.plan_log import PlanLog
-from agents.fleet.planned import DEFAULT_ASSIGNMENT, PLAN_SECONDS, PlannedFleet
+from agents.fleet.planned import PLAN_SECONDS, PlannedFleet
 from agents.fleet.shift import run_shift
-from agents.mapf.assignment import ASSIGNMENTS
 from agents.registry import PLANNERS, make_fleet_agent, make_team
 from agents.run_episode import draw_seed
 from warehouse_core import FleetEnv, FleetEpisode, OrderStream, WarehouseError
 from warehouse_core.arguments import whole_number
-from warehouse_core.fleet import Battery
-from warehouse_core.fleet.battery import JOULES, STEPS
 from warehouse_core.fleet.settings import MAX_BODIES
 from warehouse_core.orders import load_orders
 from warehouse_core.orders.order import Orders
 from warehouse_core.records.fleet_episode import FleetAgent
-from warehouse_core.task.encoding import MAX_STEPS
 from warehouse_core.wording import counted
-from warehouse_core.world.named_layouts import DEPOT, NAMES, find_layout
+from warehouse_core.world.named_layouts import DEPOT, find_layout
 
 MAX_SHIFTS = 1000
 
-RATE, DUE = "0.06", (50, 150)
-"""Orders that arrive in a step, and the steps until they are due."""
+RATE = "0.06"
+"""Orders that arrive in a step."""
 
 
 def parse_orders(text: str, due: str | None) -> Orders:
@@ -80,38 +86,6 @@ def parse_orders(text: str, due: str | None) -> Orders:
         raise typer.BadParameter(f"--orders {text}: {error}") from error
 
 
-def parse_due(text: str | None) -> tuple[int, int]:
-    """Return the fewest and most steps in a text ``FEWEST:MOST``.
-
-    Raises:
-        typer.BadParameter: the text is not of that form, or they are out of order.
-    """
-    if text is None:
-        return DUE
-    found = re.fullmatch(r"([0-9]{1,9}):([0-9]{1,9})", text)
-    fewest, most = map(int, found.groups()) if found else (1, 0)
-    if fewest > most:
-        raise typer.BadParameter(
-            f"--due is {text!r}; it must be FEWEST:MOST steps from release to due time, as in "
-            f"{DUE[0]}:{DUE[1]}"
-        )
-    return fewest, most
-
-
-def parse_battery(text: str) -> Battery:
-    """Return the battery in a text such as ``400``, ``400steps`` or ``20000joules``.
-
-    Raises:
-        typer.BadParameter: the text is not of that form, or out of range.
-    """
-    found = re.fullmatch(rf"([0-9]{{1,12}}) ?({STEPS}|{JOULES})?", text)
-    if found is None or not 1 <= int(found[1]) <= MAX_STEPS:
-        raise typer.BadParameter(
-            f"--battery is {text!r}; it must be 1..{MAX_STEPS} steps or joules, as in 400steps"
-        )
-    return Battery(int(found[1]), found[2] or STEPS)
-
-
 def parse_robots(text: str | None, robots: int) -> list[int]:
     """Return the numbers of robots in a text such as ``0,3``; of ``None`` none.
 
@@ -127,12 +101,7 @@ def parse_robots(text: str | None, robots: int) -> list[int]:
 
 
 def fleet(
-    robots: Annotated[
-        int,
-        typer.Option(
-            "--robots", "-r", metavar="N", min=1, max=MAX_BODIES, help="Number of robots."
-        ),
-    ] = 8,
+    robots: RobotsOption = 8,
     orders: Annotated[
         str,
         typer.Option(
@@ -159,23 +128,8 @@ def fleet(
             "file.py:Class.",
         ),
     ] = None,
-    assignment: Annotated[
-        str | None,
-        typer.Option(
-            "--assignment",
-            metavar="NAME",
-            help=f"Which robot of a planner goes for which order: {', '.join(ASSIGNMENTS)}. "
-            f"Default: {DEFAULT_ASSIGNMENT}.",
-        ),
-    ] = None,
-    plan_seconds: Annotated[
-        float,
-        typer.Option(
-            "--plan-seconds",
-            metavar="S",
-            help="A plan of a step that takes longer is cut off, and all robots wait.",
-        ),
-    ] = PLAN_SECONDS,
+    assignment: AssignmentOption = None,
+    plan_seconds: PlanSecondsOption = PLAN_SECONDS,
     goes_on: Annotated[
         bool,
         typer.Option(
@@ -195,26 +149,11 @@ def fleet(
         bool,
         typer.Option("--show-pushes", help="Draw which robot pushes which, of a planner by PIBT."),
     ] = False,
-    layout: Annotated[
-        Path,
-        typer.Option(
-            "--layout",
-            metavar="FILE",
-            help="Layout file (rows of # . P D C, or a MovingAI .map), or a name: "
-            f"{', '.join(NAMES)}.",
-        ),
-    ] = Path(DEPOT),
+    layout: FleetLayoutOption = Path(DEPOT),
     steps: Annotated[
         int, typer.Option("--steps", metavar="N", min=1, max=MAX_COUNT, help="Steps of a shift.")
     ] = 1000,
-    battery: Annotated[
-        str,
-        typer.Option(
-            "--battery",
-            metavar="N[UNIT]",
-            help="A full battery, in steps or joules, as in 400steps or 30000joules.",
-        ),
-    ] = "400steps",
+    battery: FleetBatteryOption = "400steps",
     people: Annotated[
         int,
         typer.Option(

@@ -54,7 +54,8 @@ LINES = (
     Line("blocked by people", "blocked_by_person", "moves"),
     Line("waits", "waits", "robot steps"),
     Line("charging", "charging", "robot steps"),
-    Line("stranded", "stranded", "robots with an empty battery"),
+    Line("stranded", "stranded", "robots with an empty battery, or which failed"),
+    Line("lost", "lost", "items that those robots carry"),
     Line("simulated time", "seconds", "s"),
 )
 """The measures of a shift, see ``FleetMeasures``."""
@@ -116,11 +117,13 @@ def verdict(measures: Sequence[FleetMeasures], robots: int) -> str:
         parts.append(f"robots blocked each other in {percent(blocked / (blocked + distance))} of "
                      "their moves")  # fmt: skip
     parts.append(f"{stranded:,} ran empty" if stranded else "none ran empty")
-    hint = ""
+    hint, lost = "", sum(each.lost for each in measures)
     if stranded:
         hint = " More chargers or a larger --battery would help."
     elif orders - delivered > FEW_WAITING * robots * len(measures):
         hint = " Orders arrive faster than this fleet delivers."
+    if lost:
+        hint += f" Items lost with robots that cannot drive any more: {lost:,}."
     return f"{'; '.join(parts)}.{hint}"
 
 

@@ -29,20 +29,24 @@ MAX_VIEW_RADIUS = 100
 RECORD_SUFFIX = ".npz"
 
 
-def _save_option(help_text: str, *also: str) -> Any:
-    """Return an option for files that a replay is written to.
+def save_option(help_text: str, *suffixes: str, pictures: bool = False) -> Any:
+    """Return an option for files to write.
 
     Args:
         help_text: what the option does.
-        also: suffixes that are allowed beside those of pictures.
+        suffixes: that are allowed.
+        pictures: whether those of pictures are allowed too.
     """
 
     def check(targets: list[Path]) -> list[Path]:
         """Raise ``FormatError`` or ``OSError`` if a file cannot be written."""
         for target in targets:
-            from warehouse_core.viz.export import FORMATS
+            allowed = suffixes
+            if pictures:
+                from warehouse_core.viz.export import FORMATS
 
-            check_suffix(target, (*FORMATS, *also))
+                allowed = *FORMATS, *suffixes
+            check_suffix(target, allowed)
             check_target(target)
         return targets
 
@@ -134,23 +138,28 @@ ViewRadiusOption = Annotated[
 BackendOption = Annotated[
     str,
     typer.Option(
-        "--backend", metavar="NAME", help="Motion backend: grid, physics, or one of your own."
+        "--backend",
+        metavar="NAME",
+        help="Motion backend: grid, physics, for fleets driving (through cells as a plan says), or "
+        "one of your own; numbers of the robot may follow as in physics:top_speed=2,mass=70.",
     ),
 ]
 
 SaveOption = Annotated[
     list[Path],
-    _save_option(
+    save_option(
         "Write the replay as .gif, .mp4, .html, .svg or .png, or the record as .npz; "
         "may be given more than once.",
         RECORD_SUFFIX,
+        pictures=True,
     ),
 ]
 
 SaveReplayOption = Annotated[
     list[Path],
-    _save_option(
-        "Write the replay as .gif, .mp4, .html, .svg or .png; may be given more than once."
+    save_option(
+        "Write the replay as .gif, .mp4, .html, .svg or .png; may be given more than once.",
+        pictures=True,
     ),
 ]
 

@@ -15,10 +15,8 @@ from warehouse_core.files.atomic import atomic_path
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.window import has_display
 from warehouse_core.viz.player import save_page
-from warehouse_core.viz.tracks.episode_track import track_of_episode
-from warehouse_core.viz.tracks.fleet_track import track_of_fleet_episode
+from warehouse_core.viz.tracks.record_track import Record, track_of_record
 from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
-from warehouse_core.warehouse_viz import Record
 
 if TYPE_CHECKING:
     from warehouse_core.viz.figure import SceneFigure
@@ -86,7 +84,7 @@ def replay_or_save(
     # Drawing each frame of a whole shift takes minutes; a page does not.
     suffix = ".gif" if isinstance(episode, Episode) else PAGE_SUFFIX
     film = Film(
-        lambda: [_track_of(episode, plans)],
+        lambda: [track_of_record(episode, plans=plans)],
         record=episode,
         speed=speed * INTERVAL_MS / interval_ms,
     )
@@ -190,9 +188,3 @@ def _save_and_show(
     say(f"there is no display to open a window on{consequence}")
     if not targets:
         save(unused(Path(fallback)))
-
-
-def _track_of(episode: Record, plans: Sequence[StepPlans]) -> Track:
-    if isinstance(episode, Episode):
-        return track_of_episode(episode)
-    return track_of_fleet_episode(episode, plans=plans)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from contextlib import closing
-from dataclasses import astuple
+from dataclasses import asdict
 from functools import partial
 from time import perf_counter
 from typing import NamedTuple
@@ -140,8 +140,10 @@ def run_alone(
 def row_of(episode: Episode | FleetEpisode) -> AnyRow:
     """Return the row that is stored for an episode."""
     if isinstance(episode, FleetEpisode):
-        measured = [None if math.isnan(value) else value for value in astuple(episode.measures)]
-        return Shift._make((episode.seed, diagnose_fleet(episode).mode, *measured))
+        mode, measures = diagnose_fleet(episode).mode, asdict(episode.measures)
+        stored = [measures[name] for name in Shift._fields if name in measures]
+        measured = [None if math.isnan(value) else value for value in stored]
+        return Shift._make((episode.seed, mode, *measured))
     assert episode.seed is not None, "every episode here has a seed"
     diagnosis = diagnose(episode)
     cell = diagnosis.cells[0] if diagnosis.cells else episode.cells[-1]

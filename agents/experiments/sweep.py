@@ -84,7 +84,7 @@ VALUES = {
     "battery": f"1..{MAX_VALUE}",
     "max_steps": f"1..{MAX_VALUE}",
     "view_radius": f"0..{MAX_VIEW_RADIUS}",
-    "backend": "grid, physics or one of your own",
+    "backend": "grid, physics, driving of a fleet, or one of your own",
     "robot.NUMBER, disturbances.NUMBER": "a number of the backend physics, such as robot.mass",
 }
 """What each parameter takes, in words."""

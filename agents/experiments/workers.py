@@ -8,8 +8,8 @@ import signal
 import sys
 import threading
 import traceback
-from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
 from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import partial
 from multiprocessing.connection import Connection
@@ -36,6 +36,7 @@ Pool = AbstractContextManager[tuple[Executor, int]]
 """Gives an executor, and how many calls it runs at once."""
 
 T = TypeVar("T")
+Item = TypeVar("Item")
 
 _parent: Connection[Any, Any] | None = None
 """In a worker process: to the process that has started it."""
@@ -226,6 +227,32 @@ def process_pool(count: int) -> Iterator[tuple[Executor, int]]:
         yield pool, count
     finally:
         pool.close()
+
+
+def run_each(call: Callable[[Item], T], items: Sequence[Item], jobs: int, label: str) -> list[T]:
+    """Return what a call returns for each item, run in so many processes; one is this process.
+
+    A progress bar is shown. The first error of a call is raised.
+
+    Args:
+        call: a function at the top level of its module.
+        items: to be given to it.
+        jobs: processes at once.
+        label: of the bar.
+
+    Raises:
+        WorkerError: a process ended early.
+    """
+    from agents.console.progress import progress_bar, track
+
+    if jobs == 1:
+        return [call(item) for item in track(items, label)]
+    with process_pool(jobs) as (pool, _), progress_bar(len(items), label) as advance:
+        futures = [pool.submit(call, item) for item in items]
+        for number, future in enumerate(as_completed(futures), 1):
+            future.result()
+            advance(number)
+    return [future.result() for future in futures]
 
 
 def ending_of(error: BaseException | None) -> str | None:

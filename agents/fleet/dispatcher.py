@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from agents.fleet.charging import NONE, Chargers, Needs
 from agents.mapf.assignment import ASSIGNMENTS, REASSIGNING, Tasks
 from agents.mapf.graph import FAR, Fields, Graph, Integers
 from agents.mapf.planner import Situation
-from warehouse_core import FleetEnv
+from warehouse_core import Cell, FleetEnv
 from warehouse_core.world.actions import DISPLACEMENTS, DROP, PICK, WAIT
 from warehouse_core.world.distances import nearest
 from warehouse_core.world.layout import Layout
@@ -32,7 +33,7 @@ class Robots(NamedTuple):
     """The robots before a step, ``[R]`` each; cells are numbers.
 
     Attributes:
-        cells: where they are.
+        cells: where they are, or are to stop; see ``Ways``.
         goals: where they are to pick or drop, or ``NONE``.
         loaded: whether they hold an item.
         ended: whether they have ended.
@@ -74,7 +75,9 @@ class Dispatcher:
 
         Orders are assigned. A robot does ``PICK`` or ``DROP``, or ``WAIT`` if it moves or waits.
         """
-        robots = self._look(env)
+        ways, count = env.ways, env.settings.robots
+        self._close(frozenset(row * env.layout.width + col for row, col in ways.closed))
+        robots = self._look(env, ways.ends[:count])
         self._send_to_chargers(robots)
         if env.settings.orders is not None:
             robots = self._give_orders(env, robots)
@@ -86,19 +89,29 @@ class Dispatcher:
             | at_work
             | self.chargers.charging(robots.cells)
             | shares_cell(robots.cells)
+            | ~np.array(ways.has_room[:count])
         )
-        people = np.array(env.people, np.intp).reshape(-1, 2) @ np.array([env.layout.width, 1])
-        actions = np.where(at_work, np.where(robots.loaded, DROP, PICK), WAIT)
+        closed = list(dict.fromkeys([*env.people, *ways.ends[count:], *ways.closed]))
+        people = np.array(closed, np.intp).reshape(-1, 2) @ np.array([env.layout.width, 1])
+        at_rest = at_work & np.array(ways.at_rest[:count])
+        actions = np.where(at_rest, np.where(robots.loaded, DROP, PICK), WAIT)
         urgent = np.flatnonzero((self.chargers.turn != NONE) & (goals != robots.cells))
         return Situation(robots.cells, goals, stays, people, urgent), actions
 
-    def _look(self, env: FleetEnv) -> Robots:
+    def _close(self, cells: frozenset[int]) -> None:
+        """Let no way lead through the cells of robots that have failed."""
+        if cells != self.graph.closed:
+            self.graph.close(cells)
+            self._trips = self._homes = np.empty(0)
+            self._assigned = (b"", b"")
+
+    def _look(self, env: FleetEnv, cells: Sequence[Cell]) -> Robots:
         found, width = env.arrays(), np.array([env.layout.width, 1])
         loaded = np.asarray(found["has_item"]) != 0
         places = np.where(loaded[:, None], found["dropoff_pos"], found["pickup_pos"])
         goals = np.where(places[:, 0] < 0, NONE, places @ width)
         battery = found["battery"][:, 0].astype(np.float64)
-        return Robots(found["robot_pos"] @ width, goals, loaded, np.array(env.ended), battery)
+        return Robots(np.array(cells) @ width, goals, loaded, np.array(env.ended), battery)
 
     def _send_to_chargers(self, robots: Robots) -> None:
         """Give turns at chargers. A robot that can deliver its item before does it first."""

@@ -17,9 +17,11 @@ TRIALS, TRIAL_SEED = 16, 1_000_000
 """Runs that costs are learned from, and the seed of the first, not that of an episode."""
 
 
-def pibt_on_lanes(layout: Layout, seed: int = 0, wrong_way: float = WRONG_WAY) -> PIBT:
+def pibt_on_lanes(
+    layout: Layout, seed: int = 0, wrong_way: float = WRONG_WAY, turn_cost: float = 0.0
+) -> PIBT:
     """Return ``PIBT`` with the costs of lanes, see ``lane_costs``."""
-    return PIBT(_lanes(layout, wrong_way), seed)
+    return PIBT(_lanes(layout, wrong_way), seed, turn_cost)
 
 
 def windowed_on_lanes(
@@ -29,16 +31,26 @@ def windowed_on_lanes(
     window: int = WINDOW,
     replan: int = REPLAN,
     groups: int = 0,
+    turn_cost: float = 0.0,
 ) -> WindowedPlanner:
     """Return a ``WindowedPlanner`` with the costs of lanes, see ``lane_costs``."""
-    return WindowedPlanner(_lanes(layout, wrong_way), window, replan, groups, seed=seed)
+    graph = _lanes(layout, wrong_way)
+    return WindowedPlanner(graph, window, replan, groups, seed=seed, turn_cost=turn_cost)
 
 
 def pibt_on_learned(
-    layout: Layout, robots: int, seed: int = 0, trials: int = TRIALS, trial_seed: int = TRIAL_SEED
+    layout: Layout,
+    robots: int,
+    seed: int = 0,
+    trials: int = TRIALS,
+    trial_seed: int = TRIAL_SEED,
+    turn_cost: float = 0.0,
 ) -> PIBT:
-    """Return ``PIBT`` with costs learned from the traffic of so many robots in trial runs."""
-    return PIBT(_learned(layout, robots, trials, trial_seed), seed)
+    """Return ``PIBT`` with costs learned from the traffic of so many robots in trial runs.
+
+    In the trials turns cost nothing.
+    """
+    return PIBT(_learned(layout, robots, trials, trial_seed), seed, turn_cost)
 
 
 def windowed_on_learned(
@@ -50,11 +62,11 @@ def windowed_on_learned(
     window: int = WINDOW,
     replan: int = REPLAN,
     groups: int = 0,
+    turn_cost: float = 0.0,
 ) -> WindowedPlanner:
     """Return a ``WindowedPlanner`` with costs learned as for ``pibt_on_learned``."""
-    return WindowedPlanner(
-        _learned(layout, robots, trials, trial_seed), window, replan, groups, seed=seed
-    )
+    graph = _learned(layout, robots, trials, trial_seed)
+    return WindowedPlanner(graph, window, replan, groups, seed=seed, turn_cost=turn_cost)
 
 
 def _learned(layout: Layout, robots: int, trials: int, seed: int) -> Graph:

@@ -80,6 +80,10 @@ class PlannedFleet:
             self._dispatcher = Dispatcher(env, self._assignment)
         situation, actions = self._dispatcher.situation(env)
         graph, cells = self._dispatcher.graph, situation.cells
+        known = getattr(self.planner, "graph", graph)
+        if known.closed != graph.closed:
+            known.close(graph.closed)
+            self.planner.reset()
         try:
             with time_limit(self._seconds):
                 chosen = self.planner.next_cells(situation)

@@ -7,12 +7,14 @@ from collections.abc import Sequence
 
 from agents.fleet.pilot import Pilot, Site
 from warehouse_core import Agent, FleetEnv
+from warehouse_core.world.actions import WAIT
 
 
 class Team:
     """Robots each of which is directed by an agent of the chapter, such as ``GreedyAgent``.
 
-    See ``Pilot`` for what the agents observe.
+    See ``Pilot`` for what the agents observe. A robot that drives on from one step to the next, as
+    with a backend that ``DrivesThrough``, has no action to choose until it is at rest.
 
     Args:
         agents: one for each robot.
@@ -39,10 +41,12 @@ class Team:
         if not self._pilots:
             site, stream = Site(env), random.Random(self._seed)
             self._pilots = [Pilot(agent, site, stream) for agent in self.agents]
-        actions = []
+        actions = [WAIT] * len(self.agents)
+        at_rest = env.ways.at_rest
         for robot, observation in enumerate(env.observations()):
             self.robot, pilot = robot, self._pilots[robot]
-            actions.append(pilot.act(observation))
-            self.reasons[robot] = pilot.reason
+            if at_rest[robot]:
+                actions[robot] = pilot.act(observation)
+                self.reasons[robot] = pilot.reason
         self.robot = None
         return actions

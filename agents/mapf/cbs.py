@@ -250,7 +250,7 @@ class ConflictTree:
             moves.append({
                 cell: [
                     to
-                    for to, _ in self._moves[cell]
+                    for to, *_ in self._moves[cell]
                     if field[to] <= cost - time
                     and not {(time, to, None), (time, to, cell)} & closed
                 ]

@@ -1,6 +1,8 @@
 """The open cells of a layout as a graph, and the distances in it.
 
-Cells are numbers, ``row * W + col``, as in the arrays of a fleet.
+Cells are numbers, ``row * W + col``, as in the arrays of a fleet. Where turns have a cost,
+distances are those of *places*: a robot in a cell that faces north, east, south or west, 0 to 3, is
+in the place ``heading * H * W + cell``. Otherwise places are cells.
 """
 
 from __future__ import annotations
@@ -12,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from warehouse_core.arguments import real_number
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.layout import Layout
 
@@ -23,6 +26,9 @@ Costs = NDArray[np.float32]
 
 MOVES = range(WAIT)
 """The actions that move a robot: N, E, S, W."""
+
+EAST = 1
+"""The heading of robots at first."""
 
 CLOSED = -1
 """In place of a neighbour that is a wall or off the layout."""
@@ -43,17 +49,28 @@ class Graph:
         layout: any.
         costs: ``[H * W, 4]`` of the moves N, E, S and W from each cell, above 0; ``None`` is 1
             each. See ``lanes.py``.
+        turn_cost: of a quarter turn before a move; a half turn costs twice as much.
+
+    Raises:
+        ValueError: ``turn_cost`` is below 0 or no number.
 
     Attributes:
         layout: as given.
         costs: as given.
+        turn_cost: as given.
         size: ``H * W``.
+        turns: ``[4, 5]`` float32, what robots of each heading turn for before they move N, E, S or
+            W, or wait.
+        closed: the cells that no way leads through; see ``close``.
         neighbours: ``[H * W, 5]`` int32, the cell that N, E, S, W and waiting lead to, or
             ``CLOSED``.
     """
 
-    def __init__(self, layout: Layout, costs: Costs | None = None) -> None:
+    def __init__(self, layout: Layout, costs: Costs | None = None, turn_cost: float = 0.0) -> None:
         self.layout, self.costs = layout, costs
+        self.turn_cost = real_number("turn_cost", turn_cost, 0.0)
+        quarters = [[0, 1, 2, 1, 0], [1, 0, 1, 2, 0], [2, 1, 0, 1, 0], [1, 2, 1, 0, 0]]
+        self.turns = np.array(quarters, np.float32) * np.float32(self.turn_cost)
         height, width = layout.height, layout.width
         self.size = height * width
         is_open = np.zeros((height + 2, width + 2), np.bool_)
@@ -65,10 +82,49 @@ class Graph:
             reached = is_open[rows + 1 + down, columns + 1 + right]
             to = (layout.open_cells + down * width + right).astype(np.int32)
             self.neighbours[layout.open_cells[reached], action] = to[reached]
+        self.closed: frozenset[int] = frozenset()
         self._fields: OrderedDict[int, Costs] = OrderedDict()
 
+    def with_turns(self, turn_cost: float) -> Graph:
+        """Return the graph with a cost of turns, or itself if that is 0.
+
+        Raises:
+            ValueError: as for a ``Graph``.
+        """
+        return Graph(self.layout, self.costs, turn_cost) if turn_cost else self
+
+    @property
+    def places(self) -> int:
+        """The number of places: ``H * W``, or four times that where turns have a cost."""
+        return WAIT * self.size if self.turn_cost else self.size
+
+    def places_at(self, cells: Integers, headings: Integers) -> Integers:
+        """Return the places that N, E, S, W and waiting lead to, ``[R, 5]``.
+
+        Args:
+            cells: ``[R]``.
+            headings: ``[R]``, 0 to 3.
+        """
+        near: Integers = self.neighbours[cells]  # CLOSED leads to a place that is not used
+        if self.turn_cost:
+            near = near + self.size * np.arange(WAIT + 1)
+            near[:, WAIT] = headings * self.size + cells
+        return near
+
+    def headings(self, before: Integers, cells: Integers, headings: Integers) -> Integers:
+        """Return the headings of robots after they have moved; all arguments are ``[R]``."""
+        moves = self.neighbours[before, :WAIT] == cells[:, None]
+        found: Integers = np.where(moves.any(axis=1), moves.argmax(axis=1), headings)
+        return found
+
+    def close(self, cells: frozenset[int]) -> None:
+        """Let no way lead through some cells from now on, and those closed before be open."""
+        self.closed = cells
+        self._fields.clear()
+        self.__dict__.pop("_edges", None)
+
     def distances(self, goal: int, keep: bool = True) -> Costs:
-        """Return the cost of the cheapest way from each cell to a goal, ``[H * W]`` float32.
+        """Return the cost of the cheapest way from each place to a goal, ``[places]`` float32.
 
         It is infinite for walls and cells without a way. Fields are kept, those used last, in
         ``MAX_BYTES``; they are not to be changed.
@@ -81,7 +137,11 @@ class Graph:
         if field is None:
             from scipy.sparse.csgraph import dijkstra
 
-            found = dijkstra(self._edges, indices=goal, unweighted=self.costs is None)
+            unweighted = self.costs is None and not self.turn_cost
+            goals = range(goal, self.places, self.size) if self.turn_cost else goal
+            found = dijkstra(
+                self._edges, indices=goals, unweighted=unweighted, min_only=self.turn_cost > 0
+            )
             field = np.asarray(found, np.float32)
             if not keep:
                 return field
@@ -95,17 +155,20 @@ class Graph:
     def way(self, cell: int, goal: int) -> list[int]:
         """Return the cells of a cheapest way, both ends included; only the first if there is none.
 
+        A robot faces where it begins.
+
         Args:
             cell: where it starts.
             goal: another cell, or the same.
         """
         field, way = self.distances(goal), [cell]
+        heading = int(field[cell :: self.size].argmin())
         while np.isfinite(field[cell]) and cell != goal:
             reached = self.neighbours[cell, :WAIT]
-            costs = np.ones(WAIT) if self.costs is None else self.costs[cell]
-            cell = int(
-                reached[np.where(reached == CLOSED, np.inf, field[reached] + costs).argmin()]
-            )
+            costs = self.turns[heading, :WAIT] + (1 if self.costs is None else self.costs[cell])
+            places = self.places_at(np.array([cell]), np.array([heading]))[0, :WAIT]
+            heading = int(np.where(reached == CLOSED, np.inf, field[places] + costs).argmin())
+            cell = int(reached[heading])
             way.append(cell)
         return way
 
@@ -116,8 +179,17 @@ class Graph:
 
         start, action = np.nonzero(self.neighbours[:, :WAIT] != CLOSED)
         end = self.neighbours[start, action]
+        if self.closed:
+            is_open = ~np.isin(end, list(self.closed))
+            start, action, end = start[is_open], action[is_open], end[is_open]
         costs = np.ones(len(start)) if self.costs is None else self.costs[start, action]
-        return csr_array((costs, (end, start)), shape=(self.size, self.size))
+        if self.turn_cost:  # a robot moves as it faces, or turns
+            start, end = action * self.size + start, action * self.size + end
+            stands = np.add.outer(self.size * np.arange(WAIT), self.layout.open_cells)
+            for turned in (np.roll(stands, 1, axis=0), np.roll(stands, -1, axis=0)):
+                start, end = np.append(start, stands), np.append(end, turned)
+                costs = np.append(costs, np.full(stands.size, self.turn_cost))
+        return csr_array((costs, (end, start)), shape=(self.places, self.places))
 
 
 class Fields:
@@ -130,12 +202,17 @@ class Fields:
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
-        self.matrix: NDArray[np.uint16 | np.float32] = np.empty((0, graph.size), np.uint16)
+        self.matrix: NDArray[np.uint16 | np.float32] = np.empty((0, graph.places), np.uint16)
         self._row_of = np.full(graph.size, NO_ROW)
         self._free: list[int] = []
+        self._closed = graph.closed
 
     def rows(self, goals: Integers) -> Integers:
         """Return the row of ``matrix`` of each goal; it holds until the next call."""
+        if self._closed != self.graph.closed:
+            self._closed = self.graph.closed
+            self._row_of[:] = NO_ROW
+            self._free = list(range(len(self.matrix)))
         for goal in np.unique(goals[self._row_of[goals] == NO_ROW]).tolist():
             if not self._free:
                 self._free_rows(goals)
@@ -153,7 +230,7 @@ class Fields:
             self._row_of[is_old] = NO_ROW
         if not self._free:
             more = max(rows // 2, 64)
-            self.matrix.resize((rows + more, self.graph.size), refcheck=False)
+            self.matrix.resize((rows + more, self.graph.places), refcheck=False)
             self._free = list(range(rows, rows + more))
 
     def _fill(self, row: int, field: Costs) -> None:

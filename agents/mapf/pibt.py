@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.mapf.graph import CLOSED, FAR, Fields, Graph, Integers
+from agents.mapf.graph import CLOSED, EAST, FAR, Fields, Graph, Integers
 from agents.mapf.planner import Situation, solve_by_steps
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.world.actions import WAIT
@@ -109,6 +109,9 @@ class PIBT:
     Args:
         graph: of the floor.
         seed: for what is left to chance.
+        turn_cost: of a quarter turn, in steps. Robots face where they last moved, at first east.
+            0 leaves the graph as it is. For one that drives through, a turn costs its time, and
+            that of braking and speeding up, over the time of a cell.
 
     Attributes:
         fields: the distances of the robots' goals.
@@ -116,8 +119,9 @@ class PIBT:
             ``NOBODY``.
     """
 
-    def __init__(self, graph: Graph, seed: int = 0) -> None:
-        self.graph, self.seed = graph, seed
+    def __init__(self, graph: Graph, seed: int = 0, turn_cost: float = 0.0) -> None:
+        self.graph = graph = graph.with_turns(turn_cost)
+        self.seed = seed
         costs = np.ones((graph.size, WAIT)) if graph.costs is None else graph.costs
         self._costs = np.pad(costs, ((0, 0), (0, 1)), constant_values=WAIT_COST).astype(np.float32)
         self._costs[graph.neighbours == CLOSED] = np.inf
@@ -128,6 +132,7 @@ class PIBT:
         """Forget the last episode, and begin again with the random numbers of the seed."""
         self._random = np.random.default_rng(self.seed)
         self._goals: Integers = np.empty(0, np.intp)
+        self._cells = self._headings = self._goals
         self.pushers: Integers = np.empty(0, np.intp)
 
     def next_cells(self, situation: Situation) -> Integers:
@@ -136,6 +141,10 @@ class PIBT:
         if len(cells) != len(self._goals):
             self._ages, self._goals = np.zeros(len(cells), np.intp), goals
             self._ranks = self._random.random(len(cells))
+            self._cells, self._headings = cells, np.full(len(cells), EAST)
+        if self.graph.turn_cost:
+            self._headings = self.graph.headings(self._cells, cells, self._headings)
+            self._cells = cells.copy()
         robot_in = self.robots_in(cells)
         choices, is_there = self.choices(cells, goals, robot_in)
         self._ages = np.where(is_there | (cells == self._goals), 0, self._ages + 1)
@@ -164,8 +173,11 @@ class PIBT:
     ) -> tuple[list[list[int]], NDArray[np.bool_]]:
         """Return the cells that each robot can go to, the best first, and who is to stay."""
         rows, reached = self.fields.rows(goals), self.graph.neighbours[cells]
-        distances = self.fields.matrix[rows[:, None], reached]
+        places = self.graph.places_at(cells, self._headings)
+        distances = self.fields.matrix[rows[:, None], places]
         costs = distances + self._costs[cells]
+        if self.graph.turn_cost:
+            costs += self.graph.turns[self._headings]
         costs += OCCUPIED_COST * (robot_in[reached] != NOBODY)
         costs += self._random.random(costs.shape, np.float32) * CHANCE_COST
         is_there = (cells == goals) | (distances[:, WAIT] == FAR)

@@ -16,7 +16,7 @@ from time import perf_counter
 import numpy as np
 
 from agents.errors import PlanError
-from agents.mapf.graph import Graph, Integers
+from agents.mapf.graph import EAST, Graph, Integers
 from agents.mapf.planner import Situation
 from agents.mapf.problem import Plan, Problem
 from agents.mapf.reservations import Reservations
@@ -96,6 +96,7 @@ class WindowedPlanner:
         groups: how many groups of robots are then planned anew, to see if that is better.
         seconds: a time limit for each step, after which the robots without a way wait.
         seed: for the order in groups.
+        turn_cost: see ``PIBT``.
 
     Attributes:
         cut_off: steps since ``reset`` in which the time limit was reached.
@@ -109,11 +110,13 @@ class WindowedPlanner:
         groups: int = 0,
         seconds: float = inf,
         seed: int = 0,
+        turn_cost: float = 0.0,
     ) -> None:
         whole_number("window", window, 2)
         whole_number("replan", replan, 1, window - 1)
         whole_number("groups", groups, 0)
-        self.graph, self.window, self.replan = graph, window, replan
+        self.graph = graph = graph.with_turns(turn_cost)
+        self.window, self.replan = window, replan
         self.groups, self.seconds, self.seed = groups, seconds, seed
         self._moves: Moves = moves_of(graph)
         self.reset()
@@ -128,6 +131,8 @@ class WindowedPlanner:
         self._since: list[int] = []
         self._delays: dict[int, float] = {}
         self._taken = Reservations(self.graph.size)
+        self._before: Integers = np.empty(0, np.intp)
+        self._headings = self._before
 
     def next_cells(self, situation: Situation) -> Integers:
         """Return the cell of each robot after the next joint step; see ``Planner``."""
@@ -160,6 +165,12 @@ class WindowedPlanner:
         if len(self._goals) != len(goals):
             self._goals, self._fields = [NO_GOAL] * len(goals), [[]] * len(goals)
             self._since, self._aims = [self._now] * len(goals), goals.copy()
+            self._before, self._headings = situation.cells, np.full(len(goals), EAST)
+        self._places = self._cells
+        if self.graph.turn_cost:
+            cells = situation.cells.copy()
+            self._headings = self.graph.headings(self._before, cells, self._headings)
+            self._before, self._places = cells, (self._headings * self.graph.size + cells).tolist()
         for robot, goal in enumerate(goals):
             if goal != self._goals[robot]:
                 self._taken.remove(robot)
@@ -213,8 +224,8 @@ class WindowedPlanner:
 
     def _rank(self, robot: int) -> tuple[bool, int, float]:
         """Return what puts robots in the order of their priorities: those to go nowhere last."""
-        cell = self._cells[robot]
-        return cell == self._aims[robot], self._since[robot], self._fields[robot][cell]
+        is_there = self._cells[robot] == self._aims[robot]
+        return is_there, self._since[robot], self._fields[robot][self._places[robot]]
 
     def _find(self, robot: int, toll: float = inf, taken: Reservations | None = None) -> Way | None:
         """Return a way from now on, or ``None`` if not even the next step has one."""
@@ -223,7 +234,7 @@ class WindowedPlanner:
         begin, window, is_there = self._now + late, self.window - late, cell == goal
         end = taken.free_from(goal, begin) if is_there else begin
         found = find_way(
-            self._moves, self._fields[robot], cell, goal, taken, begin, window,
+            self._moves, self._fields[robot], self._places[robot], goal, taken, begin, window,
             end=end, toll=toll, deadline=self._deadline,
         )  # fmt: skip
         if found is None:
@@ -238,7 +249,7 @@ class WindowedPlanner:
 
     def _add(self, robot: int, cells: list[int], cost: float) -> None:
         self._taken.add(robot, cells, self._now)
-        self._delays[robot] = cost - self._fields[robot][cells[0]]
+        self._delays[robot] = cost - self._fields[robot][self._places[robot]]
 
     def _improve(self) -> None:
         """Plan groups of robots anew, those around the most delayed first."""

@@ -26,9 +26,9 @@ class Problem:
         goals: ``[R]`` cells, all different.
 
     Raises:
-        PlanError: no plan can exist, as can be seen at once: a start or a goal is no open cell,
-            two robots have the same, or no way leads from a start to its goal; the message says
-            which.
+        PlanError: turns have a cost in the graph. Or no plan can exist, as can be seen at once: a
+            start or a goal is no open cell, two robots have the same, or no way leads from a start
+            to its goal; the message says which.
     """
 
     graph: Graph
@@ -36,6 +36,10 @@ class Problem:
     goals: Sequence[int]
 
     def __post_init__(self) -> None:
+        if self.graph.turn_cost:
+            raise PlanError(
+                f"turn_cost is {self.graph.turn_cost!r}; in a problem turns cost nothing"
+            )
         if len(self.starts) != len(self.goals):
             raise PlanError(f"{len(self.starts)} starts and {len(self.goals)} goals; one each")
         self._check("start", self.starts)

@@ -11,6 +11,8 @@ from math import inf
 from time import perf_counter
 from typing import NamedTuple
 
+import numpy as np
+
 from agents.mapf.graph import CLOSED, Graph
 from agents.mapf.reservations import Reservations
 from warehouse_core.world.actions import WAIT
@@ -18,8 +20,9 @@ from warehouse_core.world.actions import WAIT
 NONE = -1
 """Before the first state."""
 
-Moves = Sequence[Sequence[tuple[int, float]]]
-"""For each cell the cells that a step leads to, itself the last, and what the step costs."""
+Moves = Sequence[Sequence[tuple[int, float, int]]]
+"""For each place the cells that a step leads to, its own the last, what the step costs, and the
+places that it leads to; see ``graph.py``."""
 
 
 class Way(NamedTuple):
@@ -36,11 +39,18 @@ class Way(NamedTuple):
 
 def moves_of(graph: Graph) -> Moves:
     """Return the moves of a graph as lists, which Python reads faster; waiting costs 1."""
-    costs = [[1.0] * WAIT] * graph.size if graph.costs is None else graph.costs.tolist()
-    return [
-        [(to, price) for to, price in zip(near, (*prices, 1.0), strict=True) if to != CLOSED]
-        for near, prices in zip(graph.neighbours.tolist(), costs, strict=True)
-    ]
+    headings = WAIT if graph.turn_cost else 1
+    costs = np.ones((graph.size, WAIT)) if graph.costs is None else graph.costs
+    found = []
+    for heading, turns in enumerate(graph.turns[:headings]):
+        prices = np.pad(costs, ((0, 0), (0, 1)), constant_values=1) + turns
+        places = graph.places_at(np.arange(graph.size), np.full(graph.size, heading))
+        columns = (graph.neighbours.tolist(), prices.tolist(), places.tolist())
+        found += [
+            [move for move in zip(*each, strict=True) if move[0] != CLOSED]
+            for each in zip(*columns, strict=True)
+        ]
+    return found
 
 
 def find_way(
@@ -60,8 +70,8 @@ def find_way(
 
     Args:
         moves: see ``moves_of``.
-        field: the distance of each cell from the goal.
-        start: where the robot is at ``begin``.
+        field: the distance of each place from the goal.
+        start: the place where the robot is at ``begin``.
         goal: where it is to go.
         taken: by others.
         begin: a time.
@@ -75,39 +85,43 @@ def find_way(
         TimeoutError: the deadline has passed.
     """
     size, states, swaps = taken.size, taken.states, taken.moves
+    places = len(moves)
     ends, closed, closed_moves = taken.ends, taken.closed, taken.closed_moves
-    free = end * size
-    edge = inf if window is None else (begin + window) * size
+    free = end * places
+    edge = inf if window is None else (begin + window) * places
     # Without a window all times after the latest are alike, and one layer stands for them.
-    last = (max(taken.latest, begin, end) + 1) * size if window is None else inf
-    first = begin * size + start
+    last = (max(taken.latest, begin, end) + 1) * places if window is None else inf
+    first = begin * places + start
     best, came = {first: 0.0}, {first: NONE}
     heap = [(field[start], -first)]  # of equally good ones the latest is first
     while heap:
         bound, state = heappop(heap)
         state = -state
-        cell = state % size
+        time, place = divmod(state, places)
         cost = best[state]
-        if bound > cost + field[cell]:
+        if bound > cost + field[place]:
             continue
+        cell = place % size
         if state >= edge or (cell == goal and state >= free):
             return Way(_trace(came, state, size), bound)
         if perf_counter() > deadline:
             raise TimeoutError
-        time_after = state - cell + (size if state < last else 0)
-        for to, price in moves[cell]:
-            reached = time_after + to
-            total, move = cost + price, state * size + to
+        after = time + (state < last)
+        here, layer, next_layer = (time * size + cell) * size, after * size, after * places
+        for to, price, there in moves[place]:
+            reached = layer + to
+            total, move = cost + price, here + to
             if reached in states or move in swaps:
                 if toll == inf:
                     continue
                 total += toll
             if reached in closed or move in closed_moves or (ends and reached >= ends.get(to, inf)):
                 continue
+            reached = next_layer + there
             if total < best.get(reached, inf):
                 best[reached] = total
                 came[reached] = state
-                heappush(heap, (total + field[to], -reached))
+                heappush(heap, (total + field[there], -reached))
     return None
 
 

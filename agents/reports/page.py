@@ -72,6 +72,25 @@ def write_page(path: Path, page: Page) -> None:
     Raises:
         OSError: the file cannot be written.
     """
+    has_players = any(example.track for example in page.examples)
+    write_template(path, TEMPLATE, page.title, has_players, page=page)
+
+
+def write_template(
+    path: Path, template: str, title: str, has_players: bool, **values: object
+) -> None:
+    """Write a page by a template of this folder; the file is complete or not there.
+
+    Args:
+        path: of the file.
+        template: its name.
+        title: of the page.
+        has_players: whether players are in it, whose script its policy is to allow.
+        values: that the template names.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent),
         autoescape=True,
@@ -83,9 +102,8 @@ def write_page(path: Path, page: Page) -> None:
     environment.filters |= {
         "data_uri": _data_uri, "flags": flags_of, "numeric": _numeric, "player": _player,
     }  # fmt: skip
-    has_players = any(example.track for example in page.examples)
     scripts = digest(script()) if has_players else ""
-    text = environment.get_template(TEMPLATE).render(page=page, scripts=scripts)
+    text = environment.get_template(template).render(title=title, scripts=scripts, **values)
     with atomic_path(path) as part:
         part.write_text(text, encoding="utf-8")
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.fleet_truth import big_warehouse
-from helpers.player_pages import launched, wait_until
+from helpers.player_pages import headless_chromium, wait_until
 from helpers.timing import seconds
 from numpy.typing import NDArray
 
@@ -102,12 +102,8 @@ def large_fleet(robots: int) -> Track:
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        chromium = launched(playwright)
+    with headless_chromium() as chromium:
         yield chromium
-        chromium.close()
 
 
 @pytest.fixture(scope="module")

@@ -65,13 +65,24 @@ PICTURES = """
 """
 
 
-def launched(playwright: Any) -> Any:
-    """Return a headless Chromium that draws without a GPU."""
+def chromium_program() -> str:
+    """Return the path of a browser."""
     program = shutil.which("chromium") or shutil.which("google-chrome")
     assert program is not None, "these tests need chromium: apt-get install chromium"
-    return playwright.chromium.launch(
-        executable_path=program, args=["--no-sandbox", "--disable-gpu"]
-    )
+    return program
+
+
+@contextmanager
+def headless_chromium() -> Iterator[Any]:
+    """Yield a browser that draws without a GPU, driven by Playwright."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(
+            executable_path=chromium_program(), args=["--no-sandbox", "--disable-gpu"]
+        )
+        yield browser
+        browser.close()
 
 
 def wait_until(frame: Any, condition: str) -> None:

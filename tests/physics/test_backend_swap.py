@@ -21,7 +21,11 @@ TRACE_STRIDE = 5
 SMALL_AND_FAST = RobotSpec(cell_size=0.5, radius=0.17, time_step=FAST_STEP)
 WIDE_AND_BRISK = RobotSpec(cell_size=0.5, radius=0.2, top_speed=3, acceleration=4, motor_force=400)
 
-over_specs = pytest.mark.parametrize("spec", [RobotSpec(), RobotSpec.fast()], ids=["1/60", "1/30"])
+TURNING = RobotSpec(turn_seconds=1.6)
+
+over_specs = pytest.mark.parametrize(
+    "spec", [RobotSpec(), RobotSpec.fast(), TURNING], ids=["1/60", "1/30", "turning"]
+)
 
 
 @pytest.mark.parametrize("trace", TRACES[::TRACE_STRIDE])
@@ -77,8 +81,9 @@ def test_a_robot_moved_by_hand_continues_from_its_new_cell() -> None:
         RigidBodyMotion,
         lambda: RigidBodyMotion(SMALL_AND_FAST, record_path=False),
         lambda: RigidBodyMotion(WIDE_AND_BRISK),
+        lambda: RigidBodyMotion(TURNING),
     ],
-    ids=["default", "small cells, 1/30 s, no paths", "wide and brisk"],
+    ids=["default", "small cells, 1/30 s, no paths", "wide and brisk", "turning"],
 )
 def test_the_backend_passes_every_conformance_check(make_motion) -> None:
     run_conformance(make_motion).raise_for_failures()

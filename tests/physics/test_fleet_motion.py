@@ -29,7 +29,11 @@ ACTIONS = 40
 
 HALL = Layout(["......"] * 6)
 
-over_specs = pytest.mark.parametrize("spec", [RobotSpec(), RobotSpec.fast()], ids=["1/60", "1/30"])
+over_specs = pytest.mark.parametrize(
+    "spec",
+    [RobotSpec(), RobotSpec.fast(), RobotSpec(turn_seconds=0.4)],
+    ids=["1/60", "1/30", "turning"],
+)
 
 
 def together(

@@ -6,11 +6,14 @@ from typing import Any
 
 import pytest
 
+from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core import BackendError, WarehouseEnv, record_episode, replay_episode
+from warehouse_core.motion.backends import make_motion
 from warehouse_physics import RobotSpec
 from warehouse_physics.robot_spec import GRAVITY, MAX_VALUE
 
 NAMES = [each.name for each in fields(RobotSpec)]
-MAY_BE_ZERO = {"payload_mass", "floor_drag", "idle_power"}
+MAY_BE_ZERO = {"payload_mass", "floor_drag", "idle_power", "turn_seconds"}
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -60,7 +63,9 @@ def test_a_motor_too_weak_for_the_loaded_robot_raises() -> None:
         RobotSpec(motor_force=0.99 * drag)
 
 
-@pytest.mark.parametrize("changes", [{"time_step": 1e-4}, {"top_speed": 0.01}])
+@pytest.mark.parametrize(
+    "changes", [{"time_step": 1e-4}, {"top_speed": 0.01}, {"turn_seconds": 16}]
+)
 def test_a_move_of_thousands_of_substeps_raises(changes: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=r"^time_step is .*; the loaded robot would take .* 2000$"):
         RobotSpec(**changes)
@@ -84,3 +89,21 @@ def test_a_load_adds_mass_and_drag_and_lowers_the_acceleration() -> None:
 def test_a_strong_motor_needs_at_least_a_substep_to_reach_top_speed() -> None:
     spec = RobotSpec(acceleration=1e4, motor_force=1e7)
     assert spec.attainable_acceleration(loaded=True) == 1.0 / (1 / 60)
+
+
+@pytest.mark.parametrize("name", ["physics", "driving"])
+def test_the_name_of_a_backend_may_give_numbers_of_the_robot(name: str) -> None:
+    motion = make_motion(f"{name}:top_speed=2,turn_seconds=1.5")
+    assert motion.spec == RobotSpec(top_speed=2, turn_seconds=1.5)
+    with pytest.raises(BackendError, match=r": no number is called 'tempo'; allowed: radius, mass"):
+        make_motion(f"{name}:tempo=2")
+    with pytest.raises(BackendError, match=r": top_speed is 99\.0; .* must be at most 10\.5"):
+        make_motion(f"{name}:top_speed=99")
+
+
+def test_a_record_of_a_robot_with_other_numbers_is_replayed() -> None:
+    env = WarehouseEnv(max_steps=20, backend="physics:turn_seconds=0.5,mass=40")
+    episode = record_episode(env, GreedyAgent(), seed=3)
+    assert episode.settings.backend == "physics:turn_seconds=0.5,mass=40"
+    assert replay_episode(episode) == episode
+    assert replay_episode(episode, "physics").seconds < episode.seconds

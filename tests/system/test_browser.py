@@ -3,7 +3,6 @@
 import contextlib
 import json
 import re
-import shutil
 import subprocess
 import zlib
 from html import unescape
@@ -13,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.pages import HOSTILE, a_page, a_page_of, loaders
-from helpers.player_pages import wait_until
+from helpers.player_pages import chromium_program, wait_until
 from helpers.results_files import fill, outcomes
 from numpy.typing import NDArray
 from PIL import Image
@@ -45,10 +44,8 @@ QUIET = (
 
 def chromium(folder: Path, *words: str) -> str:
     """Run a browser with a profile of its own and return what it prints."""
-    program = shutil.which("chromium") or shutil.which("google-chrome")
-    assert program is not None, "these tests need chromium: apt-get install chromium"
     done = subprocess.run(
-        [program, *QUIET, f"--user-data-dir={folder / 'profile'}", *words],
+        [chromium_program(), *QUIET, f"--user-data-dir={folder / 'profile'}", *words],
         capture_output=True,
         text=True,
         check=False,

@@ -186,7 +186,7 @@ def test_run_takes_an_agent_from_a_file(capsys: pytest.CaptureFixture[str], tmp_
         (["--agent", "missing.py:Agent"], "agent file missing.py: there is no such file"),
         (["--agent", "wrong.py:Agent"], "wrong.py, line 2: "),
         (["--agent", "waiter.py:Agent"], "waiter.py has no class 'Agent'"),
-        (["--backend", "sleigh"], "no backend is called 'sleigh'; installed: grid"),
+        (["--backend", "sleigh"], "no backend is called 'sleigh'; installed: driving, grid, "),
         (["--layout", "missing.txt"], "missing.txt: No such file or directory"),
         (["--layout", "bad.txt"], "bad.txt: row 1, column 2: 'x' is not a tile; allowed: # (wall)"),
         (["--layout", "tiny.txt"], "tiny.txt: pickup and dropoff are drawn from the empty cells; "),

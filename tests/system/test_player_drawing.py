@@ -168,6 +168,17 @@ def test_robots_of_a_fleet_show_their_items_age_and_an_empty_battery(
     assert page.share(to_hex(COLORS["H"]), cell(3, 7)) > 0.1
 
 
+def test_a_robot_of_a_fleet_without_orders_is_loaded_when_the_shown_frame_says_so(
+    opened: Open, files: Files
+) -> None:
+    page = opened(files("two", lambda: [simple(list(fleet_frames()))]), "#robot=1")
+    seen = []
+    for step in (0, 1, 2, 0):
+        page.seek(step)
+        seen.append(page.part("order").inner_text())
+    assert seen == ["loaded", "loaded", "", "loaded"]
+
+
 def test_cells_in_which_robots_were_blocked_are_tinted_when_asked_for(
     opened: Open, files: Files
 ) -> None:

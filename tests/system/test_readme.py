@@ -32,6 +32,7 @@ WRITTEN = {
     "Change one word: physics": {"both.html"},
     "Several robots": {"replay-greedy-grid-12.html", "replay-greedy-grid-12-2.html"},
     "Planning for several robots": {"replay-pibt-lanes-grid-12.html", "planners.png"},
+    "From plans to bodies": {"replay-windowed-lanes-driving-12.html", "gap.html"},
     "Gymnasium, one or thousands": set(),
     "Learn": {"table.npz", "table.png"},
     "Search": {"explore.html", "search.html", "agents.png", "benchmark.txt"},

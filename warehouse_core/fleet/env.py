@@ -18,7 +18,7 @@ from warehouse_core.fleet.people import People
 from warehouse_core.fleet.settings import FleetSettings, as_orders
 from warehouse_core.fleet.tally import FleetMeasures
 from warehouse_core.motion.backends import Backend, make_motion
-from warehouse_core.motion.base import Outcome, conditions_of
+from warehouse_core.motion.base import DrivesThrough, Outcome, Ways, conditions_of
 from warehouse_core.motion.vector import Flags
 from warehouse_core.orders.order import Order, OrderArrays, Orders
 from warehouse_core.wording import brief
@@ -136,6 +136,7 @@ class FleetEnv:
         motion = make_motion(backend)
         self.cell_size, self.conditions = motion.cell_size, conditions_of(motion, self.layout)
         self.backend = backend if isinstance(backend, str) else type(motion).__name__
+        self._ways = motion.ways if isinstance(motion, DrivesThrough) else None
         self._fleets = make_fleets([self.layout], self.settings, motion)
         self._warn_of_supply(self.cell_size)
         self.seed = None if seed is None else whole_number("seed", seed, 0)
@@ -296,10 +297,15 @@ class FleetEnv:
         return [divmod(cell, self.layout.width) for cell in self._fleets.robots.cells.tolist()]
 
     @property
+    def ways(self) -> Ways:
+        """What robots, and then people, have ahead of them: nothing, unless they drive through."""
+        every = [True] * self.settings.bodies
+        return self._ways() if self._ways else Ways(self.cells + self.people, every, every)
+
+    @property
     def loaded(self) -> list[bool]:
         """Whether each robot holds an item."""
-        loaded: list[bool] = self._fleets.robots.has_item.tolist()
-        return loaded
+        return list(self._fleets.robots.has_item.tolist())
 
     @property
     def battery(self) -> list[float]:
@@ -316,8 +322,7 @@ class FleetEnv:
     @property
     def people(self) -> list[Cell]:
         """Where each person is."""
-        cells = self._fleets.crowd.cells[0].tolist()
-        return [divmod(cell, self.layout.width) for cell in cells]
+        return [divmod(cell, self.layout.width) for cell in self._fleets.crowd.cells[0].tolist()]
 
     @property
     def steps(self) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple, cast
 
 import numpy as np
@@ -23,7 +24,7 @@ from warehouse_core.motion.backends import (
     make_motion,
     make_separate_motions,
 )
-from warehouse_core.motion.vector import BatchMotion, BatchOutcome, Flags, Integers, Rows
+from warehouse_core.motion.vector import BatchMotion, BatchOutcome, CanFail, Flags, Integers, Rows
 from warehouse_core.task.rules import judge
 from warehouse_core.vector.robots import VectorRobots
 from warehouse_core.vector.rules import spend_and_charge
@@ -46,7 +47,7 @@ class FleetStep(NamedTuple):
         outcome: of the motion.
         rewards: ``[N]`` float64.
         terminated: ``[N]`` bool, whether the robot's task is done.
-        truncated: ``[N]`` bool, whether its battery or the steps are used up.
+        truncated: ``[N]`` bool, whether its battery or the steps are used up, or it has failed.
     """
 
     outcome: BatchOutcome
@@ -84,7 +85,8 @@ class Fleets:
         battery: ``[N]`` float64 units left.
         steps: ``[B]`` taken.
         terminated: ``[N]``, whether the task of the robot is done.
-        truncated: ``[N]``, whether its battery or the steps are used up.
+        truncated: ``[N]``, whether its battery or the steps are used up, or it has failed.
+        failed: ``[N]``, whether the motion says that it stays where it is for good.
 
     Raises:
         LayoutError: robots or people that have no room, or stations that are missing.
@@ -115,7 +117,7 @@ class Fleets:
         self._charge = settings.battery.step_charge(cell_size)
         self.battery = np.zeros(rows)
         self.steps = np.zeros(floors, np.int32)
-        self.terminated, self.truncated = np.zeros((2, rows), np.bool_)
+        self.terminated, self.truncated, self.failed = np.zeros((3, rows), np.bool_)
         if not has_orders:
             stations = first_stations(self.layouts.repeated(settings.robots))
             self._floor.put_stations(np.arange(rows), *stations.T)
@@ -146,7 +148,7 @@ class Fleets:
         rows = self.rows_of(floors)
         self.robots.place(rows, np.concatenate(cells), motion_seeds)
         self.battery[rows] = self.settings.battery.capacity
-        self.terminated[rows] = self.truncated[rows] = False
+        self.terminated[rows] = self.truncated[rows] = self.failed[rows] = False
         self.steps[floors] = 0
         self.tally.clear(floors)
         self._release()
@@ -166,6 +168,8 @@ class Fleets:
         if self.orders:
             self._book(self.orders, had_item, delivered, rewards)
         self._use_batteries(outcome, charging, active)
+        if outcome.failed is not None:
+            self.failed = outcome.failed.copy()
         self.tally.add(chosen, outcome, charging, delivered, active)
         self._release()
         self._end(delivered)
@@ -190,9 +194,10 @@ class Fleets:
     def measures(self, floor: int) -> FleetMeasures:
         """Return the measures of the present episode on a floor."""
         rows = self.rows_of(np.array([floor]))
-        orders = self.orders.books[floor].records() if self.orders else None
-        stranded = int((self.battery[rows] <= 0).sum())
-        return self.tally.measures(floor, int(self.steps[floor]), orders, stranded)
+        book = self.orders.books[floor] if self.orders else None
+        found = self.tally.measures(floor, int(self.steps[floor]), book.records() if book else None)
+        stranded = int(self._is_out[rows].sum())
+        return replace(found, stranded=stranded, lost=book.lost if book else 0)
 
     def rows_of(self, floors: Integers) -> NDArray[np.intp]:
         """Return the rows of all robots on some floors."""
@@ -229,10 +234,10 @@ class Fleets:
     def _release(self) -> None:
         """Give back what stranded robots were to take, and let orders appear."""
         if self.orders:
-            active, is_empty = ~self.ended, self.battery <= 0
-            if is_empty.any():
-                self.orders.strand(np.flatnonzero(active & is_empty))
-            self.orders.release(self.steps, self.robots.cells, active & ~is_empty)
+            active, is_out = ~self.ended, self._is_out
+            if is_out.any():
+                self.orders.strand(np.flatnonzero(active & is_out))
+            self.orders.release(self.steps, self.robots.cells, active & ~is_out)
 
     def _end(self, delivered: Flags) -> None:
         """Set which robots have ended."""
@@ -240,4 +245,13 @@ class Fleets:
         done = np.repeat(self.orders.all_delivered(), robots) if self.orders else delivered
         is_over = np.repeat(self.steps >= self.settings.max_steps, robots)
         self.terminated |= active & done
-        self.truncated |= active & ((self.battery <= 0) | is_over)
+        empty = np.flatnonzero(active & (self.battery <= 0) & ~self.failed)
+        if len(empty) and isinstance(self.robots.motion, CanFail):
+            self.robots.motion.fail(empty)
+        self.truncated |= active & (self._is_out | is_over)
+
+    @property
+    def _is_out(self) -> Flags:
+        """Whether the battery of each robot is empty, or it has failed, ``[N]``."""
+        found: Flags = (self.battery <= 0) | self.failed
+        return found

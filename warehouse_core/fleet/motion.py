@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.fleet.people import Crowd
 from warehouse_core.motion.base import Outcome
-from warehouse_core.motion.vector import BatchMotion, BatchOutcome, Flags, Integers
+from warehouse_core.motion.vector import BatchMotion, BatchOutcome, CanFail, Flags, Integers
 
 Kind = TypeVar("Kind", bound=np.generic)
 
@@ -43,14 +43,16 @@ class FleetMotion:
         outcome = self._motion.advance(
             self._joined(actions, people), self._joined(loaded, np.zeros_like(people, np.bool_))
         )
-        self._crowd.move(outcome.cells.reshape(-1, self._bodies)[:, self._robots :])
-        return BatchOutcome(
-            self._of_robots(outcome.cells),
-            self._of_robots(outcome.blocked),
-            self._of_robots(outcome.seconds),
-            self._of_robots(outcome.joules),
-            None if outcome.stopped_by is None else self._of_robots(outcome.stopped_by),
-        )
+        ends = outcome.cells if outcome.ends is None else outcome.ends
+        self._crowd.move(self._of_people(outcome.cells), self._of_people(ends))
+        of_robots: list[Any] = [None if each is None else self._of_robots(each) for each in outcome]
+        return BatchOutcome(*of_robots)
+
+    def fail(self, rows: Integers) -> None:
+        """Let robots stay where they are for good; see ``CanFail``."""
+        if isinstance(self._motion, CanFail):
+            floors, robots = np.divmod(rows, self._robots)
+            self._motion.fail(floors * self._bodies + robots)
 
     def outcomes(self, floor: int) -> Sequence[Outcome]:
         """Return what the robots of a floor, and then its people, did; see ``BatchMotion``."""
@@ -63,6 +65,10 @@ class FleetMotion:
     def _joined(self, robots: NDArray[Any], people: NDArray[Any]) -> NDArray[Any]:
         """Return values of robots ``[F * R]`` and people ``[F, P]`` as those of all bodies."""
         return np.hstack([np.reshape(robots, (len(people), -1)), people]).ravel()
+
+    def _of_people(self, bodies: NDArray[Kind]) -> NDArray[Kind]:
+        """Return the values of the people ``[F, P]``, given those of all bodies."""
+        return bodies.reshape(-1, self._bodies)[:, self._robots :]
 
     def _of_robots(self, bodies: NDArray[Kind]) -> NDArray[Kind]:
         """Return the values of the robots ``[N]``, given those of all bodies."""

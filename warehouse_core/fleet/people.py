@@ -71,11 +71,12 @@ class Crowd:
 
     Attributes:
         cells: where they are, numbered within their layouts.
+        ends: where their next moves begin, which differ if they drive through cells.
     """
 
     def __init__(self, people: People, layouts: LayoutSet) -> None:
         shape = len(layouts.kind), people.count
-        self.cells = np.zeros(shape, np.intp)
+        self.cells = self.ends = np.zeros(shape, np.intp)
         self._pause = people.pause
         self._walks_to_stations = people.count > 0 and people.habit == STATIONS
         self._last, self._goals = np.full(shape, WAIT), np.zeros(shape, np.intp)
@@ -88,7 +89,8 @@ class Crowd:
 
     def enter(self, floor: int, cells: Integers, stream: np.random.Generator) -> None:
         """Put the people of a floor in their cells; they draw from ``stream`` from now on."""
-        self.cells[floor], self._last[floor], self._is_blocked[floor] = cells, WAIT, False
+        self.cells[floor] = self.ends[floor] = cells
+        self._last[floor], self._is_blocked[floor] = WAIT, False
         self._streams[floor] = stream
         if self._walks_to_stations:
             self._goals[floor] = self._ways.goals(floor, stream.random(len(cells)))
@@ -101,7 +103,7 @@ class Crowd:
         weights = self._to_stations(uniforms[..., -1]) if self._walks_to_stations else self._ahead()
         # Who could not move turns any way, and so out of the way of robots that wait.
         weights = np.where(self._is_blocked[..., None], ASIDE, weights)
-        weights *= self._sides.take(self._base + self.cells, axis=0)
+        weights *= self._sides.take(self._base + self.ends, axis=0)
         with np.errstate(divide="ignore"):
             # The least of exponential times is that of each direction in proportion to its weight.
             times = -np.log1p(-uniforms[..., :WAIT]) / weights
@@ -112,10 +114,10 @@ class Crowd:
         self._last = np.where(still, self._last, actions)
         return actions
 
-    def move(self, cells: Integers) -> None:
-        """Note where they are after a step."""
-        self._is_blocked = self._moves & (cells == self.cells)
-        self.cells = cells.astype(np.intp)
+    def move(self, cells: Integers, ends: Integers) -> None:
+        """Note where they are after a step, and where their next moves begin."""
+        self._is_blocked = self._moves & (ends == self.ends)
+        self.cells, self.ends = cells.astype(np.intp), ends.astype(np.intp)
 
     def _ahead(self) -> NDArray[np.float64]:
         """Return the weights of the directions for those who walk along aisles."""
@@ -124,9 +126,9 @@ class Crowd:
     def _to_stations(self, uniforms: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the weights for those who walk to stations; who has arrived gets another goal."""
         ways, floors = self._ways, np.arange(len(self.cells))[:, None]
-        arrived = ways.has_arrived(floors, self._goals, self.cells)
+        arrived = ways.has_arrived(floors, self._goals, self.ends)
         self._goals = np.where(arrived, ways.others(floors, self._goals, uniforms), self._goals)
-        return ways.weights(floors, self._goals, self.cells)
+        return ways.weights(floors, self._goals, self.ends)
 
 
 class _Ways:

@@ -41,7 +41,8 @@ class FleetMeasures:
         waits: steps in which a robot waited, not on a charger.
         charging: steps in which a robot charged.
         distance: cells driven.
-        stranded: robots whose battery is empty.
+        stranded: robots whose battery is empty, or which have failed.
+        lost: items that those robots carry.
     """
 
     steps: int
@@ -60,7 +61,8 @@ class FleetMeasures:
     waits: int
     charging: int
     distance: int
-    stranded: int
+    stranded: int = 0
+    lost: int = 0
 
 
 class Tally:
@@ -115,16 +117,13 @@ class Tally:
         """Return how often each robot of a floor did what, ``[8, R]``; see ``MOVED``."""
         return self._counts[:, floor * self._robots : (floor + 1) * self._robots].copy()
 
-    def measures(
-        self, floor: int, steps: int, orders: Sequence[Order] | None, stranded: int
-    ) -> FleetMeasures:
-        """Return the measures of a floor.
+    def measures(self, floor: int, steps: int, orders: Sequence[Order] | None) -> FleetMeasures:
+        """Return the measures of a floor, but for ``stranded`` and ``lost``.
 
         Args:
             floor: its number.
             steps: taken.
             orders: those released, or ``None`` for a fleet without orders.
-            stranded: robots whose battery is empty.
         """
         done = self.counts(floor).sum(axis=1).tolist()
         seconds = float(self._seconds[floor])
@@ -152,7 +151,6 @@ class Tally:
             waits=done[WAITED],
             charging=done[CHARGED],
             distance=done[MOVED],
-            stranded=stranded,
         )
 
 

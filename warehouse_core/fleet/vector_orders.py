@@ -102,14 +102,21 @@ class VectorOrders:
         self._update(floor)
 
     def strand(self, rows: Integers) -> None:
-        """Give back the orders of robots which cannot take them any more, until ``release``."""
+        """Give back the orders of robots that cannot drive any more, until ``release``.
+
+        The items that they carry are lost.
+        """
         for row in rows.tolist():
             floor, robot = divmod(row, self._robots)
             book = self.books[floor]
             order = int(book.order_of[robot])
-            if order != NONE and book.taken[order] == NONE:
+            if order == NONE:
+                continue
+            if book.taken[order] == NONE:
                 book.assign(robot, None)
-                self._touched.add(floor)
+            else:
+                book.lost += 1
+            self._touched.add(floor)
 
     def all_delivered(self) -> NDArray[np.bool_]:
         """Return ``[B]``, whether all orders of a list are delivered; a stream has no end."""

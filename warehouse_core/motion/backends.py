@@ -2,6 +2,10 @@
 
 A backend is a class in the entry-point group ``warehouse_core.backends`` of any installed
 distribution; ``grid`` and ``physics`` are registered in the same way as third-party backends.
+
+Numbers may follow a name, as in ``physics:top_speed=2,turn_seconds=1.5``, if the class of the
+backend has a class method ``from_numbers(numbers)``, which returns a motion for a dict of them, or
+raises ``ValueError``.
 """
 
 from __future__ import annotations
@@ -31,11 +35,12 @@ def make_motion(backend: Backend) -> Motion:
     """Return a motion for a backend given by name, as a class or as an instance.
 
     Raises:
-        BackendError: the name is not installed, or its requirements are missing or broken.
+        BackendError: the name is not installed, or its requirements are missing or broken; or the
+            backend does not take the numbers after its name.
         TypeError: ``backend`` is none of the three.
     """
     if isinstance(backend, str):
-        return load_backend(backend)()
+        return _make_named(backend)
     if isinstance(backend, type) and hasattr(backend, "advance"):
         return backend()
     if isinstance(backend, Motion):
@@ -86,6 +91,33 @@ def make_separate_motions(
             "the name or the class of a backend"
         )
     return MotionBatch([make_motion(backend) for _ in layouts], layouts, robots)
+
+
+def _make_named(backend: str) -> Motion:
+    """Return a motion for a backend given by name, which numbers may follow."""
+    name, colon, numbers = backend.partition(":")
+    kind = load_backend(name)
+    if not colon:
+        return kind()
+    from_numbers = getattr(kind, "from_numbers", None)
+    if from_numbers is None:
+        raise BackendError(f"backend {name!r} takes no numbers; {numbers!r} was given")
+    try:
+        motion: Motion = from_numbers(_read_numbers(numbers))
+    except ValueError as error:
+        raise BackendError(f"backend {backend!r}: {error}") from error
+    return motion
+
+
+def _read_numbers(text: str) -> dict[str, float]:
+    found = {}
+    for part in text.split(","):
+        name, _, value = part.partition("=")
+        try:
+            found[name] = float(value)
+        except ValueError:
+            raise ValueError(f"{part!r} is not of the form name=1.5") from None
+    return found
 
 
 def backend_names() -> list[str]:

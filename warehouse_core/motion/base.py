@@ -167,6 +167,51 @@ class Motion(Protocol):
         """Release resources; safe to call twice."""
 
 
+class Ways(NamedTuple):
+    """What ``R`` robots have ahead of them.
+
+    Attributes:
+        ends: the last cell of each way, where the next move of the robot begins. They are all
+            different, except that two failed robots may stand between the same two cells.
+        has_room: whether each way may be extended by a move now.
+        at_rest: whether each robot is at rest at the end of its way, as it has to be to pick, drop
+            or charge.
+        failed: whether each robot stays where it is for good.
+        closed: the cells that failed robots are in, or reach into, which nobody can enter.
+    """
+
+    ends: Sequence[Cell]
+    has_room: Sequence[bool]
+    at_rest: Sequence[bool]
+    failed: Sequence[bool] = ()
+    closed: Sequence[Cell] = ()
+
+
+@runtime_checkable
+class DrivesThrough(Motion, Protocol):
+    """A motion whose robots have ways ahead of them, and drive through the cells of these ways.
+
+    A displacement does not move a robot from where it is, but appends a cell to the end of its way;
+    without room there the robot waits. A call of ``advance`` may end while robots drive.
+    """
+
+    def ways(self) -> Ways:
+        """Return what each robot has ahead of it.
+
+        Raises:
+            RuntimeError: before ``reset`` or after ``close``.
+        """
+
+    def fail(self, robot: int) -> None:
+        """Let a robot brake and stay where it is for good, and others go on without it.
+
+        Robots that are then caught between others, with no cell to come to rest in, fail too.
+
+        Raises:
+            RuntimeError: before ``reset`` or after ``close``.
+        """
+
+
 def centre_of(cell: Cell, cell_size: float) -> tuple[float, float]:
     """Return the position of the middle of ``cell`` in metres."""
     row, col = cell

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.motion.base import Motion, Outcome, check_starts, robot_contact
+from warehouse_core.motion.base import DrivesThrough, Motion, Outcome, check_starts, robot_contact
 from warehouse_core.motion.vector import NOTHING, WALL, BatchOutcome, Flags, Integers
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.layout import Layout
@@ -18,8 +20,9 @@ from warehouse_core.world.tiles import Cell, moved
 class MotionBatch:
     """Moves ``R`` robots in each of ``B`` layouts by a motion for each; see ``BatchMotion``.
 
-    ``stopped_by`` is the counterpart of the first contact of a blocked robot, or without a contact
-    the robot that is in the cell it was on its way to. What is not a robot counts as a wall.
+    ``stopped_by`` is the counterpart of the first contact of a blocked robot. Without a contact it
+    is the robot that is in the cell it was on its way to, or was on its way there too. What is not
+    a robot counts as a wall.
 
     Args:
         motions: ``B`` different motions, which this one closes.
@@ -71,25 +74,31 @@ class MotionBatch:
         if not all(self._cells):
             raise RuntimeError("advance() needs a place() of every floor before it")
         stopped_by: list[int] = []
+        driving: list[bool] = []
+        failed: list[bool] = []
         pairs = zip(self._by_floor(actions).tolist(), self._by_floor(loaded).tolist(), strict=True)
         for floor, (chosen, loads) in enumerate(pairs):
-            moves = [DISPLACEMENTS[action] for action in chosen]
-            outcomes = self._motions[floor].advance(moves, loads)
-            stopped_by += self._stoppers(map(moved, self._cells[floor], moves), outcomes)
-            self._outcomes[floor] = outcomes
+            motion, moves = self._motions[floor], [DISPLACEMENTS[action] for action in chosen]
+            targets = list(map(moved, self._cells[floor], moves))
+            outcomes = self._outcomes[floor] = motion.advance(moves, loads)
             self._cells[floor] = [outcome.cell for outcome in outcomes]
-        rows = [
-            (row * layout.width + col, *others)
-            for layout, outcomes in zip(self._layouts, self._outcomes, strict=True)
-            for (row, col), *others in (outcome[:4] for outcome in outcomes)
-        ]
-        cells, blocked, seconds, joules = zip(*rows, strict=True)
+            if isinstance(motion, DrivesThrough):
+                ways = motion.ways()
+                self._cells[floor] = list(ways.ends)
+                driving += [not rests for rests in ways.at_rest]
+                failed += ways.failed
+            stopped_by += self._stoppers(targets, self._cells[floor], outcomes)
+        found = [outcome[:4] for outcomes in self._outcomes for outcome in outcomes]
+        cells, blocked, seconds, joules = zip(*found, strict=True)
         return BatchOutcome(
-            np.array(cells, np.intp),
+            self._numbers(cells),
             np.array(blocked, np.bool_),
             np.array(seconds, np.float64),
             np.array(joules, np.float64),
             np.array(stopped_by, np.intp),
+            self._numbers(chain.from_iterable(self._cells)) if driving else None,
+            np.array(driving, np.bool_) if driving else None,
+            np.array(failed, np.bool_) if failed else None,
         )
 
     def outcomes(self, floor: int) -> Sequence[Outcome]:
@@ -98,11 +107,26 @@ class MotionBatch:
             raise RuntimeError(f"outcomes() needs an advance() after the place() of floor {floor}")
         return self._outcomes[floor]
 
+    def fail(self, rows: Integers) -> None:
+        """Let robots of motions that drive through stay where they are for good."""
+        for row in rows.tolist():
+            floor, robot = divmod(row, self._robots)
+            motion = self._motions[floor]
+            if isinstance(motion, DrivesThrough):
+                motion.fail(robot)
+
     def close(self) -> None:
         """Close all motions; see ``BatchMotion.close``."""
         for motion in self._motions:
             motion.close()
         self._cells = [[] for _ in self._layouts]
+
+    def _numbers(self, cells: Iterable[Cell]) -> NDArray[np.intp]:
+        """Return the numbers of the cells of all robots, ``[N]``, floor by floor."""
+        widths = np.repeat([layout.width for layout in self._layouts], self._robots)
+        places = np.array(list(cells), np.intp)
+        numbers: NDArray[np.intp] = places[:, 0] * widths + places[:, 1]
+        return numbers
 
     def _by_floor(self, values: NDArray[Any]) -> NDArray[Any]:
         return np.reshape(values, (-1, self._robots))
@@ -120,13 +144,20 @@ class MotionBatch:
             )
         return found
 
-    def _stoppers(self, targets: Iterable[Cell], outcomes: Sequence[Outcome]) -> Iterator[int]:
+    def _stoppers(
+        self, targets: Sequence[Cell], ends: Sequence[Cell], outcomes: Sequence[Outcome]
+    ) -> Iterator[int]:
         """Yield what stopped each robot on its way to its target."""
-        robot_in = {outcome.cell: robot for robot, outcome in enumerate(outcomes)}
-        for target, outcome in zip(targets, outcomes, strict=True):
+        rivals = defaultdict[Cell, list[int]](list)
+        for robot, target in enumerate(targets):
+            rivals[target].append(robot)
+        robot_in = {end: robot for robot, end in enumerate(ends)}
+        for robot, (target, outcome) in enumerate(zip(targets, outcomes, strict=True)):
             if not outcome.blocked:
                 yield NOTHING
             elif outcome.contacts:
                 yield self._number_of.get(outcome.contacts[0].counterpart, WALL)
+            elif target in robot_in:
+                yield robot_in[target]
             else:
-                yield robot_in.get(target, WALL)
+                yield next((other for other in rivals[target] if other != robot), WALL)

@@ -64,3 +64,35 @@ def find_stops(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -
             stops[behind] = ahead
             staying.append(behind)
     return stops
+
+
+def check_joint_step(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -> None:
+    """Raise unless ``R`` robots can all move at once as they are to; nothing stops them then.
+
+    Args:
+        layout: the layout with the walls.
+        cells: ``R`` different open cells.
+        targets: for each robot its next cell, or its own.
+
+    Raises:
+        ValueError: naming the robots and cells: there are not ``R`` targets, a target is neither
+            the robot's cell nor an open cell beside it, or two robots have the same target or
+            change places.
+    """
+    if len(targets) != len(cells):
+        raise ValueError(f"{len(targets)} cells for {len(cells)} robots; one each")
+    robot_in, robot_to = {cell: robot for robot, cell in enumerate(cells)}, dict[Cell, int]()
+    for robot, (cell, target) in enumerate(zip(cells, targets, strict=True)):
+        if abs(cell[0] - target[0]) + abs(cell[1] - target[1]) > 1 or not layout.is_open(target):
+            raise ValueError(
+                f"robot {robot} is to go from {cell} to {target}, which is not an open cell beside "
+                "it"
+            )
+        other = robot_to.setdefault(target, robot)
+        if other != robot:
+            raise ValueError(f"robots {other} and {robot} are both to go to {target}")
+        other = robot_in.get(target, robot)
+        if other < robot and targets[other] == cell:
+            raise ValueError(
+                f"robots {other} and {robot} are to change places, {target} and {cell}"
+            )

@@ -38,6 +38,11 @@ class BatchOutcome(NamedTuple):
         joules: ``[N]`` float64, cost of each action.
         stopped_by: ``[N]`` intp, what stopped the robot: ``NOTHING``, ``WALL``, or the number of
             another robot on its floor. ``None`` if robots are alone and only walls block them.
+        ends: ``[N]`` intp, where their next moves begin, of a motion that ``DrivesThrough``.
+            ``None``: where they are.
+        driving: ``[N]`` bool, whether the robot has not come to rest, so that it can neither pick,
+            drop nor charge. ``None``: all are at rest after each action.
+        failed: ``[N]`` bool, whether the robot stays where it is for good. ``None``: none can.
     """
 
     cells: NDArray[np.intp]
@@ -45,6 +50,9 @@ class BatchOutcome(NamedTuple):
     seconds: NDArray[np.float64]
     joules: NDArray[np.float64]
     stopped_by: NDArray[np.intp] | None = None
+    ends: NDArray[np.intp] | None = None
+    driving: Flags | None = None
+    failed: Flags | None = None
 
 
 class BatchMotion(Protocol):
@@ -84,6 +92,14 @@ class BatchMotion(Protocol):
 
     def close(self) -> None:
         """Release resources; safe to call twice."""
+
+
+@runtime_checkable
+class CanFail(Protocol):
+    """A batch motion whose robots may fail."""
+
+    def fail(self, rows: Integers) -> None:
+        """Let robots stay where they are for good."""
 
 
 @runtime_checkable

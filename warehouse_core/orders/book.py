@@ -33,6 +33,7 @@ class OrderBook:
 
     Attributes:
         order_of: ``[R]`` the order of each robot, or ``NONE``.
+        lost: number of items that robots carry which stay where they are for good.
         taken_by, taken, delivered: ``[K]`` robot and steps, or ``NONE``.
         waiting_at: number of open orders at each cell.
         changed: the robots whose order has changed, and the cells where the number of open orders
@@ -52,7 +53,7 @@ class OrderBook:
         self.taken_by, self.taken, self.delivered = np.full((3, len(orders.released)), NONE)
         self.waiting_at: Counter[int] = Counter()
         self.changed: tuple[set[int], set[int]] = (set(), set())
-        self._released = self._deliveries = 0
+        self._released = self._deliveries = self.lost = 0
         self._is_open = np.zeros(len(orders.released), np.bool_)
         self._due_at: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
         self._reserved: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
@@ -61,14 +62,14 @@ class OrderBook:
     def next_release(self) -> int:
         """The step at which the next order appears, or ``NEVER``."""
         released = self.orders.released
-        if self._more and self._released - self._deliveries >= self._queue:
+        if self._more and self._released - self._deliveries - self.lost >= self._queue:
             return NEVER
         return int(released[self._released]) if self._released < len(released) else NEVER
 
     @property
     def is_done(self) -> bool:
-        """Whether all orders have been delivered."""
-        return self._deliveries == len(self.orders.released)
+        """Whether all orders have been delivered, but for items that are lost."""
+        return self._deliveries + self.lost == len(self.orders.released)
 
     @property
     def open_orders(self) -> list[int]:

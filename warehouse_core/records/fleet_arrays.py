@@ -142,6 +142,8 @@ def _read_header(arrays: Arrays) -> dict[str, Any]:
 
 def _read_measures(values: Any) -> FleetMeasures:
     kinds = FleetMeasures.__annotations__
+    if isinstance(values, dict):  # older records have no lost items
+        values = {"lost": 0} | values
     if not isinstance(values, dict) or values.keys() != kinds.keys():
         raise RecordError(f"measures must have the keys {', '.join(kinds)}")
     for name, value in values.items():

@@ -7,7 +7,7 @@
 | unreachable | no way leads from a robot to the pickup of the order that waits    | those sent   |
 |             | for it or to where its item is due; or from any robot to an open   |              |
 |             | order                                                              |              |
-| stranded    | the battery of a robot ran out                                     | those        |
+| stranded    | the battery of a robot ran out, or a robot failed for good         | the first    |
 | deadlock    | for ``MIN_STEPS`` steps up to the end robots did not leave their   | those that   |
 |             | cells, each stopped by the next one: in a ring, or in a queue      | are stopped  |
 |             | behind one that stays                                              |              |
@@ -93,11 +93,18 @@ def _unreachable(episode: FleetEpisode) -> FleetDiagnosis | None:
 
 def _stranded(episode: FleetEpisode) -> FleetDiagnosis | None:
     robots = tuple(np.flatnonzero(episode.battery[-1] <= 0).tolist())
+    lost = (
+        f", and {counted(episode.measures.lost, 'item')} with them" if episode.measures.lost else ""
+    )
+    if not robots and episode.measures.stranded:
+        # A record says of each robot when its battery is empty, and of failures how many there are.
+        failed = counted(episode.measures.stranded, "robot")
+        return FleetDiagnosis(STRANDED, (), f"{failed} failed for good{lost}")
     if not robots:
         return None
     blocked = int(np.isin(episode.stopped_by, robots).sum())
     in_the_way = f" and stopped {counted(blocked, 'move')} of others" if blocked else ""
-    sentence = f"the battery of {_named(robots, _ends(episode))} ran out{in_the_way}"
+    sentence = f"the battery of {_named(robots, _ends(episode))} ran out{in_the_way}{lost}"
     return FleetDiagnosis(STRANDED, robots, sentence)
 
 

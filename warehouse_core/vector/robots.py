@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from warehouse_core.motion.vector import BatchMotion, BatchOutcome, Flags, Integers, Rows
 from warehouse_core.task.encoding import Arrays
 from warehouse_core.vector.floor import VectorFloor
-from warehouse_core.vector.rules import charging, judge_all
+from warehouse_core.vector.rules import NO_STATION, charging, judge_all
 
 Counts = NDArray[np.int32]
 
@@ -70,6 +70,8 @@ class VectorRobots:
         outcome = self.motion.advance(actions, self.has_item)
         self.cells = outcome.cells
         on = self.floor.stations(self.cells)
+        if outcome.driving is not None:
+            on = np.where(outcome.driving, NO_STATION, on)
         rewards, self.has_item, delivered = judge_all(actions, on, self.has_item, outcome.blocked)
         charges = charging(actions, on) if self.floor.has_chargers else None
         return VectorStep(outcome, rewards, delivered, charges)

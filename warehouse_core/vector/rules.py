@@ -20,6 +20,8 @@ Of a cell that is both, as orders can make it, a robot uses the pickup if it hol
 dropoff if it does.
 """
 
+NO_STATION = STATION_KINDS.index(EMPTY)
+
 _BOTH = (False, True)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -30,7 +29,7 @@ from warehouse_core.render.palette import (
 )
 from warehouse_core.viz.axes.plans import PlanView
 from warehouse_core.viz.figure import SceneFigure
-from warehouse_core.viz.robot_view import ABOVE_TILES
+from warehouse_core.viz.robot_view import ABOVE_TILES, SQUARE, nose_of
 from warehouse_core.viz.tracks.track import FleetFrame, Frame, Pose, Waiting
 from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED
 
@@ -50,10 +49,9 @@ LOW_BATTERY = 0.25
 
 LATE = len(ORDER_COLORS) - 1
 
-NOSE = np.array([(0.72, -0.6), (1.38, 0.0), (0.72, 0.6)])
-"""Corners of the wedge of a robot that heads east, in radii."""
+TIP = 1.38
+"""Of the nose of a robot, which stays in its cell; see ``robot_view``."""
 
-_SQUARE = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
 _DIAMOND = np.array([(0, -1), (1, 0), (0, 1), (-1, 0)])
 
 
@@ -117,7 +115,8 @@ class FleetView:
         self._discs.set_offsets(places)
         self._discs.set_facecolor(colors)
         self._plans.show(fleet.plans, places, colors)
-        self._noses.set_verts([self._nose(pose) for pose in robots if pose.heading is not None])
+        noses = [nose_of(pose, self._radius, TIP) for pose in robots if pose.heading is not None]
+        self._noses.set_verts(noses)
         self._numbers.set_offsets(places)
         self._numbers.set_facecolor(
             [INK if color == COLORS[ROBOT_LOADED] else PAPER for color in colors]
@@ -128,7 +127,7 @@ class FleetView:
         ]
         corner = 0.78 * self._radius
         self._items.set_verts(
-            [place + (corner, -corner) + 0.8 * self._radius * _SQUARE for place, _ in items]
+            [place + (corner, -corner) + 0.4 * self._radius * SQUARE for place, _ in items]
         )
         self._items.set_facecolor([ORDER_COLORS[age] for _, age in items])
         self._items.set_edgecolor([_ink_on(age) for _, age in items])
@@ -173,12 +172,6 @@ class FleetView:
         )  # fmt: skip
         self._figure.add_mover(text)
         return text
-
-    def _nose(self, pose: Pose) -> Any:
-        """Return the corners of the wedge at the rim of a robot that shows where it heads."""
-        heading = pose.heading or 0.0
-        cos, sin = math.cos(heading), math.sin(heading)
-        return self._radius * NOSE @ np.array([(cos, sin), (-sin, cos)]) + np.array(pose.at)
 
     def _add(self, collection: Any) -> None:
         self._axes.add_collection(collection, autolim=False)

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, PathPatch, Polygon
+from numpy.typing import NDArray
 
 from warehouse_core.render.palette import (
     COLORS,
@@ -47,10 +48,10 @@ FRAMES_APART = 3
 BOX, STATION_BOX, MIN_BOX_POINTS = 0.56, (0.73, 0.73), 2.0
 """Half a side of an item as a share of the radius of a robot, and where one is in its station."""
 
-NOSE = np.array([(0.72, -0.62), (1.5, 0.0), (0.72, 0.62)])
-"""A wedge at the rim of a robot that heads east, in radii."""
+TIP = 1.5
+"""Of the nose of a robot, from its middle, in radii."""
 
-_SQUARE = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+SQUARE = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
 _CELL = np.array([(0.02, 0.02), (0.98, 0.02), (0.98, 0.98), (0.02, 0.98)])
 
 WEAK_MOTOR = (0.0, (1.4, 1.0))
@@ -145,7 +146,11 @@ class RobotView:
         if track.motor_strength < 1:
             self._disc.set_linestyle(WEAK_MOTOR)
         self._nose = Polygon(
-            NOSE, facecolor=INK, edgecolor=PAPER, linewidth=thin / 2, zorder=zorder - 0.1
+            np.zeros((3, 2)),
+            facecolor=INK,
+            edgecolor=PAPER,
+            linewidth=thin / 2,
+            zorder=zorder - 0.1,
         )
         self._items = PolyCollection(
             [], facecolors=[ITEM], edgecolors=[INK], linewidths=thin, zorder=zorder
@@ -192,9 +197,7 @@ class RobotView:
         self._letter.set_facecolor(INK if pose.loaded else PAPER)
         self._nose.set_visible(pose.heading is not None)
         if pose.heading is not None:
-            cos, sin = math.cos(pose.heading), math.sin(pose.heading)
-            turned = NOSE @ np.array([(cos, sin), (-sin, cos)])
-            self._nose.set_xy(self._radius * turned + np.array(pose.at))
+            self._nose.set_xy(nose_of(pose, self._radius))
 
     def _show_floor(self, rows: Rows, step: int) -> None:
         """Tint the floor that the robot sees, and where it came more than once."""
@@ -255,7 +258,23 @@ class RobotView:
                 if tile == PICKUP
             }
         places = [np.array((col, row)) + STATION_BOX for row, col in sorted(at_rest)]
-        boxes = [self._box * _SQUARE + place for place in places]
+        boxes = [self._box * SQUARE + place for place in places]
         if pose is not None and pose.loaded:
-            boxes.append(BOX * self._radius * _SQUARE + np.array(pose.at))
+            boxes.append(BOX * self._radius * SQUARE + np.array(pose.at))
         self._items.set_verts(boxes)
+
+
+def nose_of(pose: Pose, radius: float, tip: float = TIP) -> NDArray[np.float64]:
+    """Return the corners, in cells, of the wedge that shows where a robot heads.
+
+    Args:
+        pose: with a heading.
+        radius: of the robot, in cells.
+        tip: see ``TIP``.
+    """
+    heading = pose.heading or 0.0
+    cos, sin = math.cos(heading), math.sin(heading)
+    wedge = np.array([(0.72, -0.62), (tip, 0.0), (0.72, 0.62)])
+    turned = wedge @ np.array([(cos, sin), (-sin, cos)])
+    corners: NDArray[np.float64] = radius * turned + np.array(pose.at)
+    return corners

@@ -37,7 +37,7 @@ GRID_INCHES, FLEET_INCHES = (6.4, 4.6), (10.0, 6.4)
 MAX_CELL_INCHES = 1.05
 CHART_INCHES = 3.3
 MARGIN = 0.3
-HEAD, FOOT, BAR, LEGEND = 1.0, 0.75, 0.2, 1.75
+HEAD, BAR, LEGEND = 1.0, 0.2, 1.75
 
 MAX_CAPTION, MIN_CAPTION = 18.0, 10.0
 """Sizes of the action and its reason in points; of those too long for a line, two are smaller."""

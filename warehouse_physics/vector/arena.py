@@ -102,16 +102,7 @@ class VectorArena:
             add_walls(self.space, known[key], size, corner)
 
     def _add_robot(self, spec: RobotSpec) -> pymunk.Shape:
-        # A body with an infinite moment never turns.
-        body = pymunk.Body(spec.mass, math.inf)
-        shape = pymunk.Circle(body, spec.body_radius)
-        shape.collision_type = ROBOT
-        control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-        drive = pymunk.PivotJoint(body, control, (0, 0), (0, 0))
-        # Errors of position are not corrected: the joint is a motor, not a spring.
-        drive.error_bias = 1.0
-        self._panel.add(control)
-        self.space.add(body, shape, drive)
+        body, shape, drive = add_driven_body(self.space, self._panel, spec)
         self.robots.append(body)
         self.drives.append(drive)
         return shape
@@ -119,6 +110,24 @@ class VectorArena:
     def _note_hit(self, arbiter: pymunk.Arbiter) -> Hit:
         row = self._row[arbiter.shapes[0]]
         return Hit(row, -arbiter.normal, self.robots[row].velocity)
+
+
+def add_driven_body(
+    space: pymunk.Space, panel: pymunk.Space, spec: RobotSpec, position: Position = (0.0, 0.0)
+) -> tuple[pymunk.Body, pymunk.Shape, pymunk.PivotJoint]:
+    """Add a robot to a space that one joint drives, and its control body to ``panel``."""
+    # A body with an infinite moment never turns.
+    body = pymunk.Body(spec.mass, math.inf)
+    body.position = position
+    shape = pymunk.Circle(body, spec.body_radius)
+    shape.collision_type = ROBOT
+    control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+    drive = pymunk.PivotJoint(body, control, (0, 0), (0, 0))
+    # Errors of position are not corrected: the joint is a motor, not a spring.
+    drive.error_bias = 1.0
+    panel.add(control)
+    space.add(body, shape, drive)
+    return body, shape, drive
 
 
 def corners_of(layouts: Sequence[Layout], cell_size: float) -> Floats:

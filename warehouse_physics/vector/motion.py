@@ -70,7 +70,7 @@ class RigidBodyBatch:
         starts = [self._start(*each) for each in zip(rows.tolist(), cells.tolist(), strict=True)]
         for row, start in zip(rows.tolist(), starts, strict=True):
             part, row_of_part = divmod(row, ROWS_OF_A_SPACE)
-            parts[part].arena.place(row_of_part, start)
+            parts[part].place(row_of_part, start)
         self._is_placed[rows] = True
 
     @exclusive

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.motion.vector import Flags, Integers, Rows
 from warehouse_physics.profile import Floats, Substeps, brakings, lengths_of, plan_profiles
-from warehouse_physics.robot import AT_REST, BRAKE, GO, MAX_SUBSTEPS, NEVER, REST
+from warehouse_physics.robot import AT_REST, BRAKE, GO, MAX_SUBSTEPS, NEVER, REST, Position
 from warehouse_physics.robot_spec import ARRIVED, RobotSpec
 from warehouse_physics.vector.arena import Hit, VectorArena
 
@@ -39,6 +39,8 @@ class VectorRobots:
         # The floor helps to brake; it brakes alone where its drag exceeds the force needed.
         self._going_forces = self._masses * self._paces
         self._braking_forces = np.maximum(self._going_forces, self._drags)
+        self._turning = np.array([spec.turn_substeps(quarters) for quarters in (0, 1, 2, 1)])
+        self._headings = np.zeros(robots, np.intp)  # quarter turns from east
         self._loaded = np.zeros(robots, np.intp)
         self._force = np.zeros(robots)
         self._commands = np.zeros((robots, 2))
@@ -49,6 +51,11 @@ class VectorRobots:
         self.gave_up = np.zeros(robots, np.bool_)
         self.work = np.zeros(robots)
         self.substeps: Substeps = np.zeros(robots, np.int64)
+
+    def place(self, row: int, position: Position) -> None:
+        """Put a robot at rest at a position, heading east, for a new episode."""
+        self.arena.place(row, position)
+        self._headings[row] = 0
 
     def cells(self) -> NDArray[np.intp]:
         """Return the cells ``[B, 2]`` under the robots, column before row."""
@@ -68,7 +75,10 @@ class VectorRobots:
         self._commands[:], self.gave_up[:], self.work[:] = 0.0, False, 0.0
         now = 0
         self._rest(slice(None), now)
-        self._go(np.flatnonzero(ways.any(axis=1)), now)
+        moving = np.flatnonzero(ways.any(axis=1))
+        turning = self._turn(moving)
+        self._go(moving[turning == 0], now)
+        self._brake(moving[turning > 0], now, turning[turning > 0])
         while now < MAX_SUBSTEPS and (until := int(self._until.min())) < NEVER:
             self.arena.command(self._commands)
             now, hits = self.arena.run(now, until)
@@ -77,6 +87,14 @@ class VectorRobots:
                 self._meet(hits, now)
             self._next_phase(now)
         self.substeps[self._until < NEVER] = now
+
+    def _turn(self, rows: Integers) -> Substeps:
+        """Turn robots into their ways; return the substeps that each does so on the spot."""
+        right, down = self._ways[rows].astype(np.intp).T
+        headings = down % 4 + 2 * (right < 0)
+        turning: Substeps = self._turning[(headings - self._headings[rows]) % 4]
+        self._headings[rows] = headings
+        return turning
 
     def _look(self) -> None:
         self._positions, self._velocities = self.arena.look()

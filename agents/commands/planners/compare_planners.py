@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from concurrent.futures import as_completed
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -21,7 +20,7 @@ from agents.console.terminal import print_error, say
 from agents.errors import PlanError
 from agents.evaluation.interval import MIN_VALUES, Interval, mean_interval
 from agents.evaluation.wording import mean
-from agents.experiments.workers import process_pool
+from agents.experiments.workers import run_each
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.planner import Planner
@@ -30,6 +29,19 @@ from warehouse_core.wording import counted
 
 SIZES = "32,64,96,128,160,192"
 MAX_SEEDS, MAX_JOBS = 1000, 64
+
+
+JobsOption = Annotated[
+    int | None,
+    typer.Option(
+        "--jobs",
+        "-j",
+        metavar="N",
+        min=1,
+        max=MAX_JOBS,
+        help="Processes. Default: one for each processor.",
+    ),
+]
 
 
 class Trial(NamedTuple):
@@ -111,17 +123,7 @@ def compare_planners(
         int, typer.Option("--steps", metavar="N", min=1, max=MAX_COUNT, help="Steps of a run.")
     ] = 256,
     time_limit: TimeLimitOption = 10.0,
-    jobs: Annotated[
-        int | None,
-        typer.Option(
-            "--jobs",
-            "-j",
-            metavar="N",
-            min=1,
-            max=MAX_JOBS,
-            help="Processes. Default: one for each processor.",
-        ),
-    ] = None,
+    jobs: JobsOption = None,
     save: Annotated[
         Path | None,
         typer.Option(
@@ -206,17 +208,7 @@ def run_trials(trials: Sequence[Trial], jobs: int) -> dict[Trial, Outcome]:
         PlanError: as for ``run_trial``.
         WorkerError: a process ended early.
     """
-    from agents.console.progress import progress_bar, track
-
-    if jobs == 1:
-        return {trial: run_trial(trial) for trial in track(trials, "runs")}
-    with process_pool(jobs) as (pool, _), progress_bar(len(trials), "runs") as advance:
-        futures = {pool.submit(run_trial, trial): trial for trial in trials}
-        found = {}
-        for number, future in enumerate(as_completed(futures), 1):
-            found[futures[future]] = future.result()
-            advance(number)
-        return found
+    return dict(zip(trials, run_each(run_trial, trials, jobs, "runs"), strict=True))
 
 
 def summary(outcomes: Sequence[Outcome]) -> Result:

@@ -32,11 +32,12 @@ from agents.console.options import MAX_COUNT
 from agents.console.table import Table, print_table
 from agents.console.terminal import print_error
 from agents.errors import PlanError
-from agents.mapf.graph import Graph
+from agents.mapf.graph import Graph, Integers
 from agents.mapf.lifelong import LifelongRun, lead, run_lifelong
 from agents.mapf.planner import Planner
 from agents.mapf.problem import Problem
 from agents.registry import PLANNERS
+from warehouse_core import Layout
 from warehouse_core.files.atomic import check_suffix, check_target
 from warehouse_core.fleet.settings import MAX_BODIES
 from warehouse_core.wording import counted
@@ -118,6 +119,13 @@ def mapf(
         int, typer.Option("--seed", metavar="N", min=0, help="Of starts, goals and planners.")
     ] = 0,
     time_limit: TimeLimitOption = SECONDS,
+    drive: Annotated[
+        bool,
+        typer.Option(
+            "--drive",
+            help="Also let rigid bodies execute the plans, in joint steps and driven through.",
+        ),
+    ] = False,
     output: Annotated[
         Path | None,
         typer.Option(
@@ -142,7 +150,7 @@ def mapf(
         check_target(output)
         if planner is None or len(planner) != 1:
             raise typer.BadParameter("--output is for the paths of one --planner")
-    options = Options(seed, time_limit, output)
+    options = Options(seed, time_limit, output, drive)
     if file is not None and kind == LEAGUE:
         run_league(load_league(file), planner, robots, steps or STEPS, options, str(file))
         return
@@ -172,6 +180,7 @@ class Options(NamedTuple):
     seed: int
     seconds: float
     output: Path | None
+    drive: bool
 
 
 def check_file(file: Path | None, layout: str | None, steps: int | None) -> str:
@@ -209,7 +218,7 @@ def solve_all(
     ]
     shortest, total = max(ways, default=0.0), sum(ways)
     rows: list[tuple[str, ...]] = [("lower bound", f"{shortest:.0f}", f"{total:.0f}", "1.000", "")]
-    failures = []
+    failures, executed = [], list[tuple[str, ...]]()
     for name, solve in zip(names, solvers, strict=True):
         begin = time.perf_counter()
         try:
@@ -223,6 +232,8 @@ def solve_all(
         rows.append(
             (name, str(plan.makespan), str(plan.sum_of_costs), f"{ratio:.3f}", f"{seconds:.3f}")
         )
+        if options.drive:
+            executed += execute(name, problem.graph.layout, plan.cells)
         if options.output is not None:
             write_result(
                 options.output, problem.graph, plan.cells, record_of_plan(plan),
@@ -231,10 +242,34 @@ def solve_all(
     header = ("planner", "makespan", "sum of costs", "times the bound", "seconds")
     caption = "lower bound: the longest of the shortest ways, and their sum"
     print_table(Table(header, rows, f"{counted(problem.robots, 'robot')}, {title}", caption))
+    print_executed(executed)
     for failure in failures:
         print_error(failure)
     if len(failures) == len(names):
         raise typer.Exit(1)
+
+
+def execute(name: str, layout: Layout, plan: Integers) -> list[tuple[str, ...]]:
+    """Return what a plan takes on bodies, a row of a table for each way to execute it.
+
+    Raises:
+        PlanError: as for ``drive_through``.
+    """
+    from agents.fleet.execution import EXECUTIONS  # here, because it loads pymunk
+
+    found = [(way, run(layout, plan)) for way, run in EXECUTIONS.items()]
+    return [
+        (name, way, f"{took.seconds:.1f}", f"{took.joules:,.0f}", str(took.hits))
+        for way, took in found
+    ]
+
+
+def print_executed(rows: list[tuple[str, ...]]) -> None:
+    """Print what plans take on bodies, if any has been executed."""
+    if rows:
+        header = ("planner", "on bodies", "seconds", "joules", "hits")
+        caption = "until all robots are at rest; a hit of two robots counts for both"
+        print_table(Table(header, rows, caption=caption))
 
 
 def run_all(
@@ -260,7 +295,7 @@ def run_all(
     most, steps = record.finished, len(run.seconds)
     bound = (BOUND, str(most), f"{most / steps:.3f}", "", "", "")
     rows: list[tuple[str, ...]] = [bound]
-    lost = []
+    lost, executed = [], list[tuple[str, ...]]()
     for name, stepper in zip(names, steppers, strict=True):
         run, record = start(stepper)
         share = f"{record.finished / most:.1%}" if most else ""
@@ -271,6 +306,8 @@ def run_all(
                 f"{name}: {counted(len(stepper.lost), 'step')} took more than "
                 f"{options.seconds:g} s, first step {stepper.lost[0]}; all robots waited"
             )
+        if options.drive:
+            executed += execute(name, graph.layout, run.cells)
         if options.output is not None:
             write_result(
                 options.output, graph, run.cells, record, run.cells[1:].size,
@@ -279,6 +316,7 @@ def run_all(
     header = ("planner", what, "a step", "of the bound", "ms a step", "longest ms")
     caption = f"{BOUND}: each robot by a shortest way, as if it were alone"
     print_table(Table(header, rows, title, caption))
+    print_executed(executed)
     for each in lost:
         print_error(f"warning: {each}")
 

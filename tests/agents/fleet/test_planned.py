@@ -229,6 +229,22 @@ def test_people_are_closed_cells() -> None:
     assert sorted(planner.seen[0].closed.tolist()) == people
 
 
+def test_people_who_drive_through_close_the_cells_that_they_leave_and_reach() -> None:
+    env = fleet_of(ROOM, 3, people=3, max_steps=40, backend="driving")
+    planner = Waits()
+    planned, on_the_way = PlannedFleet(planner), 0
+    env.reset(seed=1)
+    for _ in range(40):
+        env.step(planned.act(env))
+        assert not any(outcome.contacts for outcome in env.last_motion)
+        planned.act(env)
+        ends = env.ways.ends[3:]
+        on_the_way += set(env.people) != set(ends)
+        cells = {row * ROOM.width + col for row, col in (*env.people, *ends)}
+        assert set(planner.seen[-1].closed.tolist()) == cells
+    assert on_the_way > 10
+
+
 def situation(
     cells: list[int], stays: tuple[int, ...] = (), closed: tuple[int, ...] = ()
 ) -> Situation:
@@ -353,7 +369,7 @@ def test_planners_and_agents_of_a_user_are_told_apart(tmp_path: Path) -> None:
         (f"{mine}:Neither", None, "has no next_cells; needed: reset and next_cells, or reset and"),
         ("nobody", None, "no planner is called 'nobody'; allowed: pibt, pibt-lanes"),
         ("pibt", "soon", "no assignment is called 'soon'; allowed: fifo, nearest, hungarian, urg"),
-        ("pibt:window=3", None, "planner 'pibt' takes no argument 'window'; allowed: none"),
+        ("pibt:window=3", None, "planner 'pibt' takes no argument 'window'; allowed: turn_cost="),
     ):
         with pytest.raises(AgentError, match=re.escape(message)):
             make_fleet_agent(name, assignment, 1, ROOM)

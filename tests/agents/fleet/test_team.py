@@ -1,7 +1,9 @@
 """Teams of agents, and the shifts that they work."""
 
+from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from agents.errors import AgentError, EpisodeError, EpisodeInterrupted
@@ -145,3 +147,26 @@ def test_an_interrupt_keeps_the_record_so_far() -> None:
     with pytest.raises(EpisodeInterrupted, match="in step 3, agent All") as caught:
         run_shift(make_env(), planner, "All", 9)
     assert (caught.value.episode.steps, caught.value.episode.seed) == (2, 9)
+
+
+class Checked(GreedyAgent):
+    """An agent that sees where it acts."""
+
+    places: list[tuple[int, int]]
+
+    def act(self, observation: Observation) -> str:
+        self.places = [*getattr(self, "places", []), observation["robot_pos"]]
+        return super().act(observation)
+
+
+def test_agents_of_robots_that_drive_through_act_at_rest() -> None:
+    """So each of their moves begins in the cell that they observe, and ends beside it."""
+    env = make_env(2, backend="driving")
+    agents = [Checked(), Checked()]
+    episode = record_fleet_episode(env, Team(agents, seed=1), seed=1)
+    assert episode.measures.delivered
+    for agent in agents:
+        steps = [abs(a - c) + abs(b - d) for (a, b), (c, d) in pairwise(agent.places)]
+        assert max(steps) == 1
+        assert len(agent.places) < 2 * episode.steps / 3
+    assert np.array_equal(episode.cells, replay_fleet_episode(episode).cells)

@@ -1,5 +1,6 @@
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib.metadata import EntryPoint
+from types import MappingProxyType
 from typing import Any
 
 import pytest
@@ -165,3 +166,50 @@ def test_a_batch_of_lone_robots_needs_a_backend_that_has_one() -> None:
         make_batch_motion(WithoutBatch, [Layout(["..."])])
     with pytest.raises(ValueError, match="robots is 0; it must be at least 1"):
         make_batch_motion("grid", [Layout(["..."])], 0)
+
+
+class Numbered(GridMotion):
+    """A backend that takes numbers."""
+
+    numbers: Mapping[str, float] = MappingProxyType({})
+
+    @classmethod
+    def from_numbers(cls, numbers: Mapping[str, float]) -> "Numbered":
+        if numbers.get("speed", 0) < 0:
+            raise ValueError(f"speed is {numbers['speed']}; it must be above 0")
+        motion = cls()
+        motion.numbers = numbers
+        return motion
+
+
+def test_numbers_may_follow_the_name_of_a_backend(install) -> None:
+    install(entry_point("numbered", f"{__name__}:Numbered"))
+    load_backend.cache_clear()
+    motion = make_motion("numbered:speed=2,mass=1e2")
+    assert isinstance(motion, Numbered)
+    assert motion.numbers == {"speed": 2.0, "mass": 100.0}
+    assert make_motion("numbered").numbers == {}  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(
+    ("numbers", "message"),
+    [
+        ("speed=-1", "speed is -1.0; it must be above 0"),
+        ("speed=fast", "'speed=fast' is not of the form name=1.5"),
+        ("speed", "'speed' is not of the form name=1.5"),
+        ("", "'' is not of the form name=1.5"),
+        ("speed=1,", "'' is not of the form name=1.5"),
+    ],
+)
+def test_numbers_that_a_backend_does_not_take_are_named(install, numbers, message) -> None:
+    install(entry_point("numbered", f"{__name__}:Numbered"))
+    with pytest.raises(BackendError) as raised:
+        make_motion(f"numbered:{numbers}")
+    assert str(raised.value) == f"backend 'numbered:{numbers}': {message}"
+
+
+def test_a_backend_without_numbers_says_so() -> None:
+    with pytest.raises(BackendError, match=r"^backend 'grid' takes no numbers; 'a=1' was given$"):
+        make_motion("grid:a=1")
+    with pytest.raises(BackendError, match=r"^no backend is called 'sleigh'; installed: "):
+        make_motion("sleigh:a=1")

@@ -87,7 +87,7 @@ def test_the_outcomes_of_a_floor_are_those_of_the_single_motion() -> None:
                 batch.outcomes(floor)
         actions = stream.integers(0, len(DISPLACEMENTS), 3 * robots)
         found = batch.advance(actions.copy(), np.zeros(3 * robots, bool))
-        for array in found:
+        for array in found[:5]:
             array[:] = 1  # they belong to the caller
         for floor, motion in enumerate(motions):
             chosen = actions[floor * robots :][:robots]

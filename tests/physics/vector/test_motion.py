@@ -41,6 +41,7 @@ SPECS = {
         cell_size=0.5, radius=0.2, top_speed=3.0, acceleration=4.0, motor_force=400.0
     ),
     "dragged": RobotSpec(floor_drag=0.05, acceleration=0.45),
+    "turning": RobotSpec(turn_seconds=0.31),
     "violent": RobotSpec(top_speed=10.5, acceleration=1e6, motor_force=1e9),
 }
 """Among them one that barely fits its cell, two of round numbers that reach a wall exactly at the

@@ -1,5 +1,6 @@
 // Draws robots and people, their batteries, and hits.
 
+import { centerText, fillOutlined } from "./canvas.js";
 import { drawBox } from "./items.js";
 
 const RADIUS = 0.34;
@@ -28,18 +29,15 @@ export function drawRobots(context, track, moment, view, theme, chosen) {
   }
   if (radius >= MIN_DETAIL) drawNoses(context, shown, radius, theme);
   for (const [color, items] of groups) {
-    context.fillStyle = color;
     if (radius < MIN_SHAPE) {
       // Squares: a browser fills a path of a thousand circles slowly.
+      context.fillStyle = color;
       for (const { x, y } of items) context.fillRect(x - radius, y - radius, 2 * radius, 2 * radius);
       continue;
     }
     context.beginPath();
     for (const { body, x, y } of items) outline(context, x, y, radius, body >= track.robots);
-    context.fill();
-    context.strokeStyle = theme.rim;
-    context.lineWidth = Math.max(1, radius / 8);
-    context.stroke();
+    fillOutlined(context, color, theme.rim, Math.max(1, radius / 8));
   }
   drawItems(context, shown, track, radius, theme);
   drawBatteries(context, shown, track, moment, radius, theme);
@@ -61,12 +59,8 @@ function outline(context, x, y, radius, isPerson) {
 
 export function colorOf(track, body, pose, moment, theme) {
   if (body >= track.robots) return theme.colors.H;
-  if (track.fleet && share(track, body, moment) <= 0) return theme.colors.stranded;
+  if (track.fleet && track.batteryLevel(body, moment.frame) <= 0) return theme.colors.stranded;
   return theme.colors[pose.load > 0 ? "r" : "R"];
-}
-
-function share(track, body, moment) {
-  return track.fleet.battery[body * track.frames + moment.frame];
 }
 
 /** Draw the nose of each robot that has a heading: a wedge at its rim. */
@@ -94,7 +88,7 @@ function drawItems(context, shown, track, radius, theme) {
     // The number of a robot of a fleet stays readable beside its item.
     const away = radius < MIN_DETAIL || !track.isFleet ? 0 : 0.6 * radius;
     const color = track.isFleet ? theme.colors.orders[load - 1] : theme.item;
-    drawBox(context, x + away - side / 2, y - away - side / 2, side, color, theme);
+    drawBox(context, x + away, y - away, side, color, theme);
   }
 }
 
@@ -104,7 +98,7 @@ function drawBatteries(context, shown, track, moment, radius, theme) {
   const [length, height] = [2 * radius, Math.max(2, 0.3 * radius)];
   for (const { body, x, y } of shown) {
     if (body >= track.robots) continue;
-    const level = share(track, body, moment);
+    const level = track.batteryLevel(body, moment.frame);
     if (level >= (track.robots > FEW ? LOW_SHARE : 1)) continue;
     const [left, top] = [x - radius, y + 0.8 * radius];
     context.fillStyle = theme.dark;
@@ -117,13 +111,11 @@ function drawBatteries(context, shown, track, moment, radius, theme) {
 }
 
 function drawNames(context, shown, track, radius, theme) {
-  context.textAlign = "center";
-  context.textBaseline = "middle";
   const isLone = track.robots === 1;
   const digits = isLone ? 1 : String(track.robots - 1).length;
   const size = Math.min(1.1, 2 / digits) * radius;
   if (size < MIN_NUMBER) return;
-  context.font = `bold ${Math.round(size)}px system-ui, sans-serif`;
+  centerText(context, size);
   for (const { body, x, y, load } of shown) {
     const isPerson = body >= track.robots;
     const name = isPerson ? "H" : isLone ? (load > 0 ? "r" : "R") : String(body);
@@ -153,11 +145,7 @@ export function drawHits(context, track, moment, view, theme) {
       context.lineTo(view.x(x) + reach * Math.cos(angle), view.y(y) + reach * Math.sin(angle));
     }
     context.closePath();
-    context.fillStyle = theme.colors.hit;
-    context.strokeStyle = theme.dark;
-    context.lineWidth = Math.max(1, radius / 10);
-    context.fill();
-    context.stroke();
+    fillOutlined(context, theme.colors.hit, theme.dark, Math.max(1, radius / 10));
   }
   const last = hits.at(-1);
   if (last?.label) drawLabel(context, last, radius, view, theme);
@@ -165,9 +153,7 @@ export function drawHits(context, track, moment, view, theme) {
 
 function drawLabel(context, { x, y, label }, radius, view, theme) {
   const size = Math.max(12 * theme.density, 0.3 * view.scale);
-  context.font = `bold ${Math.round(size)}px system-ui, sans-serif`;
-  context.textAlign = "center";
-  context.textBaseline = "middle";
+  centerText(context, size);
   const width = context.measureText(label).width + size;
   const middle = Math.min(Math.max(view.x(x), width / 2), view.canvasWidth - width / 2);
   const top = view.y(y) - radius - 1.7 * size;

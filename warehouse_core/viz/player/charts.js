@@ -1,5 +1,6 @@
 // A chart beside the floor: its lines so far in full, what is to come pale, and a cursor.
 
+import { element } from "./elements.js";
 import { extent, shown, ticks } from "./scale.js";
 import { indexAt } from "./track.js";
 
@@ -18,13 +19,11 @@ export class Chart {
     const { series } = data;
     this.names = series.every(({ track }) => track === series[0].track) ? [] : names;
     this.end = Math.max(end, 1e-9);
-    this.range = extent(data.series.map((series) => series.y));
-    this.element = document.createElement("figure");
-    this.element.className = "chart";
-    this.caption = document.createElement("figcaption");
-    this.canvas = document.createElement("canvas");
+    this.range = extent(series.map(({ y }) => y));
+    this.caption = element("figcaption");
+    this.canvas = element("canvas");
     this.canvas.setAttribute("role", "img");
-    this.element.append(this.caption, this.canvas);
+    this.element = element("figure", { className: "chart" }, this.caption, this.canvas);
     const seek = (event) => {
       if (event.buttons & 1) goTo(this.timeAt(event.offsetX));
     };
@@ -79,14 +78,11 @@ export class Chart {
     if (text === this.text && theme.key === this.spokenKey) return;
     [this.text, this.spokenKey] = [text, theme.key];
     this.canvas.setAttribute("aria-label", text);
-    const title = document.createElement("strong");
-    title.textContent = this.data.title;
     this.caption.replaceChildren(
-      title,
+      element("strong", {}, this.data.title),
       ...words.map(({ series, text: value }) => {
-        const span = document.createElement("span");
-        span.textContent = value;
-        span.className = `key ${series.kind} ${series.track ? "other" : ""}`;
+        const className = `key ${series.kind} ${series.track ? "other" : ""}`;
+        const span = element("span", { className }, value);
         span.style.setProperty("--key", seriesColor(series, theme));
         return span;
       }),
@@ -95,11 +91,9 @@ export class Chart {
 
   /** Draw axes and lines once; they stay the same until the size or the colours change. */
   prepare(width, height, theme) {
+    Object.assign(this, { width, height, density: theme.density });
     Object.assign(this.canvas, { width, height });
-    this.density = theme.density;
-    this.width = width;
-    this.height = height;
-    [this.axes, this.lines] = [blank(width, height), blank(width, height)];
+    [this.axes, this.lines] = [element("canvas", { width, height }), element("canvas", { width, height })];
     this.drawAxes(this.axes.getContext("2d"), theme);
     for (const series of this.data.series) this.drawSeries(this.lines.getContext("2d"), series, theme);
   }
@@ -190,9 +184,4 @@ export class Chart {
 
 function seriesColor(series, theme) {
   return theme[series.color] ?? theme.colors[series.color];
-}
-
-function blank(width, height) {
-  const canvas = document.createElement("canvas");
-  return Object.assign(canvas, { width, height });
 }

@@ -43,8 +43,8 @@ def packed_charts(
     charts: dict[str, list[dict[str, Any]]] = {}
     for number, (track, moments) in enumerate(zip(tracks, times, strict=True)):
         for series in _series_of(track, moments):
-            if series.kind == "bars" and len(tracks) > 1:
-                continue  # they would hide each other
+            if len(tracks) > 1 and (series.kind == "bars" or not len(series.times)):
+                continue  # bars would hide each other
             charts.setdefault(series.chart, []).append(
                 {
                     "track": number,
@@ -60,7 +60,7 @@ def packed_charts(
 
 def _series_of(track: Track, times: Sequence[float]) -> Iterator[Series]:
     """Yield what is drawn of a track beside its floor."""
-    steps = step_times(track, times)
+    steps = [times[end] for end in track.ends]
     metrics = track.metrics
     if "rewards" in metrics:
         rewards = [0.0 if math.isnan(reward) else reward for reward in metrics["rewards"]]
@@ -98,10 +98,3 @@ def _series_of_shift(track: Track, steps: Sequence[float]) -> Iterator[Series]:
     yield Series(title, "lowest", "thin", WARNING, steps, [100 * share for share in shift.lowest])
     used = [joules / 1000 for joules in shift.joules]
     yield Series("Energy used (kJ)", "energy", "line", INK, steps, used)
-
-
-def step_times(track: Track, times: Sequence[float]) -> list[float]:
-    """Return ``[S]`` the time at which each step is complete."""
-    return [
-        time for time, frame in zip(times, track.frames, strict=True) if frame.progress.is_integer()
-    ]

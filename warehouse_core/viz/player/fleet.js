@@ -1,7 +1,7 @@
 // What the page tells about a fleet: a chosen robot, and the orders that wait.
 
-import { ageWords, goalOf, historyOf, orderOf, waitingAt } from "./orders.js";
-import { copy, setText } from "./panel.js";
+import { copy, element, partOf, setText } from "./elements.js";
+import { AGES, ageOf, historyOf, isTaken, orderOf, waitingAt } from "./orders.js";
 import { shown } from "./scale.js";
 
 const MAX_ROWS = 8;
@@ -11,13 +11,10 @@ export class FleetPanel {
   constructor(track, player) {
     Object.assign(this, { track, player });
     this.element = copy("fleet-template");
-    this.find = (name) => this.element.querySelector(`[data-part="${name}"]`);
+    this.find = (name) => partOf(this.element, name);
     this.number = this.find("number");
     this.number.max = track.robots - 1;
-    this.number.addEventListener("input", () => {
-      const robot = Number.parseInt(this.number.value, 10);
-      player.choose(robot >= 0 && robot < track.robots ? robot : null);
-    });
+    this.number.addEventListener("input", () => player.choose(Number.parseInt(this.number.value, 10)));
     this.find("heat").addEventListener("change", (event) => {
       player.hasHeat = event.target.checked;
       player.draw();
@@ -25,47 +22,45 @@ export class FleetPanel {
     this.find("heat").parentElement.hidden = !track.hits.frame.length;
     this.orders = this.find("orders");
     this.orders.hidden = !track.fleet.orders;
-    this.findOrders = (name) => this.orders.querySelector(`[data-part="${name}"]`);
   }
 
   /** Write everything about a moment, if the step or the robot is another one. */
   draw(time) {
-    const { track } = this;
-    const moment = track.at(time);
-    const step = Math.floor(track.progress[moment.frame]);
+    const moment = this.track.at(time);
     const robot = this.player.chosen;
     const key = `${moment.frame} ${robot}`;
     if (key === this.key) return;
     this.key = key;
-    this.sayRobot(robot, moment, step);
-    if (track.fleet.orders) this.sayOrders(step);
+    this.sayRobot(robot, moment);
+    if (this.track.fleet.orders) this.sayOrders(moment.step);
   }
 
-  sayRobot(robot, moment, step) {
+  sayRobot(robot, moment) {
     this.find("robot").hidden = robot === null;
     this.find("hint").hidden = robot !== null;
     if (robot === null) return;
     if (document.activeElement !== this.number) this.number.value = robot;
     const { track } = this;
     const pose = track.pose(robot, moment);
-    const level = track.fleet.battery[robot * track.frames + moment.frame];
+    const level = track.batteryLevel(robot, moment.frame);
     setText(this.find("battery"), level > 0 ? `${shown(100 * level, 0)}%` : "empty");
     setText(this.find("where"), `row ${Math.floor(pose.y)}, column ${Math.floor(pose.x)}`);
-    setText(this.find("order"), this.orderWords(robot, step));
-    setText(this.find("history"), this.historyWords(robot, step));
+    setText(this.find("order"), this.orderWords(robot, moment));
+    setText(this.find("history"), this.historyWords(robot, moment.step));
   }
 
-  orderWords(robot, step) {
+  orderWords(robot, { frame, step }) {
     const { track } = this;
-    if (!track.fleet.orders) return track.load[robot * track.frames] > 0 ? "loaded" : "";
+    if (!track.fleet.orders) return track.isLoaded(robot, frame) ? "loaded" : "";
     const { orders } = track.fleet;
     const order = orderOf(track.fleet, robot, step);
     if (order < 0) return "none";
-    const goal = goalOf(track, robot, step);
-    const isTaken = goal === orders.dropoff[order];
+    const [words, goals] = isTaken(orders, order, step)
+      ? ["carried to", orders.dropoff]
+      : ["to be picked at", orders.pickup];
     const due = orders.due[order] - step;
     const time = due >= 0 ? `due in ${due}` : `late by ${-due}`;
-    return `${order}, ${isTaken ? "carried to" : "to be picked at"} ${this.cellWords(goal)}, ${time}`;
+    return `${order}, ${words} ${this.cellWords(goals[order])}, ${time}`;
   }
 
   historyWords(robot, step) {
@@ -82,24 +77,22 @@ export class FleetPanel {
   sayOrders(step) {
     const { orders } = this.track.fleet;
     const waiting = waitingAt(orders, step);
-    setText(this.findOrders("waiting"), `${waiting.length} waiting`);
+    setText(partOf(this.orders, "waiting"), `${waiting.length} waiting`);
     const rows = waiting.slice(0, MAX_ROWS).map((order) => {
-      const row = document.createElement("tr");
       const due = orders.due[order] - step;
       const cells = [
         String(order),
         this.cellWords(orders.pickup[order]),
         String(step - orders.released[order]),
         due >= 0 ? `in ${due}` : `${-due} late`,
-        ageWords(orders, order, step),
+        AGES[ageOf(orders, order, step)],
       ];
-      for (const text of cells) row.append(Object.assign(document.createElement("td"), { textContent: text }));
-      return row;
+      return element("tr", {}, ...cells.map((text) => element("td", {}, text)));
     });
-    this.findOrders("rows").replaceChildren(...rows);
+    partOf(this.orders, "rows").replaceChildren(...rows);
   }
 
   cellWords(cell) {
-    return `(${Math.floor(cell / this.track.width)}, ${cell % this.track.width})`;
+    return `(${this.track.rowAndColumn(cell).join(", ")})`;
   }
 }

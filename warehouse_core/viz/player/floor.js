@@ -1,8 +1,10 @@
 // Draws what stands still: floor, walls, shelves, stations, and what is not seen yet.
 
+import { centerText } from "./canvas.js";
+
 const WALL = "#";
 const UNSEEN = "?";
-const STATIONS = ["P", "D", "C"];
+const STATIONS = "PDC";
 const MAX_LINED_COLUMNS = 40;
 const MIN_STATION = 6;
 const MIN_TEXTURE = 9;
@@ -21,8 +23,13 @@ export function drawFloor(context, track, tiles, view, theme) {
   if (view.scale >= MIN_TEXTURE) drawShelves(context, track, tiles, view, theme);
   drawBorder(context, track, view, theme);
   drawNumbers(context, track, view, theme);
+  for (const place of placesOf(track, tiles, STATIONS)) drawStation(context, place, view, theme);
+}
+
+/** Yield the row, the column and the tile of each cell that has one of some tiles. */
+function* placesOf(track, tiles, wanted) {
   for (let cell = 0; cell < tiles.length; cell++) {
-    if (STATIONS.includes(tiles[cell])) drawStation(context, track, cell, tiles[cell], view, theme);
+    if (wanted.includes(tiles[cell])) yield [...track.rowAndColumn(cell), tiles[cell]];
   }
 }
 
@@ -59,9 +66,8 @@ function isBorder(track, row, column) {
 function drawShelves(context, track, tiles, view, theme) {
   context.fillStyle = theme.board;
   const thick = Math.max(1, Math.round(view.scale / 12));
-  for (let cell = 0; cell < tiles.length; cell++) {
-    const [row, column] = [Math.floor(cell / track.width), cell % track.width];
-    if (tiles[cell] !== WALL || isBorder(track, row, column)) continue;
+  for (const [row, column] of placesOf(track, tiles, WALL)) {
+    if (isBorder(track, row, column)) continue;
     const [x, , width] = view.box(column, row, 1, 1, 0.12);
     for (const share of [0.3, 0.62]) {
       context.fillRect(x, Math.round(view.y(row + share)), width, thick);
@@ -98,9 +104,7 @@ function drawNumbers(context, track, view, theme) {
   const size = 0.75 * (1 - outerOf(track)) * view.scale;
   if (!outerOf(track) || size < MIN_NUMERAL * theme.density) return;
   context.fillStyle = theme.paper;
-  context.font = `${Math.round(size)}px system-ui, sans-serif`;
-  context.textAlign = "center";
-  context.textBaseline = "middle";
+  centerText(context, size, "normal");
   for (let column = 1; column < track.width - 1; column++) {
     context.fillText(String(column), view.x(column + 0.5), view.y(middle));
   }
@@ -111,14 +115,13 @@ function drawNumbers(context, track, view, theme) {
 
 function isBordered(track, tiles) {
   for (let cell = 0; cell < tiles.length; cell++) {
-    const isOuter = isBorder(track, Math.floor(cell / track.width), cell % track.width);
+    const isOuter = isBorder(track, ...track.rowAndColumn(cell));
     if (isOuter && tiles[cell] !== WALL && tiles[cell] !== UNSEEN) return false;
   }
   return true;
 }
 
-function drawStation(context, track, cell, tile, view, theme) {
-  const [row, column] = [Math.floor(cell / track.width), cell % track.width];
+function drawStation(context, [row, column, tile], view, theme) {
   const inset = Math.max(0, Math.min(0.06, (1 - MIN_STATION / view.scale) / 2));
   let [x, y, width, height] = view.box(column, row, 1, 1, inset);
   if (width < MIN_STATION) {
@@ -161,9 +164,8 @@ function drawHatching(context, track, tiles, view, theme) {
   context.strokeStyle = theme.stripe;
   context.lineWidth = Math.max(1, view.scale / 14);
   context.beginPath();
-  for (let cell = 0; cell < tiles.length; cell++) {
-    if (tiles[cell] !== UNSEEN) continue;
-    const [x, y, width, height] = view.box(cell % track.width, Math.floor(cell / track.width));
+  for (const [row, column] of placesOf(track, tiles, UNSEEN)) {
+    const [x, y, width, height] = view.box(column, row);
     context.moveTo(x, y + height);
     context.lineTo(x + width, y);
   }

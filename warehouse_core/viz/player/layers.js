@@ -1,5 +1,7 @@
 // Draws what tints the cells of a floor: visits, blocked moves, sight, and the marks of a search.
 
+import { centerText, fillOutlined } from "./canvas.js";
+import { element } from "./elements.js";
 import { outerOf } from "./floor.js";
 import { blockedUntil, visitsUntil } from "./track.js";
 
@@ -26,9 +28,10 @@ export function drawSight(context, track, body, moment, view, theme) {
 export function drawVisits(context, track, body, moment, view, theme) {
   for (const [cell, count] of visitsUntil(track, body, moment.frame)) {
     if (count < 2) continue;
+    const [row, column] = track.rowAndColumn(cell);
     context.globalAlpha = Math.min(0.12 * (count - 1), 0.5);
     context.fillStyle = theme.visited;
-    context.fillRect(...view.box(cell % track.width, Math.floor(cell / track.width)));
+    context.fillRect(...view.box(column, row));
   }
   context.globalAlpha = 1;
 }
@@ -44,27 +47,26 @@ export function drawHeat(context, track, moment, view, theme) {
 
 /** Return an image of a pixel for each cell. */
 function heatOf(track, frame, theme) {
-  const image = document.createElement("canvas");
-  [image.width, image.height] = [track.width, track.height];
+  const image = element("canvas", { width: track.width, height: track.height });
   const context = image.getContext("2d");
   const counts = blockedUntil(track, frame);
   let most = 1;
   for (const count of counts.values()) most = Math.max(most, count);
   context.fillStyle = theme.colors.warning;
   for (const [cell, count] of counts) {
+    const [row, column] = track.rowAndColumn(cell);
     context.globalAlpha = 0.1 + (MAX_HEAT - 0.1) * (count / most);
-    context.fillRect(cell % track.width, Math.floor(cell / track.width), 1, 1);
+    context.fillRect(column, row, 1, 1);
   }
   return image;
 }
 
 /** Draw the cells of a search in the colours that they have by now. */
 export function drawMarks(context, track, moment, view) {
-  const { time, cell, value, colors } = track.marks;
-  const now = marksUntil(track, moment.time, { time, cell, value });
-  for (const [place, index] of now) {
-    context.fillStyle = colors[index];
-    context.fillRect(...view.box(place % track.width, Math.floor(place / track.width), 1, 1, 0.03));
+  for (const [cell, index] of marksUntil(track, moment.time, track.marks)) {
+    const [row, column] = track.rowAndColumn(cell);
+    context.fillStyle = track.marks.colors[index];
+    context.fillRect(...view.box(column, row, 1, 1, 0.03));
   }
 }
 
@@ -74,15 +76,9 @@ export function drawEnds(context, track, view, theme) {
     const [x, y, radius] = [view.x(column + 0.5), view.y(row + 0.5), Math.max(8, 0.46 * view.scale)];
     context.beginPath();
     context.arc(x, y, radius, 0, 2 * Math.PI);
-    context.fillStyle = theme.light;
-    context.strokeStyle = theme.dark;
-    context.lineWidth = Math.max(1, radius / 8);
-    context.fill();
-    context.stroke();
+    fillOutlined(context, theme.light, theme.dark, Math.max(1, radius / 8));
     context.fillStyle = theme.dark;
-    context.font = `bold ${Math.round(1.3 * radius)}px system-ui, sans-serif`;
-    context.textAlign = "center";
-    context.textBaseline = "middle";
+    centerText(context, 1.3 * radius);
     context.fillText("SG"[i], x, y + 0.08 * radius);
   });
 }

@@ -1,6 +1,7 @@
 // The legend: what the tracks of a page have in them, and nothing else.
 
-const ORDERS = ["order, new", "order, older", "order, nearly due", "order, late"];
+import { element } from "./elements.js";
+import { AGES } from "./orders.js";
 
 /** Return the signs of tracks: words, a shape of the style sheet, and a colour. */
 export function signsOf(tracks, theme) {
@@ -17,8 +18,8 @@ export function signsOf(tracks, theme) {
     [hasTile("P") && !marks, "pickup", "square", colors.P],
     [hasTile("D") && !marks, "dropoff", "square", colors.D],
     [hasTile("C") && !marks, "charger", "square", colors.C],
-    ...ORDERS.map((words, age) => [
-      isFleet && has((track) => track.fleet?.orders), words, "square", colors.orders[age],
+    ...AGES.map((words, age) => [
+      isFleet && has((track) => track.fleet?.orders), `order, ${words}`, "square", colors.orders[age],
     ]),
     [hasTile("#"), "wall or shelf", "square", theme.wall],
     [hasTile("?"), "not seen yet", "square", theme.unseen],
@@ -41,13 +42,9 @@ export function drawLegend(list, tracks, theme) {
   list.dataset.key = theme.key;
   list.replaceChildren(
     ...signsOf(tracks, theme).map(({ words, shape, color }) => {
-      const entry = document.createElement("li");
-      const sign = document.createElement("span");
-      sign.className = `sign ${shape}`;
+      const sign = element("span", { className: `sign ${shape}`, ariaHidden: "true" });
       sign.style.setProperty("--sign", color);
-      sign.ariaHidden = "true";
-      entry.append(sign, words);
-      return entry;
+      return element("li", {}, sign, words);
     }),
   );
 }

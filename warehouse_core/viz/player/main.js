@@ -1,7 +1,7 @@
 // Starts the page: reads its data, and connects buttons, keys and the address with the player.
 
 import { decode, unpack } from "./decode.js";
-import { setText } from "./panel.js";
+import { setText } from "./elements.js";
 import { Player, SPEEDS } from "./player.js";
 
 const ZOOM = 1.5;
@@ -23,8 +23,7 @@ async function start() {
 
 function connect(player) {
   const find = (name) => player.find(name);
-  const names = ["slider", "play", "speed", "place", "event"];
-  const [slider, play, speed, place, event] = names.map(find);
+  const [slider, play, speed, place, event] = ["slider", "play", "speed", "place", "event"].map(find);
   const { time } = player.longest;
   slider.max = time.length - 1;
   slider.addEventListener("input", () => player.seek(time[slider.value]));
@@ -104,7 +103,7 @@ function readAddress(player) {
   const words = new URLSearchParams(location.hash.slice(1));
   const [step, robot] = ["step", "robot"].map((name) => Number.parseInt(words.get(name), 10));
   if (step >= 0) player.goTo(step);
-  if (robot >= 0 && robot < player.lead.robots) player.choose(robot);
+  if (robot >= 0) player.choose(robot);
 }
 
 /** Put the step and the chosen robot into the address, so that a link opens here. */

@@ -1,8 +1,10 @@
 // The orders of a fleet at any step. Nothing is drawn here.
 
-const LATE = 3;
+/** The ages of an order in words: the thirds of its time, and what comes after it. */
+export const AGES = ["new", "older", "nearly due", "late"];
+export const LATE = AGES.length - 1;
 
-/** Return the age of an order: the third of its time that it is in, or 3 when it is late. */
+/** Return the age of an order: the third of its time that it is in, or `LATE`. */
 export function ageOf(orders, order, step) {
   const [released, due] = [orders.released[order], orders.due[order]];
   if (step > due) return LATE;
@@ -10,12 +12,21 @@ export function ageOf(orders, order, step) {
   return Math.min(Math.max(third, 0), LATE - 1);
 }
 
+/** Return whether an order is taken after a step. */
+export function isTaken(orders, order, step) {
+  return isPast(orders.taken[order], step);
+}
+
+/** Return whether something is done after a step; it never is if -1. */
+function isPast(at, step) {
+  return at >= 0 && at <= step;
+}
+
 /** Return the orders that wait after a step, the one due first first. */
 export function waitingAt(orders, step) {
   const found = [];
   for (let order = 0; order < orders.released.length; order++) {
-    const isTaken = orders.taken[order] >= 0 && orders.taken[order] <= step;
-    if (orders.released[order] <= step && !isTaken) found.push(order);
+    if (orders.released[order] <= step && !isTaken(orders, order, step)) found.push(order);
   }
   return found.sort((a, b) => orders.due[a] - orders.due[b]);
 }
@@ -37,15 +48,14 @@ export function waitingByPickup(orders, step) {
 export function orderOf(fleet, robot, step) {
   const { orders, assigned } = fleet;
   for (let order = 0; order < orders.released.length; order++) {
-    const isTaken = orders.takenBy[order] === robot && orders.taken[order] <= step;
-    if (isTaken && !(orders.delivered[order] >= 0 && orders.delivered[order] <= step)) return order;
+    if (orders.takenBy[order] !== robot || !isTaken(orders, order, step)) continue;
+    if (!isPast(orders.delivered[order], step)) return order;
   }
   const count = assigned.length / 3;
   for (let i = count - 1; i >= 0; i--) {
     if (assigned[i] <= step && assigned[count + i] === robot) {
       const order = assigned[2 * count + i];
-      const isTaken = order >= 0 && orders.taken[order] >= 0 && orders.taken[order] <= step;
-      return isTaken ? -1 : order;
+      return isTaken(orders, order, step) ? -1 : order;
     }
   }
   return -1;
@@ -56,24 +66,9 @@ export function historyOf(orders, robot, step) {
   const found = [];
   for (let order = 0; order < orders.released.length; order++) {
     if (orders.takenBy[order] !== robot) continue;
-    const [taken, delivered] = [orders.taken[order], orders.delivered[order]];
-    if (taken >= 0 && taken <= step) found.push({ step: taken, what: "picked", order });
-    if (delivered >= 0 && delivered <= step) found.push({ step: delivered, what: "delivered", order });
+    for (const [what, at] of [["picked", orders.taken[order]], ["delivered", orders.delivered[order]]]) {
+      if (isPast(at, step)) found.push({ step: at, what, order });
+    }
   }
   return found.sort((a, b) => b.step - a.step);
-}
-
-/** Return the cell of a robot's next station: the pickup or the dropoff of its order, or -1. */
-export function goalOf(track, robot, step) {
-  if (!track.fleet?.orders) return -1;
-  const { orders } = track.fleet;
-  const order = orderOf(track.fleet, robot, step);
-  if (order < 0) return -1;
-  const isTaken = orders.taken[order] >= 0 && orders.taken[order] <= step;
-  return isTaken ? orders.dropoff[order] : orders.pickup[order];
-}
-
-/** Return words on the age of an order. */
-export function ageWords(orders, order, step) {
-  return ["new", "older", "nearly due", "late"][ageOf(orders, order, step)];
 }

@@ -23,9 +23,9 @@ from warehouse_core.wording import printable
 FOLDER = Path(__file__).parent
 
 SCRIPTS = (
-    "scale.js", "decode.js", "track.js", "orders.js", "view.js", "theme.js", "floor.js",
-    "items.js", "bodies.js", "ways.js", "layers.js", "scene.js", "charts.js", "legend.js",
-    "panel.js", "fleet.js", "player.js", "main.js",
+    "scale.js", "decode.js", "track.js", "orders.js", "view.js", "theme.js", "elements.js",
+    "canvas.js", "floor.js", "items.js", "bodies.js", "ways.js", "layers.js", "scene.js",
+    "charts.js", "legend.js", "panel.js", "fleet.js", "player.js", "main.js",
 )  # fmt: skip
 """Each imports only those before it, so that they can be one script."""
 
@@ -75,8 +75,12 @@ def save_page(
         part.write_text(player_page(tracks, title=title, speed=speed), encoding="utf-8")
 
 
-def player_frame(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0) -> str:
+def player_frame(
+    tracks: Sequence[Track], *, title: str = "", speed: float = 1.0, height: int = FRAME_HEIGHT
+) -> str:
     """Return what ``player_page`` returns as a frame of another page, such as a notebook.
+
+    The frame is ``height`` pixels high.
 
     Its script cannot reach the page around it. If that has a Content-Security-Policy, it must allow
     ``digest(script())``.
@@ -85,7 +89,7 @@ def player_frame(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0
     name = html.escape(printable(title or "Replay"))
     return (
         f'<iframe srcdoc="{page}" sandbox="allow-scripts" allow="fullscreen" '
-        f'title="{name}" style="width:100%;height:{FRAME_HEIGHT}px;border:0"></iframe>'
+        f'title="{name}" style="width:100%;height:{height}px;border:0"></iframe>'
     )
 
 

@@ -1,5 +1,6 @@
 // One track on the page: its floor, what the robot does and why, its battery and its ending.
 
+import { copy, element, partOf, setText } from "./elements.js";
 import { drawFloor } from "./floor.js";
 import { shown } from "./scale.js";
 import { drawScene } from "./scene.js";
@@ -12,10 +13,8 @@ export class Panel {
   constructor(track, title, view, player) {
     Object.assign(this, { track, view, player });
     this.element = copy("panel-template");
-    const find = (name) => this.element.querySelector(`[data-part="${name}"]`);
-    this.parts = Object.fromEntries(
-      ["title", "floor", "caption", "ending", "battery", "level", "units", "facts"].map((name) => [name, find(name)]),
-    );
+    const names = ["title", "floor", "caption", "ending", "battery", "level", "units", "facts"];
+    this.parts = Object.fromEntries(names.map((name) => [name, partOf(this.element, name)]));
     this.parts.title.textContent = title;
     this.parts.battery.hidden = !track.battery.length;
     this.parts.facts.hidden = !track.energy.length && track.motorStrength === 1;
@@ -32,9 +31,9 @@ export class Panel {
   }
 
   drawFloor(moment, theme) {
-    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
-    const size = [Math.round(width * theme.density), Math.round(height * theme.density)];
-    if (!size[0] || !size[1]) return;
+    const { clientWidth, clientHeight } = this.canvas;
+    const size = [clientWidth, clientHeight].map((pixels) => Math.round(pixels * theme.density));
+    if (size.includes(0)) return;
     if (this.canvas.width !== size[0] || this.canvas.height !== size[1]) {
       [this.canvas.width, this.canvas.height] = size;
     }
@@ -51,11 +50,11 @@ export class Panel {
 
   /** Return a canvas with all that does not move. */
   drawStill(tiles, theme) {
-    const still = this.still ?? document.createElement("canvas");
-    [still.width, still.height] = [this.canvas.width, this.canvas.height];
+    const { width, height } = this.canvas;
+    const still = Object.assign(this.still ?? element("canvas"), { width, height });
     const context = still.getContext("2d", { alpha: false });
     context.fillStyle = theme.paper;
-    context.fillRect(0, 0, still.width, still.height);
+    context.fillRect(0, 0, width, height);
     drawFloor(context, this.track, tiles, this.view, theme);
     return still;
   }
@@ -72,7 +71,7 @@ export class Panel {
     this.place = place;
     setText(parts.facts, this.factsAt(moment));
     if (!track.battery.length) return;
-    const left = track.battery[Math.floor(track.progress[moment.frame])];
+    const left = track.battery[moment.step];
     const level = Math.min(Math.max(left / track.fullBattery, 0), 1) || 0;
     parts.level.style.width = `${100 * level}%`;
     parts.battery.classList.toggle("low", level < LOW);
@@ -120,7 +119,8 @@ export class Panel {
       (event) => {
         if (!event.ctrlKey && !event.metaKey) return;
         event.preventDefault();
-        this.player.zoom(1.2 ** -Math.sign(event.deltaY), this.view, ...at(event));
+        this.view.zoomBy(1.2 ** -Math.sign(event.deltaY), ...at(event));
+        this.player.draw();
       },
       { passive: false },
     );
@@ -143,14 +143,4 @@ export class Panel {
 
 function distance([x, y], [otherX, otherY]) {
   return Math.hypot(x - otherX, y - otherY);
-}
-
-/** Return a copy of the only element of a template. */
-export function copy(id) {
-  return document.getElementById(id).content.firstElementChild.cloneNode(true);
-}
-
-/** Set the text of an element, if it is another one: a screen reader reads changes. */
-export function setText(element, text) {
-  if (element.textContent !== text) element.textContent = text;
 }

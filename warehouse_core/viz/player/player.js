@@ -1,6 +1,7 @@
 // The page: one clock, and everything that is drawn at its time.
 
 import { Chart } from "./charts.js";
+import { partOf } from "./elements.js";
 import { FleetPanel } from "./fleet.js";
 import { outerOf } from "./floor.js";
 import { drawLegend } from "./legend.js";
@@ -50,7 +51,6 @@ export class Player {
     this.tracks = data.tracks.map((track) => new Track(track));
     this.end = Math.max(...this.tracks.map((track) => track.end));
     this.longest = this.tracks.find((track) => track.end === this.end);
-    this.lead = this.tracks.find((track) => track.isFleet || track.robots === 1) ?? this.longest;
     this.time = 0;
     this.isPlaying = false;
     this.chosen = null;
@@ -65,7 +65,8 @@ export class Player {
     const views = new Map();
     const titles = this.tracks.map((track) => track.title);
     const names = shortNames(titles);
-    const isTold = data.charts.some(({ series }) => series.some(({ track }) => track !== series[0].track));
+    this.charts = data.charts.map((chart) => new Chart(chart, names, this.end, (time) => this.seek(time)));
+    const isTold = this.charts.some((chart) => chart.names.length);
     this.panels = this.tracks.map((track, i) => {
       const size = `${track.width} ${track.height}`;
       const margin = MARGIN - outerOf(track);
@@ -79,7 +80,6 @@ export class Player {
     this.find("floors").style.setProperty("--columns", columns);
     this.root.classList.toggle("many", this.tracks.length > columns);
     this.find("floors").append(...this.panels.map((panel) => panel.element));
-    this.charts = data.charts.map((chart) => new Chart(chart, names, this.end, (time) => this.seek(time)));
     this.find("charts").append(...this.charts.map((chart) => chart.element));
     const fleets = this.tracks.filter((track) => track.isFleet && track.robots > 1);
     this.fleets = fleets.map((track) => new FleetPanel(track, this));
@@ -88,7 +88,7 @@ export class Player {
   }
 
   find(name) {
-    return this.root.querySelector(`[data-part="${name}"]`);
+    return partOf(this.root, name);
   }
 
   get density() {
@@ -113,7 +113,7 @@ export class Player {
 
   /** The number of steps that are complete. */
   get step() {
-    return Math.floor(this.longest.progress[this.longest.at(this.time).frame]);
+    return this.longest.at(this.time).step;
   }
 
   /** Play or pause; at the end start again. */
@@ -184,9 +184,10 @@ export class Player {
     return this.told?.time === this.time ? this.told.words : "";
   }
 
-  /** Choose a robot of a fleet by number, or `null` for none. */
+  /** Choose a robot by its number; none if it is `null`, or a track does not have the robot. */
   choose(robot) {
-    this.chosen = robot;
+    const isThere = robot >= 0 && this.tracks.every((track) => robot < track.robots);
+    this.chosen = isThere ? robot : null;
     this.draw();
   }
 
@@ -196,12 +197,9 @@ export class Player {
     this.draw();
   }
 
-  /** Zoom a view, or all of them around their middle. */
-  zoom(factor, view = null, x = 0, y = 0) {
-    for (const each of view ? [view] : this.views) {
-      const middle = [each.canvasWidth / 2, each.canvasHeight / 2];
-      each.zoomBy(factor, ...(view ? [x, y] : middle));
-    }
+  /** Zoom the views around their middles. */
+  zoom(factor) {
+    for (const view of this.views) view.zoomBy(factor, view.canvasWidth / 2, view.canvasHeight / 2);
     this.draw();
   }
 
@@ -227,11 +225,11 @@ export class Player {
 
   /** Return words for a moment of a track, for those who do not see it. */
   describe(track, moment) {
-    const words = [`${track.title}, ${this.unit} ${Math.ceil(track.progress[moment.next])} of ${track.steps}`];
+    const words = [`${track.title}, ${this.unit} ${track.stepAt(moment.time)} of ${track.steps}`];
     if (track.robots === 1 && track.load[moment.frame] >= 0) {
-      const [cell, load] = [track.cell(0, moment.frame), track.load[moment.frame]];
-      const place = `row ${Math.floor(cell / track.width)}, column ${cell % track.width}`;
-      words.push(`${load > 0 ? "loaded" : "empty"} robot at ${place}`);
+      const [row, column] = track.rowAndColumn(track.cell(0, moment.frame));
+      const load = track.isLoaded(0, moment.frame) ? "loaded" : "empty";
+      words.push(`${load} robot at row ${row}, column ${column}`);
     } else if (track.robots > 1) words.push(`${shown(track.robots)} robots`);
     const hits = track.hitsIn(moment.frame).length;
     if (hits) words.push(hits === 1 ? "a hit" : `${hits} hits`);

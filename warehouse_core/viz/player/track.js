@@ -36,20 +36,18 @@ export class Track {
     }
     this.steps = Math.ceil(data.progress[this.frames - 1]);
     /** For each frame, and one more, the index of its first hit. */
-    this.firstHit = new Int32Array(this.frames + 1);
-    for (const frame of data.hits.frame) this.firstHit[frame + 1]++;
-    for (let frame = 0; frame < this.frames; frame++) {
-      this.firstHit[frame + 1] += this.firstHit[frame];
-    }
+    const hits = new Int32Array(this.frames);
+    for (const frame of data.hits.frame) hits[frame]++;
+    this.firstHit = sums(hits);
   }
 
-  /** Return a moment: its frame, the next one, and the share of the way there. */
+  /** Return a moment: its frame, the next one, the share of the way there, and the steps complete. */
   at(time) {
     const frame = indexAt(this.time, time);
     const next = Math.min(frame + 1, this.frames - 1);
     const lasts = this.time[next] - this.time[frame];
     const share = lasts > 0 ? Math.min(Math.max((time - this.time[frame]) / lasts, 0), 1) : 0;
-    return { time, frame, next: share > 0 ? next : frame, share };
+    return { time, frame, next: share > 0 ? next : frame, share, step: Math.floor(this.progress[frame]) };
   }
 
   /** Return the number of the step that is under way, or was the last one. */
@@ -67,8 +65,8 @@ export class Track {
     return this.captions[this.captionAt[this.tellsNext ? moment.frame : moment.next]];
   }
 
-  /** Return the pose of a body, or `null` if it is not shown. A heading is in radians. */
-  pose(body, { frame, next, share }) {
+  /** Return the pose of a body at a moment, or `null` if it is not shown. A heading is in radians. */
+  pose(body, { frame, next = frame, share = 0 }) {
     const from = body * this.frames + frame;
     if (this.load[from] < 0) return null;
     const after = body * this.frames + next;
@@ -92,6 +90,20 @@ export class Track {
   cell(body, frame) {
     const place = body * this.frames + frame;
     return Math.floor(this.y[place]) * this.width + Math.floor(this.x[place]);
+  }
+
+  /** Return the `[row, column]` of the number of a cell. */
+  rowAndColumn(cell) {
+    return [Math.floor(cell / this.width), cell % this.width];
+  }
+
+  isLoaded(body, frame) {
+    return this.load[body * this.frames + frame] > 0;
+  }
+
+  /** Return how full the battery of a robot of a fleet is, from 0 to 1. */
+  batteryLevel(robot, frame) {
+    return this.fleet.battery[robot * this.frames + frame];
   }
 
   /** Return the hits that a frame shows. */
@@ -139,8 +151,7 @@ export function sums(numbers) {
 /** Return the words for what happened to a robot in a frame: "hit", "pick", "drop" or "stuck". */
 export function eventsOf(track, body, frame) {
   const found = [];
-  const place = body * track.frames + frame;
-  const [before, now] = [track.load[place - 1] > 0, track.load[place] > 0];
+  const [before, now] = [track.isLoaded(body, frame - 1), track.isLoaded(body, frame)];
   if (!before && now) found.push("pick");
   if (before && !now) found.push("drop");
   if (track.isHit(body, frame)) found.push("hit");
@@ -171,7 +182,7 @@ function* findStuck(track, body) {
   let isStuck = false;
   let [lastCell, lastLoad] = [-1, 0];
   for (const frame of track.stepFrames) {
-    const load = track.load[body * track.frames + frame] > 0;
+    const load = track.isLoaded(body, frame);
     if (load !== lastLoad) visits = new Map();
     const cell = track.cell(body, frame);
     const count = (visits.get(cell) ?? 0) + 1;
@@ -187,30 +198,25 @@ function* findStuck(track, body) {
 
 /** Return how often a body was in each cell up to a frame, as a map from cells to counts. */
 export function visitsUntil(track, body, frame) {
-  const key = track.visited;
-  const known = key && key.body === body && key.frame <= frame;
-  const found = known ? key : { body, frame: -1, counts: new Map(), last: -1 };
-  for (let next = found.frame + 1; next <= frame; next++) {
+  return countUntil(track, body, frame, (next) => {
     const cell = track.cell(body, next);
-    if (cell !== found.last) found.counts.set(cell, (found.counts.get(cell) ?? 0) + 1);
-    found.last = cell;
-  }
-  found.frame = frame;
-  track.visited = found;
-  return found.counts;
+    return next > 0 && track.cell(body, next - 1) === cell ? [] : [cell];
+  });
 }
 
 /** Return how often robots were blocked in each cell up to a frame, as a map from cells. */
 export function blockedUntil(track, frame) {
-  const known = track.blocked && track.blocked.frame <= frame;
-  const found = known ? track.blocked : { frame: -1, counts: new Map() };
-  for (let next = found.frame + 1; next <= frame; next++) {
-    for (const hit of track.hitsIn(next)) {
-      const cell = track.cell(hit.robot, next);
-      found.counts.set(cell, (found.counts.get(cell) ?? 0) + 1);
-    }
+  return countUntil(track, "blocked", frame, (next) => track.hitsIn(next).map((hit) => track.cell(hit.robot, next)));
+}
+
+/** Count the cells of each frame up to one. What was counted last under a key is counted on from there. */
+function countUntil(track, key, frame, cellsIn) {
+  track.counted ??= new Map();
+  let found = track.counted.get(key);
+  if (!(found?.frame <= frame)) found = { frame: -1, counts: new Map() };
+  track.counted.set(key, found);
+  while (found.frame < frame) {
+    for (const cell of cellsIn(++found.frame)) found.counts.set(cell, (found.counts.get(cell) ?? 0) + 1);
   }
-  found.frame = frame;
-  track.blocked = found;
   return found.counts;
 }

@@ -14,7 +14,6 @@ from warehouse_core.render.palette import (
     ITEM,
     ORDER_COLORS,
     STRANDED,
-    UNKNOWN,
     WARNING,
     Color,
 )
@@ -251,7 +250,6 @@ def _colors() -> dict[str, Any]:
         "item": _hex(ITEM),
         "warning": _hex(WARNING),
         "stranded": _hex(STRANDED),
-        "unknown": _hex(UNKNOWN),
         "orders": [_hex(color) for color in ORDER_COLORS],
     }
 

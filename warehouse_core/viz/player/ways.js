@@ -1,5 +1,6 @@
 // Draws the ways of robots: trails, planned ways, and who pushes whom.
 
+import { fillOutlined } from "./canvas.js";
 import { colorOf } from "./bodies.js";
 
 const TRAIL_STEPS = 40;
@@ -8,13 +9,12 @@ const WAY_STEPS = 20;
 
 /** Draw the way of a robot in its last steps, the older the paler, dashed where it was loaded. */
 export function drawTrail(context, track, body, moment, view, theme) {
-  const step = Math.floor(track.progress[moment.frame]);
+  const { step } = moment;
   const oldest = track.stepFrames[Math.max(0, step - TRAIL_STEPS)];
   const lines = [];
-  let before = track.pose(body, { frame: oldest, next: oldest, share: 0 });
+  let before = track.pose(body, { frame: oldest });
   for (let frame = oldest + 1; frame <= moment.frame + 1; frame++) {
-    const isLast = frame > moment.frame;
-    const after = track.pose(body, isLast ? moment : { frame, next: frame, share: 0 });
+    const after = track.pose(body, frame > moment.frame ? moment : { frame });
     if (before && after && (before.x !== after.x || before.y !== after.y)) {
       const age = step - track.progress[Math.min(frame, moment.frame)];
       const shade = Math.ceil(TRAIL_SHADES * (1 - age / (TRAIL_STEPS + 1)));
@@ -80,9 +80,9 @@ export function drawRoute(context, track, moment, view, theme) {
 /** Draw where a chosen robot drives next, as dots. */
 export function drawWayAhead(context, track, body, moment, view, theme) {
   const points = [];
-  const step = Math.ceil(track.progress[moment.next]);
+  const step = track.stepAt(moment.time);
   for (const frame of track.stepFrames.slice(step, step + WAY_STEPS)) {
-    const pose = track.pose(body, { frame, next: frame, share: 0 });
+    const pose = track.pose(body, { frame });
     if (pose) points.push([pose.x, pose.y]);
   }
   drawDots(context, points, view, theme.accent);
@@ -135,10 +135,8 @@ export function drawPlans(context, track, moment, view, theme) {
     context.strokeStyle = colorOf(track, robot, pose, moment, theme);
     context.lineWidth = Math.max(2, view.scale / (isWish ? 8 : 5));
     context.setLineDash(isWish ? [0.1, view.scale / 3] : []);
-    const middles = Array.from(cells, (cell) => [
-      (cell % track.width) + 0.5, Math.floor(cell / track.width) + 0.5,
-    ]);
-    strokeLine(context, middles, view);
+    const places = Array.from(cells, (cell) => track.rowAndColumn(cell));
+    strokeLine(context, places.map(([row, column]) => [column + 0.5, row + 0.5]), view);
   }
   context.setLineDash([]);
 }
@@ -155,10 +153,6 @@ export function drawPushes(context, track, moment, view, theme) {
       context.lineTo(x + radius * Math.cos(angle + turn), y + radius * Math.sin(angle + turn));
     }
     context.closePath();
-    context.fillStyle = theme.dark;
-    context.strokeStyle = theme.light;
-    context.lineWidth = 1;
-    context.fill();
-    context.stroke();
+    fillOutlined(context, theme.dark, theme.light, 1);
   }
 }

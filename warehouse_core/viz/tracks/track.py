@@ -179,9 +179,14 @@ class Track:
         return math.ceil(self.frames[-1].progress)
 
     @property
+    def ends(self) -> list[int]:
+        """``[S]`` the frame in which each step is complete."""
+        return [n for n, frame in enumerate(self.frames) if frame.progress.is_integer()]
+
+    @property
     def clocks(self) -> list[float]:
         """``[S]`` the simulated seconds at which each step was complete."""
-        return [frame.clock for frame in self.frames if frame.progress.is_integer()]
+        return [self.frames[end].clock for end in self.ends]
 
     @property
     def is_fleet(self) -> bool:

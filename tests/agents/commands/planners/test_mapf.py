@@ -251,3 +251,20 @@ def test_robots_of_generated_problems_are_in_the_largest_part(
     assert code == 0
     assert "none" not in out
     assert "up to 8" in refusal(capsys, "mapf", "--layout", "two.map", "--robots", 9)
+
+
+def test_plans_are_executed_by_bodies_in_both_ways(capsys: pytest.CaptureFixture[str]) -> None:
+    write_map("hall.map", (".....", "....."))
+    options = ["--layout", "hall.map", "--robots", 2, "--planner", "pibt"]
+    plain = command(capsys, "mapf", *options).out
+    assert "joint steps" not in plain
+    for more in ([], ["--steps", 6]):
+        lines = command(capsys, "mapf", *options, *more, "--drive").out.splitlines()
+        found = [[cell.strip() for cell in line.split("\u2502")[1:-1]] for line in lines]
+        (stepped,), (driven,) = (
+            [row for row in found if row[1:2] == [way]] for way in ("joint steps", "driven through")
+        )
+        assert stepped[0] == driven[0] == "pibt"
+        assert 0 < float(driven[2]) < float(stepped[2])
+        assert 0 < float(driven[3].replace(",", "")) < float(stepped[3].replace(",", ""))
+        assert stepped[4] == driven[4] == "0"

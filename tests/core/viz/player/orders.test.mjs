@@ -1,15 +1,17 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
+import { FleetPanel } from "../../../../warehouse_core/viz/player/fleet.js";
 import {
+  AGES,
   ageOf,
-  ageWords,
-  goalOf,
   historyOf,
+  LATE,
   orderOf,
   waitingAt,
   waitingByPickup,
 } from "../../../../warehouse_core/viz/player/orders.js";
+import { along, trackOf } from "./some_tracks.mjs";
 
 /** Robot 0 delivers order 0 late, robot 1 takes order 1 and keeps it, orders 2 and 3 are not taken. */
 const orders = {
@@ -27,7 +29,7 @@ const fleet = { orders, assigned: [0, 2, 10, 12, 0, 1, 0, 0, 0, 1, 2, -1] };
 test("an order ages by thirds of its time, and is late after it is due", () => {
   const ages = [0, 2, 3, 5, 6, 8, 9, 10].map((step) => ageOf(orders, 0, step));
   assert.deepEqual(ages, [0, 0, 1, 1, 2, 2, 2, 3]);
-  assert.equal(ageWords(orders, 0, 10), "late");
+  assert.equal(AGES[LATE], "late");
   assert.equal(ageOf({ released: [5], due: [5] }, 0, 5), 0);
 });
 
@@ -44,10 +46,29 @@ test("a robot's order is the one that it carries, or the last that it was assign
   assert.deepEqual([0, 2, 5, 99].map((step) => orderOf(fleet, 1, step)), [-1, 1, 1, 1]);
 });
 
-test("a robot's goal is the pickup of its order until it is taken, then the dropoff", () => {
-  const track = { fleet };
-  assert.deepEqual([0, 3, 4, 9, 10, 12].map((step) => goalOf(track, 0, step)), [11, 11, 88, 88, 12, -1]);
-  assert.equal(goalOf({ fleet: {} }, 0, 0), -1);
+/** Return the words on the order of robot 0 after each of some steps. */
+function wordsAt(steps, changes = {}) {
+  const track = trackOf([along([0])], { fleet: { ...fleet, orders: { ...orders, ...changes } } });
+  const panel = Object.assign(Object.create(FleetPanel.prototype), { track });
+  return steps.map((step) => panel.orderWords(0, { step }));
+}
+
+test("a robot is to pick its order at the pickup until it is taken, then carries it to the dropoff", () => {
+  assert.deepEqual(wordsAt([0, 3, 4, 9, 10, 12]), [
+    "0, to be picked at (1, 1), due in 9",
+    "0, to be picked at (1, 1), due in 6",
+    "0, carried to (8, 8), due in 5",
+    "0, carried to (8, 8), due in 0",
+    "2, to be picked at (1, 2), due in 2",
+    "none",
+  ]);
+});
+
+test("an order whose dropoff is its pickup is to be picked until it is taken", () => {
+  assert.deepEqual(wordsAt([3, 4], { dropoff: orders.pickup }), [
+    "0, to be picked at (1, 1), due in 6",
+    "0, carried to (1, 1), due in 5",
+  ]);
 });
 
 test("a history has what a robot did so far, the last first", () => {

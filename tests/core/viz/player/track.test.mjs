@@ -55,6 +55,11 @@ test("an unknown heading is none, until it is known", () => {
   assert.equal(track.pose(0, track.at(1.5)).heading, null);
 });
 
+test("a cell has the row and the column that its number stands for", () => {
+  const track = trackOf([[[7.5, 2.5, 0]]], { width: 9 });
+  assert.deepEqual(track.rowAndColumn(track.cell(0, 0)), [2, 7]);
+});
+
 test("frames within a step belong to it, and each step has the frame in which it is complete", () => {
   const progress = [0, 0.5, 1, 4 / 3, 5 / 3, 2];
   const time = [0, 2, 4, 5, 6, 7];
@@ -63,6 +68,7 @@ test("frames within a step belong to it, and each step has the frame in which it
   assert.deepEqual([0, 1, 2, 3].map((step) => track.timeOf(step)), [0, 4, 7, 7]);
   assert.deepEqual([0, 0.1, 2, 4, 4.1, 6.9, 7].map((at) => track.stepAt(at)), [0, 1, 1, 1, 2, 2, 2]);
   assert.equal(track.steps, 2);
+  assert.deepEqual([0, 0.1, 3.9, 4, 6.9, 7].map((at) => track.at(at).step), [0, 0, 0, 1, 1, 2]);
 });
 
 test("the caption is that of the step under way", () => {
@@ -139,13 +145,13 @@ test("a robot of a fleet that waits is not stuck, and one that goes round in cir
 
 test("visits and blocked moves are the same after going back as from the start", () => {
   const hits = hitsOf([[1, 1, 0.5, 0], [2, 1, 0.5, 1], [4, 1, 0.5, 1]]);
-  const fresh = () => trackOf([along([0, 1, 0, 1, 2]), along([5, 4, 4, 4, 4])], { hits });
+  const fresh = () => trackOf([along([0, 1, 0, 1, 2]), along([2, 4, 4, 4, 4])], { hits });
   const used = fresh();
   for (const frame of [4, 1, 3, 0, 2]) {
     assert.deepEqual(visitsUntil(used, 0, frame), visitsUntil(fresh(), 0, frame), `${frame}`);
     assert.deepEqual(blockedUntil(used, frame), blockedUntil(fresh(), frame), `${frame}`);
   }
   assert.deepEqual([...visitsUntil(used, 0, 3)], [[0, 2], [1, 2]]);
-  assert.deepEqual([...visitsUntil(used, 1, 3)], [[5, 1], [4, 1]]);
+  assert.deepEqual([...visitsUntil(used, 1, 3)], [[2, 1], [4, 1]]);
   assert.deepEqual([...blockedUntil(used, 4)], [[1, 1], [4, 2]]);
 });

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { shortNames } from "../../../../warehouse_core/viz/player/player.js";
+import { Player, shortNames } from "../../../../warehouse_core/viz/player/player.js";
 import { View } from "../../../../warehouse_core/viz/player/view.js";
 
 function viewOf(columns, rows, width, height) {
@@ -88,5 +88,13 @@ test("names of tracks leave out what their titles share, and are letters if that
   assert.deepEqual(shortNames(["x y x", "x z x", "x x x"]), ["y", "z", "x"]);
   for (const titles of [["a b", "a b"], ["a", "a b"], ["x y x", "x x"], ["c".repeat(99), "d"]]) {
     assert.deepEqual(shortNames(titles), ["A", "B"]);
+  }
+});
+
+test("a robot that one of the tracks does not have is not chosen", () => {
+  const player = { tracks: [{ robots: 4 }, { robots: 2 }], draw() {} };
+  for (const [robot, chosen] of [[1, 1], [2, null], [0, 0], [-1, null], [1, 1], [Number.NaN, null], [0, 0], [null, null]]) {
+    Player.prototype.choose.call(player, robot);
+    assert.equal(player.chosen, chosen, `${robot}`);
   }
 });

@@ -1,0 +1,170 @@
+"""The execution of a joint plan by bodies: driven through, or joint step by joint step.
+
+A plan says in which step each robot is where; bodies need times of their own. Driven through, they
+pass each cell in the order of the plan, and wait for nothing else. Joint step by joint step, all
+wait until the last has come to rest after a step.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.errors import PlanError
+from agents.mapf.graph import Integers
+from warehouse_core import Cell, Layout, Outcome
+from warehouse_core.motion.base import Ways
+from warehouse_core.wording import listed
+from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, RobotSpec
+from warehouse_physics.profile import Floats
+from warehouse_physics.robot_spec import ARRIVED
+
+PATIENCE = 10.0
+"""Seconds without stops in which nobody moves, after which nobody will."""
+
+MAX_SLOWNESS = 10
+"""Times as long as robots that drive one after the other."""
+
+MAX_TRIES = 10
+"""Of a joint step from which disturbances keep robots."""
+
+RESTS = 1e-5
+"""Metres in which a robot may move from row to row of its path and is still said to rest."""
+
+
+class Execution(NamedTuple):
+    """What the execution of a plan by ``R`` bodies took.
+
+    Attributes:
+        seconds: until all are at rest in their last cells.
+        joules: of all together, until then.
+        hits: with walls and, for each of the two, with robots.
+        arrivals: ``[R]``, seconds until each is at rest in its last cell for good.
+    """
+
+    seconds: float
+    joules: float
+    hits: int
+    arrivals: Floats
+
+
+def drive_through(
+    layout: Layout,
+    plan: Integers,
+    spec: RobotSpec | None = None,
+    disturbances: Disturbances | None = None,
+    seed: int = 0,
+) -> Execution:
+    """Let bodies drive through the cells of a joint plan.
+
+    Args:
+        layout: of the plan.
+        plan: ``[T + 1, R]``, the cell of each robot before each joint step and after the last: the
+            ``cells`` of a ``Plan`` or of a ``LifelongRun``.
+        spec: of the robots.
+        disturbances: how far the physics departs from the nominal.
+        seed: for the disturbances.
+
+    Raises:
+        PlanError: nobody moves any more before all have arrived; the message names robots.
+        LayoutError: a robot starts in a wall, or where another does.
+        ValueError: a joint step has a conflict, or the robots are too wide to follow each other.
+    """
+    motion, cells = DrivingMotion(spec, disturbances, path_every=1), _cells(layout, plan)
+    motion.reset(layout, cells[0], seed)
+    for targets in cells[1:]:
+        motion.extend(targets)
+    stops = [stop.seconds for stop in motion.disturbances.stops if stop.seconds < math.inf]
+    patience = PATIENCE + sum(stops)
+    alone = np.count_nonzero(np.diff(plan, axis=0)) * motion.spec.move_seconds(loaded=False)
+    record, moved_at = _Record(motion.spec, len(cells[0])), 0.0
+    while late := _late(motion.ways(), cells[-1]):
+        if record.add(motion.drive(motion.period)):
+            moved_at = record.now
+        if record.now > min(moved_at + patience, patience + MAX_SLOWNESS * alone):
+            raise PlanError(f"after {record.now:.0f} s {_named(late)} not arrived")
+    return record.execution()
+
+
+def drive_steps(
+    layout: Layout,
+    plan: Integers,
+    spec: RobotSpec | None = None,
+    disturbances: Disturbances | None = None,
+    seed: int = 0,
+) -> Execution:
+    """Let bodies carry out a joint plan step by step; see ``drive_through``.
+
+    Robots that disturbances keep from their cells try again, while the others wait.
+
+    Raises:
+        PlanError: robots cannot carry out a step; the message names them.
+        LayoutError: as for ``drive_through``.
+        ValueError: a robot is to move by more than a cell.
+    """
+    motion, cells = RigidBodyMotion(spec, disturbances), _cells(layout, plan)
+    motion.reset(layout, cells[0], seed)
+    record, here = _Record(motion.spec, len(cells[0])), cells[0]
+    for step, targets in enumerate(cells[1:]):
+        for _ in range(MAX_TRIES):
+            moves = [(to[0] - at[0], to[1] - at[1]) for at, to in zip(here, targets, strict=True)]
+            outcomes = motion.advance(moves, [False] * len(moves))
+            record.add(outcomes)
+            here = [outcome.cell for outcome in outcomes]
+            if here == targets:
+                break
+        else:
+            late = [robot for robot, cell in enumerate(here) if cell != targets[robot]]
+            raise PlanError(f"in joint step {step} {_named(late)} not arrived")
+    return record.execution()
+
+
+EXECUTIONS = {"joint steps": drive_steps, "driven through": drive_through}
+"""Ways to execute a plan, by name."""
+
+
+class _Record:
+    """What bodies have done so far, outcome by outcome."""
+
+    def __init__(self, spec: RobotSpec, robots: int) -> None:
+        self._spec, self._arrivals = spec, np.zeros(robots)
+        self.now, self._work, self._hits = 0.0, 0.0, 0
+
+    def add(self, outcomes: Sequence[Outcome]) -> bool:
+        """Add what each robot did next, and return whether any of them has got anywhere."""
+        idle = self._spec.idle_power
+        has_moved = False
+        for robot, outcome in enumerate(outcomes):
+            path = outcome.path
+            moves = np.flatnonzero(np.abs(np.diff(path[:, 1:3], axis=0)).max(axis=1) > RESTS)
+            if len(moves):
+                self._arrivals[robot] = self.now + path[moves[-1] + 1, 0]
+            way = np.abs(path[-1, 1:3] - path[0, 1:3]).max()
+            has_moved |= bool(way > ARRIVED * self._spec.cell_size)
+            self._work += outcome.joules - idle * outcome.seconds
+            self._hits += len(outcome.contacts)
+        self.now += max(outcome.seconds for outcome in outcomes)
+        return has_moved
+
+    def execution(self) -> Execution:
+        """Return all of it; the computers of all robots run until the last has arrived."""
+        seconds = float(self._arrivals.max())
+        idle = self._spec.idle_power * seconds * len(self._arrivals)
+        return Execution(seconds, self._work + idle, self._hits, self._arrivals)
+
+
+def _cells(layout: Layout, plan: Integers) -> list[list[Cell]]:
+    return [[divmod(cell, layout.width) for cell in cells] for cells in plan.tolist()]
+
+
+def _late(ways: Ways, goals: Sequence[Cell]) -> list[int]:
+    """Return the robots that are not at rest in their last cells; ways may have been cut."""
+    each = enumerate(zip(ways.ends, ways.at_rest, goals, strict=True))
+    return [robot for robot, (end, rests, goal) in each if not rests or end != goal]
+
+
+def _named(robots: Sequence[int]) -> str:
+    return f"robot{'s' if robots[1:] else ''} {listed(robots)} {'have' if robots[1:] else 'has'}"

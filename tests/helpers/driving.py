@@ -1,0 +1,82 @@
+"""Plans for robots that drive through, and their execution."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from warehouse_core import Cell, Layout
+from warehouse_core.motion.traffic import find_stops
+from warehouse_core.world.actions import DISPLACEMENTS
+from warehouse_core.world.tiles import moved
+from warehouse_physics import DrivingMotion, RobotSpec
+
+MAX_SECONDS = 100
+RESTS = 1e-5
+"""Metres in which a robot that is at rest may move in a substep."""
+
+
+def resolved(
+    layout: Layout, cells: list[Cell], actions: Sequence[Sequence[int]]
+) -> list[list[Cell]]:
+    """Return the joint plan of actions, in which robots stay that others or walls would stop."""
+    plan = [cells]
+    for row in actions:
+        targets = [
+            moved(cell, DISPLACEMENTS[action]) for cell, action in zip(plan[-1], row, strict=True)
+        ]
+        stops = find_stops(layout, plan[-1], targets)
+        ends = zip(plan[-1], targets, stops, strict=True)
+        plan.append([target if stop is None else cell for cell, target, stop in ends])
+    return plan
+
+
+class Drive:
+    """Robots that have driven through a plan.
+
+    Args:
+        layout: of the plan.
+        plan: the cells of the robots before each joint step and after the last.
+        spec: of the robots.
+        loaded: for each robot whether it carries an item; nobody if empty.
+        pause: seconds between the joint steps as they are given.
+
+    Attributes:
+        positions: ``[N, R, 2]`` metres at each substep, until all are at rest.
+        seconds: ``N - 1`` substeps.
+        joules: ``[R]``, until then.
+        hits: number of contacts.
+    """
+
+    def __init__(
+        self,
+        layout: Layout,
+        plan: Sequence[Sequence[Cell]],
+        spec: RobotSpec | None = None,
+        loaded: Sequence[bool] = (),
+        pause: float = 0.0,
+    ) -> None:
+        motion = DrivingMotion(spec, path_every=1)
+        motion.reset(layout, plan[0], 0)
+        robots, self.hits = len(plan[0]), 0
+        self.joules, self._paths = np.zeros(robots), []
+        self._drive = motion.drive
+        if any(loaded):
+            motion.advance([(0, 0)] * robots, loaded)
+        for cells in plan[1:]:
+            motion.extend(cells)
+            if pause:
+                self._go(pause)
+        while not all(motion.ways().at_rest) or not self._paths:
+            self._go(1.0)
+            assert len(self._paths) < MAX_SECONDS, "robots do not arrive"
+        rows = np.concatenate([self._paths[0][:1], *(each[1:] for each in self._paths)])
+        moves = np.flatnonzero(np.abs(np.diff(rows, axis=0)).max(axis=(1, 2)) > RESTS)
+        last = moves[-1] + 1 if len(moves) else 0
+        self.positions, self.seconds = rows[: last + 1], last * motion.spec.time_step
+        self.joules -= motion.spec.idle_power * ((len(rows) - 1 - last) * motion.spec.time_step)
+
+    def _go(self, seconds: float) -> None:
+        outcomes = self._drive(seconds)
+        self.joules += [outcome.joules for outcome in outcomes]
+        self.hits += sum(len(outcome.contacts) for outcome in outcomes)
+        self._paths.append(np.stack([outcome.path[:, 1:3] for outcome in outcomes], axis=1))

@@ -1,0 +1,138 @@
+"""Robots that drive through keep their distances whatever disturbs them, and none waits forever."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from warehouse_core import Cell, Layout
+from warehouse_core.motion.base import Contact
+from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, Stop
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ((-1, 0.0, 1.0), "robot is -1"),
+        ((0, -1.0, 1.0), "at is -1.0"),
+        ((0, math.inf, 1.0), "at is inf"),
+        ((0, 0.0, 0.0), "seconds is 0.0"),
+        ((0, 0.0, math.nan), "seconds is nan"),
+    ],
+)
+def test_the_error_of_a_stop_names_the_wrong_value(values: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        Stop(*values)
+
+
+def test_stops_are_a_sequence_of_stops_for_robots_that_drive_through() -> None:
+    stop = Stop(0, 1.0, math.inf)
+    assert Disturbances(stops=[stop]) == Disturbances(stops=(stop,))  # type: ignore[arg-type]
+    assert Disturbances(stops=(stop,)).any
+    for wrong in (stop, [(0, 1.0, 2.0)]):
+        with pytest.raises(ValueError, match="a sequence of Stop"):
+            Disturbances(stops=wrong)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="only a DrivingMotion carries out stops"):
+        RigidBodyMotion(disturbances=Disturbances(stops=(stop,)))
+
+
+HALL = Layout(["....."] * 5)
+RING = [(1, 1), (1, 2), (2, 2), (2, 1)]
+EAST, STAY = (0, 1), (0, 0)
+
+
+def drive(motion: DrivingMotion, moves: list[list[Cell]], seconds: int) -> list[Contact]:
+    """Carry out moves, and then wait; return the hits."""
+    count = len(motion.ways().ends)
+    hits: list[Contact] = []
+    for step in range(seconds):
+        move = moves[step] if step < len(moves) else [STAY] * count
+        for outcome in motion.advance(move, [robot % 2 == 0 for robot in range(count)]):
+            hits += outcome.contacts
+    return hits
+
+
+def ring(step: int) -> list[Cell]:
+    """Return the moves with which four robots of a ring all move on."""
+    cells = [RING[(robot + step) % 4] for robot in range(4)]
+    nexts = [RING[(robot + step + 1) % 4] for robot in range(4)]
+    return [(to[0] - at[0], to[1] - at[1]) for at, to in zip(cells, nexts, strict=True)]
+
+
+@pytest.mark.parametrize(
+    "disturbances",
+    [
+        Disturbances(actuation_noise=0.1),
+        Disturbances(drag_spread=0.9),
+        Disturbances(motor_strength=0.5),
+        Disturbances(slippery=frozenset({(1, 1), (2, 2)})),
+    ],
+)
+def test_a_ring_of_disturbed_robots_turns_without_a_hit(disturbances: Disturbances) -> None:
+    for seed in range(3):
+        motion = DrivingMotion(disturbances=disturbances)
+        motion.reset(HALL, RING, seed)
+        assert not drive(motion, [ring(0), ring(1)], 40)
+        assert all(motion.ways().at_rest)
+        assert motion.ways().ends == RING[2:] + RING[:2]
+
+
+def test_robots_drive_at_the_share_of_the_speed_that_is_drawn_for_each_cell() -> None:
+    motion = DrivingMotion(disturbances=Disturbances(actuation_noise=0.05))
+    motion.reset(Layout(["." * 60]), [(0, 0)], 3)
+    paths = [motion.advance([EAST], [False])[0].path for _ in range(50)]
+    speeds = [(path[-1, 1] - path[-2, 1]) / (path[-1, 0] - path[-2, 0]) for path in paths[3:]]
+    assert 0.02 < float(np.std(speeds)) < 0.08
+
+
+def test_a_robot_that_stops_stands_for_its_time_and_drives_on() -> None:
+    motion = DrivingMotion(disturbances=Disturbances(stops=(Stop(0, 2.0, 10.0),)))
+    motion.reset(HALL, [(0, 1), (0, 0)], 0)
+    assert not drive(motion, [[EAST, EAST]] * 3, 8)
+    ways = motion.ways()
+    assert (ways.has_room[0], ways.at_rest[0], ways.failed[0]) == (False, False, False)
+    assert not drive(motion, [], 10)
+    assert motion.ways().at_rest == [True, True]
+
+
+@pytest.mark.parametrize("slippery", [frozenset(), frozenset({(0, 1), (0, 2)})])
+def test_robots_behind_one_that_has_failed_go_back_to_cells_of_their_own(
+    slippery: frozenset[Cell],
+) -> None:
+    for at in (1.7, 2.0, 2.2, 2.4):
+        stops = (Stop(0, at, math.inf),)
+        motion = DrivingMotion(disturbances=Disturbances(slippery=slippery, stops=stops))
+        motion.reset(Layout(["........"] * 2), [(0, 2), (0, 1), (0, 0)], 0)
+        assert not drive(motion, [[EAST] * 3] * 4, 20)
+        ways = motion.ways()
+        assert ways.failed == [True, False, False]
+        assert ways.at_rest == [False, True, True]
+        assert len(set(ways.ends)) == 3
+        assert not set(ways.ends[1:]) & set(ways.closed)
+
+
+def test_the_cells_of_a_robot_that_has_failed_are_closed() -> None:
+    motion = DrivingMotion()
+    motion.reset(HALL, [(0, 1), (0, 0)], 0)
+    motion.fail(0)
+    outcome = motion.advance([STAY, EAST], [False, False])[1]
+    assert outcome.blocked
+    assert motion.ways().closed == [(0, 1)]
+    assert motion.ways().ends == [(0, 1), (0, 0)]
+
+
+def test_a_stop_of_a_robot_that_does_not_exist_is_refused() -> None:
+    motion = DrivingMotion(disturbances=Disturbances(stops=(Stop(1, 0.0, 1.0),)))
+    with pytest.raises(ValueError, match="must be at most 0"):
+        motion.reset(HALL, [(0, 0)], 0)
+
+
+def test_the_same_seed_gives_the_same_bits() -> None:
+    paths = []
+    for seed in (1, 1, 2):
+        motion = DrivingMotion(disturbances=Disturbances(actuation_noise=0.1, drag_spread=0.3))
+        motion.reset(HALL, RING, seed)
+        paths.append(np.stack([each.path for each in motion.advance(ring(0), [False] * 4)]))
+    assert np.array_equal(paths[0], paths[1])
+    assert not np.array_equal(paths[0], paths[2])

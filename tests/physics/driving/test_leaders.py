@@ -1,0 +1,48 @@
+"""Until when a robot has a leader at a cell, and which cells of its way come next."""
+
+import numpy as np
+import pytest
+
+from warehouse_core.motion.dependencies import Dependencies
+from warehouse_physics import Disturbances, RobotSpec
+from warehouse_physics.driving.leaders import NEVER, Leaders
+from warehouse_physics.driving.limits import Limits
+
+SPEC = RobotSpec()
+
+
+@pytest.fixture
+def queue() -> tuple[Dependencies, Leaders]:
+    """Return the ways and leaders of two robots that go three cells east, one behind the other."""
+    ways = Dependencies([(0, 0), (0, 1)])
+    for col in range(1, 4):
+        ways.extend([(0, col), (0, col + 1)])
+    return ways, Leaders(SPEC, ways, Limits(SPEC, 2, Disturbances()))
+
+
+def test_a_leader_holds_a_cell_until_its_body_has_left_room_for_another(queue) -> None:
+    leaders = queue[1]
+    before, apart = np.array([0.0, 2 * SPEC.radius]), np.array([0.0, 2 * SPEC.radius + 0.011])
+    leaders.find(0, before)
+    assert leaders.nodes[0, :2].tolist() == [1, 2]
+    leaders.drop(before)
+    assert leaders.nodes[0, :2].tolist() == [1, 2]
+    leaders.drop(apart)
+    assert leaders.nodes[0, :2].tolist() == [2, 3]
+    leaders.drop(apart + 2)
+    assert set(leaders.nodes.ravel().tolist()) == {NEVER}
+
+
+def test_cells_that_leaders_have_left_are_not_waited_for(queue) -> None:
+    leaders = queue[1]
+    leaders.find(0, np.array([0.0, 2 * SPEC.radius]))
+    assert leaders.nodes[0, 0] == 1
+    leaders = Leaders(SPEC, queue[0], Limits(SPEC, 2, Disturbances()))
+    leaders.find(0, np.array([0.0, 2 * SPEC.radius + 0.011]))
+    assert leaders.nodes[0, 0] == 2
+
+
+def test_the_first_robot_of_a_queue_has_no_leader(queue) -> None:
+    leaders = queue[1]
+    leaders.find(1, np.zeros(2))
+    assert set(leaders.nodes[1].tolist()) == {NEVER}

@@ -1,0 +1,154 @@
+"""The interface of robots that drive through: ways, joint steps, periods."""
+
+from collections.abc import Callable
+from itertools import pairwise, product
+from typing import Any
+
+import numpy as np
+import pytest
+
+from warehouse_core import Cell, Layout
+from warehouse_core.motion.dependencies import HISTORY
+from warehouse_physics import DrivingMotion, RobotSpec
+
+STAY, EAST, WEST = (0, 0), (0, 1), (0, -1)
+LAYOUT = Layout([".....", "..#.."])
+
+
+def motion_at(*cells: Cell, **options: Any) -> DrivingMotion:
+    motion = DrivingMotion(**options)
+    motion.reset(LAYOUT, cells, 0)
+    return motion
+
+
+@pytest.mark.parametrize(
+    ("cells", "message"),
+    [
+        ([(0, 0)], "1 cells for 2 robots; one each"),
+        (
+            [(0, 2), (0, 1)],
+            r"robot 0 is to go from \(0, 0\) to \(0, 2\), which is not an open cell",
+        ),
+        ([(-1, 0), (0, 1)], r"robot 0 is to go from \(0, 0\) to \(-1, 0\), which is not an open"),
+        ([(0, 1), (0, 1)], r"robots 0 and 1 are both to go to \(0, 1\)"),
+        ([(0, 1), (0, 0)], r"robots 0 and 1 are to change places, \(0, 0\) and \(0, 1\)"),
+    ],
+)
+def test_a_joint_step_with_a_conflict_is_refused_and_nothing_changes(
+    cells: list[Cell], message: str
+) -> None:
+    motion = motion_at((0, 0), (0, 1))
+    with pytest.raises(ValueError, match=message):
+        motion.extend(cells)
+    assert motion.ways().ends == [(0, 0), (0, 1)]
+    motion.extend([(0, 1), (0, 2)])
+    assert motion.ways().ends == [(0, 1), (0, 2)]
+
+
+def test_a_joint_step_of_a_plan_needs_no_room() -> None:
+    motion = motion_at((0, 0))
+    for col in range(1, 5):
+        assert motion.ways().has_room == [col - 1 <= 1.5]  # to stop, and for a second
+        motion.extend([(0, col)])
+    assert motion.ways()[:3] == ([(0, 4)], [False], [False])
+    assert motion.drive(5.0)[0].cell == (0, 4)
+    assert motion.ways()[:3] == ([(0, 4)], [True], [True])
+
+
+def test_a_way_without_room_is_not_extended_by_a_displacement() -> None:
+    motion = motion_at((0, 0), period=0.05)
+    ends = []
+    for _ in range(4):  # the robot needs half a cell to stop
+        (outcome,) = motion.advance([EAST], [False])
+        ends.append(motion.ways().ends[0])
+        assert not outcome.blocked
+    assert ends == [(0, 1)] * 4
+
+
+def test_robots_that_cannot_extend_their_ways_are_blocked() -> None:
+    motion = motion_at((0, 0), (0, 1), (1, 0))
+    outcomes = motion.advance([EAST, WEST, WEST], [False] * 3)
+    assert [outcome.blocked for outcome in outcomes] == [True] * 3
+    assert motion.ways().ends == [(0, 0), (0, 1), (1, 0)]
+    outcomes = motion.advance([EAST, EAST, STAY], [False] * 3)
+    assert [outcome.blocked for outcome in outcomes] == [False] * 3
+
+
+def test_a_call_lasts_as_many_substeps_as_it_is_to() -> None:
+    motion = motion_at((0, 0))
+    assert motion.period == pytest.approx(1.0)
+    for asked, got in ((1.0, 1.0), (0.024, 1 / 60), (0.026, 2 / 60), (1e-9, 1 / 60)):
+        (outcome,) = motion.drive(asked)
+        assert outcome.seconds == outcome.path[-1, 0] == pytest.approx(got)
+    assert motion_at((0, 0), spec=RobotSpec(top_speed=0.5)).period == pytest.approx(2.0)
+    (outcome,) = motion_at((0, 0), period=0.2).advance([STAY], [False])
+    assert outcome.seconds == pytest.approx(0.2)
+    assert outcome.joules == pytest.approx(20 * 0.2)
+
+
+def test_a_path_has_a_row_for_each_so_many_substeps_and_the_ends() -> None:
+    for options, expected in (
+        ({}, [0, 10, 20, 25]),
+        ({"path_every": 12}, [0, 12, 24, 25]),
+        ({"path_every": 5, "record_path": False}, [0, 25]),
+    ):
+        motion = motion_at((0, 0), **options)
+        motion.extend([(0, 1)])
+        (outcome,) = motion.drive(25 / 60)
+        assert outcome.path[:, 0] * 60 == pytest.approx(expected)
+        assert outcome.path[0, 1:].tolist() == [0.5, 0.5, 0.0]
+        assert not outcome.path.flags.writeable
+
+
+def test_paths_go_on_where_they_ended_and_head_the_way_that_is_driven() -> None:
+    motion = motion_at((0, 3))
+    for cell in ((0, 4), (1, 4)):
+        motion.extend([cell])
+    rows = [motion.drive(0.5)[0].path for _ in range(8)]
+    for before, after in pairwise(rows):
+        assert np.array_equal(before[-1, 1:], after[0, 1:])
+    assert rows[0][-1, 3] == 0
+    assert rows[-1][-1, 1:] == pytest.approx([4.5, 1.5, np.pi / 2], abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: DrivingMotion(period=0.0), "period is 0.0"),
+        (lambda: motion_at((0, 0)).drive(0.0), "seconds is 0.0"),
+        (
+            lambda: DrivingMotion(RobotSpec(radius=0.36)),
+            "radius is 0.36; with cell_size 1.0 robots that drive through need a radius below",
+        ),
+        (lambda: motion_at((0, 0)).advance([(1, 1)], [False]), r"displacement \(1, 1\) of robot 0"),
+    ],
+)
+def test_wrong_values_are_named(make: Callable[[], object], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+def test_a_motion_needs_a_reset_before_it_drives_and_after_it_is_closed() -> None:
+    closed = motion_at((0, 0))
+    closed.close()
+    closed.close()
+    calls: list[Callable[[DrivingMotion], object]] = [
+        lambda motion: motion.ways(),
+        lambda motion: motion.extend([(0, 1)]),
+        lambda motion: motion.drive(1.0),
+        lambda motion: motion.advance([EAST], [False]),
+    ]
+    for motion, call in product((DrivingMotion(), closed), calls):
+        with pytest.raises(RuntimeError, match="needs a reset"):
+            call(motion)
+
+
+def test_cells_that_robots_have_passed_are_forgotten() -> None:
+    motion, ring = motion_at((0, 0), (0, 1)), [(0, 0), (0, 1), (1, 1), (1, 0)]
+    assert motion._driver is not None
+    kept = 0
+    for step in range(1, HISTORY + 12):
+        motion.extend([ring[step % 4], ring[(step + 1) % 4]])
+        motion.drive(2.0)
+        kept = max(kept, *(len(list(motion._driver.ways.nodes(robot, 0))) for robot in (0, 1)))
+    assert kept <= HISTORY + 3

@@ -1,0 +1,5 @@
+"""Robots that drive through the cells of their ways, and brake only where they must."""
+
+from warehouse_physics.driving.motion import DrivingMotion
+
+__all__ = ["DrivingMotion"]

@@ -1,0 +1,56 @@
+"""Where robots face while they drive, and who of them has to turn on the spot first."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from warehouse_core.motion.vector import Flags
+from warehouse_physics.profile import Floats
+from warehouse_physics.robot import TURN_RATE, TURN_SECONDS
+from warehouse_physics.robot_spec import RobotSpec
+
+
+class Headings:
+    """The headings of ``R`` robots, which turn at a constant rate, the shorter way round.
+
+    A robot with ``turn_seconds`` turns on the spot before it drives. Any other turns while it
+    drives, as in ``robot.py``, which makes no difference to where it goes.
+
+    Args:
+        spec: of the robots.
+        robots: ``R``; all face east.
+
+    Attributes:
+        angles: ``[R]`` radians.
+        on_the_spot: whether robots turn before they drive.
+    """
+
+    def __init__(self, spec: RobotSpec, robots: int) -> None:
+        self.on_the_spot = spec.turn_seconds > 0
+        rate = TURN_RATE * TURN_SECONDS / spec.move_seconds(loaded=False)
+        if self.on_the_spot:
+            rate = math.pi / 2 / spec.turn_seconds
+        self._most = rate * spec.time_step
+        self.angles, self._left = np.zeros((2, robots))
+
+    def face(self, robot: int, direction: Floats) -> None:
+        """Let a robot turn towards ``(x, y)``, ``[2]``."""
+        wanted = math.atan2(direction[1], direction[0])
+        self._left[robot] = math.remainder(wanted - self.angles[robot], math.tau)
+
+    def turn(self, stands: Flags) -> Flags:
+        """Turn robots for a substep.
+
+        Args:
+            stands: ``[R]``, who has stopped and does not turn.
+
+        Returns:
+            ``[R]``, who has stopped or turns on the spot.
+        """
+        turned = np.where(stands, 0.0, np.clip(self._left, -self._most, self._most))
+        found: Flags = stands | (self.on_the_spot & (turned != 0))
+        self.angles += turned
+        self._left -= turned
+        return found

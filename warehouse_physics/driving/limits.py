@@ -1,0 +1,81 @@
+"""How fast ``R`` robots can speed up, brake and turn corners, with and without items."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from warehouse_physics.disturbances import Disturbances
+from warehouse_physics.driving.speeds import stopping_distances
+from warehouse_physics.profile import Floats
+from warehouse_physics.robot_spec import GRAVITY, RobotSpec
+
+CORNER = 0.2
+"""Share of a cell before a corner where robots begin to turn into their next leg: they brake in the
+old direction while they speed up in the new one.
+"""
+
+SIGMAS = 3.0
+"""Standard deviations of the actual speed for which robots that brake have force to spare."""
+
+MIN_RATE = 1e-3
+"""m/s² with which every robot counts, so that those that cannot move at all have finite ways."""
+
+
+class Limits:
+    """What limits each robot, as arrays ``[R]``, where it is known beforehand.
+
+    Attributes:
+        loaded: bool, whether it carries an item; see ``load``.
+        slips: bool, whether its floor is slippery, or will be before it could stop.
+        masses: kg.
+        drags: nominal ones of the floor, in N.
+        ups: m/s², how fast it speeds up.
+        downs: m/s², how fast it can always brake.
+        hardest: m/s², how fast it brakes at most.
+        corner_rates: m/s², how fast it changes speed in either direction at a corner.
+        usual_reach, reach: metres within which robots stop on the usual floor and on slippery one.
+        corner_speeds: m/s, with which it may begin to turn.
+        spare: metres before a corner where it would come to rest, as it is so fast.
+    """
+
+    def __init__(self, spec: RobotSpec, robots: int, disturbances: Disturbances) -> None:
+        self._spec = spec
+        self.corner = CORNER * spec.cell_size
+        self._masses = np.array([spec.total_mass(loaded) for loaded in (False, True)])
+        self._drags = np.array([spec.drag_force(loaded) for loaded in (False, True)])
+        spread = disturbances.drag_spread
+        motor = np.full((2, 2), disturbances.motor_strength * spec.motor_force)
+        self._hardest = np.minimum(
+            spec.acceleration, (motor[0] + self._drags * (1 + spread)) / self._masses
+        )
+        # A row for the usual floor, and one for slippery floor.
+        motor[1] = np.minimum(motor[1], disturbances.grip * self._masses * GRAVITY)
+        most = min(spec.acceleration, spec.top_speed / spec.time_step)
+        self._reserve = (1 + SIGMAS * disturbances.actuation_noise) ** 2
+        self._ups = np.clip((motor - self._drags) / self._masses, MIN_RATE, most)
+        slowest = (motor + self._drags * (1 - spread)) / self._masses
+        self._downs = np.clip(slowest, MIN_RATE, spec.acceleration) / self._reserve
+        # Metres within which robots stop, on the usual floor and on the most slippery.
+        self.usual_reach, self.reach = spec.top_speed**2 / (2 * self._downs.min(axis=1))
+        self.slips, self.loaded = np.zeros((2, robots), np.bool_)
+        self.load(self.loaded)
+
+    def load(self, loaded: np.ndarray) -> None:
+        """Set which robots carry items, ``[R]`` bool."""
+        self.loaded = loaded
+        index = loaded.astype(np.intp)
+        self.masses, self.drags = self._masses[index], self._drags[index]
+        self.hardest = self._hardest[index]
+        self.slip(self.slips)
+
+    def slip(self, slips: np.ndarray) -> None:
+        """Set which robots are to expect slippery floor, ``[R]`` bool."""
+        self.slips = slips
+        index = slips.astype(np.intp), self.loaded.astype(np.intp)
+        self.ups, self.downs = self._ups[index], self._downs[index]
+        self.corner_rates: Floats = self.ups / math.sqrt(2) / self._reserve
+        self.corner_speeds: Floats = np.sqrt(2 * self.corner_rates * self.corner)
+        stops = stopping_distances(self.corner_speeds, self.downs, self._spec.time_step)
+        self.spare: Floats = self.corner - stops
