@@ -111,10 +111,11 @@ class Dependencies:
 
     def forget(self, robot: int, number: int) -> None:
         """Forget the nodes of a way that are far before ``number``, which it has passed."""
-        way = self._ways[robot]
-        while self._firsts[robot] < number - HISTORY:
-            way.popleft()
-            self._firsts[robot] += 1
+        for first in range(self._firsts[robot], number - HISTORY):
+            cell, visit = self._ways[robot].popleft().cell, Visit(robot, first)
+            self._firsts[robot] = first + 1
+            if self._latest.get(cell) == visit:
+                del self._latest[cell]  # nobody has to wait for it any more
 
     def cut(self, robot: int, number: int, reached: Sequence[int]) -> dict[int, bool]:
         """Discard the nodes that cannot be reached any more, as a robot has failed.

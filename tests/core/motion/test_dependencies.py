@@ -96,3 +96,13 @@ def test_robots_that_go_on_for_ever_keep_few_nodes() -> None:
             found.forget(robot, found.last(robot) - 2)
             kept.add(len(list(found.nodes(robot, 0))))
     assert max(kept) <= HISTORY + 2
+
+
+def test_a_cell_whose_last_visit_is_forgotten_has_no_order_any_more() -> None:
+    long_row = [[(0, col), (1, 0)] for col in range(HISTORY + 2)]
+    found = build(long_row)
+    found.forget(0, HISTORY + 1)
+    found.extend([(0, HISTORY + 1), (0, 0)])
+    assert found.node(1, 1) == Node((0, 0), None)
+    found.extend([(0, HISTORY + 1), (0, 1)])
+    assert found.node(1, 2) == Node((0, 1), Visit(0, 1))
