@@ -13,13 +13,13 @@ from agents.commands.compare_agents import compare_agents
 from agents.commands.compare_backends import compare
 from agents.commands.demos import demo
 from agents.commands.explore import explore
-from agents.commands.fleet import fleet
+from agents.commands.fleet.fleet import fleet
+from agents.commands.fleet.report import report_fleet
 from agents.commands.gap.gap import gap
 from agents.commands.planners.compare_planners import compare_planners
 from agents.commands.planners.mapf import mapf
 from agents.commands.play import play
 from agents.commands.search import search
-from agents.commands.shift_report import report_fleet
 from agents.commands.train import train_ppo, train_q
 from agents.console import main as console
 from agents.console.options import IntervalOption, SaveOption, ShowOption, SpeedOption

@@ -10,11 +10,7 @@ from typing import Annotated
 
 import typer
 
-from agents.commands.gap.summary import Scores, gap_table, losses, message
-from agents.commands.gap.trial import Result, Score, Setting, Trial, make_env, run_trial
-from agents.commands.gap.worlds import WORLDS, Shocks, make_world
-from agents.commands.planners.compare_planners import MAX_SEEDS, JobsOption
-from agents.commands.shift_options import (
+from agents.commands.fleet.options import (
     AssignmentOption,
     FleetBatteryOption,
     FleetLayoutOption,
@@ -23,6 +19,10 @@ from agents.commands.shift_options import (
     parse_battery,
     parse_due,
 )
+from agents.commands.gap.summary import Scores, gap_table, losses, message
+from agents.commands.gap.trial import Result, Score, Setting, Trial, make_env, run_trial
+from agents.commands.gap.worlds import WORLDS, Shocks, make_world
+from agents.commands.planners.compare_planners import MAX_SEEDS, JobsOption
 from agents.console.options import save_option
 from agents.console.table import print_table
 from agents.console.terminal import print_error, say

@@ -9,10 +9,10 @@ import pytest
 from helpers.command_line import command, refusal, without_display
 from PIL import Image
 
-from agents.commands.fleet import parse_orders
-from agents.commands.shift_options import parse_battery, parse_due
-from agents.commands.shift_report import LINES, diagnosis, verdict
-from agents.commands.shift_report import measures_table as table
+from agents.commands.fleet.fleet import parse_orders
+from agents.commands.fleet.options import parse_battery, parse_due
+from agents.commands.fleet.report import LINES, diagnosis, verdict
+from agents.commands.fleet.report import measures_table as table
 from agents.registry import PLANNERS
 from warehouse_core import FleetEpisode, Order, OrderStream
 from warehouse_core.fleet import Battery, FleetMeasures

@@ -12,7 +12,7 @@ from typing import Annotated
 
 import typer
 
-from agents.commands.shift_options import (
+from agents.commands.fleet.options import (
     DUE,
     AssignmentOption,
     FleetBatteryOption,
@@ -22,7 +22,7 @@ from agents.commands.shift_options import (
     parse_battery,
     parse_due,
 )
-from agents.commands.shift_report import Result, report_shifts, result_of
+from agents.commands.fleet.report import Result, report_shifts, result_of
 from agents.console.options import (
     MAX_COUNT,
     AgentOption,
