@@ -66,6 +66,7 @@ MAY_IMPORT = {
         "arena disturbances exclusive motion profile robot robot_spec stepping vector walls"
     ),
     "agents/errors": "",
+    "agents/handbook": "",
     "agents/programs": "errors",
     "agents/console": "errors",
     "agents/search": "",
