@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from warehouse_core.arguments import as_cell
 from warehouse_core.errors import LayoutError
 from warehouse_core.gymnasium_env.spaces import (
+    MARKED,
     RENDER_FPS,
     Extent,
     check_options,
@@ -24,7 +25,7 @@ from warehouse_core.gymnasium_env.spaces import (
 from warehouse_core.motion.backends import Backend
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
 from warehouse_core.render.window import PictureWindow
-from warehouse_core.task.encoding import Arrays, arrays_of, numbers_of, window_of
+from warehouse_core.task.encoding import Arrays, Window, arrays_of, marks, numbers_of, window_of
 from warehouse_core.task.rules import useful_actions
 from warehouse_core.task.starts import (
     DRAWS,
@@ -41,7 +42,7 @@ from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.named_layouts import GivenLayout, as_layout
 from warehouse_core.world.tiles import Cell
 
-_Known = tuple[NDArray[np.uint8], NDArray[np.int32], NDArray[np.int8]]
+_Known = tuple[Window, NDArray[np.int32], NDArray[np.int8]]
 """The window, the numbers and the mask of a cell."""
 
 UNSTARTED = "there has been no reset() yet"
@@ -118,6 +119,7 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         extent = Extent(env.height, env.width, env.view_radius, env.max_battery, env.max_steps)
         form = make_form(observation, extent)
         self.observation_space, self._form = form.space, form.of
+        self._marked = MARKED.get(observation, ())
         self.action_space = spaces.Discrete(len(ACTIONS))
         self.render_mode = render_mode
         if tile_pixels is None:
@@ -263,7 +265,10 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         if sides is None:
             self._sides[cell] = sides = layout.open_sides(cell)
         mask = _mask(sides, layout.rows[cell[0]][cell[1]], has_item)
-        return window_of(observation), numbers_of(observation), mask
+        window: Window = window_of(observation)
+        if self._marked:
+            window = marks(window, self._marked)
+        return window, numbers_of(observation), mask
 
     def _picture(self) -> NDArray[np.uint8]:
         state = self._warehouse.state

@@ -11,10 +11,13 @@ from numpy.typing import ArrayLike
 
 from warehouse_core.arguments import whole_number
 from warehouse_core.render.observation_image import ObservationImage
-from warehouse_core.task.encoding import MAX_STEPS, Arrays, vector, vector_limits
+from warehouse_core.task.encoding import MARKED_TILES, MAX_STEPS, Arrays, vector, vector_limits
 from warehouse_core.world.tiles import CELL_CODES
 
 FORMS = ("dict", "vector", "image")
+
+MARKED = {"vector": MARKED_TILES}
+"""The tiles of forms that are made of ``marks``, and not of codes, because that is faster."""
 
 RENDER_FPS = 8
 

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from warehouse_core.errors import EndedError
 from warehouse_core.gymnasium_env.spaces import (
+    MARKED,
     RENDER_FPS,
     Extent,
     check_options,
@@ -94,6 +95,7 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             randomize=randomize,
             autoreset_mode=mode,
             backend=backend,
+            marked=MARKED.get(observation, ()),
         )
         self.metadata = {
             "render_modes": modes,
