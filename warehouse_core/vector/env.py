@@ -126,6 +126,16 @@ class BatchEnv:
         kinds = self.layouts.kinds
         return max(kind.height for kind in kinds), max(kind.width for kind in kinds)
 
+    @property
+    def seeds(self) -> tuple[int, ...]:
+        """The seed of each row, which is random if none was given."""
+        return tuple(map(self._start.seed_of, range(self.num_envs)))
+
+    @property
+    def streams(self) -> tuple[np.random.Generator, ...]:
+        """The random stream of each row, from which ``reset`` draws its starts."""
+        return tuple(map(self._start.stream, range(self.num_envs)))
+
     def reset(self, seed: Seeds = None, mask: Flags | None = None) -> tuple[Arrays, dict[str, Any]]:
         """Start an episode in every row, or in those of a mask.
 
