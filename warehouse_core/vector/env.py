@@ -79,7 +79,8 @@ class BatchEnv:
             (``"Disabled"``).
         backend: name, class or instance of a motion with a method ``batch``.
         marked: the tiles of ``encoding.vector``: ``local_grid`` is then their ``marks``, of which
-            it makes vectors several times as fast as of codes; by default codes.
+            it makes vectors several times as fast as of codes; by default, and on very large
+            floors, it is codes.
 
     Raises:
         ValueError: a value that is not allowed; also as ``LayoutError`` or ``BackendError``.

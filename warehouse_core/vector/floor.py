@@ -9,10 +9,12 @@ from warehouse_core.motion.vector import Flags, Integers, Rows
 from warehouse_core.task.encoding import NOWHERE, Window, marks
 from warehouse_core.vector.rules import masks, sides_number, station_numbers
 from warehouse_core.world.tables import (
+    MAX_TABLE_BYTES,
     LayoutSet,
     places_table,
     sides_table,
     tiles_table,
+    windows_bytes,
     windows_table,
 )
 from warehouse_core.world.tiles import CELL_CODES, DROPOFF, PICKUP, ROBOT_EMPTY, ROBOT_LOADED
@@ -33,7 +35,8 @@ class VectorFloor:
         moving_stations: use the stations of ``put_stations``, one pickup and one dropoff for each
             row, instead of those of the layouts.
         tiles: windows are the ``encoding.marks`` of these, with pickup and dropoff but no robot
-            among them; by default codes.
+            among them; by default, or if the marks would take more than ``MAX_TABLE_BYTES``, they
+            are codes.
 
     Attributes:
         has_chargers: whether any layout has one.
@@ -53,8 +56,10 @@ class VectorFloor:
         kinds, rows = layouts.kinds, len(layouts.kind)
         self._base, self._moving, self._radius = layouts.base, moving_stations, radius
         self.has_chargers = any(kind.chargers for kind in kinds)
+        if len(tiles) * windows_bytes(kinds, radius) > MAX_TABLE_BYTES:
+            tiles = ()
         self._numbers, self._tiles = len(tiles) or 1, tiles
-        windows = windows_table(kinds, radius, self._numbers)
+        windows = windows_table(kinds, radius)
         self._windows = marks(windows, tiles) if tiles else windows
         self._places = places_table(kinds)
         self._sides = sides_number(sides_table(kinds))

@@ -67,6 +67,16 @@ def test_stations_of_the_layout_are_used_unless_they_move() -> None:
     assert np.array_equal(marked.windows(*given), marks(found, MARKED_TILES))
 
 
+def test_windows_whose_marks_are_too_large_are_codes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("warehouse_core.vector.floor.MAX_TABLE_BYTES", 3 * 12 * 9 - 1)
+    kinds = {}
+    for layout in (OPEN, LANE):
+        floor = VectorFloor(LayoutSet([layout]), 1, moving_stations=False, tiles=MARKED_TILES)
+        given = np.array([0]), np.array([5]), np.array([False]), np.array([[0, 5]])
+        kinds[layout] = floor.windows(*given).dtype
+    assert kinds == {OPEN: np.uint8, LANE: np.bool_}
+
+
 def test_a_station_very_far_away_is_not_seen() -> None:
     """An offset of 65,535 rows of 65,537 numbers is -1 in 32 bits."""
     length = 2**16

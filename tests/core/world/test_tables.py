@@ -84,5 +84,3 @@ def test_windows_above_the_limit_raise_before_they_are_allocated(
         LayoutError, match=r"windows of 20001 x 20001 for 2 layouts take 400\d{7} b"
     ):
         windows_table([SHOP, LANE], 10_000)
-    with pytest.raises(LayoutError, match=r"for 2 layouts take 1200\d{7} b"):
-        windows_table([SHOP, LANE], 10_000, numbers=3)
