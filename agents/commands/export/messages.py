@@ -79,22 +79,9 @@ def layout_scene(layout: Layout, size: float) -> Message:
     return _scene(_entity(0, FRAME, "layout", cubes=boxes))
 
 
-def body_scene(time: int, name: str, loaded: bool | None, size: float) -> Message:
-    """Return the shape of a robot, loaded or not, or of a person (``None``), in its own frame."""
-    tile = PERSON if loaded is None else ROBOT_LOADED if loaded else ROBOT_EMPTY
-    side, tall, nose = DIAMETER * size, BODY * size, NOSE * size
-    disc = _box(0, 0, tall / 2, (side, side, tall), COLORS[tile])
-    cylinder = {**disc, "bottom_scale": 1, "top_scale": 1}
-    arrow = {
-        "pose": {"position": _vector(0, 0, tall), "orientation": _turned(0)},
-        "shaft_length": _number(nose / 2),
-        "shaft_diameter": _number(nose / 4),
-        "head_length": _number(nose / 2),
-        "head_diameter": _number(nose / 2),
-        "color": _color(INK),
-    }
-    # It moves with its frame.
-    return _scene(_entity(time, name, name, locked=True, cylinders=[cylinder], arrows=[arrow]))
+def bodies_scene(time: int, loads: dict[str, bool | None], size: float) -> Message:
+    """Return the shapes of bodies by name: robots, loaded or not, and people (``None``)."""
+    return _scene(*[_body(time, name, loaded, size) for name, loaded in loads.items()])
 
 
 def hit_scene(time: int, number: int, contact: Contact, size: float) -> Message:
@@ -128,8 +115,25 @@ def energy_message(time: int, step: int, joules: list[float], battery: list[floa
     }
 
 
-def _scene(entity: Message) -> Message:
-    return {"deletions": [], "entities": [entity]}
+def _body(time: int, name: str, loaded: bool | None, size: float) -> Message:
+    """Return the shape of a body, which moves with its frame."""
+    tile = PERSON if loaded is None else ROBOT_LOADED if loaded else ROBOT_EMPTY
+    side, tall, nose = DIAMETER * size, BODY * size, NOSE * size
+    disc = _box(0, 0, tall / 2, (side, side, tall), COLORS[tile])
+    cylinder = {**disc, "bottom_scale": 1, "top_scale": 1}
+    arrow = {
+        "pose": {"position": _vector(0, 0, tall), "orientation": _turned(0)},
+        "shaft_length": _number(nose / 2),
+        "shaft_diameter": _number(nose / 4),
+        "head_length": _number(nose / 2),
+        "head_diameter": _number(nose / 2),
+        "color": _color(INK),
+    }
+    return _entity(time, name, name, locked=True, cylinders=[cylinder], arrows=[arrow])
+
+
+def _scene(*entities: Message) -> Message:
+    return {"deletions": [], "entities": list(entities)}
 
 
 def _entity(

@@ -20,7 +20,7 @@ import numpy as np
 from agents.commands.export.contacts import contacts_of
 from agents.commands.export.messages import (
     Message,
-    body_scene,
+    bodies_scene,
     contact_message,
     energy_message,
     hit_scene,
@@ -84,7 +84,7 @@ def save_recording(target: Path, record: Record) -> None:
         channels: dict[str, int] = {}
         for time, topic, message in entries(record):
             if topic not in channels:
-                kind = kinds[SCHEMA_OF["/" + topic.split("/")[1]]]
+                kind = kinds[SCHEMA_OF[topic]]
                 channels[topic] = writer.register_channel(topic, "json", kind)
             writer.add_message(channels[topic], time, _json(message), time)
         writer.finish()
@@ -144,17 +144,19 @@ class _Recording:
         yield Entry(time, ENERGY, energy_message(time, step, joules, battery))
 
     def _moment(self, frame: Frame) -> Iterator[Entry]:
-        """Yield the poses of a frame, and the shapes of those bodies whose load has changed."""
+        """Yield the poses of a frame, and the shapes of the bodies if a load has changed."""
         time = _nanoseconds(frame.clock)
         named = zip(self._names, frame.robots, strict=True)
         poses = {name: pose for name, pose in named if pose is not None}
         yield Entry(time, POSES, transforms(time, poses, self.size))
-        for number, (name, pose) in enumerate(poses.items()):
-            loaded = pose.loaded if number < self._robots else None
-            if name not in self._loads or self._loads[name] != loaded:
-                self._loads[name] = loaded
-                # A topic each, because a viewer that jumps to a time reads the last of each topic.
-                yield Entry(time, f"{BODIES}/{name}", body_scene(time, name, loaded, self.size))
+        loads = {
+            name: pose.loaded if number < self._robots else None
+            for number, (name, pose) in enumerate(poses.items())
+        }
+        # All of them if any changes, because a viewer that jumps to a time reads the last message.
+        if loads != self._loads:
+            self._loads = loads
+            yield Entry(time, BODIES, bodies_scene(time, loads, self.size))
 
 
 def _about(record: Record) -> dict[str, str]:

@@ -105,4 +105,4 @@ SCHEMA_OF = {
     CONTACTS: "warehouse.Contact",
     ENERGY: "warehouse.Energy",
 }
-"""The schema of each topic, and of the topics below it."""
+"""The schema of each topic."""
