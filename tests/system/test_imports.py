@@ -78,6 +78,7 @@ MAY_IMPORT = {
     "agents/registry": "errors evaluation fleet learning mapf search warehouse_agent_greedy",
     "agents/experiments": "console errors fleet mapf programs registry",
     "agents/commands/planners": "console errors evaluation experiments fleet mapf registry",
+    "agents/commands/export": "console errors experiments",
     "agents/run_episode": "console errors registry",
     "agents/commands/fleet": "console errors evaluation fleet mapf registry run_episode",
     "agents/commands": (
@@ -93,8 +94,8 @@ MAY_IMPORT = {
         "reports"
     ),
     "agents/cli": (
-        "commands commands/fleet commands/gap commands/planners console experiments reports "
-        "run_episode"
+        "commands commands/export commands/fleet commands/gap commands/planners console "
+        "experiments reports run_episode"
     ),
     "agents/__main__": "cli",
 }
