@@ -134,7 +134,7 @@ def play(questions: int, answers: int) -> None:
 
     word = task["word"]
     try:
-        limit(task["limits"])
+        limit(task["limits"], task["user"])
         agent = make_agent(task)
         agent.reset()
         answer(word, name=type(agent).__name__)
@@ -148,9 +148,13 @@ def play(questions: int, answers: int) -> None:
         answer(word, **described(error, task["file"]))
 
 
-def limit(limits: dict[str, int]) -> None:
-    """Set the limits of this process, which are those of all that it may start."""
+def limit(limits: dict[str, int], user: list[int] | None) -> None:
+    """Set the user and the limits of this process, which are those of all that it may start."""
     os.setsid()
+    if user is not None:
+        os.setgroups([])
+        os.setgid(user[1])
+        os.setuid(user[0])
     control_process(DEATH_SIGNAL, signal.SIGKILL)
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     for name, value in limits.items():

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from agents.evaluation.wording import percent
 from agents.grading.runs import Run
+from agents.grading.sandbox import SLOW
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
 
@@ -154,14 +155,14 @@ def _has_way(run: Run) -> bool:
 
 
 def _slowest(run: Run) -> float:
-    """Return the seconds of the slowest answer; a failure is slower than any."""
-    return math.inf if run.failure else run.slowest
+    """Return the seconds of the slowest answer; none within the limit is slower than any."""
+    return math.inf if run.failure and run.failure.kind == SLOW else run.slowest
 
 
 def _in_time(runs: Runs) -> str:
     """Return what may be told: no times, which are different each time."""
-    failed = sum(bool(run.failure) for run in runs)
-    return f"{counted(failed, 'failure')}"
+    late = sum(math.isinf(_slowest(run)) for run in runs)
+    return f"{late} of them {SLOW}"
 
 
 WITH_WAY, WITHOUT = "with a way to deliver", "without a way to deliver"
@@ -196,7 +197,7 @@ MEASURES = {
         lambda _: True, "", _invalid,
     ),
     "answer_seconds": Measure(
-        "no failure, and each answer takes less than {}",
+        "each answer takes less than {}",
         lambda seconds: f"{seconds:g} s", lambda runs, _: max(map(_slowest, runs)),
         _slowest, lambda _: True, "", _in_time, more_is_better=False, is_secret=True,
     ),

@@ -19,7 +19,6 @@ from warehouse_core import LayoutError
 from warehouse_core.task.starts import check_room
 from warehouse_core.wording import brief
 from warehouse_core.world.generators import MAX_DENSITY
-from warehouse_core.world.named_layouts import NAMES
 
 MINI_LAB = Path(__file__).parent / "mini_lab.toml"
 
@@ -147,6 +146,7 @@ CRITERION: dict[str, Check] = {
 NEEDED = ("name", "points", "measure", "cases", "full")
 
 TOP: dict[str, Check] = {"title": text}
+PARTS = ("limits", "cases", "criteria")
 
 
 class _Reader:
@@ -181,9 +181,9 @@ class _Reader:
         for key in values:
             if key not in checks:
                 allowed = ", ".join(checks)
-                raise self.fail(
-                    f"{header} has no key {key!r}; allowed: {allowed}", header, count, key
-                )
+                where = f" in {header}" if header else ""
+                message = f"there is no key {key!r}{where}; allowed: {allowed}"
+                raise self.fail(message, header, count, key)
         found = {}
         for key, value in values.items():
             try:
@@ -214,9 +214,8 @@ def load_rubric(path: Path) -> Rubric:
 
 
 def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric:
-    parts = {"limits", "cases", "criteria"}
-    top = reader.table({key: each for key, each in values.items() if key not in parts},
-                       TOP | dict.fromkeys(parts, text), "")  # fmt: skip
+    single = {key: value for key, value in values.items() if key not in PARTS}
+    top = reader.table(single, TOP | dict.fromkeys(PARTS, text), "")
     limits = Limits(**reader.table(values.get("limits", {}), LIMITS, "[limits]"))
     tables = values.get("cases")
     if not isinstance(tables, dict) or not tables:
@@ -237,8 +236,9 @@ def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric
 def _make_case(reader: _Reader, name: str, values: Any) -> Case:
     header = f"[cases.{name}]"
     found = reader.table(values, CASE, header)
-    if found.get("layout") not in (None, RANDOM, *NAMES):
-        found["layout"] = str(reader.path.resolve().parent / found["layout"])
+    beside = reader.path.resolve().parent / found.get("layout", "")
+    if beside.is_file() or beside.suffix:
+        found["layout"] = str(beside)
     for key in ("size", "density"):
         if key in found and found.get("layout") != RANDOM:
             raise reader.fail(f'{key} is of layout = "{RANDOM}" only', header, key=key)

@@ -71,7 +71,7 @@ class Run(NamedTuple):
             sentence = f": {self.sentence}" if self.case.visible else ""
             return f"{self.mode}{sentence}{''.join(also)}"
         if not self.case.visible:
-            return ": ".join(filter(None, (self.failure.kind, self.failure.discreet)))
+            return ": ".join(filter(None, (self.failure.kind, self.failure.public)))
         where = f" at step {self.step}" if self.step else ""
         return f"{self.failure.kind}{where}: {self.failure.text}"
 

@@ -45,6 +45,9 @@ MAX_FILES = 256
 
 MEBI = 1024 * 1024
 
+Ids = tuple[int, int]
+"""The numbers of a user and its group."""
+
 
 class Limits(NamedTuple):
     """Limits on an agent.
@@ -87,13 +90,13 @@ class AgentFailureError(Exception):
     Attributes:
         kind: ``"cannot be loaded"``, ``"fails"``, ``"takes too long"`` or ``"ends its process"``.
         text: what happened.
-        discreet: what does not come from the agent, which may tell what it has observed.
+        public: what does not come from the agent, which may tell what it has observed.
     """
 
-    def __init__(self, kind: str, text: str, discreet: str = "") -> None:
+    def __init__(self, kind: str, text: str, public: str = "") -> None:
         super().__init__(text)
         self.kind, self.text = kind, printable(text)
-        self.discreet = discreet
+        self.public = public
 
 
 LOAD, FAILS, SLOW, ENDS = "cannot be loaded", "fails", "takes too long", "ends its process"
@@ -107,8 +110,9 @@ class AgentProcess:
         slowest: seconds of the slowest answer.
     """
 
-    def __init__(self, questions: int, answers: int, limits: Limits) -> None:
-        self._questions, self._answers, self._limits = questions, answers, limits
+    def __init__(self, questions: int, answers: int, limits: Limits, user: Ids | None) -> None:
+        self._questions, self._answers = questions, answers
+        self._limits, self._user = limits, user
         self._left = limits.episode_seconds
         self.name, self.slowest = "", 0.0
 
@@ -120,6 +124,7 @@ class AgentProcess:
         """
         task = {
             "limits": self._limits.of_process(),
+            "user": self._user,
             "file": None if submission.file is None else str(submission.file),
             "module": submission.module,
             "class": submission.kind,
@@ -213,7 +218,8 @@ class Sandbox:
     def __init__(self, submission: Submission, limits: Limits, user: str | None = None) -> None:
         if sys.platform == "win32":
             raise GradeError("agents are graded on Linux and macOS; on Windows, use WSL")
-        self._submission, self._limits, self._user = submission, limits, user
+        self._submission, self._limits = submission, limits
+        self._user = None if user is None else _ids_of(user)
         self._server: subprocess.Popen[bytes] | None = None
         self._children: tuple[int, ...] = ()
 
@@ -236,7 +242,7 @@ class Sandbox:
         try:
             self._fork(theirs, also_theirs)
             with self._ended_clearly():
-                yield AgentProcess(questions, answers, self._limits)
+                yield AgentProcess(questions, answers, self._limits, self._user)
         finally:
             os.close(questions)
             os.close(answers)
@@ -292,12 +298,7 @@ class Sandbox:
                 start_new_session=True,
                 cwd=self._submission.folder,
                 env=VARIABLES,
-                extra_groups=None if self._user is None else [],
-                user=self._user,
-                group=None if self._user is None else _group_of(self._user),
             )
-        except PermissionError as error:
-            raise GradeError(f"--user {self._user}: {error.strerror}; only root may") from error
         finally:
             theirs.close()
         self._control.recv(1)  # it has imported what it is to import once
@@ -313,13 +314,17 @@ class Sandbox:
             child.kill_strays(self._children)
 
 
-def _group_of(user: str) -> int:
+def _ids_of(user: str) -> Ids:
+    """Return the numbers of a user and its group."""
     import pwd
 
+    if os.getuid() != 0:
+        raise GradeError(f"--user {user}: only root may run agents as another user")
     try:
-        return pwd.getpwnam(user).pw_gid
+        found = pwd.getpwnam(user)
     except KeyError:
         raise GradeError(f"--user {user}: there is no such user") from None
+    return found.pw_uid, found.pw_gid
 
 
 def _ending(status: int | None) -> str:

@@ -9,6 +9,7 @@ from typing import NamedTuple
 from agents.errors import AgentError
 from agents.programs import fingerprint, imports_of
 from warehouse_core.files.kinds import not_a_file
+from warehouse_core.wording import counted
 
 IMPORTED_ONCE = (
     "abc", "agents", "collections", "copy", "dataclasses", "enum", "functools", "heapq",
@@ -127,4 +128,4 @@ def in_folder(folder: Path, kind: str | None) -> Iterator[Submission | str]:
             if chosen:
                 yield of_file(path.name, chosen[0], kind)
             else:
-                yield f"{path.name}: {len(files)} .py files, and none is {USUAL}"
+                yield f"{path.name}: it has {counted(len(files), '.py file')}, and none is {USUAL}"

@@ -1,5 +1,7 @@
 """Agents to be graded, good, bad and hostile, and the points that each must get."""
 
+import os
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,22 +16,26 @@ memory_mb = 512
 give_up_after = 1
 
 [cases.chapter]
-episodes = 6
+episodes = 4
+max_steps = 60
 
 [cases.loops]
 layout = "trap"
 episodes = 2
+max_steps = 60
 
 [cases.unseen]
 layout = "random"
 density = 0.3
 episodes = 2
+max_steps = 60
 visible = false
 first_seed = 77123
 
 [cases.closed]
 layout = "closed"
 episodes = 2
+max_steps = 60
 
 [[criteria]]
 name = "delivers"
@@ -170,7 +176,7 @@ SUBMISSIONS = {
     "takes_a_seed": Expected(good("__init__(self, seed)", "assert seed < 1000"), 100),
     # Bad.
     "greedy": Expected(
-        "from agents import GreedyAgent\nclass Agent(GreedyAgent):\n    pass\n", 84.0
+        "from agents import GreedyAgent\nclass Agent(GreedyAgent):\n    pass\n", 73.22
     ),
     "waits": Expected(idle("pass"), 0),
     "random": Expected(
@@ -277,13 +283,13 @@ SUBMISSIONS = {
 """By the name of the file."""
 
 
-def write_submission(folder: Path, name: str) -> Path:
-    """Write the agent of a name into a folder of its own, and return the file."""
-    place = folder / name
-    place.mkdir()
-    file = place / "agent.py"
-    file.write_text(SUBMISSIONS[name].source, encoding="utf-8")
-    return file
+def write_submissions(folder: Path, *names: str) -> list[Path]:
+    """Write agents, each into a folder of its own, and return their files."""
+    files = [folder / name / "agent.py" for name in names]
+    for file in files:
+        file.parent.mkdir(parents=True)
+        file.write_text(SUBMISSIONS[file.parent.name].source, encoding="utf-8")
+    return files
 
 
 def write_rubric(folder: Path, text: str = RUBRIC) -> Path:
@@ -291,3 +297,13 @@ def write_rubric(folder: Path, text: str = RUBRIC) -> Path:
     file = folder / "rubric.toml"
     file.write_text(text, encoding="utf-8")
     return file
+
+
+def running_in(folder: Path) -> list[int]:
+    """Return the processes whose working folder is in one, as those of its agents are."""
+    found = []
+    for place in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):
+            if (place / "cwd").resolve().is_relative_to(folder):
+                found.append(int(place.name))
+    return [pid for pid in found if pid != os.getpid()]
