@@ -7,7 +7,6 @@ from concurrent.futures import Future, as_completed
 from pathlib import Path
 
 from agents.commands.grade.files import PAGE, RESULTS, write_report
-from agents.console.progress import progress_bar
 from agents.console.table import Table, print_table
 from agents.console.terminal import print_error, say
 from agents.errors import GradeError, WorkerError
@@ -97,6 +96,8 @@ def _grade_all(
     rows: dict[str, Row],
     target: Path,
 ) -> None:
+    from agents.console.progress import progress_bar  # Rich takes long to import
+
     with (
         process_pool(max(min(jobs, len(waiting)), 1)) as (pool, _),
         progress_bar(len(waiting), "submissions") as advance,

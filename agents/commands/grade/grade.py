@@ -12,7 +12,6 @@ from agents.commands.grade.files import PAGE, RESULTS, TABLE, write_report
 from agents.commands.grade.folder import grade_folder
 from agents.commands.planners.compare_planners import JobsOption
 from agents.console.options import save_option
-from agents.console.progress import progress_bar
 from agents.console.terminal import say
 from agents.grading.gradescope import lines_of
 from agents.grading.grading import Report
@@ -138,6 +137,8 @@ def grade(
 
 def grade_one(submission: Submission, rubric: Rubric, user: str | None) -> Report:
     """Grade an agent, with a progress bar."""
+    from agents.console.progress import progress_bar  # Rich takes long to import
+
     wanted = {name for criterion in rubric.criteria for name in criterion.cases}
     total, done = sum(rubric.cases[name].episodes for name in wanted), 0
     with progress_bar(total, "episodes") as show:

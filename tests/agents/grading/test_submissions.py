@@ -105,6 +105,15 @@ def test_what_hidden_episodes_end_with_is_told_without_places(tmp_path: Path) ->
     assert not report.grades[0].command
 
 
+def test_the_answers_of_an_episode_have_a_limit_together(tmp_path: Path) -> None:
+    """Not only each of them, so that an agent cannot use the limit 60 times over."""
+    rubric = RUBRIC.replace("episode_seconds = 3.0", "episode_seconds = 0.5")
+    (tmp_path / "agent.py").write_text(idle("time.sleep(0.2)", "import time"), encoding="utf-8")
+    found = find_submission(str(tmp_path / "agent.py"))
+    report = grade(found, load_rubric(write_rubric(tmp_path, rubric)))
+    assert report.grades[0].worst.endswith("its answers took 0.5 s in all")
+
+
 def test_an_agent_that_passes_by_the_rules_of_python_is_ended_with_all_it_has_started(
     tmp_path: Path,
 ) -> None:
