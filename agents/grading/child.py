@@ -19,7 +19,6 @@ import inspect
 import json
 import os
 import random
-import resource
 import signal
 import socket
 import sys
@@ -150,6 +149,8 @@ def play(questions: int, answers: int) -> None:
 
 def limit(limits: dict[str, int], user: list[int] | None) -> None:
     """Set the user and the limits of this process, which are those of all that it may start."""
+    import resource  # which Windows does not have
+
     os.setsid()
     if user is not None:
         os.setgroups([])

@@ -88,7 +88,9 @@ class Criterion(NamedTuple):
         """What is asked for all points, and what gives none."""
         measure = self.measure
         asked = measure.asked.format(measure.shown(self.full))
-        return asked if self.zero == self.full else f"{asked} (none at {measure.shown(self.zero)})"
+        return (
+            asked if self.zero == self.full else f"{asked}; no points at {measure.shown(self.zero)}"
+        )
 
     def points_for(self, value: float) -> float:
         """Return the points for a number, rounded to hundredths."""
@@ -133,7 +135,7 @@ def _is_valid(run: Run) -> bool:
 def _useless(runs: Runs) -> str:
     most = max(run.useless for run in runs)
     failed = sum(bool(run.failure) for run in runs)
-    return f"up to {counted(most, 'action')} without effect, {counted(failed, 'failure')}"
+    return f"{counted(failed, 'failure')}, at most {counted(most, 'useless action')} in an episode"
 
 
 def _invalid(runs: Runs) -> str:
@@ -162,7 +164,7 @@ def _slowest(run: Run) -> float:
 def _in_time(runs: Runs) -> str:
     """Return what may be told: no times, which are different each time."""
     late = sum(math.isinf(_slowest(run)) for run in runs)
-    return f"{late} of them {SLOW}"
+    return f"{late or 'none'} too slow"
 
 
 WITH_WAY, WITHOUT = "with a way to deliver", "without a way to deliver"
@@ -185,7 +187,7 @@ MEASURES = {
     ),
     "calm_without_way": Measure(
         "in {} of the episodes without a way no failure, and at most "
-        f"{MAX_USELESS} actions without effect",
+        f"{MAX_USELESS} useless actions (picks, drops, bumps)",
         percent, _share(_is_calm),
         lambda run: 0 if _is_calm(run) else run.useless + 1000 * bool(run.failure),
         lambda run: run.needed is None, WITHOUT, _useless,

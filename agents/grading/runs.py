@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable
 from contextlib import closing
+from functools import lru_cache
 from typing import NamedTuple
 
 from agents.grading.cases import Case, needed_steps
-from agents.grading.sandbox import LOAD, SLOW, AgentFailureError, Limits, Sandbox
+from agents.grading.sandbox import FAILS, AgentFailureError, Limits, Sandbox
 from agents.grading.submissions import Submission
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import EpisodeRecorder
@@ -95,17 +96,25 @@ def run_cases(
     found, hopeless = list[Run](), 0
     with Sandbox(submission, limits, user) as sandbox:
         for case in cases:
+            if found and found[-1].agent:  # it was loaded, so another case may be another matter
+                hopeless = 0
             for seed in case.seeds:
-                if hopeless >= limits.give_up_after:
-                    last = found[-1]._replace(case=case, seed=seed, slowest=0.0)
-                    env, _ = case.begin(seed)
-                    found.append(last._replace(needed=needed_steps(env)))
+                if hopeless < limits.give_up_after:
+                    run = run_case(sandbox, submission, case, seed)
                 else:
-                    found.append(run_case(sandbox, submission, case, seed))
-                failure = found[-1].failure
-                hopeless = hopeless + 1 if failure and failure.kind in (LOAD, SLOW) else 0
+                    run = _unrun(found[-1], case, seed)
+                is_hopeless = run.failure is not None and run.failure.kind != FAILS
+                hopeless = hopeless + 1 if is_hopeless else 0
+                found.append(run)
                 advance()
     return found
+
+
+def _unrun(last: Run, case: Case, seed: int) -> Run:
+    """Return the outcome of an episode if it is that of the last one."""
+    env, _ = case.begin(seed)
+    with closing(env):
+        return last._replace(case=case, seed=seed, needed=needed_steps(env))
 
 
 def run_case(sandbox: Sandbox, submission: Submission, case: Case, seed: int) -> Run:
@@ -153,6 +162,7 @@ def _count_useless(episode: Episode) -> Counter[int]:
     return found
 
 
+@lru_cache(maxsize=100_000)
 def greedy_steps(case: Case, seed: int) -> int:
     """Return the steps of the greedy agent in an episode, see ``Run.charged_steps``."""
     env, observation = case.begin(seed)

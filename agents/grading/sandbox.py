@@ -1,7 +1,8 @@
 """Run an agent in processes of its own, a fresh one for each episode, and ask it for actions.
 
 Limits are those of the operating system, and what an agent starts is killed with it. An agent can
-still use the network and read files, unless it runs as another user; say so to whoever trusts it.
+still use the network, and all files that its user can. macOS does not limit memory, nor find what
+has left the session of the agent.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic
 from typing import Any, NamedTuple
@@ -43,6 +44,15 @@ MAX_LINE = 65_536
 MAX_FILES = 256
 """That an agent may have open."""
 
+MAX_TEXT = 200
+"""Characters of a name or a message of an agent."""
+
+IMPORT_SECONDS = 60.0
+"""For the process that starts those of the agent, to import what is imported once."""
+
+ENDING_SECONDS = 5.0
+"""For that process to end one, and then to end itself."""
+
 MEBI = 1024 * 1024
 
 Ids = tuple[int, int]
@@ -58,8 +68,9 @@ class Limits(NamedTuple):
         episode_seconds: for all actions of an episode together.
         memory_mb: address space in MiB.
         file_mb: the size of a file that it writes, in MiB.
-        give_up_after: so many episodes one after the other in which it cannot be loaded or takes
-            too long; further ones are not run and count as those.
+        give_up_after: so many episodes of a case one after the other in which it takes too long
+            or ends its process; further ones of the case count as those, unrun. If it cannot be
+            loaded, further cases do too.
     """
 
     start_seconds: float = 10.0
@@ -133,7 +144,8 @@ class AgentProcess:
             "own": [OWN],
         }
         try:
-            self.name = str(self._ask(task, self._limits.start_seconds)["name"])
+            answer = self._ask(task, self._limits.start_seconds)
+            self.name = printable(str(answer.get("name"))[:MAX_TEXT])
         except AgentFailureError as failure:
             if failure.kind == FAILS:
                 failure.kind = LOAD
@@ -198,7 +210,7 @@ class AgentProcess:
 
 
 def _failure(answer: dict[str, Any]) -> AgentFailureError:
-    name, text, place = (str(answer.get(key, "")) for key in ("error", "text", "place"))
+    name, text, place = (str(answer.get(key, ""))[:MAX_TEXT] for key in ("error", "text", "place"))
     where = f" ({place})" if place else ""
     kind = getattr(builtins, name, None)
     is_known = isinstance(kind, type) and issubclass(kind, BaseException)
@@ -265,13 +277,21 @@ class Sandbox:
         try:
             if self._server is None:
                 self._start()
-            socket.send_fds(self._control, [b"f"], pipes)
+            try:
+                socket.send_fds(self._control, [b"f"], pipes)
+            except OSError:  # something has ended it since the last episode
+                self._stop()
+                self._start()
+                socket.send_fds(self._control, [b"f"], pipes)
         finally:
             for pipe in pipes:
                 os.close(pipe)
 
     def _end(self) -> int | None:
-        """End the process of an episode and return its exit code, if that is known."""
+        """End the process of an episode and return its exit code, if that is known.
+
+        It is not if compiled code of the agent has ended or stopped what started its process.
+        """
         try:
             self._control.sendall(b"e")
             status = self._control.recv(6)
@@ -301,17 +321,23 @@ class Sandbox:
             )
         finally:
             theirs.close()
-        self._control.recv(1)  # it has imported what it is to import once
+        self._control.settimeout(IMPORT_SECONDS)
+        if not self._control.recv(1):
+            raise GradeError(f"importing {', '.join(self._submission.imports)} ended the process")
+        self._control.settimeout(ENDING_SECONDS)
 
     def _stop(self) -> None:
         """End the server and what its agents have started."""
         if self._server is not None:
-            self._control.close()
-            with suppress(ProcessLookupError):
-                os.killpg(self._server.pid, signal.SIGKILL)
-            self._server.wait()
+            self._control.close()  # which ends it, if nothing has happened to it
+            try:
+                code = self._server.wait(ENDING_SECONDS)
+            except subprocess.TimeoutExpired:
+                self._server.kill()
+                code = self._server.wait()
             self._server = None
-            child.kill_strays(self._children)
+            if code < 0:
+                child.kill_strays(self._children)
 
 
 def _ids_of(user: str) -> Ids:
@@ -330,7 +356,7 @@ def _ids_of(user: str) -> Ids:
 def _ending(status: int | None) -> str:
     """Return how a process has ended, in words."""
     if status is None:
-        return "it ended the process that had started it"
+        return "it ended or stopped the process that had started it"
     if status >= 0:
         return f"exit code {status}"
     return f"signal {-status} ({signal.strsignal(-status)})"

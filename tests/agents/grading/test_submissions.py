@@ -4,6 +4,7 @@ import json
 import os
 import re
 import shutil
+import signal
 from pathlib import Path
 
 import pytest
@@ -20,12 +21,16 @@ from helpers.submissions import (
 )
 
 from agents.errors import AgentError, GradeError
+from agents.grading import sandbox
 from agents.grading.gradescope import results_of
 from agents.grading.grading import Report, grade
 from agents.grading.rubric import load_rubric
 from agents.grading.submissions import find_submission, in_folder
 
 NOBODY = 65534
+
+SLOWEST = ("ours", "sleeps", "leaves_a_daemon", "prints_much", "answers_much")
+"""Agents with others like them; together they take long enough to be left out by default."""
 
 HIDDEN = re.sub(
     "max_steps.*", "max_steps = 60\nvisible = false", RUBRIC.replace("visible = false", "")
@@ -43,7 +48,13 @@ def grade_source(folder: Path, source: str, user: str | None = None) -> Report:
     return grade_file(folder, file, user)
 
 
-@pytest.mark.parametrize(("name", "expected"), SUBMISSIONS.items(), ids=SUBMISSIONS)
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        pytest.param(*each, id=each[0], marks=[pytest.mark.slow] * (each[0] in SLOWEST))
+        for each in SUBMISSIONS.items()
+    ],
+)
 def test_agents_get_what_they_have_earned_and_leave_nothing_behind(
     tmp_path: Path, name: str, expected: Expected
 ) -> None:
@@ -119,30 +130,44 @@ def test_an_agent_that_passes_by_the_rules_of_python_is_ended_with_all_it_has_st
 ) -> None:
     """``daemon`` of C leaves a process that is no child of the agent, nor in its session."""
     body = (
+        "if os.path.exists('started') and os.path.exists('/proc/' + open('started').read()):\n"
+        "    open('alive', 'w').close()\n"
         "libc = ctypes.CDLL(None)\n"
         "libc.daemon(1, 1)\n"
         "open('started', 'w').write(str(os.getpid()))\n"
         "libc.sleep(600)"
     )
-    report = grade_source(tmp_path, idle(body, "import ctypes, os"))
+    rubric = RUBRIC.replace("give_up_after = 1", "give_up_after = 2")
+    (tmp_path / "agent.py").write_text(idle(body, "import ctypes, os"), encoding="utf-8")
+    found = find_submission(str(tmp_path / "agent.py"))
+    report = grade(found, load_rubric(write_rubric(tmp_path, rubric)))
+    assert not (tmp_path / "alive").exists(), "it was there in the next episode"
     started = int((tmp_path / "started").read_text(encoding="utf-8"))
     assert not Path("/proc", str(started)).exists()
     assert report.points == 0
     assert not running_in(tmp_path)
 
 
-def test_an_agent_that_ends_what_has_started_it_ends_no_other_episode(tmp_path: Path) -> None:
-    """Compiled code can kill; the next episode has a new server then."""
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+def test_an_agent_that_ends_or_stops_what_has_started_it_ends_no_other_episode(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int
+) -> None:
+    """Compiled code can send signals; the next episode has a new server then."""
+    monkeypatch.setattr(sandbox, "ENDING_SECONDS", 0.3)
     body = (
         "if observation['steps'] == 2 and not os.path.exists('done'):\n"
         "    open('done', 'w').close()\n"
         "    libc = ctypes.CDLL(None)\n"
-        "    libc.sigqueue(os.getppid(), 9, 0)\n"
+        f"    libc.sigqueue(os.getppid(), {number:d}, 0)\n"
         "    libc.sleep(600)"
     )
-    report = grade_source(tmp_path, good("before(self, observation)", body, "import ctypes, os"))
-    assert report.grades[0].seen == "88% of 8 episodes: 7 delivered and 1 ends its process"
-    assert "it ended the process that had started it" in report.grades[0].worst
+    source = good("before(self, observation)", body, "import ctypes, os")
+    (tmp_path / "agent.py").write_text(source, encoding="utf-8")
+    rubric = RUBRIC.replace("give_up_after = 1", "give_up_after = 2")
+    submission = find_submission(str(tmp_path / "agent.py"))
+    report = grade(submission, load_rubric(write_rubric(tmp_path, rubric)))
+    found = "ends its process" if number == signal.SIGKILL else "takes too long"
+    assert report.grades[0].seen == f"88% of 8 episodes: 7 delivered and 1 {found}"
     assert not running_in(tmp_path)
 
 
