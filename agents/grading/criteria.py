@@ -14,7 +14,7 @@ from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
 
 MAX_USELESS = 10
-"""Actions without effect that an agent may take in an episode without a way."""
+"""Useless actions that an agent may take in an episode without a way."""
 
 Runs = Sequence[Run]
 Steps = Mapping[tuple[str, int], int]
@@ -187,7 +187,7 @@ MEASURES = {
     ),
     "calm_without_way": Measure(
         "in {} of the episodes without a way no failure, and at most "
-        f"{MAX_USELESS} useless actions (picks, drops, bumps)",
+        f"{MAX_USELESS} useless actions (picks, drops, bumps, unknown ones)",
         percent, _share(_is_calm),
         lambda run: 0 if _is_calm(run) else run.useless + 1000 * bool(run.failure),
         lambda run: run.needed is None, WITHOUT, _useless,

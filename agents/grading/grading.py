@@ -9,7 +9,7 @@ from agents.errors import GradeError
 from agents.evaluation.wording import percent
 from agents.grading.criteria import Criterion, Runs, Steps
 from agents.grading.rubric import Rubric
-from agents.grading.runs import greedy_steps, run_cases
+from agents.grading.runs import Run, greedy_steps, run_cases
 from agents.grading.submissions import Submission
 from warehouse_core.wording import counted, printable
 
@@ -122,15 +122,27 @@ def _judge(
     episodes = counted(len(asked), "episode")
     seen = f"{_told(criterion, value)} {joint} {episodes}: {measure.seen(asked)}"
     found = Grade(criterion, criterion.points_for(value), seen)
+    if not found.is_full:
+        worst = _worst(criterion, asked)
+        command = worst.case.command(name, worst.seed) if worst.case.visible else ""
+        found = found._replace(worst=worst.told, command=command)
     if criterion.needs is not None and not before[criterion.needs].points:
         found = found._replace(points=0.0, seen=f"{seen}; no points without {criterion.needs!r}")
-    if found.is_full:
-        return found
-    # One that can be replayed, if there is any that is not as it should be.
-    visible = [run for run in asked if run.case.visible and measure.badness(run) > 0]
-    worst = max(visible or asked, key=measure.badness)
-    command = worst.case.command(name, worst.seed) if worst.case.visible else ""
-    return found._replace(worst=worst.told, command=command)
+    return found
+
+
+def _worst(criterion: Criterion, runs: Runs) -> Run:
+    """Return the worst episode; a visible one if any of them is not as it should be.
+
+    Of times, which are different each time, it is the first that is above the limit.
+    """
+
+    def badness(run: Run) -> float:
+        found = criterion.measure.badness(run)
+        return found > criterion.full if criterion.measure.is_secret else found
+
+    visible = [run for run in runs if run.case.visible and badness(run) > 0]
+    return max(visible or runs, key=badness)
 
 
 def _told(criterion: Criterion, value: float) -> str:

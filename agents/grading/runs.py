@@ -69,8 +69,9 @@ class Run(NamedTuple):
             counts = {"useless action": self.useless * (self.needed is None),
                       "unknown action": self.unknown}  # fmt: skip
             also = (f"; {counted(count, noun)}" for noun, count in counts.items() if count)
-            sentence = f": {self.sentence}" if self.case.visible else ""
-            return f"{self.mode}{sentence}{''.join(also)}"
+            told = [] if self.delivered and self.case.visible else [self.mode]
+            told += [self.sentence] if self.case.visible else []
+            return f"{': '.join(told)}{''.join(also)}"
         if not self.case.visible:
             return ": ".join(filter(None, (self.failure.kind, self.failure.public)))
         where = f" at step {self.step}" if self.step else ""

@@ -29,6 +29,15 @@ from agents.grading.submissions import find_submission, in_folder
 
 NOBODY = 65534
 
+IN_TIME = """
+[[criteria]]
+name = "in time"
+points = 1
+measure = "answer_seconds"
+cases = ["chapter", "loops"]
+full = 0.01
+"""
+
 SLOWEST = ("ours", "sleeps", "leaves_a_daemon", "prints_much", "answers_much")
 """Agents with others like them; together they take long enough to be left out by default."""
 
@@ -69,20 +78,26 @@ def test_agents_get_what_they_have_earned_and_leave_nothing_behind(
 
 
 def test_the_same_agent_has_the_same_report(tmp_path: Path) -> None:
-    """Also if it depends on random numbers and on the order of sets of words."""
+    """Also if it depends on random numbers, the order of sets of words, or takes long."""
     source = """
-import random
+import random, time
 import numpy
 class Agent:
     def reset(self):
         pass
     def act(self, observation):
+        if observation["steps"] == 1:
+            time.sleep(0.02)
         words = [*{"N", "E", "S", "W"}, random.choice("NESW"), str(numpy.random.choice(["PICK"]))]
         return words[numpy.random.randint(6)]
 """
-    first, second = (grade_source(tmp_path, source) for _ in range(2))
+    (tmp_path / "agent.py").write_text(source, encoding="utf-8")
+    found = find_submission(str(tmp_path / "agent.py"))
+    rubric = load_rubric(write_rubric(tmp_path, RUBRIC + IN_TIME))
+    first, second = (grade(found, rubric) for _ in range(2))
     assert json.dumps(results_of(first)) == json.dumps(results_of(second))
     assert not first.failure
+    assert first.grades[-1].command.endswith("--seed 1 --max-steps 60"), "the first that is slow"
 
 
 @pytest.mark.parametrize(("error", "told"), [("ValueError", "ValueError"), ("Own", "an exception")])
