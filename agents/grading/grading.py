@@ -124,8 +124,11 @@ def _judge(
     found = Grade(criterion, criterion.points_for(value), seen)
     if not found.is_full:
         worst = _worst(criterion, asked)
-        command = worst.case.command(name, worst.seed) if worst.case.visible else ""
-        found = found._replace(worst=worst.told, command=command)
+        if worst.case.visible:
+            command = worst.case.command(name, worst.seed)
+            found = found._replace(worst=worst.told, command=command)
+        else:
+            found = found._replace(worst=f"{worst.told} (a hidden episode)")
     if criterion.needs is not None and not before[criterion.needs].points:
         found = found._replace(points=0.0, seen=f"{seen}; no points without {criterion.needs!r}")
     return found

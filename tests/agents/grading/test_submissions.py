@@ -119,7 +119,9 @@ class Agent:
 """
     (tmp_path / "agent.py").write_text(source, encoding="utf-8")
     report = grade(find_submission(str(tmp_path / "agent.py")), load_rubric(rubric))
-    assert {(each.worst, each.command) for each in report.grades} == {(f"fails: {told}", "")}
+    assert {(each.worst, each.command) for each in report.grades} == {
+        (f"fails: {told} (a hidden episode)", "")
+    }
     text = json.dumps(results_of(report))
     assert not re.search("7712|robot_pos|--seed", text)
 
@@ -127,7 +129,7 @@ class Agent:
 def test_what_hidden_episodes_end_with_is_told_without_places(tmp_path: Path) -> None:
     rubric = load_rubric(write_rubric(tmp_path, HIDDEN))
     report = grade(find_submission("reflex"), rubric)
-    assert report.grades[0].worst == "oscillation"
+    assert report.grades[0].worst == "oscillation (a hidden episode)"
     assert not report.grades[0].command
 
 

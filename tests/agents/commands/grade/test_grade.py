@@ -148,6 +148,38 @@ def test_a_folder_is_graded_once_and_again_where_something_has_changed(
     assert rows_of("grades.csv")["searches"]["points"] == "90"
 
 
+KILLER = """
+import ctypes, os
+class Agent:
+    def reset(self):
+        libc, text = ctypes.CDLL(None), ctypes.create_string_buffer(500)
+        libc.read(libc.open(f"/proc/{os.getppid()}/stat".encode(), 0), text, 499)
+        libc.sigqueue(int(text.value.split()[3]), 9, 0)
+        libc.sleep(600)
+    def act(self, observation):
+        return "WAIT"
+"""
+
+
+def test_an_agent_that_ends_the_grader_has_no_points_and_the_others_have_theirs(
+    capsys: pytest.CaptureFixture[str], rubric: Path, tmp_path: Path
+) -> None:
+    """Only compiled code can, here the system's, and only in a process of its own submission."""
+    write_submissions(tmp_path / "all", "searches", "picks")
+    Path("all", "a.py").write_text(KILLER, encoding="utf-8")
+    words = ("grade", "all", "--rubric", rubric, "-o", "grades.csv", "--jobs", 1)
+    assert command(capsys, *words).code == 0
+    rows = rows_of("grades.csv")
+    assert {name: row["points"] for name, row in rows.items()} == {
+        "a.py": "0", "searches": "100", "picks": "0",
+    }  # fmt: skip
+    assert rows["a.py"]["failure"].startswith(
+        "it ended the grader: its process was ended by signal"
+    )
+    assert not running_in(tmp_path / "all")
+    assert "0 graded, 3 as they were" in command(capsys, *words).out
+
+
 def test_an_interrupted_folder_is_resumed_and_nothing_is_left_running(
     capsys: pytest.CaptureFixture[str], rubric: Path, tmp_path: Path
 ) -> None:
