@@ -69,12 +69,15 @@ class Case:
             return random_layout(*self.size, self.density, seed)
         return DEFAULT_LAYOUT if self.layout == DEFAULT else find_layout(self.layout)
 
+    def stations_of(self, layout: Layout) -> Stations:
+        """Return where pickup and dropoff come from, in a layout of the case."""
+        return self.stations or usual_stations(layout, is_default=layout is DEFAULT_LAYOUT)
+
     def begin(self, seed: int) -> tuple[WarehouseEnv, Observation]:
         """Return the environment of an episode, and the first observation."""
         layout = self.layout_of(seed)
-        stations = self.stations or usual_stations(layout, is_default=layout is DEFAULT_LAYOUT)
         env = WarehouseEnv(layout, self.start, self.max_steps, self.battery, self.view_radius)
-        return env, env.reset(what_to_draw(stations, self.start), seed)
+        return env, env.reset(what_to_draw(self.stations_of(layout), self.start), seed)
 
     def command(self, agent: str, seed: int) -> str:
         """Return the command that shows an episode."""

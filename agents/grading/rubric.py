@@ -6,17 +6,16 @@ import hashlib
 import re
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from agents.console.place import Stations
+from agents.console.place import Stations, check_stations
 from agents.errors import GradeError
 from agents.grading.cases import RANDOM, Case
 from agents.grading.criteria import MEASURES, Criterion
 from agents.grading.sandbox import Limits
 from warehouse_core import LayoutError
-from warehouse_core.task.starts import check_room
 from warehouse_core.wording import brief
 from warehouse_core.world.generators import MAX_DENSITY
 
@@ -236,9 +235,10 @@ def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric
 def _make_case(reader: _Reader, name: str, values: Any) -> Case:
     header = f"[cases.{name}]"
     found = reader.table(values, CASE, header)
-    beside = reader.path.resolve().parent / found.get("layout", "")
-    if beside.is_file() or beside.suffix:
-        found["layout"] = str(beside)
+    if "layout" in found:
+        beside = reader.path.resolve().parent / found["layout"]
+        if beside.is_file() or beside.suffix:
+            found["layout"] = str(beside)
     for key in ("size", "density"):
         if key in found and found.get("layout") != RANDOM:
             raise reader.fail(f'{key} is of layout = "{RANDOM}" only', header, key=key)
@@ -248,11 +248,10 @@ def _make_case(reader: _Reader, name: str, values: Any) -> Case:
 def _check_case(reader: _Reader, case: Case, digest: Any) -> None:
     """Raise if an episode cannot begin; add the layout to the digest."""
     try:
-        env, _ = case.begin(case.first_seed)
-        if case.stations is Stations.DRAWN:
-            check_room(env.layout)
-        env.close()
-        digest.update("\n".join(case.layout_of(case.first_seed).rows).encode())
+        layout = case.layout_of(case.first_seed)
+        check_stations(layout, case.stations_of(layout), case.layout, 'stations = "drawn"')
+        case.begin(case.first_seed)[0].close()
+        digest.update("\n".join(layout.rows).encode())
     except (LayoutError, OSError) as error:
         raise reader.fail(f"layout: {error}", f"[cases.{case.name}]", key="layout") from None
 
@@ -290,7 +289,3 @@ def _make_criterion(
         raise fail(f"full is {found['full']:g} and zero {found['zero']:g}; "
                    f"for this measure full must be {side} zero", "full")  # fmt: skip
     return Criterion(**found)
-
-
-assert CASE.keys() == {field.name for field in fields(Case)} - {"name"}
-assert LIMITS.keys() == set(Limits._fields)

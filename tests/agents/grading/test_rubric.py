@@ -1,14 +1,17 @@
 """Rubrics: what is refused, and how points grow."""
 
+from dataclasses import fields
 from pathlib import Path
 
 import pytest
 from helpers.submissions import RUBRIC, write_rubric
 
 from agents.errors import GradeError
+from agents.grading.cases import Case
 from agents.grading.criteria import MEASURES, Criterion
 from agents.grading.grading import grade
-from agents.grading.rubric import MINI_LAB, load_rubric
+from agents.grading.rubric import CASE, LIMITS, MINI_LAB, load_rubric
+from agents.grading.sandbox import Limits
 from agents.grading.submissions import find_submission
 
 LINE = 1 + RUBRIC.splitlines().index("[cases.chapter]")
@@ -33,6 +36,7 @@ LINE = 1 + RUBRIC.splitlines().index("[cases.chapter]")
         ("points = 20\n", "", "criterion 2 has no points; needed: name, points, measure, cases"),
         ("full = 1.5", "full = 4", "full is 4 and zero 3; for this measure full must be below"),
         ('needs = "delivers"', 'needs = "fewest"', "needs is 'fewest'; allowed: delivers"),
+        ('layout = "trap"', 'layout = "bare.txt"\nstations = "kept"', "there is no dropoff"),
         ("[[criteria]]", "[[criterion]]", "there is no key 'criterion'"),
     ],
 )  # fmt: skip
@@ -40,6 +44,7 @@ def test_a_wrong_rubric_is_refused_with_the_line_the_key_and_what_is_allowed(
     tmp_path: Path, old: str, new: str, message: str
 ) -> None:
     assert old in RUBRIC
+    (tmp_path / "bare.txt").write_text("P....", encoding="utf-8")
     file = write_rubric(tmp_path, RUBRIC.replace(old, new))
     with pytest.raises(GradeError) as error:
         load_rubric(file)
@@ -68,6 +73,11 @@ def test_points_grow_evenly_from_zero_to_full(
 ) -> None:
     criterion = Criterion("a criterion", 10, kind, ("cases",), full, zero)
     assert {value: criterion.points_for(value) for value in points} == points
+
+
+def test_every_key_of_a_rubric_is_checked() -> None:
+    assert CASE.keys() == {field.name for field in fields(Case)} - {"name"}
+    assert LIMITS.keys() == set(Limits._fields)
 
 
 def test_the_digest_of_a_rubric_has_that_of_its_layouts(tmp_path: Path) -> None:
