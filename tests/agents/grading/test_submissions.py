@@ -147,8 +147,10 @@ def test_an_agent_that_passes_by_the_rules_of_python_is_ended_with_all_it_has_st
 ) -> None:
     """``daemon`` of C leaves a process that is no child of the agent, nor in its session."""
     body = (
-        "if os.path.exists('started') and os.path.exists('/proc/' + open('started').read()):\n"
-        "    open('alive', 'w').close()\n"
+        "if os.path.exists('started'):\n"
+        "    if os.path.exists('/proc/' + open('started').read()):\n"
+        "        open('alive', 'w').close()\n"
+        "    return 'WAIT'\n"
         "libc = ctypes.CDLL(None)\n"
         "libc.daemon(1, 1)\n"
         "open('started', 'w').write(str(os.getpid()))\n"
