@@ -11,7 +11,6 @@ word chosen at random that its answer repeats, so that nothing else that is writ
 
 from __future__ import annotations
 
-import array
 import gc
 import importlib
 import importlib.util
@@ -45,7 +44,7 @@ MAP = ("layout", "graph")
 def serve(control: socket.socket) -> None:
     """Fork a process for each pair of pipes that comes, until the other end closes."""
     while True:
-        pipes = _receive_pipes(control)
+        _, pipes, _, _ = socket.recv_fds(control, 1, 2)
         if not pipes:
             return
         pid = os.fork()
@@ -59,14 +58,6 @@ def serve(control: socket.socket) -> None:
             os.close(pipe)
         control.recv(1)  # the end of the episode, or of the grader
         control.sendall(f"{end(pid):6d}".encode())
-
-
-def _receive_pipes(control: socket.socket) -> list[int]:
-    found = array.array("i")
-    data, extra, _, _ = control.recvmsg(1, socket.CMSG_LEN(2 * found.itemsize))
-    for _, _, part in extra:
-        found.frombytes(part)
-    return list(found) if data else []
 
 
 def end(pid: int) -> int:
