@@ -17,6 +17,7 @@ from agents.commands.export.export import export
 from agents.commands.fleet.fleet import fleet
 from agents.commands.fleet.report import report_fleet
 from agents.commands.gap.gap import gap
+from agents.commands.grade.grade import grade
 from agents.commands.planners.compare_planners import compare_planners
 from agents.commands.planners.mapf import mapf
 from agents.commands.play import play
@@ -45,6 +46,7 @@ app.command()(mapf)
 app.command()(compare_planners)
 app.command()(compare)
 app.command()(compare_agents)
+app.command()(grade)
 app.command()(demo)
 app.command()(search)
 app.command()(explore)

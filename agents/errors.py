@@ -9,6 +9,7 @@
     |-- EpisodeError                    an episode that could not be run
     |-- StoreError                      a file of results
     |-- ClusterError                    a cluster
+    |-- GradeError                      a rubric, or what grading needs
     +-- WorkerError                     a process that ended early
 """
 
@@ -63,6 +64,10 @@ class StoreError(WarehouseError):
 
 class ClusterError(WarehouseError):
     """A cluster that cannot be reached or used; the message says why."""
+
+
+class GradeError(WarehouseError):
+    """A rubric that cannot be used, or something that grading needs; the message says which."""
 
 
 class WorkerError(WarehouseError):

@@ -28,7 +28,8 @@ OWN = ("agents", "warehouse_core", "warehouse_physics")
 ROOT = Path(__file__).parents[1]
 
 NO_EFFECT = {
-    "viz", "warehouse_viz.py", "render", "gymnasium_env", "conformance", "reports", "commands",
+    "viz", "warehouse_viz.py", "render", "gymnasium_env", "conformance", "reports", "grading",
+    "commands",
     "console", "cli.py", "__main__.py", "run_episode.py",
 }  # fmt: skip
 """Files and folders of those packages that have no effect on an episode of an experiment."""
@@ -133,7 +134,7 @@ def _with_imports(files: Iterable[Path], folder: Path, own: str | None) -> set[P
         if file in found:
             continue
         found.add(file)
-        for level, name in _imports(_read(file)) if file.suffix == ".py" else ():
+        for level, name in imports_of(_read(file)) if file.suffix == ".py" else ():
             parts = name.split(".")
             if level:
                 base = folder.joinpath(*file.relative_to(folder).parts[:-level])
@@ -144,7 +145,7 @@ def _with_imports(files: Iterable[Path], folder: Path, own: str | None) -> set[P
 
 
 @lru_cache
-def _imports(source: bytes) -> tuple[tuple[int, str], ...]:
+def imports_of(source: bytes) -> tuple[tuple[int, str], ...]:
     """Return the names that a source imports, with the number of dots before each."""
     found = []
     with suppress(SyntaxError, ValueError, RecursionError, MemoryError):  # it cannot be imported

@@ -19,7 +19,7 @@ BLOCK = re.compile(
     flags=re.DOTALL | re.MULTILINE,
 )
 INSTALL = "python3 -m venv .venv && .venv/bin/pip install -e "
-CELL, COMMAND, WRITE, TORCH = "python", "warehouse ", "%%writefile ", "rl"
+CELL, COMMAND, WRITE, TORCH, TEXT = "python", "warehouse ", "%%writefile ", "rl", "text"
 
 
 class Block(NamedTuple):
@@ -33,7 +33,8 @@ class Block(NamedTuple):
 def blocks_of(page: Path) -> Iterator[Block]:
     """Yield the blocks of a page that are run."""
     for language, torch, text in BLOCK.findall(page.read_text(encoding="utf-8")):
-        yield Block(language or CELL, text, torch.strip() == TORCH)
+        if language != TEXT:
+            yield Block(language or CELL, text, torch.strip() == TORCH)
 
 
 def run_page(page: Path, *, torch: bool = False) -> dict[str, object]:

@@ -89,13 +89,15 @@ MAY_IMPORT = {
     "agents/reports/figures": "errors evaluation experiments reports/analysis",
     "agents/reports": "console errors evaluation experiments registry reports/analysis "
     "reports/figures",
+    "agents/grading": "console errors evaluation programs registry warehouse_agent_greedy",
+    "agents/commands/grade": ("commands/planners console errors experiments grading reports"),
     "agents/commands/gap": (
         "commands/fleet commands/planners console errors evaluation experiments fleet registry "
         "reports"
     ),
     "agents/cli": (
-        "commands commands/export commands/fleet commands/gap commands/planners console "
-        "experiments reports run_episode"
+        "commands commands/export commands/fleet commands/gap commands/grade commands/planners "
+        "console experiments reports run_episode"
     ),
     "agents/__main__": "cli",
 }

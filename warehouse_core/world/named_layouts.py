@@ -73,12 +73,22 @@ MAZE = """
 #####################
 """
 
-TEXTS = {"corridor": CORRIDOR, "hall": HALL, "rooms": ROOMS, "trap": TRAP, "maze": MAZE}
+CLOSED = """
+##########
+#...#....#
+#.P.#....#
+#...#..D.#
+#...#....#
+##########
+"""
+
+TEXTS = {"corridor": CORRIDOR, "hall": HALL, "rooms": ROOMS, "trap": TRAP, "maze": MAZE,
+         "closed": CLOSED}  # fmt: skip
 
 DEFAULT, SHELVES, DEPOT = "default", "shelves", "depot"
 
 NAMES = (DEFAULT, *TEXTS, SHELVES, DEPOT)
-"""Of all layouts: the chapter's, five that show something, and two warehouses of shelves, the
+"""Of all layouts: the chapter's, six that show something, and two warehouses of shelves, the
 second of them for a fleet of about eight robots."""
 
 

@@ -1,0 +1,299 @@
+"""The process of an agent that is graded: a script that imports nothing but the standard library.
+
+It is started once a submission and then waits; for each episode it forks a fresh process in which
+the agent is loaded, so that an episode costs a fork and not a start of Python. The environment is
+in the process that asked for the episode. What is sent here are observations alone: no seed that is
+hidden, no layout, no rubric.
+
+Messages are lines of JSON on two pipes that are not standard input or output. Each question has a
+word chosen at random that its answer repeats, so that nothing else that is written counts.
+"""
+
+from __future__ import annotations
+
+import gc
+import importlib
+import importlib.util
+import inspect
+import json
+import os
+import random
+import signal
+import socket
+import sys
+import traceback
+from contextlib import suppress
+from typing import Any
+
+SUBREAPER, DEATH_SIGNAL = 36, 1
+"""Options of Linux's ``prctl``: adopt orphans; get a signal when the parent ends."""
+
+MAX_TEXT = 200
+"""Characters of an action or of a message of an exception that are sent."""
+
+MAX_KILLS = 100
+"""Rounds of killing what a process has left behind, which may go on to start processes."""
+
+CELLS = ("robot_pos", "pickup_pos", "dropoff_pos")
+"""Values of an observation that are tuples, which JSON does not have."""
+
+MAP = ("layout", "graph")
+"""Arguments that 'warehouse run' gives to agents that plan on the map; a graded one has no map."""
+
+
+def serve(control: socket.socket) -> None:
+    """Fork a process for each pair of pipes that comes, until the other end closes."""
+    while True:
+        _, pipes, _, _ = socket.recv_fds(control, 1, 2)
+        if not pipes:
+            return
+        pid = os.fork()
+        if pid == 0:
+            control.close()
+            try:
+                play(*pipes)
+            finally:
+                os._exit(1)
+        for pipe in pipes:
+            os.close(pipe)
+        control.recv(1)  # the end of the episode, or of the grader
+        control.sendall(f"{end(pid):6d}".encode())
+
+
+def end(pid: int) -> int:
+    """Kill a child and what it has started, and return its exit code; minus a signal."""
+    for kill in (os.killpg, os.kill):
+        with suppress(ProcessLookupError, PermissionError):
+            kill(pid, signal.SIGKILL)
+    status = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
+    kill_strays(())
+    return status
+
+
+def kill_strays(keep: tuple[int, ...]) -> None:
+    """Kill all children of this process but those to keep; with Linux these include orphans."""
+    for _ in range(MAX_KILLS):
+        if not keep and _has_no_child():
+            return
+        strays = [pid for pid in children() if pid not in keep]
+        if not strays:
+            return
+        for pid in strays:
+            with suppress(ProcessLookupError, PermissionError):
+                os.kill(pid, signal.SIGKILL)
+            with suppress(ChildProcessError):
+                os.waitpid(pid, 0)
+
+
+def _has_no_child() -> bool:
+    try:
+        os.waitpid(-1, os.WNOHANG)
+    except ChildProcessError:
+        return True
+    return False
+
+
+def children() -> list[int]:
+    """Return the processes that this one has started or adopted; none without ``/proc``."""
+    found = []
+    with suppress(FileNotFoundError):
+        for name in os.listdir("/proc"):
+            with suppress(OSError, ValueError, IndexError):
+                with open(f"/proc/{int(name)}/stat", "rb") as file:
+                    parent = int(file.read().rpartition(b")")[2].split()[1])
+                if parent == os.getpid():
+                    found.append(int(name))
+    return found
+
+
+def control_process(option: int, value: int) -> None:
+    """Call Linux's ``prctl``; do nothing on other systems."""
+    if sys.platform == "linux":
+        import ctypes
+
+        ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
+
+
+def play(questions: int, answers: int) -> None:
+    """Load the agent that the first line names, and answer each observation by an action."""
+    lines = os.fdopen(questions, "rb")
+    task = json.loads(lines.readline())
+
+    def answer(word: str, **values: object) -> None:
+        os.write(answers, json.dumps({"word": word, **values}).encode() + b"\n")
+
+    word = task["word"]
+    try:
+        limit(task["limits"], task["user"])
+        agent = make_agent(task)
+        agent.reset()
+        answer(word, name=type(agent).__name__)
+        for line in lines:
+            question = json.loads(line)
+            word, observation = question["word"], question["observation"]
+            for key in CELLS:
+                observation[key] = observation[key] and tuple(observation[key])
+            answer(word, action=as_action(agent.act(observation)))
+    except BaseException as error:  # an agent may raise anything, SystemExit too
+        answer(word, **described(error, task["file"]))
+
+
+def limit(limits: dict[str, int], user: list[int] | None) -> None:
+    """Set the user and the limits of this process, which are those of all that it may start."""
+    import resource  # which Windows does not have
+
+    os.setsid()
+    if user is not None:
+        os.setgroups([])
+        os.setgid(user[1])
+        os.setuid(user[0])
+    control_process(DEATH_SIGNAL, signal.SIGKILL)
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    for name, value in limits.items():
+        kind = getattr(resource, name)
+        hard = resource.getrlimit(kind)[1]
+        value = value if hard == resource.RLIM_INFINITY else min(value, hard)
+        # macOS does not allow some of them.
+        with suppress(ValueError, OSError):
+            resource.setrlimit(kind, (value, value))
+    forbid()
+
+
+def forbid() -> None:
+    """Make Python refuse to start processes and threads, and to signal others.
+
+    It is a hint for mistakes, and stops simple attempts. It is no wall: compiled code passes by it.
+    """
+    own, error, is_from = os.getpid(), PermissionError, str.startswith
+
+    def refuse(event: str, values: tuple[Any, ...]) -> None:
+        if event in {"os.kill", "os.killpg"} and values[0] == own:
+            return
+        if event in {
+            "os.fork", "os.forkpty", "os.exec", "os.posix_spawn", "os.system", "os.spawn",
+            "os.kill", "os.killpg", "subprocess.Popen", "pty.spawn", "_thread.start_new_thread",
+            "_thread.start_joinable_thread", "resource.prlimit",
+        }:  # fmt: skip
+            raise error(f"a graded agent may not use {event}")
+        if event == "ctypes.dlsym" and values[1] in {
+            "fork", "vfork", "clone", "syscall", "kill", "killpg", "tgkill", "system", "execve",
+            "execv", "execvp", "posix_spawn", "popen", "ptrace", "process_vm_readv", "prctl",
+        }:  # fmt: skip
+            raise error(f"a graded agent may not use {values[1]}")
+        if event == "open" and isinstance(values[0], str) and is_from(values[0], "/proc/"):
+            raise error("a graded agent may not read /proc")
+        if event == "object.__setattr__" and values[1] == "__code__":
+            raise error("a graded agent may not change code")
+
+    sys.addaudithook(refuse)
+
+
+def make_agent(task: dict[str, Any]) -> Any:
+    """Return the agent of a task, made as ``agents.registry.make_agent`` makes it."""
+    sys.path[:] = [*task["paths"], *sys.path, *task["own"]]
+    seed = task["seed"]
+    random.seed(seed)
+    if "numpy" in sys.modules:  # it is if the agent imports it, see submissions.py
+        sys.modules["numpy"].random.seed(seed % 2**32)
+    kind = find_class(load_module(task), task)
+    wanted = inspect.signature(kind).parameters
+    taken = [name for name in MAP if name in wanted]
+    if taken:
+        raise TypeError(f"{kind.__name__} takes a {taken[0]}; a graded agent gets observations")
+    return kind(**({"seed": seed} if "seed" in wanted else {}))
+
+
+def load_module(task: dict[str, Any]) -> Any:
+    """Return the module of the agent, run from its file, or imported if it has none."""
+    if task["file"] is None:
+        return importlib.import_module(task["module"])
+    name = f"agent file {task['module']}"  # no name of a module that can be imported
+    spec: Any = importlib.util.spec_from_file_location(name, task["file"])
+    module = sys.modules[name] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def find_class(module: Any, task: dict[str, Any]) -> Any:
+    """Return the class of the agent; without a name, the only one that has its two methods."""
+
+    def is_agent(kind: object) -> bool:
+        has_both = all(callable(getattr(kind, name, None)) for name in ("reset", "act"))
+        return isinstance(kind, type) and has_both
+
+    if task["class"] is not None:
+        kind = getattr(module, task["class"], None)
+        if not is_agent(kind):
+            raise AttributeError(f"there is no class {task['class']} with reset() and act()")
+        return kind
+    found = [
+        kind for kind in vars(module).values()
+        if is_agent(kind) and kind.__module__ == module.__name__
+    ]  # fmt: skip
+    if len(found) != 1:
+        names = ", ".join(kind.__name__ for kind in found) or "none"
+        raise AttributeError(f"one class with reset() and act() is needed; there are: {names}")
+    return found[0]
+
+
+def as_action(action: Any) -> str | int:
+    """Return an action as it is sent, a word or an index.
+
+    Raises:
+        TypeError: it is neither.
+    """
+    if isinstance(action, str):
+        return str(action[:MAX_TEXT])
+    try:
+        number = action.__index__()
+    except AttributeError:
+        name = type(action).__name__
+        raise TypeError(f"act() returned {name}; allowed: a word or an index") from None
+    return int(number) if abs(number) < 2**31 else -1
+
+
+def described(error: BaseException, file: str | None) -> dict[str, Any]:
+    """Return what is told of an exception: its class, message, and last line in a file."""
+    frames = [
+        frame for frame in traceback.extract_tb(error.__traceback__)
+        if frame.filename != __file__
+        and (file is None or os.path.dirname(frame.filename) == os.path.dirname(file))
+    ]  # fmt: skip
+    try:
+        text = str(error)[:MAX_TEXT]
+    except BaseException:  # that of a user may itself be broken
+        text = ""
+    place = f"{os.path.basename(frames[-1].filename)}, line {frames[-1].lineno}" if frames else ""
+    if isinstance(error, SyntaxError) and error.filename:
+        place = f"{os.path.basename(error.filename)}, line {error.lineno}"
+        text = str(error.msg)
+    return {"error": type(error).__name__[:MAX_TEXT], "text": text, "place": place}
+
+
+def main() -> None:
+    """Import what submissions import too, and serve."""
+    _, number, *modules = sys.argv
+    control_process(SUBREAPER, 1)
+    control_process(DEATH_SIGNAL, signal.SIGKILL)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for name in modules:
+        with suppress(ImportError, ValueError):
+            import_name(name)
+    sys.argv = [""]
+    gc.freeze()
+    control = socket.socket(fileno=int(number))
+    control.sendall(b"r")
+    serve(control)
+
+
+def import_name(name: str) -> None:
+    """Import a module, or a name from one."""
+    try:
+        importlib.import_module(name)
+    except ImportError:
+        module, _, last = name.rpartition(".")
+        getattr(importlib.import_module(module), last, None)
+
+
+if __name__ == "__main__":
+    main()
