@@ -12,8 +12,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+import typer
 from numpy.typing import NDArray
 
+from agents.commands.random_layouts import (
+    DensityOption,
+    PoolOption,
+    SizeOption,
+    is_random,
+    random_layouts,
+)
 from agents.console.options import (
     BatteryOption,
     LayoutOption,
@@ -33,7 +41,14 @@ from agents.evaluation.scores import MakeAgent, Scores, Task
 from agents.evaluation.wording import mean, share
 from agents.learning.q_learning import QAgent, QTable, learn
 from agents.learning.q_table import save_table
-from agents.learning.training import FINAL_SEEDS, RECENT_EPISODES, Examiner, Point, Watch
+from agents.learning.training import (
+    EXAM_SEEDS,
+    FINAL_SEEDS,
+    RECENT_EPISODES,
+    Examiner,
+    Point,
+    Watch,
+)
 from agents.registry import make_team
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core.errors import FormatError
@@ -62,6 +77,9 @@ def train_ppo(
     max_steps: MaxStepsOption = 200,
     robots: TrainedRobotsOption = 1,
     orders: OrderRateOption = 0.2,
+    size: SizeOption = None,
+    density: DensityOption = None,
+    layouts: PoolOption = None,
     output: ModelOption = Path("ppo.npz"),
 ) -> None:
     """Train a network by PPO.
@@ -74,11 +92,23 @@ def train_ppo(
     Several robots deliver orders of the layout's own stations; they share the
     network, and each is rewarded for its own deliveries.
 
+    With --layout random each episode is in one of many random layouts, so that
+    the agent learns to deliver in layouts that it has never seen. Exams and the
+    comparison at the end are in other layouts than the training.
+
     Example: warehouse train ppo --steps 2000000 -o ppo.npz
     """
-    task: Task | FleetTask = Task(load_layout(layout), battery, max_steps)
-    if robots > 1:
+    task: Task | FleetTask
+    if is_random(layout, size=size, density=density, layouts=layouts):
+        if robots > 1:
+            raise typer.BadParameter("--layout random is for one robot, not for --robots")
+        floors = random_layouts(size, density, layouts, seed)
+        floors.check_unseen([*EXAM_SEEDS, *FINAL_SEEDS])
+        task = Task(floors, battery, max_steps)
+    elif robots > 1:
         task = FleetTask(load_layout(layout), robots, orders, battery, max_steps)
+    else:
+        task = Task(load_layout(layout), battery, max_steps)
     training = Training("PPO", task, steps, seed, output)
     learner = make_learner(task, steps, seed)
     training.run(learner.learn, {MODEL_SUFFIX: learner.save_network, ".zip": learner.save_model})
@@ -117,10 +147,11 @@ def train_q(
 
     Example: warehouse train q --steps 600000 -o q.npz
     """
-    task = Task(load_layout(layout), battery, max_steps)
+    floor = load_layout(layout)
+    task = Task(floor, battery, max_steps)
     training, table = Training("Q-learning", task, steps, seed, output), QTable()
     learn = partial(fill_table, table, task, steps, seed)
-    training.run(learn, {MODEL_SUFFIX: partial(save_table, table, task.layout)})
+    training.run(learn, {MODEL_SUFFIX: partial(save_table, table, floor)})
 
 
 def fill_table(table: QTable, task: Task, steps: int, seed: int, watch: Watch) -> MakeAgent:
