@@ -105,7 +105,7 @@ def compare_agents(
     names = AGENTS | {name: AGENTS.get(name, name) for name in agent or []}
     seeds = range(seed, seed + episodes)
     for name in names:  # a wrong name is an error before the episodes
-        make_agent(name, seed, tasks[0].layout_for(seeds[-1]))
+        make_agent(name, seeds[-1], tasks[0].layout_for(seeds[-1]))
     groups = {
         title_of(task, seeds): {
             shown: evaluate_watched(name, shown, task, seeds) for name, shown in names.items()

@@ -37,6 +37,7 @@ from agents.console.table import Table, print_table
 from agents.console.terminal import say
 from agents.errors import AgentError
 from agents.evaluation.fleet_scores import FleetScores, FleetTask
+from agents.evaluation.random_layouts import RandomLayouts
 from agents.evaluation.scores import MakeAgent, Scores, Task
 from agents.evaluation.wording import mean, share
 from agents.learning.q_learning import QAgent, QTable, learn
@@ -102,14 +103,14 @@ def train_ppo(
     if is_random(layout, size=size, density=density, layouts=layouts):
         if robots > 1:
             raise typer.BadParameter("--layout random is for one robot, not for --robots")
-        floors = random_layouts(size, density, layouts, seed)
-        floors.check_unseen([*EXAM_SEEDS, *FINAL_SEEDS])
-        task = Task(floors, battery, max_steps)
+        task = Task(random_layouts(size, density, layouts, seed), battery, max_steps)
     elif robots > 1:
         task = FleetTask(load_layout(layout), robots, orders, battery, max_steps)
     else:
         task = Task(load_layout(layout), battery, max_steps)
     training = Training("PPO", task, steps, seed, output)
+    if isinstance(task.layout, RandomLayouts):
+        task.layout.check_unseen([*EXAM_SEEDS, *FINAL_SEEDS])
     learner = make_learner(task, steps, seed)
     training.run(learner.learn, {MODEL_SUFFIX: learner.save_network, ".zip": learner.save_model})
 
@@ -231,7 +232,13 @@ class Training:
             raise
         save()
         scores = self.task.evaluate(make_agent, final)
-        print_table(comparison_table({self.name: scores, "greedy": greedy}))
+        table = comparison_table({self.name: scores, "greedy": greedy})
+        if isinstance(self.task.layout, RandomLayouts):
+            table = table._replace(
+                title=self.task.layout.name,
+                caption=f"{len(final):,} layouts, none of them in the training, the same for each",
+            )
+        print_table(table)
 
     def _save(
         self,
@@ -247,7 +254,9 @@ class Training:
         def draw(path: Path) -> None:
             from agents.learning.curve import save_learning_curve
 
-            title = f"Learning to deliver: {self.name}, seed {self.seed}"
+            is_random = isinstance(self.task.layout, RandomLayouts)
+            unseen = " in layouts that are not in the training" if is_random else ""
+            title = f"Learning to deliver{unseen}: {self.name}, seed {self.seed}"
             save_learning_curve(path, self.name, title, points, greedy)
 
         for suffix, write in {**writers, CURVE_SUFFIX: draw}.items():

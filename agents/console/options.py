@@ -67,7 +67,7 @@ AgentOption = Annotated[
         metavar="NAME",
         help="The agent: random, reflex, greedy, exploring, bfs, ucs, astar, weighted-astar, "
         "greedy-best-first, ppo:FILE, q:FILE, or your own as file.py:Class; arguments may follow "
-        "as in greedy:memory=20,escape_steps=0.",
+        "as in greedy:memory=20,escape_steps=0 or ppo:FILE:revisit=4.",
     ),
 ]
 

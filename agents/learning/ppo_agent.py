@@ -37,6 +37,10 @@ class PPOAgent:
         revisit: by how much each visit to a cell lowers the output of the actions that lead there,
             at least 0.
 
+    Attributes:
+        samples: whether actions are drawn.
+        revisit: as given.
+
     Raises:
         AgentError: a value that is not allowed.
     """
@@ -49,14 +53,14 @@ class PPOAgent:
         sample: bool | None = None,
         revisit: float = 0.0,
     ) -> None:
-        if sample not in (None, False, True):
+        if sample is not None and not isinstance(sample, bool):
             raise AgentError(f"{name}: sample is {sample!r}; it must be True or False")
         is_number = isinstance(revisit, (int, float)) and not isinstance(revisit, bool)
         if not is_number or not 0 <= revisit < np.inf:
             raise AgentError(f"{name}: revisit is {revisit!r}; it must be a number, at least 0")
         self._network, self._name, self._seed = network, name, seed
-        self._samples = network.tiles == FLEET_TILES if sample is None else sample
-        self._revisit = revisit
+        self.samples = network.tiles == FLEET_TILES if sample is None else sample
+        self.revisit = revisit
         self.reset()
 
     @classmethod
@@ -91,13 +95,13 @@ class PPOAgent:
                 f"this robot has {radius}"
             )
         logits = self._network.logits(network_input(encode(observation), self._network.tiles))
-        if self._revisit:
-            logits = logits - np.float32(self._revisit) * self._visits_after(observation)
+        if self.revisit:
+            logits = logits - np.float32(self.revisit) * self._visits_after(observation)
         allowed = np.where(useful_now(observation), logits, -np.inf)
         action = int(allowed.argmax())
         likelihoods = np.exp(np.float64(allowed - allowed[action]))
         likelihoods /= likelihoods.sum()
-        if self._samples:
+        if self.samples:
             action = int(self._stream.choice(len(ACTIONS), p=likelihoods))
         self.reason = f"{100 * likelihoods[action]:.0f}% sure"
         return ACTIONS[action]
