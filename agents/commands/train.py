@@ -113,6 +113,11 @@ def train_ppo(
         task.layout.check_unseen([*EXAM_SEEDS, *FINAL_SEEDS])
     learner = make_learner(task, steps, seed)
     training.run(learner.learn, {MODEL_SUFFIX: learner.save_network, ".zip": learner.save_model})
+    if isinstance(task.layout, RandomLayouts):
+        say(
+            f"ppo:{output}:revisit=4 avoids cells where it has been, which ends circles; compare "
+            f"with 'warehouse compare-agents --layout random --agent ppo:{output}:revisit=4'"
+        )
 
 
 def make_learner(task: Task | FleetTask, steps: int, seed: int) -> PPOLearner:

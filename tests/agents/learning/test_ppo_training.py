@@ -157,7 +157,9 @@ def test_a_policy_delivers_in_layouts_that_it_has_not_seen() -> None:
     network = learning.network()
     assert network.layers[0][0].shape[0] == 128
     scores = evaluate(lambda seed: PPOAgent(network, revisit=4), task, range(100))
-    assert scores.delivered.mean() > 0.9
+    assert scores.delivered.mean() > 0.95
+    assert scores.ratio is not None
+    assert scores.ratio.high < 2, "without training it is above 4"
 
 
 def test_robots_that_share_a_network_deliver_more_than_greedy_ones() -> None:
