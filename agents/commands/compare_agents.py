@@ -12,6 +12,7 @@ import typer
 
 from agents.commands.random_layouts import (
     DensityOption,
+    LayoutOrRandomOption,
     SizesOption,
     is_random,
     random_layouts,
@@ -19,7 +20,6 @@ from agents.commands.random_layouts import (
 from agents.console.options import (
     BackendOption,
     BatteryOption,
-    LayoutOption,
     MaxStepsOption,
     StartOption,
     StationsOption,
@@ -76,7 +76,7 @@ def compare_agents(
         typer.Option("--seed", metavar="N", min=0, help="Seed of the first episode."),
     ] = 0,
     backend: BackendOption = "physics",
-    layout: LayoutOption = None,
+    layout: LayoutOrRandomOption = None,
     stations: StationsOption = None,
     start: StartOption = None,
     battery: BatteryOption = 200,

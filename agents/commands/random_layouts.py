@@ -8,12 +8,22 @@ from typing import Annotated
 
 import typer
 
+from agents.console.options import LAYOUT_HELP
 from agents.evaluation.random_layouts import MAX_POOL, RandomLayouts
 
 RANDOM = "random"
 """The name of a random layout for each seed."""
 
 DEFAULTS = RandomLayouts()
+
+LayoutOrRandomOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--layout",
+        metavar="FILE",
+        help=f"{LAYOUT_HELP} With {RANDOM} each episode has a layout of its own.",
+    ),
+]
 
 SIZE_HELP = f"Of random layouts, border included. Default: {DEFAULTS.height}x{DEFAULTS.width}."
 

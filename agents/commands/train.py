@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from agents.commands.random_layouts import (
     DensityOption,
+    LayoutOrRandomOption,
     PoolOption,
     SizeOption,
     is_random,
@@ -73,7 +74,7 @@ Writer = Callable[[Path], None]
 def train_ppo(
     steps: TrainingStepsOption = 2_000_000,
     seed: TrainingSeedOption = 1,
-    layout: LayoutOption = None,
+    layout: LayoutOrRandomOption = None,
     battery: BatteryOption = 200,
     max_steps: MaxStepsOption = 200,
     robots: TrainedRobotsOption = 1,

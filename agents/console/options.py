@@ -83,15 +83,12 @@ EscapeOption = Annotated[
     typer.Option("--escape/--no-escape", help="Whether the greedy agent escapes from loops: yes."),
 ]
 
-LayoutOption = Annotated[
-    Path | None,
-    typer.Option(
-        "--layout",
-        metavar="FILE",
-        help="Layout file (rows of # . P D C, or a MovingAI .map), or a name: "
-        f"{', '.join(NAMES)}. Default: that of the chapter.",
-    ),
-]
+LAYOUT_HELP = (
+    "Layout file (rows of # . P D C, or a MovingAI .map), or a name: "
+    f"{', '.join(NAMES)}. Default: that of the chapter."
+)
+
+LayoutOption = Annotated[Path | None, typer.Option("--layout", metavar="FILE", help=LAYOUT_HELP)]
 
 StationsOption = Annotated[
     Stations | None,
