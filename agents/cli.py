@@ -13,6 +13,7 @@ from agents.commands.compare_agents import compare_agents
 from agents.commands.compare_backends import compare
 from agents.commands.demos import demo
 from agents.commands.explore import explore
+from agents.commands.export.export import export
 from agents.commands.fleet.fleet import fleet
 from agents.commands.fleet.report import report_fleet
 from agents.commands.gap.gap import gap
@@ -25,7 +26,6 @@ from agents.console import main as console
 from agents.console.options import IntervalOption, SaveOption, ShowOption, SpeedOption
 from agents.console.output import load_record, replay_or_save
 from agents.console.terminal import say
-from agents.experiments.export import export
 from agents.experiments.sweep import sweep
 from agents.reports.report import report
 from agents.run_episode import report_episode, run

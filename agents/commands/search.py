@@ -108,10 +108,15 @@ def choose_ends(
 
 
 def farthest_from(goal: Cell, layout: Layout) -> Cell:
-    """Return the cell from which the shortest path to a goal is longest."""
+    """Return the cell from which the shortest path to a goal is longest.
+
+    For a goal that no other cell leads to it is another open cell, if there is one.
+    """
     steps = distances(layout, [goal])
     row, col = np.unravel_index(np.where(np.isfinite(steps), steps, -1).argmax(), steps.shape)
-    return int(row), int(col)
+    farthest = int(row), int(col)
+    ends = layout.open_cell(0), layout.open_cell(len(layout.open_cells) - 1)
+    return farthest if farthest != goal else next((end for end in ends if end != goal), goal)
 
 
 def search_table(weights: Sequence[float], solutions: Sequence[Found], title: str) -> Table:

@@ -43,10 +43,11 @@ def save_option(help_text: str, *suffixes: str, pictures: bool = False) -> Any:
         for target in targets:
             allowed = suffixes
             if pictures:
-                from warehouse_core.viz.export import FORMATS
+                from warehouse_core.viz.export import FORMATS, ffmpeg
 
                 allowed = *FORMATS, *suffixes
-            check_suffix(target, allowed)
+            if check_suffix(target, allowed) == ".mp4":
+                ffmpeg()  # what it needs is missed here, and not after the episode
             check_target(target)
         return targets
 

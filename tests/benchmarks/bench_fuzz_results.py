@@ -15,9 +15,9 @@ from time import perf_counter
 
 from helpers.results_files import row, shift
 
+from agents.commands.export.table import columns_of, lines_of
 from agents.experiments.case import is_fleet, make_case
 from agents.experiments.episodes import run_task
-from agents.experiments.export import columns_of, lines_of
 from agents.experiments.store import Store
 from agents.programs import program_for
 from agents.reports.analysis.answers import answers

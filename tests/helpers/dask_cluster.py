@@ -12,6 +12,9 @@ from pathlib import Path
 
 from helpers.command_line import ROOT
 
+MAX_WAIT = 300
+"""Seconds; a machine that has just installed the libraries reads them slowly."""
+
 Cluster = tuple[str, list[subprocess.Popen[bytes]]]
 """The address of a scheduler, its process, and those of its workers."""
 
@@ -28,7 +31,7 @@ def start(python: str, log: Path, *arguments: str) -> subprocess.Popen[bytes]:
 
 
 def wait_for(log: Path, pattern: str) -> str:
-    end = time.monotonic() + 60
+    end = time.monotonic() + MAX_WAIT
     while not (found := re.search(pattern, log.read_text())):
         assert time.monotonic() < end, log.read_text()
         time.sleep(0.05)

@@ -10,8 +10,10 @@ from pathlib import Path
 
 import pytest
 from helpers.command_line import ROOT, in_a_process, refusal
-from helpers.dask_cluster import Cluster, dask_cluster, start_worker
+from helpers.dask_cluster import MAX_WAIT, Cluster, dask_cluster, start_worker
 from helpers.sweeps import AGENT, check_is_usable, table, uninterrupted, words
+
+from agents.errors import StoreError
 
 pytestmark = pytest.mark.cluster
 EPISODES = 3000
@@ -38,11 +40,20 @@ def start_sweep(path: Path, episodes: int, address: str) -> subprocess.Popen[str
         stderr=subprocess.PIPE,
         text=True,
     )
-    end = time.monotonic() + 60
-    while not path.exists() or not table(path):
-        assert time.monotonic() < end
+    end = time.monotonic() + MAX_WAIT
+    while not has_rows(path):
+        assert sweep.poll() is None, sweep.communicate()[1]
+        assert time.monotonic() < end, "no rows"
         time.sleep(0.05)
     return sweep
+
+
+def has_rows(path: Path) -> bool:
+    """Return whether a sweep has written rows; right after its creation a file has no tables."""
+    try:
+        return path.exists() and bool(table(path))
+    except StoreError:
+        return False
 
 
 @pytest.mark.parametrize("killed", [0, 1])
@@ -52,12 +63,12 @@ def test_a_cluster_gives_the_rows_of_this_machine(
     address, (_, *workers) = cluster
     path = tmp_path / "r.sqlite"
     sweep = start_sweep(path, EPISODES, address)
+    assert len(table(path)) < 4 * EPISODES
     for worker in workers[:killed]:
         worker.kill()
-    assert sweep.poll() is None
-    err = sweep.communicate(timeout=120)[1]
+    err = sweep.communicate(timeout=MAX_WAIT)[1]
     assert "Traceback" not in err
-    assert sweep.returncode == 0
+    assert sweep.returncode == 0, err
     assert table(path) == uninterrupted(tmp_path / "expected.sqlite", EPISODES)
 
 
@@ -68,7 +79,7 @@ def test_a_killed_scheduler_is_one_line_and_the_file_stays_usable(
     path = tmp_path / "r.sqlite"
     sweep = start_sweep(path, EPISODES * 10, address)
     scheduler.kill()
-    err = sweep.communicate(timeout=120)[1]
+    err = sweep.communicate(timeout=MAX_WAIT)[1]
     assert sweep.returncode == 1
     assert err.splitlines()[-1].startswith(f"warehouse: the Dask cluster at {address} has failed: ")
     assert "Traceback" not in err
@@ -120,7 +131,7 @@ def test_an_agent_that_fails_or_ends_its_process_is_named_and_the_others_go_on(
 ) -> None:
     path = tmp_path / "r.sqlite"
     sweep = sweep_of(path, cluster[0], act)
-    err = sweep.communicate(timeout=200)[1]
+    err = sweep.communicate(timeout=MAX_WAIT)[1]
     about = rf"warehouse: seed 7{place} with agent={tmp_path}/r.py:Own, max_steps=5"
     assert re.fullmatch(rf"{about}: {reason}\n{LAST}", err)
     assert sweep.returncode == 1
@@ -160,7 +171,7 @@ def test_that_there_are_no_workers_is_said_and_the_sweep_goes_on_with_new_ones(
     assert f"'dask worker {address}'" in line
     frozen.kill()
     processes.append(start_worker(tmp_path, 2, address))
-    assert sweep.communicate(timeout=120)[1] == ""
+    assert sweep.communicate(timeout=MAX_WAIT)[1] == ""
     assert sweep.returncode == 0
     assert table(path) == uninterrupted(tmp_path / "expected.sqlite", EPISODES)
 

@@ -66,6 +66,7 @@ MAY_IMPORT = {
         "arena disturbances exclusive motion profile robot robot_spec stepping vector walls"
     ),
     "agents/errors": "",
+    "agents/handbook": "",
     "agents/programs": "errors",
     "agents/console": "errors",
     "agents/search": "",
@@ -77,6 +78,7 @@ MAY_IMPORT = {
     "agents/registry": "errors evaluation fleet learning mapf search warehouse_agent_greedy",
     "agents/experiments": "console errors fleet mapf programs registry",
     "agents/commands/planners": "console errors evaluation experiments fleet mapf registry",
+    "agents/commands/export": "console errors experiments",
     "agents/run_episode": "console errors registry",
     "agents/commands/fleet": "console errors evaluation fleet mapf registry run_episode",
     "agents/commands": (
@@ -92,8 +94,8 @@ MAY_IMPORT = {
         "reports"
     ),
     "agents/cli": (
-        "commands commands/fleet commands/gap commands/planners console experiments reports "
-        "run_episode"
+        "commands commands/export commands/fleet commands/gap commands/planners console "
+        "experiments reports run_episode"
     ),
     "agents/__main__": "cli",
 }

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.errors import LayoutError
 from warehouse_core.motion.vector import Flags, Integers, Rows
-from warehouse_core.task.encoding import NOWHERE
+from warehouse_core.task.encoding import NOWHERE, Window
 from warehouse_core.vector.floor import VectorFloor
 from warehouse_core.world.distances import nearest
 from warehouse_core.world.layout import Layout
@@ -96,7 +96,7 @@ class FleetFloor(VectorFloor):
         spots: Integers = self._corner_of + self._spots.take(self._base + cells)
         return spots
 
-    def _around(self, rows: Rows, cells: Integers, robots: Integers) -> NDArray[np.uint8]:
+    def _around(self, rows: Rows, cells: Integers, robots: Integers) -> Window:
         windows = super()._around(rows, cells, robots)
         spots = self._robot_spots[rows]
         offsets = self._offsets

@@ -9,22 +9,25 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium import spaces
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from warehouse_core.arguments import as_cell
 from warehouse_core.errors import LayoutError
 from warehouse_core.gymnasium_env.spaces import (
+    MARKED,
     RENDER_FPS,
     Extent,
     check_options,
     check_render_mode,
     make_form,
+    with_limit,
 )
 from warehouse_core.motion.backends import Backend
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
-from warehouse_core.render.window import PictureWindow
-from warehouse_core.task.encoding import Arrays, arrays_of, numbers_of, window_of
+from warehouse_core.render.window import PictureWindow, may_have_display
+from warehouse_core.task.encoding import Arrays, Window, arrays_of, marks, numbers_of, window_of
 from warehouse_core.task.rules import useful_actions
 from warehouse_core.task.starts import (
     DRAWS,
@@ -41,7 +44,7 @@ from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.named_layouts import GivenLayout, as_layout
 from warehouse_core.world.tiles import Cell
 
-_Known = tuple[NDArray[np.uint8], NDArray[np.int32], NDArray[np.int8]]
+_Known = tuple[Window, NDArray[np.int32], NDArray[np.int8]]
 """The window, the numbers and the mask of a cell."""
 
 UNSTARTED = "there has been no reset() yet"
@@ -78,7 +81,8 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         view_radius: cells seen in each direction, 0 to ``MAX_VIEW_RADIUS``.
         randomize: what is drawn for each episode: ``True`` for pickup, dropoff and start, or
             ``"stations"`` or ``"start"`` for one of the two.
-        render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``.
+        render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``. Without a
+            display ``metadata`` does not list ``"human"``.
         tile_pixels: side of a cell in a picture, at least 2; ``None`` fits it to the layout.
 
     Raises:
@@ -90,6 +94,8 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         "render_modes": ["human", "rgb_array", "ansi"],
         "render_fps": RENDER_FPS,
     }
+
+    _spec: EnvSpec | None = None
 
     def __init__(
         self,
@@ -105,6 +111,9 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         tile_pixels: int | None = None,
     ) -> None:
         check_render_mode(render_mode, self.metadata["render_modes"])
+        if not may_have_display():  # so that checkers do not try to open a window
+            modes = [mode for mode in self.metadata["render_modes"] if mode != "human"]
+            self.metadata = self.metadata | {"render_modes": modes}
         self._layout = as_layout(layout)
         self._start = None if start_pos is None else as_cell("start_pos", start_pos)
         # Environments that share a motion would move each other's robots.
@@ -118,6 +127,7 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         extent = Extent(env.height, env.width, env.view_radius, env.max_battery, env.max_steps)
         form = make_form(observation, extent)
         self.observation_space, self._form = form.space, form.of
+        self._marked = MARKED.get(observation, ())
         self.action_space = spaces.Discrete(len(ACTIONS))
         self.render_mode = render_mode
         if tile_pixels is None:
@@ -132,6 +142,15 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
     def warehouse(self) -> WarehouseEnv:
         """The wrapped environment of the chapter."""
         return self._warehouse
+
+    @property
+    def spec(self) -> EnvSpec | None:
+        """How ``gymnasium.make`` made it; ``max_episode_steps`` is ``max_steps``."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        self._spec = with_limit(spec, self._warehouse.max_steps)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -263,7 +282,10 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         if sides is None:
             self._sides[cell] = sides = layout.open_sides(cell)
         mask = _mask(sides, layout.rows[cell[0]][cell[1]], has_item)
-        return window_of(observation), numbers_of(observation), mask
+        window: Window = window_of(observation)
+        if self._marked:
+            window = marks(window, self._marked)
+        return window, numbers_of(observation), mask
 
     def _picture(self) -> NDArray[np.uint8]:
         state = self._warehouse.state

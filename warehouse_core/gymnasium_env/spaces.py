@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from typing import Any, NamedTuple
 
 import numpy as np
 from gymnasium import spaces
+from gymnasium.envs.registration import EnvSpec
 from numpy.typing import ArrayLike
 
 from warehouse_core.arguments import whole_number
 from warehouse_core.render.observation_image import ObservationImage
-from warehouse_core.task.encoding import MAX_STEPS, Arrays, vector, vector_limits
+from warehouse_core.task.encoding import MARKED_TILES, MAX_STEPS, Arrays, vector, vector_limits
 from warehouse_core.world.tiles import CELL_CODES
 
 FORMS = ("dict", "vector", "image")
+
+MARKED = {"vector": MARKED_TILES}
+"""The tiles of forms that are made of ``marks``, and not of codes, because that is faster."""
 
 RENDER_FPS = 8
 
@@ -95,6 +100,14 @@ def _dict_space(extent: Extent) -> spaces.Dict:
             "dropoff_pos": whole(-1, last_cell, 2),
         }
     )
+
+
+def with_limit(spec: EnvSpec | None, max_steps: int) -> EnvSpec | None:
+    """Return a copy of a spec that has the limit of steps of its environment."""
+    limited = copy(spec)
+    if limited is not None:
+        limited.max_episode_steps = max_steps
+    return limited
 
 
 def check_options(options: object, allowed: set[str]) -> dict[str, Any]:

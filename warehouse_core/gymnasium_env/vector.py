@@ -8,20 +8,25 @@ from typing import Any, cast
 import gymnasium
 import numpy as np
 from gymnasium import spaces
+from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 from gymnasium.vector.utils import batch_space, iterate
 from numpy.typing import ArrayLike, NDArray
 
+from warehouse_core.arguments import whole_number
 from warehouse_core.errors import EndedError
 from warehouse_core.gymnasium_env.spaces import (
+    MARKED,
     RENDER_FPS,
     Extent,
     check_options,
     check_render_mode,
     make_form,
+    with_limit,
 )
 from warehouse_core.motion.backends import Backend
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
+from warehouse_core.task.encoding import MAX_STEPS
 from warehouse_core.vector.env import BatchEnv
 from warehouse_core.vector.rows import NEXT_STEP, Seeds
 from warehouse_core.world.actions import ACTIONS
@@ -58,6 +63,8 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             strings is one layout if any string is a row of tiles.
         autoreset_mode: an ``AutoresetMode`` or its value, ``"NextStep"``, ``"SameStep"`` or
             ``"Disabled"``.
+        max_episode_steps: a lower limit than ``max_steps``, as ``gymnasium.make`` sets it by a
+            wrapper; ``None`` or -1 is no other. Spaces remain those of ``max_steps``.
         backend: as for ``WarehouseGymnasiumEnv``, like all other arguments. On the physics
             backend a batch can be neither pickled nor copied.
 
@@ -65,6 +72,8 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         ValueError: a value that is not allowed; also as ``LayoutError`` or ``BackendError``.
         TypeError: an argument of another type.
     """
+
+    _spec: EnvSpec | None = None
 
     def __init__(
         self,
@@ -78,32 +87,38 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         view_radius: int = 2,
         randomize: bool | str = True,
         autoreset_mode: Any = NEXT_STEP,
+        max_episode_steps: int | None = None,
         render_mode: str | None = None,
         tile_pixels: int | None = None,
     ) -> None:
         modes = ["rgb_array"]
         check_render_mode(render_mode, modes)
         mode = getattr(autoreset_mode, "value", autoreset_mode)
+        limit = max_steps = whole_number("max_steps", max_steps, 1, MAX_STEPS)
+        if max_episode_steps not in (None, -1):
+            limit = min(limit, whole_number("max_episode_steps", max_episode_steps, minimum=1))
         self._batch = batch = BatchEnv(
             num_envs,
             _layouts(layout),
             start_pos,
-            max_steps,
+            limit,
             battery,
             view_radius,
             randomize=randomize,
             autoreset_mode=mode,
             backend=backend,
+            marked=MARKED.get(observation, ()),
         )
+        self.autoreset_mode = AutoresetMode(mode)
         self.metadata = {
             "render_modes": modes,
             "render_fps": RENDER_FPS,
-            "autoreset_mode": AutoresetMode(mode),
+            "autoreset_mode": self.autoreset_mode,
         }
         self.num_envs = num_envs = batch.num_envs
         self.render_mode = render_mode
         height, width = batch.size
-        extent = Extent(height, width, batch.view_radius, batch.max_battery, batch.max_steps)
+        extent = Extent(height, width, batch.view_radius, batch.max_battery, max_steps)
         form = make_form(observation, extent)
         self._form = form.of
         self.single_observation_space = form.space
@@ -113,6 +128,25 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         if tile_pixels is None:
             tile_pixels = tile_pixels_for(height, width)
         self._painter = TilePainter(tile_pixels)
+
+    @property
+    def spec(self) -> EnvSpec | None:
+        """How ``gymnasium.make_vec`` made it, with the limit of steps that holds."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        self._spec = with_limit(spec, self._batch.max_steps)
+
+    @property
+    def np_random_seed(self) -> Any:
+        """The seed of each row, ``B`` integers, as of Gymnasium's ``SyncVectorEnv``."""
+        return self._batch.seeds
+
+    @property  # type: ignore[misc] # it has no setter, as that of SyncVectorEnv
+    def np_random(self) -> Any:
+        """The random stream of each row, ``B`` generators."""
+        return self._batch.streams
 
     def reset(
         self, *, seed: Seeds = None, options: dict[str, Any] | None = None

@@ -5,6 +5,8 @@ Matplotlib is imported when it is needed, not when this module is.
 
 from __future__ import annotations
 
+import os
+import sys
 import time
 from typing import Any
 
@@ -18,6 +20,11 @@ DPI = 100
 
 MAX_WAIT_SECONDS = 0.01
 """How long events of the window may wait while the next picture is not due."""
+
+
+def may_have_display() -> bool:
+    """Return ``False`` if certainly no window can be opened, without importing matplotlib."""
+    return sys.platform != "linux" or any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))
 
 
 def has_display() -> bool:

@@ -7,8 +7,7 @@ that take arrays accept any leading shape ``...``: one observation or a batch.
 
 from __future__ import annotations
 
-from functools import cache
-from typing import TypedDict
+from typing import Any, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,11 +49,16 @@ _CELL, _STEP = 1 / CELLS_PER_UNIT, 1 / STEPS_PER_UNIT
 _SCALES = np.array([_CELL, _CELL, *[1.0, _CELL, _CELL] * 2, 1.0, _STEP, _STEP], np.float32)
 
 
+Window = NDArray[np.uint8] | NDArray[np.bool_]
+"""Codes of cells, or ``marks`` of them."""
+
+
 class Arrays(TypedDict):
     """An observation as arrays, with the keys of the chapter's.
 
     Attributes:
-        local_grid: ``[..., K * K]`` uint8, the window row by row in ``CELL_CODES``.
+        local_grid: ``[..., K * K]`` uint8, the window row by row in ``CELL_CODES``; or
+            ``[..., K * K * T]`` bool, its ``marks``.
         robot_pos: ``[..., 2]`` int32, row and column.
         has_item: ``[...]`` int64, 0 or 1; an ``int`` if there is no batch.
         battery: ``[..., 1]`` int32, units left.
@@ -63,7 +67,7 @@ class Arrays(TypedDict):
         dropoff_pos: ``[..., 2]`` int32, likewise.
     """
 
-    local_grid: NDArray[np.uint8]
+    local_grid: Window
     robot_pos: NDArray[np.int32]
     has_item: int | NDArray[np.int64]
     battery: NDArray[np.int32]
@@ -90,7 +94,7 @@ def numbers_of(observation: Observation) -> NDArray[np.int32]:
     return np.array((*observation["robot_pos"], *pickup, *dropoff, *budgets), np.int32)
 
 
-def arrays_of(window: NDArray[np.uint8], numbers: NDArray[np.int32], has_item: bool) -> Arrays:
+def arrays_of(window: Window, numbers: NDArray[np.int32], has_item: bool) -> Arrays:
     """Return the arrays of an observation, which share memory with ``window`` and ``numbers``."""
     return {
         "local_grid": window,
@@ -118,21 +122,27 @@ def vector(arrays: Arrays, tiles: tuple[str, ...] = MARKED_TILES) -> NDArray[np.
     2                       battery units left and steps taken, in hundreds
     ======================  =====================================================================
     """
-    window, robot = arrays["local_grid"], arrays["robot_pos"]
-    size = len(tiles) * window.shape[-1]
-    out = np.empty((*window.shape[:-1], size + OTHER_NUMBERS), np.float32)
-    out[..., :size] = _marks(tiles).take(window, axis=0).reshape(*window.shape[:-1], size)
-    rest = out[..., size:]
-    rest[..., 0:2] = robot
-    for first, station in ((2, arrays["pickup_pos"]), (5, arrays["dropoff_pos"])):
-        exists = station[..., :1] >= 0
-        rest[..., first : first + 1] = exists
-        rest[..., first + 1 : first + 3] = (station - robot) * exists
-    rest[..., 8] = arrays["has_item"]
-    rest[..., 9:10] = arrays["battery"]
-    rest[..., 10:11] = arrays["steps"]
-    rest *= _SCALES
-    return out
+    window = arrays["local_grid"]
+    found = window if window.dtype == np.bool_ else marks(window, tiles)
+    # Each number of all rows side by side, which is several times as fast as row by row.
+    rest = np.empty((OTHER_NUMBERS, *found.shape[-2::-1]), np.float32)
+    rest[0:2] = robot = arrays["robot_pos"].T
+    for first, station in ((2, arrays["pickup_pos"].T), (5, arrays["dropoff_pos"].T)):
+        exists = station >= 0
+        rest[first] = exists[0]
+        rest[first + 1 : first + 3] = (station - robot) * exists
+    rest[8] = np.asarray(arrays["has_item"]).T
+    rest[9:10] = arrays["battery"].T
+    rest[10:11] = arrays["steps"].T
+    return np.concatenate([found, rest.T * _SCALES], axis=-1, dtype=np.float32)
+
+
+def marks(window: NDArray[Any], tiles: tuple[str, ...]) -> NDArray[np.bool_]:
+    """Return for ``[..., C]`` codes of cells which of ``T`` tiles each is, ``[..., C * T]``."""
+    found = np.empty((*window.shape, len(tiles)), np.bool_)
+    for number, tile in enumerate(tiles):
+        np.equal(window, CELL_CODES[tile], out=found[..., number])
+    return found.reshape(*window.shape[:-1], -1)
 
 
 def vector_limits(
@@ -152,9 +162,3 @@ def vector_limits(
         np.concatenate([np.zeros(window, np.float32), low]),
         np.concatenate([np.ones(window, np.float32), high]),
     )
-
-
-@cache
-def _marks(tiles: tuple[str, ...]) -> NDArray[np.float32]:
-    """Return for each code of a cell which of the tiles it is, ``[codes, T]``."""
-    return np.array([[tile == marked for marked in tiles] for tile in CELL_CODES], np.float32)

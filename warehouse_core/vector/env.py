@@ -81,6 +81,9 @@ class BatchEnv:
         backend: name, class or instance of a motion with a method ``batch``.
         pool: layouts of one size, instead of ``layout``. For each episode a row draws one of them,
             from its stream and before its start.
+        marked: the tiles of ``encoding.vector``: ``local_grid`` is then their ``marks``, of which
+            it makes vectors several times as fast as of codes; by default, and on very large
+            floors, it is codes.
 
     Raises:
         ValueError: a value that is not allowed; also as ``LayoutError`` or ``BackendError``.
@@ -100,6 +103,7 @@ class BatchEnv:
         autoreset_mode: str = NEXT_STEP,
         backend: Backend = "grid",
         pool: Sequence[Layout] | None = None,
+        marked: tuple[str, ...] = (),
     ) -> None:
         self.num_envs = whole_number("num_envs", num_envs, minimum=1)
         self.max_steps = whole_number("max_steps", max_steps, 1, MAX_STEPS)
@@ -115,7 +119,9 @@ class BatchEnv:
         if drawn.stations:
             self.layouts = self.layouts.without_stations()
         self._start = VectorStarts(self.layouts, start_pos, drawn)
-        self._floor = VectorFloor(self.layouts, self.view_radius, moving_stations=drawn.stations)
+        self._floor = VectorFloor(
+            self.layouts, self.view_radius, moving_stations=drawn.stations, tiles=marked
+        )
         motion = make_batch_motion(backend, self.layouts.rows)
         if pool is not None and not isinstance(motion, ChangesLayouts):
             raise BackendError(
@@ -135,6 +141,16 @@ class BatchEnv:
         """The largest numbers of rows and of columns of any layout."""
         kinds = self.layouts.kinds
         return max(kind.height for kind in kinds), max(kind.width for kind in kinds)
+
+    @property
+    def seeds(self) -> tuple[int, ...]:
+        """The seed of each row, which is random if none was given."""
+        return tuple(map(self._start.seed_of, range(self.num_envs)))
+
+    @property
+    def streams(self) -> tuple[np.random.Generator, ...]:
+        """The random stream of each row, from which ``reset`` draws its starts."""
+        return tuple(map(self._start.stream, range(self.num_envs)))
 
     def reset(self, seed: Seeds = None, mask: Flags | None = None) -> tuple[Arrays, dict[str, Any]]:
         """Start an episode in every row, or in those of a mask.

@@ -6,13 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.motion.vector import Flags, Integers, Rows
-from warehouse_core.task.encoding import NOWHERE
+from warehouse_core.task.encoding import NOWHERE, Window, marks
 from warehouse_core.vector.rules import masks, sides_number, station_numbers
 from warehouse_core.world.tables import (
+    MAX_TABLE_BYTES,
     LayoutSet,
     places_table,
     sides_table,
     tiles_table,
+    windows_bytes,
     windows_table,
 )
 from warehouse_core.world.tiles import CELL_CODES, DROPOFF, PICKUP, ROBOT_EMPTY, ROBOT_LOADED
@@ -32,19 +34,33 @@ class VectorFloor:
         radius: cells seen in each direction.
         moving_stations: use the stations of ``put_stations``, one pickup and one dropoff for each
             row, instead of those of the layouts.
+        tiles: windows are the ``encoding.marks`` of these, with pickup and dropoff but no robot
+            among them; by default, or if the marks would take more than ``MAX_TABLE_BYTES``, they
+            are codes.
 
     Attributes:
         has_chargers: whether any layout has one.
         station_places: ``[2, B, 2]``, row and column of the first pickups and dropoffs.
     """
 
-    def __init__(self, layouts: LayoutSet, radius: int, *, moving_stations: bool) -> None:
+    def __init__(
+        self,
+        layouts: LayoutSet,
+        radius: int,
+        *,
+        moving_stations: bool,
+        tiles: tuple[str, ...] = (),
+    ) -> None:
         if moving_stations:
             layouts = layouts.without_stations()
         kinds, rows = layouts.kinds, len(layouts.kind)
         self._base, self._moving, self._radius = layouts.base, moving_stations, radius
         self.has_chargers = any(kind.chargers for kind in kinds)
-        self._windows = windows_table(kinds, radius)
+        if len(tiles) * windows_bytes(kinds, radius) > MAX_TABLE_BYTES:
+            tiles = ()
+        self._numbers, self._tiles = len(tiles) or 1, tiles
+        windows = windows_table(kinds, radius)
+        self._windows = marks(windows, tiles) if tiles else windows
         self._places = places_table(kinds)
         self._sides = sides_number(sides_table(kinds))
         self._stations = station_numbers(tiles_table(kinds))
@@ -56,12 +72,12 @@ class VectorFloor:
         self._stride = max(layout.width for layout in kinds) + radius + 1
         self._reach = radius * self._stride + radius + 1
         # The place for each offset is the middle, where the robot is, if it is out of sight.
-        cells = self._windows.shape[1]
-        self._centre = cells // 2
+        places = np.arange(0, self._windows.shape[1], self._numbers)
+        self._centre = places[len(places) // 2]
         self._place_of = np.full(2 * self._reach + 1, self._centre)
         side = np.arange(-radius, radius + 1)
         offsets = side[:, None] * self._stride + side + self._reach
-        self._place_of[offsets.ravel()] = np.arange(cells)
+        self._place_of[offsets.ravel()] = places
 
     def put_stations(self, rows: Integers, pickups: Integers, dropoffs: Integers) -> None:
         """Set the first pickup and dropoff of some rows, as cells or ``NO_CELL``."""
@@ -89,32 +105,35 @@ class VectorFloor:
         """Return row and column of the cells, ``[N, 2]``."""
         return self._places.take(self._base[rows] + cells, axis=0)
 
-    def windows(
-        self, rows: Rows, cells: Integers, has_item: Flags, robots: Integers
-    ) -> NDArray[np.uint8]:
-        """Return fresh windows of the robots, whose places are ``robots``; ``[N, K * K]`` codes."""
+    def windows(self, rows: Rows, cells: Integers, has_item: Flags, robots: Integers) -> Window:
+        """Return fresh windows of the robots, whose places are ``robots``.
+
+        They are ``[N, K * K]`` codes, or ``[N, K * K * T]`` marks.
+        """
         windows = self._around(rows, cells, robots)
-        windows[:, self._centre] = np.where(
-            has_item, CELL_CODES[ROBOT_LOADED], CELL_CODES[ROBOT_EMPTY]
-        )
+        if self._tiles:
+            windows[:, self._centre : self._centre + self._numbers] = False
+        else:
+            windows[:, self._centre] = np.where(
+                has_item, CELL_CODES[ROBOT_LOADED], CELL_CODES[ROBOT_EMPTY]
+            )
         return windows
 
-    def _around(self, rows: Rows, cells: Integers, robots: Integers) -> NDArray[np.uint8]:
+    def _around(self, rows: Rows, cells: Integers, robots: Integers) -> Window:
         """Return the windows without the robots in their middle."""
         windows = self._windows.take(self._base[rows] + cells, axis=0)
         if self._moving and self._radius:
             for tile, stations in zip((PICKUP, DROPOFF), self.station_places, strict=True):
-                self._mark(windows, CELL_CODES[tile], stations[rows], robots)
+                self._mark(windows, tile, stations[rows], robots)
         return windows
 
-    def _mark(
-        self, windows: NDArray[np.uint8], code: int, stations: Integers, robots: Integers
-    ) -> None:
-        """Write a code where the stations are; those out of sight go to the middle."""
+    def _mark(self, windows: Window, tile: str, stations: Integers, robots: Integers) -> None:
+        """Write a tile where the stations are; those out of sight go to the middle."""
+        first, value = (self._tiles.index(tile), 1) if self._tiles else (0, CELL_CODES[tile])
         way = stations - robots
         # Offsets on a large grid can exceed 32 bits.
         offset = np.multiply(way[:, 0], self._stride, dtype=np.intp)
         offset += way[:, 1] + self._reach
         place = self._place_of.take(offset, mode="clip")
-        place += np.arange(0, windows.size, windows.shape[1])
-        windows.reshape(-1)[place] = code
+        place += np.arange(first, windows.size, windows.shape[1])
+        windows.reshape(-1)[place] = value

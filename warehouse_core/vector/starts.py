@@ -48,22 +48,37 @@ class VectorStarts:
         self._counts = np.array(counts)
         self._cells = np.concatenate(cells)
         self._first = np.cumsum([0, *counts])[:-1]
+        self._seeds: dict[int, int] = {}
         self._streams: dict[int, np.random.Generator] = {}
         if drawn.stations:
             for layout in layouts.kinds:
                 check_room(layout)
 
     def seed(self, rows: Integers, seeds: Sequence[int | None]) -> None:
-        """Start the streams of rows, or restart those with a seed."""
-        if any(self._drawn) or self._layouts.others:
-            for row, seed in zip(rows.tolist(), seeds, strict=True):
-                if seed is not None or row not in self._streams:
-                    self._streams[row] = np.random.default_rng(seed)
+        """Restart the streams of those rows that have a seed."""
+        for row, seed in zip(rows.tolist(), seeds, strict=True):
+            if seed is not None:
+                self._seeds[row] = seed
+                self._streams.pop(row, None)
+
+    def seed_of(self, row: int) -> int:
+        """Return the last seed of a row; a row that had none gets a random one."""
+        if row not in self._seeds:
+            entropy = np.random.SeedSequence().entropy
+            assert isinstance(entropy, int), "it is drawn from the operating system"
+            self._seeds[row] = entropy
+        return self._seeds[row]
+
+    def stream(self, row: int) -> np.random.Generator:
+        """Return the random stream of a row, which is made when it is needed first."""
+        if row not in self._streams:
+            self._streams[row] = np.random.default_rng(self.seed_of(row))
+        return self._streams[row]
 
     def draw_layouts(self, rows: Integers) -> list[Layout]:
         """Give some rows layouts drawn from the ``others``, and return these."""
         others = self._layouts.others
-        places = [int(self._streams[row].random() * len(others)) for row in rows.tolist()]
+        places = [int(self.stream(row).random() * len(others)) for row in rows.tolist()]
         drawn = [others[place] for place in places]
         self._layouts.change(rows, drawn)
         self._fixed[:, rows] = self._fixed_of_others[:, places]
@@ -78,7 +93,7 @@ class VectorStarts:
         fixed = self._fixed[:, rows]
         if not any(self._drawn):
             return fixed
-        uniforms = np.array([self._streams[row].random(DRAWS) for row in rows.tolist()])
+        uniforms = np.array([self.stream(row).random(DRAWS) for row in rows.tolist()])
         uniforms, kinds = uniforms.reshape(-1, DRAWS), self._layouts.kind[rows]
         counts = self._counts[kinds]
         ranks = np.full((3, len(rows)), NO_RANK)

@@ -110,14 +110,18 @@ def sides_table(layouts: Sequence[Layout]) -> NDArray[np.bool_]:
     return np.concatenate([_sides(layout) for layout in layouts])
 
 
+def windows_bytes(layouts: Sequence[Layout], radius: int) -> int:
+    """Return the size of ``windows_table``."""
+    return sum(map(size_of, layouts)) * (2 * radius + 1) ** 2
+
+
 def windows_table(layouts: Sequence[Layout], radius: int) -> NDArray[np.uint8]:
     """Return the window around every cell, without the robot, as ``[N, K * K]`` codes.
 
     Raises:
         LayoutError: the table would be larger than ``MAX_TABLE_BYTES``.
     """
-    side = 2 * radius + 1
-    needed = sum(map(size_of, layouts)) * side**2
+    side, needed = 2 * radius + 1, windows_bytes(layouts, radius)
     if needed > MAX_TABLE_BYTES:
         raise LayoutError(
             f"windows of {side} x {side} for {len(layouts)} layouts take {needed} bytes; "

@@ -97,6 +97,13 @@ def test_a_layout_of_one_open_cell_has_one_end() -> None:
     assert choose_ends(Layout(["#.#"]), None, None, 3) == ((0, 1), (0, 1))
 
 
+def test_the_start_is_not_a_goal_with_walls_around_it() -> None:
+    layout = Layout([".#.#."])
+    assert choose_ends(layout, None, (0, 0), None) == ((0, 4), (0, 0))
+    assert choose_ends(layout, None, (0, 4), None) == ((0, 0), (0, 4))
+    assert choose_ends(Layout(["P"]), None, None, None) == ((0, 0), (0, 0))
+
+
 def test_a_cell_at_the_origin_counts_as_given() -> None:
     layout = Layout([".P", ".."])
     assert choose_ends(layout, (1, 1), (0, 0), None) == ((1, 1), (0, 0))

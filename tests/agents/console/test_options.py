@@ -1,3 +1,4 @@
+import sys
 from pathlib import Path
 
 import pytest
@@ -49,6 +50,17 @@ def test_every_format_and_the_record_may_be_saved(
     assert command(capsys, "keep", *words, app=app).out.split() == targets
     assert command(capsys, "keep", app=app).out == "\n"
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_mp4_without_its_library_is_refused_before_the_command_runs(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    for name in ("keep", "film"):
+        words = ["--save", tmp_path / "film.gif", "--save", tmp_path / "film.MP4"]
+        line = refusal(capsys, name, *words, app=app)
+        assert line == "saving as .mp4 needs imageio-ffmpeg: pip install 'imageio-ffmpeg>=0.5'"
+        assert command(capsys, name, *words[:2], app=app).code == 0
 
 
 @pytest.mark.parametrize(

@@ -20,11 +20,11 @@ import pytest
 from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
-from gymnasium.utils.passive_env_checker import env_render_passive_checker
 from gymnasium.wrappers import (
     FlattenObservation,
     RecordEpisodeStatistics,
     RecordVideo,
+    TimeAwareObservation,
     TimeLimit,
 )
 from helpers.gymnasium_envs import CORRIDOR, NAME, ROOM, make, make_vec, plain, same, walk
@@ -51,13 +51,34 @@ over_backends = pytest.mark.parametrize("backend", ["grid", "physics"])
     ("backend", "form", "render_mode"),
     [("grid", "dict", None), ("grid", "vector", "ansi"), ("physics", "image", "rgb_array")],
 )
-def test_the_checker_of_gymnasium_passes(backend: str, form: str, render_mode: str | None) -> None:
+def test_the_checker_of_gymnasium_passes_without_a_display(
+    backend: str, form: str, render_mode: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
     env = plain(backend=backend, observation=form, render_mode=render_mode)
-    # It would try all render modes, and "human" needs a display.
-    check_env(env, skip_render_check=True)
-    if render_mode is not None:
-        env_render_passive_checker(env)
+    check_env(env)
     env.close()
+
+
+@pytest.mark.parametrize(
+    ("platform", "name", "modes"),
+    [
+        ("linux", "DISPLAY", ["human", "rgb_array", "ansi"]),
+        ("linux", "WAYLAND_DISPLAY", ["human", "rgb_array", "ansi"]),
+        ("linux", "NO_DISPLAY", ["rgb_array", "ansi"]),
+        ("darwin", "NO_DISPLAY", ["human", "rgb_array", "ansi"]),
+    ],
+)
+def test_a_window_is_a_mode_where_there_may_be_a_display(
+    platform: str, name: str, modes: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for each in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(each, raising=False)
+    monkeypatch.setenv(name, ":1")
+    monkeypatch.setattr("sys.platform", platform)
+    assert plain().metadata["render_modes"] == modes
+    assert WarehouseGymnasiumEnv.metadata["render_modes"] == ["human", "rgb_array", "ansi"]
 
 
 @pytest.mark.parametrize("form", ["dict", "vector"])
@@ -518,6 +539,21 @@ def test_wrappers_of_gymnasium_work() -> None:
     short = make(max_episode_steps=3)
     short.reset(seed=0)
     assert [short.step(WAIT)[3] for _ in range(3)] == [False, False, True]
+
+
+def test_the_spec_has_the_limit_of_steps() -> None:
+    env = make(observation="vector", max_steps=7)
+    assert env.spec.max_episode_steps == env.unwrapped.spec.max_episode_steps == 7
+    assert make(max_steps=7, max_episode_steps=3).spec.max_episode_steps == 3
+    assert gymnasium.spec(ID).max_episode_steps is None
+    bare = plain()
+    bare.spec = None
+    assert bare.spec is None
+    timed = TimeAwareObservation(env, normalize_time=True)
+    timed.reset(seed=0)
+    assert [float(timed.step(WAIT)[0][-1]) for _ in range(7)] == pytest.approx(
+        [step / 7 for step in range(1, 8)]
+    )
 
 
 HASH = "862b4139031d8b56bf9f55e530a148093004e76f59ff9a43b280ae0144e24101"

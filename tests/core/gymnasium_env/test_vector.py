@@ -34,6 +34,8 @@ from warehouse_core.gymnasium_env.vector import WarehouseVectorEnv
 
 NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
 
+ONLY_BATCH = ("num_envs", "autoreset_mode", "max_episode_steps")
+
 over_forms = pytest.mark.parametrize("form", FORMS)
 over_modes = pytest.mark.parametrize("mode", MODES)
 allow_fork = pytest.mark.filterwarnings("ignore:This process .* is multi-threaded")
@@ -114,6 +116,7 @@ def test_a_batch_equals_a_sync_vector_env_bit_for_bit(
     assert batch.single_action_space == sync.single_action_space
     if HAS_MODES:
         assert batch.metadata["autoreset_mode"] is sync.metadata["autoreset_mode"]
+        assert batch.autoreset_mode is sync.autoreset_mode
 
     def reset(**given: Any) -> None:
         # Gymnasium removes the mask from its options, so each gets a copy.
@@ -121,6 +124,7 @@ def test_a_batch_equals_a_sync_vector_env_bit_for_bit(
         assert same(found[0][0], found[1][0])
         assert found[0][0] in batch.observation_space
         assert_infos_equal(found[0][1], found[1][1])
+        assert batch.np_random_seed == sync.np_random_seed
 
     reset(seed=21)
     stream, ends = np.random.default_rng(1), 0
@@ -144,6 +148,39 @@ def test_a_batch_equals_a_sync_vector_env_bit_for_bit(
     assert ends
     batch.close()
     sync.close()
+
+
+@allow_fork
+@pytest.mark.parametrize("limit", [3, 9, -1])
+def test_a_limit_of_steps_is_that_of_gymnasiums_wrapper(limit: int) -> None:
+    settings = {"layout": ROOM, "max_steps": 6, "max_episode_steps": limit}
+    batch, sync = (
+        gymnasium.make_vec(NAME, 2, way, **settings) for way in ("vector_entry_point", "sync")
+    )
+    assert batch.single_observation_space == sync.single_observation_space
+    assert batch.spec.max_episode_steps == min(limit % 10, 6)
+    with closing(batch), closing(sync):
+        assert same(batch.reset(seed=2)[0], sync.reset(seed=2)[0])
+        for actions in np.random.default_rng(4).integers(5, size=(15, 2)):
+            assert same(batch.step(actions)[:4], sync.step(actions)[:4])
+    with closing(gymnasium.make_vec(batch.spec)) as again:
+        assert (again.num_envs, again.spec.max_episode_steps) == (2, min(limit % 10, 6))
+
+
+def test_rows_without_a_seed_have_the_seeds_that_they_tell() -> None:
+    env, other = (WarehouseVectorEnv(3, ROOM) for _ in range(2))
+    known = env.np_random_seed
+    start = env.reset()[0]
+    assert env.np_random_seed == known
+    assert len(set(known)) == 3
+    assert same(other.reset(seed=known)[0], start)
+    stream = other.np_random[1]
+    before = stream.bit_generator.state
+    other.reset()
+    assert stream.bit_generator.state != before
+    fixed = WarehouseVectorEnv(2, ROOM, randomize=False)
+    fixed.reset(seed=7)
+    assert fixed.np_random_seed == (7, 8)
 
 
 @over_modes
@@ -291,4 +328,4 @@ def test_both_environments_have_the_same_arguments_in_the_same_order() -> None:
         list(inspect.signature(kind).parameters)
         for kind in (WarehouseGymnasiumEnv, WarehouseVectorEnv)
     )
-    assert [name for name in batch if name not in ("num_envs", "autoreset_mode")] == single
+    assert [name for name in batch if name not in ONLY_BATCH] == single

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from warehouse_core import Cell, Layout, random_layout
+from warehouse_core.task.encoding import MARKED_TILES, marks
 from warehouse_core.task.sight import Sight
 from warehouse_core.vector.floor import VectorFloor
 from warehouse_core.world.tables import LayoutSet
@@ -27,7 +28,10 @@ def put(floor: VectorFloor, row: int, layout: Layout, *stations: Cell) -> None:
 @pytest.mark.parametrize("radius", [0, 1, 2, 8])
 def test_windows_show_stations_only_where_they_are(radius: int) -> None:
     """Every place of pickup, dropoff and robot, in layouts narrower and wider than the window."""
-    floor = VectorFloor(LayoutSet(BARE), radius, moving_stations=True)
+    floor, marked = (
+        VectorFloor(LayoutSet(BARE), radius, moving_stations=True, tiles=tiles)
+        for tiles in ((), MARKED_TILES)
+    )
     for row, layout in enumerate(BARE):
         cells = [layout.open_cell(index) for index in range(len(layout.open_cells))]
         stream = np.random.default_rng(radius)
@@ -37,22 +41,40 @@ def test_windows_show_stations_only_where_they_are(radius: int) -> None:
             expected.use(layout.with_stations(pickup, dropoff))
             robots, count = np.array(cells, np.int32), len(cells)
             loaded = stream.random(count) < 0.5
-            put(floor, row, layout, pickup, dropoff)
-            found = floor.windows(np.full(count, row), layout.open_cells, loaded, robots)
+            for each in (floor, marked):
+                put(each, row, layout, pickup, dropoff)
+            given = np.full(count, row), layout.open_cells, loaded, robots
+            found = floor.windows(*given)
             assert found.dtype == np.uint8
+            assert np.array_equal(marked.windows(*given), marks(found, MARKED_TILES))
             for cell, has_item, window in zip(cells, loaded, found.tolist(), strict=True):
                 assert window == codes(expected.window(cell, bool(has_item))), (cell, pickup)
 
 
 def test_stations_of_the_layout_are_used_unless_they_move() -> None:
     shop = Layout(["P.D", "DP."])
-    floor = VectorFloor(LayoutSet([shop] * 2), 1, moving_stations=False)
+    floor, marked = (
+        VectorFloor(LayoutSet([shop] * 2), 1, moving_stations=False, tiles=tiles)
+        for tiles in ((), MARKED_TILES)
+    )
     cells, loaded = np.array([1, 5]), np.array([False, True])
-    found = floor.windows(np.arange(2), cells, loaded, floor.places(np.arange(2), cells))
+    given = np.arange(2), cells, loaded, floor.places(np.arange(2), cells)
+    found = floor.windows(*given)
     assert found.tolist() == [
         codes(["###", "PRD", "DP."]),
         codes([".D#", "Pr#", "###"]),
     ]
+    assert np.array_equal(marked.windows(*given), marks(found, MARKED_TILES))
+
+
+def test_windows_whose_marks_are_too_large_are_codes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("warehouse_core.vector.floor.MAX_TABLE_BYTES", 3 * 12 * 9 - 1)
+    kinds = {}
+    for layout in (OPEN, LANE):
+        floor = VectorFloor(LayoutSet([layout]), 1, moving_stations=False, tiles=MARKED_TILES)
+        given = np.array([0]), np.array([5]), np.array([False]), np.array([[0, 5]])
+        kinds[layout] = floor.windows(*given).dtype
+    assert kinds == {OPEN: np.uint8, LANE: np.bool_}
 
 
 def test_a_station_very_far_away_is_not_seen() -> None:

@@ -10,6 +10,7 @@ from helpers.batches import CORRIDOR, MOTION, ROOM, Single, over_modes, over_sta
 
 from warehouse_core import BackendError, Layout, LayoutError, random_layout
 from warehouse_core.motion.grid import GridMotion
+from warehouse_core.task.encoding import MARKED_TILES, vector
 from warehouse_core.vector.env import BatchEnv
 from warehouse_core.vector.rows import DISABLED, NEXT_STEP, SAME_STEP
 
@@ -65,6 +66,16 @@ def test_each_row_equals_a_single_environment_in_the_layouts_it_draws(
                 if single.ended:
                     single.begin()
     assert set(seen) == set(POOL)
+
+
+def test_marks_are_those_of_the_layouts_that_are_drawn() -> None:
+    settings: dict[str, Any] = {"pool": POOL, "autoreset_mode": SAME_STEP, "max_steps": 5}
+    batches = [BatchEnv(ROWS, **settings, marked=marked) for marked in ((), MARKED_TILES)]
+    seen = [batch.reset(seed=1)[0] for batch in batches]
+    for actions in np.random.default_rng(0).integers(7, size=(20, ROWS)):
+        codes, marks = map(vector, seen)
+        assert np.array_equal(codes, marks)
+        seen = [batch.step(actions)[0] for batch in batches]
 
 
 def test_layouts_are_drawn_uniformly_and_by_the_seed() -> None:

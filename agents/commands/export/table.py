@@ -1,4 +1,4 @@
-"""The command ``warehouse export``: results as one CSV or Parquet table for other programs.
+"""Results of a sweep as one CSV or Parquet table.
 
 A line is an episode: its settings, a column for each, its outcome, and the program that ran it.
 """
@@ -9,17 +9,14 @@ import csv
 from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
-from typing import Annotated, Any, get_type_hints
+from typing import Any, get_type_hints
 
-import typer
-
-from agents.console.terminal import say
 from agents.errors import StoreError
 from agents.experiments.case import TILES, Case, row_type
 from agents.experiments.store import Store
 from agents.experiments.tables import Row
 from warehouse_core.extras import install_command
-from warehouse_core.files.atomic import atomic_path, check_suffix
+from warehouse_core.files.atomic import atomic_path
 
 ROWS_END = "/"
 """Between the rows of a layout, so that an episode is one line of text."""
@@ -37,30 +34,22 @@ TYPES = {int: "int", float: "float", str: "str", int | None: "int", float | None
 Line = tuple[Any, ...]
 
 
-def export(
-    results: Annotated[
-        Path, typer.Argument(metavar="RESULTS", help="A file written by 'warehouse sweep'.")
-    ],
-    table: Annotated[
-        Path,
-        typer.Argument(
-            metavar="TABLE",
-            help="The .csv or .parquet file to write; .parquet needs the extra 'parquet'.",
-        ),
-    ],
-) -> None:
-    """Write the episodes of a sweep as a table.
+def save_table(target: Path, results: Path, suffix: str) -> None:
+    """Write the episodes of a sweep as one table, whole or not at all.
 
-    Each line is an episode: its settings, its outcome and the program that ran it, a column each.
+    Args:
+        target: the file to write.
+        results: a file of ``Store``.
+        suffix: ``CSV`` or ``PARQUET``.
 
-    Example: warehouse export results.sqlite results.csv
+    Raises:
+        StoreError: the results cannot be read, or pyarrow is not installed.
+        OSError: the table cannot be written.
     """
-    writers = {CSV: _write_csv, PARQUET: _write_parquet}
-    suffix = check_suffix(table, writers)
-    with Store(results, read_only=True) as store, atomic_path(table) as part:
+    write = {CSV: _write_csv, PARQUET: _write_parquet}[suffix]
+    with Store(results, read_only=True) as store, atomic_path(target) as part:
         columns = columns_of(store)
-        writers[suffix](part, columns, lines_of(store, columns))
-    say(f"saved {table}")
+        write(part, columns, lines_of(store, columns))
 
 
 def columns_of(store: Store) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""The command ``warehouse export``: the same table as CSV and Parquet, never a partial file."""
+"""``warehouse export`` of results: the same table as CSV and Parquet, never a partial file."""
 
 import csv
 import os
@@ -13,9 +13,10 @@ from helpers.command_line import command, refusal
 from helpers.results_files import shift
 from pyarrow import parquet
 
-from agents.experiments import export as table_export
+from agents.commands.export import table as table_export
+from agents.commands.export.export import export
+from agents.commands.export.table import columns_of, lines_of
 from agents.experiments.case import TILES, make_case
-from agents.experiments.export import columns_of, lines_of
 from agents.experiments.store import Store
 from agents.experiments.tables import Row
 from warehouse_core import DEFAULT_LAYOUT
@@ -251,6 +252,6 @@ def test_lone_robots_and_fleets_share_a_table(tmp_path: Path) -> None:
     assert alone["robots"] is alone["per_hour"] is None
     assert alone["reward"] == -0.1 - 0.2
     for suffix in (".csv", ".parquet"):
-        table_export.export(path, tmp_path / f"t{suffix}")
+        export(path, tmp_path / f"t{suffix}")
     assert parquet.read_table(tmp_path / "t.parquet")["per_hour"].to_pylist()[-1] == 180.0
     assert read_csv(tmp_path / "t.csv")[-1]["on_time"] == ""

@@ -1,0 +1,1 @@
+"""The command ``warehouse export``: results and episodes as files for other programs."""

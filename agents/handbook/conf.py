@@ -1,0 +1,28 @@
+"""The settings of the handbook's site; ``sphinx-build -W agents/handbook site`` builds it."""
+
+import os
+import sys
+from pathlib import Path
+
+project = "warehouse-lab"
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+html_theme = "furo"
+html_title = project
+html_show_copyright = False
+html_show_sphinx = False
+
+# The cells are executed each time, in a folder that is removed. An error ends the build.
+nb_execution_mode = "force"
+nb_execution_in_temp = True
+nb_execution_raise_on_error = True
+nb_execution_timeout = 300
+nb_merge_streams = True
+myst_heading_anchors = 3
+
+napoleon_use_ivar = True
+autodoc_member_order = "bysource"
+autodoc_typehints_format = "short"
+default_role = "code"
+
+# So that cells find the command "warehouse" of the environment that builds the site.
+os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])

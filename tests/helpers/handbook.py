@@ -1,0 +1,66 @@
+"""The pages of Markdown that are run: the README and the handbook, block by block."""
+
+import re
+import shlex
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from agents import cli
+from agents.console.main import main
+from helpers.command_line import ROOT
+
+HANDBOOK = ROOT / "agents" / "handbook"
+PAGES = sorted(HANDBOOK.glob("*.md"))
+BLOCK = re.compile(
+    r"^```(?:\{code-cell\} ipython3|(\w+))( rl)?\n(?::[^\n]*\n\n)?(.*?)^```$",
+    flags=re.DOTALL | re.MULTILINE,
+)
+INSTALL = "python3 -m venv .venv && .venv/bin/pip install -e "
+CELL, COMMAND, WRITE, TORCH = "python", "warehouse ", "%%writefile ", "rl"
+
+
+class Block(NamedTuple):
+    """A block of a page; its language is ``CELL`` for cells too."""
+
+    language: str
+    text: str
+    needs_torch: bool
+
+
+def blocks_of(page: Path) -> Iterator[Block]:
+    """Yield the blocks of a page that are run."""
+    for language, torch, text in BLOCK.findall(page.read_text(encoding="utf-8")):
+        yield Block(language or CELL, text, torch.strip() == TORCH)
+
+
+def run_page(page: Path, *, torch: bool = False) -> dict[str, object]:
+    """Run the blocks of a page in the current folder, and return the names that they define.
+
+    Of a page with blocks that need PyTorch, these or the others are run.
+    """
+    names: dict[str, object] = {"__name__": "__main__"}
+    for language, text, needs_torch in blocks_of(page):
+        if needs_torch != torch:
+            continue
+        if text.startswith(WRITE):
+            head, _, rest = text.partition("\n")
+            Path(head.removeprefix(WRITE)).write_text(rest, encoding="utf-8")
+        elif language == CELL and not text.startswith("!"):
+            exec(compile(text, page.name, "exec"), names)
+        else:
+            for line in text.splitlines():
+                if not line.startswith(INSTALL):
+                    run_command(line.removeprefix("!"))
+    return names
+
+
+def run_command(line: str) -> None:
+    """Run a command of ``warehouse`` in this process."""
+    words = shlex.split(line)
+    assert words[0] == COMMAND.strip(), f"a command of another program: {line}"
+    with pytest.raises(SystemExit) as ended:
+        main(cli.app, words[1:])
+    assert not ended.value.code, f"{line} failed"

@@ -1,0 +1,141 @@
+"""The README and the handbook: every block runs, and their statements hold."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import jupytext
+import matplotlib.pyplot as plt
+import pytest
+from helpers.command_line import ROOT, without_display
+from helpers.handbook import (
+    CELL,
+    COMMAND,
+    HANDBOOK,
+    INSTALL,
+    PAGES,
+    blocks_of,
+    run_command,
+    run_page,
+)
+
+from agents.commands import bench, train
+from agents.experiments.sweep import PRESETS
+from agents.learning import training
+from warehouse_core.viz.replay import Replay
+
+README = ROOT / "README.md"
+TEXTS = {page: page.read_text(encoding="utf-8") for page in (README, *PAGES)}
+ANSWERS = re.compile(
+    r"^<!-- (\w+) -->\n\*\*(.*?)\*\*\n\n(.*?)\n\n!", flags=re.DOTALL | re.MULTILINE
+)
+FRAMES_APART = 10
+
+each_page = pytest.mark.parametrize("page", TEXTS, ids=[page.stem for page in TEXTS])
+
+
+@pytest.fixture(autouse=True)
+def in_a_folder_without_a_display(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, small_pictures: None
+) -> Iterator[None]:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    without_display(monkeypatch)
+    yield
+    plt.close("all")
+
+
+def some_frames(replay: Replay) -> Iterator[int]:
+    """Return every ``FRAMES_APART``-th frame, and the last."""
+    return iter([*range(0, len(replay._scene) - 1, FRAMES_APART), len(replay._scene) - 1])
+
+
+@pytest.fixture
+def less_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Save some frames of each replay, train for fewer steps and measure fewer steps."""
+    monkeypatch.setattr(Replay, "new_saved_frame_seq", some_frames)
+    steps, *others = train.train_q.__defaults__ or ()
+    monkeypatch.setattr(train.train_q, "__defaults__", (steps // 20, *others))
+    monkeypatch.setattr(training, "EXAM_SEEDS", training.EXAM_SEEDS[:5])
+    monkeypatch.setattr(train, "FINAL_SEEDS", train.FINAL_SEEDS[:20])
+    for name in ("STEPS", "FRAMES", "BATCH_STEPS", "MAX_STEPS"):
+        monkeypatch.setattr(bench, name, 5)
+
+
+@each_page
+def test_every_block_of_a_page_runs(page: Path, less_work: None) -> None:
+    run_page(page)
+
+
+@pytest.mark.learning
+def test_the_commands_that_need_pytorch_run() -> None:
+    run_page(HANDBOOK / "learning.md", torch=True)
+    assert Path("model.png").exists()
+
+
+@each_page
+def test_every_block_is_of_a_kind_that_is_run(page: Path) -> None:
+    fences = re.findall(r"^```(\S+)", TEXTS[page], flags=re.MULTILINE)
+    assert {*fences} <= {"sh", "python", "{code-cell}", "{eval-rst}", "{toctree}"}
+    run = [block for block in blocks_of(page) if block.language in ("sh", CELL)]
+    assert len(run) == sum(kind in ("sh", "python", "{code-cell}") for kind in fences)
+    for block in run:
+        if block.language == "sh":
+            assert all(line.startswith((COMMAND, INSTALL)) for line in block.text.splitlines())
+
+
+@pytest.mark.parametrize("page", PAGES, ids=[page.stem for page in PAGES])
+def test_a_page_with_cells_is_a_notebook(page: Path) -> None:
+    cells = [each.source for each in jupytext.read(page).cells if each.cell_type == "code"]
+    assert cells == [block.text.rstrip("\n") for block in blocks_of(page) if block.language == CELL]
+
+
+@each_page
+def test_all_that_a_page_names_exists(page: Path) -> None:
+    links = re.findall(r"\]\((?!https?:)([^)#\s]+)[^)]*\)", TEXTS[page])
+    named = re.findall(r"`((?:warehouse_\w+|agents|\.github)/[\w/.]*)`", TEXTS[page])
+    assert [each for each in links if not (page.parent / each).exists()] == []
+    assert [each for each in named if not (ROOT / each).exists()] == []
+
+
+def test_every_page_can_be_reached_from_the_first() -> None:
+    for page in PAGES:
+        assert page.name == "index.md" or f"\n{page.stem}\n" in TEXTS[HANDBOOK / "index.md"]
+        is_listed = f"(agents/handbook/{page.name})" in TEXTS[README]
+        assert is_listed == (page.stem not in ("index", "reference"))
+
+
+@pytest.mark.slow
+def test_the_presets_give_the_answers_in_the_handbook(capsys: pytest.CaptureFixture[str]) -> None:
+    blocks = ANSWERS.findall(TEXTS[HANDBOOK / "experiments.md"])
+    assert [preset for preset, *_ in blocks] == list(PRESETS)
+    for preset, question, answer in blocks:
+        run_command(f"warehouse sweep --preset {preset} -o {preset}.sqlite")
+        capsys.readouterr()
+        run_command(f"warehouse report {preset}.sqlite --no-replays")
+        lines = capsys.readouterr().out.splitlines()
+        assert question in lines
+        given = lines[lines.index(question) + 1 :]
+        rest = " ".join(answer.split())
+        while rest:
+            [sentence] = [line for line in given if line and rest.startswith(line)]
+            rest = rest.removeprefix(sentence).lstrip()
+
+
+def test_the_two_install_commands_are_the_ones_that_ci_runs() -> None:
+    lines = TEXTS[README].splitlines()
+    installing = [line for line in lines if line.startswith(INSTALL)]
+    ci = (ROOT / ".ci" / "test").read_text(encoding="utf-8")
+    searched = re.findall(r"run_readme_line '([^']*)'", ci)
+    assert [sum(words in line for line in lines) for words in searched] == [1, 1]
+    assert all(words in line for words, line in zip(searched, installing, strict=True))
+    assert len(installing) == 2
+
+
+def test_the_animation_on_the_first_screen_moves() -> None:
+    from PIL import Image
+
+    picture = re.search(r"!\[.*?\]\((.*?)\)", TEXTS[README])
+    assert picture is not None
+    with Image.open(ROOT / picture.group(1)) as image:
+        assert image.n_frames > 10
