@@ -7,6 +7,7 @@ import importlib
 import importlib.util
 import inspect
 import random
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -91,9 +92,9 @@ def make_agent(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYO
     """Return an agent by name.
 
     Args:
-        name: one of ``AGENTS``, or ``file.py:Class`` or ``package.module:Class``; arguments may
-            follow, as in ``greedy:memory=20,escape_steps=0``. Or one of ``TRAINED``, a colon and a
-            file.
+        name: one of ``AGENTS``, or ``file.py:Class`` or ``package.module:Class``, or one of
+            ``TRAINED``, a colon and a file. Arguments may follow, as in
+            ``greedy:memory=20,escape_steps=0`` or ``ppo:model.npz:revisit=4``.
         seed: passed to the agent if it takes a ``seed``. The global streams of Python and NumPy are
             seeded with it too, if the agent is a user's class, which may draw from them.
         layout: passed to the agent if it takes a ``layout``.
@@ -254,7 +255,7 @@ def agent_file(name: str) -> Path | None:
     """Return the file that an agent is read from, or ``None`` if its name has no file."""
     word, colon, rest = name.partition(":")
     if colon and word in TRAINED:
-        return Path(rest)
+        return Path(_split_trained(rest)[0])
     source = _split(name)[0].rpartition(":")[0]
     return Path(source) if source.endswith(".py") else None
 
@@ -280,14 +281,22 @@ def _wanted(
     return {name: part() for name, part in parts.items() if name in wanted}
 
 
-def _load_trained(word: str, file: str, seed: int | None, layout: Layout) -> Agent:
-    load = TRAINED[word]
+def _split_trained(rest: str) -> tuple[str, str]:
+    """Return the file of a trained agent and its arguments; a file may have ``:`` and ``=``."""
+    file, _, options = rest.rpartition(":")
+    return (file, options) if re.match(r"[a-z_]+=", options) else (rest, "")
+
+
+def _load_trained(word: str, rest: str, seed: int | None, layout: Layout) -> Agent:
+    file, options = _split_trained(rest)
+    load = partial(TRAINED[word], Path(file))
     if not file or "\0" in file:
         raise AgentError(f"agent {f'{word}:{file}'!r} names no file; allowed: {word}:FILE")
     try:
         if (kind := not_a_file(Path(file))) is not None:
             raise AgentError(f"agent file {file}: {kind}")
-        return load(Path(file), **_wanted(load, seed, layout))
+        given = _options(f"agent {f'{word}:{file}'!r}", load, options)
+        return load(**_wanted(load, seed, layout), **given)
     except OSError as error:
         raise AgentError(f"agent file {file}: {error.strerror or error}") from error
     except RecordError as error:

@@ -110,8 +110,9 @@ def iterations_for_drag(spec: RobotSpec) -> int:
 
 def add_walls(
     space: pymunk.Space, boxes: Iterable[Box], size: float, corner: Position = (0.0, 0.0)
-) -> None:
-    """Add walls, given as boxes in cells of ``size`` metres from ``corner``."""
+) -> list[pymunk.Shape]:
+    """Add walls, given as boxes in cells of ``size`` metres from ``corner``; return them."""
+    walls: list[pymunk.Shape] = []
     left_edge, top_edge = corner
     for left, top, right, bottom in boxes:
         corners = [(left, top), (right, top), (right, bottom), (left, bottom)]
@@ -119,6 +120,8 @@ def add_walls(
         shape = pymunk.Poly(space.static_body, vertices)
         shape.collision_type = WALL
         space.add(shape)
+        walls.append(shape)
+    return walls
 
 
 def _note_hit(arbiter: pymunk.Arbiter) -> Hit:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from shutil import get_terminal_size
 from textwrap import fill
@@ -11,16 +10,23 @@ from typing import Annotated
 
 import typer
 
+from agents.commands.random_layouts import (
+    DensityOption,
+    LayoutOrRandomOption,
+    SizesOption,
+    is_random,
+    random_layouts,
+)
 from agents.console.options import (
     BackendOption,
     BatteryOption,
-    LayoutOption,
     MaxStepsOption,
     StartOption,
     StationsOption,
     load_place,
 )
 from agents.console.output import PICTURES, save_picture
+from agents.console.place import Stations, what_to_draw
 from agents.console.table import Table, print_table
 from agents.console.terminal import say
 from agents.console.watch import run_watched
@@ -28,7 +34,9 @@ from agents.errors import EpisodeInterrupted
 from agents.evaluation.scores import EXPLANATION, MEASURES, Measure, Scores, Task, evaluate
 from agents.evaluation.wording import mean, share
 from agents.registry import make_agent
+from warehouse_core import Layout
 from warehouse_core.files.atomic import check_suffix, check_target
+from warehouse_core.task.starts import STATIONS
 from warehouse_core.wording import counted
 
 AGENTS = {
@@ -68,11 +76,13 @@ def compare_agents(
         typer.Option("--seed", metavar="N", min=0, help="Seed of the first episode."),
     ] = 0,
     backend: BackendOption = "physics",
-    layout: LayoutOption = None,
+    layout: LayoutOrRandomOption = None,
     stations: StationsOption = None,
     start: StartOption = None,
     battery: BatteryOption = 200,
     max_steps: MaxStepsOption = 200,
+    size: SizesOption = None,
+    density: DensityOption = None,
     save: Annotated[
         Path | None, typer.Option("--save", metavar="FILE", help="Write the figure, .svg or .png.")
     ] = None,
@@ -81,32 +91,74 @@ def compare_agents(
 
     Prints a table of deliveries, steps, nodes expanded, time and energy.
 
+    With --layout random each seed has another layout, in which no agent of
+    "warehouse train ppo --layout random" has been trained. Several sizes are
+    compared in one figure.
+
     Example: warehouse compare-agents --agent my_agent.py:Mine -n 50
     """
     if save is not None:
         check_suffix(save, PICTURES)
         check_target(save)
-    place = load_place(layout, stations, start)
-    task = Task(place.layout, battery, max_steps, backend, place.start_pos, place.randomize)
+    tasks = make_tasks(layout, size, density, stations, start)
+    tasks = [task._replace(battery=battery, max_steps=max_steps, backend=backend) for task in tasks]
     names = AGENTS | {name: AGENTS.get(name, name) for name in agent or []}
-    for name in names:
-        make_agent(name, seed, task.layout)  # a wrong name is an error before the episodes
     seeds = range(seed, seed + episodes)
-    scores = {shown: evaluate_watched(name, shown, task, seeds) for name, shown in names.items()}
-    title = (
-        f"{counted(episodes, 'episode')} each, backend {backend}, seeds from {seed}, "
-        f"stations {place.stations}"
-    )
+    for name in names:  # a wrong name is an error before the episodes
+        make_agent(name, seeds[-1], tasks[0].layout_for(seeds[-1]))
+    groups = {
+        title_of(task, seeds): {
+            shown: evaluate_watched(name, shown, task, seeds) for name, shown in names.items()
+        }
+        for task in tasks
+    }
     # The figure first, because the reader of standard output may leave, as ``head`` does.
     if save is not None:
         from agents.evaluation.figure import scores_figure
+        from agents.evaluation.sizes_figure import sizes_figure
 
-        save_picture(scores_figure(scores, title, EXPLANATION), save)
-    for table in scores_tables(scores, title):
-        print_table(table)
+        [(title, scores), *more] = groups.items()
+        figure = scores_figure(scores, title, EXPLANATION)
+        save_picture(sizes_figure(groups, EXPLANATION) if more else figure, save)
+    for title, scores in groups.items():
+        for table in scores_tables(scores, title):
+            print_table(table)
     say(fill(EXPLANATION, get_terminal_size().columns))
     if save is not None:
         say(f"saved {save}")
+
+
+def make_tasks(
+    layout: Path | None,
+    sizes: list[str] | None,
+    density: str | None,
+    stations: Stations | None,
+    start: str | None,
+) -> list[Task]:
+    """Return a task for each size of random layouts, or the one in a layout, from the options.
+
+    Raises:
+        LayoutError: as for ``load_place`` and ``random_layouts``.
+        typer.BadParameter: likewise; or a start in random layouts.
+    """
+    if not is_random(layout, size=sizes, density=density):
+        place = load_place(layout, stations, start)
+        return [Task(place.layout, start_pos=place.start_pos, randomize=place.randomize)]
+    if start is not None:
+        raise typer.BadParameter(f"--start is {start!r}; in random layouts it is always drawn")
+    drawn = what_to_draw(stations or Stations.DRAWN)
+    wanted: Sequence[str | None] = sizes or [None]
+    return [Task(random_layouts(size, density), randomize=drawn) for size in wanted]
+
+
+def title_of(task: Task, seeds: range) -> str:
+    """Return what episodes of a task have in common."""
+    floors = "" if isinstance(task.layout, Layout) else f"{task.layout.name}, "
+    stations = Stations.DRAWN if task.randomize in (True, STATIONS) else Stations.KEPT
+    return (
+        f"{floors}{counted(len(seeds), 'episode')} each, backend {task.backend}, "
+        f"seeds from {seeds.start}, stations {stations}"
+    )
 
 
 def evaluate_watched(name: str, shown: str, task: Task, seeds: Sequence[int]) -> Scores:
@@ -120,7 +172,7 @@ def evaluate_watched(name: str, shown: str, task: Task, seeds: Sequence[int]) ->
 
     try:
         return evaluate(
-            partial(make_agent, name, layout=task.layout),
+            lambda seed: make_agent(name, seed, task.layout_for(seed)),
             task,
             track(seeds, shown),
             lambda recorder, agent, first: run_watched(recorder, agent, name, first),

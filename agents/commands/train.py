@@ -12,8 +12,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+import typer
 from numpy.typing import NDArray
 
+from agents.commands.random_layouts import (
+    DensityOption,
+    LayoutOrRandomOption,
+    PoolOption,
+    SizeOption,
+    is_random,
+    random_layouts,
+)
 from agents.console.options import (
     BatteryOption,
     LayoutOption,
@@ -29,11 +38,19 @@ from agents.console.table import Table, print_table
 from agents.console.terminal import say
 from agents.errors import AgentError
 from agents.evaluation.fleet_scores import FleetScores, FleetTask
+from agents.evaluation.random_layouts import RandomLayouts
 from agents.evaluation.scores import MakeAgent, Scores, Task
 from agents.evaluation.wording import mean, share
 from agents.learning.q_learning import QAgent, QTable, learn
 from agents.learning.q_table import save_table
-from agents.learning.training import FINAL_SEEDS, RECENT_EPISODES, Examiner, Point, Watch
+from agents.learning.training import (
+    EXAM_SEEDS,
+    FINAL_SEEDS,
+    RECENT_EPISODES,
+    Examiner,
+    Point,
+    Watch,
+)
 from agents.registry import make_team
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core.errors import FormatError
@@ -57,11 +74,14 @@ Writer = Callable[[Path], None]
 def train_ppo(
     steps: TrainingStepsOption = 2_000_000,
     seed: TrainingSeedOption = 1,
-    layout: LayoutOption = None,
+    layout: LayoutOrRandomOption = None,
     battery: BatteryOption = 200,
     max_steps: MaxStepsOption = 200,
     robots: TrainedRobotsOption = 1,
     orders: OrderRateOption = 0.2,
+    size: SizeOption = None,
+    density: DensityOption = None,
+    layouts: PoolOption = None,
     output: ModelOption = Path("ppo.npz"),
 ) -> None:
     """Train a network by PPO.
@@ -74,14 +94,31 @@ def train_ppo(
     Several robots deliver orders of the layout's own stations; they share the
     network, and each is rewarded for its own deliveries.
 
+    With --layout random each episode is in one of many random layouts, so that
+    the agent learns to deliver in layouts that it has never seen. Exams and the
+    comparison at the end are in other layouts than the training.
+
     Example: warehouse train ppo --steps 2000000 -o ppo.npz
     """
-    task: Task | FleetTask = Task(load_layout(layout), battery, max_steps)
-    if robots > 1:
+    task: Task | FleetTask
+    if is_random(layout, size=size, density=density, layouts=layouts):
+        if robots > 1:
+            raise typer.BadParameter("--layout random is for one robot, not for --robots")
+        task = Task(random_layouts(size, density, layouts, seed), battery, max_steps)
+    elif robots > 1:
         task = FleetTask(load_layout(layout), robots, orders, battery, max_steps)
+    else:
+        task = Task(load_layout(layout), battery, max_steps)
     training = Training("PPO", task, steps, seed, output)
+    if isinstance(task.layout, RandomLayouts):
+        task.layout.check_unseen([*EXAM_SEEDS, *FINAL_SEEDS])
     learner = make_learner(task, steps, seed)
     training.run(learner.learn, {MODEL_SUFFIX: learner.save_network, ".zip": learner.save_model})
+    if isinstance(task.layout, RandomLayouts):
+        say(
+            f"ppo:{output}:revisit=4 avoids cells where it has been, which ends circles; compare "
+            f"with 'warehouse compare-agents --layout random --agent ppo:{output}:revisit=4'"
+        )
 
 
 def make_learner(task: Task | FleetTask, steps: int, seed: int) -> PPOLearner:
@@ -117,10 +154,11 @@ def train_q(
 
     Example: warehouse train q --steps 600000 -o q.npz
     """
-    task = Task(load_layout(layout), battery, max_steps)
+    floor = load_layout(layout)
+    task = Task(floor, battery, max_steps)
     training, table = Training("Q-learning", task, steps, seed, output), QTable()
     learn = partial(fill_table, table, task, steps, seed)
-    training.run(learn, {MODEL_SUFFIX: partial(save_table, table, task.layout)})
+    training.run(learn, {MODEL_SUFFIX: partial(save_table, table, floor)})
 
 
 def fill_table(table: QTable, task: Task, steps: int, seed: int, watch: Watch) -> MakeAgent:
@@ -200,7 +238,13 @@ class Training:
             raise
         save()
         scores = self.task.evaluate(make_agent, final)
-        print_table(comparison_table({self.name: scores, "greedy": greedy}))
+        table = comparison_table({self.name: scores, "greedy": greedy})
+        if isinstance(self.task.layout, RandomLayouts):
+            table = table._replace(
+                title=self.task.layout.name,
+                caption=f"{len(final):,} layouts, none of them in the training, the same for each",
+            )
+        print_table(table)
 
     def _save(
         self,
@@ -216,7 +260,9 @@ class Training:
         def draw(path: Path) -> None:
             from agents.learning.curve import save_learning_curve
 
-            title = f"Learning to deliver: {self.name}, seed {self.seed}"
+            is_random = isinstance(self.task.layout, RandomLayouts)
+            unseen = " in layouts that are not in the training" if is_random else ""
+            title = f"Learning to deliver{unseen}: {self.name}, seed {self.seed}"
             save_learning_curve(path, self.name, title, points, greedy)
 
         for suffix, write in {**writers, CURVE_SUFFIX: draw}.items():

@@ -68,7 +68,7 @@ AgentOption = Annotated[
         metavar="NAME",
         help="The agent: random, reflex, greedy, exploring, bfs, ucs, astar, weighted-astar, "
         "greedy-best-first, ppo:FILE, q:FILE, or your own as file.py:Class; arguments may follow "
-        "as in greedy:memory=20,escape_steps=0.",
+        "as in greedy:memory=20,escape_steps=0 or ppo:FILE:revisit=4.",
     ),
 ]
 
@@ -84,15 +84,12 @@ EscapeOption = Annotated[
     typer.Option("--escape/--no-escape", help="Whether the greedy agent escapes from loops: yes."),
 ]
 
-LayoutOption = Annotated[
-    Path | None,
-    typer.Option(
-        "--layout",
-        metavar="FILE",
-        help="Layout file (rows of # . P D C, or a MovingAI .map), or a name: "
-        f"{', '.join(NAMES)}. Default: that of the chapter.",
-    ),
-]
+LAYOUT_HELP = (
+    "Layout file (rows of # . P D C, or a MovingAI .map), or a name: "
+    f"{', '.join(NAMES)}. Default: that of the chapter."
+)
+
+LayoutOption = Annotated[Path | None, typer.Option("--layout", metavar="FILE", help=LAYOUT_HELP)]
 
 StationsOption = Annotated[
     Stations | None,

@@ -42,7 +42,7 @@ def message(scores: Mapping[str, Scores]) -> str:
     if most == 0:
         return f"No agent delivered in {counted(total, 'episode')}"
     best = [name for name in scores if delivered[name] == most]
-    names = listed(map(_fitting, best)) if len(best) <= MAX_BEST else f"{len(best)} agents"
+    names = listed(map(fitting, best)) if len(best) <= MAX_BEST else f"{len(best)} agents"
     cost = f"at {_steps(scores[name] for name in best)} a delivery"
     words = f"All {total:,} delivered by {names}, {cost}"
     if most < total:
@@ -51,7 +51,7 @@ def message(scores: Mapping[str, Scores]) -> str:
     if not others:
         return words
     following = max(others, key=delivered.__getitem__)
-    words += f";\n{_fitting(following)} failed {counted(total - delivered[following], 'time')}"
+    words += f";\n{fitting(following)} failed {counted(total - delivered[following], 'time')}"
     return f"{words}, at {_steps([scores[following]])}" if delivered[following] else words
 
 
@@ -64,7 +64,7 @@ def _steps(scores: Iterable[Scores]) -> str:
 
 def scores_figure(scores: Mapping[str, Scores], title: str, caption: str = "") -> SceneFigure:
     """Draw the agents' scores, with 95% intervals, under the message that they give."""
-    names = list(map(_fitting, scores))
+    names = list(map(fitting, scores))
     said = message(scores)
     lines = [part for line in said.split("\n") for part in wrap(line, MESSAGE_LETTERS)]
     head = 0.22 + LINE * len(lines)
@@ -84,12 +84,12 @@ def scores_figure(scores: Mapping[str, Scores], title: str, caption: str = "") -
     caption = fill(caption, CAPTION_LETTERS)
     figure.text(0.012, 0.1 / height, caption, fontsize=9, color=GREY, parse_math=False)
     for axes, measure in zip(grid.flat, MEASURES, strict=True):
-        _draw(axes, measure, names, [measure.of(each) for each in scores.values()])
-    _draw_failures(grid.flat[0], scores)
+        draw_measure(axes, measure, names, [measure.of(each) for each in scores.values()])
+    draw_failures(grid.flat[0], scores)
     return figure
 
 
-def _draw_failures(axes: Axes, scores: Mapping[str, Scores]) -> None:
+def draw_failures(axes: Axes, scores: Mapping[str, Scores]) -> None:
     """Fill bars of deliveries up to 100%, and write the number of failures beside them."""
     beside: dict[str, Any] = {"va": "center", "fontsize": 10, "annotation_clip": False}
     axes.annotate("failed", (1.03, -0.9), **beside, color=GREY)
@@ -102,12 +102,13 @@ def _draw_failures(axes: Axes, scores: Mapping[str, Scores]) -> None:
         axes.annotate(f"{failed:,}", (1.03, place), **beside, color=color, fontweight=weight)
 
 
-def _fitting(name: str) -> str:
+def fitting(name: str) -> str:
+    """Return the name of an agent as one line of at most ``MAX_LETTERS``, its end if it is long."""
     name = printable(name)
     return name if len(name) <= MAX_LETTERS else f"\N{HORIZONTAL ELLIPSIS}{name[1 - MAX_LETTERS :]}"
 
 
-def _draw(
+def draw_measure(
     axes: Axes, measure: Measure, names: Sequence[str], found: Sequence[Interval | None]
 ) -> None:
     """Draw bars from 0, or points on a logarithmic axis, which has no 0."""

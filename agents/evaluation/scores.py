@@ -22,6 +22,7 @@ from agents.evaluation.interval import (
     ratio_interval,
     share_interval,
 )
+from agents.evaluation.random_layouts import RandomLayouts
 from warehouse_core import (
     DEFAULT_LAYOUT,
     Agent,
@@ -46,7 +47,8 @@ class Task(NamedTuple):
     """What an agent has to do.
 
     Attributes:
-        layout: the walls, and the stations if they are not drawn.
+        layout: the walls, and the stations if they are not drawn; or random ones, another layout
+            for each seed.
         battery: units of a full battery.
         max_steps: of an episode.
         backend: name of a motion backend.
@@ -54,17 +56,22 @@ class Task(NamedTuple):
         randomize: what is drawn, see ``WarehouseEnv.reset``.
     """
 
-    layout: Layout = DEFAULT_LAYOUT
+    layout: Layout | RandomLayouts = DEFAULT_LAYOUT
     battery: int = 200
     max_steps: int = 200
     backend: str = "grid"
     start_pos: Cell | None = None
     randomize: bool | str = True
 
-    def make_env(self) -> WarehouseEnv:
-        """Return an environment for the task."""
+    def layout_for(self, seed: int) -> Layout:
+        """Return the layout of the episode with a seed."""
+        return self.layout if isinstance(self.layout, Layout) else self.layout.layout(seed)
+
+    def make_env(self, seed: int = 0) -> WarehouseEnv:
+        """Return an environment for the episode with a seed."""
+        layout = self.layout_for(seed)
         return WarehouseEnv(
-            self.layout, self.start_pos, self.max_steps, self.battery, backend=self.backend
+            layout, self.start_pos, self.max_steps, self.battery, backend=self.backend
         )
 
     @property
@@ -76,7 +83,8 @@ class Task(NamedTuple):
         """Return a batch for training, on the grid backend, with random stations and starts."""
         return BatchEnv(
             rows,
-            self.layout,
+            self.layout if isinstance(self.layout, Layout) else None,
+            pool=None if isinstance(self.layout, Layout) else self.layout.pool(),
             max_steps=self.max_steps,
             battery=self.battery,
             autoreset_mode=SAME_STEP,
@@ -222,7 +230,7 @@ def evaluate(
 
 def _run(agent: Agent, task: Task, seed: int, act: Act) -> Run:
     # Random stations depend on the stations before them, so each episode has its own environment.
-    with closing(task.make_env()) as env:
+    with closing(task.make_env(seed)) as env:
         observation = env.reset(task.randomize, seed)
         [needed] = fewest_steps(env.layout, (env.state.robot_pos, False))
         recorder = EpisodeRecorder(env, seed=seed)

@@ -1,57 +1,86 @@
 """The agent that ``warehouse train ppo`` trains; running it needs only NumPy.
 
-It uses nothing but the observation.
+It uses nothing but its observations.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
 
 from agents.errors import AgentError
-from agents.learning.policy_network import PolicyNetwork, network_input
+from agents.learning.policy_network import Floats, PolicyNetwork, network_input
 from agents.warehouse_agent_greedy import open_moves
 from warehouse_core.task.encoding import FLEET_TILES, encode
 from warehouse_core.task.rules import useful_actions
 from warehouse_core.task.state import Observation
 from warehouse_core.world.actions import ACTIONS
-from warehouse_core.world.tiles import DROPOFF, EMPTY, MOVE_DELTAS, PICKUP
+from warehouse_core.world.tiles import DROPOFF, EMPTY, MOVE_DELTAS, PICKUP, Cell, moved
 
 
 class PPOAgent:
     """Takes the useful action with the highest output of its network.
 
-    With a network that robots of a fleet share, actions are drawn by their probability, as in
-    training: robots that insist on the likeliest ones block each other for ever.
+    A network sees only what is near and remembers nothing, so in a layout that it was not trained
+    for it may go round in circles. Drawing actions ends that by chance; a penalty for cells where
+    the robot has been since the episode began, or since it picked up the item, ends it for sure.
 
     Args:
         network: that chooses the actions.
         name: of the network in error messages.
-        seed: for the actions that are drawn.
+        seed: for the actions that are drawn, restarted at each ``reset``.
+        sample: whether actions are drawn by their probability, as in training. ``None`` is yes for
+            a network that robots of a fleet share: those that insist on the likeliest actions block
+            each other for ever.
+        revisit: by how much each visit to a cell lowers the output of the actions that lead there,
+            at least 0.
+
+    Attributes:
+        samples: whether actions are drawn.
+        revisit: as given.
+
+    Raises:
+        AgentError: a value that is not allowed.
     """
 
     def __init__(
-        self, network: PolicyNetwork, name: str = "the network", seed: int | None = None
+        self,
+        network: PolicyNetwork,
+        name: str = "the network",
+        seed: int | None = None,
+        sample: bool | None = None,
+        revisit: float = 0.0,
     ) -> None:
-        self._network, self._name = network, name
-        is_shared = network.tiles == FLEET_TILES
-        self._stream = np.random.default_rng(seed) if is_shared else None
+        if sample is not None and not isinstance(sample, bool):
+            raise AgentError(f"{name}: sample is {sample!r}; it must be True or False")
+        is_number = isinstance(revisit, (int, float)) and not isinstance(revisit, bool)
+        if not is_number or not 0 <= revisit < np.inf:
+            raise AgentError(f"{name}: revisit is {revisit!r}; it must be a number, at least 0")
+        self._network, self._name, self._seed = network, name, seed
+        self.samples = network.tiles == FLEET_TILES if sample is None else sample
+        self.revisit = revisit
         self.reset()
 
     @classmethod
-    def load(cls, path: Path, seed: int | None = None) -> PPOAgent:
-        """Return an agent with a network from a file.
+    def load(
+        cls, path: Path, seed: int | None = None, sample: bool | None = None, revisit: float = 0.0
+    ) -> PPOAgent:
+        """Return an agent with a network from a file; see the class for the other arguments.
 
         Raises:
+            AgentError: as for the class.
             RecordError: the file is not one of a network.
             OSError: the file cannot be read.
         """
-        return cls(PolicyNetwork.load(path), str(path), seed)
+        return cls(PolicyNetwork.load(path), str(path), seed, sample, revisit)
 
     def reset(self) -> None:
-        """Prepare for an episode; the agent remembers nothing."""
+        """Prepare for an episode."""
         self.reason = ""
+        self._stream = np.random.default_rng(self._seed)
+        self._visits, self._loaded = Counter[Cell](), False
 
     def act(self, observation: Observation) -> str:
         """Return the action for ``observation`` and set ``reason`` to its probability.
@@ -66,14 +95,29 @@ class PPOAgent:
                 f"this robot has {radius}"
             )
         logits = self._network.logits(network_input(encode(observation), self._network.tiles))
+        if self.revisit:
+            logits = logits - np.float32(self.revisit) * self._visits_after(observation)
         allowed = np.where(useful_now(observation), logits, -np.inf)
         action = int(allowed.argmax())
         likelihoods = np.exp(np.float64(allowed - allowed[action]))
         likelihoods /= likelihoods.sum()
-        if self._stream is not None:
+        if self.samples:
             action = int(self._stream.choice(len(ACTIONS), p=likelihoods))
         self.reason = f"{100 * likelihoods[action]:.0f}% sure"
         return ACTIONS[action]
+
+    def _visits_after(self, observation: Observation) -> Floats:
+        """Count a visit; return for each action the visits to where it leads, ``[7]``.
+
+        To pick and to drop are never visits: they change what the robot is to do.
+        """
+        here, loaded = observation["robot_pos"], observation["has_item"]
+        if loaded != self._loaded:
+            self._visits, self._loaded = Counter(), loaded
+        self._visits[here] += 1
+        ends = [moved(here, delta) for delta in (*MOVE_DELTAS.values(), (0, 0))]
+        visits = [self._visits[end] for end in ends]
+        return np.array([*visits, *[0] * (len(ACTIONS) - len(visits))], np.float32)
 
 
 def useful_now(observation: Observation) -> tuple[bool, ...]:

@@ -19,6 +19,7 @@ from sb3_contrib import MaskablePPO
 from stable_baselines3.common.callbacks import BaseCallback
 
 from agents.evaluation.fleet_scores import FleetTask
+from agents.evaluation.random_layouts import RandomLayouts
 from agents.evaluation.scores import MakeAgent, Task
 from agents.learning.policy_network import Layer, PolicyNetwork
 from agents.learning.ppo_agent import PPOAgent
@@ -48,6 +49,9 @@ SETTINGS: dict[str, Any] = {
 }
 """Chosen on the chapter's layout; all others are the defaults of Stable-Baselines3."""
 
+FOR_RANDOM_LAYOUTS: dict[str, Any] = {"gamma": 0.98, "policy_kwargs": {"net_arch": [128, 128]}}
+"""What differs if each episode has another layout: ways are longer, and there is more to learn."""
+
 
 class PPOLearner:
     """Learns a task from episodes with random starts.
@@ -64,6 +68,7 @@ class PPOLearner:
     def __init__(self, task: Task | FleetTask, steps: int, seed: int) -> None:
         torch.set_num_threads(1)  # the network is small, and sums are repeatable
         batch = task.make_batch(ENVS)
+        differs = FOR_RANDOM_LAYOUTS if isinstance(task.layout, RandomLayouts) else {}
         self._view_radius, self._tiles = batch.view_radius, tiles_of(batch)
         self._round = batch.num_envs * ROUND
         self._rounds = rounds = math.ceil(steps / self._round)
@@ -73,7 +78,7 @@ class PPOLearner:
             # ``left`` has been reduced by the round whose update uses the rate.
             learning_rate=lambda left: LEARNING_RATE * (left + 1 / rounds),
             seed=seed,
-            **SETTINGS,
+            **SETTINGS | differs,
         )
 
     def learn(self, watch: Watch) -> MakeAgent:

@@ -14,6 +14,7 @@ from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_learning import QAgent, QTable
 from agents.learning.q_table import save_table
 from agents.registry import TRAINED, agent_module, is_own_code, make_agent
+from agents.registry import agent_file as find_agent_file
 from agents.search.agents import ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Layout, WarehouseEnv, record_episode
@@ -320,6 +321,37 @@ def test_a_trained_network_is_an_agent(network_file: Path) -> None:
     assert isinstance(agent, PPOAgent)
     observation = WarehouseEnv().reset()
     assert agent.act(observation) == PPOAgent(PolicyNetwork.load(network_file)).act(observation)
+
+
+def test_arguments_follow_the_file_of_a_trained_agent(tmp_path: Path) -> None:
+    folder = tmp_path / "rate=0.1"
+    folder.mkdir()
+    file = folder / "a:b.npz"
+    random_network(1).save(file)
+    name = f"ppo:{file}:revisit=4,sample=True"
+    agent = make_agent(name, 7)
+    assert isinstance(agent, PPOAgent)
+    assert (agent.revisit, agent.samples) == (4, True)
+    assert find_agent_file(name) == find_agent_file(f"ppo:{file}") == file
+    assert not is_own_code(name)
+    assert make_agent(f"ppo:{file}").revisit == 0  # type: ignore[attr-defined]
+
+
+def test_wrong_arguments_of_a_trained_agent_are_errors(
+    network_file: Path, table_file: Path
+) -> None:
+    name = f"ppo:{network_file}"
+    assert refusal(f"{name}:memory=3") == (
+        f"agent {name!r} takes no argument 'memory'; allowed: sample=VALUE, revisit=VALUE"
+    )
+    assert refusal(f"q:{table_file}:revisit=3").endswith(
+        "takes no argument 'revisit'; allowed: none"
+    )
+    for value in ("-1", "often", "True", "1e999"):
+        line = refusal(f"{name}:revisit={value}")
+        assert line.startswith(f"{network_file}: revisit is ")
+        assert line.endswith("it must be a number, at least 0")
+    assert refusal(f"{name}:sample=2") == f"{network_file}: sample is 2; it must be True or False"
 
 
 def test_a_trained_table_is_an_agent_with_the_seed(table_file: Path) -> None:

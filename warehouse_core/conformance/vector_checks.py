@@ -13,7 +13,14 @@ import numpy as np
 
 from warehouse_core.conformance.trials import MAZE, MakeMotion, expect, expect_error
 from warehouse_core.motion.base import Motion, Outcome
-from warehouse_core.motion.vector import NOTHING, WALL, Batchable, BatchMotion, BatchOutcome
+from warehouse_core.motion.vector import (
+    NOTHING,
+    WALL,
+    Batchable,
+    BatchMotion,
+    BatchOutcome,
+    ChangesLayouts,
+)
 from warehouse_core.world.actions import ACTIONS, DISPLACEMENTS
 from warehouse_core.world.layout import Layout
 
@@ -22,6 +29,8 @@ TOLERANCE = 1e-6
 """Of seconds and joules, relative; terms may be summed in another order."""
 
 LAYOUTS = [MAZE, Layout(["#.#.", "....", "..#."]), MAZE, Layout(["."]), Layout(["......"]), MAZE]
+POOL = [Layout(rows) for rows in (["#.#.", "...."], ["..#.", ".##."], ["....", "...."])]
+CHANGES = 6
 FLEET_LAYOUTS, FLEET_ROBOTS = [MAZE, Layout(["#.#.", "....", "..#."]), MAZE], 4
 
 
@@ -43,6 +52,22 @@ def check_a_batch_of_fleets_moves_as_single_motions_do(make_motion: MakeMotion) 
             _walk_side_by_side(batch, singles, random.Random(1), FLEET_LAYOUTS, FLEET_ROBOTS)
 
 
+def check_a_batch_moves_in_changed_layouts(make_motion: MakeMotion) -> None:
+    """If a batch can change its layouts, so does each row after a change."""
+    before = [POOL[number % len(POOL)] for number in range(len(LAYOUTS))]
+    with ExitStack() as open_motions:
+        batch = _batch_of(make_motion, open_motions, before)
+        if isinstance(batch, ChangesLayouts):
+            singles = [open_motions.enter_context(closing(make_motion())) for _ in before]
+            layouts, stream = before.copy(), random.Random(2)
+            for _ in range(CHANGES):
+                _walk_side_by_side(batch, singles, stream, layouts, moves=MOVES // CHANGES)
+                floors = stream.sample(range(len(layouts)), len(layouts) // 2)
+                for floor in floors:
+                    layouts[floor] = stream.choice(POOL)
+                batch.change(np.array(floors), [layouts[floor] for floor in floors])
+
+
 def check_a_closed_batch_does_not_move(make_motion: MakeMotion) -> None:
     """Advancing a batch after a close raises RuntimeError; closing twice is allowed."""
     with ExitStack() as open_motions:
@@ -59,6 +84,7 @@ def check_a_closed_batch_does_not_move(make_motion: MakeMotion) -> None:
 VECTOR_CHECKS = (
     check_a_batch_moves_as_single_motions_do,
     check_a_batch_of_fleets_moves_as_single_motions_do,
+    check_a_batch_moves_in_changed_layouts,
     check_a_closed_batch_does_not_move,
 )
 
@@ -83,10 +109,11 @@ def _walk_side_by_side(
     stream: random.Random,
     layouts: list[Layout],
     robots: int = 1,
+    moves: int = MOVES,
 ) -> None:
     """Make the same random moves on both, and place the robots of some floors anew at times."""
     fresh = list(range(len(layouts)))
-    for _ in range(MOVES):
+    for _ in range(moves):
         for floor in fresh:
             layout = layouts[floor]
             cells = stream.sample(layout.open_cells.tolist(), robots)
@@ -97,8 +124,8 @@ def _walk_side_by_side(
         outcome = batch.advance(np.array(actions), np.array(loaded))
         for floor, single in enumerate(singles):
             rows = range(floor * robots, (floor + 1) * robots)
-            moves = [DISPLACEMENTS[actions[row]] for row in rows]
-            each = single.advance(moves, [loaded[row] for row in rows])
+            ways = [DISPLACEMENTS[actions[row]] for row in rows]
+            each = single.advance(ways, [loaded[row] for row in rows])
             for row, expected in zip(rows, each, strict=True):
                 where = f"row {row} of a batch, action {ACTIONS[actions[row]]}"
                 _expect_equal(outcome, row, layouts[floor], expected, where)

@@ -197,7 +197,8 @@ class GridBatch:
 
     def __init__(self, layouts: Sequence[Layout], cell_size: float, robots: int = 1) -> None:
         self._closed = False
-        self._layouts, count = LayoutSet(layouts), len(layouts) * robots
+        self._layouts, self._robots = LayoutSet(layouts), robots
+        count = len(layouts) * robots
         self._cells: Integers = np.zeros(count, np.int32)
         self._base = np.repeat(self._layouts.base, robots) * len(DISPLACEMENTS)
         self._next = np.concatenate([_next_cells(layout) for layout in self._layouts.kinds])
@@ -210,6 +211,14 @@ class GridBatch:
     ) -> None:
         """Put some of the robots in their cells; see ``BatchMotion.place``."""
         self._cells[rows] = cells
+
+    def change(self, floors: Integers, layouts: Sequence[Layout]) -> None:
+        """Replace the layouts of some floors; see ``ChangesLayouts``."""
+        known = len(self._layouts.kinds)
+        self._layouts.change(floors, layouts)
+        if new := self._layouts.kinds[known:]:
+            self._next = np.concatenate([self._next, *map(_next_cells, new)])
+        self._base = np.repeat(self._layouts.base, self._robots) * len(DISPLACEMENTS)
 
     def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
         """Move every robot by one action; see ``BatchMotion.advance``."""
@@ -238,7 +247,7 @@ class GridFleetBatch(GridBatch):
 
     def __init__(self, layouts: Sequence[Layout], cell_size: float, robots: int) -> None:
         super().__init__(layouts, cell_size, robots)
-        self._robots, self._motion = robots, GridMotion(cell_size)
+        self._motion = GridMotion(cell_size)
         ends = np.cumsum(self._layouts.of_rows([size_of(kind) for kind in self._layouts.kinds]))
         self._floor = np.repeat([0, *ends[:-1].tolist()], robots)
         self._traffic = VectorTraffic(int(ends[-1]), len(layouts), robots)

@@ -31,7 +31,7 @@ class MotionBatch:
     """
 
     def __init__(self, motions: Sequence[Motion], layouts: Sequence[Layout], robots: int) -> None:
-        self._motions, self._layouts, self._robots = motions, layouts, robots
+        self._motions, self._layouts, self._robots = motions, list(layouts), robots
         self._cells: list[list[Cell]] = [[] for _ in layouts]
         self._outcomes: list[Sequence[Outcome]] = [() for _ in layouts]
         self._number_of = {robot_contact(robot): robot for robot in range(robots)}
@@ -64,6 +64,11 @@ class MotionBatch:
         for floor, layout, each, seed in zip(floors, layouts, starts, seeds, strict=True):
             self._motions[floor].reset(layout, each, seed)
             self._cells[floor], self._outcomes[floor] = each, ()
+
+    def change(self, floors: Integers, layouts: Sequence[Layout]) -> None:
+        """Replace the layouts of some floors; see ``ChangesLayouts``."""
+        for floor, layout in zip(floors.tolist(), layouts, strict=True):
+            self._layouts[floor], self._cells[floor], self._outcomes[floor] = layout, [], ()
 
     def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
         """Carry out one action for each robot; see ``BatchMotion.advance``.

@@ -95,6 +95,19 @@ class BatchMotion(Protocol):
 
 
 @runtime_checkable
+class ChangesLayouts(Protocol):
+    """A batch motion whose floors can get other layouts, for ``BatchEnv(pool=...)``."""
+
+    def change(self, floors: Integers, layouts: Sequence[Layout]) -> None:
+        """Replace the layouts of some floors; their robots must be placed before they move.
+
+        Args:
+            floors: ``[F]``, all different.
+            layouts: ``F``, each as large as the one it replaces.
+        """
+
+
+@runtime_checkable
 class CanFail(Protocol):
     """A batch motion whose robots may fail."""
 

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from warehouse_core.arguments import whole_number
-from warehouse_core.errors import EndedError
+from warehouse_core.errors import BackendError, EndedError
 from warehouse_core.motion.backends import Backend, make_batch_motion
-from warehouse_core.motion.vector import Flags, Integers, Rows
+from warehouse_core.motion.vector import ChangesLayouts, Flags, Integers, Rows
 from warehouse_core.task.encoding import MAX_STEPS, Arrays
 from warehouse_core.task.starts import what_is_drawn
 from warehouse_core.task.state import WarehouseState
@@ -22,6 +22,7 @@ from warehouse_core.vector.rows import (
     NEXT_STEP,
     SAME_STEP,
     Seeds,
+    check_pool,
     check_running,
     checked_actions,
     checked_mask,
@@ -66,8 +67,8 @@ class BatchEnv:
     Args:
         num_envs: ``B``, at least 1.
         layout: one for all rows, or a list of ``B``; ``None`` is the chapter's.
-        start_pos: start of robots that is not drawn, one for all rows or ``B`` of them; ``None``
-            is the usual start of each layout.
+        start_pos: start of robots that is not drawn, one for all rows or, without a pool, ``B`` of
+            them; ``None`` is the usual start of each layout.
         max_steps: limit of an episode, 1 to ``MAX_STEPS``.
         battery: units of a full charge, 1 to ``MAX_STEPS``; every step costs one, and waiting on
             a charger charges.
@@ -78,6 +79,8 @@ class BatchEnv:
             (``"NextStep"``), in the same step (``"SameStep"``), or only in a ``reset`` with a mask
             (``"Disabled"``).
         backend: name, class or instance of a motion with a method ``batch``.
+        pool: layouts of one size, instead of ``layout``. For each episode a row draws one of them,
+            from its stream and before its start.
         marked: the tiles of ``encoding.vector``: ``local_grid`` is then their ``marks``, of which
             it makes vectors several times as fast as of codes; by default, and on very large
             floors, it is codes.
@@ -99,6 +102,7 @@ class BatchEnv:
         randomize: bool | str = True,
         autoreset_mode: str = NEXT_STEP,
         backend: Backend = "grid",
+        pool: Sequence[Layout] | None = None,
         marked: tuple[str, ...] = (),
     ) -> None:
         self.num_envs = whole_number("num_envs", num_envs, minimum=1)
@@ -107,12 +111,23 @@ class BatchEnv:
         self.view_radius = whole_number("view_radius", view_radius, minimum=0)
         self.autoreset_mode, self.randomize = checked_mode(autoreset_mode), randomize
         self._drawn = drawn = what_is_drawn(randomize)
-        self.layouts = LayoutSet(one_layout_each(layout, self.num_envs))
+        if pool is None:
+            self.layouts = LayoutSet(one_layout_each(layout, self.num_envs))
+        else:
+            check_pool(pool, layout, start_pos)
+            self.layouts = LayoutSet([pool[0]] * self.num_envs, pool)
+        if drawn.stations:
+            self.layouts = self.layouts.without_stations()
         self._start = VectorStarts(self.layouts, start_pos, drawn)
         self._floor = VectorFloor(
             self.layouts, self.view_radius, moving_stations=drawn.stations, tiles=marked
         )
         motion = make_batch_motion(backend, self.layouts.rows)
+        if pool is not None and not isinstance(motion, ChangesLayouts):
+            raise BackendError(
+                f"backend {backend!r} cannot change layouts, which a pool needs; its batch would "
+                "need a method change(floors, layouts)"
+            )
         self._robots = VectorRobots(self._floor, motion, self.num_envs)
         self._steps = np.zeros(self.num_envs, np.int32)
         self._ended = np.zeros(self.num_envs, np.bool_)
@@ -244,6 +259,9 @@ class BatchEnv:
 
     def _begin(self, rows: Integers) -> None:
         """Start an episode in some rows."""
+        motion = self._robots.motion
+        if self.layouts.others and isinstance(motion, ChangesLayouts):
+            motion.change(rows, self._start.draw_layouts(rows))
         pickups, dropoffs, robots = self._start.draw(rows)
         self._floor.put_stations(rows, pickups, dropoffs)
         self._robots.place(rows, robots)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from warehouse_core.arguments import whole_number
-from warehouse_core.errors import EndedError
+from warehouse_core.errors import EndedError, LayoutError
 from warehouse_core.motion.vector import Flags, Integers
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
@@ -124,6 +124,31 @@ def one_layout_each(layout: Layout | Sequence[Layout] | None, rows: int) -> Sequ
         if not isinstance(each, Layout):
             raise TypeError(f"the layout of row {row} is {type(each).__name__}, not a Layout")
     return layout
+
+
+def check_pool(pool: Sequence[Layout], layout: object, start_pos: Any) -> None:
+    """Raise if layouts cannot be a pool, or other arguments cannot be given with one.
+
+    Raises:
+        ValueError: no layout; ``layout`` or a start for each row; or, as ``LayoutError``, layouts
+            of different sizes.
+        TypeError: it is not a sequence of layouts.
+    """
+    if layout is not None:
+        raise ValueError("layout and pool are both given; allowed: one of them")
+    if not isinstance(pool, Sequence) or not all(isinstance(each, Layout) for each in pool):
+        raise TypeError(f"pool is {pool!r:.200}; it must be a sequence of Layout")
+    if not pool:
+        raise ValueError("pool is empty; it needs at least one layout")
+    if start_pos is not None and np.shape(start_pos) != (2,):
+        raise ValueError(f"start_pos is {start_pos!r:.200}; with a pool it must be one cell")
+    height, width = pool[0].height, pool[0].width
+    for number, each in enumerate(pool):
+        if (each.height, each.width) != (height, width):
+            raise LayoutError(
+                f"layout {number} of the pool is {each.height} x {each.width} and layout 0 "
+                f"{height} x {width}; all must have one size"
+            )
 
 
 def checked_seeds(seed: Seeds, rows: int) -> Sequence[int | None]:

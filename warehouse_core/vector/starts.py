@@ -20,7 +20,7 @@ from warehouse_core.task.starts import (
     station_cells,
 )
 from warehouse_core.vector.floor import NO_CELL
-from warehouse_core.world.layout import check_open
+from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.tables import LayoutSet
 from warehouse_core.world.tiles import Cell
 
@@ -28,7 +28,8 @@ from warehouse_core.world.tiles import Cell
 class VectorStarts:
     """Draws the starts of ``B`` rows by ``task/starts.py``, each from its own stream.
 
-    ``start_pos`` is that of ``BatchEnv``, ``drawn`` what its ``randomize`` stands for.
+    ``start_pos`` is that of ``BatchEnv``, ``drawn`` what its ``randomize`` stands for. If there are
+    ``others`` among the layouts, each row draws its layout from them too.
 
     Raises:
         LayoutError: a start that is not open, or no room for pickup and dropoff.
@@ -37,17 +38,16 @@ class VectorStarts:
     def __init__(
         self, layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None, drawn: Drawn
     ) -> None:
-        self._drawn = drawn
-        robots = _fixed_starts(layouts, start_pos)
-        self._fixed = np.stack(
-            [*first_stations(layouts).T, robots[:, 0] * layouts.width + robots[:, 1]]
-        )
+        self._drawn, self._layouts = drawn, layouts
+        self._fixed = _fixed_cells(layouts, start_pos)
+        if layouts.others:
+            self._fixed_of_others = _fixed_cells(LayoutSet(layouts.others), start_pos)
         # A station is drawn from all cells without a charger, a start from those it leaves.
         cells = [station_cells(k) if drawn.stations else empty_cells(k) for k in layouts.kinds]
         counts = [len(each) for each in cells]
-        self._counts = layouts.of_rows(counts)
+        self._counts = np.array(counts)
         self._cells = np.concatenate(cells)
-        self._first = layouts.of_rows(np.cumsum([0, *counts])[:-1])
+        self._first = np.cumsum([0, *counts])[:-1]
         self._seeds: dict[int, int] = {}
         self._streams: dict[int, np.random.Generator] = {}
         if drawn.stations:
@@ -75,6 +75,15 @@ class VectorStarts:
             self._streams[row] = np.random.default_rng(self.seed_of(row))
         return self._streams[row]
 
+    def draw_layouts(self, rows: Integers) -> list[Layout]:
+        """Give some rows layouts drawn from the ``others``, and return these."""
+        others = self._layouts.others
+        places = [int(self.stream(row).random() * len(others)) for row in rows.tolist()]
+        drawn = [others[place] for place in places]
+        self._layouts.change(rows, drawn)
+        self._fixed[:, rows] = self._fixed_of_others[:, places]
+        return drawn
+
     def draw(self, rows: Integers) -> Integers:
         """Return the starts of the next episodes of some rows.
 
@@ -85,7 +94,8 @@ class VectorStarts:
         if not any(self._drawn):
             return fixed
         uniforms = np.array([self.stream(row).random(DRAWS) for row in rows.tolist()])
-        uniforms, counts = uniforms.reshape(-1, DRAWS), self._counts[rows]
+        uniforms, kinds = uniforms.reshape(-1, DRAWS), self._layouts.kind[rows]
+        counts = self._counts[kinds]
         ranks = np.full((3, len(rows)), NO_RANK)
         if self._drawn.stations:
             ranks[:] = draw_ranks(uniforms, counts).T
@@ -93,8 +103,14 @@ class VectorStarts:
             ranks[2] = draw_start_ranks(uniforms, counts)
         if not self._drawn.start:
             ranks[2] = NO_RANK
-        drawn = self._cells.take(self._first[rows] + ranks, mode="clip")
+        drawn = self._cells.take(self._first[kinds] + ranks, mode="clip")
         return np.where(ranks == NO_RANK, fixed, drawn)
+
+
+def _fixed_cells(layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None) -> NDArray[np.intp]:
+    """Return the first pickup, the first dropoff and the start of each row, ``[3, B]`` cells."""
+    robots = _fixed_starts(layouts, start_pos)
+    return np.stack([*first_stations(layouts).T, robots[:, 0] * layouts.width + robots[:, 1]])
 
 
 def first_stations(layouts: LayoutSet) -> NDArray[np.intp]:

@@ -16,6 +16,8 @@ from warehouse_core.errors import LayoutError
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import CELL_CODES, CODE_OF_BYTE, MOVE_DELTAS, WALL
 
+Integers = NDArray[np.integer]
+
 MAX_TABLE_BYTES = 2**30
 """Limit on the windows of a batch, checked before they are allocated."""
 
@@ -23,32 +25,45 @@ MAX_TABLE_BYTES = 2**30
 class LayoutSet:
     """The layouts of ``B`` rows, with equal layouts stored once.
 
+    Args:
+        layouts: of the rows.
+        others: that rows may change to; any other layout can be added later.
+
     Attributes:
         kinds: the different layouts.
+        others: as given.
         kind: ``[B]`` intp, index into ``kinds`` for each row.
         base: ``[B]`` intp, the number of the first cell of each row's layout.
         width: ``[B]`` intp, columns of each row's layout.
     """
 
-    def __init__(self, layouts: Sequence[Layout]) -> None:
-        numbers: dict[Layout, int] = {}
-        # By identity first: hashing a layout takes time proportional to its cells.
-        by_id = {id(layout): layout for layout in layouts}
-        known = {key: numbers.setdefault(each, len(numbers)) for key, each in by_id.items()}
-        self.kinds = tuple(numbers)
-        self.kind = np.array([known[id(layout)] for layout in layouts], np.intp)
-        self.base = self.of_rows(np.cumsum([0, *map(size_of, self.kinds)])[:-1])
-        self.width = self.of_rows([layout.width for layout in self.kinds])
+    def __init__(self, layouts: Sequence[Layout], others: Sequence[Layout] = ()) -> None:
+        self._numbers: dict[Layout, int] = {}
+        self.kinds: tuple[Layout, ...] = ()
+        self.others = tuple(others)
+        self.kind = self._numbers_of([*layouts, *others])[: len(layouts)]
+        self.base, self.width = self.of_rows(self._bases), self.of_rows(self._widths)
 
     @property
     def rows(self) -> list[Layout]:
         """The layout of each row."""
         return [self.kinds[kind] for kind in self.kind]
 
+    def change(self, rows: Integers, layouts: Sequence[Layout]) -> None:
+        """Give some rows other layouts; ``kind``, ``base`` and ``width`` change in place."""
+        kinds = self._numbers_of(layouts)
+        self.kind[rows] = kinds
+        self.base[rows], self.width[rows] = self._bases[kinds], self._widths[kinds]
+
     def without_stations(self) -> LayoutSet:
-        """Return the same rows, their layouts without pickup and dropoff."""
-        bare = [kind.with_stations(None, None) for kind in self.kinds]
-        return LayoutSet([bare[kind] for kind in self.kind])
+        """Return the same rows, their layouts without pickup and dropoff.
+
+        It is this object if they have none already.
+        """
+        if not any(kind.pickups or kind.dropoffs for kind in self.kinds):
+            return self
+        bare = {kind: kind.with_stations(None, None) for kind in self.kinds}
+        return LayoutSet([bare[row] for row in self.rows], [bare[each] for each in self.others])
 
     def repeated(self, times: int) -> LayoutSet:
         """Return each row that many times, one after the other."""
@@ -57,6 +72,18 @@ class LayoutSet:
     def of_rows(self, values: ArrayLike) -> NDArray[np.intp]:
         """Return for each row the value of its layout."""
         return np.asarray(values, np.intp)[self.kind]
+
+    def _numbers_of(self, layouts: Sequence[Layout]) -> NDArray[np.intp]:
+        """Return the numbers of layouts among the kinds, to which new ones are added."""
+        numbers = self._numbers
+        # By identity first: hashing a layout takes time proportional to its cells.
+        by_id = {id(layout): layout for layout in layouts}
+        known = {key: numbers.setdefault(each, len(numbers)) for key, each in by_id.items()}
+        if len(self.kinds) < len(numbers):
+            self.kinds = tuple(numbers)
+            self._bases = np.cumsum([0, *map(size_of, self.kinds)])[:-1]
+            self._widths = np.array([layout.width for layout in self.kinds])
+        return np.array([known[id(layout)] for layout in layouts], np.intp)
 
 
 def size_of(layout: Layout) -> int:

@@ -57,8 +57,9 @@ class VectorArena:
         self.space.iterations = ITERATIONS
         self.space.collision_slop = SLOP
         self.space.collision_bias = BIAS
-        self._corners = corners
-        self._build_walls(layouts, spec.cell_size)
+        self._corners, self._cell_size = corners, spec.cell_size
+        self._walls: list[list[pymunk.Shape]] = [[] for _ in layouts]
+        self.change_walls(range(len(layouts)), layouts)
         # The control bodies are in a space of their own that is never stepped: joints use their
         # velocities, and their positions do not matter.
         self._panel = pymunk.Space()
@@ -79,6 +80,18 @@ class VectorArena:
         body.position = left + position[0], top + position[1]
         body.velocity = (0.0, 0.0)
 
+    def change_walls(self, rows: Sequence[int], layouts: Sequence[Layout]) -> None:
+        """Replace the walls of some rows; their robots must be placed before they move."""
+        known: dict[int, list[Box]] = {}
+        for row, layout in zip(rows, layouts, strict=True):
+            # Layouts with the same walls share this array; see ``Layout.with_stations``.
+            key = id(layout.open_cells)
+            if key not in known:
+                known[key] = wall_boxes(layout)
+            self.space.remove(*self._walls[row])
+            corner = self._corners[row].tolist()
+            self._walls[row] = add_walls(self.space, known[key], self._cell_size, corner)
+
     def command(self, velocities: Floats) -> None:
         """Set the velocities ``[B, 2]`` in m/s for the drives to reach."""
         self._controls.write_velocities(velocities)
@@ -91,15 +104,6 @@ class VectorArena:
     def run(self, now: int, until: int) -> tuple[int, list[Hit]]:
         """Step from substep ``now`` to ``until`` or the first hits; return when, and the hits."""
         return self._stepper.run(now, until)
-
-    def _build_walls(self, layouts: Sequence[Layout], size: float) -> None:
-        known: dict[int, list[Box]] = {}
-        for layout, corner in zip(layouts, self._corners.tolist(), strict=True):
-            # Layouts with the same walls share this array; see ``Layout.with_stations``.
-            key = id(layout.open_cells)
-            if key not in known:
-                known[key] = wall_boxes(layout)
-            add_walls(self.space, known[key], size, corner)
 
     def _add_robot(self, spec: RobotSpec) -> pymunk.Shape:
         body, shape, drive = add_driven_body(self.space, self._panel, spec)

@@ -39,7 +39,7 @@ class RigidBodyBatch:
         if not layouts:
             raise ValueError("an empty batch; it needs at least one layout")
         self.spec = spec
-        self._layouts = tuple(layouts)
+        self._layouts = list(layouts)
         self._widths = np.array([layout.width for layout in layouts])
         self._is_placed = np.zeros(len(layouts), np.bool_)
         corners = corners_of(self._layouts, spec.cell_size)
@@ -72,6 +72,30 @@ class RigidBodyBatch:
             part, row_of_part = divmod(row, ROWS_OF_A_SPACE)
             parts[part].place(row_of_part, start)
         self._is_placed[rows] = True
+
+    @exclusive
+    def change(self, floors: Integers, layouts: Sequence[Layout]) -> None:
+        """Replace the layouts of some floors; see ``ChangesLayouts``.
+
+        Raises:
+            LayoutError: a layout is not as large as the one it replaces; nothing has changed.
+            ValueError: not one layout for each floor, or a floor that does not exist or is given
+                twice; nothing has changed.
+            RuntimeError: after ``close``, or while another call is running.
+        """
+        parts = self._in_use("change")
+        rows = self._checked_rows(floors).tolist()
+        for row, layout in zip(rows, layouts, strict=True):
+            before = self._layouts[row]
+            if (layout.height, layout.width) != (before.height, before.width):
+                raise LayoutError(
+                    f"the layout of floor {row} is {layout.height} x {layout.width}; it must be as "
+                    f"large as the one before, {before.height} x {before.width}"
+                )
+        for row, layout in zip(rows, layouts, strict=True):
+            part, row_of_part = divmod(row, ROWS_OF_A_SPACE)
+            parts[part].arena.change_walls([row_of_part], [layout])
+            self._layouts[row], self._is_placed[row] = layout, False
 
     @exclusive
     def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:

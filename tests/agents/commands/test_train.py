@@ -12,6 +12,7 @@ from PIL import Image
 
 from agents.commands import train
 from agents.commands.train import LIBRARIES, Training, comparison_table, fill_table
+from agents.evaluation.random_layouts import RandomLayouts
 from agents.evaluation.scores import MakeAgent, Run, Scores, Task
 from agents.learning import curve, training
 from agents.learning.q_learning import QTable
@@ -100,6 +101,17 @@ def test_the_files_are_written_and_reported(
     assert "4 random starts, the same for each" in out
     assert re.search(r"Waiting +. +greedy", out)
     assert re.search(r"delivered +. +0.0%", out)
+
+
+def test_in_random_layouts_the_comparison_names_them(
+    capsys: pytest.CaptureFixture[str], curves: list[list[Point]]
+) -> None:
+    task = Task(RandomLayouts(5, 6, 0.2, 0.2), max_steps=5)
+    Training("X", task, 1000, 1, Path("x.npz")).run(learner(1000), {".npz": write})
+    out = " ".join(capsys.readouterr().out.split())
+    assert "random layouts of 5 x 6 with density 0.2 " in out
+    assert "4 layouts, none of them in the training, the same for each" in out
+    assert Path("x.png").read_text().startswith("X: Learning to deliver in layouts that are not in")
 
 
 @pytest.mark.parametrize(

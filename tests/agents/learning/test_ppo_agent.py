@@ -68,6 +68,60 @@ def test_large_outputs_do_not_overflow() -> None:
     assert agent.reason == "100% sure"
 
 
+CORRIDOR = Layout(["P...D"])
+
+
+def walk(agent: PPOAgent, layout: Layout, steps: int) -> list[str]:
+    """Return the actions of an agent from the layout's usual start."""
+    env = WarehouseEnv(layout, layout.usual_start())
+    observation, actions = env.reset(), []
+    agent.reset()
+    for _ in range(steps):
+        actions.append(agent.act(observation))
+        observation, *_ = env.step(actions[-1])
+    return actions
+
+
+def test_a_penalty_for_visited_cells_ends_circles() -> None:
+    """The network goes to and fro: E is likelier than W, and WAIT than both."""
+    network = constant_network(0, 1, 0, 0, 2, 9, 9)
+    assert walk(PPOAgent(network), CORRIDOR, 4) == ["PICK", "WAIT", "WAIT", "WAIT"]
+    assert walk(PPOAgent(network, revisit=5), CORRIDOR, 6) == ["PICK", *"EEEE", "DROP"]
+
+
+def test_the_penalty_grows_with_the_visits() -> None:
+    """Once waiting costs 0.4 more than going it goes: after one visit to the start, then two."""
+    network = constant_network(0, 0, 0, 0, 1, -9, -9)
+    floor = Layout(["....."])
+    assert walk(PPOAgent(network, revisit=0.4), floor, 3) == ["WAIT", "WAIT", "E"]
+    assert walk(PPOAgent(network, revisit=0.6), floor, 3) == ["WAIT", "E", "WAIT"]
+
+
+def test_visits_are_forgotten_when_the_goal_changes_and_between_episodes() -> None:
+    """With the item the robot goes back where it came from, rather than where it has not been."""
+    network = constant_network(0, 0, 0, 2, -9, 5, 5)
+    agent = PPOAgent(network, revisit=10)
+    env = WarehouseEnv(Layout(["D..P", "...."]), start_pos=(0, 1))
+    for _ in range(2):
+        observation, actions = env.reset(), []
+        agent.reset()
+        for _ in range(11):
+            actions.append(agent.act(observation))
+            observation, *_ = env.step(actions[-1])
+        assert actions == [*"WSEENE", "PICK", *"WWW", "DROP"]
+
+
+def test_actions_are_drawn_if_asked_and_repeat_with_the_seed() -> None:
+    network = constant_network(1, 1, 1, 1, 1, 1, 1)
+    hall = Layout(["....."] * 5)
+    first, again, other = (
+        walk(PPOAgent(network, seed=s, sample=True), hall, 30) for s in (1, 1, 2)
+    )
+    assert first == again != other
+    agent = PPOAgent(network, seed=1, sample=True)
+    assert walk(agent, hall, 30) == walk(agent, hall, 30), "a reset restarts the stream"
+
+
 def test_no_action_without_effect_is_chosen() -> None:
     agent = PPOAgent(random_network(1))
     for start in range(5):

@@ -10,6 +10,7 @@ from helpers.command_line import command
 
 from agents.commands import train
 from agents.evaluation.fleet_scores import FleetTask
+from agents.evaluation.random_layouts import RandomLayouts
 from agents.evaluation.scores import Task, evaluate
 from agents.learning.policy_network import PolicyNetwork, network_input
 from agents.learning.ppo_agent import PPOAgent
@@ -143,6 +144,22 @@ def test_deliveries_in_a_room_are_learned() -> None:
     scores = evaluate(make_agent, Task(ROOM, 30, 30), range(100))
     assert scores.delivered.all()
     assert scores.lengths.mean() < 6
+
+
+def test_a_policy_delivers_in_layouts_that_it_has_not_seen() -> None:
+    from agents.learning.ppo_training import FOR_RANDOM_LAYOUTS, PPOLearner
+
+    task = Task(RandomLayouts(6, 8, 0.1, 0.3, count=40), 60, 60)
+    task.layout.check_unseen(range(100))  # type: ignore[union-attr]
+    learning = PPOLearner(task, 15 * ROUND, 1)
+    assert learning.model.gamma == FOR_RANDOM_LAYOUTS["gamma"]
+    learning.learn(ignore)
+    network = learning.network()
+    assert network.layers[0][0].shape[0] == 128
+    scores = evaluate(lambda seed: PPOAgent(network, revisit=4), task, range(100))
+    assert scores.delivered.mean() > 0.95
+    assert scores.ratio is not None
+    assert scores.ratio.high < 2, "without training it is above 4"
 
 
 def test_robots_that_share_a_network_deliver_more_than_greedy_ones() -> None:

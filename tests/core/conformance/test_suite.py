@@ -395,6 +395,15 @@ class ForgetsItsOutcomes(GridMotion):
         return batch
 
 
+class StubbornBatch(GridMotion):
+    """A grid whose batch keeps its layouts when they are to change."""
+
+    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> Any:
+        batch = super().batch(layouts, robots)
+        batch.change = lambda floors, layouts: None
+        return batch
+
+
 class TirelessBatch(GridMotion):
     """A grid whose batch still moves after a close."""
 
@@ -467,6 +476,7 @@ BROKEN: dict[type[GridMotion], set[str]] = {
     ForgetsItsOutcomes: {"check_a_batch_of_fleets_moves_as_single_motions_do"},
     DearBatch: {"check_a_batch_moves_as_single_motions_do"},
     SmoothBatch: {"check_a_batch_moves_as_single_motions_do"},
+    StubbornBatch: {"check_a_batch_moves_in_changed_layouts"},
     TirelessBatch: {"check_a_closed_batch_does_not_move"},
     WakefulBatch: {"check_a_closed_batch_does_not_move"},
     MixedUpBatch: {"check_a_batch_moves_as_single_motions_do"},

@@ -36,6 +36,24 @@ def test_rows_keep_their_walls_without_stations() -> None:
     assert bare.base.tolist() == [0, 0, 0], "layouts that are now equal are stored once"
 
 
+def test_rows_change_to_layouts_that_are_known_and_to_new_ones() -> None:
+    new = Layout(["....."])
+    layouts = LayoutSet([LANE, LANE, LANE], [SHOP])
+    base = layouts.base
+    assert layouts.others == (SHOP,)
+    layouts.change(np.array([2, 0]), [new, SHOP])
+    assert layouts.kinds == (LANE, SHOP, new)
+    assert layouts.rows == [SHOP, LANE, new]
+    assert base.tolist() == [4, 0, 10], "in place, as others read it"
+    assert layouts.width.tolist() == [3, 4, 5]
+
+
+def test_without_stations_the_layouts_to_change_to_have_none_either() -> None:
+    bare = LayoutSet([LANE], [SHOP, LANE]).without_stations()
+    assert [other.rows for other in bare.others] == [("..#", "..."), (".#..",)]
+    assert bare.without_stations() is bare
+
+
 def test_tiles_are_codes_in_order_of_layouts_and_rows() -> None:
     assert tiles_table([SHOP, LANE]).tolist() == [2, 0, 1, 3, 0, 0, 0, 1, 2, 0]
     assert tile_codes(LANE).tolist() == [[0, 1, 2, 0]]

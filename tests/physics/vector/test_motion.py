@@ -325,6 +325,33 @@ def test_every_row_must_be_placed_before_the_first_action() -> None:
     assert advance(batch, EAST, SOUTH, WEST).cells.tolist() == [8, 12, 6]
 
 
+def test_after_a_change_the_walls_are_those_of_the_new_layout() -> None:
+    walled = Layout([".#...", *HALL.rows[1:]])
+    batch = batch_in([walled, HALL])
+    assert advance(batch, EAST, EAST).blocked.tolist() == [True, False]
+    batch.change(np.array([0, 1]), [HALL, walled])
+    with pytest.raises(RuntimeError, match="row 0 had none"):
+        advance(batch, EAST, EAST)
+    batch.place(np.array([1, 0]), np.array([0, 0]))
+    assert advance(batch, EAST, EAST).blocked.tolist() == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("floors", "layouts", "error", "message"),
+    [
+        ([0, 1], [HALL, LEDGE], LayoutError, r"floor 1 is 1 x 1; .* the one before, 4 x 5"),
+        ([0, 1], [HALL], ValueError, "shorter"),
+        ([2], [HALL], ValueError, r"rows\[0\] is 2; allowed: 0\.\.1"),
+        ([1, 1], [HALL, HALL], ValueError, "are both 1"),
+    ],
+)
+def test_invalid_changes_raise_and_change_nothing(floors, layouts, error, message) -> None:
+    batch = batch_in([HALL, HALL])
+    with pytest.raises(error, match=message):
+        batch.change(np.array(floors), layouts)
+    assert advance(batch, EAST, EAST).cells.tolist() == [1, 1]
+
+
 def test_calls_after_close_raise() -> None:
     batch = batch_in([HALL])
     batch.close()
