@@ -24,5 +24,8 @@ autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
 default_role = "code"
 
+# Cells that begin with "!" have a terminal, in which Rich would draw progress bars.
+os.environ["TTY_COMPATIBLE"] = "0"
+
 # So that cells find the command "warehouse" of the environment that builds the site.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
