@@ -16,7 +16,12 @@ from warehouse_core.orders.order import Order
 from warehouse_core.world.generators import shelf_layout
 from warehouse_physics import Disturbances, DrivingMotion, Stop
 
-LAYOUT = shelf_layout(5, 6, 4, 2, 2, pickups=16, dropoffs=8)
+LAYOUTS = {
+    32: shelf_layout(5, 6, 4, 2, 2, pickups=16, dropoffs=8),
+    100: shelf_layout(8, 10, 4, 2, 2, pickups=48, dropoffs=24),
+}
+"""By number of robots, with 14 cells or more and a quarter of a dropoff for each."""
+
 ORDERS_OF_A_ROBOT, MAX_STEPS, LATE = 2, 4000, 100_000
 STOP = 60.0
 NOISY = Disturbances(actuation_noise=0.05, stops=(Stop(0, 20.0, STOP),))
@@ -27,15 +32,15 @@ def shift(
     planner: str, robots: int, seed: int, disturbances: Disturbances
 ) -> tuple[FleetMeasures, int]:
     """Return the measures of a fleet that carries out a list of orders, and its hits."""
-    stream = np.random.default_rng(seed)
+    stream, layout = np.random.default_rng(seed), LAYOUTS[robots]
     count = robots * ORDERS_OF_A_ROBOT
-    ends = (stream.integers(len(each), size=count) for each in (LAYOUT.pickups, LAYOUT.dropoffs))
+    ends = (stream.integers(len(each), size=count) for each in (layout.pickups, layout.dropoffs))
     orders = [
-        Order(0, LATE, LAYOUT.pickups[pickup], LAYOUT.dropoffs[dropoff])
+        Order(0, LATE, layout.pickups[pickup], layout.dropoffs[dropoff])
         for pickup, dropoff in zip(*(each.tolist() for each in ends), strict=True)
     ]
     env = FleetEnv(
-        LAYOUT,
+        layout,
         robots,
         backend=DrivingMotion(disturbances=disturbances, record_path=False),
         orders=orders,
@@ -43,7 +48,7 @@ def shift(
         battery=Battery(1_000_000),
         dispatch=False,
     )
-    agent = make_fleet_agent(planner, "urgent", seed, LAYOUT, robots)
+    agent = make_fleet_agent(planner, "urgent", seed, layout, robots)
     env.reset(seed)
     agent.reset()
     hits = 0
@@ -54,7 +59,7 @@ def shift(
 
 
 @pytest.mark.parametrize("planner", ["windowed-lanes", "pibt-lanes"])
-@pytest.mark.parametrize("robots", [32, 100])
+@pytest.mark.parametrize("robots", LAYOUTS)
 @pytest.mark.parametrize("seed", [0, 1])
 def test_disturbed_fleets_deliver_every_order_in_time_and_hit_nobody(
     planner: str, robots: int, seed: int, measured

@@ -99,7 +99,10 @@ class Motors:
         if not self.is_exact:  # what is commanded may be more than what is driven
             commands = np.minimum(self._commands, MAX_EXCESS * (speeds + gained))
             speeds = np.maximum(speeds, commands)
-        found: Floats = np.minimum(speeds + gained, self._spec.top_speed)
+        faster = speeds + gained
+        if not self.is_exact:  # one that drives back faster than commanded has to be able to brake
+            faster = np.where(speeds < 0, np.maximum(faster, 0.0), faster)
+        found: Floats = np.minimum(faster, self._spec.top_speed)
         return found
 
     def command(self, velocities: Floats, speeds: Floats, before: Floats, turns: Flags) -> Floats:

@@ -9,6 +9,7 @@ import pytest
 from warehouse_core import Cell, Layout
 from warehouse_core.motion.base import Contact
 from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, Stop
+from warehouse_physics.disturbances import FloorConditions
 
 
 @pytest.mark.parametrize(
@@ -84,6 +85,21 @@ def test_robots_drive_at_the_share_of_the_speed_that_is_drawn_for_each_cell() ->
     paths = [motion.advance([EAST], [False])[0].path for _ in range(50)]
     speeds = [(path[-1, 1] - path[-2, 1]) / (path[-1, 0] - path[-2, 0]) for path in paths[3:]]
     assert 0.02 < float(np.std(speeds)) < 0.08
+
+
+def test_a_robot_that_overshoots_its_end_drives_back_to_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    factors = iter([1.0, 1.0, 1.0, 1.25])
+    monkeypatch.setattr(FloorConditions, "speed_factor", lambda _: next(factors, 1.25))
+    motion = DrivingMotion(disturbances=Disturbances(actuation_noise=0.05), path_every=1)
+    motion.reset(HALL, [(0, 0)], 0)
+    for col in range(1, 4):
+        motion.extend([(0, col)])
+    beyond = motion.drive(12.0)[0].path[:, 1] - 3.5
+    assert 0.01 < beyond.max() < 0.1
+    assert abs(beyond[beyond.argmax() :].min()) < 0.01
+    assert motion.ways().at_rest == [True]
 
 
 def test_a_robot_that_stops_stands_for_its_time_and_drives_on() -> None:
