@@ -169,6 +169,18 @@ ShowOption = Annotated[
     ),
 ]
 
+JobsOption = Annotated[
+    int | None,
+    typer.Option(
+        "--jobs",
+        "-j",
+        metavar="N",
+        min=1,
+        max=64,
+        help="Processes. Default: one for each processor.",
+    ),
+]
+
 IntervalOption = Annotated[
     float,
     typer.Option("--interval-ms", min=1, max=60_000, help="Milliseconds between frames."),

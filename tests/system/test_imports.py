@@ -90,7 +90,7 @@ MAY_IMPORT = {
     "agents/reports": "console errors evaluation experiments registry reports/analysis "
     "reports/figures",
     "agents/grading": "console errors evaluation programs registry warehouse_agent_greedy",
-    "agents/commands/grade": ("commands/planners console errors experiments grading reports"),
+    "agents/commands/grade": "console errors experiments grading reports",
     "agents/commands/gap": (
         "commands/fleet commands/planners console errors evaluation experiments fleet registry "
         "reports"

@@ -22,8 +22,8 @@ from agents.commands.fleet.options import (
 from agents.commands.gap.summary import Scores, gap_table, losses, message
 from agents.commands.gap.trial import Result, Score, Setting, Trial, make_env, run_trial
 from agents.commands.gap.worlds import WORLDS, Shocks, make_world
-from agents.commands.planners.compare_planners import MAX_SEEDS, JobsOption
-from agents.console.options import save_option
+from agents.commands.planners.compare_planners import MAX_SEEDS
+from agents.console.options import JobsOption, save_option
 from agents.console.table import print_table
 from agents.console.terminal import print_error, say
 from agents.evaluation.interval import MIN_VALUES

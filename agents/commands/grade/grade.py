@@ -10,8 +10,7 @@ import typer
 
 from agents.commands.grade.files import PAGE, RESULTS, TABLE, write_report
 from agents.commands.grade.folder import grade_folder
-from agents.commands.planners.compare_planners import JobsOption
-from agents.console.options import save_option
+from agents.console.options import JobsOption, save_option
 from agents.console.terminal import say
 from agents.grading.gradescope import lines_of
 from agents.grading.grading import Report

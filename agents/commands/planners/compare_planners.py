@@ -13,7 +13,7 @@ import typer
 from agents.commands.planners.floors import KIVA, FloorOption, find_floor
 from agents.commands.planners.mapf import PlannerOption, TimeLimitOption
 from agents.commands.planners.runs import BOUND, STEPPERS, Unhindered, make_stepper
-from agents.console.options import MAX_COUNT
+from agents.console.options import MAX_COUNT, JobsOption
 from agents.console.output import PICTURES, save_picture
 from agents.console.table import Table, print_table
 from agents.console.terminal import print_error, say
@@ -28,20 +28,7 @@ from warehouse_core.files.atomic import check_suffix, check_target
 from warehouse_core.wording import counted
 
 SIZES = "32,64,96,128,160,192"
-MAX_SEEDS, MAX_JOBS = 1000, 64
-
-
-JobsOption = Annotated[
-    int | None,
-    typer.Option(
-        "--jobs",
-        "-j",
-        metavar="N",
-        min=1,
-        max=MAX_JOBS,
-        help="Processes. Default: one for each processor.",
-    ),
-]
+MAX_SEEDS = 1000
 
 
 class Trial(NamedTuple):
