@@ -1,8 +1,11 @@
 """The settings of the handbook's site; ``sphinx-build -W agents/handbook site`` builds it."""
 
+from __future__ import annotations
+
 import os
 import sys
 from pathlib import Path
+from typing import Any
 
 project = "warehouse-lab"
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
@@ -29,3 +32,12 @@ os.environ["TTY_COMPATIBLE"] = "0"
 
 # So that cells find the command "warehouse" of the environment that builds the site.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+
+
+def setup(app: Any) -> None:
+    """Leave the fields of named tuples to the docstrings of their classes."""
+
+    def is_field(_app: Any, _what: str, _name: str, member: Any, skip: bool, _options: Any) -> bool:
+        return skip or str(member.__doc__).startswith("Alias for field number")
+
+    app.connect("autodoc-skip-member", is_field)
