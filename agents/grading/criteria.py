@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from agents.evaluation.wording import percent
-from agents.grading.runs import Run
+from agents.grading.runs import Run, greedy_steps
 from agents.grading.sandbox import SLOW
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
@@ -17,8 +17,6 @@ MAX_USELESS = 10
 """Useless actions that an agent may take in an episode without a way."""
 
 Runs = Sequence[Run]
-Steps = Mapping[tuple[str, int], int]
-"""The steps of the greedy agent in each episode, by the name of its case and its seed."""
 
 
 class Measure(NamedTuple):
@@ -27,7 +25,7 @@ class Measure(NamedTuple):
     Attributes:
         asked: says what is asked, with ``{}`` for the number.
         shown: returns a number as text.
-        value: returns the number, from episodes and the steps of the greedy agent.
+        value: returns the number, from episodes.
         badness: the worst episode is the first that has the largest.
         counts: whether an episode counts.
         counted: which episodes count, in words.
@@ -39,7 +37,7 @@ class Measure(NamedTuple):
 
     asked: str
     shown: Callable[[float], str]
-    value: Callable[[Runs, Steps], float]
+    value: Callable[[Runs], float]
     badness: Callable[[Run], float]
     counts: Callable[[Run], bool]
     counted: str
@@ -103,8 +101,8 @@ class Criterion(NamedTuple):
         return min(round(share * self.points, 2), max(self.points - 0.01, 0.0))
 
 
-def _share(is_good: Callable[[Run], bool]) -> Callable[[Runs, Steps], float]:
-    return lambda runs, _: sum(map(is_good, runs)) / len(runs)
+def _share(is_good: Callable[[Run], bool]) -> Callable[[Runs], float]:
+    return lambda runs: sum(map(is_good, runs)) / len(runs)
 
 
 def _steps(runs: Runs) -> int:
@@ -148,8 +146,8 @@ def _times(value: float) -> str:
     return f"{value:.2f} times"
 
 
-def _greedy_ratio(runs: Runs, greedy: Steps) -> float:
-    return sum(greedy[run.case.name, run.seed] for run in runs) / _steps(runs)
+def _greedy_ratio(runs: Runs) -> float:
+    return sum(greedy_steps(run.case, run.seed) for run in runs) / _steps(runs)
 
 
 def _has_way(run: Run) -> bool:
@@ -178,7 +176,7 @@ MEASURES = {
     ),
     "steps_of_fewest": Measure(
         "at most {} the fewest possible steps, an episode without a delivery counted with all",
-        _times, lambda runs, _: _steps(runs) / sum(run.needed or 0 for run in runs),
+        _times, lambda runs: _steps(runs) / sum(run.needed or 0 for run in runs),
         _slowness, _has_way, WITH_WAY, _modes, more_is_better=False,
     ),
     "greedy_steps": Measure(
@@ -200,7 +198,7 @@ MEASURES = {
     ),
     "answer_seconds": Measure(
         "each answer takes less than {}",
-        lambda seconds: f"{seconds:g} s", lambda runs, _: max(map(_slowest, runs)),
+        lambda seconds: f"{seconds:g} s", lambda runs: max(map(_slowest, runs)),
         _slowest, lambda _: True, "", _in_time, more_is_better=False, is_secret=True,
     ),
 }  # fmt: skip

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 from agents.errors import GradeError
 from agents.evaluation.wording import percent
-from agents.grading.criteria import Criterion, Runs, Steps
+from agents.grading.criteria import Criterion, Runs
 from agents.grading.rubric import Rubric
-from agents.grading.runs import Run, greedy_steps, run_cases
+from agents.grading.runs import Run, run_cases
 from agents.grading.submissions import Submission
 from warehouse_core.wording import counted, printable
 
@@ -90,16 +90,13 @@ def grade(
         GradeError: no episode counts for a criterion, or agents cannot be run here.
     """
     code = submission.digest
-    wanted = {name for criterion in rubric.criteria for name in criterion.cases}
-    cases = [case for name, case in rubric.cases.items() if name in wanted]
     # Hidden ones last: what an agent keeps of them in files is not told in visible ones.
-    cases.sort(key=lambda case: not case.visible)
+    cases = sorted(rubric.used_cases, key=lambda case: not case.visible)
     runs = run_cases(submission, cases, rubric.limits, user, advance)
     name = submission.called(next((run.agent for run in runs if run.agent), None))
-    greedy = {(run.case.name, run.seed): greedy_steps(run.case, run.seed) for run in runs}
     grades: dict[str, Grade] = {}
     for criterion in rubric.criteria:
-        grades[criterion.name] = _judge(criterion, runs, greedy, grades, name)
+        grades[criterion.name] = _judge(criterion, runs, grades, name)
     is_loaded = any(run.agent for run in runs)
     failure = "" if is_loaded else runs[0].told
     return Report(
@@ -108,16 +105,14 @@ def grade(
     )  # fmt: skip
 
 
-def _judge(
-    criterion: Criterion, runs: Runs, greedy: Steps, before: dict[str, Grade], name: str
-) -> Grade:
+def _judge(criterion: Criterion, runs: Runs, before: dict[str, Grade], name: str) -> Grade:
     measure = criterion.measure
     asked = [run for run in runs if run.case.name in criterion.cases and measure.counts(run)]
     if not asked:
         raise GradeError(
             f"criterion {criterion.name!r}: none of its cases has an episode {measure.counted}"
         )
-    value = measure.value(asked, greedy)
+    value = measure.value(asked)
     joint = "of" if measure.shown is percent else "in"
     episodes = counted(len(asked), "episode")
     seen = f"{_told(criterion, value)} {joint} {episodes}: {measure.seen(asked)}"

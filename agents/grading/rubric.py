@@ -54,6 +54,12 @@ class Rubric:
         """The sum of all points."""
         return sum(criterion.points for criterion in self.criteria)
 
+    @property
+    def used_cases(self) -> list[Case]:
+        """The cases that criteria judge, in the order of the file."""
+        used = {name for criterion in self.criteria for name in criterion.cases}
+        return [case for name, case in self.cases.items() if name in used]
+
 
 def whole(minimum: int, maximum: int) -> Check:
     """Return a check of whole numbers."""

@@ -138,8 +138,7 @@ def grade_one(submission: Submission, rubric: Rubric, user: str | None) -> Repor
     """Grade an agent, with a progress bar."""
     from agents.console.progress import progress_bar  # Rich takes long to import
 
-    wanted = {name for criterion in rubric.criteria for name in criterion.cases}
-    total, done = sum(rubric.cases[name].episodes for name in wanted), 0
+    total, done = sum(case.episodes for case in rubric.used_cases), 0
     with progress_bar(total, "episodes") as show:
 
         def advance() -> None:
