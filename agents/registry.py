@@ -41,7 +41,6 @@ from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, RecordError
 from warehouse_core.files.kinds import not_a_file
 from warehouse_core.records.fleet_episode import FleetAgent
-from warehouse_core.world.tiles import NO_STATIONS
 
 AGENTS: dict[str, Callable[..., Agent]] = {
     "random": RandomAgent,
@@ -122,8 +121,7 @@ def make_team(
     seeds = [seed] * robots
     if seed is not None and robots > 1:
         seeds = np.random.SeedSequence(seed).generate_state(robots).tolist()
-    walls = Layout([row.translate(NO_STATIONS) for row in layout.rows])
-    return Team(_make_agents(name, seeds, walls), seed)
+    return Team(_make_agents(name, seeds, layout.with_tiles((), (), ())), seed)
 
 
 def make_planner(

@@ -5,6 +5,9 @@ from __future__ import annotations
 import reprlib
 from collections.abc import Iterable
 
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
+"""A spreadsheet would run cells that begin with these; texts may come from strangers."""
+
 
 def counted(number: int, noun: str) -> str:
     """Return a number of things, ``1 failure`` or ``1,239 failures``."""
@@ -32,6 +35,11 @@ def printable(text: str) -> str:
     such as ``\x1b``, so that different names stay different.
     """
     return text if text.isprintable() else "".join(map(_visible, text))
+
+
+def spreadsheet_text(text: str) -> str:
+    """Return text that a spreadsheet shows, and does not run as a formula."""
+    return f"'{text}" if text.startswith(FORMULA) else text
 
 
 def _visible(character: str) -> str:

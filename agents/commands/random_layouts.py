@@ -9,10 +9,8 @@ from typing import Annotated
 import typer
 
 from agents.console.options import LAYOUT_HELP
+from agents.console.place import RANDOM
 from agents.evaluation.random_layouts import MAX_POOL, RandomLayouts
-
-RANDOM = "random"
-"""The name of a random layout for each seed."""
 
 DEFAULTS = RandomLayouts()
 

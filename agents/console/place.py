@@ -8,6 +8,9 @@ from typing import NamedTuple
 from warehouse_core import Cell, Layout, LayoutError
 from warehouse_core.task.starts import START, STATIONS, empty_cells
 
+RANDOM = "random"
+"""In place of the name of a layout: another layout for each seed."""
+
 
 class Stations(StrEnum):
     """Where pickup and dropoff come from."""

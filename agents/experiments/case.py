@@ -17,15 +17,13 @@ from contextlib import closing
 from functools import lru_cache
 from typing import Any
 
-from agents.console.place import Stations, check_stations, usual_stations
+from agents.console.place import RANDOM, Stations, check_stations, usual_stations
 from agents.experiments.parameters import (
-    DEFAULT,
     FLEET,
     NO_PLANNER,
     PARAMETERS,
     PHYSICAL,
     PLANNER,
-    RANDOM,
     Value,
     checked,
     find,
@@ -49,7 +47,7 @@ from warehouse_core import (
 )
 from warehouse_core.motion.backends import Backend
 from warehouse_core.records.fleet_episode import FleetAgent
-from warehouse_core.world.named_layouts import DEPOT, find_layout
+from warehouse_core.world.named_layouts import DEFAULT, DEPOT, find_layout
 
 Case = Mapping[str, Any]
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields
 from typing import Any, NamedTuple
 
-from agents.console.place import Stations
+from agents.console.place import RANDOM, Stations
 from agents.errors import ParameterError
 from agents.fleet.planned import DEFAULT_ASSIGNMENT
 from agents.mapf.assignment import ASSIGNMENTS
@@ -21,11 +21,9 @@ from warehouse_core.fleet.settings import MAX_BODIES
 from warehouse_core.motion import backends
 from warehouse_core.wording import printable
 from warehouse_core.world.generators import MAX_DENSITY
+from warehouse_core.world.named_layouts import DEFAULT
 
 Value = str | int | float | bool
-
-DEFAULT, RANDOM = "default", "random"
-"""Layouts by name: the chapter's, and a random one for each seed. Any other is a file."""
 
 PLANNER, NO_PLANNER = "planner", "none"
 """The parameter that names what directs all robots of a fleet; by default each has an agent."""

@@ -6,13 +6,10 @@ import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
-from agents.console.place import Stations, usual_stations, what_to_draw
+from agents.console.place import RANDOM, Stations, usual_stations, what_to_draw
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, Observation, WarehouseEnv, random_layout
 from warehouse_core.records.failure_modes import fewest_steps
 from warehouse_core.world.named_layouts import DEFAULT, find_layout
-
-RANDOM = "random"
-"""The layout that is generated anew for each seed."""
 
 BUDGET, VIEW = 200, 2
 """Usual units of battery, usual steps, and the usual radius of the view."""

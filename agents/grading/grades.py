@@ -10,14 +10,11 @@ from agents.errors import GradeError
 from agents.grading.grading import Report
 from agents.grading.rubric import Rubric
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.wording import printable
+from warehouse_core.wording import printable, spreadsheet_text
 
 NAME, POINTS, MOST, FAILURE, CODE, RUBRIC = (
     "submission", "points", "of", "failure", "code", "rubric",
 )  # fmt: skip
-
-FORMULA = ("=", "+", "-", "@")
-"""A spreadsheet would run cells that begin with these; names come from strangers."""
 
 Row = dict[str, str]
 
@@ -45,8 +42,7 @@ def failed_row(name: str, reason: str, rubric: Rubric, code: str = "") -> Row:
 
 def plain(text: str) -> str:
     """Return text that a spreadsheet shows and does not run."""
-    text = printable(text)
-    return f"'{text}" if text.startswith(FORMULA) else text
+    return spreadsheet_text(printable(text))
 
 
 def load_grades(path: Path) -> dict[str, Row]:

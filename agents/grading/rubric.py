@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from agents.console.place import Stations, check_stations
+from agents.console.place import RANDOM, Stations, check_stations
 from agents.errors import GradeError
-from agents.grading.cases import RANDOM, Case
+from agents.grading.cases import Case
 from agents.grading.criteria import MEASURES, Criterion
 from agents.grading.sandbox import Limits
 from warehouse_core import LayoutError

@@ -17,14 +17,12 @@ from agents.experiments.store import Store
 from agents.experiments.tables import Row
 from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import atomic_path
+from warehouse_core.wording import spreadsheet_text
 
 ROWS_END = "/"
 """Between the rows of a layout, so that an episode is one line of text."""
 
 CSV, PARQUET = ".csv", ".parquet"
-
-FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""A spreadsheet would run cells that begin with these; results may come from strangers."""
 
 LINES_AT_ONCE = 50_000
 """Of a Parquet file, so that a large table takes little memory."""
@@ -102,8 +100,7 @@ def _write_csv(path: Path, columns: dict[str, str], lines: Iterator[Line]) -> No
 
 def _safe(value: Any) -> Any:
     """Return a value that no spreadsheet takes for a formula."""
-    is_formula = isinstance(value, str) and value.startswith(FORMULA)
-    return f"'{value}" if is_formula else value
+    return spreadsheet_text(value) if isinstance(value, str) else value
 
 
 def _write_parquet(path: Path, columns: dict[str, str], lines: Iterator[Line]) -> None:
