@@ -8,7 +8,7 @@ import sys
 def main() -> None:
     """Run the command line; an interrupt while it is being imported is one line too."""
     try:
-        from agents import cli
+        from agents.lab.commands import cli
     except KeyboardInterrupt:
         print("warehouse: interrupted", file=sys.stderr)
         sys.exit(130)

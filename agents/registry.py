@@ -19,7 +19,6 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from agents.errors import AgentError, reason_of
-from agents.evaluation.baselines import RandomAgent, ReflexAgent
 from agents.fleet.charging import costs_around_chargers
 from agents.fleet.guided import (
     pibt_on_lanes,
@@ -29,6 +28,7 @@ from agents.fleet.guided import (
 )
 from agents.fleet.planned import DEFAULT_ASSIGNMENT, PlannedFleet
 from agents.fleet.team import Team
+from agents.learning.baselines import RandomAgent, ReflexAgent
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_table import load_agent
 from agents.mapf.assignment import ASSIGNMENTS

@@ -10,8 +10,9 @@ import random
 
 import typer
 
-from agents.console.main import application, main
-from agents.console.options import (
+from agents.errors import EpisodeError, EpisodeInterrupted
+from agents.lab.console.main import application, main
+from agents.lab.console.options import (
     AgentOption,
     BackendOption,
     BatteryOption,
@@ -29,10 +30,9 @@ from agents.console.options import (
     greedy_with,
     load_place,
 )
-from agents.console.output import replay_or_save
-from agents.console.terminal import say
-from agents.console.watch import run_watched
-from agents.errors import EpisodeError, EpisodeInterrupted
+from agents.lab.console.output import replay_or_save
+from agents.lab.console.terminal import say
+from agents.lab.console.watch import run_watched
 from agents.registry import make_agent
 from warehouse_core import DEFAULT_LAYOUT, Cell, Episode, EpisodeRecorder, Layout, WarehouseEnv
 from warehouse_core.records.failure_modes import diagnose

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from agents.errors import AgentError, reason_of
 from agents.fleet.dispatcher import Dispatcher, shares_cell
 from agents.fleet.plan_log import PlanLog
-from agents.fleet.time_limit import time_limit
 from agents.mapf.graph import CLOSED, Graph, Integers
 from agents.mapf.planner import Planner, Situation, check_step
+from agents.mapf.time_limit import time_limit
 from warehouse_core import FleetEnv
 from warehouse_core.records.plans import NO_PLANS
 from warehouse_core.world.actions import WAIT

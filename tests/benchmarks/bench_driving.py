@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from helpers.fleet_truth import big_warehouse
 
-from agents.fleet.execution import Execution, drive_steps, drive_through
+from agents.mapf.execution import Execution, drive_steps, drive_through
 from agents.mapf.graph import Graph
 from agents.mapf.lacam import lacam
 from agents.mapf.lifelong import run_lifelong

@@ -15,16 +15,16 @@ from time import perf_counter
 
 from helpers.results_files import row, shift
 
-from agents.commands.export.table import columns_of, lines_of
-from agents.experiments.case import is_fleet, make_case
-from agents.experiments.episodes import run_task
-from agents.experiments.store import Store
-from agents.programs import program_for
-from agents.reports.analysis.answers import answers
-from agents.reports.analysis.design import make_design
-from agents.reports.analysis.fleet_answers import fleet_answers
-from agents.reports.analysis.results import Deliveries, Experiment, Shifts
-from agents.reports.examples import find_examples
+from agents.lab.commands.export.table import columns_of, lines_of
+from agents.lab.experiments.case import is_fleet, make_case
+from agents.lab.experiments.episodes import run_task
+from agents.lab.experiments.store import Store
+from agents.lab.reports.analysis.answers import answers
+from agents.lab.reports.analysis.design import make_design
+from agents.lab.reports.analysis.fleet_answers import fleet_answers
+from agents.lab.reports.analysis.results import Deliveries, Experiment, Shifts
+from agents.lab.reports.examples import find_examples
+from agents.lab.runs.programs import program_for
 from warehouse_core.errors import WarehouseError
 
 ROUNDS = int(os.environ.get("FUZZ_ROUNDS", "2000"))

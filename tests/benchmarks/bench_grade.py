@@ -7,11 +7,11 @@ from time import perf_counter
 
 from helpers.submissions import GOOD, write_rubric
 
-from agents.grading.grading import grade
-from agents.grading.rubric import MINI_LAB, load_rubric
-from agents.grading.runs import run_case
-from agents.grading.sandbox import Sandbox
-from agents.grading.submissions import find_submission
+from agents.lab.grading.grading import grade
+from agents.lab.grading.rubric import MINI_LAB, load_rubric
+from agents.lab.grading.runs import run_case
+from agents.lab.grading.sandbox import Sandbox
+from agents.lab.grading.submissions import find_submission
 
 
 def processor_seconds() -> float:

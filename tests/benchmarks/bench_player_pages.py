@@ -8,8 +8,8 @@ import pytest
 from helpers.fleet_truth import big_warehouse
 from helpers.timing import seconds
 
-from agents.console.output import replay_or_save
 from agents.fleet.planned import PlannedFleet
+from agents.lab.console.output import replay_or_save
 from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
 from agents.run_episode import run_episode

@@ -8,9 +8,9 @@ from time import perf_counter
 
 import numpy as np
 
-from agents.experiments.case import make_case
-from agents.experiments.store import Store
-from agents.experiments.tables import Row
+from agents.lab.experiments.case import make_case
+from agents.lab.experiments.store import Store
+from agents.lab.experiments.tables import Row
 from warehouse_core.records.failure_modes import MODES
 
 EPISODES, BATTERIES = 1_000_000, range(20, 220, 20)
@@ -44,7 +44,7 @@ def test_a_million_episodes_take_less_than_a_minute_and_a_gibibyte(tmp_path, cap
     a_million(path)
     begin = perf_counter()
     subprocess.run(
-        [sys.executable, "-c", "from agents.cli import main; main()", "report", str(path),
+        [sys.executable, "-m", "agents", "report", str(path),
          "--no-replays"],
         check=True,
         stdout=subprocess.DEVNULL,

@@ -11,11 +11,11 @@ from time import perf_counter
 import pytest
 from helpers.sweeps import nothing
 
-from agents.experiments.case import make_agent_for, make_case, make_env
-from agents.experiments.plan import Plan
-from agents.experiments.running import run_missing
-from agents.experiments.store import Store
-from agents.experiments.workers import process_pool
+from agents.lab.experiments.case import make_agent_for, make_case, make_env
+from agents.lab.experiments.plan import Plan
+from agents.lab.experiments.running import run_missing
+from agents.lab.experiments.store import Store
+from agents.lab.experiments.workers import process_pool
 from warehouse_core import record_episode
 from warehouse_core.records.failure_modes import diagnose
 
@@ -28,10 +28,10 @@ WARM_UP = 400
 
 LONG_SWEEP = """
 import sys
-from agents.experiments.plan import make_plan
-from agents.experiments.running import run_missing
-from agents.experiments.store import Store
-from agents.experiments.workers import process_pool
+from agents.lab.experiments.plan import make_plan
+from agents.lab.experiments.running import run_missing
+from agents.lab.experiments.store import Store
+from agents.lab.experiments.workers import process_pool
 
 def peak_in_kb():
     with open("/proc/self/status") as file:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from agents.fleet.execution import drive_through
+from agents.mapf.execution import drive_through
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import run_lifelong
 from agents.registry import make_planner

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import pytest
 import typer
 
-from agents import cli
-from agents.console.main import main
+from agents.lab.commands import cli
+from agents.lab.console.main import main
 
 ROOT = Path(__file__).resolve().parents[2]
 DISPLAY_VARIABLES = ("DISPLAY", "WAYLAND_DISPLAY", "MPLBACKEND")

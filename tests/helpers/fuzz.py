@@ -19,8 +19,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from agents.experiments.choices import parse_flags, read_plan_file
-from agents.experiments.plan import spread
+from agents.lab.experiments.choices import parse_flags, read_plan_file
+from agents.lab.experiments.plan import spread
 from agents.learning.policy_network import PolicyNetwork
 from agents.learning.q_learning import QTable
 from agents.learning.q_table import load_agent, save_table

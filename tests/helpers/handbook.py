@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import pytest
 
-from agents import cli
-from agents.console.main import main
+from agents.lab.commands import cli
+from agents.lab.console.main import main
 from helpers.command_line import ROOT
 
 HANDBOOK = ROOT / "agents" / "handbook"

@@ -2,12 +2,12 @@
 
 from typing import Any
 
-from agents.experiments.case import make_case
-from agents.experiments.parameters import shown
-from agents.reports.analysis.answers import Answer
-from agents.reports.examples import Example, Found
-from agents.reports.figures.pictures import Picture
-from agents.reports.page import Page, Table
+from agents.lab.experiments.case import make_case
+from agents.lab.experiments.parameters import shown
+from agents.lab.reports.analysis.answers import Answer
+from agents.lab.reports.examples import Example, Found
+from agents.lab.reports.figures.pictures import Picture
+from agents.lab.reports.page import Page, Table
 from helpers.pictures import named
 from warehouse_core.viz.tracks import track_of_episode
 

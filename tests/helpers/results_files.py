@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from agents.experiments.case import make_case
-from agents.experiments.store import Store
-from agents.experiments.tables import AnyRow, Row, Shift
+from agents.lab.experiments.case import make_case
+from agents.lab.experiments.store import Store
+from agents.lab.experiments.tables import AnyRow, Row, Shift
 
 
 def row(seed: int, mode: str = "delivered", steps: int = 20, **others: Any) -> Row:

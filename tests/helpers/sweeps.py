@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from agents.errors import StoreError
-from agents.experiments.choices import parse_flags
-from agents.experiments.plan import make_plan
-from agents.experiments.running import run_missing
-from agents.experiments.store import Store
-from agents.experiments.tables import Row
+from agents.lab.experiments.choices import parse_flags
+from agents.lab.experiments.plan import make_plan
+from agents.lab.experiments.running import run_missing
+from agents.lab.experiments.store import Store
+from agents.lab.experiments.tables import Row
 from helpers.command_line import ROOT
 
 COLUMNS = ", ".join(Row._fields)
@@ -102,7 +102,7 @@ class Sweep:
         self.output = output
         command = words(output, episodes, flags, workers)
         self.process = subprocess.Popen(
-            [python, "-c", "from agents.cli import main; main()", *command, *options],
+            [python, "-c", "from agents.lab.commands.cli import main; main()", *command, *options],
             cwd=ROOT,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

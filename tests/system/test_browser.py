@@ -17,9 +17,9 @@ from helpers.results_files import fill, outcomes
 from numpy.typing import NDArray
 from PIL import Image
 
-from agents.experiments.store import Store
-from agents.reports.contents import make_page
-from agents.reports.page import write_page
+from agents.lab.experiments.store import Store
+from agents.lab.reports.contents import make_page
+from agents.lab.reports.page import write_page
 
 pytestmark = pytest.mark.browser
 

@@ -15,7 +15,7 @@ from helpers.pictures import short_episode
 from PIL import Image
 
 import agents.__main__ as program
-from agents import cli
+from agents.lab.commands import cli
 from agents.run_episode import run_episode
 from warehouse_core import Episode
 from warehouse_core.viz.export.gif_writer import GifWriter
@@ -91,7 +91,7 @@ def test_the_help_cuts_no_summary_off(
 def test_the_help_loads_no_heavy_library(tmp_path: Path) -> None:
     program = f"""
 import sys
-from agents.cli import main
+from agents.lab.commands.cli import main
 sys.argv = ["warehouse", "--help"]
 try:
     main()

@@ -17,7 +17,7 @@ from agents.errors import StoreError
 
 pytestmark = pytest.mark.cluster
 EPISODES = 3000
-MAIN = ["-c", "from agents.cli import main; main()"]
+MAIN = ["-c", "from agents.lab.commands.cli import main; main()"]
 
 
 @pytest.fixture(params=["--no-nanny"])

@@ -19,8 +19,8 @@ from helpers.handbook import (
     run_page,
 )
 
-from agents.commands import bench, train
-from agents.experiments.sweep import PRESETS
+from agents.lab.commands import bench, train
+from agents.lab.experiments.sweep import PRESETS
 from agents.learning import training
 from warehouse_core.viz.replay import Replay
 

@@ -14,7 +14,7 @@ from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 
 pytestmark = pytest.mark.window
 
-WAREHOUSE = "from agents.cli import main; main()"
+WAREHOUSE = "from agents.lab.commands.cli import main; main()"
 
 WATCH = """
 import sys, zlib

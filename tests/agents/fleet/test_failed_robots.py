@@ -5,7 +5,7 @@ import math
 import pytest
 from helpers.fleets import SHELVES
 
-from agents.commands.fleet.report import result_of, verdict
+from agents.lab.commands.fleet.report import result_of, verdict
 from agents.registry import make_fleet_agent
 from warehouse_core import Cell, FleetEnv, Order, record_fleet_episode
 from warehouse_core.fleet import Battery

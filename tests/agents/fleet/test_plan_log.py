@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from agents.errors import AgentError
-from agents.fleet import PlannedFleet, run_shift
+from agents.fleet import PlannedFleet
 from agents.fleet.plan_log import PlanLog
+from agents.lab.runs.shift import run_shift
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import PIBT

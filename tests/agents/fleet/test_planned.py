@@ -12,11 +12,12 @@ import numpy as np
 import pytest
 
 from agents.errors import AgentError, EpisodeError, PlanError
-from agents.fleet import PlannedFleet, run_shift
+from agents.fleet import PlannedFleet
 from agents.fleet.charging import Chargers
 from agents.fleet.dispatcher import parking_of
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import part
+from agents.lab.runs.shift import run_shift
 from agents.mapf.graph import Graph, Integers
 from agents.mapf.planner import Planner, Situation, check_step
 from agents.registry import make_fleet_agent, make_planner

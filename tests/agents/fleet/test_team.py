@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from agents.errors import AgentError, EpisodeError, EpisodeInterrupted
-from agents.fleet import Team, run_shift
+from agents.fleet import Team
+from agents.lab.runs.shift import run_shift
 from agents.registry import make_planner, make_team
 from agents.search.agents import SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from agents.fleet.execution import drive_through
+from agents.mapf.execution import drive_through
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT

@@ -1,0 +1,1 @@
+"""The laboratory: runs of agents, experiments, reports, grades and the commands of `warehouse`."""

@@ -1,0 +1,197 @@
+"""The command ``warehouse compare-agents``: agents over the same seeds, a table and a figure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from shutil import get_terminal_size
+from textwrap import fill
+from typing import Annotated
+
+import typer
+
+from agents.errors import EpisodeInterrupted
+from agents.lab.commands.random_layouts import (
+    DensityOption,
+    LayoutOrRandomOption,
+    SizesOption,
+    is_random,
+    random_layouts,
+)
+from agents.lab.console.options import (
+    BackendOption,
+    BatteryOption,
+    MaxStepsOption,
+    StartOption,
+    StationsOption,
+    load_place,
+)
+from agents.lab.console.output import PICTURES, save_picture
+from agents.lab.console.place import Stations, what_to_draw
+from agents.lab.console.table import Table, print_table
+from agents.lab.console.terminal import say
+from agents.lab.console.watch import run_watched
+from agents.lab.evaluation.scores import EXPLANATION, MEASURES, Measure, Scores, Task, evaluate
+from agents.lab.evaluation.wording import mean, share
+from agents.registry import make_agent
+from warehouse_core import Layout
+from warehouse_core.files.atomic import check_suffix, check_target
+from warehouse_core.task.starts import STATIONS
+from warehouse_core.wording import counted
+
+AGENTS = {
+    "random": "random",
+    "reflex": "reflex",
+    "greedy": "greedy",
+    "greedy:escape_steps=0": "greedy without escape",
+    "exploring": "exploring",
+    "ucs": "uniform-cost",
+    "astar": "A*",
+}
+"""The agents that are always compared, and their names in the table."""
+
+MAX_EPISODES = 100_000
+
+
+def compare_agents(
+    agent: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--agent",
+            metavar="NAME",
+            help="Also compare this agent: a name as in 'warehouse run --agent', such as "
+            "my_agent.py:Mine or greedy:memory=20; may be repeated. "
+            f"Always compared: {', '.join(AGENTS)}.",
+            show_default=False,
+        ),
+    ] = None,
+    episodes: Annotated[
+        int,
+        typer.Option(
+            "--episodes", "-n", metavar="N", min=1, max=MAX_EPISODES, help="Episodes of each agent."
+        ),
+    ] = 100,
+    seed: Annotated[
+        int,
+        typer.Option("--seed", metavar="N", min=0, help="Seed of the first episode."),
+    ] = 0,
+    backend: BackendOption = "physics",
+    layout: LayoutOrRandomOption = None,
+    stations: StationsOption = None,
+    start: StartOption = None,
+    battery: BatteryOption = 200,
+    max_steps: MaxStepsOption = 200,
+    size: SizesOption = None,
+    density: DensityOption = None,
+    save: Annotated[
+        Path | None, typer.Option("--save", metavar="FILE", help="Write the figure, .svg or .png.")
+    ] = None,
+) -> None:
+    """Compare agents over the same seeds.
+
+    Prints a table of deliveries, steps, nodes expanded, time and energy.
+
+    With --layout random each seed has another layout, in which no agent of
+    "warehouse train ppo --layout random" has been trained. Several sizes are
+    compared in one figure.
+
+    Example: warehouse compare-agents --agent my_agent.py:Mine -n 50
+    """
+    if save is not None:
+        check_suffix(save, PICTURES)
+        check_target(save)
+    tasks = make_tasks(layout, size, density, stations, start)
+    tasks = [task._replace(battery=battery, max_steps=max_steps, backend=backend) for task in tasks]
+    names = AGENTS | {name: AGENTS.get(name, name) for name in agent or []}
+    seeds = range(seed, seed + episodes)
+    for name in names:  # a wrong name is an error before the episodes
+        make_agent(name, seeds[-1], tasks[0].layout_for(seeds[-1]))
+    groups = {
+        title_of(task, seeds): {
+            shown: evaluate_watched(name, shown, task, seeds) for name, shown in names.items()
+        }
+        for task in tasks
+    }
+    # The figure first, because the reader of standard output may leave, as ``head`` does.
+    if save is not None:
+        from agents.lab.evaluation.figure import scores_figure
+        from agents.lab.evaluation.sizes_figure import sizes_figure
+
+        [(title, scores), *more] = groups.items()
+        figure = scores_figure(scores, title, EXPLANATION)
+        save_picture(sizes_figure(groups, EXPLANATION) if more else figure, save)
+    for title, scores in groups.items():
+        for table in scores_tables(scores, title):
+            print_table(table)
+    say(fill(EXPLANATION, get_terminal_size().columns))
+    if save is not None:
+        say(f"saved {save}")
+
+
+def make_tasks(
+    layout: Path | None,
+    sizes: list[str] | None,
+    density: str | None,
+    stations: Stations | None,
+    start: str | None,
+) -> list[Task]:
+    """Return a task for each size of random layouts, or the one in a layout, from the options.
+
+    Raises:
+        LayoutError: as for ``load_place`` and ``random_layouts``.
+        typer.BadParameter: likewise; or a start in random layouts.
+    """
+    if not is_random(layout, size=sizes, density=density):
+        place = load_place(layout, stations, start)
+        return [Task(place.layout, start_pos=place.start_pos, randomize=place.randomize)]
+    if start is not None:
+        raise typer.BadParameter(f"--start is {start!r}; in random layouts it is always drawn")
+    drawn = what_to_draw(stations or Stations.DRAWN)
+    wanted: Sequence[str | None] = sizes or [None]
+    return [Task(random_layouts(size, density), randomize=drawn) for size in wanted]
+
+
+def title_of(task: Task, seeds: range) -> str:
+    """Return what episodes of a task have in common."""
+    floors = "" if isinstance(task.layout, Layout) else f"{task.layout.name}, "
+    stations = Stations.DRAWN if task.randomize in (True, STATIONS) else Stations.KEPT
+    return (
+        f"{floors}{counted(len(seeds), 'episode')} each, backend {task.backend}, "
+        f"seeds from {seeds.start}, stations {stations}"
+    )
+
+
+def evaluate_watched(name: str, shown: str, task: Task, seeds: Sequence[int]) -> Scores:
+    """Return the scores of an agent by its name, with a progress bar.
+
+    Raises:
+        EpisodeError: the agent failed; the message has the seed, the step and the line.
+        typer.Abort: Ctrl-C was pressed.
+    """
+    from agents.lab.console.progress import track
+
+    try:
+        return evaluate(
+            lambda seed: make_agent(name, seed, task.layout_for(seed)),
+            task,
+            track(seeds, shown),
+            lambda recorder, agent, first: run_watched(recorder, agent, name, first),
+        )
+    except EpisodeInterrupted as error:
+        raise typer.Abort from error
+
+
+def scores_tables(scores: Mapping[str, Scores], title: str) -> Iterator[Table]:
+    """Yield two tables of the agents' scores, with 95% intervals; both fit 80 columns."""
+    half = len(MEASURES) // 2
+    for measures, above in ((MEASURES[:half], title), (MEASURES[half:], "")):
+        rows = [(name, *(_words(each, one) for one in measures)) for name, each in scores.items()]
+        yield Table(("agent", *(measure.column for measure in measures)), rows, above)
+
+
+def _words(scores: Scores, measure: Measure) -> str:
+    found = measure.of(scores)
+    if found is None:
+        return "none"
+    words = share(found) if measure is MEASURES[0] else mean(found, "")
+    return words.replace(" (", "\n(")  # the interval below its estimate, to save width

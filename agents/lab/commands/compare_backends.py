@@ -1,0 +1,93 @@
+"""Compare one episode on two backends, and replay both side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated
+
+import typer
+
+from agents.lab.console.options import (
+    AgentOption,
+    BatteryOption,
+    LayoutOption,
+    MaxStepsOption,
+    SaveReplayOption,
+    SeedOption,
+    ShowOption,
+    StartOption,
+    StationsOption,
+    load_place,
+)
+from agents.lab.console.output import Film, show_or_save
+from agents.lab.console.table import Table, print_table
+from agents.run_episode import draw_seed, run_episode
+from warehouse_core import Episode
+from warehouse_core.viz.tracks.episode_track import track_of_episode
+
+ROWS: dict[str, Callable[[Episode], str]] = {
+    "outcome": lambda episode: episode.outcome,
+    "steps": lambda episode: str(episode.steps),
+    "total reward": lambda episode: f"{episode.total_reward:.2f}",
+    "seconds": lambda episode: f"{episode.seconds:.1f}",
+    "joules": lambda episode: f"{episode.joules:.0f}",
+    "hits": lambda episode: str(sum(len(motion.contacts) for motion in episode.motions)),
+}
+
+
+def first_difference(left: Episode, right: Episode) -> int | None:
+    """Return the first step, counted from 1, whose action, cell, load or reward differs.
+
+    Time, energy and contacts are not compared. ``None`` if no step differs.
+    """
+    steps = [
+        list(zip(e.actions, e.cells[1:], e.loaded[1:], e.rewards[1:], strict=True))
+        for e in (left, right)
+    ]
+    for number, (one, other) in enumerate(zip(*steps, strict=False), start=1):
+        if one != other:
+            return number
+    return None if left.steps == right.steps else min(left.steps, right.steps) + 1
+
+
+def comparison_table(left: Episode, right: Episode) -> Table:
+    """Return a table of the outcomes of two episodes."""
+    step = first_difference(left, right)
+    differs = "none" if step is None else f"step {step}"
+    rows = [(name, value(left), value(right)) for name, value in ROWS.items()]
+    return Table(
+        ("", left.settings.backend, right.settings.backend),
+        [*rows, ("first step that differs", differs, differs)],
+        f"{left.agent}, seed {left.seed}",
+    )
+
+
+def compare(
+    agent: AgentOption = "greedy",
+    left: Annotated[str, typer.Option("--left", help="Backend on the left.")] = "grid",
+    right: Annotated[str, typer.Option("--right", help="Backend on the right.")] = "physics",
+    layout: LayoutOption = None,
+    stations: StationsOption = None,
+    start: StartOption = None,
+    seed: SeedOption = None,
+    battery: BatteryOption = 200,
+    max_steps: MaxStepsOption = 200,
+    *,
+    save: SaveReplayOption,
+    show: ShowOption = None,
+) -> None:
+    """Run an episode on two backends, side by side.
+
+    Example: warehouse compare --seed 12 --save both.gif
+    """
+    seed = draw_seed() if seed is None else seed
+    place = load_place(layout, stations, start)
+    one, other = (
+        run_episode(
+            agent, backend, seed=seed, battery=battery, max_steps=max_steps, **place._asdict()
+        )
+        for backend in (left, right)
+    )
+    print_table(comparison_table(one, other))
+    film = Film(lambda: [track_of_episode(one), track_of_episode(other)])
+    show_or_save(film, save, show, f"compare-{one.agent}-{left}-{right}-{seed}.gif")

@@ -1,0 +1,297 @@
+"""Short demonstrations of continuous motion and of fleets: one command and one picture each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, NamedTuple
+
+import typer
+
+from agents.fleet.plan_log import PlanLog
+from agents.fleet.planned import PlannedFleet
+from agents.lab.console.options import SaveReplayOption, ShowOption
+from agents.lab.console.output import PICTURES, Film, show_or_save, show_or_save_picture
+from agents.lab.console.terminal import say
+from agents.lab.runs.lanes_demo import BATTERY, ROBOTS, lanes_compared
+from agents.lab.runs.shift import run_shift
+from agents.mapf.cbs import ConflictTree
+from agents.mapf.graph import Graph
+from agents.mapf.pibt import PIBT
+from agents.mapf.problem import Problem
+from agents.run_episode import run_episode
+from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core import (
+    Cell,
+    Episode,
+    EpisodeRecorder,
+    FleetEnv,
+    FleetEpisode,
+    Layout,
+    OrderStream,
+    WarehouseEnv,
+    record_episode,
+)
+from warehouse_core.files.atomic import check_suffix
+from warehouse_core.motion.backends import load_backend
+from warehouse_core.records import FleetRecorder
+from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.tracks.fleet_track import track_of_fleet_episode
+from warehouse_core.viz.tracks.track import Track
+from warehouse_core.wording import counted
+from warehouse_core.world.named_layouts import DEPOT, find_layout
+
+if TYPE_CHECKING:
+    from agents.mapf.tree_picture import MakeFigure
+    from warehouse_core.viz.figure import SceneFigure
+
+CORRIDOR = Layout(["########", "#P....D#", "########"])
+SLOW_MOTION = 0.025
+"""Simulated seconds between frames in slow motion."""
+
+GAP = ("..#..", ".....", "..#..")
+CBS_SECONDS = 10.0
+
+HALL = Layout(["#######", "#.....#", "#.....#", "#.....#", "#######"])
+
+
+class Demo(NamedTuple):
+    """A sentence computed from the results, and the track or two tracks to show."""
+
+    said: str
+    track: Track
+    beside: Track | None = None
+
+
+class Picture(NamedTuple):
+    """A sentence computed from the results, and what draws the picture to show."""
+
+    said: str
+    draw: Callable[[MakeFigure], SceneFigure]
+
+
+def delivery() -> Demo:
+    """A whole delivery by the greedy agent."""
+    episode = run_episode("greedy", "physics", seed=12)
+    said = (
+        f"{episode.outcome} in {episode.steps} steps, "
+        f"{episode.seconds:.0f} s and {episode.joules:.0f} J"
+    )
+    return Demo(said, _titled(track_of_episode(episode), "A delivery"))
+
+
+def bump() -> Demo:
+    """A robot runs into a wall, in slow motion, with the force of the hit."""
+    from warehouse_physics import RigidBodyMotion, RobotSpec
+
+    env = WarehouseEnv(HALL, (2, 1), backend=RigidBodyMotion(path_every=1))
+    episode = drive(env, ["W"], "bump")
+    contact = episode.motions[0].contacts[0]
+    step = RobotSpec().time_step
+    force = contact.impulse / step
+    said = (
+        f"{contact.impulse:.1f} N·s at {contact.seconds:.2f} s: {force:.0f} N on average over "
+        f"the {1000 * step:.1f} ms of the substep"
+    )
+    title = f"A bump in slow motion: {contact.impulse:.0f} N·s, {force:.0f} N"
+    track = track_of_episode(episode, frame_seconds=SLOW_MOTION)
+    track.metrics, track.ending = {}, ""
+    return Demo(said, _titled(track, title))
+
+
+def load() -> Demo:
+    """The same route empty and loaded: the same force moves more mass."""
+    empty, loaded = (
+        drive(WarehouseEnv(CORRIDOR, backend="physics"), ["E"] * 5, name, loaded=name == "loaded")
+        for name in ("empty", "loaded")
+    )
+    said = (
+        f"empty {empty.seconds:.1f} s and {empty.joules:.0f} J, "
+        f"loaded {loaded.seconds:.1f} s and {loaded.joules:.0f} J"
+    )
+    tracks = [_titled(track_of_episode(e), e.agent.title()) for e in (empty, loaded)]
+    return Demo(said, tracks[0], tracks[1])
+
+
+def slip() -> Demo:
+    """The actions planned on the grid fail on a slippery floor."""
+    from warehouse_physics import Disturbances, RigidBodyMotion
+
+    planned = record_episode(WarehouseEnv(CORRIDOR), GreedyAgent(seed=0), randomize=False)
+    disturbances = Disturbances(slippery=frozenset({(1, 3), (1, 4)}))
+    env = WarehouseEnv(CORRIDOR, backend=RigidBodyMotion(disturbances=disturbances))
+    plan = [str(action) for action in planned.actions]
+    slipped = drive(env, plan, "the same actions", seed=0)
+    beside = track_of_episode(slipped)
+    ended = slipped.outcome if slipped.terminated else f"the item is at {slipped.cells[-1]}"
+    beside.ending = slipped.outcome if slipped.terminated else "not delivered"
+    beside.frames[-1].caption = ended
+    said = f"the plan delivers in {planned.steps} steps on the grid; on the slippery floor {ended}"
+    return Demo(
+        said,
+        _titled(track_of_episode(planned), "The plan, on the grid"),
+        _titled(beside, "The same actions, columns 3 and 4 slippery"),
+    )
+
+
+def head_on() -> Demo:
+    """Two robots, each of which wants the other's cell."""
+    episode = drive_together({(2, 2): "E", (2, 3): "W"})
+    hit = episode.motions[0][0].contacts[0]
+    said = f"they meet after {hit.seconds:.2f} s with {hit.impulse:.1f} N·s, and both go back"
+    ending = "both blocked" if (episode.stopped_by >= 0).all() else ""
+    return Demo(said, _together(episode, f"Two robots head-on: {hit.impulse:.0f} N·s", ending))
+
+
+def ring() -> Demo:
+    """Four robots, each of which moves into the cell that the next one leaves."""
+    episode = drive_together({(1, 2): "E", (1, 3): "S", (2, 3): "W", (2, 2): "N"})
+    moved = int((episode.cells[0] != episode.cells[-1]).sum())
+    seconds = float(episode.seconds.max())
+    said = f"{moved} of {episode.robots} robots move on in {seconds:.1f} s, without an empty cell"
+    return Demo(said, _together(episode, "A ring of four robots", f"{moved} moved on"))
+
+
+def pibt() -> Demo:
+    """Robots that push others out of their way by PIBT, and the ways of three of them."""
+    layout, log = find_layout(DEPOT), PlanLog([0, 1, 2], pushes=True)
+    fleet = PlannedFleet(PIBT(Graph(layout)), "hungarian", log=log)
+    env = FleetEnv(
+        layout, 30, orders=OrderStream(1.0), max_steps=60, battery=BATTERY, dispatch=False
+    )
+    episode = run_shift(env, fleet, "PIBT", 1)
+    pushes = sum(len(plans.pushers) for plans in log.plans)
+    said = f"{counted(episode.robots, 'robot')} push {pushes} times in {episode.steps} steps"
+    track = track_of_fleet_episode(episode, plans=log.plans)
+    track.shift = None
+    return Demo(said, _titled(track, f"PIBT: {said}; arrows show who pushes whom"))
+
+
+def cbs() -> Picture:
+    """The conflict tree of two robots that want to pass through one gap."""
+    width = len(GAP[0])
+    tree = ConflictTree(Problem(Graph(Layout(GAP)), [width, 2 * width - 1], [2 * width - 1, width]))
+    tree.solve(CBS_SECONDS)
+    assert tree.solution is not None, "the tree has grown"
+    alone, together = tree.nodes[0].cost, tree.solution.cost
+    said = (
+        f"the ways alone cost {alone}, the optimal plan {together}, found after "
+        f"{counted(len(tree.nodes), 'node')}"
+    )
+
+    def draw(make: MakeFigure) -> SceneFigure:
+        from agents.mapf.tree_picture import tree_picture
+
+        return tree_picture(tree, make)
+
+    return Picture(said, draw)
+
+
+def lanes() -> Picture:
+    """Where robots are held up, without lanes and with."""
+    episodes = lanes_compared()
+    without, with_lanes = (episode.measures.per_hour for episode in episodes.values())
+    said = (
+        f"{without:,.0f} deliveries an hour without lanes, {with_lanes:,.0f} with: "
+        f"{with_lanes / without - 1:+.0%}"
+    )
+
+    def draw(make: MakeFigure) -> SceneFigure:
+        from warehouse_core.viz.axes.congestion import congestion_picture
+
+        title = f"{ROBOTS} robots led by PIBT, the same orders"
+        return congestion_picture(episodes, title, make)
+
+    return Picture(said, draw)
+
+
+DEMOS: dict[str, Callable[[], Demo]] = {
+    "delivery": delivery,
+    "bump": bump,
+    "load": load,
+    "slip": slip,
+    "head-on": head_on,
+    "ring": ring,
+    "pibt": pibt,
+}
+
+STILLS: dict[str, Callable[[], Picture]] = {"cbs": cbs, "lanes": lanes}
+"""Those that are one picture."""
+
+PHYSICS = DEMOS.keys() - {"pibt"}
+"""Those that need the backend."""
+
+
+def drive(
+    env: WarehouseEnv,
+    actions: Sequence[str],
+    name: str,
+    *,
+    seed: int | None = None,
+    loaded: bool = False,
+) -> Episode:
+    """Carry out actions from the start until they or the episode end."""
+    env.reset(seed=seed)
+    env.state.has_item = loaded
+    recorder = EpisodeRecorder(env, seed=seed, agent=name)
+    for action in actions:
+        if not recorder.ended:
+            recorder.step(action)
+    env.close()
+    return recorder.episode
+
+
+def drive_together(moves: Mapping[Cell, str]) -> FleetEpisode:
+    """Carry out one action of each robot, given by its start, in the hall."""
+    from warehouse_physics import RigidBodyMotion
+
+    backend = RigidBodyMotion(path_every=1)
+    recorder = FleetRecorder(FleetEnv(HALL, len(moves), starts=[*moves], backend=backend), seed=0)
+    recorder.step([*moves.values()])
+    return recorder.episode
+
+
+def demo(
+    name: Annotated[
+        str | None, typer.Argument(help=f"One of {', '.join([*DEMOS, *STILLS])}.")
+    ] = None,
+    *,
+    save: SaveReplayOption,
+    show: ShowOption = None,
+) -> None:
+    """Show a demonstration of bodies or of planners.
+
+    Example: warehouse demo bump --save bump.gif
+    """
+    known = DEMOS | STILLS
+    if name is None and not save:
+        for each, make in known.items():
+            say(f"{each:<10}{(make.__doc__ or '').strip()}")
+        return
+    if name is None or name not in known:
+        given = "--save is of a demo" if name is None else f"no demo is called {name!r}"
+        raise typer.BadParameter(f"{given}; allowed: {', '.join(known)}")
+    if name in STILLS:
+        for path in save:
+            check_suffix(path, PICTURES)
+        picture = STILLS[name]()
+        say(picture.said)
+        show_or_save_picture(picture.draw, save, show, f"demo-{name}.png")
+        return
+    if name in PHYSICS:
+        load_backend("physics")
+    shown = DEMOS[name]()
+    say(shown.said)
+
+    tracks = [shown.track, shown.beside] if shown.beside else [shown.track]
+    show_or_save(Film(lambda: tracks), save, show, f"demo-{name}.gif")
+
+
+def _together(episode: FleetEpisode, title: str, ending: str) -> Track:
+    track = track_of_fleet_episode(episode, frame_seconds=SLOW_MOTION)
+    track.shift, track.ending = None, ending
+    return _titled(track, title)
+
+
+def _titled(track: Track, title: str) -> Track:
+    track.title = title
+    return track

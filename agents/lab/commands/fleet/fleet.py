@@ -1,0 +1,328 @@
+"""The command ``warehouse fleet``: a shift of several robots, and its measures."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import closing, contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from agents.errors import EpisodeError, EpisodeInterrupted
+from agents.fleet.plan_log import PlanLog
+from agents.fleet.planned import PLAN_SECONDS, PlannedFleet
+from agents.lab.commands.fleet.options import (
+    DUE,
+    AssignmentOption,
+    FleetBatteryOption,
+    FleetLayoutOption,
+    PlanSecondsOption,
+    RobotsOption,
+    parse_battery,
+    parse_due,
+)
+from agents.lab.commands.fleet.report import Result, report_shifts, result_of
+from agents.lab.console.options import (
+    MAX_COUNT,
+    AgentOption,
+    BackendOption,
+    SaveOption,
+    SeedOption,
+    ShowOption,
+    SpeedOption,
+    ViewRadiusOption,
+)
+from agents.lab.console.output import replay_or_save
+from agents.lab.console.terminal import print_error
+from agents.lab.runs.shift import run_shift
+from agents.registry import PLANNERS, make_fleet_agent, make_team
+from agents.run_episode import draw_seed
+from warehouse_core import FleetEnv, FleetEpisode, OrderStream, WarehouseError
+from warehouse_core.arguments import whole_number
+from warehouse_core.fleet.settings import MAX_BODIES
+from warehouse_core.orders import load_orders
+from warehouse_core.orders.order import Orders
+from warehouse_core.records.fleet_episode import FleetAgent
+from warehouse_core.wording import counted
+from warehouse_core.world.named_layouts import DEPOT, find_layout
+
+MAX_SHIFTS = 1000
+
+RATE = "0.06"
+"""Orders that arrive in a step."""
+
+
+def parse_orders(text: str, due: str | None) -> Orders:
+    """Return the orders in a text: a rate, or the name of a file.
+
+    Args:
+        text: of the option ``--orders``.
+        due: of ``--due``, for a rate.
+
+    Raises:
+        OrderError: the file has a wrong line.
+        OSError: it cannot be read.
+        typer.BadParameter: a wrong rate or due time.
+    """
+    try:
+        rate = float(text)
+    except ValueError:
+        if Path(text).suffix.lower() != ".csv":
+            raise typer.BadParameter(
+                f"--orders is {text!r}; it must be a rate of orders a step, or a .csv file"
+            ) from None
+        if due is not None:
+            raise typer.BadParameter(
+                "--due is for a rate of orders; a file has due times"
+            ) from None
+        return load_orders(text)
+    try:
+        return OrderStream(rate, parse_due(due))
+    except ValueError as error:
+        raise typer.BadParameter(f"--orders {text}: {error}") from error
+
+
+def parse_robots(text: str | None, robots: int) -> list[int]:
+    """Return the numbers of robots in a text such as ``0,3``; of ``None`` none.
+
+    Raises:
+        typer.BadParameter: the text is not of that form, or has a robot that does not exist.
+    """
+    found = [] if text is None else text.split(",")
+    if not all(re.fullmatch(r"[0-9]{1,9}", each) and int(each) < robots for each in found):
+        raise typer.BadParameter(
+            f"--show-plans is {text!r}; it must be numbers of robots, 0..{robots - 1}, as in 0,3"
+        )
+    return [int(each) for each in found]
+
+
+def fleet(
+    robots: RobotsOption = 8,
+    orders: Annotated[
+        str,
+        typer.Option(
+            "--orders",
+            metavar="RATE|FILE",
+            help="Orders that arrive in a step on average, or a .csv file of orders.",
+        ),
+    ] = RATE,
+    due: Annotated[
+        str | None,
+        typer.Option(
+            "--due",
+            metavar="FEWEST:MOST",
+            help=f"Steps from release to due time. Default: {DUE[0]}:{DUE[1]}.",
+        ),
+    ] = None,
+    agent: AgentOption = "greedy",
+    planner: Annotated[
+        str | None,
+        typer.Option(
+            "--planner",
+            metavar="NAME",
+            help=f"Directs all robots, instead of --agent: {', '.join(PLANNERS)}, or your own as "
+            "file.py:Class.",
+        ),
+    ] = None,
+    assignment: AssignmentOption = None,
+    plan_seconds: PlanSecondsOption = PLAN_SECONDS,
+    goes_on: Annotated[
+        bool,
+        typer.Option(
+            "--go-on/--stop",
+            help="When a planner fails, let all robots wait for a step, or stop.",
+        ),
+    ] = False,
+    show_plans: Annotated[
+        str | None,
+        typer.Option(
+            "--show-plans",
+            metavar="ROBOTS",
+            help="Draw the plans of these robots of a planner ahead of them, as in 0,3.",
+        ),
+    ] = None,
+    show_pushes: Annotated[
+        bool,
+        typer.Option("--show-pushes", help="Draw which robot pushes which, of a planner by PIBT."),
+    ] = False,
+    layout: FleetLayoutOption = Path(DEPOT),
+    steps: Annotated[
+        int, typer.Option("--steps", metavar="N", min=1, max=MAX_COUNT, help="Steps of a shift.")
+    ] = 1000,
+    battery: FleetBatteryOption = "400steps",
+    people: Annotated[
+        int,
+        typer.Option(
+            "--people", metavar="N", min=0, max=MAX_BODIES, help="People who walk on the floor."
+        ),
+    ] = 0,
+    late_penalty: Annotated[
+        float,
+        typer.Option(
+            "--late-penalty",
+            metavar="X",
+            min=0,
+            help="Reward that the record has less for each step by which a delivery is late.",
+        ),
+    ] = 0.0,
+    backend: BackendOption = "grid",
+    view_radius: ViewRadiusOption = 2,
+    shifts: Annotated[
+        int,
+        typer.Option(
+            "--episodes",
+            "-n",
+            metavar="N",
+            min=1,
+            max=MAX_SHIFTS,
+            help="Shifts, of one seed after the other. Of several the means are printed, with "
+            "95% intervals, and the first is shown.",
+        ),
+    ] = 1,
+    seed: SeedOption = None,
+    *,
+    save: SaveOption,
+    show: ShowOption = None,
+    speed: SpeedOption = 1.0,
+) -> None:
+    """Run a shift of several robots and replay it.
+
+    Each robot is directed by the agent, its goal given by its order. A robot
+    whose battery is low drives to a charger. With --planner, a planner leads
+    all robots, and orders and chargers are assigned to them.
+
+    Example: warehouse fleet --robots 12 --orders 0.1 --people 3 --seed 12
+    """
+    if planner is not None and agent != "greedy":
+        raise typer.BadParameter("--planner directs all robots; leave out --agent")
+    if planner is None and assignment is not None:
+        raise typer.BadParameter("--assignment is for a --planner")
+    if plan_seconds <= 0:
+        raise typer.BadParameter(f"--plan-seconds is {plan_seconds}; it must be above 0")
+    watched = parse_robots(show_plans, robots)
+    if planner is None and (watched or show_pushes):
+        raise typer.BadParameter("--show-plans and --show-pushes are for a --planner")
+    log = PlanLog(watched, show_pushes) if watched or show_pushes else None
+    floor, director = find_layout(layout), planner or agent
+    make_env = partial(
+        FleetEnv,
+        floor,
+        robots,
+        backend=backend,
+        orders=parse_orders(orders, due),
+        max_steps=steps,
+        battery=parse_battery(battery),
+        view_radius=view_radius,
+        people=people,
+        late_penalty=late_penalty,
+    )
+
+    first = draw_seed() if seed is None else seed
+
+    def run(seed: int) -> FleetEpisode:
+        whole_number("seed", seed, 0)
+        directing = (
+            make_team(agent, robots, seed, floor)
+            if planner is None
+            else make_fleet_agent(
+                planner,
+                assignment,
+                seed,
+                floor,
+                robots,
+                seconds=plan_seconds,
+                goes_on=goes_on,
+                log=log if seed == first else None,
+            )
+        )
+        with closing(make_env(dispatch=getattr(directing, "dispatch", True))) as env:
+            episode = run_shift(env, directing, director, seed)
+        warn_of_lost_steps(directing, seed, director)
+        return episode
+
+    title = (
+        f"{counted(robots, 'robot')} ({director}) on layout {layout.stem}, backend {backend}, "
+        f"{f'seed {first}' if shifts == 1 else f'seeds {first} to {first + shifts - 1}'}"
+    )
+    results, records = list[Result](), list[FleetEpisode]()
+
+    def keep(episode: FleetEpisode) -> None:
+        results.append(result_of(episode))
+        if not records:  # all of them would take much memory
+            records.append(episode)
+
+    def finish(show: bool | None, note: str = "") -> None:
+        report_shifts(results, robots, title + note)
+        replay_or_save(records[0], save, show, speed=speed, plans=log.plans if log else ())
+
+    try:
+        run_shifts(run, range(first, first + shifts), keep)
+    except EpisodeError:
+        finish(show, ", not finished")
+        raise
+    except EpisodeInterrupted as error:
+        finish(False, ", not finished")
+        raise typer.Abort from error
+    finish(show)
+
+
+def warn_of_lost_steps(agent: FleetAgent, seed: int, name: str) -> None:
+    """Warn of the steps of a ``PlannedFleet`` in which all robots waited for a plan."""
+    lost = agent.lost if isinstance(agent, PlannedFleet) else []
+    if lost:
+        step, reason = lost[0]
+        more = f"; {counted(len(lost) - 1, 'more step')} lost" if len(lost) > 1 else ""
+        warnings.warn(
+            f"seed {seed}, step {step}, planner {name}: {reason}; all robots waited{more}",
+            stacklevel=2,
+        )
+
+
+def run_shifts(
+    run: Callable[[int], FleetEpisode],
+    seeds: Sequence[int],
+    keep: Callable[[FleetEpisode], None],
+) -> None:
+    """Run a shift for each seed, and ``keep`` each record, the unfinished one of an error too.
+
+    Raises:
+        EpisodeError: an agent failed.
+        EpisodeInterrupted: Ctrl-C was pressed.
+        typer.BadParameter: the fleet cannot be made.
+    """
+    try:
+        with warnings_printed():
+            for seed in tracked(seeds):
+                keep(run(seed))
+    except (EpisodeError, EpisodeInterrupted) as error:
+        keep(error.episode)
+        raise
+    except WarehouseError:
+        raise
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from error
+
+
+def tracked(seeds: Sequence[int]) -> Iterable[int]:
+    """Return the seeds, with a progress bar if there are several."""
+    if len(seeds) == 1:
+        return seeds
+    from agents.lab.console.progress import track
+
+    return track(seeds, "shifts")
+
+
+@contextmanager
+def warnings_printed() -> Iterator[None]:
+    """Print each warning of a block once, as a line."""
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        try:
+            yield
+        finally:
+            for message in dict.fromkeys(str(each.message) for each in found):
+                print_error(f"warning: {message}")

@@ -1,0 +1,140 @@
+"""What ``warehouse fleet`` prints of shifts: measures, a verdict and the failure mode."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from shutil import get_terminal_size
+from textwrap import fill
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.lab.console.table import Table, print_table
+from agents.lab.console.terminal import say
+from agents.lab.evaluation.interval import CONFIDENCE, MIN_VALUES, mean_interval
+from agents.lab.evaluation.wording import mean, percent
+from warehouse_core import FleetEpisode
+from warehouse_core.fleet import FleetMeasures
+from warehouse_core.records.fleet_modes import FleetDiagnosis, diagnose_fleet
+from warehouse_core.wording import counted
+
+FEW_WAITING = 2
+"""Orders of each robot that may be left at the end of a shift; if more are, it was too slow."""
+
+
+class Line(NamedTuple):
+    """A line of the table of measures."""
+
+    title: str
+    name: str
+    unit: str
+    factor: float = 1.0
+
+
+class Result(NamedTuple):
+    """What is printed of a shift."""
+
+    measures: FleetMeasures
+    diagnosis: FleetDiagnosis
+
+
+LINES = (
+    Line("orders", "orders", "items"),
+    Line("delivered", "delivered", "items"),
+    Line("delivered an hour", "per_hour", "items"),
+    Line("on time", "on_time", "% of those delivered", 100.0),
+    Line("mean lateness", "mean_lateness", "steps"),
+    Line("worst lateness", "worst_lateness", "steps"),
+    Line("energy a delivery", "joules_per_delivery", "kJ", 1e-3),
+    Line("distance", "distance", "cells"),
+    Line("blocked by walls", "blocked_by_wall", "moves"),
+    Line("blocked by robots", "blocked_by_robot", "moves"),
+    Line("blocked by people", "blocked_by_person", "moves"),
+    Line("waits", "waits", "robot steps"),
+    Line("charging", "charging", "robot steps"),
+    Line("stranded", "stranded", "robots with an empty battery, or which failed"),
+    Line("lost", "lost", "items that those robots carry"),
+    Line("simulated time", "seconds", "s"),
+)
+"""The measures of a shift, see ``FleetMeasures``."""
+
+
+def result_of(episode: FleetEpisode) -> Result:
+    """Return what is printed of a record."""
+    return Result(episode.measures, diagnose_fleet(episode))
+
+
+def report_shifts(results: Sequence[Result], robots: int, title: str) -> None:
+    """Print the measures of shifts, those of several as means with 95% intervals."""
+    measures = [result.measures for result in results]
+    print_table(measures_table(measures, title))
+    lines = [verdict(measures, robots), f"Diagnosis: {diagnosis([each[1] for each in results])}."]
+    for line in lines:
+        say(fill(line, get_terminal_size().columns))
+
+
+def diagnosis(found: Sequence[FleetDiagnosis]) -> str:
+    """Return the diagnosis of a shift, or how often each occurs among several."""
+    if len(found) == 1:
+        return f"{found[0].mode}: {found[0].sentence}"
+    modes = Counter(each.mode for each in found)
+    return ", ".join(f"{mode} ({count:,})" for mode, count in modes.most_common())
+
+
+def report_fleet(episode: FleetEpisode) -> None:
+    """Print the measures of a record."""
+    title = (
+        f"{counted(episode.robots, 'robot')} ({episode.agent}), backend {episode.backend}, "
+        f"seed {episode.seed}"
+    )
+    report_shifts([result_of(episode)], episode.robots, title)
+
+
+def measures_table(measures: Sequence[FleetMeasures], title: str) -> Table:
+    """Return a table with a line for each measure."""
+    rows: list[tuple[str, ...]] = [
+        (line.title, _words(_values(measures, line)), line.unit) for line in LINES
+    ]
+    header = "value" if len(measures) == 1 else f"mean ({CONFIDENCE:.0%} interval)"
+    few = 1 < len(measures) < MIN_VALUES
+    caption = f"Fewer than {MIN_VALUES} episodes have no intervals." if few else ""
+    return Table(("measure", header, "unit"), rows, title, caption)
+
+
+def verdict(measures: Sequence[FleetMeasures], robots: int) -> str:
+    """Return what the measures of shifts of some robots say, in a sentence or two."""
+    orders, delivered, stranded, blocked, distance = (
+        sum(getattr(each, name) for each in measures)
+        for name in ("orders", "delivered", "stranded", "blocked_by_robot", "distance")
+    )
+    on_time = sum(each.on_time * each.delivered for each in measures if each.delivered)
+    parts = [f"{delivered:,} of {counted(orders, 'order')} delivered"]
+    if delivered:
+        parts[0] += f", {percent(on_time / delivered)} of them on time"
+    if blocked:
+        parts.append(f"robots blocked each other in {percent(blocked / (blocked + distance))} of "
+                     "their moves")  # fmt: skip
+    parts.append(f"{stranded:,} ran empty" if stranded else "none ran empty")
+    hint, lost = "", sum(each.lost for each in measures)
+    if stranded:
+        hint = " More chargers or a larger --battery would help."
+    elif orders - delivered > FEW_WAITING * robots * len(measures):
+        hint = " Orders arrive faster than this fleet delivers."
+    if lost:
+        hint += f" Items lost with robots that cannot drive any more: {lost:,}."
+    return f"{'; '.join(parts)}.{hint}"
+
+
+def _values(measures: Sequence[FleetMeasures], line: Line) -> NDArray[np.float64]:
+    """Return a measure of the shifts that have it."""
+    values = np.array([getattr(each, line.name) for each in measures], np.float64) * line.factor
+    return values[~np.isnan(values)]
+
+
+def _words(values: NDArray[np.float64]) -> str:
+    if len(values) == 1 and values[0].is_integer():
+        return f"{int(values[0]):,}"
+    found = mean_interval(values)
+    return mean(found, "") if found else "none"

@@ -1,0 +1,218 @@
+"""The command ``warehouse gap``."""
+
+from __future__ import annotations
+
+import csv
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from agents.fleet.planned import PLAN_SECONDS
+from agents.lab.commands.fleet.options import (
+    AssignmentOption,
+    FleetBatteryOption,
+    FleetLayoutOption,
+    PlanSecondsOption,
+    RobotsOption,
+    parse_battery,
+    parse_due,
+)
+from agents.lab.commands.gap.summary import Scores, gap_table, losses, message
+from agents.lab.commands.gap.trial import Result, Score, Setting, Trial, make_env, run_trial
+from agents.lab.commands.gap.worlds import WORLDS, Shocks, make_world
+from agents.lab.commands.planners.compare_planners import MAX_SEEDS
+from agents.lab.console.options import JobsOption, save_option
+from agents.lab.console.table import print_table
+from agents.lab.console.terminal import print_error, say
+from agents.lab.evaluation.interval import MIN_VALUES
+from agents.lab.experiments.workers import run_each
+from agents.registry import PLANNERS, make_fleet_agent
+from warehouse_core import FleetEpisode, WarehouseError
+from warehouse_core.files.atomic import atomic_path
+from warehouse_core.orders.order import MAX_ORDERS
+from warehouse_core.wording import counted
+from warehouse_core.world.named_layouts import DEPOT, find_layout
+
+DUE = 100, 300
+PAGE, VALUES = ".html", ".csv"
+
+
+def gap(
+    robots: RobotsOption = 12,
+    planner: Annotated[
+        str,
+        typer.Option(
+            "--planner",
+            metavar="NAME",
+            help=f"Directs all robots: {', '.join(PLANNERS)}, or your own as file.py:Class.",
+        ),
+    ] = "pibt-lanes",
+    assignment: AssignmentOption = None,
+    plan_seconds: PlanSecondsOption = PLAN_SECONDS,
+    orders: Annotated[
+        float,
+        typer.Option("--orders", metavar="RATE", help="Orders that arrive in a second on average."),
+    ] = 0.4,
+    count: Annotated[
+        int,
+        typer.Option("--count", metavar="N", min=1, max=MAX_ORDERS, help="Orders of a run."),
+    ] = 40,
+    due: Annotated[
+        str | None,
+        typer.Option(
+            "--due",
+            metavar="FEWEST:MOST",
+            help=f"Seconds from release to due time. Default: {DUE[0]}:{DUE[1]}.",
+        ),
+    ] = None,
+    layout: FleetLayoutOption = Path(DEPOT),
+    battery: FleetBatteryOption = "30000joules",
+    noise: Annotated[
+        float,
+        typer.Option(
+            "--noise",
+            metavar="SHARE",
+            min=0,
+            max=0.5,
+            help="Disturbed: standard deviation of the robots' speeds, as a share.",
+        ),
+    ] = 0.05,
+    stop: Annotated[
+        float,
+        typer.Option(
+            "--stop",
+            metavar="SECONDS",
+            min=0,
+            help="Disturbed: one robot stands still for so long; 0: none, inf: it dies.",
+        ),
+    ] = 60.0,
+    seeds: Annotated[
+        int,
+        typer.Option(
+            "--seeds",
+            "-n",
+            metavar="N",
+            min=1,
+            max=MAX_SEEDS,
+            help="Runs in each world, with starts and orders of their own; intervals need "
+            f"{MIN_VALUES}.",
+        ),
+    ] = MIN_VALUES,
+    seed: Annotated[
+        int, typer.Option("--seed", metavar="N", min=0, help="Seed of the first run.")
+    ] = 0,
+    jobs: JobsOption = None,
+    *,
+    save: Annotated[
+        list[Path],
+        save_option(
+            "Write a page with the table, where time is lost, and all worlds side by side, "
+            "as .html; or the values of each run, as .csv. May be given more than once.",
+            PAGE,
+            VALUES,
+        ),
+    ],
+) -> None:
+    """Compare what a plan promises with what bodies do.
+
+    The same fleet, orders and planner on the grid, on bodies that stop in
+    every cell, on bodies that drive through, and on these with disturbances.
+    A run ends when all orders are delivered. Orders come and are due at the
+    same seconds in all worlds; a joint step of bodies that stop is taken to
+    last as long as the move of a loaded robot.
+
+    Example: warehouse gap --robots 12 --seeds 3 --save gap.html
+    """
+    if not 0 < orders < float("inf"):
+        raise typer.BadParameter(f"--orders is {orders:g}; it must be above 0 orders a second")
+    if plan_seconds <= 0:
+        raise typer.BadParameter(f"--plan-seconds is {plan_seconds}; it must be above 0")
+    setting = Setting(
+        find_layout(layout), robots, planner, assignment, plan_seconds, parse_battery(battery),
+        orders, count, parse_due(due, DUE, "seconds"), Shocks(noise, stop),
+    )  # fmt: skip
+    check(setting, seed)
+    numbers, keeps = range(seed, seed + seeds), any(path.suffix == PAGE for path in save)
+    trials = [
+        Trial(setting, world, number, keeps and number == seed)
+        for number in numbers
+        for world in WORLDS
+    ]
+    results = run_each(run_trial, trials, jobs or os.cpu_count() or 1, "runs")
+    scores = {
+        world: [each.score for each in results[place :: len(WORLDS)]]
+        for place, world in enumerate(WORLDS)
+    }
+    title = title_of(setting, layout.stem, numbers)
+    table = gap_table(scores, title)
+    # Files first, because the reader of standard output may leave, as ``head`` does.
+    for path in save:
+        if path.suffix == PAGE:
+            from agents.lab.commands.gap.page import write_gap_page  # imports matplotlib
+
+            write_gap_page(path, setting, scores, table, records_of(results))
+        else:
+            write_values(path, scores, numbers)
+    print_table(table)
+    say(f"{message(scores, setting.shocks)}.")
+    for loss in losses(scores, count):
+        print_error(f"warning: {loss}")
+    for path in save:
+        say(f"saved {path}")
+
+
+def check(setting: Setting, seed: int) -> None:
+    """Raise if the fleet of a setting cannot be made, before any run.
+
+    Raises:
+        WarehouseError: a planner, an assignment, a layout or a backend is wrong.
+        typer.BadParameter: another value is.
+    """
+    try:
+        make_fleet_agent(setting.planner, setting.assignment, seed, setting.layout, 1)
+        orders = setting.orders(seed)
+        for name in WORLDS:
+            world = make_world(name, setting.shocks, setting.robots, orders[-1].released, seed)
+            make_env(setting, world, orders).close()
+    except WarehouseError:
+        raise
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from error
+
+
+def title_of(setting: Setting, layout: str, seeds: Sequence[int]) -> str:
+    """Return what was run."""
+    which = f"seed {seeds[0]}" if len(seeds) == 1 else f"seeds {seeds[0]} to {seeds[-1]}"
+    robots, orders = counted(setting.robots, "robot"), counted(setting.count, "order")
+    return (
+        f"{robots} ({setting.planner}), {orders} at {setting.rate:g} a second, layout {layout}, "
+        f"{which}"
+    )
+
+
+def records_of(results: Sequence[Result]) -> dict[str, FleetEpisode]:
+    """Return the records that were kept, by their worlds."""
+    kept = [each.record for each in results if each.record is not None]
+    return dict(zip(WORLDS, kept, strict=True))
+
+
+def write_values(path: Path, scores: Scores, seeds: Sequence[int]) -> None:
+    """Write a line for each run, whole or not at all.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    from agents.lab.commands.gap.spent_time import KINDS
+
+    names = [name for name in Score._fields if name != "spent"]
+    with atomic_path(path) as part, part.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        spent = [f"seconds a delivery {kind}" for kind in KINDS]
+        writer.writerow(["world", "seed", *names, *spent])
+        for world, runs in scores.items():
+            for seed, run in zip(seeds, runs, strict=True):
+                values = [getattr(run, name) for name in names]
+                writer.writerow([world, seed, *values, *run.spent])

@@ -1,0 +1,116 @@
+"""What the runs in all worlds come to: a table, and a message."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.lab.commands.gap.trial import Score
+from agents.lab.commands.gap.worlds import DISTURBED, DRIVING, PLAN, STOPPING, Shocks
+from agents.lab.console.table import Table
+from agents.lab.evaluation.interval import MIN_VALUES, Interval, mean_interval
+from agents.lab.evaluation.wording import mean, percent
+from warehouse_core.wording import counted
+
+Scores = Mapping[str, Sequence[Score]]
+"""The measures of each world, of the same seeds in the same order."""
+
+
+class Measure(NamedTuple):
+    """A column of the table; its values are means over the seeds.
+
+    Attributes:
+        title: of the column.
+        value: of a run and of that on the grid with the same seed.
+    """
+
+    title: str
+    value: Callable[[Score, Score], float]
+
+
+OF_THE_PLAN = Measure("% of the plan's", lambda score, plan: 100 * ratio(score, plan))
+
+MEASURES = (
+    Measure("deliveries an hour", lambda score, _: score.per_hour),
+    OF_THE_PLAN,
+    Measure("% on time", lambda score, _: 100 * score.on_time),
+    Measure("kJ a delivery", lambda score, _: score.joules / 1000),
+    Measure("last delivery (s)", lambda score, _: score.makespan),
+    Measure("hits", lambda score, _: score.hits),
+)
+
+
+def ratio(score: Score, plan: Score) -> float:
+    """Return the deliveries an hour as a share of those of the plan."""
+    return score.per_hour / plan.per_hour if plan.per_hour else math.nan
+
+
+def measured(scores: Scores, world: str, measure: Measure) -> Interval:
+    """Return the mean of a measure of a world; its interval is of the values of the seeds."""
+    pairs = zip(scores[world], scores[PLAN], strict=True)
+    found = mean_interval(np.array([measure.value(score, plan) for score, plan in pairs]))
+    return found or Interval(math.nan)
+
+
+def gap_table(scores: Scores, title: str) -> Table:
+    """Return a table with a row for each world."""
+    rows = [
+        (world, *(_cell(measured(scores, world, measure)) for measure in MEASURES))
+        for world in scores
+    ]
+    header = ("world", *(measure.title for measure in MEASURES))
+    few = len(scores[PLAN]) < MIN_VALUES
+    caption = f"Fewer than {MIN_VALUES} seeds have no intervals." if few else ""
+    return Table(header, rows, title, caption)
+
+
+def _cell(interval: Interval) -> str:
+    """Return a mean, and its interval if it has a width, on two lines."""
+    if interval.estimate.is_integer() and (interval.low == interval.high or not interval.is_known):
+        return f"{interval.estimate:,.0f}"
+    return mean(interval, "").replace(" (", "\n(")
+
+
+def message(scores: Scores, shocks: Shocks) -> str:
+    """Return in a sentence what the worlds bring of what the plan promises."""
+    parts = {
+        world: percent(measured(scores, world, OF_THE_PLAN).estimate / 100) for world in scores
+    }
+    what = shocks_in_words(shocks)
+    disturbed = f" ({parts[DISTURBED]} with {what})" if what else ""
+    return (
+        f"Driving through brings {parts[DRIVING]} of what the plan promises{disturbed}, "
+        f"stopping in every cell {parts[STOPPING]}"
+    )
+
+
+def shocks_in_words(shocks: Shocks) -> str:
+    """Return what happens in the disturbed world, perhaps nothing."""
+    words = [f"{shocks.noise:.0%} noise"] if shocks.noise else []
+    if shocks.stop:
+        stop = "a dead robot" if shocks.stop == math.inf else f"a stop of {shocks.stop:g} s"
+        words.append(stop)
+    return " and ".join(words)
+
+
+def losses(scores: Scores, orders: int) -> list[str]:
+    """Return a warning for each world that lost robots, orders or steps.
+
+    Args:
+        scores: of the worlds.
+        orders: of each run.
+    """
+    found = []
+    for world, runs in scores.items():
+        counts = {
+            "order not delivered": sum(orders - run.delivered for run in runs),
+            "robot lost": sum(run.lost for run in runs),
+            "step without a plan": sum(run.late_plans for run in runs),
+        }
+        words = [f"{number:,} x {what}" for what, number in counts.items() if number]
+        if words:
+            found.append(f"{world}, {counted(len(runs), 'seed')}: {', '.join(words)}")
+    return found

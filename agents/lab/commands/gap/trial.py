@@ -1,0 +1,194 @@
+"""A run of a fleet in one of the worlds, and its measures in seconds."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from contextlib import closing
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.errors import EpisodeError
+from agents.fleet.planned import PlannedFleet
+from agents.lab.commands.gap.orders import TimedOrder, draw_orders, in_steps
+from agents.lab.commands.gap.spent_time import time_spent
+from agents.lab.commands.gap.worlds import Shocks, World, make_world
+from agents.lab.runs.shift import run_shift
+from agents.registry import make_fleet_agent
+from warehouse_core import FleetEnv, FleetEpisode, Layout
+from warehouse_core.fleet import Battery
+from warehouse_core.fleet.tally import SECONDS_PER_HOUR
+
+TOP_SPEED = 1.0
+"""Of the robots of all worlds in m/s, nominally."""
+
+MAX_SECONDS = 600.0
+"""For each order of a robot; a run ends if all orders together take longer, after the last due."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What the worlds have in common.
+
+    Attributes:
+        layout: with stations, and perhaps chargers.
+        robots: their number.
+        planner: its name, see ``make_fleet_agent``.
+        assignment: its name, or ``None`` for the default.
+        plan_seconds: after which the plan of a step is cut off.
+        battery: of each robot.
+        rate: mean number of orders released in a second.
+        count: number of orders.
+        due: fewest and most seconds from release to due time.
+        shocks: in the disturbed world.
+    """
+
+    layout: Layout
+    robots: int
+    planner: str
+    assignment: str | None
+    plan_seconds: float
+    battery: Battery
+    rate: float
+    count: int
+    due: tuple[int, int]
+    shocks: Shocks
+
+    def orders(self, seed: int) -> list[TimedOrder]:
+        """Return the orders of a seed."""
+        return draw_orders(self.layout, self.rate, self.count, self.due, seed)
+
+
+class Trial(NamedTuple):
+    """A run to be done; ``keeps`` whether its record is returned."""
+
+    setting: Setting
+    world: str
+    seed: int
+    keeps: bool = False
+
+
+class Score(NamedTuple):
+    """The measures of a run; times are by the clock of its world.
+
+    Attributes:
+        per_hour: deliveries in an hour, until the last one.
+        on_time: share of all orders that were delivered by their due times.
+        joules: a delivery, of all robots.
+        hits: contacts, of which two robots that touch have one.
+        makespan: seconds until the last delivery.
+        delivered: orders.
+        lost: robots whose battery is empty, or that have died.
+        spent: seconds a delivery that the robots have spent on each of ``KINDS``.
+        late_plans: steps in which all robots waited for a plan.
+    """
+
+    per_hour: float
+    on_time: float
+    joules: float
+    hits: int
+    makespan: float
+    delivered: int
+    lost: int
+    spent: tuple[float, ...]
+    late_plans: int
+
+
+class Result(NamedTuple):
+    """The measures of a run, and its record if it is kept."""
+
+    score: Score
+    record: FleetEpisode | None
+
+
+def run_trial(trial: Trial) -> Result:
+    """Run a fleet until all orders are delivered.
+
+    Raises:
+        EpisodeError: the planner failed.
+        ValueError: the fleet cannot be made.
+    """
+    setting, seed = trial.setting, trial.seed
+    orders = setting.orders(seed)
+    world = make_world(trial.world, setting.shocks, setting.robots, orders[-1].released, seed)
+    agent = make_fleet_agent(
+        setting.planner,
+        setting.assignment,
+        seed,
+        setting.layout,
+        setting.robots,
+        seconds=setting.plan_seconds,
+    )
+    with closing(make_env(setting, world, orders, getattr(agent, "dispatch", True))) as env:
+        try:
+            record = run_shift(env, agent, setting.planner, seed)
+        except EpisodeError as error:
+            # Without its record, which would go from process to process.
+            raise EpisodeError(f"world {trial.world}, {error}") from None
+    late_plans = len(agent.lost) if isinstance(agent, PlannedFleet) else 0
+    return Result(score_of(record, orders, late_plans), record if trial.keeps else None)
+
+
+def make_env(
+    setting: Setting, world: World, orders: list[TimedOrder], dispatch: bool = True
+) -> FleetEnv:
+    """Return the fleet of a setting in a world.
+
+    Raises:
+        ValueError: it cannot be made.
+    """
+    last = max(order.due for order in orders)
+    seconds = last + MAX_SECONDS * math.ceil(len(orders) / setting.robots)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # that batteries would not last for so long
+        return FleetEnv(
+            setting.layout,
+            setting.robots,
+            backend=world.motion(),
+            orders=in_steps(orders, world.step_seconds),
+            max_steps=math.ceil(seconds / world.step_seconds),
+            battery=setting.battery,
+            dispatch=dispatch,
+        )
+
+
+def score_of(record: FleetEpisode, orders: list[TimedOrder], late_plans: int) -> Score:
+    """Return the measures of a record.
+
+    Args:
+        record: of the run.
+        orders: from which those of the record were made, in the same order.
+        late_plans: see ``Score``.
+    """
+    clock = np.concatenate([[0.0], record.seconds.max(axis=1).cumsum()])
+    times = [
+        clock[done.delivered] if done.delivered is not None else math.inf for done in record.orders
+    ]
+    on_time = sum(time <= order.due for time, order in zip(times, orders, strict=False))
+    ends = [time for time in times if time < math.inf]
+    delivered, makespan = len(ends), max(ends, default=float(clock[-1]))
+    each = max(delivered, 1)
+    return Score(
+        per_hour=delivered / makespan * SECONDS_PER_HOUR,
+        on_time=on_time / len(orders),
+        joules=float(record.joules.sum()) / each,
+        hits=count_hits(record),
+        makespan=float(makespan),
+        delivered=delivered,
+        lost=record.measures.stranded,
+        spent=tuple((time_spent(record, TOP_SPEED) / each).tolist()),
+        late_plans=late_plans,
+    )
+
+
+def count_hits(record: FleetEpisode) -> int:
+    """Return the number of contacts; each of two robots that touch has it in its outcome."""
+    found = {
+        (step, contact.seconds, frozenset((f"robot {robot}", contact.counterpart)))
+        for step, outcomes in enumerate(record.motions)
+        for robot, outcome in enumerate(outcomes)
+        for contact in outcome.contacts
+    }
+    return len(found)

@@ -1,0 +1,134 @@
+"""Grade all submissions in a folder: in parallel, and only those that have changed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import Future, as_completed
+from pathlib import Path
+
+from agents.errors import GradeError, WorkerError
+from agents.lab.commands.grade.files import PAGE, RESULTS, write_report
+from agents.lab.console.table import Table, print_table
+from agents.lab.console.terminal import print_error, say
+from agents.lab.experiments.workers import process_pool
+from agents.lab.grading.grades import (
+    CODE,
+    FAILURE,
+    NAME,
+    POINTS,
+    RUBRIC,
+    Row,
+    columns_of,
+    failed_row,
+    load_grades,
+    plain,
+    row_of,
+    save_grades,
+)
+from agents.lab.grading.grading import Report, grade
+from agents.lab.grading.rubric import Rubric
+from agents.lab.grading.submissions import Submission, in_folder
+from warehouse_core.wording import counted
+
+
+def grade_folder(
+    folder: Path,
+    kind: str | None,
+    rubric: Rubric,
+    target: Path,
+    pages: Path | None,
+    user: str | None,
+    jobs: int,
+) -> None:
+    """Grade the submissions in a folder that have changed, and write the table after each.
+
+    Args:
+        folder: of the submissions.
+        kind: the class of the agents, or ``None``.
+        rubric: what is asked of them.
+        target: the table.
+        pages: where the page and the results of each go, or ``None``.
+        user: see ``Sandbox``.
+        jobs: processes.
+    """
+    found = list(in_folder(folder, kind))
+    if not found:
+        raise GradeError(f"{folder}: there is no .py file in it, nor a folder with one")
+    before, rows = load_grades(target), dict[str, Row]()
+    waiting = list[Submission]()
+    for each in found:
+        if isinstance(each, str):
+            name, _, reason = each.partition(": ")
+            rows[name] = failed_row(name, reason, rubric)
+        elif _is_done(each, before, rubric, pages):
+            rows[each.name] = before[plain(each.name)]
+        else:
+            waiting.append(each)
+    unchanged = len(found) - len(waiting)
+    save_grades(target, columns_of(rubric), rows)
+    try:
+        _grade_all(waiting, rubric, user, jobs, pages, rows, target)
+    except KeyboardInterrupt:
+        done = f"{len(rows)} of {counted(len(found), 'submission')} are in {target}"
+        print_error(f"{done}; run the same command again to resume")
+        raise
+    _print_grades(rows, rubric)
+    say(f"saved {target}: {len(waiting)} graded, {unchanged} as they were")
+
+
+def _is_done(each: Submission, before: dict[str, Row], rubric: Rubric, pages: Path | None) -> bool:
+    row = before.get(plain(each.name))
+    if row is None or (row[CODE], row[RUBRIC]) != (each.digest, rubric.digest):
+        return False
+    return pages is None or all(path.exists() for path in _files(pages, each))
+
+
+def _files(pages: Path, each: Submission) -> list[Path]:
+    return [pages / f"{each.name}{suffix}" for suffix in (PAGE, RESULTS)]
+
+
+def _grade_all(
+    waiting: Sequence[Submission],
+    rubric: Rubric,
+    user: str | None,
+    jobs: int,
+    pages: Path | None,
+    rows: dict[str, Row],
+    target: Path,
+) -> None:
+    from agents.lab.console.progress import progress_bar  # Rich takes long to import
+
+    with (
+        process_pool(max(min(jobs, len(waiting)), 1)) as (pool, _),
+        progress_bar(len(waiting), "submissions") as advance,
+    ):
+        futures = {pool.submit(_grade, each, rubric, user, pages): each for each in waiting}
+        for number, future in enumerate(as_completed(futures), 1):
+            each = futures[future]
+            rows[each.name] = _row(future, each, rubric)
+            save_grades(target, columns_of(rubric), rows)
+            advance(number, each.name)
+
+
+def _grade(each: Submission, rubric: Rubric, user: str | None, pages: Path | None) -> Report:
+    """Grade a submission, in a process of its own."""
+    report = grade(each, rubric, user)
+    for path in _files(pages, each) if pages else ():
+        write_report(path, report)
+    return report
+
+
+def _row(future: Future[Report], each: Submission, rubric: Rubric) -> Row:
+    try:
+        return row_of(each.name, future.result())
+    except WorkerError as error:  # an agent has ended the grader
+        return failed_row(each.name, f"it ended the grader: {error}", rubric, each.digest)
+
+
+def _print_grades(rows: dict[str, Row], rubric: Rubric) -> None:
+    names = [criterion.name for criterion in rubric.criteria]
+    columns = [NAME, POINTS, *names, FAILURE]
+    ordered = sorted(rows.values(), key=lambda row: (-float(row[POINTS]), row[NAME]))
+    lines = [tuple(row[column] for column in columns) for row in ordered]
+    title = f"{rubric.title}: {counted(len(rows), 'submission')}, points of {rubric.points:g}"
+    print_table(Table(tuple(columns), lines, title))

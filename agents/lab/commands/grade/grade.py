@@ -1,0 +1,162 @@
+"""The command ``warehouse grade``: agents on a rubric."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from agents.lab.commands.grade.files import PAGE, RESULTS, TABLE, write_report
+from agents.lab.commands.grade.folder import grade_folder
+from agents.lab.console.options import JobsOption, save_option
+from agents.lab.console.terminal import say
+from agents.lab.grading.gradescope import lines_of
+from agents.lab.grading.grading import Report
+from agents.lab.grading.grading import grade as grade_agent
+from agents.lab.grading.rubric import MINI_LAB, Rubric, load_rubric
+from agents.lab.grading.submissions import Submission, find_submission
+from warehouse_core.files.atomic import check_suffix, check_target
+
+
+def _print_rubric(wanted: bool) -> None:
+    if wanted:
+        say(MINI_LAB.read_text(encoding="utf-8").rstrip())
+        raise typer.Exit
+
+
+def grade(
+    agent: Annotated[
+        str,
+        typer.Argument(
+            metavar="AGENT",
+            help="file.py:Class, or a folder of submissions: .py files, and folders with one "
+            "(or with agent.py). Without :Class the only class that has reset and act.",
+        ),
+    ],
+    rubric: Annotated[
+        Path,
+        typer.Option(
+            "--rubric",
+            metavar="FILE",
+            help="What is asked, a .toml file.",
+            show_default="that of the mini-lab",
+        ),
+    ] = MINI_LAB,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Of a folder: the table of all grades, .csv. Run the same command again to "
+            "resume: what has not changed is not graded again.",
+            show_default="grades.csv",
+        ),
+    ] = None,
+    pages: Annotated[
+        Path | None,
+        typer.Option(
+            "--pages",
+            metavar="FOLDER",
+            help="Of a folder: write the page and the results of each submission there.",
+        ),
+    ] = None,
+    kind: Annotated[
+        str | None,
+        typer.Option("--class", metavar="NAME", help="Of a folder: the class of the agents."),
+    ] = None,
+    user: Annotated[
+        str | None,
+        typer.Option(
+            "--user",
+            metavar="NAME",
+            help="Run agents as this user, such as nobody; only root may. They must be able to "
+            "read their files, and can then read no others that are private.",
+        ),
+    ] = None,
+    jobs: JobsOption = None,
+    print_rubric: Annotated[
+        bool,
+        typer.Option(
+            "--print-rubric",
+            callback=_print_rubric,
+            is_eager=True,
+            help="Print the rubric of the mini-lab, to be copied and changed.",
+        ),
+    ] = False,
+    *,
+    save: Annotated[
+        list[Path],
+        save_option(
+            "Write the report as .html, or as .json in the form that Gradescope reads "
+            "(results.json); may be given more than once.",
+            RESULTS,
+            PAGE,
+        ),
+    ],
+) -> None:
+    """Grade an agent, or a folder of them, on a rubric.
+
+    Prints the points of each criterion, what was asked and seen, and the
+    command that replays the worst episode.
+
+    The agent runs in a new process for each episode, which gets observations
+    and no more, with limits on time, memory and files. What it prints is
+    discarded. It cannot start processes or threads by Python. It can use the
+    network and read files, and compiled code can do more: grade strangers'
+    agents in a container, or as --user. Seeds of cases with visible = false
+    are told to nobody; keep their rubric where agents cannot read it.
+
+    Example: warehouse grade my_agent.py:Agent --save results.json
+    """
+    wanted = load_rubric(rubric)
+    folder = Path(agent)
+    if folder.is_dir():
+        if save:
+            raise typer.BadParameter("--save is of one agent; a folder has --output and --pages")
+        target = output or Path("grades.csv")
+        check_suffix(target, [TABLE])
+        check_target(target)
+        if pages is not None:
+            pages.mkdir(parents=True, exist_ok=True)
+        grade_folder(folder, kind, wanted, target, pages, user, jobs or os.cpu_count() or 1)
+        return
+    for name, value in (("--output", output), ("--pages", pages), ("--class", kind)):
+        if value is not None:
+            raise typer.BadParameter(f"{name} is of a folder, and {agent!r} is none")
+    report = grade_one(find_submission(agent), wanted, user)
+    for path in save:
+        write_report(path, report)
+    print_report(report)
+    for path in save:
+        say(f"saved {path}")
+
+
+def grade_one(submission: Submission, rubric: Rubric, user: str | None) -> Report:
+    """Grade an agent, with a progress bar."""
+    from agents.lab.console.progress import progress_bar  # Rich takes long to import
+
+    total, done = sum(case.episodes for case in rubric.used_cases), 0
+    with progress_bar(total, "episodes") as show:
+
+        def advance() -> None:
+            nonlocal done
+            done += 1
+            show(done)
+
+        return grade_agent(submission, rubric, user, advance)
+
+
+def print_report(report: Report) -> None:
+    """Print a report."""
+    say(f"{report.title}: {report.agent}", bold=True)
+    if report.failure:
+        say(report.failure)
+    for grade in report.grades:
+        criterion = grade.criterion
+        say(f"\n{grade.points:g} of {criterion.points:g}  {criterion.name}", bold=True)
+        for name, text in lines_of(grade):
+            say(f"    {name:7} {text}")
+    say(f"\n{report.points:g} of {report.max_points:g} points", bold=True)

@@ -1,0 +1,224 @@
+"""The command ``warehouse compare-planners``: throughput over fleet sizes and seeds."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, NamedTuple
+
+import numpy as np
+import typer
+
+from agents.errors import PlanError
+from agents.lab.commands.planners.floors import KIVA, FloorOption, find_floor
+from agents.lab.commands.planners.mapf import PlannerOption, TimeLimitOption
+from agents.lab.commands.planners.runs import BOUND, STEPPERS, Unhindered, make_stepper
+from agents.lab.console.options import MAX_COUNT, JobsOption
+from agents.lab.console.output import PICTURES, save_picture
+from agents.lab.console.table import Table, print_table
+from agents.lab.console.terminal import print_error, say
+from agents.lab.evaluation.interval import MIN_VALUES, Interval, mean_interval
+from agents.lab.evaluation.wording import mean
+from agents.lab.experiments.workers import run_each
+from agents.mapf.graph import Graph
+from agents.mapf.lifelong import run_lifelong
+from agents.mapf.planner import Planner
+from warehouse_core.files.atomic import check_suffix, check_target
+from warehouse_core.wording import counted
+
+SIZES = "32,64,96,128,160,192"
+MAX_SEEDS = 1000
+
+
+class Trial(NamedTuple):
+    """A run to be done, see ``run_lifelong``; ``planner`` may be ``BOUND``."""
+
+    planner: str
+    robots: int
+    seed: int
+    layout: str | None
+    steps: int
+    seconds: float
+
+
+class Outcome(NamedTuple):
+    """Goals that were reached in a step, milliseconds of a step, and steps that were cut off."""
+
+    throughput: float
+    milliseconds: float
+    lost: int
+
+
+class Result(NamedTuple):
+    """Of a planner with a number of robots, over the seeds.
+
+    Attributes:
+        throughput: goals that are reached in a step.
+        milliseconds: of a step, on average.
+        lost: steps that were cut off.
+    """
+
+    throughput: Interval
+    milliseconds: float
+    lost: int
+
+
+def run_trial(trial: Trial) -> Outcome:
+    """Return the outcome of a run.
+
+    Raises:
+        AgentError: the planner is unknown.
+        PlanError: it failed, or there is no room for so many robots.
+    """
+    floor = find_floor(trial.layout)
+    graph = Graph(floor.layout)
+    stepper = None
+    planner: Planner = Unhindered(graph)
+    if trial.planner != BOUND:
+        planner = stepper = make_stepper(
+            trial.planner, trial.seed, floor.layout, trial.robots, trial.seconds
+        )
+    run = run_lifelong(
+        graph, planner, trial.robots, trial.steps, trial.seed, floor.starts, floor.goals
+    )
+    lost = len(stepper.lost) if stepper is not None else 0
+    return Outcome(run.throughput, 1000 * float(run.seconds.mean()), lost)
+
+
+def compare_planners(
+    planner: PlannerOption = None,
+    robots: Annotated[
+        str, typer.Option("--robots", "-r", metavar="N,N,...", help="Fleet sizes.")
+    ] = SIZES,
+    seeds: Annotated[
+        int,
+        typer.Option(
+            "--seeds",
+            "-n",
+            metavar="N",
+            min=1,
+            max=MAX_SEEDS,
+            help=f"Runs of each, with starts and goals of their own; intervals need {MIN_VALUES}.",
+        ),
+    ] = MIN_VALUES,
+    seed: Annotated[
+        int, typer.Option("--seed", metavar="N", min=0, help="Seed of the first run.")
+    ] = 0,
+    layout: FloorOption = None,
+    steps: Annotated[
+        int, typer.Option("--steps", metavar="N", min=1, max=MAX_COUNT, help="Steps of a run.")
+    ] = 256,
+    time_limit: TimeLimitOption = 10.0,
+    jobs: JobsOption = None,
+    save: Annotated[
+        Path | None,
+        typer.Option(
+            "--save", metavar="FILE", help="Draw throughput against robots, as .png or .svg."
+        ),
+    ] = None,
+) -> None:
+    """Compare planners over fleet sizes and seeds.
+
+    In a lifelong run a robot that reaches its goal gets another. Prints the
+    goals that are reached in a step, with 95% intervals, beside a bound.
+
+    Example: warehouse compare-planners --planner pibt --planner windowed --save curve.png
+    """
+    sizes = parse_sizes(robots)
+    if save is not None:
+        check_suffix(save, PICTURES)
+        check_target(save)
+    names = list(dict.fromkeys(planner or STEPPERS))
+    floor = find_floor(layout)
+    for name in names:
+        # A wrong name is an error at once; planners that learn take least time for one robot.
+        make_stepper(name, seed, floor.layout, 1, time_limit)
+    if max(sizes) > len(floor.starts):
+        raise PlanError(
+            f"--robots has {max(sizes)}; allowed: 1 to {len(floor.starts)}, the cells to start from"
+        )
+    trials = [
+        Trial(name, size, number, layout, steps, time_limit)
+        for name in (*names, BOUND)
+        for size in sizes
+        for number in range(seed, seed + seeds)
+    ]
+    outcomes = run_trials(trials, jobs or os.cpu_count() or 1)
+    found = {
+        (name, size): summary([outcomes[t] for t in trials if t[:2] == (name, size)])
+        for name in (*names, BOUND)
+        for size in sizes
+    }
+    title = (
+        f"Goals reached in a step: layout {layout or KIVA}, {counted(steps, 'step')}, "
+        f"{counted(seeds, 'seed')} from {seed}"
+    )
+    # The picture first, because the reader of standard output may leave, as ``head`` does.
+    if save is not None:
+        from agents.lab.commands.planners.picture import throughput_figure
+
+        curves = {
+            name: {size: found[name, size].throughput for size in sizes} for name in (*names, BOUND)
+        }
+        save_picture(throughput_figure(curves, BOUND, title), save)
+    print_table(throughput_table(names, sizes, found, title))
+    for (name, size), result in found.items():
+        if result.lost:
+            print_error(
+                f"warning: {name}, {counted(size, 'robot')}: {counted(result.lost, 'step')} took "
+                f"more than {time_limit:g} s; all robots waited"
+            )
+    if save is not None:
+        say(f"saved {save}")
+
+
+def parse_sizes(text: str) -> list[int]:
+    """Return the fleet sizes in a text such as ``32,64``, in ascending order.
+
+    Raises:
+        typer.BadParameter: one is not a whole number of at least 1.
+    """
+    parts = [part.strip() for part in text.split(",")]
+    for part in parts:
+        if not (part.isascii() and part.isdecimal() and len(part) < 10 and int(part) > 0):
+            raise typer.BadParameter(
+                f"--robots has {part!r}; it must be whole numbers, at least 1, as in {SIZES}"
+            )
+    return sorted(set(map(int, parts)))
+
+
+def run_trials(trials: Sequence[Trial], jobs: int) -> dict[Trial, Outcome]:
+    """Return the outcomes of runs, done in so many processes at once; one is this process.
+
+    Raises:
+        PlanError: as for ``run_trial``.
+        WorkerError: a process ended early.
+    """
+    return dict(zip(trials, run_each(run_trial, trials, jobs, "runs"), strict=True))
+
+
+def summary(outcomes: Sequence[Outcome]) -> Result:
+    """Return the means of outcomes, of which there is at least one."""
+    rates, times, lost = map(np.array, zip(*outcomes, strict=True))
+    interval = mean_interval(rates)
+    assert interval is not None, "there is at least one seed"
+    return Result(interval, float(times.mean()), int(lost.sum()))
+
+
+def throughput_table(
+    names: Sequence[str],
+    sizes: Sequence[int],
+    found: dict[tuple[str, int], Result],
+    title: str,
+) -> Table:
+    """Return a table with a row for each fleet size."""
+    rows = []
+    for size in sizes:
+        cells = [
+            f"{mean(result.throughput, '').replace(' (', chr(10) + '(')}\n"
+            f"{result.milliseconds:.1f} ms a step"
+            for result in (found[name, size] for name in names)
+        ]
+        rows.append((str(size), *cells, f"{found[BOUND, size].throughput.estimate:.2f}"))
+    return Table(("robots", *names, BOUND), rows, title)

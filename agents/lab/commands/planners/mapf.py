@@ -1,0 +1,361 @@
+"""The command ``warehouse mapf``: planners on one problem of several robots."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, NamedTuple
+
+import numpy as np
+import typer
+
+from agents.errors import PlanError
+from agents.lab.commands.planners.floors import (
+    KIVA,
+    FloorOption,
+    find_floor,
+    parts,
+    random_problem,
+    scenario_problem,
+)
+from agents.lab.commands.planners.output import Record, record_of_plan, record_of_run, write_result
+from agents.lab.commands.planners.runs import (
+    BOUND,
+    SOLVERS,
+    STEPPERS,
+    TaskPool,
+    Unhindered,
+    make_solver,
+    make_stepper,
+)
+from agents.lab.console.options import MAX_COUNT
+from agents.lab.console.table import Table, print_table
+from agents.lab.console.terminal import print_error
+from agents.mapf.graph import Graph, Integers
+from agents.mapf.lifelong import LifelongRun, lead, run_lifelong
+from agents.mapf.planner import Planner
+from agents.mapf.problem import Problem
+from agents.registry import PLANNERS
+from warehouse_core import Layout
+from warehouse_core.files.atomic import check_suffix, check_target
+from warehouse_core.fleet.settings import MAX_BODIES
+from warehouse_core.wording import counted
+from warehouse_core.world.robot_runners import League, load_league
+
+ROBOTS, STEPS, SECONDS = 32, 1000, 10.0
+SCENARIO, LEAGUE = ".scen", ".json"
+
+
+def check_seconds(seconds: float) -> float:
+    """Return a time limit.
+
+    Raises:
+        typer.BadParameter: it is not above 0, or not a number.
+    """
+    if not 0 < seconds <= MAX_COUNT:
+        raise typer.BadParameter(f"--time-limit is {seconds:g}; it must be above 0 s")
+    return seconds
+
+
+PlannerOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--planner",
+        metavar="NAME",
+        help=f"May be repeated: {', '.join(PLANNERS)}, with arguments as in "
+        f"pibt-lanes:wrong_way=3, or your own as file.py:Class. Robots that go to their goals once "
+        f"also have {', '.join(name for name in SOLVERS if name not in PLANNERS)}.",
+        show_default=False,
+    ),
+]
+
+TimeLimitOption = Annotated[
+    float,
+    typer.Option(
+        "--time-limit",
+        metavar="S",
+        help="Seconds for a plan, and for each step of a run; a step that takes longer is cut "
+        "off, and all robots wait.",
+        callback=check_seconds,
+    ),
+]
+
+
+def mapf(
+    file: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[FILE]",
+            help="A MovingAI scenario .scen, or a problem .json of the League of Robot Runners. "
+            "Without it starts and goals are drawn on --layout.",
+        ),
+    ] = None,
+    planner: PlannerOption = None,
+    layout: FloorOption = None,
+    robots: Annotated[
+        int | None,
+        typer.Option(
+            "--robots",
+            "-r",
+            metavar="N",
+            min=1,
+            max=MAX_BODIES,
+            help=f"Number of robots. Default: all of the file, or {ROBOTS}.",
+        ),
+    ] = None,
+    steps: Annotated[
+        int | None,
+        typer.Option(
+            "--steps",
+            metavar="N",
+            min=1,
+            max=MAX_COUNT,
+            help="A lifelong run of so many steps: who reaches a goal gets another. "
+            f"Default: one goal for each robot; of a League problem {STEPS} steps.",
+        ),
+    ] = None,
+    seed: Annotated[
+        int, typer.Option("--seed", metavar="N", min=0, help="Of starts, goals and planners.")
+    ] = 0,
+    time_limit: TimeLimitOption = SECONDS,
+    drive: Annotated[
+        bool,
+        typer.Option(
+            "--drive",
+            help="Also let rigid bodies execute the plans, in joint steps and driven through.",
+        ),
+    ] = False,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Write the paths as .json in the output format of the League of Robot Runners; "
+            "with one planner.",
+        ),
+    ] = None,
+) -> None:
+    """Run planners on a problem of several robots.
+
+    Prints makespan, sum of costs and time of plans, or the goals or tasks
+    that a lifelong run reaches in a step, each beside a bound.
+
+    Example: warehouse mapf --robots 64 --planner lacam --planner pibt --seed 1
+    """
+    kind = check_file(file, layout, steps)
+    if output is not None:
+        check_suffix(output, (LEAGUE,))
+        check_target(output)
+        if planner is None or len(planner) != 1:
+            raise typer.BadParameter("--output is for the paths of one --planner")
+    options = Options(seed, time_limit, output, drive)
+    if file is not None and kind == LEAGUE:
+        run_league(load_league(file), planner, robots, steps or STEPS, options, str(file))
+        return
+    if file is not None:
+        problem = scenario_problem(file, layout, robots)
+        solve_all(problem, planner, options, str(file))
+        return
+    name, floor, count = layout or KIVA, find_floor(layout), robots or ROBOTS
+    if steps is None:
+        title = f"layout {name}, seed {seed}"
+        solve_all(random_problem(floor, count, seed), planner, options, title)
+        return
+
+    def start(planner: Planner) -> tuple[LifelongRun, Record]:
+        run = run_lifelong(
+            Graph(floor.layout), planner, count, steps, seed, floor.starts, floor.goals
+        )
+        return run, record_of_run(run)
+
+    title = f"{counted(count, 'robot')}, {counted(steps, 'step')}, layout {name}, seed {seed}"
+    run_all(Graph(floor.layout), planner, options, start, "goals reached", title)
+
+
+class Options(NamedTuple):
+    """Those of all kinds of problems: see the command."""
+
+    seed: int
+    seconds: float
+    output: Path | None
+    drive: bool
+
+
+def check_file(file: Path | None, layout: str | None, steps: int | None) -> str:
+    """Return the suffix of the file of the problem, or "" without one.
+
+    Raises:
+        typer.BadParameter: it has another, or an option does not go with it.
+    """
+    if file is None:
+        return ""
+    kind = file.suffix.lower()
+    if kind not in (SCENARIO, LEAGUE):
+        raise typer.BadParameter(f"{file} is no problem; allowed: {SCENARIO} or {LEAGUE}")
+    if kind == SCENARIO and steps is not None:
+        raise typer.BadParameter("--steps is for lifelong runs; a .scen has one goal a robot")
+    if kind == LEAGUE and layout:
+        raise typer.BadParameter("--layout: a League problem names its own map")
+    return kind
+
+
+def solve_all(
+    problem: Problem, planners: Sequence[str] | None, options: Options, title: str
+) -> None:
+    """Print the plans of planners for a problem.
+
+    Raises:
+        AgentError: a planner is unknown.
+        typer.Exit: none has found a plan.
+    """
+    names = planners or list(SOLVERS)
+    solvers = [make_solver(name, options.seed, problem, options.seconds) for name in names]
+    ways = [
+        float(problem.graph.distances(goal)[start])
+        for start, goal in zip(problem.starts, problem.goals, strict=True)
+    ]
+    shortest, total = max(ways, default=0.0), sum(ways)
+    rows: list[tuple[str, ...]] = [("lower bound", f"{shortest:.0f}", f"{total:.0f}", "1.000", "")]
+    failures, executed = [], list[tuple[str, ...]]()
+    for name, solve in zip(names, solvers, strict=True):
+        begin = time.perf_counter()
+        try:
+            plan = solve(problem, options.seconds)
+        except PlanError as error:
+            failures.append(f"{name}: {error}")
+            rows.append((name, "none", "none", "none", f"{time.perf_counter() - begin:.3f}"))
+            continue
+        seconds = time.perf_counter() - begin
+        ratio = plan.sum_of_costs / total if total else 1.0
+        rows.append(
+            (name, str(plan.makespan), str(plan.sum_of_costs), f"{ratio:.3f}", f"{seconds:.3f}")
+        )
+        if options.drive:
+            executed += execute(name, problem.graph.layout, plan.cells)
+        if options.output is not None:
+            write_result(
+                options.output, problem.graph, plan.cells, record_of_plan(plan),
+                plan.sum_of_costs, [seconds],
+            )  # fmt: skip
+    header = ("planner", "makespan", "sum of costs", "times the bound", "seconds")
+    caption = "lower bound: the longest of the shortest ways, and their sum"
+    print_table(Table(header, rows, f"{counted(problem.robots, 'robot')}, {title}", caption))
+    print_executed(executed)
+    for failure in failures:
+        print_error(failure)
+    if len(failures) == len(names):
+        raise typer.Exit(1)
+
+
+def execute(name: str, layout: Layout, plan: Integers) -> list[tuple[str, ...]]:
+    """Return what a plan takes on bodies, a row of a table for each way to execute it.
+
+    Raises:
+        PlanError: as for ``drive_through``.
+    """
+    from agents.mapf.execution import EXECUTIONS  # here, because it loads pymunk
+
+    found = [(way, run(layout, plan)) for way, run in EXECUTIONS.items()]
+    return [
+        (name, way, f"{took.seconds:.1f}", f"{took.joules:,.0f}", str(took.hits))
+        for way, took in found
+    ]
+
+
+def print_executed(rows: list[tuple[str, ...]]) -> None:
+    """Print what plans take on bodies, if any has been executed."""
+    if rows:
+        header = ("planner", "on bodies", "seconds", "joules", "hits")
+        caption = "until all robots are at rest; a hit of two robots counts for both"
+        print_table(Table(header, rows, caption=caption))
+
+
+def run_all(
+    graph: Graph,
+    planners: Sequence[str] | None,
+    options: Options,
+    start: Callable[[Planner], tuple[LifelongRun, Record]],
+    what: str,
+    title: str,
+) -> None:
+    """Print how many goals or tasks planners reach in lifelong runs.
+
+    Raises:
+        AgentError: a planner is unknown.
+        PlanError: a planner fails, or a step of it has a conflict.
+    """
+    names = planners or STEPPERS
+    run, record = start(Unhindered(graph))
+    robots = run.cells.shape[1]
+    steppers = [
+        make_stepper(name, options.seed, graph.layout, robots, options.seconds) for name in names
+    ]
+    most, steps = record.finished, len(run.seconds)
+    bound = (BOUND, str(most), f"{most / steps:.3f}", "", "", "")
+    rows: list[tuple[str, ...]] = [bound]
+    lost, executed = [], list[tuple[str, ...]]()
+    for name, stepper in zip(names, steppers, strict=True):
+        run, record = start(stepper)
+        share = f"{record.finished / most:.1%}" if most else ""
+        times = [f"{1000 * of(run.seconds):.2f}" for of in (np.mean, np.max)]
+        rows.append((name, str(record.finished), f"{record.finished / steps:.3f}", share, *times))
+        if stepper.lost:
+            lost.append(
+                f"{name}: {counted(len(stepper.lost), 'step')} took more than "
+                f"{options.seconds:g} s, first step {stepper.lost[0]}; all robots waited"
+            )
+        if options.drive:
+            executed += execute(name, graph.layout, run.cells)
+        if options.output is not None:
+            write_result(
+                options.output, graph, run.cells, record, run.cells[1:].size,
+                run.seconds.tolist(), stepper.lost,
+            )  # fmt: skip
+    header = ("planner", what, "a step", "of the bound", "ms a step", "longest ms")
+    caption = f"{BOUND}: each robot by a shortest way, as if it were alone"
+    print_table(Table(header, rows, title, caption))
+    print_executed(executed)
+    for each in lost:
+        print_error(f"warning: {each}")
+
+
+def run_league(
+    league: League,
+    planners: Sequence[str] | None,
+    robots: int | None,
+    steps: int,
+    options: Options,
+    title: str,
+) -> None:
+    """Print how many tasks of a League problem planners finish.
+
+    Raises:
+        AgentError: a planner is unknown.
+        PlanError: there are fewer robots, a task cannot be reached, or as for ``run_all``.
+    """
+    layout, graph = league.layout, Graph(league.layout)
+    count = len(league.starts) if robots is None else robots
+    if count > len(league.starts):
+        raise PlanError(f"{title} has {counted(len(league.starts), 'robot')}; not {count}")
+    cells = np.array([row * layout.width + col for row, col in league.starts[:count]])
+    tasks = [[row * layout.width + col for row, col in task] for task in league.tasks]
+    part = parts(graph)
+    for what, places in (("robot", [[cell] for cell in cells.tolist()]), ("task", tasks)):
+        for number, each in enumerate(places):
+            for cell in each:
+                if part[cell] != part[cells[0]]:
+                    raise PlanError(
+                        f"{title}: {what} {number} has {divmod(cell, layout.width)}, to which no "
+                        f"way leads from robot 0 in {divmod(int(cells[0]), layout.width)}"
+                    )
+    revealed = max(1, round(league.revealed * count / len(league.starts)))
+
+    def start(planner: Planner) -> tuple[LifelongRun, Record]:
+        pool = TaskPool(tasks, cells, layout.width, revealed)
+        run = lead(planner, cells, pool.first, pool.new_goals, steps)
+        return run, Record(pool.tasks, pool.given, pool.errands, pool.finished)
+
+    words = f"{counted(count, 'robot')}, {counted(steps, 'step')}, {title}"
+    run_all(graph, planners, options, start, "tasks finished", words)

@@ -1,0 +1,123 @@
+"""Results in the output format of the League of Robot Runners, of version ``2024 LoRR``.
+
+Robots here have no orientation: the action model is ``MAPF``, as PlanViz calls it, whose moves are
+``U`` to the row below, ``D`` to the row above, ``L`` and ``R``; ``W`` is waiting.
+
+Source: ``Input_Output_Format.md`` of the League's Start-Kit, version 2.1; for ``MAPF`` the script
+``util.py`` of PlanViz.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from agents.lab.commands.planners.runs import Errand
+from agents.mapf.graph import Graph, Integers
+from agents.mapf.lifelong import LifelongRun
+from agents.mapf.problem import Plan
+from warehouse_core.files.atomic import atomic_path
+
+MOVES = np.array(list("DRULW"))
+"""The letters of N, E, S, W and waiting."""
+
+TIMEOUT = "the planner took too long; all robots waited"
+
+
+class Record(NamedTuple):
+    """What became of tasks.
+
+    Attributes:
+        tasks: for each when it was revealed, and its cells.
+        given: when each robot got which task.
+        errands: in the order of their steps.
+        finished: the number of tasks that were finished.
+    """
+
+    tasks: Sequence[tuple[int, Sequence[int]]]
+    given: Sequence[Sequence[tuple[int, int]]]
+    errands: Sequence[Errand]
+    finished: int
+
+
+def record_of_plan(plan: Plan) -> Record:
+    """Return a record in which the goal of each robot is a task."""
+    goals, costs = plan.cells[-1].tolist(), plan.costs.tolist()
+    errands = [Errand(cost, robot, robot, 1) for robot, cost in enumerate(costs)]
+    return Record(
+        [(0, [goal]) for goal in goals],
+        [[(0, robot)] for robot in range(len(goals))],
+        sorted(errands),
+        len(goals),
+    )
+
+
+def record_of_run(run: LifelongRun) -> Record:
+    """Return a record in which each goal of each robot is a task."""
+    tasks, errands = [(0, [goal]) for goal in run.goals[0].tolist()], list[Errand]()
+    given = [[(0, robot)] for robot in range(len(tasks))]
+    for step, robot in np.argwhere(run.cells[1:] == run.goals[:-1]).tolist():
+        errands.append(Errand(step + 1, robot, given[robot][-1][1], 1))
+        given[robot].append((step + 1, len(tasks)))
+        tasks.append((step + 1, [int(run.goals[step + 1, robot])]))
+    return Record(tasks, given, errands, len(errands))
+
+
+def write_result(
+    path: Path,
+    graph: Graph,
+    cells: Integers,
+    record: Record,
+    sum_of_costs: int,
+    seconds: Sequence[float],
+    lost: Sequence[int] = (),
+) -> None:
+    """Write a result, whole or not at all.
+
+    Args:
+        path: of the file.
+        graph: of the floor.
+        cells: ``[T + 1, R]``, where the robots were.
+        record: of their tasks.
+        sum_of_costs: of the robots.
+        seconds: of each time that the planner was asked.
+        lost: the steps in which it took too long, from 0.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    width, robots = graph.layout.width, cells.shape[1]
+    moves = (graph.neighbours[cells[:-1]] == cells[1:, :, None]).argmax(axis=2)
+    paths = [",".join(MOVES[column]) for column in moves.T]
+    schedule = [",".join(f"{step}:{task}" for step, task in each) for each in record.given]
+    result: dict[str, Any] = {
+        "actionModel": "MAPF",
+        "version": "2024 LoRR",
+        "AllValid": "Yes",
+        "teamSize": robots,
+        "start": [[*divmod(cell, width), "N/A"] for cell in cells[0].tolist()],
+        "numTaskFinished": record.finished,
+        "sumOfCost": sum_of_costs,
+        "makespan": len(cells) - 1,
+        "numPlannerErrors": 0,
+        "numScheduleErrors": 0,
+        "numEntryTimeouts": len(lost),
+        "actualPaths": paths,
+        "plannerPaths": paths,
+        "plannerTimes": list(map(float, seconds)),
+        "errors": [[-1, -1, -1, step, TIMEOUT] for step in lost],
+        "actualSchedule": schedule,
+        "plannerSchedule": schedule,
+        "scheduleErrors": [],
+        "events": [list(errand) for errand in record.errands],
+        "tasks": [
+            [number, step, [part for cell in places for part in divmod(cell, width)]]
+            for number, (step, places) in enumerate(record.tasks)
+        ],
+    }
+    with atomic_path(path) as part:
+        part.write_text(json.dumps(result), encoding="utf-8")

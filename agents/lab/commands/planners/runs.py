@@ -1,0 +1,211 @@
+"""Runs of planners by name: to goals once, from goal to goal, and from task to task."""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import count
+from typing import NamedTuple, cast
+
+import numpy as np
+
+from agents.errors import AgentError, PlanError, reason_of
+from agents.mapf.cbs import solve_cbs
+from agents.mapf.graph import CLOSED, FAR, Fields, Graph, Integers
+from agents.mapf.lacam import lacam
+from agents.mapf.pibt import pibt
+from agents.mapf.planner import Planner, Situation, check_step, solve_by_steps
+from agents.mapf.prioritised import solve_prioritised
+from agents.mapf.problem import Problem, Solver
+from agents.mapf.time_limit import time_limit
+from agents.registry import PLANNERS, agent_file, make_planner
+from warehouse_core import Layout
+
+SOLVERS: dict[str, Solver] = {
+    "pibt": pibt,
+    "lacam": lacam,
+    "prioritised": solve_prioritised,
+    "cbs": solve_cbs,
+}
+"""Planners of robots that go to their goals once, by name."""
+
+STEPPERS = ("pibt", "pibt-lanes")
+"""Planners of robots that go from goal to goal, if none is named; see the registry for all."""
+
+BOUND = "nobody in the way"
+"""The name of ``Unhindered``."""
+
+
+def make_stepper(name: str, seed: int, layout: Layout, robots: int, seconds: float) -> Stepper:
+    """Return a planner of step after step by a name of the registry.
+
+    Raises:
+        AgentError: as for ``make_planner``, or it is no ``Planner``.
+    """
+    made = make_planner(name, seed, layout, robots)
+    if not hasattr(made, "next_cells"):
+        raise AgentError(f"planner {name!r} has no next_cells; it directs a fleet, not a problem")
+    return Stepper(cast(Planner, made), name, Graph(layout), seconds)
+
+
+def make_solver(name: str, seed: int, problem: Problem, seconds: float) -> Solver:
+    """Return a solver by name, or one that asks a planner of the registry for each step.
+
+    Raises:
+        AgentError: as for ``make_stepper``; the message names the solvers too.
+    """
+    if name in SOLVERS:
+        return SOLVERS[name]
+    if ":" not in name and name not in PLANNERS:
+        known = dict.fromkeys([*SOLVERS, *PLANNERS])
+        raise AgentError(
+            f"no planner is called {name!r}; allowed: {', '.join(known)}, or your own as "
+            "file.py:Class or module:Class"
+        )
+    return partial(
+        solve_by_steps, make_stepper(name, seed, problem.graph.layout, problem.robots, seconds)
+    )
+
+
+class Stepper:
+    """A planner whose steps are checked, and cut off when they take too long.
+
+    All robots wait in a step that was cut off, and the planner is reset.
+
+    Attributes:
+        lost: the numbers of the steps that were cut off, from 0.
+    """
+
+    def __init__(self, planner: Planner, name: str, graph: Graph, seconds: float) -> None:
+        self._planner, self._name, self._graph, self._seconds = planner, name, graph, seconds
+        self.lost: list[int] = []
+
+    def reset(self) -> None:
+        """Forget the last episode."""
+        self._planner.reset()
+        self._numbers, self.lost = count(), []
+
+    def next_cells(self, situation: Situation) -> Integers:
+        """Return the cell of each robot after the next joint step, ``[R]``.
+
+        Raises:
+            PlanError: the step has a conflict, or the planner failed.
+        """
+        number = next(self._numbers)
+        try:
+            with time_limit(self._seconds):
+                chosen = self._planner.next_cells(situation)
+            return check_step(self._graph, situation, chosen)
+        except TimeoutError:
+            self.lost.append(number)
+            self._planner.reset()
+            return situation.cells
+        except Exception as error:  # the planner of a user may raise anything
+            is_told = isinstance(error, PlanError)
+            reason = str(error) if is_told else reason_of(error, agent_file(self._name))
+            raise PlanError(f"planner {self._name!r}, step {number}: {reason}") from error
+
+
+class Unhindered:
+    """Leads each robot by a shortest way, as if it were alone: a bound if goals are given."""
+
+    def __init__(self, graph: Graph) -> None:
+        self._graph, self._fields = graph, Fields(graph)
+
+    def reset(self) -> None:
+        """Do nothing."""
+
+    def next_cells(self, situation: Situation) -> Integers:
+        """Return the next cells, in which robots may meet."""
+        reached = self._graph.neighbours[situation.cells]
+        rows = self._fields.rows(situation.goals)
+        steps = self._fields.matrix[rows[:, None], reached]
+        best = np.where(reached == CLOSED, FAR, steps).argmin(axis=1)
+        found: Integers = np.take_along_axis(reached, best[:, None], 1)[:, 0]
+        return found
+
+
+class Errand(NamedTuple):
+    """A place of a task that a robot has been at.
+
+    Attributes:
+        step: after which it was there, from 1.
+        robot: its number.
+        task: the number of the task.
+        place: how many of the task's places it has been at then.
+    """
+
+    step: int
+    robot: int
+    task: int
+    place: int
+
+
+class TaskPool:
+    """Tasks of several places each, that robots do one after the other.
+
+    A number of unfinished tasks is known at a time. A robot without a task gets the known one that
+    begins nearest to it, by Manhattan distance. The tasks begin again after the last.
+
+    Args:
+        tasks: the cells of each.
+        cells: ``[R]``, where the robots are.
+        width: of the layout.
+        revealed: how many unfinished tasks are known at a time, at least 1.
+
+    Attributes:
+        tasks: of those known so far, when they were revealed and their cells.
+        given: when each robot got which task, ``[R]`` lists.
+        errands: that were done.
+        finished: the number of tasks that were finished.
+    """
+
+    def __init__(self, tasks: list[list[int]], cells: Integers, width: int, revealed: int) -> None:
+        self._source, self._width, self._revealed = tasks, width, revealed
+        self._task = [-1] * len(cells)
+        self._place = [0] * len(cells)
+        self._waiting: list[int] = []
+        self._step = 0
+        self.tasks: list[tuple[int, list[int]]] = []
+        self.given: list[list[tuple[int, int]]] = [[] for _ in cells]
+        self.errands: list[Errand] = []
+        self.finished = 0
+        self.first = self._goals(cells)
+
+    def new_goals(self, cells: Integers, goals: Integers) -> Integers:
+        """Return the goals after a step; see ``lead``. A robot without a task is to stay."""
+        self._step += 1
+        for robot in np.flatnonzero(cells == goals).tolist():
+            task = self._task[robot]
+            if task < 0:
+                continue
+            self._place[robot] += 1
+            self.errands.append(Errand(self._step, robot, task, self._place[robot]))
+            if self._place[robot] == len(self.tasks[task][1]):
+                self.finished += 1
+                self._task[robot] = -1
+        return self._goals(cells)
+
+    def _goals(self, cells: Integers) -> Integers:
+        while len(self.tasks) - self.finished < self._revealed:
+            self._waiting.append(len(self.tasks))
+            places = self._source[len(self.tasks) % len(self._source)]
+            self.tasks.append((self._step, places))
+        free = [robot for robot, task in enumerate(self._task) if task < 0]
+        begins = np.array([self.tasks[task][1][0] for task in self._waiting])
+        ends = np.stack(np.divmod(begins, self._width))
+        for robot in free[: len(self._waiting)]:
+            here = np.divmod(cells[robot], self._width)
+            nearest = int(np.abs(ends - np.array(here)[:, None]).sum(axis=0).argmin())
+            ends[:, nearest] = FAR  # it is taken
+            self._take(robot, self._waiting[nearest])
+        self._waiting = sorted(set(self._waiting).difference(self._task))
+        return np.array(
+            [
+                cell if task < 0 else self.tasks[task][1][place]
+                for cell, task, place in zip(cells, self._task, self._place, strict=True)
+            ]
+        )
+
+    def _take(self, robot: int, task: int) -> None:
+        self._task[robot], self._place[robot] = task, 0
+        self.given[robot].append((self._step, task))

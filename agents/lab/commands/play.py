@@ -1,0 +1,164 @@
+"""Drive the robot by hand, in a window."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from agents.lab.console.options import (
+    BackendOption,
+    BatteryOption,
+    LayoutOption,
+    MaxStepsOption,
+    SaveOption,
+    SeedOption,
+    StartOption,
+    StationsOption,
+    load_place,
+)
+from agents.lab.console.output import replay_or_save, unused
+from agents.lab.console.place import Place
+from agents.lab.console.terminal import say
+from agents.run_episode import draw_seed, report_episode
+from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
+from warehouse_core.errors import NoDisplayError
+from warehouse_core.render.window import has_display
+from warehouse_core.viz.tracks.episode_track import track_of_episode
+
+KEYS = {
+    "up": "N", "n": "N",
+    "right": "E", "e": "E",
+    "down": "S", "s": "S",
+    "left": "W", "w": "W",
+    "p": "PICK",
+    "d": "DROP",
+    " ": "WAIT",
+}  # fmt: skip
+FRAME_MS = 40
+"""Milliseconds between the frames of a continuous motion."""
+
+AGAIN, QUIT = ("enter", "return"), ("q", "escape")
+HELP = "arrows or NESW move, P picks, D drops, space waits, Enter starts another, Q quits"
+
+
+class Driver:
+    """A window in which keys drive the robot of an environment.
+
+    Args:
+        env: the environment.
+        seed: for the first episode; each further one adds 1.
+        place: where the episodes take place.
+
+    Attributes:
+        games: the records of all episodes, the last of which may be unfinished.
+    """
+
+    def __init__(self, env: WarehouseEnv, seed: int, place: Place) -> None:
+        # Here, because matplotlib takes long to import.
+        from warehouse_core.viz.figure import make_window
+        from warehouse_core.viz.scene import Scene
+
+        self._env, self._place = env, place
+        self.games: list[Episode] = []
+        self._begin(seed)
+        self._scene = Scene(track_of_episode(self.episode), make_window, length=env.max_steps + 1)
+        self.figure = self._scene.root
+        self.figure.canvas.mpl_connect("key_press_event", self._on_key)
+        self._timer = self.figure.canvas.new_timer(interval=FRAME_MS)
+        self._timer.add_callback(self._glide)
+        self._show()
+
+    @property
+    def episode(self) -> Episode:
+        """The record of the current episode so far."""
+        return self.games[-1]
+
+    def press(self, key: str) -> None:
+        """Carry out a key; after the end of an episode the keys of actions do nothing."""
+        key = key if key == " " else key.lower()
+        if key in QUIT:
+            import matplotlib.pyplot as plt
+
+            plt.close(self.figure)
+        elif key in AGAIN:
+            report_game(self.games, self._place)
+            self._begin(self._next_seed)
+            self._show()
+        elif key in KEYS and not self._recorder.ended:
+            self._recorder.step(KEYS[key], "key")
+            self._show()
+
+    def _begin(self, seed: int) -> None:
+        self._frame = 0
+        self._env.reset(self._place.randomize, seed)
+        self._recorder = EpisodeRecorder(self._env, seed=seed, agent="You")
+        self._next_seed = seed + 1
+        self.games.append(self._recorder.episode)
+
+    def _show(self) -> None:
+        """Show the latest step: at once on the grid, frame by frame if the motion is continuous."""
+        track = self._track = track_of_episode(self.episode)
+        track.frames[0].caption = HELP
+        if self._recorder.ended:
+            track.frames[-1].caption += f", Enter starts seed {self._next_seed}"
+        if not track.is_continuous:
+            self._frame = len(track) - 1
+        self._glide()
+        self._timer.start()
+
+    def _glide(self) -> None:
+        """Show the next frame, and stop the timer at the last."""
+        last = len(self._track) - 1
+        self._frame = min(self._frame + 1, last)
+        self._scene.show(self._frame, self._track)
+        self.figure.canvas.draw_idle()
+        if self._frame == last:
+            self._timer.stop()
+
+    def _on_key(self, event: Any) -> None:
+        if event.key is not None:
+            self.press(event.key)
+
+
+def report_game(games: Sequence[Episode], place: Place) -> None:
+    """Print the outcome of the last of some games, and its number."""
+    say(f"game {len(games)}")
+    report_episode(games[-1], place.stations)
+
+
+def play(
+    backend: BackendOption = "grid",
+    layout: LayoutOption = None,
+    stations: StationsOption = None,
+    start: StartOption = None,
+    seed: SeedOption = None,
+    battery: BatteryOption = 200,
+    max_steps: MaxStepsOption = 200,
+    *,
+    save: SaveOption,
+) -> None:
+    """Drive the robot yourself, in a window.
+
+    Arrows or NESW move, P picks, D drops, space waits, Enter starts another game. Each game is
+    saved; the names of the files of further games have a number.
+
+    Example: warehouse play --backend physics --save games.npz
+    """
+    place = load_place(layout, stations, start)
+    env = WarehouseEnv(place.layout, place.start_pos, max_steps, battery, backend=backend)
+    if not has_display():
+        raise NoDisplayError("play needs a window, and there is no display here")
+    driver = Driver(env, draw_seed() if seed is None else seed, place)
+    import matplotlib.pyplot as plt
+
+    try:
+        plt.show()
+    finally:
+        if len(driver.games) > 1 and not driver.episode.steps:
+            del driver.games[-1]  # the window was closed at its start
+        else:
+            report_game(driver.games, place)
+        replay_or_save(driver.games[0], save, show=False)
+        for game in driver.games[1:]:
+            replay_or_save(game, list(map(unused, save)), show=False)
+        env.close()

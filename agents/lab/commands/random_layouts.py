@@ -1,0 +1,101 @@
+"""The options of commands for ``--layout random``."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from agents.lab.console.options import LAYOUT_HELP
+from agents.lab.console.place import RANDOM
+from agents.lab.evaluation.random_layouts import MAX_POOL, RandomLayouts
+
+DEFAULTS = RandomLayouts()
+
+LayoutOrRandomOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--layout",
+        metavar="FILE",
+        help=f"{LAYOUT_HELP} With {RANDOM} each episode has a layout of its own.",
+    ),
+]
+
+SIZE_HELP = f"Of random layouts, border included. Default: {DEFAULTS.height}x{DEFAULTS.width}."
+
+SizeOption = Annotated[str | None, typer.Option("--size", metavar="HxW", help=SIZE_HELP)]
+
+SizesOption = Annotated[
+    list[str] | None,
+    typer.Option("--size", metavar="HxW", help=f"{SIZE_HELP} May be repeated.", show_default=False),
+]
+
+DensityOption = Annotated[
+    str | None,
+    typer.Option(
+        "--density",
+        metavar="LOW:HIGH",
+        help="Share of walls in random layouts, up to 0.4. "
+        f"Default: {DEFAULTS.lowest}:{DEFAULTS.highest}.",
+    ),
+]
+
+PoolOption = Annotated[
+    int | None,
+    typer.Option(
+        "--layouts",
+        metavar="N",
+        min=1,
+        max=MAX_POOL,
+        help="Random layouts of the training; each episode is in one of them. "
+        f"Default: {DEFAULTS.count}.",
+        show_default=False,
+    ),
+]
+
+
+def is_random(layout: Path | None, **options: object) -> bool:
+    """Return whether ``--layout`` asks for random layouts, and check what goes with it.
+
+    Args:
+        layout: that was given.
+        options: the values of options that only random layouts have, by name.
+
+    Raises:
+        typer.BadParameter: one of these options is given without random layouts.
+    """
+    if layout == Path(RANDOM):
+        return True
+    for name, value in options.items():
+        if value:
+            raise typer.BadParameter(f"--{name} is of random layouts; add --layout {RANDOM}")
+    return False
+
+
+def random_layouts(
+    size: str | None, density: str | None, count: int | None = None, pool_seed: int = 1
+) -> RandomLayouts:
+    """Return random layouts as described by options; ``None`` is the default of each.
+
+    Raises:
+        typer.BadParameter: a text is of another form.
+        LayoutError: a size or a density that is not allowed.
+    """
+    height, width = DEFAULTS.height, DEFAULTS.width
+    lowest, highest = DEFAULTS.lowest, DEFAULTS.highest
+    if size is not None:
+        found = re.fullmatch(r"([0-9]{1,9})x([0-9]{1,9})", size)
+        if found is None:
+            raise typer.BadParameter(f"--size is {size!r}; it must be HxW as in 7x12")
+        height, width = map(int, found.groups())
+    if density is not None:
+        try:
+            ends = [float(end) for end in density.split(":")]
+            lowest, highest = ends if len(ends) > 1 else ends * 2
+        except ValueError:
+            raise typer.BadParameter(
+                f"--density is {density!r}; it must be LOW:HIGH as in 0.1:0.4, or one number"
+            ) from None
+    return RandomLayouts(height, width, lowest, highest, count or DEFAULTS.count, pool_seed)

@@ -1,0 +1,203 @@
+"""Search for a path with several weights of the heuristic, and compare the searches."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+import typer
+
+from agents.lab.console.options import (
+    LayoutOption,
+    SaveReplayOption,
+    ShowOption,
+    load_layout,
+    parse_cell,
+)
+from agents.lab.console.output import Film, show_or_save
+from agents.lab.console.table import Table, print_table
+from agents.lab.console.terminal import say
+from agents.search.algorithms import (
+    MAX_WEIGHT,
+    Heuristic,
+    Solution,
+    check_weight,
+    weighted_astar_search,
+)
+from agents.search.course_track import track_of_course
+from agents.search.heuristics import manhattan, true_distance, zero
+from agents.search.problems import RouteProblem
+from agents.search.trace import MAX_PANELS, SearchCourse
+from warehouse_core.errors import LayoutError
+from warehouse_core.world.distances import distances
+from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout, check_open
+from warehouse_core.world.tiles import Cell
+
+if TYPE_CHECKING:
+    from warehouse_core.viz.replay import Replay
+
+MakeHeuristic = Callable[[RouteProblem, Layout], Heuristic[Cell]]
+
+HEURISTICS: dict[str, MakeHeuristic] = {
+    "manhattan": lambda problem, layout: manhattan(problem),
+    "true": true_distance,
+    "zero": lambda problem, layout: zero,
+}
+
+NAMES = {0.0: "uniform-cost", 1.0: "A*", math.inf: "greedy best-first"}
+"""Names of weighted A* at special weights."""
+
+ALL_DIFFER: tuple[Cell, Cell] = (2, 10), (1, 3)
+"""A start and a goal in the chapter's layout between which the four default searches differ."""
+
+Found = Solution[Cell, str]
+
+
+def algorithm(weight: float) -> str:
+    """Return the name of weighted A* at a weight."""
+    return NAMES.get(weight, "weighted A*")
+
+
+def parse_weights(text: str) -> list[float]:
+    """Return the weights in a text, separated by commas.
+
+    Raises:
+        typer.BadParameter: a wrong weight, or too many.
+    """
+    weights = [_parse_weight(part) for part in text.split(",")]
+    if len(weights) > MAX_PANELS:
+        raise typer.BadParameter(
+            f"--weights {text!r} are {len(weights)}; at most {MAX_PANELS} fit into a picture"
+        )
+    return weights
+
+
+def choose_ends(
+    layout: Layout, start: Cell | None, goal: Cell | None, seed: int | None
+) -> tuple[Cell, Cell]:
+    """Return the start and the goal.
+
+    Args:
+        layout: the layout.
+        start: ``None`` for a random cell, or for the farthest from the goal if there is no seed.
+        goal: ``None`` for a random cell, or for the first pickup if there is no seed.
+        seed: for the random cells.
+
+    In the chapter's layout, without any of them, they are ``ALL_DIFFER``.
+
+    Raises:
+        LayoutError: no cell is open, or there is no pickup to go to.
+    """
+    if seed is None:
+        if goal is None and not layout.pickups:
+            raise LayoutError("the layout has no pickup to go to; give --goal ROW,COL or --seed N")
+        if layout is DEFAULT_LAYOUT and start is goal is None:
+            return ALL_DIFFER
+        goal = goal or layout.pickups[0]
+        check_open(layout, goal, "goal")
+        return start or farthest_from(goal, layout), goal
+    usual, count = layout.usual_start(), len(layout.open_cells)
+    # Three, because one of them may be the given end.
+    ranks = random.Random(seed).sample(range(count), min(count, 3))
+    cells = [layout.open_cell(rank) for rank in ranks]
+    begin = start or next((cell for cell in cells if cell != goal), usual)
+    return begin, goal or next((cell for cell in cells if cell != begin), usual)
+
+
+def farthest_from(goal: Cell, layout: Layout) -> Cell:
+    """Return the cell from which the shortest path to a goal is longest.
+
+    For a goal that no other cell leads to it is another open cell, if there is one.
+    """
+    steps = distances(layout, [goal])
+    row, col = np.unravel_index(np.where(np.isfinite(steps), steps, -1).argmax(), steps.shape)
+    farthest = int(row), int(col)
+    ends = layout.open_cell(0), layout.open_cell(len(layout.open_cells) - 1)
+    return farthest if farthest != goal else next((end for end in ends if end != goal), goal)
+
+
+def search_table(weights: Sequence[float], solutions: Sequence[Found], title: str) -> Table:
+    """Return a table of the results of searches."""
+    rows = [
+        (
+            algorithm(weight),
+            f"{weight:g}",
+            f"{solution.cost:g}" if solution.found else "none",
+            *map(str, (solution.expanded, solution.generated, solution.largest_frontier)),
+        )
+        for weight, solution in zip(weights, solutions, strict=True)
+    ]
+    header = ("algorithm", "weight", "cost", "expanded", "generated", "largest frontier")
+    return Table(header, rows, title)
+
+
+def search(
+    layout: LayoutOption = None,
+    start: Annotated[
+        str | None, typer.Option(metavar="ROW,COL", help="Start cell. Default: far from the goal.")
+    ] = None,
+    goal: Annotated[
+        str | None, typer.Option(metavar="ROW,COL", help="Goal cell. Default: the first pickup.")
+    ] = None,
+    seed: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Random seed, for a random start and goal if not given."),
+    ] = None,
+    weights: Annotated[
+        str, typer.Option(metavar="W,W,...", help="Weights of the heuristic, 0 to inf, up to six.")
+    ] = "0,1,5,inf",
+    heuristic: Annotated[
+        str, typer.Option(help=f"Heuristic: {', '.join(HEURISTICS)}.")
+    ] = "manhattan",
+    *,
+    save: SaveReplayOption,
+    show: ShowOption = None,
+) -> None:
+    """Compare uniform-cost, A* and greedy search.
+
+    Example: warehouse search --layout trap --weights 0,1,5,inf
+    """
+    values = parse_weights(weights)
+    given = parse_cell(start, "--start"), parse_cell(goal, "--goal")
+    if heuristic not in HEURISTICS:
+        raise typer.BadParameter(
+            f"no heuristic is called {heuristic!r}; allowed: {', '.join(HEURISTICS)}"
+        )
+    grid = load_layout(layout)
+    begin, end = choose_ends(grid, *given, seed)
+    problem = RouteProblem(grid, begin, end)
+    estimate = HEURISTICS[heuristic](problem, grid)
+    found = [weighted_astar_search(problem, estimate, w, with_events=True) for w in values]
+    title = f"Search from {begin} to {end}, heuristic: {heuristic}"
+    print_table(search_table(values, found, title))
+    if not found[0].found:
+        say(f"no path leads from {begin} to {end}")
+
+    named = zip(map(_panel_name, values), found, strict=True)
+    courses = [SearchCourse(name, grid, begin, each) for name, each in named]
+
+    def draw(window: bool) -> Replay:
+        from agents.search.picture import search_replay
+
+        return search_replay(grid, begin, end, courses, title, window=window)
+
+    film = Film(lambda: [track_of_course(each, end) for each in courses], title, draw=draw)
+    show_or_save(film, save, show, "search.gif")
+
+
+def _parse_weight(text: str) -> float:
+    try:
+        weight = float(text)
+        check_weight(weight)
+    except ValueError:
+        allowed = f"0..{MAX_WEIGHT} or inf"
+        raise typer.BadParameter(f"--weights has {text!r}; each must be {allowed}") from None
+    return abs(weight)  # turns -0.0 into 0
+
+
+def _panel_name(weight: float) -> str:
+    sign = "\u221e" if weight == math.inf else f"{weight:g}"
+    return f"{algorithm(weight)}, W = {sign}"

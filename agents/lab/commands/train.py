@@ -1,0 +1,312 @@
+"""The commands ``warehouse train q`` and ``warehouse train ppo``."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import typer
+from numpy.typing import NDArray
+
+from agents.errors import AgentError
+from agents.lab.commands.random_layouts import (
+    DensityOption,
+    LayoutOrRandomOption,
+    PoolOption,
+    SizeOption,
+    is_random,
+    random_layouts,
+)
+from agents.lab.console.options import (
+    BatteryOption,
+    LayoutOption,
+    MaxStepsOption,
+    ModelOption,
+    OrderRateOption,
+    TrainedRobotsOption,
+    TrainingSeedOption,
+    TrainingStepsOption,
+    load_layout,
+)
+from agents.lab.console.table import Table, print_table
+from agents.lab.console.terminal import say
+from agents.lab.evaluation.fleet_scores import FleetScores, FleetTask
+from agents.lab.evaluation.random_layouts import RandomLayouts
+from agents.lab.evaluation.scores import MakeAgent, Scores, Task
+from agents.lab.evaluation.wording import mean, share
+from agents.learning.q_learning import QAgent, QTable, learn
+from agents.learning.q_table import save_table
+from agents.learning.training import (
+    EXAM_SEEDS,
+    FINAL_SEEDS,
+    RECENT_EPISODES,
+    Examiner,
+    Point,
+    Watch,
+)
+from agents.registry import make_team
+from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core.errors import FormatError
+from warehouse_core.extras import install_command
+from warehouse_core.files.atomic import check_target
+
+if TYPE_CHECKING:
+    from agents.learning.ppo_training import PPOLearner
+
+LIBRARIES = ("torch", "stable_baselines3", "sb3_contrib")
+"""What training by PPO needs besides this package."""
+
+MODEL_SUFFIX, CURVE_SUFFIX = ".npz", ".png"
+
+Learn = Callable[[Watch], MakeAgent]
+"""Trains an agent, calls ``Watch`` during that, and returns what makes the agent."""
+
+Writer = Callable[[Path], None]
+
+
+def train_ppo(
+    steps: TrainingStepsOption = 2_000_000,
+    seed: TrainingSeedOption = 1,
+    layout: LayoutOrRandomOption = None,
+    battery: BatteryOption = 200,
+    max_steps: MaxStepsOption = 200,
+    robots: TrainedRobotsOption = 1,
+    orders: OrderRateOption = 0.2,
+    size: SizeOption = None,
+    density: DensityOption = None,
+    layouts: PoolOption = None,
+    output: ModelOption = Path("ppo.npz"),
+) -> None:
+    """Train a network by PPO.
+
+    Writes the agent (.npz), which "warehouse run --agent ppo:FILE" takes, a
+    picture of its learning curve (.png), and the model of Stable-Baselines3
+    (.zip) for further training. The .zip holds pickled Python: load only
+    files of that kind that you trust.
+
+    Several robots deliver orders of the layout's own stations; they share the
+    network, and each is rewarded for its own deliveries.
+
+    With --layout random each episode is in one of many random layouts, so that
+    the agent learns to deliver in layouts that it has never seen. Exams and the
+    comparison at the end are in other layouts than the training.
+
+    Example: warehouse train ppo --steps 2000000 -o ppo.npz
+    """
+    task: Task | FleetTask
+    if is_random(layout, size=size, density=density, layouts=layouts):
+        if robots > 1:
+            raise typer.BadParameter("--layout random is for one robot, not for --robots")
+        task = Task(random_layouts(size, density, layouts, seed), battery, max_steps)
+    elif robots > 1:
+        task = FleetTask(load_layout(layout), robots, orders, battery, max_steps)
+    else:
+        task = Task(load_layout(layout), battery, max_steps)
+    training = Training("PPO", task, steps, seed, output)
+    if isinstance(task.layout, RandomLayouts):
+        task.layout.check_unseen([*EXAM_SEEDS, *FINAL_SEEDS])
+    learner = make_learner(task, steps, seed)
+    training.run(learner.learn, {MODEL_SUFFIX: learner.save_network, ".zip": learner.save_model})
+    if isinstance(task.layout, RandomLayouts):
+        say(
+            f"ppo:{output}:revisit=4 avoids cells where it has been, which ends circles; compare "
+            f"with 'warehouse compare-agents --layout random --agent ppo:{output}:revisit=4'"
+        )
+
+
+def make_learner(task: Task | FleetTask, steps: int, seed: int) -> PPOLearner:
+    """Return a learner for a task.
+
+    Raises:
+        AgentError: a library is missing; the message has the command that installs it.
+    """
+    try:
+        from agents.learning.ppo_training import PPOLearner
+    except ImportError as error:
+        if (error.name or "").partition(".")[0] not in LIBRARIES:
+            raise
+        raise AgentError(
+            f"training by PPO needs {error.name}, which is not installed: {install_command('rl')}"
+        ) from error
+    return PPOLearner(task, steps, seed)
+
+
+def train_q(
+    steps: TrainingStepsOption = 600_000,
+    seed: TrainingSeedOption = 1,
+    layout: LayoutOption = None,
+    battery: BatteryOption = 200,
+    max_steps: MaxStepsOption = 200,
+    output: ModelOption = Path("q.npz"),
+) -> None:
+    """Train a table by Q-learning.
+
+    Writes the table (.npz), which "warehouse run --agent q:FILE" takes, and a
+    picture of its learning curve (.png), and compares the agent with the greedy
+    one.
+
+    Example: warehouse train q --steps 600000 -o q.npz
+    """
+    floor = load_layout(layout)
+    task = Task(floor, battery, max_steps)
+    training, table = Training("Q-learning", task, steps, seed, output), QTable()
+    learn = partial(fill_table, table, task, steps, seed)
+    training.run(learn, {MODEL_SUFFIX: partial(save_table, table, floor)})
+
+
+def fill_table(table: QTable, task: Task, steps: int, seed: int, watch: Watch) -> MakeAgent:
+    """Train a table, and return what makes its agent."""
+    recent = deque[bool](maxlen=RECENT_EPISODES)
+    make_agent = partial(QAgent, table)
+    for taken, delivered in learn(table, task.make_env(), steps, seed):
+        recent.append(delivered)
+        watch(taken, sum(recent) / len(recent), make_agent)
+    return make_agent
+
+
+@dataclass(frozen=True)
+class Training:
+    """A training with a progress bar, and the files and the table that it results in.
+
+    Args:
+        name: of the method of learning.
+        task: to be learned.
+        steps: of the whole training.
+        seed: of the training.
+        output: the file of the agent; the picture of the learning curve goes beside it.
+
+    Raises:
+        FormatError: ``output`` is no ``.npz``.
+    """
+
+    name: str
+    task: Task | FleetTask
+    steps: int
+    seed: int
+    output: Path
+
+    def __post_init__(self) -> None:
+        if self.output.suffix != MODEL_SUFFIX:
+            raise FormatError(
+                f"{self.output}: cannot save as {self.output.suffix or 'a file without a suffix'}; "
+                f"allowed: {MODEL_SUFFIX}"
+            )
+
+    def run(self, learn: Learn, writers: Mapping[str, Writer]) -> None:
+        """Train an agent, write its files, and compare it with the greedy agent.
+
+        An interrupt ends the training; if there has been an examination by then, the files are
+        written all the same.
+
+        Args:
+            learn: trains the agent.
+            writers: of the files of the agent, by suffix.
+
+        Raises:
+            OSError: a file cannot be written; raised before the training if its folder is missing.
+        """
+        for suffix in (*writers, CURVE_SUFFIX):
+            check_target(self.output.with_suffix(suffix))
+        from agents.lab.console.progress import progress_bar
+
+        final = FINAL_SEEDS[:: self.task.seed_stride]
+        greedy = greedy_scores(self.task, final)
+        started, examiner = time.perf_counter(), Examiner(self.task, self.steps)
+
+        def save() -> None:
+            self._save(examiner.points, time.perf_counter() - started, greedy, writers)
+
+        try:
+            with progress_bar(self.steps, self.name) as show_progress:
+
+                def watch(steps: int, delivers: float, make_agent: MakeAgent) -> None:
+                    examiner.watch(steps, make_agent)
+                    news = f"delivers {_percent(delivers)}, exam {examiner.summary}"
+                    show_progress(steps, news)
+
+                make_agent = learn(watch)
+        except KeyboardInterrupt:
+            if examiner.points:
+                save()
+            raise
+        save()
+        scores = self.task.evaluate(make_agent, final)
+        table = comparison_table({self.name: scores, "greedy": greedy})
+        if isinstance(self.task.layout, RandomLayouts):
+            table = table._replace(
+                title=self.task.layout.name,
+                caption=f"{len(final):,} layouts, none of them in the training, the same for each",
+            )
+        print_table(table)
+
+    def _save(
+        self,
+        points: Sequence[Point],
+        seconds: float,
+        greedy: Scores | FleetScores,
+        writers: Mapping[str, Writer],
+    ) -> None:
+        steps = points[-1].steps
+        of = "" if steps >= self.steps else f" of {self.steps:,}"
+        say(f"{steps:,}{of} steps in {seconds:.1f} s, seed {self.seed}")
+
+        def draw(path: Path) -> None:
+            from agents.learning.curve import save_learning_curve
+
+            is_random = isinstance(self.task.layout, RandomLayouts)
+            unseen = " in layouts that are not in the training" if is_random else ""
+            title = f"Learning to deliver{unseen}: {self.name}, seed {self.seed}"
+            save_learning_curve(path, self.name, title, points, greedy)
+
+        for suffix, write in {**writers, CURVE_SUFFIX: draw}.items():
+            target = self.output.with_suffix(suffix)
+            write(target)
+            say(f"saved {target}")
+
+
+def greedy_scores(task: Task | FleetTask, seeds: Iterable[int]) -> Scores | FleetScores:
+    """Return the scores of the greedy agent; the robots of a fleet give way to one another."""
+    if isinstance(task, FleetTask):
+        make = partial(make_team, "greedy", task.robots, layout=task.layout)
+        return task.evaluate_fleet(make, seeds)
+    return task.evaluate(GreedyAgent, seeds)
+
+
+def _percent(share: float) -> str:
+    return "-" if math.isnan(share) else f"{share:.0%}"
+
+
+def comparison_table(scores: Mapping[str, Scores | FleetScores]) -> Table:
+    """Return the table of the scores of agents on the same starts."""
+    fleets = [one for one in scores.values() if isinstance(one, FleetScores)]
+    if fleets:
+        return Table(
+            ("", *scores),
+            [
+                ("delivered an hour", *(mean(one.per_hour, "") for one in fleets)),
+                ("steps blocked by others", *(share(one.blocked) for one in fleets)),
+            ],
+            f"{len(fleets[0].runs):,} episodes of {fleets[0].robots} robots, the same for each",
+        )
+    each = [one for one in scores.values() if isinstance(one, Scores)]
+    by_all = np.all([one.delivered for one in each], axis=0)
+    return Table(
+        ("", *scores),
+        [
+            ("delivered", *(f"{one.delivered.mean():.1%}" for one in each)),
+            ("steps to deliver", *(_mean_length(one, one.delivered) for one in each)),
+            ("  where all deliver", *(_mean_length(one, by_all) for one in each)),
+        ],
+        f"{len(each[0].runs):,} random starts, the same for each",
+    )
+
+
+def _mean_length(scores: Scores, among: NDArray[np.bool_]) -> str:
+    return f"{scores.lengths[among].mean():.2f}" if among.any() else "none"

@@ -1,0 +1,190 @@
+"""Show a replay or write it to files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from agents.lab.console.options import RECORD_SUFFIX
+from agents.lab.console.terminal import say
+from warehouse_core import Episode, FleetEpisode, RecordError
+from warehouse_core.files.atomic import atomic_path
+from warehouse_core.records.plans import StepPlans
+from warehouse_core.render.window import has_display
+from warehouse_core.viz.player import save_page
+from warehouse_core.viz.tracks.record_track import Record, track_of_record
+from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
+
+if TYPE_CHECKING:
+    from warehouse_core.viz.figure import SceneFigure
+    from warehouse_core.viz.replay import Replay
+
+PICTURES = (".svg", ".png")
+"""Suffixes of ``save_picture``."""
+
+PAGE_SUFFIX = ".html"
+
+Draw = Callable[[Callable[[tuple[float, float]], "SceneFigure"]], "SceneFigure"]
+"""Draws a picture into the figure that a function makes, of a width and height in inches."""
+
+
+@dataclass(frozen=True, slots=True)
+class Film:
+    """What a command shows. Matplotlib is imported for a window or a picture, not for a page.
+
+    Attributes:
+        tracks: returns them; called when they are needed.
+        title: of a page; by default those of the tracks.
+        record: of the episode, which can be saved too.
+        speed: factor on the playing speed.
+        draw: makes the replay with a window or without one; by default that of the tracks.
+    """
+
+    tracks: Callable[[], Sequence[Track]]
+    title: str = ""
+    record: Record | None = None
+    speed: float = 1.0
+    draw: Callable[[bool], Replay] | None = None
+
+    def replay(self, window: bool) -> Replay:
+        """Return the replay, with a window or without one."""
+        if self.draw is not None:
+            return self.draw(window)
+        from warehouse_core.viz.replay import replay_of_track
+
+        return replay_of_track(*self.tracks(), speed=self.speed, window=window)
+
+    def save(self, target: Path) -> None:
+        """Write the record, a page or a picture, by the suffix, whole or not at all."""
+        suffix = target.suffix.lower()
+        if suffix == RECORD_SUFFIX and self.record is not None:
+            self.record.save(target)
+        elif suffix == PAGE_SUFFIX:
+            save_page(target, self.tracks(), title=self.title, speed=self.speed)
+        else:
+            self.replay(window=False).save(target)
+        say(f"saved {target}")
+
+
+def replay_or_save(
+    episode: Record,
+    targets: Sequence[Path],
+    show: bool | None,
+    interval_ms: float = INTERVAL_MS,
+    speed: float = 1.0,
+    plans: Sequence[StepPlans] = (),
+) -> None:
+    """Show or save an episode as ``show_or_save`` does; ``.npz`` is its record."""
+    seed = "unseeded" if episode.seed is None else episode.seed
+    backend = episode.settings.backend if isinstance(episode, Episode) else episode.backend
+    name = re.sub(r"[^\w-]+", "_", f"replay-{episode.agent}-{backend}-{seed}")
+    # Drawing each frame of a whole shift takes minutes; a page does not.
+    suffix = ".gif" if isinstance(episode, Episode) else PAGE_SUFFIX
+    film = Film(
+        lambda: [track_of_record(episode, plans=plans)],
+        record=episode,
+        speed=speed * INTERVAL_MS / interval_ms,
+    )
+    show_or_save(film, targets, show, name + suffix)
+
+
+def load_record(path: Path) -> Record:
+    """Read the record of an episode, of one robot or of a fleet.
+
+    Raises:
+        RecordError: the file is damaged or no record; the message names what is wrong.
+        OSError: the file cannot be read.
+    """
+    try:
+        return Episode.load(path)
+    except RecordError as error:
+        try:
+            return FleetEpisode.load(path)
+        except RecordError as other:
+            # The two kinds have different numbers of arrays.
+            raise error if "arrays; there must be" in str(other) else other from None
+
+
+def show_or_save(film: Film, targets: Sequence[Path], show: bool | None, fallback: str) -> None:
+    """Write ``targets``, then open a window if ``show``, or if it is None and there are none.
+
+    If no window can be opened and nothing was written, write the replay to ``fallback``, with a
+    number if there is such a file.
+    """
+
+    def open_window() -> None:
+        replay = film.replay(window=True)
+        say("space pauses, left and right step, q closes the window")
+        replay.show()
+
+    _save_and_show(film.save, open_window, targets, show, "replay", fallback)
+
+
+def show_or_save_picture(
+    draw: Draw, targets: Sequence[Path], show: bool | None, fallback: str
+) -> None:
+    """Do for a picture what ``show_or_save`` does for a replay."""
+
+    def open_window() -> None:
+        import matplotlib.pyplot as plt
+
+        from warehouse_core.viz.figure import make_window
+
+        figure: Any = draw(make_window)
+        figure.canvas.mpl_connect(
+            "key_press_event", lambda event: plt.close(figure) if event.key == "q" else None
+        )
+        say("q closes the window")
+        plt.show()
+
+    def save(target: Path) -> None:
+        from warehouse_core.viz.figure import make_figure
+
+        save_picture(draw(make_figure), target)
+        say(f"saved {target}")
+
+    _save_and_show(save, open_window, targets, show, "picture", fallback)
+
+
+def save_picture(figure: SceneFigure, path: Path) -> None:
+    """Write a figure as one of ``PICTURES``, whole or not at all."""
+    from warehouse_core.viz.figure import save_svg
+
+    with atomic_path(path) as part:
+        if path.suffix.lower() == ".svg":
+            save_svg(figure, part)
+        else:
+            figure.pixels().save(part, format="PNG")
+
+
+def unused(path: Path) -> Path:
+    """Return a path to which nothing has been written: ``path``, or that with a number."""
+    number, first = 1, path
+    while path.exists():
+        number += 1
+        path = first.with_stem(f"{first.stem}-{number}")
+    return path
+
+
+def _save_and_show(
+    save: Callable[[Path], None],
+    open_window: Callable[[], None],
+    targets: Sequence[Path],
+    show: bool | None,
+    noun: str,
+    fallback: str,
+) -> None:
+    for target in targets:
+        save(target)
+    if not (show or (show is None and not targets)):
+        return
+    if has_display():
+        open_window()
+        return
+    consequence = "" if targets else f", so the {noun} goes to a file"
+    say(f"there is no display to open a window on{consequence}")
+    if not targets:
+        save(unused(Path(fallback)))

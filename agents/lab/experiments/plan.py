@@ -1,0 +1,129 @@
+"""A plan: the cases of an experiment and the seeds of each, checked before anything runs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+from agents.errors import ParameterError
+from agents.lab.experiments.case import Case, key_of, make_case
+from agents.lab.experiments.parameters import MAX_VALUE, Value, checked, find
+
+MAX_CASES = 10_000
+MAX_EPISODES = 100_000_000
+
+DIGITS = 12
+"""Significant digits of the numbers of a range."""
+
+MAX_SEED = 2**62
+"""A file of results stores seeds as 64-bit numbers."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """The episodes to run.
+
+    Attributes:
+        cases: all different.
+        episodes: of each case; their seeds are ``seed``, ``seed + 1``, ...
+        seed: the first.
+    """
+
+    cases: tuple[Case, ...]
+    episodes: int
+    seed: int
+
+    @property
+    def seeds(self) -> range:
+        """The seeds of each case."""
+        return range(self.seed, self.seed + self.episodes)
+
+    @property
+    def total(self) -> int:
+        """The number of episodes of all cases together."""
+        return len(self.cases) * self.episodes
+
+
+def make_plan(choices: Mapping[str, Any], episodes: int, seed: int) -> Plan:
+    """Return the plan of every combination of choices.
+
+    Args:
+        choices: for each parameter a value, a list of values, or ``{from, to, step}``.
+        episodes: of each combination.
+        seed: of the first episode of each combination.
+
+    Raises:
+        ParameterError: a value, layout or robot that cannot be used, or too many of them.
+        AgentError: an agent that cannot be used.
+        OSError: a file that cannot be read.
+    """
+    values = {name: spread(name, choice) for name, choice in choices.items()}
+    _check_number(values, episodes)
+    if not 0 <= seed <= MAX_SEED:
+        raise ParameterError(f"seed is {seed}; it must be a whole number 0..{MAX_SEED}")
+    try:
+        combinations = [
+            make_case(dict(zip(values, combination, strict=True)))
+            for combination in product(*values.values())
+        ]
+    except ValueError as error:
+        raise ParameterError(str(error)) from error
+    for name in values:
+        if not any(name in case for case in combinations):
+            raise ParameterError(f"{name} has no effect here; it applies only {find(name).where}")
+    cases = {key_of(case): case for case in combinations}
+    return Plan(tuple(cases.values()), episodes, seed)
+
+
+def spread(name: str, choice: Any) -> list[Value]:
+    """Return the values of a choice, each checked.
+
+    Raises:
+        ParameterError: naming the parameter, the value and what is allowed.
+    """
+    if isinstance(choice, Mapping):
+        return [checked(name, value) for value in _range(name, choice)]
+    values = choice if isinstance(choice, list) else [choice]
+    if not values:
+        raise ParameterError(f"{name} has no value; it needs at least one")
+    return list(dict.fromkeys(checked(name, value) for value in values))
+
+
+def _range(name: str, limits: Mapping[str, Any]) -> list[int | float]:
+    """Return the numbers from a first to a last, both included."""
+    if limits.keys() != {"from", "to", "step"}:
+        raise ParameterError(f"{name} is {dict(limits)!r}; a range has the keys from, to and step")
+    first, last, step = (limits[key] for key in ("from", "to", "step"))
+    for key, value in limits.items():
+        if type(value) not in (int, float):
+            raise ParameterError(f"{name}.{key} is {value!r}; it must be a number")
+        if not abs(value) <= MAX_VALUE:
+            raise ParameterError(f"{name}.{key} is not within {-MAX_VALUE}..{MAX_VALUE}")
+    if not (step > 0 and first <= last):
+        raise ParameterError(f"{name} goes from {first} to {last} by {step}; it must go up")
+    steps = (last - first) / step + 1e-9
+    if steps >= MAX_CASES:
+        raise ParameterError(
+            f"{name} has {steps + 1:.0f} values; MAX_CASES = {MAX_CASES} are allowed"
+        )
+    # Rounded as they would be typed: 0.1 + 0.2 is 0.3, so that no value is there twice.
+    numbers = (first + step * number for number in range(math.floor(steps) + 1))
+    return [each if isinstance(each, int) else float(f"{each:.{DIGITS}g}") for each in numbers]
+
+
+def _check_number(values: Mapping[str, Sequence[Value]], episodes: int) -> None:
+    count = math.prod(map(len, values.values()))
+    if count > MAX_CASES:
+        longest = max(values, key=lambda name: len(values[name]))
+        raise ParameterError(
+            f"{count} combinations, {len(values[longest])} of them by {longest}; "
+            f"MAX_CASES = {MAX_CASES} are allowed"
+        )
+    if count * episodes > MAX_EPISODES:
+        raise ParameterError(
+            f"episodes is {episodes}; with {count} combinations that makes {count * episodes}, "
+            f"and MAX_EPISODES = {MAX_EPISODES} are allowed"
+        )

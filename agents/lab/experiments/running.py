@@ -1,0 +1,186 @@
+"""Run the episodes of a plan that are missing, and store them as they finish.
+
+Workers get episodes in tasks of about half a second: long enough that the cost of sending them
+is negligible, short enough that little is lost after an error and the progress bar moves. The rows
+of a task depend only on its case and seeds, so they are the same with any number of workers.
+
+An episode that fails is reported, and the others go on. If a worker ends, any seed of its task may
+be the reason: they are run again one at a time, with nothing beside them, and one whose worker ends
+again has failed.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from itertools import islice
+from typing import NamedTuple, Protocol
+
+from agents.lab.experiments.case import Case
+from agents.lab.experiments.episodes import Done, about, run_task
+from agents.lab.experiments.plan import Plan
+from agents.lab.experiments.store import Store
+from agents.lab.experiments.tables import AnyRow
+from agents.lab.experiments.workers import ending_of
+
+TASK_SECONDS = 0.5
+MAX_TASK_EPISODES = 10_000
+
+SEEDS_AT_ONCE = 100_000
+"""Seeds that are looked up in the store at once."""
+
+TASKS_PER_WORKER = 2
+"""Tasks that are submitted for each worker, so that none has to wait for its next."""
+
+TICK = 0.1
+"""Seconds after which ``report`` is called even if no task is done."""
+
+MAX_FAILURES = 20
+"""Episodes of a case that fail before its other seeds are left out."""
+
+MAX_SUSPECTS = 16
+"""Seeds whose worker has ended that may wait until the other episodes have been run."""
+
+
+class Report(Protocol):
+    """Called with rows after they are stored, and with messages of failures; often with neither.
+
+    What it raises ends the run.
+    """
+
+    def __call__(self, rows: Sequence[AnyRow], failures: Sequence[str] = ()) -> None:
+        """Report on the run."""
+
+
+class Task(NamedTuple):
+    """Seeds of a case; ``is_retry`` if the worker has ended that ran them before."""
+
+    case_id: int
+    case: Case
+    seeds: list[int]
+    is_retry: bool = False
+
+
+class Pace:
+    """How many episodes make a task, learnt from those that have been run."""
+
+    def __init__(self) -> None:
+        self.episodes = 1
+
+    def learn(self, episodes: int, seconds: float) -> None:
+        """Take account of a task that is done."""
+        wanted = episodes * TASK_SECONDS / max(seconds, 1e-6)
+        # At most four times as many: one short episode proves little.
+        self.episodes = max(1, min(round(wanted), 4 * episodes, MAX_TASK_EPISODES))
+
+
+class Queue:
+    """The tasks of a plan that are to be run.
+
+    Attributes:
+        failed: how many episodes have failed, by the number of their case.
+    """
+
+    def __init__(self, plan: Plan, store: Store) -> None:
+        self.failed, self._pace = Counter[int](), Pace()
+        self._missing = missing_tasks(plan, store, self._pace, self.failed)
+        self._rests, self._suspects = list[Task](), list[Task]()
+
+    def take(self, count: int, running: Collection[Task]) -> list[Task]:
+        """Return tasks to be run beside others, so that at most ``count`` are running."""
+        if any(task.is_retry for task in running):
+            return []
+        tasks = []
+        if len(self._suspects) < MAX_SUSPECTS:
+            tasks = list(islice(iter(self._next, None), count - len(running)))
+        while self._suspects and not tasks and not running:
+            task = self._suspects.pop()
+            tasks = [task] if self._is_wanted(task) else []
+        return tasks
+
+    def done(self, task: Task, outcome: Done) -> list[str]:
+        """Take account of a task that is done, and return the messages of failures."""
+        if outcome.failure is None:
+            self._pace.learn(len(task.seeds), outcome.seconds)
+            return []
+        messages = self._failed(task, outcome.failure)
+        rest = task._replace(seeds=task.seeds[len(outcome.rows) + 1 :])
+        if rest.seeds and self._is_wanted(rest):
+            self._rests.append(rest)
+        return messages
+
+    def ended(self, task: Task, ending: str) -> list[str]:
+        """Take account of a task whose worker has ended, and return the messages of failures."""
+        if not task.is_retry:
+            self._suspects += [task._replace(seeds=[seed], is_retry=True) for seed in task.seeds]
+            return []
+        return self._failed(
+            task, f"{about(task.case, task.seeds[0])}: {ending}; it was tried twice"
+        )
+
+    def _failed(self, task: Task, message: str) -> list[str]:
+        self.failed[task.case_id] += 1
+        if not self._is_wanted(task):
+            message += f"; its other seeds are left out after MAX_FAILURES = {MAX_FAILURES}"
+        return [message]
+
+    def _next(self) -> Task | None:
+        return self._rests.pop() if self._rests else next(self._missing, None)
+
+    def _is_wanted(self, task: Task) -> bool:
+        return self.failed[task.case_id] < MAX_FAILURES
+
+
+def run_missing(
+    plan: Plan, store: Store, executor: Executor, workers: int, report: Report
+) -> Counter[int]:
+    """Run every episode of a plan that is not in the store.
+
+    Returns:
+        How many episodes have failed, by the number of their case.
+
+    Raises:
+        StoreError: rows cannot be written; those written before stay.
+        Exception: whatever ``report`` raises, between two writes, or the executor.
+    """
+    queue, running = Queue(plan, store), dict[Future[Done], Task]()
+    while True:
+        for task in queue.take(TASKS_PER_WORKER * workers, running.values()):
+            running[executor.submit(run_task, task.case, task.seeds)] = task
+        if not running:
+            return queue.failed
+        done, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
+        report([])
+        # Those without an outcome come last, because they may end the run.
+        for future in sorted(done, key=_has_error):
+            task, ending = running.pop(future), ending_of(future.exception())
+            if ending is None:
+                outcome = future.result()
+                store.add(task.case_id, outcome.rows, outcome.program)
+                report(outcome.rows, queue.done(task, outcome))
+            else:
+                report([], queue.ended(task, ending))
+
+
+def missing_tasks(
+    plan: Plan, store: Store, pace: Pace, failed: Mapping[int, int]
+) -> Iterator[Task]:
+    """Yield what is missing in tasks of the present size of ``pace``, while few have failed."""
+    for case in plan.cases:
+        case_id = store.case_id(case)
+        seeds = _missing_seeds(store, case_id, plan.seeds)
+        while failed[case_id] < MAX_FAILURES and (some := list(islice(seeds, pace.episodes))):
+            yield Task(case_id, case, some)
+
+
+def _missing_seeds(store: Store, case_id: int, seeds: range) -> Iterator[int]:
+    """Yield the seeds that are not in the store, looked up in parts to save memory."""
+    for start in range(0, len(seeds), SEEDS_AT_ONCE):
+        some = seeds[start : start + SEEDS_AT_ONCE]
+        done = store.seeds_done(case_id, some)
+        yield from (seed for seed in some if seed not in done)
+
+
+def _has_error(future: Future[Done]) -> bool:
+    return future.cancelled() or future.exception() is not None

@@ -1,0 +1,342 @@
+"""The results of an experiment: one SQLite file with a row for each episode.
+
+Rows are written as episodes finish, and stay whatever happens to the program or the machine: every
+batch of rows is one transaction, and it is on the disk before the next begins. The key of a row is
+its case and its seed, so that no episode is stored twice.
+"""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from time import monotonic, sleep
+from typing import Any
+
+from agents.errors import StoreError
+from agents.lab.experiments.case import TILES, Case, in_words, key_of, read_case, row_type
+from agents.lab.experiments.tables import (
+    BOTH,
+    DAMAGED,
+    MAX_CASES,
+    MAX_LENGTH,
+    MAX_NAMED,
+    PROGRAM,
+    TABLE_OF,
+    TABLES,
+    UNKNOWN,
+    VERSION,
+    AnyRow,
+    Row,
+    version_of,
+)
+from warehouse_core.files.kinds import not_a_file
+
+TIMEOUT, BUSY_SECONDS = 30.0, 0.1
+"""Seconds to wait for another program that writes to the same file, and between two checks."""
+
+
+class Store:
+    """A file of results, created if there is none. It is a context manager.
+
+    Args:
+        path: of the file.
+        read_only: create no file and write to none; one without write permission can be read.
+        mix: add episodes to cases that have those of another program.
+        check: is called while another program holds a lock; what it raises ends the wait.
+
+    Raises:
+        StoreError: it cannot be opened, is damaged, or is something else.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        *,
+        read_only: bool = False,
+        mix: bool = False,
+        check: Callable[[], None] = lambda: None,
+    ) -> None:
+        self.path, self._mix, self._check = Path(path), mix, check
+        self._read_only, self._is_checked = read_only, False
+        if (kind := not_a_file(self.path)) is not None:  # SQLite would try, and leave a journal
+            raise StoreError(f"{path}: {kind}")
+        if read_only and not self.path.exists():
+            raise StoreError(f"{path}: there is no such file")
+        with self._errors_reported():
+            closed, path = self._is_closed(), self.path.absolute()
+            address = f"{path.as_uri()}?immutable=1" if closed else path
+            self._connection = sqlite3.connect(
+                address, timeout=BUSY_SECONDS, isolation_level=None, uri=closed
+            )
+            self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_LENGTH)
+            try:
+                self._prepare(read_only)
+            except BaseException:
+                self._connection.close()
+                raise
+        self._identity = _identity(self.path)
+
+    def __enter__(self) -> Store:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._connection.close()
+
+    def case_id(self, case: Case) -> int:
+        """Return the number of a case, which is added if it is new."""
+        self.add_cases([case])
+        return int(next(self.query("SELECT id FROM cases WHERE settings = ?", key_of(case)))[0])
+
+    def add_cases(self, cases: Iterable[Case]) -> None:
+        """Add the cases that are new, in one transaction."""
+        with self._transaction():
+            self._connection.executemany(
+                "INSERT OR IGNORE INTO cases (settings) VALUES (?)",
+                [(key_of(case),) for case in cases],
+            )
+            self._check_count()
+
+    def count(self, case: Case, seeds: range) -> int:
+        """Return how many episodes of a case with these seeds are stored."""
+        statement = (
+            f"SELECT count(*) FROM {TABLE_OF[row_type(case)]} JOIN cases ON id = case_id "
+            "WHERE settings = ? AND seed >= ? AND seed < ?"
+        )
+        return int(next(self.query(statement, key_of(case), seeds.start, seeds.stop))[0])
+
+    def seeds_done(self, case_id: int, seeds: range) -> set[int]:
+        """Return those of some seeds whose episodes are stored."""
+        statement = f"SELECT seed FROM ({BOTH}) WHERE case_id = ? AND seed >= ? AND seed < ?"
+        return {seed for (seed,) in self.query(statement, case_id, seeds.start, seeds.stop)}
+
+    def add(self, case_id: int, rows: Sequence[AnyRow], program: str = UNKNOWN) -> None:
+        """Write the episodes of a case, all or none; those that are stored already stay unchanged.
+
+        Args:
+            case_id: the number of the case.
+            rows: the episodes.
+            program: that ran them, see ``program_for``.
+
+        Raises:
+            StoreError: the disk is full, the file cannot be written or is no longer there, or the
+                case has episodes of another program, which are not to be mixed.
+        """
+        # SQLite would continue to write to a file that has been removed.
+        if _identity(self.path) != self._identity:
+            raise StoreError(f"{self.path}: it has been removed or replaced meanwhile")
+        if not rows:
+            return
+        places = ", ".join("?" * (2 + len(rows[0])))
+        table = TABLE_OF[type(rows[0])]
+        with self._transaction():
+            number = self._add_writer(case_id, program)
+            self._connection.executemany(
+                f"INSERT OR IGNORE INTO {table} VALUES ({places})",
+                [(case_id, *row, number) for row in rows],
+            )
+
+    def _add_writer(self, case_id: int, program: str) -> int:
+        """Return the number of a program, as one of those that have written episodes of a case."""
+        others = [name for name in self.programs(case_id) if name != program]
+        if others and not self._mix:
+            [(text,)] = self.query("SELECT settings FROM cases WHERE id = ?", case_id)
+            settings = in_words(self._case(case_id, text))
+            raise StoreError(
+                f"{self.path}: the episodes with {settings} are of {' and '.join(others)}, and new "
+                f"ones would be of {program}; write to another file, or mix them with "
+                "--mix-programs"
+            )
+        self._connection.execute("INSERT OR IGNORE INTO programs (name) VALUES (?)", (program,))
+        [(number,)] = self.query("SELECT id FROM programs WHERE name = ?", program)
+        self._connection.execute("INSERT OR IGNORE INTO writers VALUES (?, ?)", (case_id, number))
+        return int(number)
+
+    def programs(self, case_id: int) -> list[str]:
+        """Return the programs that have written episodes of a case, in the order of their first."""
+        if self._version == 1:
+            found = self.query("SELECT 1 FROM episodes WHERE case_id = ? LIMIT 1", case_id)
+            return [UNKNOWN for _ in found]
+        statement = (
+            f"SELECT {PROGRAM} FROM writers JOIN programs ON id = program_id "
+            f"WHERE case_id = ? ORDER BY id LIMIT {MAX_NAMED}"
+        )
+        return [name for (name,) in self.query(statement, case_id)]
+
+    def mixed(self) -> list[int]:
+        """Return the numbers of the cases that have episodes of several programs."""
+        statement = "SELECT case_id FROM writers GROUP BY case_id HAVING count(*) > 1"
+        return [] if self._version == 1 else [number for (number,) in self.query(statement)]
+
+    def episodes(self) -> list[tuple[str, int]]:
+        """Return programs and how many episodes are of each, most first."""
+        if self._version == 1:
+            statement = f"SELECT '{UNKNOWN}', count(*) FROM episodes HAVING count(*)"
+        else:
+            rows = "episodes" if self._version == 2 else f"({BOTH})"
+            statement = (
+                f"SELECT (SELECT {PROGRAM} FROM programs WHERE id = program_id), count(*) AS number"
+                f" FROM {rows} GROUP BY program_id ORDER BY number DESC LIMIT {MAX_NAMED}"
+            )
+        return [(name or UNKNOWN, count) for name, count in self.query(statement)]
+
+    def cases(self) -> dict[int, Case]:
+        """Return every case by its number.
+
+        Raises:
+            StoreError: a case that no sweep has written.
+        """
+        self._check_count()
+        found, layouts = dict[int, Case](), dict[tuple[str, ...], list[str]]()
+        for number, text in self.query("SELECT id, settings FROM cases ORDER BY id"):
+            case = self._case(number, text)
+            if TILES in case:  # kept once, because layouts may be large
+                case = {**case, TILES: layouts.setdefault(tuple(case[TILES]), case[TILES])}
+            found[number] = case
+        return found
+
+    def rows(self, case_id: int, kind: type[AnyRow] = Row) -> Iterator[tuple[AnyRow, str]]:
+        """Yield the episodes of a case and their programs in the order of their seeds.
+
+        Args:
+            case_id: the number of the case.
+            kind: of its rows; those of fleets are ``Shift``.
+        """
+        if kind not in self.kinds:
+            return
+        names = ", ".join(kind._fields)
+        if self._version == 1:
+            statement = f"SELECT {names}, '{UNKNOWN}' FROM episodes WHERE case_id = ?"
+        else:
+            statement = (
+                f"SELECT {names}, (SELECT {PROGRAM} FROM programs WHERE id = program_id) "
+                f"FROM {TABLE_OF[kind]} WHERE case_id = ?"
+            )
+        for *values, program in self.query(f"{statement} ORDER BY seed", case_id):
+            yield kind._make(values), program or UNKNOWN
+
+    @property
+    def kinds(self) -> list[type[AnyRow]]:
+        """The kinds of rows that the file has tables for."""
+        return [Row] if self._version < 3 else [*TABLE_OF]
+
+    def check_rows(self) -> None:
+        """Raise if there are rows that no sweep has written; reports rely on this.
+
+        Raises:
+            StoreError: there is one.
+        """
+        if self._is_checked:
+            return
+        for kind in self.kinds:
+            for case_id, seed in self.query(DAMAGED[kind]):
+                raise StoreError(
+                    f"{self.path}: the row of case {case_id!r}, seed {seed!r} is damaged"
+                )
+        self._is_checked = self._read_only  # whose view does not change
+
+    def query(self, statement: str, *values: Any) -> Iterator[tuple[Any, ...]]:
+        """Yield the rows that a statement finds."""
+        with self._errors_reported():
+            # Not the cursor itself: left half read, it would fail when the file is closed.
+            yield from map(tuple, self._execute(statement, *values))
+
+    def _case(self, number: int, text: str) -> Case:
+        """Return a case that ``key_of`` has written, and raise for any other text."""
+        try:
+            return read_case(text)
+        except (ValueError, TypeError, RecursionError) as error:
+            raise StoreError(f"{self.path}: case {number} is invalid: {error}") from error
+
+    def _check_count(self) -> None:
+        [(count,)] = self.query("SELECT count(*) FROM cases")
+        if count > MAX_CASES:
+            raise StoreError(f"{self.path}: {count} cases; MAX_CASES = {MAX_CASES} are allowed")
+
+    def _is_closed(self) -> bool:
+        """Return whether the file can only be read, and its folder does not allow new files.
+
+        Even for reading SQLite creates files beside it, unless the file is opened as immutable.
+
+        Raises:
+            StoreError: another program writes to it, or was stopped while writing.
+        """
+        if not self.path.is_file() or all(
+            os.access(each, os.W_OK) for each in (self.path, self.path.parent)
+        ):
+            return False
+        log = Path(f"{self.path}-wal")
+        if log.is_file() and log.stat().st_size:
+            raise StoreError(
+                f"{self.path}: it is read-only here, and its newest rows are still in {log.name}; "
+                "read it where it can be written, or after the sweep has ended"
+            )
+        return True
+
+    def _prepare(self, read_only: bool) -> None:
+        connection = self._connection
+        # In one transaction: another sweep may be creating the tables at this moment.
+        with self._transaction("DEFERRED" if read_only else "IMMEDIATE"):
+            self._version = version_of(connection, self.path)
+            if not read_only:
+                for statement in "".join(TABLES[self._version :]).split(";"):
+                    connection.execute(statement)
+                self._version = VERSION
+        if read_only:
+            if not self._version:
+                raise StoreError(f"{self.path}: there are no results in it")
+            connection.execute("PRAGMA query_only = ON")
+            # One view of the file, whatever a sweep adds meanwhile.
+            connection.execute("BEGIN")
+            return
+        # Others can then read meanwhile.
+        self._execute("PRAGMA journal_mode = WAL")
+        connection.execute("PRAGMA synchronous = FULL")
+
+    def _execute(self, statement: str, *values: Any) -> sqlite3.Cursor:
+        """Execute a statement, and wait while another program holds a lock."""
+        end = monotonic() + TIMEOUT
+        while True:
+            try:
+                return self._connection.execute(statement, values)
+            except sqlite3.OperationalError as error:
+                if error.sqlite_errorcode & 0xFF != sqlite3.SQLITE_BUSY or monotonic() > end:
+                    raise
+                self._check()
+                sleep(0.01)  # for some statements SQLite itself does not wait
+
+    @contextmanager
+    def _transaction(self, kind: str = "IMMEDIATE") -> Iterator[None]:
+        with self._errors_reported():
+            self._execute(f"BEGIN {kind}")
+            try:
+                yield
+                self._execute("COMMIT")
+            except BaseException:
+                # A full disk has ended the transaction already.
+                if self._connection.in_transaction:
+                    self._connection.execute("ROLLBACK")
+                raise
+
+    @contextmanager
+    def _errors_reported(self) -> Iterator[None]:
+        """Turn errors of SQLite into a ``StoreError`` with the name of the file."""
+        try:
+            yield
+        except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter of a damaged schema
+            raise StoreError(f"{self.path}: {error}") from error
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    """Return what distinguishes a file from one that has replaced it."""
+    try:
+        found = path.stat()
+    except FileNotFoundError:
+        return None
+    return found.st_dev, found.st_ino

@@ -1,0 +1,250 @@
+"""The command ``warehouse sweep``: run every combination of settings, and store each episode.
+
+The same command run again does what is missing; one with more episodes or values adds those.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from agents.errors import EpisodeError, ParameterError
+from agents.lab.console.terminal import print_error, say
+from agents.lab.experiments.choices import PlanFile, parse_flags, read_plan_file
+from agents.lab.experiments.cluster import cluster
+from agents.lab.experiments.parameters import MAX_VALUE, MAX_VIEW_RADIUS
+from agents.lab.experiments.plan import MAX_EPISODES, Plan, make_plan
+from agents.lab.experiments.running import Report, run_missing
+from agents.lab.experiments.store import Store
+from agents.lab.experiments.tables import AnyRow, Shift
+from agents.lab.experiments.workers import Check, Pool, deferred_interrupts, process_pool
+from agents.mapf.assignment import ASSIGNMENTS
+from warehouse_core.fleet.settings import MAX_BODIES
+from warehouse_core.records.episode import DELIVERED
+from warehouse_core.wording import counted, listed
+from warehouse_core.world.generators import MAX_DENSITY
+
+
+@contextmanager
+def sweep_bar(episodes: int) -> Iterator[Report]:
+    """Show a bar while the block runs, and yield the function that takes each stored row."""
+    from agents.lab.console.progress import progress_bar
+
+    delivered = wanted = done = 0
+    told = set[str]()
+    with progress_bar(episodes) as advance:
+
+        def report(rows: Sequence[AnyRow], failures: Sequence[str] = ()) -> None:
+            nonlocal delivered, wanted, done
+            for row in rows:
+                if isinstance(row, Shift):
+                    delivered, wanted = delivered + row.delivered, wanted + row.orders
+                else:
+                    delivered, wanted = delivered + (row.mode == DELIVERED), wanted + 1
+            for failure in {*failures} - told:
+                told.add(failure)  # one for a whole case comes with each seed
+                print_error(failure)
+            if rows:
+                done += len(rows)
+                advance(done, f"{delivered / max(wanted, 1):.0%} delivered")
+
+        yield report
+
+
+PRESETS = {
+    name: Path(__file__).parent / "presets" / f"{name}.toml"
+    for name in ("escape", "battery", "obstacles", "size", "backends", "fleet")
+}
+"""Plan files of the chapter's questions and one of fleets, each under a minute on two cores."""
+
+EPISODES = 100
+"""Of each combination, by default."""
+
+VALUES = {
+    "robots": f"1..{MAX_BODIES}, makes it a fleet with orders",
+    "planner": "none, or a name as in 'warehouse fleet --planner', of a fleet",
+    "assignment": f"{' or '.join(ASSIGNMENTS)}, of a planner",
+    "agent": "a name as in 'warehouse run --agent'",
+    "escape": "on or off, of agent greedy",
+    "memory": f"0..{MAX_VALUE}, of agent greedy with escape",
+    "layout": "default, random or a file",
+    "size": "HEIGHTxWIDTH from 4x4, of layout random",
+    "density": f"0..{MAX_DENSITY:g}, of layout random",
+    "stations": "drawn, or kept as a layout file has them; not of a fleet",
+    "order_rate": "orders that arrive in a step, of a fleet",
+    "due": "FEWEST:MOST steps until they are due, of a fleet",
+    "chargers": "at most those of the layout, of a fleet",
+    "people": f"0..{MAX_BODIES}, of a fleet",
+    "battery": f"1..{MAX_VALUE}",
+    "max_steps": f"1..{MAX_VALUE}",
+    "view_radius": f"0..{MAX_VIEW_RADIUS}",
+    "backend": "grid, physics, driving of a fleet, or one of your own",
+    "robot.NUMBER, disturbances.NUMBER": "a number of the backend physics, such as robot.mass",
+}
+"""What each parameter takes, in words."""
+
+SETTINGS = f"Names: {'; '.join(f'{name} ({values})' for name, values in VALUES.items())}."
+
+
+def sweep(
+    file: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[PLAN]",
+            help="A .toml file with episodes, seed and the tables settings, robot, disturbances.",
+            show_default=False,
+        ),
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUES",
+            help="A value (agent=astar), a list (battery=20,60) or a range FROM:TO:STEP "
+            f"(battery=20:200:20); may be repeated. {SETTINGS}",
+        ),
+    ] = None,
+    preset: Annotated[
+        str | None,
+        typer.Option(
+            "--preset",
+            metavar="NAME",
+            help=f"A question of the chapter, or of fleets: {', '.join(PRESETS)}.",
+        ),
+    ] = None,
+    episodes: Annotated[
+        int | None,
+        typer.Option(
+            "--episodes",
+            "-n",
+            metavar="N",
+            min=1,
+            help=f"Episodes of each combination; up to {MAX_EPISODES:,} in all.",
+            show_default=str(EPISODES),
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None,
+        typer.Option(
+            "--seed",
+            metavar="N",
+            help="Seed of the first episode of each combination, 0 or more; others count up.",
+            show_default="0",
+        ),
+    ] = None,
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output", "-o", metavar="FILE", help="The file of results, written or added to."
+        ),
+    ] = Path("results.sqlite"),
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers",
+            metavar="N",
+            min=1,
+            max=1024,
+            help="Number of processes.",
+            show_default="one per core",
+        ),
+    ] = None,
+    address: Annotated[
+        str | None,
+        typer.Option(
+            "--cluster",
+            metavar="tcp://HOST:PORT",
+            help="Run on the Dask cluster of this scheduler; needs the extra 'cluster'.",
+        ),
+    ] = None,
+    mix: Annotated[
+        bool,
+        typer.Option(
+            "--mix-programs",
+            help="Add to combinations that another version of this program, of NumPy or of pymunk "
+            "has begun.",
+        ),
+    ] = False,
+) -> None:
+    """Run every combination of settings.
+
+    Each episode is stored as it finishes. Run the same command again to resume, or with more
+    episodes or values to add those; 'warehouse report' shows the results.
+
+    Example: warehouse sweep --set agent=greedy,astar --set battery=20:200:20
+    """
+    given = _given(file, preset)
+    choices = given.choices | parse_flags(settings or [])
+    first = (given.seed or 0) if seed is None else seed
+    plan = make_plan(choices, episodes or given.episodes or EPISODES, first)
+    with deferred_interrupts() as check, Store(output, mix=mix, check=check) as store:
+        store.add_cases(plan.cases)
+        done = _done(plan, store)
+        cases, each = counted(len(plan.cases), "combination"), counted(plan.episodes, "episode")
+        say(f"{cases}, {each} each, {done:,} done")
+        missing, failed = plan.total - done, Counter[int]()
+        count = min(workers or os.cpu_count() or 1, missing)
+        try:
+            if missing:
+                pool = process_pool(count) if address is None else cluster(address)
+                failed = _run(plan, store, missing, pool, check)
+        except KeyboardInterrupt:
+            done = _done(plan, store)
+            say(
+                f"{done:,} of {plan.total:,} episodes in {output}; run the same command again to "
+                "resume"
+            )
+            raise typer.Abort from None  # typer would end without a message
+        finally:
+            _warn_of_mixed(store)
+        if failed:
+            raise EpisodeError(
+                f"{counted(failed.total(), 'episode')} failed, in {len(failed)} of {cases}; "
+                f"{_done(plan, store):,} of {plan.total:,} episodes in {output}; run the same "
+                "command again to run the others"
+            )
+    episodes_done = f"{counted(plan.total, 'episode')} done"
+    say(f"{episodes_done}; see the results with: warehouse report {output}")
+
+
+def _given(file: Path | None, preset: str | None) -> PlanFile:
+    """Return the plan file, or the preset as one; flags are added to it."""
+    if file is not None and preset is not None:
+        raise ParameterError(f"both {file} and --preset {preset} are given; give one of them")
+    if file is not None:
+        return read_plan_file(file)
+    if preset is None:
+        return PlanFile({})
+    if preset not in PRESETS:
+        raise ParameterError(f"no preset is called {preset!r}; allowed: {', '.join(PRESETS)}")
+    return read_plan_file(PRESETS[preset])
+
+
+def _done(plan: Plan, store: Store) -> int:
+    """Return how many episodes of a plan are stored."""
+    return sum(store.count(case, plan.seeds) for case in plan.cases)
+
+
+def _warn_of_mixed(store: Store) -> None:
+    mixed = store.mixed()
+    if mixed:
+        print_error(
+            f"warning: {counted(len(mixed), 'combination')} with episodes of several programs, "
+            f"such as {listed(store.programs(mixed[0]))}"
+        )
+
+
+def _run(plan: Plan, store: Store, missing: int, pool: Pool, check: Check) -> Counter[int]:
+    with pool as (executor, count), sweep_bar(missing) as show:
+
+        def report(rows: Sequence[AnyRow], failures: Sequence[str] = ()) -> None:
+            show(rows, failures)
+            check()
+
+        return run_missing(plan, store, executor, count, report)

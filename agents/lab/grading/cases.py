@@ -1,0 +1,108 @@
+"""The episodes of a rubric: where they take place, and how they are run again."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import dataclass
+from pathlib import Path
+
+from agents.lab.console.place import RANDOM, Stations, usual_stations, what_to_draw
+from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, Observation, WarehouseEnv, random_layout
+from warehouse_core.records.failure_modes import fewest_steps
+from warehouse_core.world.named_layouts import DEFAULT, find_layout
+
+BUDGET, VIEW = 200, 2
+"""Usual units of battery, usual steps, and the usual radius of the view."""
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """Episodes that differ by their seed alone.
+
+    Attributes:
+        name: of the table in the rubric.
+        layout: a name, the path of a file, or ``RANDOM``.
+        size: height and width of random layouts.
+        density: share of walls of random layouts.
+        first_seed: of the first episode; the others follow.
+        episodes: their number.
+        stations: where pickup and dropoff come from; ``None`` for what ``warehouse run`` does.
+        start: the cell, or ``None`` to draw it.
+        battery: units of a full one.
+        max_steps: of an episode.
+        view_radius: cells seen in each direction.
+        visible: whether the report may tell the seeds and what happened.
+    """
+
+    name: str
+    layout: str = DEFAULT
+    size: tuple[int, int] = (7, 12)
+    density: float = 0.2
+    first_seed: int = 1
+    episodes: int = 10
+    stations: Stations | None = None
+    start: Cell | None = None
+    battery: int = BUDGET
+    max_steps: int = BUDGET
+    view_radius: int = VIEW
+    visible: bool = True
+
+    @property
+    def seeds(self) -> range:
+        """The seeds of the episodes."""
+        return range(self.first_seed, self.first_seed + self.episodes)
+
+    def agent_seed(self, seed: int) -> int:
+        """Return the seed that the agent of an episode is given.
+
+        That of the episode, as ``warehouse run`` does; but if it is hidden the number of the
+        episode, because an agent could draw the same layout from the seed.
+        """
+        return seed if self.visible else seed - self.first_seed
+
+    def layout_of(self, seed: int) -> Layout:
+        """Return the layout of an episode, before stations are drawn."""
+        if self.layout == RANDOM:
+            return random_layout(*self.size, self.density, seed)
+        return DEFAULT_LAYOUT if self.layout == DEFAULT else find_layout(self.layout)
+
+    def stations_of(self, layout: Layout) -> Stations:
+        """Return where pickup and dropoff come from, in a layout of the case."""
+        return self.stations or usual_stations(layout, is_default=layout is DEFAULT_LAYOUT)
+
+    def begin(self, seed: int) -> tuple[WarehouseEnv, Observation]:
+        """Return the environment of an episode, and the first observation."""
+        layout = self.layout_of(seed)
+        env = WarehouseEnv(layout, self.start, self.max_steps, self.battery, self.view_radius)
+        return env, env.reset(what_to_draw(self.stations_of(layout), self.start), seed)
+
+    def command(self, agent: str, seed: int) -> str:
+        """Return the command that shows an episode."""
+        words, before = ["warehouse", "run", "--agent", agent, "--seed", str(seed)], ""
+        if self.layout == RANDOM:
+            file = f"{self.name}-{seed}.txt"
+            height, width = self.size
+            before = (
+                f"warehouse layout generate --height {height} --width {width} "
+                f"--density {self.density:g} --seed {seed} --output {shlex.quote(file)} && "
+            )
+            words += ["--layout", file]
+        elif self.layout != DEFAULT:
+            words += ["--layout", _short(self.layout)]
+        words += ["--stations", str(self.stations)] if self.stations else []
+        words += ["--start", "{},{}".format(*self.start)] if self.start else []
+        for name, usual in (("battery", BUDGET), ("max_steps", BUDGET), ("view_radius", VIEW)):
+            if getattr(self, name) != usual:
+                words += [f"--{name.replace('_', '-')}", str(getattr(self, name))]
+        return before + shlex.join(words)
+
+
+def needed_steps(env: WarehouseEnv) -> int | None:
+    """Return the fewest steps of a delivery after ``reset``, ``None`` without a way."""
+    return fewest_steps(env.layout, (env.state.robot_pos, False))[0]
+
+
+def _short(path: str) -> str:
+    """Return a path as a user would type it."""
+    file = Path(path)
+    return str(file.relative_to(Path.cwd())) if file.is_relative_to(Path.cwd()) else path

@@ -1,0 +1,204 @@
+"""What the episodes of an agent are judged by, and how many points that is worth."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from agents.lab.evaluation.wording import percent
+from agents.lab.grading.runs import Run, greedy_steps
+from agents.lab.grading.sandbox import SLOW
+from warehouse_core.records.episode import DELIVERED
+from warehouse_core.wording import counted, listed
+
+MAX_USELESS = 10
+"""Useless actions that an agent may take in an episode without a way."""
+
+Runs = Sequence[Run]
+
+
+class Measure(NamedTuple):
+    """A number by which an agent is judged.
+
+    Attributes:
+        asked: says what is asked, with ``{}`` for the number.
+        shown: returns a number as text.
+        value: returns the number, from episodes.
+        badness: the worst episode is the first that has the largest.
+        counts: whether an episode counts.
+        counted: which episodes count, in words.
+        seen: says what was seen, beside the number.
+        more_is_better: whether a larger number is.
+        is_secret: whether the number is not told, because it is different each time; such a
+            measure gives all points or none.
+    """
+
+    asked: str
+    shown: Callable[[float], str]
+    value: Callable[[Runs], float]
+    badness: Callable[[Run], float]
+    counts: Callable[[Run], bool]
+    counted: str
+    seen: Callable[[Runs], str]
+    more_is_better: bool = True
+    is_secret: bool = False
+
+    def is_better(self, value: float, other: float, *, or_equal: bool = False) -> bool:
+        """Return whether a number is better than another."""
+        if value == other:
+            return or_equal
+        return (value > other) is self.more_is_better
+
+
+class Criterion(NamedTuple):
+    """A measure of some episodes, and its points.
+
+    Attributes:
+        name: of the criterion.
+        points: for ``full`` or better.
+        kind: the name of its measure.
+        cases: names of those of its episodes.
+        full: the number that gives all points.
+        zero: the number that gives none; between the two they grow evenly. If it is ``full``,
+            there are all points or none.
+        needs: an earlier criterion; without any points there are none here either.
+        visibility: when Gradescope shows it.
+    """
+
+    name: str
+    points: float
+    kind: str
+    cases: tuple[str, ...]
+    full: float
+    zero: float
+    needs: str | None = None
+    visibility: str = "visible"
+
+    @property
+    def measure(self) -> Measure:
+        """What its episodes are judged by."""
+        return MEASURES[self.kind]
+
+    @property
+    def asked(self) -> str:
+        """What is asked for all points, and what gives none."""
+        measure = self.measure
+        asked = measure.asked.format(measure.shown(self.full))
+        return (
+            asked if self.zero == self.full else f"{asked}; no points at {measure.shown(self.zero)}"
+        )
+
+    def points_for(self, value: float) -> float:
+        """Return the points for a number, rounded to hundredths."""
+        if not self.measure.is_better(self.full, value):
+            return self.points
+        if not self.measure.is_better(value, self.zero):
+            return 0.0
+        # Not up to the full points, which only the full number gives.
+        share = (value - self.zero) / (self.full - self.zero)
+        return min(round(share * self.points, 2), max(self.points - 0.01, 0.0))
+
+
+def _share(is_good: Callable[[Run], bool]) -> Callable[[Runs], float]:
+    return lambda runs: sum(map(is_good, runs)) / len(runs)
+
+
+def _steps(runs: Runs) -> int:
+    """Return the steps of episodes; one without a delivery has as many as it may have."""
+    return sum(run.charged_steps for run in runs)
+
+
+def _slowness(run: Run) -> float:
+    """Return how many times the fewest steps an episode takes; failures are slowest of all."""
+    return (math.inf if run.failure else run.charged_steps) / (run.needed or 1)
+
+
+def _modes(runs: Runs) -> str:
+    """Return how often each outcome occurs, the most frequent first."""
+    counts = Counter(run.outcome for run in runs)
+    rows = sorted(counts.items(), key=lambda row: (row[0] != DELIVERED, -row[1], row[0]))
+    return listed(f"{count} {mode}" for mode, count in rows)
+
+
+def _is_calm(run: Run) -> bool:
+    return not run.failure and run.useless <= MAX_USELESS
+
+
+def _is_valid(run: Run) -> bool:
+    return not run.failure and not run.unknown
+
+
+def _useless(runs: Runs) -> str:
+    most = max(run.useless for run in runs)
+    failed = sum(bool(run.failure) for run in runs)
+    return f"{counted(failed, 'failure')}, at most {counted(most, 'useless action')} in an episode"
+
+
+def _invalid(runs: Runs) -> str:
+    failed = sum(bool(run.failure) for run in runs)
+    unknown = sum(run.unknown for run in runs)
+    return f"{counted(failed, 'failure')}, {counted(unknown, 'unknown action')}"
+
+
+def _times(value: float) -> str:
+    return f"{value:.2f} times"
+
+
+def _greedy_ratio(runs: Runs) -> float:
+    return sum(greedy_steps(run.case, run.seed) for run in runs) / _steps(runs)
+
+
+def _has_way(run: Run) -> bool:
+    return run.needed is not None
+
+
+def _slowest(run: Run) -> float:
+    """Return the seconds of the slowest answer; none within the limit is slower than any."""
+    return math.inf if run.failure and run.failure.kind == SLOW else run.slowest
+
+
+def _in_time(runs: Runs) -> str:
+    """Return what may be told: no times, which are different each time."""
+    late = sum(math.isinf(_slowest(run)) for run in runs)
+    return f"{late or 'none'} too slow"
+
+
+WITH_WAY, WITHOUT = "with a way to deliver", "without a way to deliver"
+
+MEASURES = {
+    "delivered": Measure(
+        "{} of the episodes end with the delivery",
+        percent, _share(lambda run: run.delivered),
+        lambda run: 0 if run.delivered else 1 + bool(run.failure),
+        _has_way, WITH_WAY, _modes,
+    ),
+    "steps_of_fewest": Measure(
+        "at most {} the fewest possible steps, an episode without a delivery counted with all",
+        _times, lambda runs: _steps(runs) / sum(run.needed or 0 for run in runs),
+        _slowness, _has_way, WITH_WAY, _modes, more_is_better=False,
+    ),
+    "greedy_steps": Measure(
+        "the greedy agent takes {} as many steps",
+        _times, _greedy_ratio, _slowness, _has_way, WITH_WAY, _modes,
+    ),
+    "calm_without_way": Measure(
+        "in {} of the episodes without a way no failure, and at most "
+        f"{MAX_USELESS} useless actions (picks, drops, bumps, unknown ones)",
+        percent, _share(_is_calm),
+        lambda run: 0 if _is_calm(run) else run.useless + 1000 * bool(run.failure),
+        lambda run: run.needed is None, WITHOUT, _useless,
+    ),
+    "protocol": Measure(
+        "in {} of the episodes no failure and no unknown action",
+        percent, _share(_is_valid),
+        lambda run: 0 if _is_valid(run) else run.unknown + 1000 * bool(run.failure),
+        lambda _: True, "", _invalid,
+    ),
+    "answer_seconds": Measure(
+        "each answer takes less than {}",
+        lambda seconds: f"{seconds:g} s", lambda runs: max(map(_slowest, runs)),
+        _slowest, lambda _: True, "", _in_time, more_is_better=False, is_secret=True,
+    ),
+}  # fmt: skip

@@ -1,0 +1,62 @@
+"""The grade of an agent as Gradescope reads it: ``/autograder/results/results.json``.
+
+Source: gradescope-autograders.readthedocs.io/en/latest/specs, "Output format".
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from agents.lab.grading.grading import Grade, Report
+
+
+def results_of(report: Report) -> dict[str, Any]:
+    """Return the results of a report, to be written as JSON.
+
+    The time of execution is left out, so that the same agent has the same results.
+    """
+    return {
+        "score": report.points,
+        "output": _summary(report),
+        "output_format": "text",
+        "test_output_format": "text",
+        "test_name_format": "text",
+        "visibility": "visible",
+        "stdout_visibility": "hidden",
+        "extra_data": {
+            "agent": report.agent,
+            "rubric": report.rubric,
+            "code": report.code,
+            "episodes": report.episodes,
+        },
+        "tests": [_test(number, grade) for number, grade in enumerate(report.grades, 1)],
+    }
+
+
+def _summary(report: Report) -> str:
+    lines = [report.title, f"{report.agent}: {report.points:g} of {report.max_points:g} points"]
+    return "\n".join([*lines, *([report.failure] if report.failure else [])])
+
+
+def _test(number: int, grade: Grade) -> dict[str, Any]:
+    criterion = grade.criterion
+    return {
+        "name": criterion.name,
+        "number": str(number),
+        "score": grade.points,
+        "max_score": criterion.points,
+        "status": "passed" if grade.is_full else "failed",
+        "output": "\n".join(f"{name}: {text}" for name, text in lines_of(grade)),
+        "visibility": criterion.visibility,
+    }
+
+
+def lines_of(grade: Grade) -> list[tuple[str, str]]:
+    """Return what was asked and seen, and the worst episode, each with its name."""
+    lines = [
+        ("asked", grade.criterion.asked),
+        ("seen", grade.seen),
+        ("worst", grade.worst),
+        ("replay", grade.command),
+    ]
+    return [(name, text) for name, text in lines if text]

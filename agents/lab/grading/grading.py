@@ -1,0 +1,151 @@
+"""Grade an agent: run the episodes of a rubric and judge each criterion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from agents.errors import GradeError
+from agents.lab.evaluation.wording import percent
+from agents.lab.grading.criteria import Criterion, Runs
+from agents.lab.grading.rubric import Rubric
+from agents.lab.grading.runs import Run, run_cases
+from agents.lab.grading.submissions import Submission
+from warehouse_core.wording import counted, printable
+
+
+class Grade(NamedTuple):
+    """The points for a criterion.
+
+    Attributes:
+        criterion: what was asked.
+        points: for it.
+        seen: what was seen, in words.
+        worst: what happened in the worst episode, or "" if all points were given.
+        command: that shows the worst episode, or "" if there is none or it is hidden.
+    """
+
+    criterion: Criterion
+    points: float
+    seen: str
+    worst: str = ""
+    command: str = ""
+
+    @property
+    def is_full(self) -> bool:
+        """Whether all points were given."""
+        return self.points >= self.criterion.points
+
+
+class Report(NamedTuple):
+    """The grade of an agent.
+
+    Attributes:
+        agent: its name, with that of its class.
+        title: of the rubric.
+        rubric: the digest of the rubric.
+        code: the digest of the code of the agent.
+        grades: one for each criterion.
+        failure: if no episode could begin, the reason.
+        episodes: their number.
+    """
+
+    agent: str
+    title: str
+    rubric: str
+    code: str
+    grades: tuple[Grade, ...]
+    failure: str
+    episodes: int
+
+    @property
+    def points(self) -> float:
+        """The sum of the points."""
+        return round(sum(grade.points for grade in self.grades), 2)
+
+    @property
+    def max_points(self) -> float:
+        """The sum of all points that there are."""
+        return sum(grade.criterion.points for grade in self.grades)
+
+
+def grade(
+    submission: Submission,
+    rubric: Rubric,
+    user: str | None = None,
+    advance: Callable[[], None] = lambda: None,
+) -> Report:
+    """Run the episodes of a rubric with an agent, and judge them.
+
+    The report depends on the agent and the rubric alone, if the agent does, except that an answer
+    near a time limit may be within it or not.
+
+    Args:
+        submission: the agent.
+        rubric: what is asked of it.
+        user: runs the agent as this user, see ``Sandbox``.
+        advance: called after each episode.
+
+    Raises:
+        GradeError: no episode counts for a criterion, or agents cannot be run here.
+    """
+    code = submission.digest
+    # Hidden ones last: what an agent keeps of them in files is not told in visible ones.
+    cases = sorted(rubric.used_cases, key=lambda case: not case.visible)
+    runs = run_cases(submission, cases, rubric.limits, user, advance)
+    name = submission.called(next((run.agent for run in runs if run.agent), None))
+    grades: dict[str, Grade] = {}
+    for criterion in rubric.criteria:
+        grades[criterion.name] = _judge(criterion, runs, grades, name)
+    is_loaded = any(run.agent for run in runs)
+    failure = "" if is_loaded else runs[0].told
+    return Report(
+        printable(name), rubric.title, rubric.digest, code, tuple(grades.values()), failure,
+        len(runs),
+    )  # fmt: skip
+
+
+def _judge(criterion: Criterion, runs: Runs, before: dict[str, Grade], name: str) -> Grade:
+    measure = criterion.measure
+    asked = [run for run in runs if run.case.name in criterion.cases and measure.counts(run)]
+    if not asked:
+        raise GradeError(
+            f"criterion {criterion.name!r}: none of its cases has an episode {measure.counted}"
+        )
+    value = measure.value(asked)
+    joint = "of" if measure.shown is percent else "in"
+    episodes = counted(len(asked), "episode")
+    seen = f"{_told(criterion, value)} {joint} {episodes}: {measure.seen(asked)}"
+    found = Grade(criterion, criterion.points_for(value), seen)
+    if not found.is_full:
+        worst = _worst(criterion, asked)
+        if worst.case.visible:
+            command = worst.case.command(name, worst.seed)
+            found = found._replace(worst=worst.told, command=command)
+        else:
+            found = found._replace(worst=f"{worst.told} (a hidden episode)")
+    if criterion.needs is not None and not before[criterion.needs].points:
+        found = found._replace(points=0.0, seen=f"{seen}; no points without {criterion.needs!r}")
+    return found
+
+
+def _worst(criterion: Criterion, runs: Runs) -> Run:
+    """Return the worst episode; a visible one if any of them is not as it should be.
+
+    Of times, which are different each time, it is the first that is above the limit.
+    """
+
+    def badness(run: Run) -> float:
+        found = criterion.measure.badness(run)
+        return found > criterion.full if criterion.measure.is_secret else found
+
+    visible = [run for run in runs if run.case.visible and badness(run) > 0]
+    return max(visible or runs, key=badness)
+
+
+def _told(criterion: Criterion, value: float) -> str:
+    """Return a number in words, of times only whether they are below the limit."""
+    measure = criterion.measure
+    if measure.is_secret:
+        return "not all in time" if measure.is_better(criterion.full, value) else "all in time"
+    return measure.shown(value)

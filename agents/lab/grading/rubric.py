@@ -1,0 +1,297 @@
+"""What is asked of an agent and what it is worth: a file in TOML, see ``mini_lab.toml``."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from agents.errors import GradeError
+from agents.lab.console.place import RANDOM, Stations, check_stations
+from agents.lab.grading.cases import Case
+from agents.lab.grading.criteria import MEASURES, Criterion
+from agents.lab.grading.sandbox import Limits
+from warehouse_core import LayoutError
+from warehouse_core.wording import brief
+from warehouse_core.world.generators import MAX_DENSITY
+
+MINI_LAB = Path(__file__).parent / "mini_lab.toml"
+
+MAX_BYTES = 1_000_000
+MAX_EPISODES, MAX_COUNT, MAX_SEED = 10_000, 1_000_000, 2**31 - 1
+
+VISIBILITIES = ("visible", "hidden", "after_due_date", "after_published")
+"""When Gradescope shows a test."""
+
+Check = Callable[[Any], Any]
+"""Returns a value as it is used, or raises ``ValueError`` with what is allowed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rubric:
+    """What is asked of an agent.
+
+    Attributes:
+        title: of the report.
+        limits: on the agent.
+        cases: by name.
+        criteria: in the order of the file.
+        digest: of the file and of the layouts that it names.
+    """
+
+    title: str
+    limits: Limits
+    cases: Mapping[str, Case]
+    criteria: tuple[Criterion, ...]
+    digest: str
+
+    @property
+    def points(self) -> float:
+        """The sum of all points."""
+        return sum(criterion.points for criterion in self.criteria)
+
+    @property
+    def used_cases(self) -> list[Case]:
+        """The cases that criteria judge, in the order of the file."""
+        used = {name for criterion in self.criteria for name in criterion.cases}
+        return [case for name, case in self.cases.items() if name in used]
+
+
+def whole(minimum: int, maximum: int) -> Check:
+    """Return a check of whole numbers."""
+
+    def check(value: Any) -> int:
+        if type(value) is not int or not minimum <= value <= maximum:
+            raise ValueError(f"a whole number {minimum}..{maximum}")
+        return value
+
+    return check
+
+
+def number(minimum: float, maximum: float) -> Check:
+    """Return a check of numbers."""
+
+    def check(value: Any) -> float:
+        if type(value) not in (int, float) or not minimum <= value <= maximum:
+            raise ValueError(f"a number {minimum:g}..{maximum:g}")
+        return float(value)
+
+    return check
+
+
+def one_of(*allowed: str) -> Check:
+    """Return a check of words."""
+
+    def check(value: Any) -> str:
+        if value not in allowed:
+            raise ValueError(", ".join(allowed))
+        return str(value)
+
+    return check
+
+
+def text(value: Any) -> str:
+    """Check that a value is text."""
+    if not isinstance(value, str) or not value.strip():
+        raise ValueError("text")
+    return value
+
+
+def flag(value: Any) -> bool:
+    """Check that a value is true or false."""
+    if not isinstance(value, bool):
+        raise ValueError("true or false")
+    return value
+
+
+def names(value: Any) -> tuple[str, ...]:
+    """Check that a value is a list of names."""
+    if not isinstance(value, list) or not value or not all(isinstance(each, str) for each in value):
+        raise ValueError('a list of names of [cases], as in ["chapter"]')
+    return tuple(value)
+
+
+def pair(minimum: int, example: str) -> Check:
+    """Return a check of lists of two whole numbers."""
+
+    def check(value: Any) -> tuple[int, int]:
+        is_pair = isinstance(value, list) and len(value) == 2
+        if not is_pair or not all(type(each) is int and each >= minimum for each in value):
+            raise ValueError(f"two whole numbers of at least {minimum}, as in {example}")
+        return value[0], value[1]
+
+    return check
+
+
+SECONDS = number(0.01, 3600)
+
+LIMITS: dict[str, Check] = {
+    "start_seconds": SECONDS, "answer_seconds": SECONDS, "episode_seconds": SECONDS,
+    "memory_mb": whole(64, MAX_COUNT), "file_mb": whole(0, MAX_COUNT),
+    "give_up_after": whole(1, MAX_EPISODES),
+}  # fmt: skip
+
+CASE: dict[str, Check] = {
+    "layout": text, "size": pair(4, "[7, 12]"), "density": number(0, MAX_DENSITY),
+    "first_seed": whole(0, MAX_SEED), "episodes": whole(1, MAX_EPISODES),
+    "stations": lambda value: Stations(one_of(*Stations)(value)), "start": pair(0, "[1, 1]"),
+    "battery": whole(1, MAX_COUNT), "max_steps": whole(1, MAX_COUNT),
+    "view_radius": whole(0, 100), "visible": flag,
+}  # fmt: skip
+
+CRITERION: dict[str, Check] = {
+    "name": text, "points": number(0, MAX_COUNT), "measure": one_of(*MEASURES), "cases": names,
+    "full": number(0, MAX_COUNT), "zero": number(0, MAX_COUNT), "needs": text,
+    "visibility": one_of(*VISIBILITIES),
+}  # fmt: skip
+NEEDED = ("name", "points", "measure", "cases", "full")
+
+TOP: dict[str, Check] = {"title": text}
+PARTS = ("limits", "cases", "criteria")
+
+
+class _Reader:
+    """Reads the tables of a rubric; its errors name the file and the line."""
+
+    def __init__(self, path: Path, source: str) -> None:
+        self.path, self._lines = path, source.splitlines()
+
+    def fail(self, message: str, header: str = "", count: int = 1, key: str = "") -> GradeError:
+        """Return an error in the key of a table, the ``count``-th of its header."""
+        line = self._line(re.compile(rf"\s*{re.escape(header)}\s*(#.*)?"), count) if header else 0
+        inner = re.compile(rf"\s*[\"']?{re.escape(key)}[\"']?\s*=.*") if key else None
+        for number, each in enumerate(self._lines[line:], line + 1):
+            if inner is None or each.lstrip().startswith("["):
+                break
+            if inner.fullmatch(each):
+                line = number
+                break
+        where = f", line {line}" if line else ""
+        return GradeError(f"{self.path}{where}: {message}")
+
+    def _line(self, pattern: re.Pattern[str], count: int) -> int:
+        found = [line for line, each in enumerate(self._lines, 1) if pattern.fullmatch(each)]
+        return found[count - 1] if len(found) >= count else 0
+
+    def table(
+        self, values: Any, checks: Mapping[str, Check], header: str, count: int = 1
+    ) -> dict[str, Any]:
+        """Return the values of a table, each checked."""
+        if not isinstance(values, dict):
+            raise self.fail(f"{header} is {brief(values)}; it must be a table", header, count)
+        for key in values:
+            if key not in checks:
+                allowed = ", ".join(checks)
+                where = f" in {header}" if header else ""
+                message = f"there is no key {key!r}{where}; allowed: {allowed}"
+                raise self.fail(message, header, count, key)
+        found = {}
+        for key, value in values.items():
+            try:
+                found[key] = checks[key](value)
+            except ValueError as error:
+                message = f"{key} is {brief(value)}; allowed: {error}"
+                raise self.fail(message, header, count, key) from None
+        return found
+
+
+def load_rubric(path: Path) -> Rubric:
+    """Read a rubric.
+
+    Raises:
+        GradeError: it cannot be used; the message has the line, the key and what is allowed.
+        OSError: the file cannot be read.
+    """
+    with path.open("rb") as file:
+        data = file.read(MAX_BYTES + 1)
+    if len(data) > MAX_BYTES:
+        raise GradeError(f"{path}: it is longer than {MAX_BYTES:,} bytes")
+    try:
+        source = data.decode("utf-8")
+        values = tomllib.loads(source)
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
+        raise GradeError(f"{path}: it is no TOML: {error}") from None
+    return _make_rubric(_Reader(path, source), values, hashlib.sha256(data))
+
+
+def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric:
+    single = {key: value for key, value in values.items() if key not in PARTS}
+    top = reader.table(single, TOP | dict.fromkeys(PARTS, text), "")
+    limits = Limits(**reader.table(values.get("limits", {}), LIMITS, "[limits]"))
+    tables = values.get("cases")
+    if not isinstance(tables, dict) or not tables:
+        raise reader.fail("there are no [cases.NAME]; a rubric needs episodes")
+    cases = {name: _make_case(reader, name, each) for name, each in tables.items()}
+    for case in cases.values():
+        _check_case(reader, case, digest)
+    rows = values.get("criteria")
+    if not isinstance(rows, list) or not rows:
+        raise reader.fail("there are no [[criteria]]; a rubric needs at least one")
+    criteria: list[Criterion] = []
+    for count, row in enumerate(rows, 1):
+        criteria.append(_make_criterion(reader, row, count, cases, criteria))
+    title = top.get("title", reader.path.stem)
+    return Rubric(title, limits, cases, tuple(criteria), digest.hexdigest())
+
+
+def _make_case(reader: _Reader, name: str, values: Any) -> Case:
+    header = f"[cases.{name}]"
+    found = reader.table(values, CASE, header)
+    if "layout" in found:
+        beside = reader.path.resolve().parent / found["layout"]
+        if beside.is_file() or beside.suffix:
+            found["layout"] = str(beside)
+    for key in ("size", "density"):
+        if key in found and found.get("layout") != RANDOM:
+            raise reader.fail(f'{key} is of layout = "{RANDOM}" only', header, key=key)
+    return Case(name, **found)
+
+
+def _check_case(reader: _Reader, case: Case, digest: Any) -> None:
+    """Raise if an episode cannot begin; add the layout to the digest."""
+    try:
+        layout = case.layout_of(case.first_seed)
+        check_stations(layout, case.stations_of(layout), case.layout, 'stations = "drawn"')
+        case.begin(case.first_seed)[0].close()
+        digest.update("\n".join(layout.rows).encode())
+    except (LayoutError, OSError) as error:
+        raise reader.fail(f"layout: {error}", f"[cases.{case.name}]", key="layout") from None
+
+
+def _make_criterion(
+    reader: _Reader,
+    values: Any,
+    count: int,
+    cases: Mapping[str, Case],
+    before: list[Criterion],
+) -> Criterion:
+    header = "[[criteria]]"
+    found = reader.table(values, CRITERION, header, count)
+
+    def fail(message: str, key: str = "") -> GradeError:
+        return reader.fail(message, header, count, key)
+
+    for key in NEEDED:
+        if key not in found:
+            raise fail(f"criterion {count} has no {key}; needed: {', '.join(NEEDED)}")
+    for name in found["cases"]:
+        if name not in cases:
+            raise fail(f"cases has {name!r}; allowed: {', '.join(cases)}", "cases")
+    earlier = [each.name for each in before]
+    if found["name"] in earlier:
+        raise fail(f"name is {found['name']!r}, which an earlier one has", "name")
+    if found.get("needs") not in (None, *earlier):
+        allowed = ", ".join(earlier) or "none, as there is none before it"
+        raise fail(f"needs is {found['needs']!r}; allowed: {allowed}", "needs")
+    found["zero"] = found.get("zero", found["full"])
+    found["kind"] = found.pop("measure")
+    measure = MEASURES[found["kind"]]
+    if not measure.is_better(found["full"], found["zero"], or_equal=True):
+        side = "above" if measure.more_is_better else "below"
+        raise fail(f"full is {found['full']:g} and zero {found['zero']:g}; "
+                   f"for this measure full must be {side} zero", "full")  # fmt: skip
+    return Criterion(**found)

@@ -1,0 +1,179 @@
+"""The episodes of an agent that is graded: each in a process of its own."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable
+from contextlib import closing
+from functools import lru_cache
+from typing import NamedTuple
+
+from agents.lab.grading.cases import Case, needed_steps
+from agents.lab.grading.sandbox import FAILS, AgentFailureError, Limits, Sandbox
+from agents.lab.grading.submissions import Submission
+from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core import EpisodeRecorder
+from warehouse_core.records.episode import DELIVERED, Episode
+from warehouse_core.records.failure_modes import diagnose
+from warehouse_core.wording import counted
+from warehouse_core.world.actions import DISPLACEMENTS, DROP, INVALID, PICK, action_index
+
+
+class Run(NamedTuple):
+    """The outcome of one episode.
+
+    Attributes:
+        case: of the episode.
+        seed: of the episode.
+        needed: the fewest steps of a delivery, ``None`` without a way.
+        delivered: whether the item was delivered.
+        steps: the length of the episode.
+        useless: actions that had no effect, waits not counted.
+        unknown: unknown actions.
+        mode: the failure mode, or ``"delivered"``.
+        sentence: the evidence for it.
+        failure: of the agent, or ``None``.
+        step: at which it failed; 0 is before the first.
+        slowest: seconds of the slowest answer.
+        agent: the name of its class, if it was loaded.
+    """
+
+    case: Case
+    seed: int
+    needed: int | None
+    delivered: bool = False
+    steps: int = 0
+    useless: int = 0
+    unknown: int = 0
+    mode: str = ""
+    sentence: str = ""
+    failure: AgentFailureError | None = None
+    step: int = 0
+    slowest: float = 0.0
+    agent: str = ""
+
+    @property
+    def outcome(self) -> str:
+        """The failure of the agent, or the failure mode of the episode."""
+        return self.failure.kind if self.failure else self.mode
+
+    @property
+    def charged_steps(self) -> int:
+        """The steps of a delivery, or else all that the episode may have."""
+        return self.steps if self.delivered else max(self.steps, full_length(self.case))
+
+    @property
+    def told(self) -> str:
+        """What happened, as far as the case may be told."""
+        if self.failure is None:
+            counts = {"useless action": self.useless * (self.needed is None),
+                      "unknown action": self.unknown}  # fmt: skip
+            also = (f"; {counted(count, noun)}" for noun, count in counts.items() if count)
+            told = [] if self.delivered and self.case.visible else [self.mode]
+            told += [self.sentence] if self.case.visible else []
+            return f"{': '.join(told)}{''.join(also)}"
+        if not self.case.visible:
+            return ": ".join(filter(None, (self.failure.kind, self.failure.public)))
+        where = f" at step {self.step}" if self.step else ""
+        return f"{self.failure.kind}{where}: {self.failure.text}"
+
+
+def run_cases(
+    submission: Submission,
+    cases: Iterable[Case],
+    limits: Limits,
+    user: str | None,
+    advance: Callable[[], None],
+) -> list[Run]:
+    """Run all episodes of cases.
+
+    Args:
+        submission: the agent.
+        cases: of which it runs each seed.
+        limits: on the agent.
+        user: see ``Sandbox``.
+        advance: called after each episode.
+    """
+    found, hopeless = list[Run](), 0
+    with Sandbox(submission, limits, user) as sandbox:
+        for case in cases:
+            if found and found[-1].agent:  # it was loaded, so another case may be another matter
+                hopeless = 0
+            for seed in case.seeds:
+                if hopeless < limits.give_up_after:
+                    run = run_case(sandbox, submission, case, seed)
+                else:
+                    run = _unrun(found[-1], case, seed)
+                is_hopeless = run.failure is not None and run.failure.kind != FAILS
+                hopeless = hopeless + 1 if is_hopeless else 0
+                found.append(run)
+                advance()
+    return found
+
+
+def _unrun(last: Run, case: Case, seed: int) -> Run:
+    """Return the outcome of an episode if it is that of the last one."""
+    env, _ = case.begin(seed)
+    with closing(env):
+        return last._replace(case=case, seed=seed, needed=needed_steps(env))
+
+
+def run_case(sandbox: Sandbox, submission: Submission, case: Case, seed: int) -> Run:
+    """Run one episode."""
+    env, observation = case.begin(seed)
+    with closing(env):
+        recorder = EpisodeRecorder(env, seed=seed)
+        run = Run(case, seed, needed_steps(env))
+        try:
+            with sandbox.episode() as agent:
+                try:
+                    agent.start(submission, case.agent_seed(seed))
+                    while not recorder.ended:
+                        observation = recorder.step(agent.act(observation))
+                finally:
+                    run = run._replace(agent=agent.name, slowest=agent.slowest)
+        except AgentFailureError as failure:
+            step = recorder.episode.steps + 1 if run.agent else 0
+            run = run._replace(failure=failure, step=step)
+    return _judged(run, recorder.episode)
+
+
+def _judged(run: Run, episode: Episode) -> Run:
+    diagnosis, counts = diagnose(episode), _count_useless(episode)
+    return run._replace(
+        delivered=episode.outcome == DELIVERED,
+        steps=episode.steps,
+        useless=sum(counts.values()),
+        unknown=counts[INVALID],
+        mode=diagnosis.mode,
+        sentence=diagnosis.sentence,
+    )
+
+
+def _count_useless(episode: Episode) -> Counter[int]:
+    """Return by their index how many actions had no effect, waits not counted."""
+    found: Counter[int] = Counter()
+    loaded = zip(episode.loaded, episode.loaded[1:], strict=False)
+    delivered = len(episode.actions) - 1 if episode.terminated else None
+    for step, (before, after) in enumerate(loaded):
+        index = action_index(episode.actions[step])
+        is_idle = index in (PICK, DROP) and before == after and step != delivered
+        is_bump = DISPLACEMENTS[index] != (0, 0) and episode.motions[step].blocked
+        found[index] += is_idle or is_bump or index == INVALID
+    return found
+
+
+@lru_cache(maxsize=100_000)
+def greedy_steps(case: Case, seed: int) -> int:
+    """Return the steps of the greedy agent in an episode, see ``Run.charged_steps``."""
+    env, observation = case.begin(seed)
+    with closing(env):
+        recorder = EpisodeRecorder(env, seed=seed)
+        recorder.run(GreedyAgent(seed), observation)
+        episode = recorder.episode
+    return episode.steps if episode.terminated else max(episode.steps, full_length(case))
+
+
+def full_length(case: Case) -> int:
+    """Return the steps of an episode without a delivery, unless it charges its battery."""
+    return min(case.max_steps, case.battery)

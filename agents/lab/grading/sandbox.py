@@ -1,0 +1,362 @@
+"""Run an agent in processes of its own, a fresh one for each episode, and ask it for actions.
+
+Limits are those of the operating system, and what an agent starts is killed with it. An agent can
+still use the network, and all files that its user can. macOS does not limit memory, nor find what
+has left the session of the agent.
+"""
+
+from __future__ import annotations
+
+import builtins
+import json
+import math
+import os
+import secrets
+import select
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from time import monotonic
+from typing import Any, NamedTuple
+
+from agents.errors import GradeError
+from agents.lab.grading import child
+from agents.lab.grading.submissions import Submission
+from warehouse_core import Observation
+from warehouse_core.wording import printable
+
+OWN = str(Path(__file__).parents[3])
+"""Where the packages of this program are."""
+
+VARIABLES = {
+    "PYTHONHASHSEED": "0", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1", "LANG": "C.UTF-8", "PATH": os.defpath,
+}  # fmt: skip
+"""All environment variables of an agent; no others, which may have secrets."""
+
+MAX_LINE = 65_536
+"""Bytes of an answer."""
+
+MAX_FILES = 256
+"""That an agent may have open."""
+
+MAX_TEXT = 200
+"""Characters of a name or a message of an agent."""
+
+IMPORT_SECONDS = 60.0
+"""For the process that starts those of the agent, to import what is imported once."""
+
+ENDING_SECONDS = 5.0
+"""For that process to end one, and then to end itself."""
+
+MEBI = 1024 * 1024
+
+Ids = tuple[int, int]
+"""The numbers of a user and its group."""
+
+
+class Limits(NamedTuple):
+    """Limits on an agent.
+
+    Attributes:
+        start_seconds: to load it, to make it, and for its ``reset``.
+        answer_seconds: for an action.
+        episode_seconds: for all actions of an episode together.
+        memory_mb: address space in MiB.
+        file_mb: the size of a file that it writes, in MiB.
+        give_up_after: so many episodes of a case one after the other in which it takes too long
+            or ends its process; further ones of the case count as those, unrun. If it cannot be
+            loaded, further cases do too.
+    """
+
+    start_seconds: float = 10.0
+    answer_seconds: float = 1.0
+    episode_seconds: float = 20.0
+    memory_mb: int = 1024
+    file_mb: int = 1
+    give_up_after: int = 3
+
+    def of_process(self) -> dict[str, int]:
+        """Return the limits that the operating system enforces, by their names in ``resource``.
+
+        No processes and threads: for root, which has no such limit, Python itself refuses them.
+        """
+        return {
+            "RLIMIT_AS": self.memory_mb * MEBI,
+            "RLIMIT_FSIZE": self.file_mb * MEBI,
+            "RLIMIT_CPU": math.ceil(self.start_seconds + self.episode_seconds) + 1,
+            "RLIMIT_NOFILE": MAX_FILES,
+            "RLIMIT_NPROC": 0,
+            "RLIMIT_CORE": 0,
+        }
+
+
+class AgentFailureError(Exception):
+    """An agent that has not answered.
+
+    Attributes:
+        kind: ``"cannot be loaded"``, ``"fails"``, ``"takes too long"`` or ``"ends its process"``.
+        text: what happened.
+        public: what does not come from the agent, which may tell what it has observed.
+    """
+
+    def __init__(self, kind: str, text: str, public: str = "") -> None:
+        super().__init__(text)
+        self.kind, self.text = kind, printable(text)
+        self.public = public
+
+
+LOAD, FAILS, SLOW, ENDS = "cannot be loaded", "fails", "takes too long", "ends its process"
+
+
+class AgentProcess:
+    """An agent in the process of one episode.
+
+    Attributes:
+        name: of its class, after ``start``.
+        slowest: seconds of the slowest answer.
+    """
+
+    def __init__(self, questions: int, answers: int, limits: Limits, user: Ids | None) -> None:
+        self._questions, self._answers = questions, answers
+        self._limits, self._user = limits, user
+        self._left = limits.episode_seconds
+        self.name, self.slowest = "", 0.0
+
+    def start(self, submission: Submission, seed: int) -> None:
+        """Load and reset the agent.
+
+        Raises:
+            AgentFailureError: it cannot be loaded, or takes too long.
+        """
+        task = {
+            "limits": self._limits.of_process(),
+            "user": self._user,
+            "file": None if submission.file is None else str(submission.file),
+            "module": submission.module,
+            "class": submission.kind,
+            "seed": seed,
+            "paths": [str(submission.folder)],
+            "own": [OWN],
+        }
+        try:
+            answer = self._ask(task, self._limits.start_seconds)
+            self.name = printable(str(answer.get("name"))[:MAX_TEXT])
+        except AgentFailureError as failure:
+            if failure.kind == FAILS:
+                failure.kind = LOAD
+            raise
+
+    def act(self, observation: Observation) -> str | int:
+        """Return the action for an observation.
+
+        Raises:
+            AgentFailureError: there is none.
+        """
+        begin, seconds = monotonic(), min(self._limits.answer_seconds, self._left)
+        answer = self._ask({"observation": observation}, seconds)
+        taken = monotonic() - begin
+        self._left -= taken
+        self.slowest = max(self.slowest, taken)
+        action = answer.get("action")
+        if not isinstance(action, str | int):
+            raise AgentFailureError(ENDS, "it wrote to the channel of its answers")
+        return action
+
+    def _ask(self, question: dict[str, Any], seconds: float) -> dict[str, Any]:
+        word = secrets.token_hex(8)
+        try:
+            os.write(self._questions, json.dumps(question | {"word": word}).encode() + b"\n")
+        except BrokenPipeError:
+            raise AgentFailureError(ENDS, "") from None
+        line = self._read_line(seconds)
+        try:
+            answer: dict[str, Any] = json.loads(line)
+            is_own = answer["word"] == word
+        except (ValueError, LookupError, TypeError, RecursionError):
+            is_own = False
+        if not is_own:
+            raise AgentFailureError(ENDS, "it wrote to the channel of its answers")
+        if "error" in answer:
+            raise _failure(answer)
+        return answer
+
+    def _read_line(self, seconds: float) -> bytes:
+        found, until = b"", monotonic() + seconds
+        ready = select.poll()
+        ready.register(self._answers, select.POLLIN)
+        while not found.endswith(b"\n"):
+            if not ready.poll(max(until - monotonic(), 0.0) * 1000):
+                raise self._too_slow(seconds)
+            part = os.read(self._answers, MAX_LINE)
+            found += part
+            if not part:
+                raise AgentFailureError(ENDS, "")
+            if len(found) > MAX_LINE:
+                raise AgentFailureError(ENDS, f"an answer has more than {MAX_LINE:,} bytes")
+        return found
+
+    def _too_slow(self, seconds: float) -> AgentFailureError:
+        limits = self._limits
+        if not self.name:
+            return AgentFailureError(SLOW, f"it was not ready after {limits.start_seconds:g} s")
+        if seconds < limits.answer_seconds:
+            return AgentFailureError(SLOW, f"its answers took {limits.episode_seconds:g} s in all")
+        return AgentFailureError(SLOW, f"no answer within {limits.answer_seconds:g} s")
+
+
+def _failure(answer: dict[str, Any]) -> AgentFailureError:
+    name, text, place = (str(answer.get(key, ""))[:MAX_TEXT] for key in ("error", "text", "place"))
+    where = f" ({place})" if place else ""
+    kind = getattr(builtins, name, None)
+    is_known = isinstance(kind, type) and issubclass(kind, BaseException)
+    message = f"{name}: {text}" if text else name
+    return AgentFailureError(FAILS, f"{message}{where}", name if is_known else "an exception")
+
+
+class Sandbox:
+    """Starts the processes of a submission; to be used as a context manager.
+
+    Args:
+        submission: the agent.
+        limits: on it.
+        user: runs the agent as this user, which only root may; ``None`` for this one.
+    """
+
+    def __init__(self, submission: Submission, limits: Limits, user: str | None = None) -> None:
+        if sys.platform == "win32":
+            raise GradeError("agents are graded on Linux and macOS; on Windows, use WSL")
+        self._submission, self._limits = submission, limits
+        self._user = None if user is None else _ids_of(user)
+        self._server: subprocess.Popen[bytes] | None = None
+        self._children: tuple[int, ...] = ()
+
+    def __enter__(self) -> Sandbox:
+        child.control_process(child.SUBREAPER, 1)
+        self._children = tuple(child.children())
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._stop()
+
+    @contextmanager
+    def episode(self) -> Iterator[AgentProcess]:
+        """Yield an agent in a new process, which is killed at the end of the block.
+
+        Raises:
+            AgentFailureError: in the block; if its process has ended, the message says how.
+        """
+        (theirs, questions), (answers, also_theirs) = os.pipe(), os.pipe()
+        try:
+            self._fork(theirs, also_theirs)
+            with self._ended_clearly():
+                yield AgentProcess(questions, answers, self._limits, self._user)
+        finally:
+            os.close(questions)
+            os.close(answers)
+
+    @contextmanager
+    def _ended_clearly(self) -> Iterator[None]:
+        failure = None
+        try:
+            yield
+        except AgentFailureError as found:
+            failure = found
+        finally:
+            status = self._end()
+        if failure is not None:
+            if failure.kind == ENDS and not failure.text:
+                failure = AgentFailureError(ENDS, _ending(status))
+            raise failure
+
+    def _fork(self, *pipes: int) -> None:
+        try:
+            if self._server is None:
+                self._start()
+            try:
+                socket.send_fds(self._control, [b"f"], pipes)
+            except OSError:  # something has ended it since the last episode
+                self._stop()
+                self._start()
+                socket.send_fds(self._control, [b"f"], pipes)
+        finally:
+            for pipe in pipes:
+                os.close(pipe)
+
+    def _end(self) -> int | None:
+        """End the process of an episode and return its exit code, if that is known.
+
+        It is not if compiled code of the agent has ended or stopped what started its process.
+        """
+        try:
+            self._control.sendall(b"e")
+            status = self._control.recv(6)
+        except OSError:
+            status = b""
+        if not status:
+            self._stop()
+            return None
+        return int(status)
+
+    def _start(self) -> None:
+        self._control, theirs = socket.socketpair()
+        words = [
+            sys.executable, "-s", "-P", "-B", child.__file__, str(theirs.fileno()),
+            *self._submission.imports,
+        ]  # fmt: skip
+        try:
+            self._server = subprocess.Popen(
+                words,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                pass_fds=[theirs.fileno()],
+                start_new_session=True,
+                cwd=self._submission.folder,
+                env=VARIABLES,
+            )
+        finally:
+            theirs.close()
+        self._control.settimeout(IMPORT_SECONDS)
+        if not self._control.recv(1):
+            raise GradeError(f"importing {', '.join(self._submission.imports)} ended the process")
+        self._control.settimeout(ENDING_SECONDS)
+
+    def _stop(self) -> None:
+        """End the server and what its agents have started."""
+        if self._server is not None:
+            self._control.close()  # which ends it, if nothing has happened to it
+            try:
+                code = self._server.wait(ENDING_SECONDS)
+            except subprocess.TimeoutExpired:
+                self._server.kill()
+                code = self._server.wait()
+            self._server = None
+            if code < 0:
+                child.kill_strays(self._children)
+
+
+def _ids_of(user: str) -> Ids:
+    """Return the numbers of a user and its group."""
+    import pwd
+
+    if os.getuid() != 0:
+        raise GradeError(f"--user {user}: only root may run agents as another user")
+    try:
+        found = pwd.getpwnam(user)
+    except KeyError:
+        raise GradeError(f"--user {user}: there is no such user") from None
+    return found.pw_uid, found.pw_gid
+
+
+def _ending(status: int | None) -> str:
+    """Return how a process has ended, in words."""
+    if status is None:
+        return "it ended or stopped the process that had started it"
+    if status >= 0:
+        return f"exit code {status}"
+    return f"signal {-status} ({signal.strsignal(-status)})"

@@ -1,0 +1,108 @@
+"""Two cases compared seed by seed."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.lab.evaluation.interval import Interval, mean_interval
+from agents.lab.experiments.store import Store
+from warehouse_core.records.episode import DELIVERED
+
+COLUMNS = ("steps", "seconds", "joules")
+"""Costs of a delivery, compared where both cases deliver."""
+
+
+class Costs(NamedTuple):
+    """Mean costs of two cases over the seeds that both deliver.
+
+    The difference is the mean of the second minus the first, seed by seed.
+    """
+
+    first: float
+    second: float
+    difference: Interval
+
+
+class Comparison(NamedTuple):
+    """Two cases over the seeds that both have.
+
+    Attributes:
+        changes: the number of seeds with each pair of modes, of the first case and of the second.
+        only_first: how many were delivered by the first case and not by the second.
+        only_second: how many were delivered by the second and not by the first.
+        chance: the probability of a split at least as uneven if neither were better; McNemar's
+            exact test, times the number of pairs to choose from (Bonferroni).
+        both: how many both delivered.
+        costs: of these, by column; empty if there are none.
+    """
+
+    changes: dict[tuple[str, str], int]
+    only_first: int
+    only_second: int
+    chance: float
+    both: int
+    costs: dict[str, Costs]
+
+    @property
+    def seeds(self) -> int:
+        """How many seeds both cases have."""
+        return sum(self.changes.values())
+
+
+def compare(store: Store, first: int, second: int, pairs_to_choose: int = 1) -> Comparison:
+    """Compare two cases.
+
+    Args:
+        store: the results.
+        first: the number of a case.
+        second: that of the other.
+        pairs_to_choose: the number of pairs from which this one was chosen by its results.
+
+    Source: McNemar (1947), Note on the sampling error of the difference between correlated
+    proportions or percentages.
+    """
+    from scipy.stats import binomtest
+
+    pairs = """
+        FROM episodes a JOIN episodes b ON b.seed = a.seed WHERE a.case_id = ? AND b.case_id = ?
+    """
+    modes = store.query(
+        f"SELECT a.mode, b.mode, count(*) {pairs} GROUP BY a.mode, b.mode", first, second
+    )
+    changes = {(mine, yours): count for mine, yours, count in modes}
+    both = changes.get((DELIVERED, DELIVERED), 0)
+    only_first = _delivered(changes, 0) - both
+    only_second = _delivered(changes, 1) - both
+    split = only_first + only_second
+    names = ", ".join(f"a.{column}, b.{column}" for column in COLUMNS)
+    rows = np.fromiter(
+        store.query(
+            f"SELECT {names} {pairs} AND a.mode = b.mode AND a.mode = ?", first, second, DELIVERED
+        ),
+        (float, 2 * len(COLUMNS)),
+    )
+    return Comparison(
+        changes,
+        only_first,
+        only_second,
+        min(pairs_to_choose * float(binomtest(only_first, split).pvalue), 1.0) if split else 1.0,
+        both,
+        {
+            column: costs
+            for number, column in enumerate(COLUMNS)
+            if (costs := _costs(*rows[:, 2 * number : 2 * number + 2].T))
+        },
+    )
+
+
+def _delivered(changes: dict[tuple[str, str], int], side: int) -> int:
+    return sum(count for pair, count in changes.items() if pair[side] == DELIVERED)
+
+
+def _costs(first: np.ndarray, second: np.ndarray) -> Costs | None:
+    difference = mean_interval(second - first)
+    if difference is None:
+        return None
+    return Costs(float(first.mean()), float(second.mean()), difference)

@@ -1,0 +1,209 @@
+"""What differs between the cases of an experiment, and which cases can be compared.
+
+A *factor* is a parameter that has several values. The cases of a *series* differ in one factor and
+in nothing else; a parameter that does not apply to a case, such as the memory of an agent that has
+none, is not a difference.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import operator
+import re
+from collections import Counter
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from itertools import compress
+from typing import NamedTuple
+
+from agents.lab.experiments.case import FINGERPRINT, TILES, Case
+from agents.lab.experiments.parameters import PARAMETERS, PLANNER, Value, find, shown
+
+Labels = dict[str, Value | None]
+"""The values of a case as they are shown; ``None`` where a parameter does not apply."""
+
+FOLDERS = re.compile(r"(\b[A-Za-z]:)?[^:]*[/\\]")
+"""Of a file, whose path may follow a word and a colon."""
+
+Combination = tuple[Value | None, ...]
+"""Values of some factors, in their order."""
+
+MARK_LENGTH = 6
+"""Letters of a digest that distinguish two files of one name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Factor:
+    """A parameter that differs.
+
+    Attributes:
+        name: of the parameter.
+        values: all but ``None``, in the order in which they are shown.
+    """
+
+    name: str
+    values: tuple[Value, ...]
+
+    @property
+    def is_numeric(self) -> bool:
+        """Whether all values are numbers."""
+        return all(type(value) in (int, float) for value in self.values)
+
+    @property
+    def is_ordered(self) -> bool:
+        """Whether the values have an order."""
+        return self.is_numeric or self.name == "size"
+
+
+class Series(NamedTuple):
+    """Cases that differ in one factor alone.
+
+    Attributes:
+        others: the values of the other factors.
+        cases: the number of the case for each value of the factor, in its order.
+    """
+
+    others: Labels
+    cases: dict[Value, int]
+
+
+@dataclass(frozen=True)
+class Design:
+    """The cases of an experiment by what differs between them.
+
+    Attributes:
+        labels: of each case by its number.
+        factors: what differs, in the order of ``PARAMETERS``.
+        fixed: the parameters that are the same in all cases.
+    """
+
+    labels: dict[int, Labels]
+    factors: tuple[Factor, ...]
+    fixed: Labels
+
+    def series(self, factor: Factor) -> list[Series]:
+        """Return every series of a factor, the one nearest to the defaults first."""
+        others = [each.name for each in self.factors if each != factor]
+        exact: dict[Combination, list[int]] = {}
+        for case_id, labels in self.labels.items():
+            exact.setdefault(tuple(labels[name] for name in others), []).append(case_id)
+        series = []
+        for combination, comparable in _comparable(exact).items():
+            cases = {
+                value: case_id
+                for each in comparable
+                for case_id in exact[each]
+                if (value := self.labels[case_id][factor.name]) is not None
+            }
+            if len(cases) > 1:
+                labels = dict(zip(others, combination, strict=True))
+                series.append(Series(labels, {v: cases[v] for v in factor.values if v in cases}))
+        return sorted(series, key=lambda each: -_defaults_in(each.others))
+
+
+def make_design(cases: Mapping[int, Case]) -> Design:
+    """Return the design of some cases, by their numbers."""
+    labels = _labels(cases)
+    known = {name for each in labels.values() for name in each}
+    names = [*PARAMETERS, *sorted(known - PARAMETERS.keys())]
+    factors, fixed = [], Labels()
+    for name in names:
+        values = dict.fromkeys(each.get(name) for each in labels.values())
+        for each in labels.values():
+            each.setdefault(name, None)
+        shown = [value for value in values if value is not None]
+        if len(shown) > 1:
+            factors.append(Factor(name, tuple(sorted(shown, key=_rank))))
+        elif shown:
+            fixed[name] = shown[0]
+    return Design(labels, tuple(factors), fixed)
+
+
+def described(labels: Mapping[str, Value | None]) -> str:
+    """Return values as a list in words, ``battery 20, escape on``."""
+    given = [f"{name} {shown(value)}" for name, value in labels.items() if value is not None]
+    return ", ".join(given)
+
+
+def _labels(cases: Mapping[int, Case]) -> dict[int, Labels]:
+    """Return the values of each case; files of one name and different contents have a mark."""
+    contents = {"layout": TILES, "agent": FINGERPRINT, PLANNER: FINGERPRINT}
+    found = {
+        case_id: {k: v for k, v in case.items() if k not in (TILES, FINGERPRINT)}
+        for case_id, case in cases.items()
+    }
+    for name, content in contents.items():
+        having = {case_id: case for case_id, case in cases.items() if name in case}
+        short = _without_folders({case[name] for case in having.values()})
+        files = {(case[name], str(case.get(content))) for case in having.values()}
+        versions = Counter(file for file, _ in files)
+        for case_id, case in having.items():
+            mark = f" ({_mark(case.get(content))})" if versions[case[name]] > 1 else ""
+            found[case_id][name] = f"{short[case[name]]}{mark}"
+    _name_stations_with_layouts(found.values())
+    return found
+
+
+def _name_stations_with_layouts(labels: Collection[Labels]) -> None:
+    """Make stations a part of the layout where they differ, but in no layout: one factor, not two.
+
+    By default those of a file are kept and others drawn.
+    """
+    found = {(each["layout"], each.get("stations")) for each in labels}
+    layouts, stations = ({each[place] for each in found} for place in (0, 1))
+    if len(found) == len(layouts) and len(stations) > 1:
+        for each in labels:
+            each["layout"] = f"{each['layout']} (stations {each.pop('stations')})"
+
+
+def _without_folders(names: Collection[str]) -> dict[str, str]:
+    """Return names of files without their folders, unless that makes two of them equal."""
+    short = {name: FOLDERS.sub("", name) or name for name in names}
+    counts = Counter(short.values())
+    return {name: each if counts[each] == 1 else name for name, each in short.items()}
+
+
+def _mark(content: object) -> str:
+    return hashlib.sha256(repr(content).encode()).hexdigest()[:MARK_LENGTH]
+
+
+def _rank(value: Value) -> tuple[object, ...]:
+    """Return the sort key of a value: on before off, sizes by area, names in the given order."""
+    if isinstance(value, bool):
+        return (0, not value)
+    if isinstance(value, str):
+        height, x, width = value.partition("x")
+        is_size = x and height.isdecimal() and width.isdecimal()
+        return (1, int(height) * int(width)) if is_size else (2, 0)
+    return (1, value)
+
+
+def _comparable(
+    combinations: Collection[Combination],
+) -> dict[Combination, list[Combination]]:
+    """Return for each combination those that equal it wherever both have a value, itself last.
+
+    Combinations that equal another one with some values left out are not among the keys.
+    """
+    groups: dict[tuple[bool, ...], list[Combination]] = {}
+    for each in combinations:
+        groups.setdefault(tuple(value is not None for value in each), []).append(each)
+    found: dict[Combination, list[Combination]] = {each: [] for each in combinations}
+    for own, members in groups.items():
+        for mask, others in groups.items():
+            both = tuple(map(operator.and_, own, mask))
+            index: dict[Combination, list[Combination]] = {}
+            for other in others:
+                index.setdefault(tuple(compress(other, both)), []).append(other)
+            for each in members:
+                equal = index.get(tuple(compress(each, both)), [])
+                if equal and own == both != mask:
+                    found.pop(each, None)
+                elif each in found:
+                    found[each] += [other for other in equal if other != each]
+    # The combination itself is last, so that no case with fewer values takes its place.
+    return {each: [*others, each] for each, others in found.items()}
+
+
+def _defaults_in(labels: Labels) -> int:
+    return sum(value is not None and find(name).default == value for name, value in labels.items())

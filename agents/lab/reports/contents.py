@@ -1,0 +1,219 @@
+"""The contents of a report: answers, figures, examples, settings, and a table of all cases."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Callable, Iterator, Sequence
+from importlib.metadata import version
+from typing import Generic, NamedTuple
+
+from agents.errors import StoreError
+from agents.lab.evaluation.interval import CONFIDENCE, MIN_VALUES
+from agents.lab.evaluation.wording import mean, share
+from agents.lab.experiments.parameters import shown
+from agents.lab.experiments.store import Store
+from agents.lab.reports.analysis.answers import Answer, answers
+from agents.lab.reports.analysis.design import Design, described, make_design
+from agents.lab.reports.analysis.fleet_answers import fleet_answers
+from agents.lab.reports.analysis.results import AnyResults, Deliveries, Experiment, Results, Shifts
+from agents.lab.reports.examples import Example
+from agents.lab.reports.figures.pictures import Picture, fleet_pictures, pictures
+from agents.lab.reports.page import Page, Table
+from warehouse_core.wording import counted
+
+MAX_CASES = 200
+"""In the table; the others are only in the file."""
+
+MAX_MIXED = 4
+"""Combinations that are named where their episodes are of several programs."""
+
+METHODS = (
+    f"Ranges in brackets, whiskers and bands are {CONFIDENCE:.0%} intervals, Wilson's of shares "
+    f"and the studentised bootstrap's of means of at least {MIN_VALUES} values; p is that of "
+    "McNemar's exact test, times the pairs of values where the two best were chosen from more."
+)
+
+MADE_WITH = ("warehouse-lab", "numpy", "scipy", "matplotlib")
+
+
+class Kind(NamedTuple, Generic[AnyResults]):
+    """What the report on episodes of lone robots, or on those of fleets, is made of.
+
+    Attributes:
+        name: of them.
+        results: their type.
+        answers: returns the answers to what differs.
+        pictures: yields the figures.
+        columns: of the table, after the seeds.
+        cells: yields a line of these columns.
+    """
+
+    name: str
+    results: type[AnyResults]
+    answers: Callable[[Experiment[AnyResults], Design], tuple[Answer, ...]]
+    pictures: Callable[[Experiment[AnyResults]], Iterator[Picture]]
+    columns: Callable[[Sequence[AnyResults]], tuple[str, ...]]
+    cells: Callable[[AnyResults], Iterator[tuple[str, str]]]
+
+
+class Part(NamedTuple):
+    """The part of a page that is about the episodes of one kind."""
+
+    summary: str
+    answers: tuple[Answer, ...]
+    pictures: tuple[Picture, ...]
+    settings: tuple[tuple[str, str], ...]
+    table: Table
+
+
+def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
+    """Return the report on everything in a file of results.
+
+    Raises:
+        StoreError: there is no episode in it, or it cannot be read.
+    """
+    parts = [*_parts(store, ALONE), *_parts(store, FLEETS)]
+    if not parts:
+        raise StoreError(f"{store.path}: there is no episode in it")
+    return Page(
+        title=f"Report on {store.path.name}",
+        summary="; ".join([*(part.summary for part in parts), *_programs(store)]),
+        methods=METHODS,
+        answers=tuple(answer for part in parts for answer in part.answers),
+        pictures=tuple(picture for part in parts for picture in part.pictures),
+        settings=tuple(setting for part in parts for setting in part.settings),
+        tables=tuple(part.table for part in parts),
+        examples=examples,
+        made_with=(
+            ("Python", platform.python_version()),
+            *((name, version(name)) for name in MADE_WITH),
+            *((counted(number, "episode"), name) for name, number in store.episodes()),
+        ),
+    )
+
+
+def _parts(store: Store, kind: Kind[AnyResults]) -> Iterator[Part]:
+    """Yield the part about the episodes of a kind, if there are any."""
+    experiment = Experiment(store, kind.results)
+    if experiment.cases:
+        design = make_design(experiment.cases)
+        yield Part(
+            _summary(experiment, design, kind.name),
+            kind.answers(experiment, design),
+            tuple(kind.pictures(experiment)),
+            tuple(_settings(design)),
+            _table(experiment, design, kind),
+        )
+
+
+def _summary(experiment: Experiment[AnyResults], design: Design, name: str) -> str:
+    """Return the number of episodes, their seeds, and what is still missing."""
+    everything = experiment.results(*experiment.cases)
+    first, last = everything.seeds
+    counts = [experiment.results(case_id).episodes for case_id in experiment.cases]
+    parts = [
+        f"{counted(everything.episodes, 'episode')}{name} in "
+        f"{counted(len(experiment.cases), 'combination')} of settings",
+        f"seeds from {first} to {last}",
+    ]
+    if min(counts) < max(counts):
+        parts.append(f"{min(counts):,} to {max(counts):,} episodes each")
+    if experiment.unbegun:
+        parts.append(f"{counted(experiment.unbegun, 'further combination')} not yet begun")
+    mixed = [number for number in experiment.store.mixed() if number in experiment.cases]
+    if mixed:
+        names = [_name_of(number, design) for number in mixed[:MAX_MIXED]]
+        left = f" and {len(mixed) - len(names):,} more" if len(mixed) > len(names) else ""
+        parts.append(f"episodes of different programs mixed in {'; '.join(names)}{left}")
+    return ", ".join(parts)
+
+
+def _programs(store: Store) -> Iterator[str]:
+    """Yield the names of the programs that have run the episodes, if they are different ones."""
+    names = [name for name, _ in store.episodes()]
+    # The same program names more libraries where a case uses them.
+    programs = [name for name in names if not any(each.startswith(f"{name}, ") for each in names)]
+    if len(programs) > 1:
+        yield f"run by different programs: {'; '.join(programs)}"
+
+
+def _name_of(case_id: int, design: Design) -> str:
+    """Return what differs in a case, in words."""
+    labels = {each.name: design.labels[case_id][each.name] for each in design.factors}
+    return described(labels) or "all of them"
+
+
+def _settings(design: Design) -> Iterator[tuple[str, str]]:
+    """Yield the parameters that differ with their values, and then the others."""
+    for factor in design.factors:
+        yield factor.name, ", ".join(map(shown, factor.values))
+    for name, value in design.fixed.items():
+        yield name, shown(value)
+
+
+def _table(experiment: Experiment[AnyResults], design: Design, kind: Kind[AnyResults]) -> Table:
+    """Return a line for each case: what differs, the number of episodes, and their results."""
+    chosen = list(design.labels)[:MAX_CASES]
+    results = {case_id: experiment.results(case_id) for case_id in chosen}
+    modes = [
+        mode
+        for mode in kind.results.all_modes
+        if any(mode in each.modes for each in results.values())
+    ]
+    columns = kind.columns(list(results.values()))
+    names = [factor.name for factor in design.factors]
+    rows = []
+    for case_id, each in results.items():
+        cells = dict(kind.cells(each))
+        rows.append(
+            (
+                *(shown(design.labels[case_id][name]) for name in names),
+                f"{each.episodes:,}",
+                _seeds(each),
+                *(cells.get(column, shown(None)) for column in columns),
+                *(f"{each.modes.get(mode, 0):,}" for mode in modes),
+            )
+        )
+    left = len(design.labels) - len(chosen)
+    note = f"{counted(left, 'further combination')} in the file." if left else ""
+    return Table((*names, "episodes", "seeds", *columns, *modes), tuple(rows), note)
+
+
+def _seeds(results: Results) -> str:
+    first, last = results.seeds
+    has_gaps = results.episodes < last - first + 1
+    return f"{first} to {last}{' with gaps' if has_gaps else ''}"
+
+
+def _columns(results: Sequence[Deliveries]) -> tuple[str, ...]:
+    costs = ("seconds", "joules") if any(each.is_measured for each in results) else ()
+    return ("success", "steps", *costs)
+
+
+def _cells(results: Deliveries) -> Iterator[tuple[str, str]]:
+    yield "success", share(results.success)
+    if results.steps:
+        yield "steps", mean(results.steps, "")
+    if results.is_measured and results.seconds and results.joules:
+        yield "seconds", mean(results.seconds, "")
+        yield "joules", mean(results.joules, "")
+
+
+def _fleet_columns(results: Sequence[Shifts]) -> tuple[str, ...]:
+    return ("items an hour", "on time", "lateness", "kJ each", "blocked")
+
+
+def _fleet_cells(results: Shifts) -> Iterator[tuple[str, str]]:
+    yield "items an hour", mean(results.per_hour, "")
+    if results.on_time:
+        yield "on time", share(results.on_time)
+    if results.lateness:
+        yield "lateness", mean(results.lateness, "")
+    if results.energy:
+        yield "kJ each", mean(results.energy, "")
+    if results.blocked:
+        yield "blocked", share(results.blocked)
+
+
+ALONE = Kind("", Deliveries, answers, pictures, _columns, _cells)
+FLEETS = Kind(" of fleets", Shifts, fleet_answers, fleet_pictures, _fleet_columns, _fleet_cells)

@@ -1,0 +1,132 @@
+"""One example of each failure mode in the results, and of a delivery, run again as a replay."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from agents.errors import AgentError, EpisodeError, reason_of
+from agents.lab.experiments.case import Case, cells_of
+from agents.lab.experiments.episodes import check_fingerprint, run_alone
+from agents.lab.experiments.store import Store
+from agents.lab.reports.figures.pictures import MAX_CELLS
+from agents.registry import agent_file, is_own_code
+from warehouse_core import BackendError, LayoutError
+from warehouse_core.records.failure_modes import MODES, diagnose
+from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.tracks.track import Track
+
+SHORTEST = """
+WITH best AS (SELECT mode, count(*) AS episodes, min(steps) AS steps FROM episodes GROUP BY mode),
+first AS (
+    SELECT *, (
+        SELECT case_id FROM episodes
+        WHERE episodes.mode = best.mode AND episodes.steps = best.steps
+        ORDER BY case_id LIMIT 1
+    ) AS case_id FROM best
+)
+SELECT mode, case_id, steps, episodes, (
+    SELECT seed FROM episodes
+    WHERE episodes.case_id = first.case_id
+        AND episodes.mode = first.mode AND episodes.steps = first.steps
+    ORDER BY seed LIMIT 1
+) FROM first
+"""
+"""Both inner queries follow the order of the table and end with the first row they find."""
+
+MAX_REPLAY_STEPS = 10_000
+"""Of an episode that is run again."""
+
+MAX_WORK, PHYSICS_WORK = 20_000_000, 20_000
+"""The cells that an agent may look at in all its steps, and how many a step of physics counts."""
+
+CLEAR_ERRORS = (AgentError, BackendError, EpisodeError, LayoutError, OSError)
+"""Errors whose message is enough; of others the class and the place are shown too."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """An episode in the results, one of several ``episodes`` of its failure mode."""
+
+    mode: str
+    case: Case
+    seed: int
+    steps: int
+    episodes: int
+
+
+@dataclass(frozen=True, slots=True)
+class Example:
+    """A replay; the sentence is the evidence for its mode, or says why there is no track."""
+
+    found: Found
+    sentence: str
+    track: Track | None = None
+
+
+def find_examples(store: Store) -> list[Found]:
+    """Return for each mode that occurs its shortest episode, in the order of ``MODES``.
+
+    Ties go to the first case, then to the smallest seed.
+    """
+    store.check_rows()
+    cases = store.cases()
+    found = {
+        mode: Found(mode, cases[case_id], seed, steps, episodes)
+        for mode, case_id, steps, episodes, seed in store.query(SHORTEST)
+    }
+    return [found[mode] for mode in MODES if mode in found]
+
+
+def replay(found: Found, *, run_own_code: bool) -> Example:
+    """Run an episode again and return its replay, or the reason why there is none.
+
+    Agents and libraries may have changed since the results were written. User agents may raise
+    anything, which becomes the reason.
+
+    Args:
+        found: the episode.
+        run_own_code: run user agents too. The results name them, and may come from a stranger.
+    """
+    if is_own_code(found.case["agent"]) and not run_own_code:
+        return Example(found, "Its agent is not part of this program; --replays runs it.")
+    if (why := _too_much(found)) is not None:
+        return Example(found, f"It is not run again: {why}.")
+    # It may go on for longer than the results say.
+    case = {**found.case, "max_steps": min(found.case["max_steps"], found.steps + 1)}
+    try:
+        check_fingerprint(case)
+        episode = run_alone(case, found.seed)
+    except (Exception, SystemExit) as error:
+        is_clear = isinstance(error, CLEAR_ERRORS)
+        words = str(error) if is_clear else reason_of(error, agent_file(found.case["agent"]))
+        why = " ".join(words.split()).rstrip(".")
+        return Example(found, f"It cannot be run again: {why}.")
+    diagnosis = diagnose(episode)
+    if (diagnosis.mode, episode.steps) != (found.mode, found.steps):
+        now = f"{diagnosis.mode} after {episode.steps} steps"
+        if episode.steps > found.steps:
+            now = f"it has not ended after {found.steps} steps"
+        sentence = (
+            f"Its outcome is different now: {now}, not "
+            f"{found.mode} after {found.steps}. The agent or a library has changed since the "
+            "results were written."
+        )
+        return Example(found, sentence)
+    return Example(found, diagnosis.sentence, track_of_episode(episode))
+
+
+def _too_much(found: Found) -> str | None:
+    """Return why an episode is too much work to be run again, ``None`` if it is not.
+
+    What limits it are numbers in the results, which may come from a stranger.
+    """
+    case = found.case
+    cells = cells_of(case)
+    view = (2 * case["view_radius"] + 1) ** 2
+    if cells > MAX_CELLS:
+        return f"its map has {cells:,} cells, and at most {MAX_CELLS:,} are"
+    work = max(cells, view, 1 if case["backend"] == "grid" else PHYSICS_WORK)
+    limit = min(MAX_REPLAY_STEPS, MAX_WORK // work)
+    if found.steps > limit:
+        return f"it has {found.steps:,} steps; with its map, view and backend at most {limit:,} are"
+    return None

@@ -1,0 +1,68 @@
+"""Heat maps of the cells where robots get stuck, one for each failure mode.
+
+``H`` is the height of the layout and ``W`` its width, in cells.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from agents.errors import StoreError
+from agents.lab.experiments.store import Store
+from warehouse_core.records.episode import DELIVERED
+from warehouse_core.records.failure_modes import MODES
+from warehouse_core.viz.axes.heat_map import Counts, heat_map
+
+STUCK = f"""
+SELECT mode, row, col, count(*) FROM episodes
+WHERE case_id IN (SELECT value FROM json_each(?)) AND mode != '{DELIVERED}'
+GROUP BY mode, row, col
+"""
+
+
+def stuck_cells(store: Store, rows: Sequence[str], case_ids: Sequence[int]) -> dict[str, Counts]:
+    """Count for each failure mode the cells where its episodes ended or were stuck.
+
+    Args:
+        store: of the results.
+        rows: of tiles, the layout of the cases.
+        case_ids: of the cases.
+
+    Returns:
+        ``[H, W]`` counts by failure mode, in the order of ``MODES``.
+
+    Raises:
+        StoreError: an episode was stuck where there is no cell.
+    """
+    found: dict[str, Counts] = {}
+    for mode, row, col, count in store.query(STUCK, json.dumps(list(case_ids))):
+        counts = found.setdefault(mode, np.zeros((len(rows), len(rows[0])), dtype=np.int64))
+        if not (0 <= row < len(rows) and 0 <= col < len(rows[0])):
+            raise StoreError(f"{store.path}: row {row}, column {col} is off the layout")
+        counts[row, col] = count
+    return {mode: found[mode] for mode in MODES if mode in found}
+
+
+def stuck_heat_map(
+    rows: Sequence[str],
+    stuck: Mapping[str, Counts],
+    episodes: int,
+    *,
+    with_stations: bool = False,
+) -> Figure:
+    """Return the heat maps of a layout, one panel per mode.
+
+    Args:
+        rows: of tiles.
+        stuck: for each mode ``[H, W]`` counts, as ``stuck_cells`` gives them; at least one.
+        episodes: the number of all episodes, deliveries included.
+        with_stations: mark the pickup and the dropoff of the layout.
+    """
+    counts = {mode: int(cells.sum()) for mode, cells in stuck.items()}
+    titles = {mode: f"{mode}: {count:,} ({count / episodes:.1%})" for mode, count in counts.items()}
+    found = {titles[mode]: cells for mode, cells in stuck.items()}
+    return heat_map(rows, found, with_stations=with_stations)

@@ -1,0 +1,140 @@
+"""The charts of a measure over what differs.
+
+The factor with most values is along the axis, the next two are colours and panels; over any others
+the episodes are pooled.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
+from matplotlib.ticker import PercentFormatter
+
+from agents.lab.evaluation.interval import Interval
+from agents.lab.experiments.parameters import Value, shown
+from agents.lab.reports.analysis.design import Design, Factor
+from agents.lab.reports.analysis.results import AnyResults, Experiment
+from agents.lab.reports.figures.panels import (
+    PANELS_A_ROW,
+    SMALL,
+    Text,
+    draw_legend,
+    make_panels,
+    name_panel,
+    places_of,
+    prepare_axis,
+)
+from agents.lab.reports.figures.roles import lines_of, roles_of
+from warehouse_core.render.palette import FAINT, INK
+from warehouse_core.viz.figure import SceneFigure
+
+COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", to_hex(INK),
+          "#888888")  # fmt: skip
+"""Of the lines. Source: Okabe and Ito (2008), Color universal design, without the yellow."""
+
+MARKERS = "os^Dv*PX"
+
+DODGE = 0.012
+"""Distance between lines as a share of the width, so that no interval hides another."""
+
+Measure = Callable[[AnyResults], Interval | None]
+
+
+@mpl.rc_context({"text.parse_math": False})
+def measure_chart(
+    experiment: Experiment[AnyResults],
+    design: Design,
+    title: str,
+    unit: str,
+    measure: Measure[AnyResults],
+) -> SceneFigure | None:
+    """Draw a measure with its intervals.
+
+    Args:
+        experiment: the results.
+        design: of the cases that are drawn.
+        title: of the picture.
+        unit: of the measure; ``"%"`` for shares.
+        measure: returns ``None`` if there is nothing to measure.
+
+    Returns:
+        ``None`` if nothing differs or there is nothing to measure.
+    """
+    roles = roles_of(design)
+    if roles.axis is None:
+        return None
+    lines = {
+        where: {value: measured(measure, results) for value, results in line.items()}
+        for where, line in lines_of(experiment, design, roles).items()
+    }
+    if not any(point for line in lines.values() for point in line.values()):
+        return None
+    panels = list(dict.fromkeys(panel for panel, _ in lines))
+    colors = list(dict.fromkeys(color for _, color in lines))
+    name = roles.color.name if roles.color else ""
+    labels = {color: f"{name} {shown(color)}" for color in colors if roles.color}
+    figure, axes = make_panels(title, len(panels), list(labels.values()))
+    places = places_of(roles.axis)
+    placed = sum(any(value is not None for value in line) for line in lines.values())
+    width = max(places.values()) if placed > 1 else 0
+    keys: dict[Value | None, Any] = {}
+    for (panel, color), line in lines.items():
+        number = colors.index(color)
+        shift = (number - (len(colors) - 1) / 2) * DODGE * width
+        key = _draw_line(axes[panels.index(panel)], roles.axis, places, line, shift, number)
+        if key:
+            keys.setdefault(color, key)
+    for panel, each in zip(panels, axes, strict=True):
+        prepare_axis(each, roles.axis, places, min(len(panels), PANELS_A_ROW))
+        name_panel(each, (roles.panel, panel))
+        each.grid(axis="y", color=FAINT, linewidth=0.5)
+        if unit == "%":
+            each.yaxis.set_major_formatter(PercentFormatter(1))
+            each.set_ylim(-0.02, 1.02)
+        else:
+            each.set_ylim(bottom=0)
+    if unit != "%":
+        axes[0].set_ylabel(unit, **SMALL)
+    if roles.color:
+        draw_legend(figure, [(labels[each], keys[each]) for each in colors if each in keys])
+    return figure
+
+
+def measured(measure: Measure[AnyResults], results: AnyResults) -> Interval | None:
+    """Return a measure, without its interval if cases are pooled: they share their seeds."""
+    found = measure(results)
+    return found if found is None or len(results.case_ids) == 1 else Interval(found.estimate)
+
+
+def _draw_line(
+    axes: Axes,
+    axis: Factor,
+    places: Mapping[Value, float],
+    line: Mapping[Value | None, Interval | None],
+    shift: float,
+    number: int,
+) -> Any:
+    """Draw the results of one colour and return what a legend shows of them."""
+    key: Any = None
+    look: Text = {"color": COLORS[number], "linewidth": 2.0}
+    points = [(places[value] + shift, point) for value, point in line.items()
+              if value is not None and point]  # fmt: skip
+    if points:
+        middles = [point.estimate for _, point in points]
+        reach = [
+            [point.estimate - point.low for _, point in points],
+            [point.high - point.estimate for _, point in points],
+        ]
+        key = axes.errorbar(
+            [place for place, _ in points], middles, reach, fmt=MARKERS[number], capsize=3,
+            markersize=6.5, linestyle="-" if axis.is_ordered else "none", **look,
+        )  # fmt: skip
+    everywhere = line.get(None)
+    if everywhere:
+        key = axes.axhline(everywhere.estimate, linestyle=(0, (5, 2)), **look)
+        axes.axhspan(everywhere.low, everywhere.high, color=COLORS[number], alpha=0.15, lw=0)
+    return key

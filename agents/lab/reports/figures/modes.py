@@ -1,0 +1,120 @@
+"""The chart of how the episodes of each case ended."""
+
+from __future__ import annotations
+
+import math
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+from matplotlib.patches import Patch
+from matplotlib.ticker import PercentFormatter
+
+from agents.lab.experiments.parameters import shown
+from agents.lab.reports.analysis.design import Design
+from agents.lab.reports.analysis.results import AnyResults, Experiment
+from agents.lab.reports.figures.panels import (
+    MAX_TICKS,
+    PANELS_A_ROW,
+    SMALL,
+    TEXT_SIZE,
+    draw_legend,
+    fitting,
+    make_panels,
+    name_panel,
+)
+from agents.lab.reports.figures.roles import lines_of, roles_of
+from warehouse_core.records.episode import BATTERY_DEPLETED, DELIVERED, OUT_OF_TIME, UNFINISHED
+from warehouse_core.records.failure_modes import (
+    INEFFECTIVE,
+    OSCILLATION,
+    STALLED,
+    UNREACHABLE,
+    WANDERING,
+)
+from warehouse_core.records.fleet_modes import (
+    CONGESTED,
+    DEADLOCK,
+    IDLE,
+    LATE,
+    SERVED,
+    STARVATION,
+    STRANDED,
+)
+from warehouse_core.render.palette import PAPER
+from warehouse_core.viz.figure import SceneFigure
+
+MODE_COLORS = {
+    DELIVERED: "#2a9d5c",
+    UNREACHABLE: "#8c564b",
+    STALLED: "#8c4fa3",
+    INEFFECTIVE: "#5f5f68",
+    OSCILLATION: "#d1495b",
+    WANDERING: "#edae49",
+    BATTERY_DEPLETED: "#2e6fa7",
+    OUT_OF_TIME: "#8ab6d6",
+    UNFINISHED: "#c9c9ce",
+    SERVED: "#2a9d5c",
+    STRANDED: "#2e6fa7",
+    DEADLOCK: "#d1495b",
+    STARVATION: "#8c4fa3",
+    CONGESTED: "#edae49",
+    IDLE: "#c9c9ce",
+    LATE: "#8ab6d6",
+}
+
+LUMINANCE = (0.299, 0.587, 0.114)
+"""Weights of R, G and B. Source: ITU-R BT.601."""
+
+MIN_LEGIBLE = 0.08
+"""Minimum share of a bar for a number to fit into it."""
+
+MAX_NUMBERED = 15
+"""Bars of a row; the numbers of more would not fit into them."""
+
+
+@mpl.rc_context({"text.parse_math": False})
+def modes_chart(experiment: Experiment[AnyResults], design: Design, title: str) -> SceneFigure:
+    """Draw the shares of the outcomes as stacked bars."""
+    roles = roles_of(design)
+    lines = lines_of(experiment, design, roles)
+    everywhere = f"any {roles.axis.name}" if roles.axis else "all episodes"
+    occurring = {mode for line in lines.values() for each in line.values() for mode in each.modes}
+    figure, axes = make_panels(title, len(lines), list(occurring))
+    for (panel, color), line, each in zip(lines, lines.values(), axes, strict=True):
+        for place, results in enumerate(line.values()):
+            _draw_bar(each, place, results, len(line) * min(len(lines), PANELS_A_ROW))
+        names = [everywhere if value is None else shown(value) for value in line]
+        names = fitting(names, min(len(lines), PANELS_A_ROW))
+        step = math.ceil(len(names) / MAX_TICKS)
+        each.set_xticks(range(0, len(names), step), names[::step])
+        each.set_xlabel(roles.axis.name if roles.axis and [*line] != [None] else "", **SMALL)
+        each.yaxis.set_major_formatter(PercentFormatter(1))
+        each.set_ylim(0, 1)
+        each.set_xlim(-0.6, max(len(names) - 0.4, 2.4))
+        name_panel(each, (roles.panel, panel), (roles.color, color))
+    colors = {mode: color for mode, color in MODE_COLORS.items() if mode in occurring}
+    draw_legend(figure, [(mode, Patch(color=color)) for mode, color in colors.items()])
+    return figure
+
+
+def _draw_bar(axes: Axes, place: int, results: AnyResults, bars: int) -> None:
+    bottom = 0.0
+    for mode, count in results.modes.items():
+        share = count / results.episodes
+        axes.bar(place, share, 0.8, bottom, color=MODE_COLORS[mode], edgecolor=PAPER)
+        if share >= MIN_LEGIBLE and bars <= MAX_NUMBERED:
+            axes.text(
+                place, bottom + share / 2, f"{share:.0%}", ha="center", va="center",
+                fontsize=TEXT_SIZE, color=ink_on(MODE_COLORS[mode]),
+            )  # fmt: skip
+        bottom += share
+
+
+def ink_on(color: str) -> str:
+    """Return black or nearly white, whichever is legible on a colour.
+
+    It is not ``PAPER``, which is dark on a dark page.
+    """
+    light = sum(weight * part for weight, part in zip(LUMINANCE, to_rgb(color), strict=True))
+    return "black" if light > 0.55 else "whitesmoke"

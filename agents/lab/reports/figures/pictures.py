@@ -1,0 +1,190 @@
+"""The figures of a report, each with its caption."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from operator import attrgetter
+from typing import NamedTuple
+
+from agents.lab.evaluation.interval import CONFIDENCE, MIN_VALUES
+from agents.lab.experiments.case import TILES, cells_of
+from agents.lab.experiments.parameters import shown
+from agents.lab.reports.analysis.design import Design, make_design
+from agents.lab.reports.analysis.results import AnyResults, Deliveries, Experiment, Shifts
+from agents.lab.reports.figures.dark import themed_svg
+from agents.lab.reports.figures.heat_map import stuck_cells, stuck_heat_map
+from agents.lab.reports.figures.measure import Measure, measure_chart, measured
+from agents.lab.reports.figures.modes import modes_chart
+from agents.lab.reports.figures.roles import lines_of, roles_of
+from warehouse_core.wording import counted, listed
+
+MAX_MAPS = 4
+"""Heat maps, of the layouts with most episodes."""
+
+MAX_CELLS = 300_000
+"""Of a layout that has a heat map or a replay; in a larger one no cell could be seen."""
+
+STATIONS = {
+    "drawn": "Pickup and dropoff are random in each episode",
+    "kept": "Pickup (P) and dropoff (D) are those of the layout in every episode",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A figure as SVG with its caption; its name is the stem of its file."""
+
+    name: str
+    caption: str
+    svg: bytes
+
+
+class Chart(NamedTuple):
+    """A measure that is drawn with its intervals.
+
+    Attributes:
+        name: of the picture, and of the attribute of results that is the measure.
+        title: of the picture.
+        unit: of the measure; ``"%"`` for shares.
+        what: the measure is, for the caption.
+        method: that the intervals are of.
+    """
+
+    name: str
+    title: str
+    unit: str
+    what: str = "mean of what was delivered, hard or easy"
+    method: str = "bootstrap"
+
+
+DELIVERY_CHARTS = (
+    Chart("success", "Delivered", "%", "share of all episodes", "Wilson's"),
+    Chart("steps", "Steps of a delivery", "steps"),
+)
+
+PHYSICS_CHARTS = (
+    Chart("seconds", "Time of a delivery", "s"),
+    Chart("joules", "Energy of a delivery", "J"),
+)
+
+MEAN = "mean of all episodes"
+
+FLEET_CHARTS = (
+    Chart("per_hour", "Delivered in an hour", "items", MEAN),
+    Chart("on_time", "Delivered on time", "%", f"share of the deliveries, {MEAN}"),
+    Chart("lateness", "Lateness of a delivery", "steps", f"0 if it is on time, {MEAN}"),
+    Chart("energy", "Energy of a delivery", "kJ", f"that of all robots, {MEAN}"),
+    Chart("blocked", "Moves that other robots blocked", "%", MEAN),
+)
+
+
+def pictures(experiment: Experiment[Deliveries]) -> Iterator[Picture]:
+    """Yield the figures of lone robots that are not empty."""
+    design = make_design(experiment.cases)
+    physical = make_design(
+        {n: case for n, case in experiment.cases.items() if case["backend"] != "grid"}
+    )
+    backends = sorted({shown(labels["backend"]) for labels in physical.labels.values()})
+    on = f", backend {listed(backends)}" if backends else ""
+    yield from _charts(experiment, design, DELIVERY_CHARTS)
+    yield from _charts(experiment, physical, PHYSICS_CHARTS, on)
+    yield _modes(experiment, design, "modes", "What became of the episodes")
+    yield from _maps(experiment)
+
+
+def fleet_pictures(experiment: Experiment[Shifts]) -> Iterator[Picture]:
+    """Yield the figures of fleets that are not empty."""
+    design = make_design(experiment.cases)
+    yield from _charts(experiment, design, FLEET_CHARTS)
+    yield _modes(experiment, design, "fleet-modes", "What became of the fleets")
+
+
+def _charts(
+    experiment: Experiment[AnyResults], design: Design, charts: Sequence[Chart], on: str = ""
+) -> Iterator[Picture]:
+    """Yield the charts that have something to show; ``on`` is added to their titles."""
+    for name, title, unit, what, method in charts:
+        measure = attrgetter(name)
+        chart = measure_chart(experiment, design, title + on, unit, measure)
+        if chart is not None:
+            points = _points(experiment, design)
+            intervals = _intervals(points, measure, method)
+            left_out = _left_out(experiment, design, points)
+            yield Picture(name, f"{title}{on}: {what}, {intervals}{left_out}.", themed_svg(chart))
+
+
+def _modes(experiment: Experiment[AnyResults], design: Design, name: str, title: str) -> Picture:
+    left_out = _left_out(experiment, design, _points(experiment, design))
+    chart = modes_chart(experiment, design, title)
+    return Picture(name, f"{title}, as shares{left_out}.", themed_svg(chart))
+
+
+def _points(experiment: Experiment[AnyResults], design: Design) -> list[AnyResults]:
+    lines = lines_of(experiment, design, roles_of(design)).values()
+    return [results for line in lines for results in line.values()]
+
+
+def _intervals(points: Sequence[AnyResults], measure: Measure[AnyResults], method: str) -> str:
+    """Return which intervals a chart shows, and why some points have none."""
+    found = [(each, interval) for each in points if (interval := measured(measure, each))]
+    known = any(interval.is_known for _, interval in found)
+    words = f"with {method} {CONFIDENCE:.0%} intervals" if known else "without intervals"
+    pooled = "several combinations are pooled, which share their seeds"
+    equal = "nearly all values are equal"
+    why = dict.fromkeys(
+        pooled
+        if len(each.case_ids) > 1
+        else f"fewer than {MIN_VALUES} {each.counts}"
+        if each.count < MIN_VALUES
+        else equal
+        for each, interval in found
+        if not interval.is_known
+    )
+    if not why:
+        return words
+    return f"{words}{', but none where ' if known else ': '}{' or '.join(why)}"
+
+
+def _left_out(
+    experiment: Experiment[AnyResults], design: Design, points: Sequence[AnyResults]
+) -> str:
+    """Return the end of a caption: what a chart does not show of a design."""
+    roles = roles_of(design)
+    words = ""
+    if roles.axis and len(roles.axis.values) < roles.values:
+        words += f"; {len(roles.axis.values)} of {roles.values:,} values of {roles.axis.name}"
+    if roles.pooled:
+        names = listed([factor.name for factor in roles.pooled])
+        is_pooled = any(len(results.case_ids) > 1 for results in points)
+        words += f"; {'pooled over' if is_pooled else 'of different'} {names}"
+    return words + _numbers(experiment, [number for each in points for number in each.case_ids])
+
+
+def _numbers(experiment: Experiment[AnyResults], case_ids: Sequence[int]) -> str:
+    """Return the end of a caption: how many episodes the combinations have, if that differs."""
+    counts = [experiment.results(case_id).episodes for case_id in case_ids]
+    fewest, most = min(counts), max(counts)
+    return f"; {fewest:,} to {most:,} episodes a combination" if fewest < most else ""
+
+
+def _maps(experiment: Experiment[Deliveries]) -> Iterator[Picture]:
+    """Yield a heat map for each layout and its stations, the one with most episodes first."""
+    layouts: dict[tuple[tuple[str, ...], str], list[int]] = {}
+    for case_id, case in experiment.cases.items():
+        if TILES in case and cells_of(case) <= MAX_CELLS:
+            layouts.setdefault((tuple(case[TILES]), case["stations"]), []).append(case_id)
+    most_first = sorted(layouts.items(), key=lambda each: -experiment.results(*each[1]).episodes)
+    for number, ((rows, stations), ids) in enumerate(most_first[:MAX_MAPS], start=1):
+        stuck = stuck_cells(experiment.store, rows, ids)
+        if not stuck:
+            continue
+        episodes = experiment.results(*ids).episodes
+        name = shown(experiment.cases[ids[0]]["layout"])
+        caption = (
+            f"Where robots got stuck on layout {name}: of {counted(episodes, 'episode')} those of "
+            "each failure mode, by the cell where they were stuck or ended"
+            f"{_numbers(experiment, ids)}. {STATIONS[stations]}."
+        )
+        figure = stuck_heat_map(rows, stuck, episodes, with_stations=stations == "kept")
+        yield Picture(f"stuck-{number}", caption, themed_svg(figure))

@@ -1,0 +1,135 @@
+"""The report as one page of HTML, without anything loaded from elsewhere.
+
+The only script is that of the players. Names given by users, such as those of agents and layouts,
+are always escaped text.
+"""
+
+from __future__ import annotations
+
+import re
+from base64 import b64encode
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from agents.lab.experiments.case import flags_of
+from agents.lab.experiments.parameters import shown
+from agents.lab.reports.analysis.answers import Answer
+from agents.lab.reports.examples import Example
+from agents.lab.reports.figures.pictures import Picture
+from warehouse_core.files.atomic import atomic_path
+from warehouse_core.viz.player import player_frame
+from warehouse_core.viz.player.page import digest, script
+from warehouse_core.wording import printable
+
+TEMPLATE = "page.html"
+
+NUMBER = re.compile(r"[-+\u2212]?\d[\d,. ]*( ?%| ?[a-zA-Z/]{1,3})?( ?(\[.*\]|\(.*\)|\u00b1.*))?")
+"""Cells that are aligned to the right: a number, perhaps with a unit or an interval."""
+
+BLANK = {"", "-", shown(None)}
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """The names of columns, rows with as many cells, and a note below, perhaps empty."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    note: str
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """The contents of the page.
+
+    Attributes:
+        summary: the number of episodes and their seeds.
+        methods: the meaning of brackets and whiskers.
+        settings: the name of each parameter and its value or values.
+        tables: of all cases, one for each kind.
+        examples: of the failure modes.
+        made_with: programs and their versions.
+    """
+
+    title: str
+    summary: str
+    methods: str
+    answers: tuple[Answer, ...]
+    pictures: tuple[Picture, ...]
+    settings: tuple[tuple[str, str], ...]
+    tables: tuple[Table, ...]
+    examples: tuple[Example, ...]
+    made_with: tuple[tuple[str, str], ...]
+
+
+def write_page(path: Path, page: Page) -> None:
+    """Write the page; the file is complete or not there.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    has_players = any(example.track for example in page.examples)
+    write_template(path, TEMPLATE, page.title, has_players, page=page)
+
+
+def write_template(
+    path: Path, template: str, title: str, has_players: bool, **values: object
+) -> None:
+    """Write a page by a template of this folder; the file is complete or not there.
+
+    Args:
+        path: of the file.
+        template: its name.
+        title: of the page.
+        has_players: whether players are in it, whose script its policy is to allow.
+        values: that the template names.
+
+    Raises:
+        OSError: the file cannot be written.
+    """
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=StrictUndefined,
+        finalize=_shown,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {
+        "data_uri": _data_uri, "flags": flags_of, "numeric": _numeric, "player": _player,
+    }  # fmt: skip
+    scripts = digest(script()) if has_players else ""
+    text = environment.get_template(template).render(title=title, scripts=scripts, **values)
+    with atomic_path(path) as part:
+        part.write_text(text, encoding="utf-8")
+
+
+def _shown(value: object) -> object:
+    """Return a value as it is shown: text without invisible characters, markup as it is."""
+    is_text = isinstance(value, str) and not isinstance(value, Markup)
+    return printable(str(value)) if is_text else value
+
+
+def _player(example: Example) -> Markup:
+    assert example.track is not None, "only asked for if there is one"
+    title = f"Replay of an episode that ended as {example.found.mode}: {example.sentence}"
+    return Markup(player_frame([example.track], title=title))
+
+
+def _data_uri(data: bytes, kind: str) -> str:
+    return f"data:{kind};base64,{b64encode(data).decode('ascii')}"
+
+
+def _numeric(table: Table) -> list[bool]:
+    """Return for each column whether it has numbers."""
+    columns = [_is_numeric(cells) for cells in zip(*table.rows, strict=True)]
+    return columns or [False] * len(table.columns)
+
+
+def _is_numeric(cells: Sequence[str]) -> bool:
+    known = [cell for cell in cells if cell.strip() not in BLANK]
+    return bool(known) and all(NUMBER.fullmatch(cell.strip()) for cell in known)

@@ -1,0 +1,84 @@
+"""The command ``warehouse report``: answers on the terminal, a page, and figures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from agents.errors import StoreError
+from agents.lab.console.terminal import say
+from agents.lab.experiments.store import Store
+from warehouse_core.files.atomic import atomic_path, check_suffix, check_target
+from warehouse_core.wording import counted
+
+PAGE_SUFFIX = ".html"
+
+
+def report(
+    results: Annotated[
+        Path, typer.Argument(metavar="RESULTS", help="A file written by 'warehouse sweep'.")
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Page to write, .html.",
+            show_default="RESULTS.html",
+        ),
+    ] = None,
+    figures: Annotated[
+        Path | None,
+        typer.Option("--figures", metavar="FOLDER", help="Also write each figure there, as .svg."),
+    ] = None,
+    replays: Annotated[
+        bool | None,
+        typer.Option(
+            "--replays/--no-replays",
+            help="Run one episode of each outcome again and show it, or do not. Default: do, but "
+            "not with agents from your own files; --replays runs their code too.",
+            show_default=False,
+        ),
+    ] = None,
+) -> None:
+    """Report on a sweep, as text and as an HTML page.
+
+    The page has answers to the questions of the sweep, figures, replays, and a table of all
+    combinations. It is one file that loads nothing.
+
+    Example: warehouse report results.sqlite --figures figures
+    """
+    # Here, because importing SciPy and matplotlib takes longer than most commands.
+    from agents.lab.reports.contents import make_page
+    from agents.lab.reports.examples import find_examples, replay
+    from agents.lab.reports.page import write_page
+
+    target = output or results.with_suffix(PAGE_SUFFIX)
+    check_suffix(target, [PAGE_SUFFIX])
+    check_target(target)
+    if target.resolve() == results.resolve():
+        raise StoreError(f"{target}: this is the file of results; the page needs another name")
+    with Store(results, read_only=True) as store:
+        wanted = [] if replays is False else find_examples(store)
+        page = make_page(
+            store, tuple(replay(found, run_own_code=bool(replays)) for found in wanted)
+        )
+    # Files first, because the reader of standard output may leave, as ``head`` does.
+    write_page(target, page)
+    saved = [f"saved {target}"]
+    if figures:
+        figures.mkdir(parents=True, exist_ok=True)
+        for picture in page.pictures:
+            with atomic_path(figures / f"{picture.name}.svg") as part:
+                part.write_bytes(picture.svg)
+        saved.append(f"saved {counted(len(page.pictures), 'figure')} in {figures}")
+    say(page.summary)
+    for answer in page.answers:
+        say(f"\n{answer.question}", bold=True)
+        say(answer.verdict, bold=True)
+        for sentence in answer.sentences:
+            say(sentence)
+    say("\n" + "\n".join(saved))

@@ -1,0 +1,1 @@
+"""Runs of agents in environments, and names of the program that ran them."""

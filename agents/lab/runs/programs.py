@@ -1,0 +1,197 @@
+"""What an episode depends on beside its case: the program that runs it, and the code of its agent.
+
+Both are named by digests of source files, so that no change goes unnoticed. Other packages that an
+agent of a user imports, those in ``site-packages``, are not part of its digest.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import importlib.util
+import site
+import sysconfig
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from functools import cache, lru_cache
+from importlib.machinery import all_suffixes
+from importlib.metadata import PackageNotFoundError, entry_points, version
+from pathlib import Path
+
+from agents.errors import AgentError
+from warehouse_core.files.kinds import not_a_file
+from warehouse_core.motion.backends import GROUP
+
+OWN = ("agents", "warehouse_core", "warehouse_physics")
+"""The packages of this program; also the names that no module of a user can have."""
+
+ROOT = Path(__file__).parents[3]
+
+NO_EFFECT = {
+    "viz", "warehouse_viz.py", "render", "gymnasium_env", "conformance", "reports", "grading",
+    "commands",
+    "console", "cli.py", "__main__.py", "run_episode.py",
+}  # fmt: skip
+"""Files and folders of those packages that have no effect on an episode of an experiment."""
+
+EXCEPT = Path("lab", "console", "place.py")
+
+DIGITS = 10
+"""Of the digest in the name of a program."""
+
+MAX_BYTES = 64 * 1024 * 1024
+"""Limit on each file of an agent."""
+
+
+@cache
+def program_for(backend: str) -> str:
+    """Return the name of the program that runs the episodes of a backend in this process.
+
+    It has the version of this package and a digest of its sources, and the versions of NumPy and of
+    what the backend needs: pymunk, or its own distribution. Nothing is imported to find them.
+    """
+    names = ["numpy", *(["pymunk"] if backend == "physics" else [])]
+    for entry_point in entry_points(group=GROUP, name=backend):
+        if entry_point.dist is not None and entry_point.dist.name != "warehouse-lab":
+            names.append(entry_point.dist.name)
+    own = f"warehouse-lab {_version('warehouse-lab')} ({_own_digest()})"
+    return ", ".join([own, *(f"{name} {_version(name)}" for name in names)])
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "(not installed)"
+
+
+def own_sources() -> list[Path]:
+    """Return the source files of this program that have an effect on episodes, in a fixed order."""
+    found = {path: path.relative_to(ROOT / name) for name in OWN
+             for path in (ROOT / name).rglob("*.py")}  # fmt: skip
+    return sorted(
+        path
+        for path, inner in found.items()
+        if inner == EXCEPT or not NO_EFFECT.intersection(inner.parts)
+    )
+
+
+@cache
+def _own_digest() -> str:
+    return _digest(own_sources(), ROOT)[:DIGITS]
+
+
+def fingerprint(file: Path | None, module: str | None) -> str | None:
+    """Return the digest of the code or model of an agent; ``None`` for those of this program.
+
+    The code is its file, or its module, and what these import from the same folder, also in
+    functions. It is found without being run. A process imports a module once, so the digest of one
+    is made once too; files are read each time.
+
+    Args:
+        file: of the agent, or ``None``.
+        module: its name if the agent is imported, or ``None``.
+
+    Raises:
+        AgentError: its file is a folder, a pipe or a device, or longer than ``MAX_BYTES``.
+        OSError: it cannot be read.
+    """
+    if module is not None:
+        return _module_fingerprint(module)
+    if file is None:
+        return None
+    data, file = _read(file), file.resolve()
+    if file.suffix == ".py":
+        files = _with_imports([file], file.parent, own=None)
+        if len(files) > 1:
+            return _digest(files, file.parent)
+    return hashlib.sha256(data).hexdigest()
+
+
+@cache
+def _module_fingerprint(name: str) -> str | None:
+    top = name.partition(".")[0]
+    spec = None if top in OWN else importlib.util.find_spec(top)
+    if spec is None:
+        return None
+    [place, *_] = spec.submodule_search_locations or [spec.origin or ""]
+    folder = Path(place).parent
+    return _digest(_with_imports(_files_of(name.split("."), folder), folder, top), folder)
+
+
+def _with_imports(files: Iterable[Path], folder: Path, own: str | None) -> set[Path]:
+    """Return files, what they import from a folder, what that imports from there, and so on.
+
+    Args:
+        files: where to begin.
+        folder: where imports that are not relative are looked up.
+        own: the package of the files. It alone is looked up in a folder of installed packages.
+    """
+    is_shared = folder.resolve() in _installed()
+    found, waiting = set[Path](), list(files)
+    while waiting:
+        file = waiting.pop()
+        if file in found:
+            continue
+        found.add(file)
+        for level, name in imports_of(_read(file)) if file.suffix == ".py" else ():
+            parts = name.split(".")
+            if level:
+                base = folder.joinpath(*file.relative_to(folder).parts[:-level])
+                waiting += _files_of(parts, base)
+            elif parts[0] not in OWN and (not is_shared or parts[0] == own):
+                waiting += _files_of(parts, folder)
+    return found
+
+
+@lru_cache
+def imports_of(source: bytes) -> tuple[tuple[int, str], ...]:
+    """Return the names that a source imports, with the number of dots before each."""
+    found = []
+    with suppress(SyntaxError, ValueError, RecursionError, MemoryError):  # it cannot be imported
+        for node in ast.walk(ast.parse(source)):
+            if isinstance(node, ast.Import):
+                found += [(0, each.name) for each in node.names]
+            elif isinstance(node, ast.ImportFrom):
+                before = f"{node.module}." if node.module else ""
+                found += [(node.level, before + each.name) for each in node.names]
+    return tuple(found)
+
+
+def _files_of(parts: Sequence[str], folder: Path) -> Iterator[Path]:
+    """Yield the files of a module in a folder, those of the packages around it first."""
+    for part in parts:
+        if part == "*":  # perhaps modules
+            yield from folder.glob("*.py")
+        for name in (part, f"{part}/__init__"):
+            files = (folder / f"{name}{suffix}" for suffix in all_suffixes())
+            yield from (file for file in files if file.is_file())
+        folder /= part
+
+
+@cache
+def _installed() -> set[Path]:
+    """Return the folders of the standard library and of installed packages."""
+    names = ("stdlib", "platstdlib", "purelib", "platlib")
+    folders = [*map(sysconfig.get_path, names), site.getusersitepackages()]
+    return {Path(each).resolve() for each in folders}
+
+
+def _digest(files: Iterable[Path], folder: Path) -> str:
+    """Return the digest of files and of their names in a folder."""
+
+    def lines() -> Iterator[str]:
+        for file in sorted(files):
+            yield f"{file.relative_to(folder).as_posix()} {hashlib.sha256(_read(file)).hexdigest()}"
+
+    return hashlib.sha256("\n".join(lines()).encode(errors="surrogateescape")).hexdigest()
+
+
+def _read(path: Path) -> bytes:
+    if (kind := not_a_file(path)) is not None:
+        raise AgentError(f"agent file {path}: {kind}")
+    with path.open("rb") as file:
+        data = file.read(MAX_BYTES + 1)
+    if len(data) > MAX_BYTES:
+        raise AgentError(f"agent file {path}: it is longer than MAX_BYTES = {MAX_BYTES}")
+    return data

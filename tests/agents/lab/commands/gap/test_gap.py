@@ -1,0 +1,117 @@
+"""The command ``warehouse gap``."""
+
+import csv
+import re
+from math import inf, nan
+from pathlib import Path
+
+import pytest
+from helpers.command_line import command, refusal
+
+from agents.lab.commands.gap.spent_time import KINDS
+from agents.lab.commands.gap.summary import gap_table, losses, message
+from agents.lab.commands.gap.trial import Score
+from agents.lab.commands.gap.worlds import DISTURBED, DRIVING, PLAN, STOPPING, WORLDS, Shocks
+
+SMALL = (
+    "gap", "--robots", 2, "--count", 3, "--orders", 0.1, "--seed", 5, "--jobs", 1, "--stop", 5,
+    "--layout", "shelves.txt",
+)  # fmt: skip
+PLAIN = Score(100.0, 1.0, 2000.0, 0, 144.0, 4, 0, (1.0, 0.0, 0.0, 0.0, 0.0), 0)
+NO_SHOCKS = Shocks(0.0, 0.0)
+
+
+def scores(stopping: float, driving: float, disturbed: float) -> dict[str, list[Score]]:
+    """Return scores of two seeds, the second half as fast, with shares of the plan's deliveries."""
+    shares = {PLAN: 1.0, STOPPING: stopping, DRIVING: driving, DISTURBED: disturbed}
+    return {
+        world: [PLAIN._replace(per_hour=rate * share) for rate in (100.0, 50.0)]
+        for world, share in shares.items()
+    }
+
+
+def test_worlds_are_compared_in_a_table_a_page_and_a_file_of_values(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    code, out, _ = command(capsys, *SMALL, "--seeds", 2, "--save", "gap.html", "--save", "gap.csv")
+    assert code == 0
+    lines = Path("gap.csv").read_text(encoding="utf-8").splitlines()
+    rows = {row["world"] + row["seed"]: row for row in csv.DictReader(lines)}
+    assert list(rows) == [f"{world}{seed}" for world in WORLDS for seed in (5, 6)]
+    for row in rows.values():
+        assert (row["delivered"], row["lost"]) == ("3", "0")
+        assert float(row["per_hour"]) == pytest.approx(3 / float(row["makespan"]) * 3600)
+        spent = [float(row[f"seconds a delivery {kind}"]) for kind in KINDS]
+        assert sum(spent) == pytest.approx(2 * float(row["makespan"]) / 3)
+    for seed in (5, 6):
+        makespans = [float(rows[f"{world}{seed}"]["makespan"]) for world in WORLDS[:3]]
+        assert makespans[0] < makespans[2] < makespans[1]
+    means = {
+        world: sum(float(rows[f"{world}{seed}"]["makespan"]) for seed in (5, 6)) / 2
+        for world in WORLDS
+    }
+    assert all(f" {makespan:.3g} " in out for makespan in means.values())
+    [said] = re.findall(r"^Driving through brings .*(?=\.$)", out, flags=re.MULTILINE)
+    page = Path("gap.html").read_text(encoding="utf-8")
+    assert f"<h1>{said}</h1>" in page
+    assert page.count("<iframe") == 1
+    assert "http" not in page.replace("http-equiv", "").replace("http://www.w3.org", "")
+
+
+def test_the_message_has_the_mean_of_the_shares_of_each_seed() -> None:
+    found = scores(0.5, 0.9, 0.8)
+    assert message(found, NO_SHOCKS) == (
+        "Driving through brings 90% of what the plan promises, stopping in every cell 50%"
+    )
+    assert "(80% with 5% noise and a stop of 60 s)" in message(found, Shocks(0.05, 60.0))
+    assert "(80% with a dead robot)" in message(found, Shocks(0.0, inf))
+
+
+def test_intervals_of_shares_are_of_pairs() -> None:
+    many = {world: runs * 10 for world, runs in scores(0.5, 0.9, 0.8).items()}
+    rows = {name: cells for name, *cells in gap_table(many, "").rows}
+    assert re.fullmatch(r"75\.0\n\(\d\d\.\d to \d\d\.\d\)", rows[PLAN][0])
+    assert [rows[world][1] for world in WORLDS] == ["100", "50", "90", "80"]
+
+
+def test_what_is_lost_is_said() -> None:
+    found = scores(1.0, 1.0, 1.0)
+    assert losses(found, 4) == []
+    found[DISTURBED][1] = PLAIN._replace(delivered=3, lost=1, on_time=nan)
+    assert losses(found, 4) == ["disturbed, 2 seeds: 1 x order not delivered, 1 x robot lost"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--orders", "0"), "--orders is 0; it must be above 0 orders a second"),
+        (("--orders", "nan"), "--orders is nan; it must be above 0 orders a second"),
+        (("--due", "9:3"), "FEWEST:MOST seconds from release to due time, as in 100:300"),
+        (("--battery", "many"), "--battery is 'many'"),
+        (("--plan-seconds", "0"), "--plan-seconds is 0.0; it must be above 0"),
+    ],
+)
+def test_wrong_values_are_refused_before_any_run(
+    capsys: pytest.CaptureFixture[str], words: tuple[str, str], message: str
+) -> None:
+    assert message in refusal(capsys, *SMALL, *words, code=2)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--robots", "400"), "400"),
+        (("--planner", "none"), "no planner is called 'none'"),
+        (("--assignment", "none"), "no assignment is called 'none'"),
+        (("--save", "gap.png"), "gap.png"),
+    ],
+)
+def test_wrong_names_are_refused_before_any_run(
+    capsys: pytest.CaptureFixture[str], words: tuple[str, str], message: str
+) -> None:
+    assert message in refusal(capsys, *SMALL, *words)
+
+
+def test_a_layout_without_stations_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("bare.txt").write_text("....\n....\n", encoding="utf-8")
+    assert "the layout has no pickup" in refusal(capsys, *SMALL, "--layout", "bare.txt")

@@ -1,0 +1,239 @@
+"""The command ``warehouse grade``."""
+
+import csv
+import json
+import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from time import sleep
+
+import pytest
+from helpers.command_line import ROOT, command, refusal
+from helpers.documents import executable_nodes
+from helpers.submissions import (
+    GOOD,
+    RUBRIC,
+    SUBMISSIONS,
+    idle,
+    running_in,
+    write_rubric,
+    write_submissions,
+)
+
+from agents.lab.grading.rubric import MINI_LAB
+
+ALLOWED = {"visible", "hidden", "after_due_date", "after_published"}
+REPLAY = re.compile(r"^ +worst +(.*)\n +replay +(.*)$", flags=re.MULTILINE)
+WORSE = (
+    "class Agent:\n    def reset(self):\n        pass\n    def act(self, o):\n        return 'E'\n"
+)
+
+
+@pytest.fixture
+def rubric(tmp_path: Path) -> Path:
+    return write_rubric(tmp_path)
+
+
+def rows_of(path: str) -> dict[str, dict[str, str]]:
+    with open(path, encoding="utf-8", newline="") as file:
+        return {row["submission"]: row for row in csv.DictReader(file)}
+
+
+def test_each_replay_of_a_worst_case_shows_what_the_report_says(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """On the chapter's layout, another one, generated ones, and where the agent fails."""
+    text = RUBRIC.replace("visible = false", "").replace("first_seed = 77123", "battery = 50")
+    write_rubric(
+        Path(), text.replace('"closed"\nepisodes = 2', '"closed"\nepisodes = 2\nstart = [1, 1]')
+    )
+    source = """
+import random
+class Mine:
+    def __init__(self, seed):
+        self.seed = seed
+    def reset(self):
+        self.steps = 0
+    def act(self, observation):
+        self.steps += 1
+        if self.steps == 30 and self.seed == 2:
+            raise ValueError("thirty")
+        return random.choice("NESW") if observation["has_item"] or random.random() < 0.8 else "PICK"
+"""
+    Path("mine.py").write_text(source, encoding="utf-8")
+    for name in ("loops", "unseen", "chapter"):
+        one = Path("rubric.toml").read_text(encoding="utf-8")
+        Path("one.toml").write_text(
+            one.replace('cases = ["chapter", "loops", "unseen"]', f'cases = ["{name}"]'),
+            encoding="utf-8",
+        )
+        out = command(capsys, "grade", "mine.py", "--rubric", "one.toml").out
+        found = REPLAY.findall(out)
+        assert len(found) >= 3
+        for worst, line in found:
+            shown = ""
+            for part in line.split(" && "):
+                words = part.split()
+                assert words.pop(0) == "warehouse"
+                result = command(capsys, *words, *(["--no-show"] if words[0] == "run" else []))
+                shown += " ".join((result.out + result.err).split())
+            evidence = worst.rpartition(": ")[2].partition(";")[0].partition(" (")[0]
+            assert evidence in shown, (worst, line, shown)
+
+
+def test_results_have_the_form_that_gradescope_reads(
+    capsys: pytest.CaptureFixture[str], rubric: Path
+) -> None:
+    """As gradescope-autograders.readthedocs.io/en/latest/specs says."""
+    rubric.write_text(
+        rubric.read_text().replace("points = 20\n", 'points = 20\nvisibility = "after_due_date"\n')
+    )
+    [file] = write_submissions(Path(), "none_without_way")
+    code, out, _ = command(
+        capsys, "grade", f"{file}:Agent", "--rubric", rubric, "--save", "results.json"
+    )
+    assert code == 0
+    results = json.loads(Path("results.json").read_text(encoding="utf-8"))
+    assert results["score"] == 70 == sum(test["score"] for test in results["tests"])
+    assert results["visibility"] in ALLOWED
+    assert results["stdout_visibility"] in ALLOWED
+    assert [test["visibility"] for test in results["tests"]][1] == "after_due_date"
+    for test in results["tests"]:
+        assert test.keys() == {
+            "name", "number", "score", "max_score", "status", "output", "visibility",
+        }  # fmt: skip
+        assert (test["status"] == "passed") == (test["score"] == test["max_score"])
+        assert all(line.split(": ", 1)[1] in out for line in test["output"].splitlines())
+    assert "time" not in results
+
+
+def test_the_page_loads_nothing_and_escapes_what_agents_say(
+    capsys: pytest.CaptureFixture[str], rubric: Path
+) -> None:
+    [file] = write_submissions(Path(), "raises_markup")
+    saved = [*("--save", "report.html"), *("--save", "report.json")]
+    out = command(capsys, "grade", file, "--rubric", rubric, *saved).out
+    page = Path("report.html").read_text(encoding="utf-8")
+    assert executable_nodes(Path("report.html")) == []
+    assert "&lt;script&gt;alert(1)" in page
+    assert "\x1b" not in page + out + Path("report.json").read_text(encoding="utf-8")
+    assert "http" not in page.replace("http-equiv", "")
+
+
+def test_a_folder_is_graded_once_and_again_where_something_has_changed(
+    capsys: pytest.CaptureFixture[str], rubric: Path
+) -> None:
+    write_submissions(Path("all"), "searches", "picks", "syntax")
+    Path("all", "=cmd.py").write_text(idle("pass"), encoding="utf-8")
+    Path("all", "none").mkdir()
+    words = ("grade", "all", "--rubric", rubric, "-o", "grades.csv", "--jobs", 1)
+    result = command(capsys, *words, "--jobs", 2, "--pages", "pages")
+    assert result.code == 0
+    assert "4 graded, 1 as they were" in result.out
+    rows, first = rows_of("grades.csv"), Path("grades.csv").read_bytes()
+    points = {name: row["points"] for name, row in rows.items()}
+    assert points == {"searches": "100", "picks": "0", "syntax": "0", "none": "0", "'=cmd.py": "0"}
+    assert rows["syntax"]["failure"].startswith("cannot be loaded: SyntaxError")
+    assert rows["none"]["failure"] == "it has 0 .py files, and none is agent.py"
+    assert len(list(Path("pages").iterdir())) == 8
+    assert "0 graded, 5 as they were" in command(capsys, *words).out
+    assert Path("grades.csv").read_bytes() == first
+    Path("all", "picks", "agent.py").write_text(GOOD, encoding="utf-8")
+    assert "1 graded, 4 as they were" in command(capsys, *words).out
+    assert rows_of("grades.csv")["picks"]["points"] == "100"
+    rubric.write_text(RUBRIC.replace("points = 20", "points = 10"), encoding="utf-8")
+    assert "4 graded, 1 as they were" in command(capsys, *words).out
+    assert rows_of("grades.csv")["searches"]["points"] == "90"
+
+
+KILLER = """
+import ctypes, os
+class Agent:
+    def reset(self):
+        libc, text = ctypes.CDLL(None), ctypes.create_string_buffer(500)
+        libc.read(libc.open(f"/proc/{os.getppid()}/stat".encode(), 0), text, 499)
+        libc.sigqueue(int(text.value.split()[3]), 9, 0)
+        libc.sleep(600)
+    def act(self, observation):
+        return "WAIT"
+"""
+
+
+def test_an_agent_that_ends_the_grader_has_no_points_and_the_others_have_theirs(
+    capsys: pytest.CaptureFixture[str], rubric: Path, tmp_path: Path
+) -> None:
+    """Only compiled code can, here the system's, and only in a process of its own submission."""
+    write_submissions(tmp_path / "all", "searches", "picks")
+    Path("all", "a.py").write_text(KILLER, encoding="utf-8")
+    words = ("grade", "all", "--rubric", rubric, "-o", "grades.csv", "--jobs", 1)
+    assert command(capsys, *words).code == 0
+    rows = rows_of("grades.csv")
+    assert {name: row["points"] for name, row in rows.items()} == {
+        "a.py": "0", "searches": "100", "picks": "0",
+    }  # fmt: skip
+    assert rows["a.py"]["failure"].startswith(
+        "it ended the grader: its process was ended by signal"
+    )
+    assert not running_in(tmp_path / "all")
+    assert "0 graded, 3 as they were" in command(capsys, *words).out
+
+
+def test_an_interrupted_folder_is_resumed_and_nothing_is_left_running(
+    capsys: pytest.CaptureFixture[str], rubric: Path, tmp_path: Path
+) -> None:
+    rubric.write_text(RUBRIC.replace("give_up_after = 1", "give_up_after = 99"), encoding="utf-8")
+    write_submissions(tmp_path / "all", "searches", "sleeps")
+    words = ["grade", "all", "--rubric", "rubric.toml", "-o", "grades.csv", "--jobs", "1"]
+    code = "from agents.__main__ import main; main()"
+    with subprocess.Popen(
+        [sys.executable, "-c", code, *words],
+        cwd=tmp_path,
+        env={"PYTHONPATH": str(ROOT), "PATH": ""},
+        stderr=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    ) as process:
+        while not Path("grades.csv").exists() or "searches" not in rows_of("grades.csv"):
+            assert process.poll() is None
+            sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert "1 of 2 submissions are in grades.csv; run the same command again to resume" in said
+    assert list(rows_of("grades.csv")) == ["searches"]
+    assert not running_in(tmp_path / "all")
+    Path("all", "sleeps", "agent.py").write_text(WORSE, encoding="utf-8")
+    assert "1 graded, 1 as they were" in command(capsys, *words).out
+    assert list(rows_of("grades.csv")) == ["searches", "sleeps"]
+
+
+def test_the_rubric_of_the_mini_lab_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    out = command(capsys, "grade", "--print-rubric").out
+    assert out == MINI_LAB.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("words", "message", "code"),
+    [
+        (("all", "--save", "a.html"), "--save is of one agent", 2),
+        (("mine.py", "-o", "a.csv"), "--output is of a folder, and 'mine.py' is none", 2),
+        (("mine.py", "--save", "a.png"), "a.png: cannot save as .png; allowed: .json, .html", 1),
+        (("none.py",), "agent file none.py: there is no such file", 1),
+        (("all", "-o", "a.txt"), "a.txt: cannot save as .txt; allowed: .csv", 1),
+        (("all", "-o", "other.csv"), "other.csv: it is no table of grades", 1),
+        (("empty",), "empty: there is no .py file in it, nor a folder with one", 1),
+        (("mine.py", "--rubric", "none.toml"), "none.toml: No such file or directory", 1),
+    ],
+)
+def test_wrong_words_are_refused(
+    capsys: pytest.CaptureFixture[str], words: tuple[str, ...], message: str, code: int
+) -> None:
+    write_submissions(Path("all"), "searches")
+    Path("empty").mkdir()
+    Path("mine.py").write_text(SUBMISSIONS["waits"].source, encoding="utf-8")
+    Path("other.csv").write_text("a,b\n1,2\n", encoding="utf-8")
+    assert message in refusal(capsys, "grade", *words, code=code)
+    assert Path("other.csv").read_text(encoding="utf-8") == "a,b\n1,2\n"

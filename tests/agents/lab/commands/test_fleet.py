@@ -1,0 +1,349 @@
+"""The command ``warehouse fleet``."""
+
+import re
+from math import nan
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.command_line import command, refusal, without_display
+from PIL import Image
+
+from agents.lab.commands.fleet.fleet import parse_orders
+from agents.lab.commands.fleet.options import parse_battery, parse_due
+from agents.lab.commands.fleet.report import LINES, diagnosis, verdict
+from agents.lab.commands.fleet.report import measures_table as table
+from agents.registry import PLANNERS
+from warehouse_core import FleetEpisode, Order, OrderStream
+from warehouse_core.fleet import Battery, FleetMeasures
+from warehouse_core.orders import save_orders
+from warehouse_core.records.fleet_modes import FleetDiagnosis, diagnose_fleet
+
+SMALL = ("fleet", "--robots", 3, "--steps", 60, "--seed", 5)
+TOO_FAR = """
+class Fails:
+    def reset(self):
+        self.steps = 0
+
+    def act(self, observation):
+        self.steps += 1
+        if self.steps == 4:
+            raise {}
+        return "N"
+"""
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
+    without_display(monkeypatch)
+
+
+def measured(**changed: float) -> FleetMeasures:
+    values: dict[str, float] = {
+        "steps": 100, "seconds": 100.0, "orders": 20, "delivered": 18, "per_hour": 648.0,
+        "mean_lateness": 2.5, "worst_lateness": 12.0, "on_time": 0.5, "joules": 9000.0,
+        "joules_per_delivery": 500.0, "blocked_by_wall": 0, "blocked_by_robot": 10,
+        "blocked_by_person": 0, "waits": 30, "charging": 20, "distance": 190, "stranded": 0,
+    }  # fmt: skip
+    return FleetMeasures(**(values | changed))  # type: ignore[arg-type]
+
+
+def test_a_shift_is_run_measured_and_recorded(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = command(capsys, *SMALL, "--orders", 0.2, "--save", "shift.npz")
+    assert (code, err) == (0, "")
+    assert max(map(len, out.splitlines())) <= 80
+    assert "3 robots (greedy) on layout depot, backend grid, seed 5" in out
+    episode = FleetEpisode.load("shift.npz")
+    assert (episode.robots, episode.steps, episode.seed) == (3, 60, 5)
+    assert episode.settings.battery == Battery(400)
+    rows = [row.split("\u2502") for row in out.splitlines() if row.startswith("\u2502")]
+    shown_of = {cells[1].strip(): cells[2].strip().replace(",", "") for cells in rows}
+    for line in LINES:
+        value = getattr(episode.measures, line.name) * line.factor
+        shown = shown_of[line.title]
+        expected = "none" if np.isnan(value) else value
+        assert shown == expected or float(shown) == pytest.approx(value, rel=0.005), line.title
+    assert f"{episode.measures.delivered} of {episode.measures.orders} orders delivered" in out
+    assert f"Diagnosis: {diagnose_fleet(episode).mode}: " in out
+    again = command(capsys, "replay", "shift.npz", "--save", "shift.png")
+    assert again.out.splitlines()[1:-1] == out.splitlines()[1:-1]
+    with Image.open("shift.png") as picture:
+        assert picture.width > 100
+
+
+def test_the_options_are_the_settings_of_the_fleet(capsys: pytest.CaptureFixture[str]) -> None:
+    options = (
+        "--orders", 0.3, "--due", "5:9", "--people", 2, "--battery", "9000joules",
+        "--late-penalty", 0.5, "--view-radius", 1, "--layout", "hall", "--backend", "physics",
+        "--agent", "bfs",
+    )  # fmt: skip
+    command(capsys, *SMALL, *options, "--save", "shift.npz")
+    episode = FleetEpisode.load("shift.npz")
+    settings = episode.settings
+    assert settings.orders == (OrderStream(0.3, (5, 9)),)
+    assert (settings.people.count, settings.view_radius, settings.late_penalty) == (2, 1, 0.5)
+    assert settings.battery == Battery(9000, "joules")
+    assert (episode.backend, episode.agent, episode.layout.height) == ("physics", "bfs", 9)
+
+
+def test_orders_come_from_a_file(capsys: pytest.CaptureFixture[str]) -> None:
+    save_orders("orders.csv", [Order(0, 90, (2, 5), (11, 5)), Order(3, 90, (2, 5), (11, 12))])
+    done = command(capsys, *SMALL, "--orders", "orders.csv", "--save", "shift.npz")
+    assert done.code == 0
+    assert [order.due for order in FleetEpisode.load("shift.npz").orders] == [90, 90]
+    Path("orders.csv").write_text(Path("orders.csv").read_text().replace("11,12", "11,x"))
+    message = refusal(capsys, *SMALL, "--orders", "orders.csv")
+    assert message.startswith("orders.csv: line 3, column 6")
+    message = refusal(capsys, *SMALL, "--orders", "orders.csv", "--due", "5:9", code=2)
+    assert "--due is for a rate" in message
+
+
+def test_several_shifts_are_diagnosed_by_counts() -> None:
+    modes = ("late", "stranded", "late")
+    assert diagnosis([FleetDiagnosis(mode, (0,), "why") for mode in modes]) == (
+        "late (2), stranded (1)"
+    )
+    assert diagnosis([FleetDiagnosis("late", (0,), "why")]) == "late: why"
+
+
+def test_a_damaged_record_is_told_by_its_kind(capsys: pytest.CaptureFixture[str]) -> None:
+    command(capsys, *SMALL, "--save", "shift.npz")
+    data = bytearray(Path("shift.npz").read_bytes())
+    data[100] ^= 255  # in the first array: not every byte of a header matters
+    Path("shift.npz").write_bytes(data)
+    assert refusal(capsys, "replay", "shift.npz").startswith("shift.npz: damaged")
+
+
+def test_several_shifts_have_means_and_the_first_is_saved(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    out = command(capsys, *SMALL, "-n", 2, "--save", "shift.npz").out
+    assert "seeds 5 to 6" in out
+    assert "Fewer than 20 episodes have no intervals." in out
+    assert FleetEpisode.load("shift.npz").seed == 5
+    distances = []
+    for seed in (5, 6):
+        command(capsys, *SMALL[:-1], seed, "--save", "one.npz")
+        distances.append(FleetEpisode.load("one.npz").measures.distance)
+    [row] = [row for row in out.splitlines() if "distance" in row]
+    assert float(row.split("\u2502")[2]) == pytest.approx(sum(distances) / 2, rel=0.005)
+
+
+def test_means_leave_out_what_was_not_measured_and_have_intervals_of_many() -> None:
+    two = dict(row[:2] for row in table([measured(), measured(mean_lateness=nan)], "").rows)
+    assert two["mean lateness"] == "2.50"
+    assert dict(row[:2] for row in table([measured(on_time=nan)], "").rows)["on time"] == "none"
+    many = table([measured(waits=number) for number in range(40)], "")
+    waits = dict(row[:2] for row in many.rows)["waits"]
+    assert re.fullmatch(r"19\.5 \(1\d\.\d to 2\d\.\d\)", waits)
+    assert (many.header[1], many.caption) == ("mean (95% interval)", "")
+
+
+def test_the_verdict_says_what_went_wrong() -> None:
+    assert verdict([measured()], 8) == (
+        "18 of 20 orders delivered, 50% of them on time; robots blocked each other in 5% of their "
+        "moves; none ran empty."
+    )
+    assert "faster than this fleet delivers" not in verdict([measured(orders=34)], 8)
+    assert "faster than this fleet delivers" in verdict([measured(orders=35)], 8)
+    assert "1 ran empty. More chargers" in verdict([measured(orders=35, stranded=1)], 8)
+    nothing = measured(orders=1, delivered=0, on_time=nan, blocked_by_robot=0)
+    assert verdict([nothing], 8) == "0 of 1 order delivered; none ran empty."
+    half = [measured(delivered=2, on_time=1.0), measured(delivered=0, on_time=nan)]
+    assert "2 of 40 orders delivered, 100% of them on time" in verdict(half, 20)
+
+
+def test_an_agent_that_fails_is_named_after_what_has_been_measured(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    Path("mine.py").write_text(TOO_FAR.format("ValueError('too far')"))
+    done = command(capsys, *SMALL, "--orders", 1, "--agent", "mine.py:Fails", "--save", "a.npz")
+    assert done.code == 1
+    assert "not finished" in done.out
+    found = re.fullmatch(
+        r"warehouse: seed 5, step (\d+), robot \d, agent mine.py:Fails: ValueError: too far "
+        r"\(mine.py, line 9\)\n",
+        done.err,
+    )
+    assert found
+    assert FleetEpisode.load("a.npz").steps == int(found[1]) - 1
+
+
+PLANS = """
+class Plans:
+    def reset(self):
+        self.steps = 0
+
+    def next_cells(self, situation):
+        self.steps += 1
+        if self.steps == 4:
+            raise ValueError("too far")
+        return situation.cells
+
+
+class Collides(Plans):
+    def next_cells(self, situation):
+        return situation.cells * 0 + situation.cells[0]
+
+
+class Hangs(Plans):
+    def next_cells(self, situation):
+        while True:
+            pass
+"""
+
+
+@pytest.mark.parametrize("planner", PLANNERS)
+def test_a_planner_and_an_assignment_by_name_lead_all_robots(
+    planner: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    done = command(
+        capsys, *SMALL, "--orders", 0.2, "--planner", planner, "--assignment", "nearest",
+        "--save", "a.npz",
+    )  # fmt: skip
+    assert (done.code, done.err) == (0, "")
+    assert f"3 robots ({planner}) on layout depot" in done.out
+    episode = FleetEpisode.load("a.npz")
+    assert not episode.settings.dispatch
+    assert episode.assignments
+    assert episode.measures.blocked_by_robot == 0
+
+
+def test_the_replay_draws_the_plans_of_chosen_robots(capsys: pytest.CaptureFixture[str]) -> None:
+    options = (*SMALL, "--orders", 0.2, "--planner", "pibt", "-n", 2)
+    shows: list[tuple[str, ...]] = [(), ("--show-plans", "0,2"), ("--show-pushes",)]
+    for number, more in enumerate(shows):
+        target = f"{number}.svg"
+        assert command(capsys, *options, *more, "--save", target).code == 0
+    plain, plans, _ = (Path(f"{number}.svg").read_text() for number in range(3))
+    assert len(plans) > len(plain), "the legend explains plans"
+    said = refusal(capsys, *SMALL, "--planner", "windowed", "--show-pushes")
+    assert "planner WindowedPlanner does not say which robots push" in said
+
+
+def test_a_planner_that_fails_stops_the_shift_or_all_robots_wait(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    Path("mine.py").write_text(PLANS)
+    own = (*SMALL, "--orders", 1, "--save", "a.npz", "--planner")
+    done = command(capsys, *own, "mine.py:Plans")
+    reason = r"ValueError: too far \(mine.py, line 9\)"
+    assert done.code == 1
+    assert re.fullmatch(rf"warehouse: seed 5, step 4, agent mine.py:Plans: {reason}\n", done.err)
+    done = command(capsys, *own, "mine.py:Plans", "--go-on")
+    assert done.code == 0
+    assert re.fullmatch(
+        rf"warehouse: warning: seed 5, step 4, planner mine.py:Plans: {reason}; all robots "
+        r"waited; 14 more steps lost\n",
+        done.err,
+    )
+    done = command(capsys, *own, "mine.py:Collides")
+    assert done.code == 1
+    assert re.fullmatch(
+        r"warehouse: seed 5, step 1, agent mine.py:Collides: PlanError: robot \d is to go from "
+        r"\(\d+, \d+\) to \(\d+, \d+\), which is not an open cell beside it.*\n",
+        done.err,
+    )
+
+
+def test_a_plan_that_takes_too_long_is_cut_off_and_reported(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    Path("mine.py").write_text(PLANS)
+    done = command(
+        capsys, *SMALL, "--steps", 2, "--planner", "mine.py:Hangs", "--plan-seconds", 0.02,
+        "--save", "a.npz",
+    )  # fmt: skip
+    assert done.code == 0
+    assert done.err == (
+        "warehouse: warning: seed 5, step 1, planner mine.py:Hangs: the plan took more than "
+        "0.02 s; all robots waited; 1 more step lost\n"
+    )
+
+
+def test_an_interrupt_ends_the_shift_and_prints_the_measures(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    Path("mine.py").write_text(TOO_FAR.format("KeyboardInterrupt"))
+    done = command(capsys, *SMALL, "--orders", 1, "--planner", "mine.py:Fails")
+    assert done.code == 1  # it returned one action for three robots
+    Path("mine.py").write_text(TOO_FAR.format("KeyboardInterrupt").replace('"N"', '["N"] * 3'))
+    done = command(capsys, *SMALL, "--planner", "mine.py:Fails", "--save", "a.npz")
+    assert done.code == 130
+    assert "3 robots (mine.py:Fails)" in done.out
+    assert done.err.startswith("warehouse: interrupted in step 4, agent mine.py:Fails")
+    assert FleetEpisode.load("a.npz").steps == 3
+
+
+def test_a_fleet_that_will_run_empty_is_warned_of_once(capsys: pytest.CaptureFixture[str]) -> None:
+    done = command(capsys, *SMALL, "-n", 2, "--battery", 20, "--layout", "hall", "--no-show")
+    assert done.err.startswith("warehouse: warning: 0 chargers supply 0 steps a step and 3 robots")
+    assert done.err.count("\n") == 1
+    assert "6 ran empty. More chargers or a larger --battery would help." in " ".join(
+        done.out.split()
+    )
+
+
+def test_without_a_display_a_page_is_written(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    out = command(capsys, *SMALL).out
+    assert out.endswith("saved replay-greedy-grid-5.html\n")
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ("--robots 0", "--robots"),
+        ("--orders -1", "--orders -1: rate is -1.0; it must be at least 0"),
+        ("--orders often", "'often'; it must be a rate of orders a step, or a .csv file"),
+        ("--due 9", "'9'; it must be FEWEST:MOST"),
+        ("--due 9:8", "'9:8'; it must be FEWEST:MOST"),
+        ("--battery 0", "--battery is '0'; it must be 1.."),
+        ("--battery 5kg", "--battery is '5kg'; it must be 1.."),
+        ("--battery 9999999999", "--battery is '9999999999'; it must be 1.."),
+        ("--show-plans 1", "--show-plans and --show-pushes are for a --planner"),
+        ("--show-pushes", "--show-plans and --show-pushes are for a --planner"),
+        ("--planner pibt --show-plans 8", "--show-plans is '8'; it must be numbers of robots, 0.."),
+        ("--planner pibt --show-plans 0,", "--show-plans is '0,'; it must be numbers of robots"),
+        ("--late-penalty nan", "--late-penalty"),
+        ("--seed -1", "seed is -1; it must be at least 0"),
+        ("--robots 99999 --people 9", "robots and people is 100008; it must be at most"),
+        ("--agent bfs --planner a.py:A", "--planner directs all robots; leave out --agent"),
+        ("--assignment urgent", "--assignment is for a --planner"),
+        ("--planner pibt --plan-seconds 0", "--plan-seconds is 0.0; it must be above 0"),
+    ],
+)
+def test_wrong_options_are_named(
+    options: str, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert words in refusal(capsys, *SMALL, *options.split(), code=2)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ("--robots 5000", "5000 robots and 0 people have no room"),
+        ("--orders nowhere.csv", "nowhere.csv: No such file"),
+        ("--layout nowhere", "no layout is called 'nowhere'"),
+        ("--agent nobody", "no agent is called 'nobody'"),
+        ("--planner nobody", "no planner is called 'nobody'; allowed: pibt, pibt-lanes, pibt-le"),
+        ("--planner pibt --assignment x", "no assignment is called 'x'; allowed: fifo, nearest"),
+        ("--backend none", "no backend is called 'none'"),
+        ("--orders 1e9", "MAX_ORDERS"),
+        ("--save a.txt", "cannot save as .txt"),
+    ],
+)
+def test_what_cannot_be_found_or_done_is_named(
+    options: str, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert words in refusal(capsys, *SMALL, *options.split())
+
+
+def test_texts_are_read_as_settings() -> None:
+    assert parse_battery("7") == parse_battery("7steps") == Battery(7)
+    assert parse_battery("7 joules") == Battery(7, "joules")
+    assert (parse_due(None), parse_due("0:0")) == ((50, 150), (0, 0))
+    assert parse_orders("1e-2", None) == OrderStream(0.01)

@@ -1,0 +1,224 @@
+"""Sends keys to a figure without a window; ``tests/system/test_window.py`` presses real ones."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import pytest
+from helpers.command_line import command, refusal, without_display
+from helpers.pictures import ROOM
+from matplotlib.backend_bases import KeyEvent
+from PIL import Image
+
+from agents.lab.commands import play as module
+from agents.lab.commands.play import Driver
+from agents.lab.console.options import Place
+from warehouse_core import Episode, WarehouseEnv, replay_episode
+from warehouse_core.viz.figure import SceneFigure
+
+
+@pytest.fixture(autouse=True)
+def no_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    without_display(monkeypatch)
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def driver() -> Driver:
+    # This seed puts the robot at (1, 1), P below it at (2, 1) and D beside that at (2, 2).
+    return Driver(WarehouseEnv(ROOM, max_steps=8), SEED, Place(ROOM, None, True))
+
+
+SEED = 4
+DELIVERY = ("down", "p", "right", "d")
+
+
+def words_in(figure: SceneFigure) -> list[str]:
+    return [text.get_text() for text in figure.texts if text.get_text()]
+
+
+def press(figure: SceneFigure, *keys: str) -> None:
+    for key in keys:
+        event = KeyEvent("key_press_event", figure.canvas, key)
+        figure.canvas.callbacks.process("key_press_event", event)
+
+
+@pytest.fixture(autouse=True)
+def no_windows_left() -> object:
+    yield
+    plt.close("all")
+
+
+def test_the_first_frame_explains_the_keys(driver: Driver) -> None:
+    words = words_in(driver.figure)
+    assert "step 0 of 8" in words
+    assert any(text.startswith("arrows or NESW move, P picks, D drops") for text in words)
+    assert f"You on the grid backend, seed {SEED}" in words
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        ["up", "right", "down", "left", "p", "d", " "],
+        ["n", "e", "s", "w", "P", "D", " "],
+        ["N", "E", "S", "W", "P", "D", " "],
+    ],
+)
+def test_a_key_is_an_action(driver: Driver, keys: list[str]) -> None:
+    press(driver.figure, *keys)
+    assert driver.episode.actions == ["N", "E", "S", "W", "PICK", "DROP", "WAIT"]
+    assert driver.episode.reasons == ["key"] * 7
+    assert "WAIT (key)" in words_in(driver.figure)
+    assert "step 7 of 8" in words_in(driver.figure)
+
+
+def test_other_keys_do_nothing(driver: Driver) -> None:
+    press(driver.figure, "x", "ctrl+p", "shift", "f", "home", "1")
+    event = KeyEvent("key_press_event", driver.figure.canvas, None)
+    driver.figure.canvas.callbacks.process("key_press_event", event)
+    assert driver.episode.actions == []
+
+
+def test_an_item_can_be_delivered(driver: Driver) -> None:
+    press(driver.figure, *DELIVERY)
+    assert driver.episode.outcome == "delivered"
+    assert "DELIVERED" in words_in(driver.figure)
+    words = "delivered in 4 steps; the shortest way takes 4, Enter starts seed 5"
+    assert words in words_in(driver.figure)
+
+
+def test_after_the_end_keys_of_actions_do_nothing(driver: Driver) -> None:
+    press(driver.figure, *[" "] * 12)
+    assert driver.episode.actions == ["WAIT"] * 8
+    assert "INEFFECTIVE" in words_in(driver.figure)
+
+
+@pytest.mark.parametrize(("key", "steps"), [("enter", 8), ("return", 3)])
+def test_enter_starts_again_from_the_next_seed(driver: Driver, key: str, steps: int) -> None:
+    press(driver.figure, *[" "] * steps, key)
+    assert (driver.episode.seed, driver.episode.actions) == (SEED + 1, [])
+    fresh = WarehouseEnv(ROOM)
+    fresh.reset(randomize=True, seed=SEED)
+    assert driver.episode.cells[0] == fresh.reset(randomize=True, seed=SEED + 1)["robot_pos"]
+    assert f"You on the grid backend, seed {SEED + 1}" in words_in(driver.figure)
+    assert "step 0 of 8" in words_in(driver.figure)
+    assert "INEFFECTIVE" not in words_in(driver.figure)
+    press(driver.figure, "n")
+    assert driver.episode.actions == ["N"]
+
+
+def test_a_game_is_an_episode_that_can_be_replayed(driver: Driver) -> None:
+    press(driver.figure, "up", "down", "right", "p", "left", " ")
+    assert driver.episode.outcome == "unfinished"
+    assert replay_episode(driver.episode) == driver.episode
+
+
+@pytest.mark.parametrize("key", ["Q", "escape"])
+def test_the_window_closes(driver: Driver, key: str) -> None:
+    assert plt.get_fignums()
+    press(driver.figure, key)
+    assert plt.get_fignums() == []
+
+
+# The command.
+
+
+@pytest.fixture
+def keys(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Return a function that sets the keys to press once the window is open."""
+    monkeypatch.setattr(module, "has_display", lambda: True)
+
+    def will_be(*pressed: str) -> None:
+        def show() -> None:
+            (number,) = plt.get_fignums()
+            figure = plt.figure(number)
+            assert isinstance(figure, SceneFigure)
+            press(figure, *pressed)
+
+        monkeypatch.setattr(plt, "show", show)
+
+    return will_be
+
+
+def test_play_reports_and_saves_a_game(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, keys: Callable[..., None]
+) -> None:
+    ROOM.save(tmp_path / "room.txt")
+    keys(*DELIVERY, "q")
+    result = command(
+        capsys,
+        *("play", "--layout", "room.txt", "--stations", "drawn", "--seed", SEED),
+        *("--save", "e.npz", "--save", "e.png"),
+    )
+    assert result.code == 0
+    episode = Episode.load("e.npz")
+    assert episode.actions == ["S", "PICK", "E", "DROP"]
+    assert (episode.agent, episode.seed, episode.outcome) == ("You", SEED, "delivered")
+    assert result.out.splitlines() == [
+        "game 1",
+        f"You on the grid backend, seed {SEED}, stations drawn",
+        "outcome         delivered",
+        "diagnosis       delivered in 4 steps; the shortest way takes 4",
+        "total reward    14.60",
+        "final battery   196 of 200",
+        "episode length  4 of at most 200 steps",
+        "saved e.npz",
+        "saved e.png",
+    ]
+    with Image.open("e.png") as image:
+        assert image.format == "PNG"
+
+
+def test_every_game_is_reported_and_saved(
+    capsys: pytest.CaptureFixture[str], keys: Callable[..., None]
+) -> None:
+    keys("n", "enter", "e", "e", "enter", "q")
+    result = command(capsys, "play", "--seed", 8, "--save", "e.npz", "--save", "e.svg")
+    games = [Episode.load(name) for name in ("e.npz", "e-2.npz")]
+    assert [(game.seed, game.actions) for game in games] == [(8, ["N"]), (9, ["E", "E"])]
+    lines = result.out.splitlines()
+    for number in (1, 2):
+        after = lines.index(f"game {number}") + 1
+        assert lines[after] == f"You on the grid backend, seed {7 + number}, stations drawn"
+    assert "game 3" not in lines
+    assert lines[-4:] == ["saved e.npz", "saved e.svg", "saved e-2.npz", "saved e-2.svg"]
+
+
+def test_play_takes_battery_and_steps(
+    capsys: pytest.CaptureFixture[str], keys: Callable[..., None]
+) -> None:
+    keys(*[" "] * 9, "q")
+    words = ["play", "--seed", 1, "--save", "e.npz"]
+    command(capsys, *words, "--battery", 4)
+    assert Episode.load("e.npz").outcome == "battery depleted"
+    command(capsys, *words, "--max-steps", 5)
+    assert Episode.load("e.npz").steps == 5
+
+
+def test_play_has_a_random_seed_and_may_be_closed_at_once(
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    keys: Callable[..., None],
+) -> None:
+    keys("q")
+    monkeypatch.setattr(module, "draw_seed", lambda: 77)
+    result = command(capsys, "play", "--save", "e.npz", "--save", "e.svg")
+    assert result.code == 0
+    assert result.out.startswith(
+        "game 1\nYou on the grid backend, seed 77, stations drawn\noutcome         unfinished\n"
+    )
+    assert Episode.load("e.npz").steps == 0
+
+
+def test_play_needs_a_display(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    message = refusal(capsys, "play", "--seed", 1, "--save", "e.npz")
+    assert message == "play needs a window, and there is no display here"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_play_checks_its_targets_before_it_opens_a_window(
+    capsys: pytest.CaptureFixture[str], keys: Callable[..., None]
+) -> None:
+    keys("nothing")
+    assert "cannot save as .txt" in refusal(capsys, "play", "--save", "e.txt")
+    assert plt.get_fignums() == []

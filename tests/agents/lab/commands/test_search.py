@@ -1,0 +1,193 @@
+"""The command ``warehouse search``."""
+
+import math
+import re
+from pathlib import Path
+
+import pytest
+from helpers.command_line import command, refusal, without_display
+from PIL import Image
+
+from agents.lab.commands.search import algorithm, choose_ends
+from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError
+
+SPLIT = "#######\n#..#..#\n#..#.P#\n#######\n"
+
+
+@pytest.fixture(autouse=True)
+def no_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    without_display(monkeypatch)
+    monkeypatch.chdir(tmp_path)
+
+
+def rows(out: str) -> list[list[str]]:
+    """Return the cells of the rows of the printed table."""
+    lines = [line for line in out.splitlines() if line.startswith("\u2502")]
+    return [[cell.strip() for cell in line.strip("\u2502").split("\u2502")] for line in lines]
+
+
+def search(capsys: pytest.CaptureFixture[str], *words: object) -> str:
+    """Run the command, which must succeed, without a window, and return what it prints."""
+    result = command(capsys, "search", "--no-show", *words)
+    assert (result.code, result.err) == (0, "")
+    return result.out
+
+
+def test_the_table_has_a_row_for_each_weight(capsys: pytest.CaptureFixture[str]) -> None:
+    printed = rows(search(capsys, "--start", "5,1", "--goal", "1,10"))
+    assert [row[:2] for row in printed] == [
+        ["uniform-cost", "0"],
+        ["A*", "1"],
+        ["weighted A*", "5"],
+        ["greedy best-first", "inf"],
+    ]
+    assert printed[0][2] == printed[1][2] == "15"
+    assert int(printed[1][3]) < int(printed[0][3])
+    assert all(int(row[4]) > int(row[3]) >= int(row[5]) > 0 for row in printed)
+
+
+def test_without_options_the_four_searches_differ(capsys: pytest.CaptureFixture[str]) -> None:
+    out = search(capsys)
+    assert "Search from (2, 10) to (1, 3), heuristic: manhattan" in out
+    expanded = [int(row[3]) for row in rows(out)]
+    assert expanded == sorted(set(expanded), reverse=True)
+    assert len(expanded) == 4
+    costs = [row[2] for row in rows(out)]
+    assert costs[0] == costs[1] == "12"
+    assert costs[3] == "14"
+
+
+def test_the_default_start_is_far_from_the_goal(capsys: pytest.CaptureFixture[str]) -> None:
+    assert "Search from (4, 9) to (4, 2)" in search(capsys, "--layout", "trap")
+    assert "Search from (1, 10) to (5, 1)" in search(capsys, "--goal", "5,1")
+
+
+def test_the_zero_heuristic_makes_astar_uniform_cost_search(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    ends = ("--start", "5,1", "--goal", "1,10", "--weights", "0,1")
+    blind, astar = rows(search(capsys, *ends, "--heuristic", "zero"))
+    assert blind[2:] == astar[2:]
+
+
+def test_the_true_distance_expands_only_the_path(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    ends = ("--start", "5,1", "--goal", "1,10", "--weights", "1,inf")
+    for row in rows(search(capsys, *ends, "--heuristic", "true")):
+        assert row[2:4] == ["15", "15"]
+
+
+def test_a_seed_gives_random_ends_and_repeats_them(capsys: pytest.CaptureFixture[str]) -> None:
+    printed = [search(capsys, "--seed", seed) for seed in (1, 1, 2)]
+    assert printed[0] == printed[1] != printed[2]
+
+
+def test_random_ends_are_open_and_different() -> None:
+    for seed in range(20):
+        for start, goal in ((None, None), ((1, 1), None), (None, (1, 1))):
+            ends = choose_ends(DEFAULT_LAYOUT, start, goal, seed)
+            assert ends[0] != ends[1]
+            assert all(DEFAULT_LAYOUT.is_open(cell) for cell in ends)
+            assert start in (None, ends[0])
+            assert goal in (None, ends[1])
+
+
+def test_a_layout_of_one_open_cell_has_one_end() -> None:
+    assert choose_ends(Layout(["#.#"]), None, None, 3) == ((0, 1), (0, 1))
+
+
+def test_the_start_is_not_a_goal_with_walls_around_it() -> None:
+    layout = Layout([".#.#."])
+    assert choose_ends(layout, None, (0, 0), None) == ((0, 4), (0, 0))
+    assert choose_ends(layout, None, (0, 4), None) == ((0, 0), (0, 4))
+    assert choose_ends(Layout(["P"]), None, None, None) == ((0, 0), (0, 0))
+
+
+def test_a_cell_at_the_origin_counts_as_given() -> None:
+    layout = Layout([".P", ".."])
+    assert choose_ends(layout, (1, 1), (0, 0), None) == ((1, 1), (0, 0))
+
+
+def test_a_layout_without_a_pickup_asks_for_a_goal() -> None:
+    with pytest.raises(LayoutError, match="no pickup to go to; give --goal ROW,COL or --seed N"):
+        choose_ends(Layout(["..."]), None, None, None)
+
+
+def test_a_goal_that_cannot_be_reached_is_reported_and_drawn(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    Path("split.txt").write_text(SPLIT)
+    # The true distance shows at the start that there is no path.
+    for name, expanded in (("manhattan", 4), ("true", 1)):
+        words = (
+            "--layout",
+            "split.txt",
+            "--start",
+            "1,1",
+            "--heuristic",
+            name,
+            "--weights",
+            "1,inf",
+        )
+        out = search(capsys, *words, "--save", "path.png")
+        assert [row[2:4] for row in rows(out)] == [["none", str(expanded)]] * 2
+        assert "no path leads from (1, 1) to (2, 5)\n" in out
+        with Image.open("path.png") as image:
+            assert len(image.convert("RGB").getcolors()) > 10
+
+
+def test_without_a_display_the_animation_goes_to_a_file(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    Path("small.txt").write_text("P....\n")
+    result = command(capsys, "search", "--layout", "small.txt", "--seed", 1, "--weights", "1,2")
+    assert result.code == 0
+    assert result.out.endswith("saved search.gif\n")
+    with Image.open("search.gif") as image:
+        assert image.n_frames > 1
+
+
+def test_minus_zero_is_zero(capsys: pytest.CaptureFixture[str]) -> None:
+    assert rows(search(capsys, "--weights", "-0"))[0][:2] == ["uniform-cost", "0"]
+
+
+def test_a_weight_has_the_name_of_its_algorithm() -> None:
+    assert [algorithm(weight) for weight in (0, 0.5, 1, 2, math.inf)] == [
+        "uniform-cost",
+        "weighted A*",
+        "A*",
+        "weighted A*",
+        "greedy best-first",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (("--weights", "1,-2"), r"--weights has '-2'; each must be 0\.\.1000000 or inf"),
+        (("--weights", "much"), r"--weights has 'much'; each must be 0\.\.1000000 or inf"),
+        (("--weights", "1,2,3,4,5,6,7"), "--weights '1,2,3,4,5,6,7' are 7; at most 6"),
+        (("--heuristic", "luck"), "no heuristic is called 'luck'; allowed: manhattan, true, zero"),
+        (("--start", "1"), "--start is '1'; it must be ROW,COL as in 1,2"),
+        (("--goal", "1,2,3"), "--goal is '1,2,3'; it must be ROW,COL as in 1,2"),
+    ],
+)
+def test_a_wrong_value_is_one_line_that_names_what_is_allowed(
+    capsys: pytest.CaptureFixture[str], words: tuple[str, ...], expected: str
+) -> None:
+    assert re.search(expected, refusal(capsys, "search", *words, code=2))
+
+
+def test_an_end_that_is_not_an_open_cell_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    line = refusal(capsys, "search", "--start", "0,0")
+    assert line == "start row 0, column 0 is wall; it must be an open cell"
+    line = refusal(capsys, "search", "--goal", "-1,99")
+    assert line.startswith("goal row -1, column 99 is off the grid (rows 0..6, columns 0..11)")
+
+
+def test_an_unknown_format_is_an_error_before_the_search(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    line = refusal(capsys, "search", "--save", "a.npz", "--start", "0,0")
+    assert line.startswith("a.npz: cannot save as .npz; allowed: .gif")

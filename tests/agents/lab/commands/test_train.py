@@ -1,0 +1,304 @@
+"""The commands ``warehouse train``; training by PPO itself is in learning/test_ppo_training.py."""
+
+import re
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers.command_line import command, in_a_process, refusal
+from PIL import Image
+
+from agents.lab.commands import train
+from agents.lab.commands.train import LIBRARIES, Training, comparison_table, fill_table
+from agents.lab.evaluation.random_layouts import RandomLayouts
+from agents.lab.evaluation.scores import MakeAgent, Run, Scores, Task
+from agents.learning import curve, training
+from agents.learning.q_learning import QTable
+from agents.learning.q_table import load_table
+from agents.learning.training import Point, Watch
+from warehouse_core import Layout, Observation
+from warehouse_core.errors import FormatError
+
+ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
+TASK = Task(max_steps=5)
+HEAVY = (*LIBRARIES, "gymnasium", "pymunk")
+WORDS = ("train", "q", "--layout", "room.txt", "--max-steps", 30)
+
+
+@pytest.fixture(autouse=True)
+def room(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Work in a folder with a small layout, with short examinations."""
+    monkeypatch.setattr(training, "EXAM_SEEDS", training.EXAM_SEEDS[:3])
+    monkeypatch.setattr(train, "FINAL_SEEDS", train.FINAL_SEEDS[:4])
+    monkeypatch.chdir(tmp_path)
+    ROOM.save("room.txt")
+
+
+@pytest.fixture
+def curves(monkeypatch: pytest.MonkeyPatch) -> list[list[Point]]:
+    """Return a list that collects the points of each learning curve, which is not drawn."""
+    drawn: list[list[Point]] = []
+
+    def draw(path: Path, name: str, title: str, points: list[Point], greedy: Scores) -> None:
+        assert len(greedy.runs) == 4
+        drawn.append(points)
+        path.write_text(f"{name}: {title}")
+
+    monkeypatch.setattr(curve, "save_learning_curve", draw)
+    return drawn
+
+
+class Waiter:
+    def reset(self) -> None:
+        pass
+
+    def act(self, observation: Observation) -> str:
+        return "WAIT"
+
+
+def waiter(seed: int) -> Waiter:
+    return Waiter()
+
+
+def learner(*steps: int, ends: type[BaseException] | None = None) -> Callable[[Watch], MakeAgent]:
+    """Return a learner that calls ``watch`` after these steps, and that may end with an error."""
+
+    def learn(watch: Watch) -> MakeAgent:
+        for taken in steps:
+            watch(taken, 0.5, waiter)
+        if ends:
+            raise ends
+        return waiter
+
+    return learn
+
+
+def write(path: Path) -> None:
+    path.write_text("what was learned")
+
+
+def files() -> list[str]:
+    return sorted(path.name for path in Path().glob("x*"))
+
+
+# A training.
+
+
+def test_the_files_are_written_and_reported(
+    capsys: pytest.CaptureFixture[str], curves: list[list[Point]]
+) -> None:
+    training = Training("Waiting", TASK, 1000, 7, Path("x.npz"))
+    training.run(learner(500, 1020), {".npz": write, ".zip": write})
+    out = capsys.readouterr().out
+    first, *saved = out.splitlines()[:4]
+    assert re.fullmatch(r"1,020 steps in \d+\.\d s, seed 7", first)
+    assert saved == ["saved x.npz", "saved x.zip", "saved x.png"]
+    assert files() == ["x.npz", "x.png", "x.zip"]
+    assert Path("x.png").read_text() == "Waiting: Learning to deliver: Waiting, seed 7"
+    assert [point.steps for point in curves[0]] == [500, 1020]
+    assert "4 random starts, the same for each" in out
+    assert re.search(r"Waiting +. +greedy", out)
+    assert re.search(r"delivered +. +0.0%", out)
+
+
+def test_in_random_layouts_the_comparison_names_them(
+    capsys: pytest.CaptureFixture[str], curves: list[list[Point]]
+) -> None:
+    task = Task(RandomLayouts(5, 6, 0.2, 0.2), max_steps=5)
+    Training("X", task, 1000, 1, Path("x.npz")).run(learner(1000), {".npz": write})
+    out = " ".join(capsys.readouterr().out.split())
+    assert "random layouts of 5 x 6 with density 0.2 " in out
+    assert "4 layouts, none of them in the training, the same for each" in out
+    assert Path("x.png").read_text().startswith("X: Learning to deliver in layouts that are not in")
+
+
+@pytest.mark.parametrize(
+    ("kind", "left"), [(KeyboardInterrupt, ["x.npz", "x.png"]), (ZeroDivisionError, [])]
+)
+def test_an_interrupt_saves_the_agent_and_a_fault_does_not(
+    capsys: pytest.CaptureFixture[str],
+    curves: list[list[Point]],
+    kind: type[BaseException],
+    left: list[str],
+) -> None:
+    training = Training("X", TASK, 1000, 1, Path("x.npz"))
+    with pytest.raises(kind):
+        training.run(learner(300, 310, ends=kind), {".npz": write})
+    assert files() == left
+    assert capsys.readouterr().out.startswith("300 of 1,000 steps in ") == bool(left)
+
+
+def test_an_interrupt_before_the_first_examination_leaves_the_old_files(
+    curves: list[list[Point]],
+) -> None:
+    Path("x.npz").write_text("from before")
+    training = Training("X", TASK, 1000, 1, Path("x.npz"))
+    with pytest.raises(KeyboardInterrupt):
+        training.run(learner(20, ends=KeyboardInterrupt), {".npz": write})
+    assert files() == ["x.npz"]
+    assert Path("x.npz").read_text() == "from before"
+
+
+def test_the_agent_is_saved_before_the_comparison(
+    curves: list[list[Point]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(train, "comparison_table", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        Training("X", TASK, 10, 1, Path("x.npz")).run(learner(10), {".npz": write})
+    assert files() == ["x.npz", "x.png"]
+
+
+@pytest.mark.parametrize("name", ["x.zip", "x", "x.NPZ"])
+def test_an_output_with_another_suffix_is_an_error(name: str) -> None:
+    suffix = Path(name).suffix or "a file without a suffix"
+    message = re.escape(f"{name}: cannot save as {suffix}; allowed: .npz")
+    with pytest.raises(FormatError, match=message):
+        Training("X", TASK, 10, 1, Path(name))
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".zip", ".png"])
+def test_files_that_cannot_be_written_are_errors_before_the_training(suffix: str) -> None:
+    Path(f"x{suffix}").mkdir()
+    for target, says in (("missing/x.npz", "the folder missing"), ("x.npz", f"x{suffix} is a")):
+        with pytest.raises(OSError, match=says):
+            Training("X", TASK, 10, 1, Path(target)).run(
+                lambda _: pytest.fail("it trained"), {".npz": write, ".zip": write}
+            )
+
+
+def test_the_table_also_compares_on_the_starts_where_all_deliver(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def scores(*steps: int) -> Scores:
+        return Scores([Run(taken < 200, taken, 5.0, 0.0, 0.0, 0) for taken in steps])
+
+    table = comparison_table({"one": scores(10, 20, 30, 200), "other": scores(12, 200, 40, 80)})
+    assert table.rows == [
+        ("delivered", "75.0%", "75.0%"),
+        ("steps to deliver", "20.00", "44.00"),
+        ("  where all deliver", "20.00", "26.00"),
+    ]
+    [_, (_, none), _] = comparison_table({"none": scores(200)}).rows
+    assert none == "none"
+
+
+# Q-learning.
+
+
+def test_a_table_is_trained_and_run(capsys: pytest.CaptureFixture[str]) -> None:
+    result = command(capsys, *WORDS, "--steps", 10_000)
+    assert (result.code, result.err) == (0, "")
+    assert result.out.splitlines()[1:3] == ["saved q.npz", "saved q.png"]
+    assert "delivered           │     100.0% │" in result.out
+    with Image.open("q.png") as picture:
+        assert picture.width > 900
+    run = ("run", "--agent", "q:q.npz", "--layout", "room.txt", "--seed", 3, "--no-show")
+    out = command(capsys, *run).out
+    assert out.startswith(
+        "QAgent on the grid backend, seed 3, stations kept\noutcome         delivered\n"
+    )
+
+
+def test_the_seed_repeats_a_training(
+    capsys: pytest.CaptureFixture[str], curves: list[list[Point]]
+) -> None:
+    for seed, name in ((3, "a.npz"), (3, "b.npz"), (4, "c.npz")):
+        command(capsys, *WORDS, "--steps", 300, "--seed", seed, "--output", name)
+    assert load_table("a.npz")[0] == load_table("b.npz")[0] != load_table("c.npz")[0]
+    assert curves[0] == curves[1] != curves[2]
+
+
+def test_battery_and_steps_limit_the_training(
+    capsys: pytest.CaptureFixture[str], curves: list[list[Point]]
+) -> None:
+    # With three steps nothing can be delivered, so no value is above that of the pick.
+    for option in ("--battery", "--max-steps"):
+        command(capsys, "train", "q", "--layout", "room.txt", option, 3, "--steps", 1000)
+        assert max(max(values) for values in load_table("q.npz")[0].values()) < 4.9
+
+
+def test_the_share_of_deliveries_is_that_of_the_latest_episodes() -> None:
+    shares: list[float] = []
+    fill_table(QTable(), Task(ROOM, 30, 30), 2000, 1, lambda _, share, __: shares.append(share))
+    assert shares[0] in (0, 1)
+    assert all(0 < share < 1 for share in shares[len(shares) // 2 :])
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--output", "q.zip"], "q.zip: cannot save as .zip; allowed: .npz"),
+        (["--output", "missing/q.npz"], "the folder missing does not exist"),
+        (["--layout", "missing.txt"], "missing.txt: No such file or directory"),
+        (["--layout", "tiny.txt"], "randomize needs two open cells"),
+    ],
+)
+def test_a_training_that_cannot_start_is_one_line(
+    capsys: pytest.CaptureFixture[str], words: list[str], message: str
+) -> None:
+    Path("tiny.txt").write_text("###\n#.#\n###\n")
+    assert message in refusal(capsys, "train", "q", *words)
+    assert not list(Path().glob("q*"))
+
+
+@pytest.mark.parametrize("words", [["--steps", "0"], ["--seed", "-1"], ["--seed", str(2**32)]])
+def test_wrong_usage_names_the_option(capsys: pytest.CaptureFixture[str], words: list[str]) -> None:
+    for agent in ("q", "ppo"):
+        assert words[0] in refusal(capsys, "train", agent, *words, code=2)
+
+
+# PPO where PyTorch is missing.
+
+
+def without(monkeypatch: pytest.MonkeyPatch, library: str) -> None:
+    """Make the import of a library fail, whether it is installed or not."""
+    for name in ("agents.learning.ppo_training", "agents.learning.vec_env"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    monkeypatch.setitem(sys.modules, library, None)
+
+
+def test_a_missing_library_is_one_line_with_the_command_that_installs_it(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    without(monkeypatch, "torch")
+    assert refusal(capsys, "train", "ppo") == (
+        "training by PPO needs torch, which is not installed: pip install "
+        "'sb3-contrib>=2.4' 'stable-baselines3>=2.4'"
+    )
+    assert not list(Path().glob("ppo*"))
+    message = "m.zip: cannot save as .zip; allowed: .npz"
+    assert refusal(capsys, "train", "ppo", "--output", "m.zip") == message
+
+
+def test_an_error_in_our_own_imports_keeps_its_traceback(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    without(monkeypatch, "agents.learning.ppo_training")
+    with pytest.raises(ModuleNotFoundError, match=r"agents\.learning\.ppo_training"):
+        refusal(capsys, "train", "ppo")
+
+
+def test_the_help_names_the_risk_and_every_training(capsys: pytest.CaptureFixture[str]) -> None:
+    words = " ".join(command(capsys, "train", "ppo", "--help").out.split())
+    assert "load only files of that kind that you trust" in words
+    result = command(capsys, "train")
+    assert all(word in result.out + result.err for word in ("ppo", "q", "Train an agent"))
+
+
+def test_other_commands_load_none_of_the_heavy_libraries(tmp_path: Path) -> None:
+    program = f"""
+import sys
+from agents.lab.commands.cli import main
+try:
+    main()
+finally:
+    print([name for name in {HEAVY} if name in sys.modules], file=sys.stderr)
+"""
+    words = ("-c", program, "run", "--seed", "1", "--no-show")
+    result = in_a_process(*words, folder=tmp_path)
+    assert (result.code, result.err) == (0, "[]\n")

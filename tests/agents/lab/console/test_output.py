@@ -1,0 +1,214 @@
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from helpers.command_line import without_display
+from helpers.pictures import short_episode
+from helpers.player import said_by
+from PIL import Image
+
+from agents.lab.console import output
+from agents.lab.console.output import replay_or_save
+from warehouse_core import Episode
+from warehouse_core.viz.tracks.track import Track
+
+NO_DISPLAY = "there is no display to open a window on"
+
+
+@pytest.fixture(autouse=True)
+def folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, small_pictures: None) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+class FakeReplay:
+    """Replaces the replay of tracks, and records the calls."""
+
+    def __init__(self) -> None:
+        self.speeds: list[float] = []
+        self.shown = 0
+
+    def __call__(self, track: Track, *, speed: float, window: bool) -> "FakeReplay":
+        assert track.title.endswith("on the grid backend, seed 4") or "seed" not in track.title
+        self.window = window
+        self.speeds.append(speed)
+        return self
+
+    def show(self) -> None:
+        assert self.window
+        self.shown += 1
+
+    def save(self, target: Path) -> None:
+        assert not self.window
+        target.touch()
+
+
+def fake(monkeypatch: pytest.MonkeyPatch, *, has_display: bool) -> FakeReplay:
+    replay = FakeReplay()
+    monkeypatch.setattr("warehouse_core.viz.replay.replay_of_track", replay)
+    monkeypatch.setattr(output, "has_display", lambda: has_display)
+    return replay
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+@pytest.mark.parametrize("name", ["episode.npz", "episode.NPZ"])
+def test_a_record_is_saved(folder: Path, name: str) -> None:
+    replay_or_save(short_episode(), [Path(name)], None)
+    assert names(folder) == [name]
+    assert Episode.load(name) == short_episode()
+
+
+def test_a_replay_is_saved_at_the_given_speed_and_opens_no_window(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    import matplotlib.pyplot as plt
+
+    without_display(monkeypatch)
+    replay_or_save(short_episode(), [Path("film.gif")], None, 300, 2.5)
+    with Image.open("film.gif") as film:
+        assert film.info["duration"] == 120
+    assert capsys.readouterr().out == "saved film.gif\n"
+    assert plt.get_fignums() == []
+
+
+@pytest.mark.parametrize(
+    ("files", "show", "opened"),
+    [
+        ([], None, 1),
+        ([], True, 1),
+        ([], False, 0),
+        (["a.svg", "b.npz"], None, 0),
+        (["a.svg", "b.npz"], True, 1),
+    ],
+)
+def test_a_window_opens_if_requested_or_if_nothing_is_saved(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    folder: Path,
+    files: list[str],
+    show: bool | None,
+    opened: int,
+) -> None:
+    replay, episode = fake(monkeypatch, has_display=True), short_episode()
+    replay_or_save(episode, [Path(file) for file in files], show, 70, 3.0)
+    assert names(folder) == files
+    assert replay.shown == opened
+    lines = [f"saved {file}" for file in files]
+    if opened:
+        assert replay.speeds[-1] == 3.0 * 150 / 70
+        lines.append("space pauses, left and right step, q closes the window")
+    assert capsys.readouterr().out.splitlines() == lines
+
+
+@pytest.mark.parametrize(
+    ("files", "show", "seed", "lines"),
+    [
+        (
+            [],
+            None,
+            4,
+            [f"{NO_DISPLAY}, so the replay goes to a file", "saved replay-Tester-grid-4.gif"],
+        ),
+        (
+            [],
+            True,
+            None,
+            [
+                f"{NO_DISPLAY}, so the replay goes to a file",
+                "saved replay-Tester-grid-unseeded.gif",
+            ],
+        ),
+        ([], False, 4, []),
+        (["a.npz"], None, 4, ["saved a.npz"]),
+        (["a.npz"], True, 4, ["saved a.npz", NO_DISPLAY]),
+    ],
+)
+def test_without_a_display_the_replay_goes_to_a_file(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    folder: Path,
+    files: list[str],
+    show: bool | None,
+    seed: int | None,
+    lines: list[str],
+) -> None:
+    replay = fake(monkeypatch, has_display=False)
+    replay_or_save(short_episode(seed=seed), [Path(file) for file in files], show)
+    assert replay.shown == 0
+    assert capsys.readouterr().out.splitlines() == lines
+    saved = [line.removeprefix("saved ") for line in lines if line.startswith("saved")]
+    assert names(folder) == saved
+
+
+def test_a_default_name_does_not_overwrite_an_older_file(
+    monkeypatch: pytest.MonkeyPatch, folder: Path
+) -> None:
+    fake(monkeypatch, has_display=False)
+    for _ in range(3):
+        replay_or_save(short_episode(), [], None)
+    first = "replay-Tester-grid-4"
+    assert names(folder) == [f"{first}-2.gif", f"{first}-3.gif", f"{first}.gif"]
+
+
+def test_the_name_of_an_agent_cannot_lead_to_another_folder(
+    monkeypatch: pytest.MonkeyPatch, folder: Path
+) -> None:
+    fake(monkeypatch, has_display=False)
+    episode = short_episode()
+    episode.agent = "../my agent"
+    replay_or_save(episode, [], None)
+    assert names(folder) == ["replay-_my_agent-grid-4.gif"]
+
+
+def test_a_page_is_written_at_the_given_speed(folder: Path) -> None:
+    for speed in (1.0, 2.0):
+        replay_or_save(short_episode(), [Path(f"{speed:g}.HTML")], None, 75, speed)
+    assert names(folder) == ["1.HTML", "2.HTML"]
+    pages = [said_by(Path(name).read_text(encoding="utf-8")) for name in names(folder)]
+    assert pages[1]["speed"] == 2 * pages[0]["speed"]
+    assert pages[0]["tracks"][0]["ending"] == "delivered"
+
+
+@pytest.mark.parametrize(
+    ("words", "titles"),
+    [
+        ("run --seed 12 --backend physics", ["GreedyAgent on the physics backend, seed 12"]),
+        ("replay old.npz", ["Tester on the grid backend, seed 4"]),
+        (
+            "compare --seed 12",
+            [f"GreedyAgent on the {backend} backend, seed 12" for backend in ("grid", "physics")],
+        ),
+        ("fleet --robots 2 --steps 5 --seed 1", ["greedy, 2 robots on the grid backend, seed 1"]),
+        ("demo ring", ["A ring of four robots"]),
+        ("search --weights 0,1", ["uniform-cost, W = 0", "A*, W = 1"]),
+    ],
+)
+def test_commands_write_pages_without_matplotlib(
+    folder: Path, words: str, titles: list[str]
+) -> None:
+    short_episode().save(folder / "old.npz")
+    program = (
+        "import sys; sys.modules['matplotlib'] = None; from agents.__main__ import main; main()"
+    )
+    command = [sys.executable, "-c", program, *words.split(), "--save", "film.html"]
+    done = subprocess.run(command, check=False, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    said = said_by((folder / "film.html").read_text(encoding="utf-8"))
+    assert [track["title"] for track in said["tracks"]] == titles
+
+
+def test_a_page_that_cannot_be_written_leaves_no_file(
+    monkeypatch: pytest.MonkeyPatch, folder: Path
+) -> None:
+    def broken(self: Path, text: str, **_: object) -> None:
+        self.write_bytes(b"half of it")
+        raise OSError("the disk is full")
+
+    monkeypatch.setattr(Path, "write_text", broken)
+    with pytest.raises(OSError, match="full"):
+        replay_or_save(short_episode(), [Path("film.html")], None)
+    assert names(folder) == []

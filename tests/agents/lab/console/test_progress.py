@@ -1,0 +1,45 @@
+import io
+import re
+import sys
+import time
+
+import pytest
+from helpers.terminal import Terminal
+
+from agents.lab.console.progress import progress_bar, track
+
+
+def shown(monkeypatch: pytest.MonkeyPatch, screen: io.StringIO, *steps: int) -> str:
+    """Return what a bar writes."""
+    monkeypatch.setattr(sys, "stderr", screen)
+    monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.setenv("TERM", "xterm")
+    with progress_bar(200, "Q-learning") as advance:
+        for completed in steps:
+            time.sleep(0.02)  # a shorter time gives a rate too large for the line
+            advance(completed, f"{completed} seen")
+    return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", screen.getvalue())
+
+
+def test_a_terminal_gets_a_bar_with_count_rate_time_left_and_news(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    line = re.split(r"[\r\n]+", shown(monkeypatch, Terminal(), 40, 100).strip())[-1]
+    assert re.search(r"Q-learning [━╸╺ ]+ 100/200 [\d,]+/s \d:\d\d:\d\d 100 seen", line)
+
+
+def test_an_unknown_rate_is_not_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = shown(monkeypatch, Terminal())
+    assert "0/200" in text
+    assert "/s" not in text
+
+
+def test_without_a_terminal_there_is_no_bar(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert shown(monkeypatch, io.StringIO(), 100) == ""
+
+
+def test_track_yields_every_item_and_counts_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    screen = Terminal()
+    monkeypatch.setattr(sys, "stderr", screen)
+    assert list(track("abc", "letters")) == ["a", "b", "c"]
+    assert "3/3" in screen.getvalue()

@@ -1,0 +1,332 @@
+"""Cases: settings without effect are left out, and equal experiments have equal keys."""
+
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers.command_line import refusal
+
+from agents.errors import AgentError, EpisodeError, ParameterError
+from agents.fleet.planned import DEFAULT_ASSIGNMENT
+from agents.lab.experiments.case import (
+    flags_of,
+    fleet_layout,
+    key_of,
+    make_agent_for,
+    make_case,
+    make_env,
+    make_fleet_agent_for,
+    read_case,
+)
+from agents.lab.experiments.episodes import check_fingerprint, row_of, run_fleet, run_one
+from agents.lab.experiments.parameters import PARAMETERS
+from agents.lab.experiments.plan import make_plan
+from agents.lab.experiments.store import Store
+from agents.lab.experiments.tables import Shift
+from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core import DEFAULT_LAYOUT, LayoutError, OrderStream
+from warehouse_core.fleet import Battery, FleetMeasures
+from warehouse_core.world.named_layouts import find_layout
+
+WAITER = """
+class Waiter:
+    def reset(self):
+        pass
+
+    def act(self, observation):
+        return "WAIT"
+"""
+
+
+def test_defaults_that_are_given_make_the_same_case() -> None:
+    given = {
+        name: parameter.default for name, parameter in PARAMETERS.items() if not parameter.of_fleets
+    }
+    assert key_of(make_case(given)) == key_of(make_case({}))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("choices", "needs"),
+    [
+        ({"density": [0.1, 0.2]}, "density has no effect here; it applies only with layout=random"),
+        ({"size": ["7x12", "8x8"]}, "size has no effect here; it applies only with layout=random"),
+        ({"escape": False, "memory": [2, 5]},
+         "memory has no effect here; it applies only with agent=greedy and escape=on"),
+        ({"robot.mass": [50, 70]},
+         "robot.mass has no effect here; it applies only with backend=physics"),
+        ({"disturbances.motor_strength": 0.5},
+         "disturbances.motor_strength has no effect here; it applies only with backend=physics"),
+    ],
+)  # fmt: skip
+def test_a_choice_without_any_effect_is_an_error(choices: dict[str, Any], needs: str) -> None:
+    with pytest.raises(ParameterError) as caught:
+        make_plan(choices, 1, 0)
+    assert str(caught.value) == needs
+
+
+@pytest.mark.parametrize(
+    ("choices", "cases"),
+    [
+        ({"battery": [20, 20]}, 1),
+        ({"layout": ["default", "random"], "density": [0.1, 0.2]}, 3),
+        ({"escape": [True, False], "memory": [2, 5]}, 3),
+        ({"backend": ["grid", "physics"], "robot.mass": [50, 60, 70]}, 4),
+    ],
+)
+def test_values_without_effect_add_no_cases(choices: dict[str, Any], cases: int) -> None:
+    assert len(make_plan(choices, 1, 0).cases) == cases
+
+
+@pytest.mark.parametrize(
+    "choices",
+    [
+        {"density": [0.1, 0.3], "layout": "random"},
+        {"size": ["7x12", "8x8"], "layout": "random"},
+        {"robot.mass": [50, 70], "backend": "physics"},
+        {"escape": [True, False]},
+        {"memory": [0, 10]},
+        {"view_radius": [1, 2]},
+        {"max_steps": [1, 2]},
+        {"backend": ["grid", "physics"]},
+    ],
+)
+def test_values_with_an_effect_add_cases(choices: dict[str, Any]) -> None:
+    assert len(make_plan(choices, 1, 0).cases) == 2
+
+
+def test_a_user_agent_has_neither_memory_nor_escape(tmp_path: Path) -> None:
+    file = tmp_path / "waiter.py"
+    file.write_text(WAITER)
+    agents = ["greedy", f"{file}:Waiter"]
+    *_, case = make_plan({"agent": agents, "escape": [True, False], "memory": [1, 2]}, 1, 0).cases
+    assert case["agent"] == agents[1]
+    assert not {"escape", "memory"} & case.keys()
+
+
+def test_a_changed_agent_file_makes_another_case(tmp_path: Path) -> None:
+    file = tmp_path / "waiter.py"
+    keys = []
+    for text in (WAITER, WAITER, WAITER + "# changed\n"):
+        file.write_text(text)
+        keys.append(key_of(make_case({"agent": f"{file}:Waiter"})))
+    assert keys[0] == keys[1] != keys[2]
+
+
+def test_a_changed_layout_file_makes_another_case(tmp_path: Path) -> None:
+    file = tmp_path / "layout.txt"
+    rows = [list(row) for row in DEFAULT_LAYOUT.rows]
+    keys = []
+    for tile in (".", ".", "#"):
+        rows[1][1] = tile
+        file.write_text("\n".join(map("".join, rows)) + "\n")
+        keys.append(key_of(make_case({"layout": str(file)})))
+    assert keys[0] == keys[1] != keys[2]
+
+
+def test_a_case_is_described_by_its_settings_that_are_not_defaults(tmp_path: Path) -> None:
+    file = tmp_path / "waiter.py"
+    file.write_text(WAITER)
+    assert flags_of(make_case({})) == []
+    assert flags_of(make_case({"battery": 200, "memory": 10})) == []
+    case = make_case({"agent": f"{file}:Waiter", "battery": 20})
+    assert flags_of(case) == [f"agent={file}:Waiter", "battery=20"]
+    case = make_case({"escape": False, "backend": "physics", "robot.mass": 70.0})
+    assert flags_of(case) == ["escape=off", "backend=physics", "robot.mass=70"]
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("1 / 0", "ZeroDivisionError: division by zero (own.py, line 1)"),
+        ("import sys\nsys.exit(0)", "SystemExit: 0 (own.py, line 2)"),
+        (
+            "class Own:\n    reset = act = print\n    def __init__(self):\n        self.x",
+            "AttributeError: 'Own' object has no attribute 'x' (own.py, line 4)",
+        ),
+    ],
+    ids=["a file that fails", "a file that exits", "a class that fails"],
+)
+def test_an_agent_that_cannot_be_made_is_a_one_line_error_and_no_file_is_written(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, text: str, reason: str
+) -> None:
+    file = tmp_path / "own.py"
+    file.write_text(text)
+    choice = ["--set", f"agent={file}:Own", "-o", tmp_path / "r.sqlite"]
+    line = refusal(capsys, "sweep", *choice)
+    expected = (
+        f"agent '{file}:Own' cannot be made"
+        if "class" in text
+        else f"cannot import agent file {file}"
+    )
+    assert line == f"{expected}: {reason}"
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_random_layouts_and_agents_depend_on_the_seed() -> None:
+    random = make_case({"layout": "random"})
+    assert make_env(random, 1).grid != make_env(random, 2).grid
+    assert make_env(random, 1).grid == make_env(random, 1).grid
+    for escape in (True, False):
+        case = make_case({"escape": escape})
+        agents = [make_agent_for(case, seed, DEFAULT_LAYOUT) for seed in (1, 2)]
+        assert [agent.seed for agent in agents] == [1, 2]  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(
+    ("rows", "stations"), [("#P...D#", "kept"), ("#.....#", "drawn"), (None, "drawn")]
+)
+def test_the_stations_of_a_layout_file_are_kept_if_it_has_any(
+    tmp_path: Path, rows: str | None, stations: str
+) -> None:
+    file = tmp_path / "hall.txt"
+    values = {} if rows is None else {"layout": str(file)}
+    file.write_text(rows or "")
+    case, other = make_case(values), "drawn" if stations == "kept" else "kept"
+    assert case["stations"] == stations
+    assert "stations=" not in "".join(flags_of(case))
+    if "P" in "".join(case["tiles"]):
+        changed = make_case({**values, "stations": other})
+        assert flags_of(changed) == [*flags_of(case), f"stations={other}"]
+        assert key_of(changed) != key_of(case)
+
+
+@pytest.mark.parametrize(
+    ("rows", "values", "message"),
+    [
+        ("P..", {}, "there is no dropoff D; add one, or use stations=drawn"),
+        ("...", {"stations": "kept"}, "there is no pickup P; add one, or use stations=drawn"),
+        ("P.D", {"stations": "drawn"}, "drawn from the empty cells; allowed: two or more, and the"),
+    ],
+)
+def test_a_missing_station_is_an_error_before_the_sweep(
+    tmp_path: Path, rows: str, values: dict[str, Any], message: str
+) -> None:
+    file = tmp_path / "hall.txt"
+    file.write_text(rows)
+    with pytest.raises(ParameterError, match=f"hall.txt: .*{message}"):
+        make_plan({"layout": str(file), **values}, 1, 0)
+
+
+@pytest.mark.parametrize("layout", ["hall.txt", "random", "default"])
+@pytest.mark.parametrize("stations", ["kept", "drawn"])
+def test_each_episode_keeps_the_stations_or_draws_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, layout: str, stations: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("hall.txt").write_text("##########\n#P......D#\n##########\n")
+    case = make_case({"layout": layout, "stations": stations, "max_steps": 3})
+    for seed in range(3):
+        before = make_env(case, seed).layout
+        [episode, again] = [run_one(case, seed) for _ in range(2)]
+        assert (episode.layout == before) is (stations == "kept")
+        assert episode == again
+    starts = {run_one(case, seed).cells[0] for seed in range(9)}
+    assert len(starts) > 1
+
+
+def test_a_case_of_version_0_1_0_has_drawn_stations_and_is_resumed(tmp_path: Path) -> None:
+    case = make_case({})
+    with Store(tmp_path / "r.sqlite") as store:
+        older = {name: value for name, value in case.items() if name != "stations"}
+        number = store.case_id(older)
+        assert store.case_id(case) == number
+        assert store.cases() == {number: case}
+
+
+def test_the_key_of_a_case_does_not_depend_on_the_order_of_its_settings() -> None:
+    case = make_case({})
+    assert key_of(dict(reversed(case.items()))) == key_of(case)
+
+
+def test_a_layout_may_be_a_movingai_map(tmp_path: Path) -> None:
+    path = tmp_path / "hall.map"
+    path.write_text("type octile\nheight 1\nwidth 4\nmap\n@..@\n")
+    assert make_case({"layout": str(path)})["tiles"] == ["#..#"]
+
+
+FLEET_CASE = {"robots": 3, "order_rate": 0.3, "max_steps": 40}
+
+
+def test_a_setting_of_fleets_makes_it_a_fleet_with_the_defaults_of_fleets() -> None:
+    case = make_case({"people": 2})
+    assert case["robots"] == PARAMETERS["robots"].default
+    assert (case["layout"], case["battery"], case["max_steps"]) == ("depot", 400, 1000)
+    assert case["chargers"] == len(find_layout("depot").chargers)
+    assert "stations" not in case
+    assert "robots" not in make_case({})
+    assert flags_of(case) == ["people=2"]
+    assert read_case(key_of(case)) == case
+    assert make_case({"robots": 2, "layout": "random"})["chargers"] == 0
+
+
+def test_the_settings_of_a_fleet_reach_it() -> None:
+    case = make_case({**FLEET_CASE, "due": "3:9", "people": 1, "chargers": 1, "battery": 77})
+    episode = run_fleet(case, 5)
+    settings = episode.settings
+    assert (settings.robots, settings.max_steps, settings.battery) == (3, 40, Battery(77))
+    assert settings.people.count == 1
+    assert settings.orders == (OrderStream(0.3, (3, 9)),)
+    assert len(episode.layout.chargers) == 1
+    assert episode == run_fleet(case, 5)
+    assert episode != run_fleet(case, 6)
+
+
+def test_the_agents_of_a_fleet_are_those_of_the_case() -> None:
+    cases = [make_case({**FLEET_CASE, **agent}) for agent in
+             ({}, {"escape": False}, {"memory": 2}, {"agent": "astar"})]  # fmt: skip
+    teams = [make_fleet_agent_for(case, 0, find_layout("depot")).agents for case in cases]
+    assert [len(team) for team in teams] == [3] * 4
+    assert [type(team[0]).__name__ for team in teams] == [*["GreedyAgent"] * 3, "SearchAgent"]
+    found = [(team[0].memory, team[0].escape_steps) for team in teams[:3]]
+    usual = GreedyAgent()
+    assert found == [(10, usual.escape_steps), (usual.memory, 0), (2, usual.escape_steps)]
+
+
+def test_chargers_are_taken_from_all_parts_of_the_layout() -> None:
+    chargers = find_layout("depot").chargers
+    for count in range(len(chargers) + 1):
+        found = fleet_layout(make_case({"chargers": count}), 0).chargers
+        assert len(found) == count
+        assert {*found} <= {*chargers}
+    two = fleet_layout(make_case({"chargers": 2}), 0).chargers
+    assert two == (chargers[0], chargers[len(chargers) // 2])
+    with pytest.raises(LayoutError, match=f"chargers is 99; the layout has {len(chargers)}"):
+        make_case({"chargers": 99})
+
+
+def test_the_row_of_a_fleet_has_its_measures() -> None:
+    episode = run_fleet(make_case({**FLEET_CASE, "max_steps": 2, "order_rate": 0}), 0)
+    row = row_of(episode)
+    assert isinstance(row, Shift)
+    assert (row.seed, row.mode, row.steps, row.orders, row.on_time) == (0, "idle", 2, 0, None)
+    measured = [each.name for each in fields(FleetMeasures) if each.name != "lost"]
+    assert list(Shift._fields[2:]) == measured
+    assert row.distance == episode.measures.distance
+
+
+def test_a_planner_takes_the_place_of_the_agents(tmp_path: Path) -> None:
+    file = tmp_path / "mine.py"
+    file.write_text(
+        "class Still:\n    def reset(self):\n        pass\n"
+        "    def next_cells(self, situation):\n        return situation.cells\n"
+    )
+    case = make_case({**FLEET_CASE, "planner": f"{file}:Still", "agent": "astar"})
+    assert not {"agent", "escape", "memory"} & case.keys()
+    assert case["assignment"] == DEFAULT_ASSIGNMENT
+    assert run_fleet(case, 0).measures.distance == 0
+    file.write_text(file.read_text() + "# changed")
+    with pytest.raises(EpisodeError, match=r"mine\.py:Still', or what it imports, has changed"):
+        check_fingerprint(case)
+    pibt = [run_fleet(make_case({**FLEET_CASE, "planner": "pibt", "assignment": name}), 0)
+            for name in ("urgent", "fifo")]  # fmt: skip
+    assert pibt[0].measures.delivered > 0
+    assert pibt[0] != pibt[1]
+    assert pibt[0].agent == "pibt"
+    assert "assignment" not in make_case(FLEET_CASE)
+    with pytest.raises(AgentError, match="no planner is called 'pibbt'"):
+        make_case({**FLEET_CASE, "planner": "pibbt"})
+    with pytest.raises(ParameterError, match="memory has no effect here"):
+        make_plan({"planner": "pibt", "memory": 4}, 1, 0)
+    with pytest.raises(ParameterError, match=r"assignment has no effect here; .* with a planner"):
+        make_plan({"robots": 2, "assignment": "fifo"}, 1, 0)

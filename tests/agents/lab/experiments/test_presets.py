@@ -1,0 +1,69 @@
+"""Presets: each is a plan for a question of the chapter, and can be run."""
+
+from pathlib import Path
+
+import pytest
+from helpers.command_line import command, refusal
+from helpers.sweeps import Here, nothing
+
+from agents.lab.experiments.choices import read_plan_file
+from agents.lab.experiments.parameters import PARAMETERS
+from agents.lab.experiments.plan import make_plan
+from agents.lab.experiments.running import run_missing
+from agents.lab.experiments.store import Store
+from agents.lab.experiments.sweep import PRESETS
+
+over_presets = pytest.mark.parametrize("name", PRESETS)
+
+
+@over_presets
+def test_a_preset_is_a_plan_that_varies_a_parameter_with_a_question(name: str) -> None:
+    preset = read_plan_file(PRESETS[name])
+    plan = make_plan(preset.choices, preset.episodes, 0)
+    assert len(plan.cases) > 1
+    values = {name: {case[name] for case in plan.cases if name in case} for name in preset.choices}
+    varied = [name for name in values if len(values[name]) > 1]
+    assert varied
+    assert all(PARAMETERS[each].question.endswith("?") for each in varied)
+
+
+@over_presets
+def test_a_preset_can_be_run(tmp_path: Path, name: str) -> None:
+    plan = make_plan(read_plan_file(PRESETS[name]).choices, 1, 0)
+    with Store(tmp_path / "r.sqlite") as store:
+        run_missing(plan, store, Here(), 1, nothing)
+        assert [store.count(case, plan.seeds) for case in plan.cases] == [1] * len(plan.cases)
+
+
+def test_the_preset_sets_the_number_of_episodes_unless_another_is_given(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = PRESETS["escape"].read_text().replace("episodes = 2000", "episodes = 3")
+    plan = tmp_path / "plan.toml"
+    plan.write_text(text)
+    monkeypatch.setitem(PRESETS, "escape", plan)
+    words = ["--preset", "escape", "--set", "memory=5", "--workers", 1]
+    printed = command(capsys, "sweep", *words, "-o", tmp_path / "r.sqlite").out
+    assert printed.startswith("2 combinations, 3 episodes each, 0 done\n")
+    printed = command(capsys, "sweep", *words, "-n", 1, "-o", tmp_path / "r.sqlite").out
+    assert printed.startswith("2 combinations, 1 episode each, 2 done\n")
+
+
+def test_an_unknown_preset_is_an_error_with_its_name(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = tmp_path / "r.sqlite"
+    line = refusal(capsys, "sweep", "--preset", "batery", "-o", path)
+    assert line == f"no preset is called 'batery'; allowed: {', '.join(PRESETS)}"
+    assert not path.exists()
+
+
+def test_a_preset_together_with_a_plan_file_is_an_error(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    plan, path = tmp_path / "plan.toml", tmp_path / "r.sqlite"
+    plan.write_text("")
+    line = refusal(capsys, "sweep", plan, "--preset", "battery", "-o", path)
+    assert str(plan) in line
+    assert "battery" in line
+    assert not path.exists()

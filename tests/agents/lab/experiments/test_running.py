@@ -1,0 +1,422 @@
+"""Running missing episodes gives the same rows with any executor and in any order."""
+
+import re
+from collections.abc import Callable, Collection, Sequence
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers.sweeps import AGENT, Here, nothing, table
+
+from agents.errors import StoreError, WorkerError
+from agents.lab.experiments.episodes import run_task
+from agents.lab.experiments.plan import Plan, make_plan
+from agents.lab.experiments.running import (
+    MAX_FAILURES,
+    MAX_SUSPECTS,
+    MAX_TASK_EPISODES,
+    TASK_SECONDS,
+    Pace,
+    run_missing,
+)
+from agents.lab.experiments.store import Store
+from agents.lab.experiments.tables import Row
+from agents.lab.experiments.workers import process_pool
+from agents.lab.runs.programs import program_for
+
+GLOBAL_STREAMS = """
+import random
+
+import numpy as np
+
+
+class Own:
+    def reset(self):
+        self.turn = random.random()
+
+    def act(self, observation):
+        return random.choice("NESW") if self.turn < 0.5 else "NESW"[np.random.randint(4)]
+"""
+
+PLAN = make_plan({"escape": [True, False], "battery": [20, 60], "layout": "random"}, 12, 5)
+
+
+class LastFirst(Here):
+    """Runs the task that was submitted last before all others."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.waiting: list[tuple[Future[Any], Callable[[], Any]]] = []
+
+    def submit(self, call: Callable[..., Any], /, *args: Any, **named: Any) -> Future[Any]:
+        future = Future[Any]()
+        self.waiting.append((future, lambda: call(*args)))
+        if len(self.waiting) == 4 or args[1][-1] == PLAN.seeds[-1]:
+            while self.waiting:
+                answered, run = self.waiting.pop()
+                answered.set_result(run())
+        return future
+
+
+def run(path: Path, executor: Executor, plan: Plan = PLAN, workers: int = 2) -> list[Any]:
+    with Store(path) as store:
+        run_missing(plan, store, executor, workers, nothing)
+    return table(path)
+
+
+def failures_of(path: Path, executor: Executor, plan: Plan, workers: int = 1) -> list[str]:
+    """Run a plan and return the messages of failures."""
+    messages: list[str] = []
+
+    def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
+        messages.extend(failures)
+
+    with Store(path) as store:
+        failed = run_missing(plan, store, executor, workers, report)
+    assert failed.total() == len(messages)
+    return messages
+
+
+def seeds_done(path: Path, plan: Plan) -> list[set[int]]:
+    """Return the seeds that are stored, for each case of a plan."""
+    with Store(path) as store:
+        return [store.seeds_done(store.case_id(case), plan.seeds) for case in plan.cases]
+
+
+@pytest.fixture(scope="module")
+def expected(tmp_path_factory: pytest.TempPathFactory) -> list[Any]:
+    return run(tmp_path_factory.mktemp("here") / "r.sqlite", Here())
+
+
+def test_the_table_has_the_rows_of_the_episodes(expected: list[Any]) -> None:
+    rows = [row for case in PLAN.cases for row in run_task(case, PLAN.seeds).rows]
+    assert sorted(found[1:] for found in expected) == sorted(map(tuple, rows))
+    assert len(expected) == PLAN.total == 48
+    assert len({found[1:] for found in expected}) > 20
+
+
+def test_processes_give_the_same_rows(tmp_path: Path, expected: list[Any]) -> None:
+    with process_pool(2) as (executor, workers):
+        assert workers == 2
+        assert run(tmp_path / "r.sqlite", executor, workers=workers) == expected
+
+
+def test_threads_give_the_same_rows(tmp_path: Path, expected: list[Any]) -> None:
+    with ThreadPoolExecutor(3) as executor:
+        assert run(tmp_path / "r.sqlite", executor, workers=3) == expected
+
+
+def test_the_order_does_not_matter(tmp_path: Path, expected: list[Any]) -> None:
+    assert run(tmp_path / "r.sqlite", LastFirst()) == expected
+    backwards = Plan(PLAN.cases[::-1], PLAN.episodes, PLAN.seed)
+    assert run(tmp_path / "backwards.sqlite", Here(), backwards) == expected
+
+
+def test_stored_episodes_are_not_run_again(tmp_path: Path, expected: list[Any]) -> None:
+    path = tmp_path / "r.sqlite"
+    run(path, Here())
+    again = Here()
+    assert run(path, again) == expected
+    assert again.seeds == []
+
+
+def test_more_episodes_run_only_the_new_seeds(tmp_path: Path) -> None:
+    path, more = tmp_path / "r.sqlite", Here()
+    before = run(path, Here(), make_plan({}, 3, 10))
+    after = run(path, more, make_plan({}, 6, 8))
+    assert more.seeds == [8, 9, 13]
+    assert [found[1] for found in after] == [8, 9, 10, 11, 12, 13]
+    assert set(before) < set(after)
+
+
+def test_further_values_run_only_the_new_cases(tmp_path: Path) -> None:
+    path, more = tmp_path / "r.sqlite", Here()
+    run(path, Here(), make_plan({"battery": [20]}, 3, 0))
+    after = run(path, more, make_plan({"battery": [20, 30]}, 3, 0))
+    assert len(more.seeds) == 3
+    assert len(after) == 6
+
+
+def test_after_a_worker_fails_finished_rows_are_kept_and_the_rest_can_be_run(
+    tmp_path: Path, expected: list[Any]
+) -> None:
+    path = tmp_path / "r.sqlite"
+    with pytest.raises(ArithmeticError, match="a worker failed"):
+        run(path, Here(fails_at=PLAN.seeds[-2]), workers=1)
+    left = table(path)
+    assert 0 < len(left) < len(expected)
+    assert set(left) < set(expected)
+    rest = Here()
+    assert run(path, rest) == expected
+    assert len(rest.seeds) == len(expected) - len(left)
+
+
+def test_rows_of_an_agent_that_draws_from_global_streams_depend_on_the_seed_alone(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "agent.py"
+    file.write_text(GLOBAL_STREAMS)
+    [case] = make_plan({"agent": f"{file}:Own", "max_steps": 30}, 1, 0).cases
+    together = run_task(case, range(6)).rows
+    assert [run_task(case, [seed]).rows[0] for seed in (5, 3, 0)] == [
+        together[n] for n in (5, 3, 0)
+    ]
+    assert len({row.reward for row in together}) > 3
+
+
+def plan_of(folder: Path, begin: str = "pass", act: str = "pass") -> Plan:
+    """Return a plan of ten episodes for two agents; with seed 7 the second runs this code."""
+    file = folder / "agent.py"
+    begin, act = f"if seed == 7: {begin}", f"if self.seed == 7: {act}"
+    file.write_text(AGENT.format(name="Own", begin=begin, act=act))
+    return make_plan({"agent": ["greedy", f"{file}:Own"], "max_steps": 5}, 10, 0)
+
+
+@pytest.mark.parametrize(
+    ("begin", "act", "reason"),
+    [
+        ("pass", "raise KeyError('lost')", r".*: KeyError: 'lost' \(agent.py, line 11\)"),
+        ("raise ValueError('no')", "pass", r" with .*: agent '.*' cannot be made: .*: no \(.*4\)"),
+        ("pass", "raise SystemExit(0)", r", step 1, with .*: SystemExit: 0 \(agent.py, line 11\)"),
+        ("pass", "raise KeyboardInterrupt", r".*: KeyboardInterrupt \(agent.py, line 11\)"),
+        ("pass", "return None", r".*: TypeError: action None .*"),
+        ("self.reset = None", "pass", r", reset, with .*: TypeError: 'NoneType' .*"),
+    ],
+    ids=["acting", "being made", "an exit", "an interrupt", "an invalid action", "a reset"],
+)  # fmt: skip
+def test_an_agent_that_fails_is_reported_with_its_case_seed_and_step_and_the_others_go_on(
+    tmp_path: Path, begin: str, act: str, reason: str
+) -> None:
+    path, plan = tmp_path / "r.sqlite", plan_of(tmp_path, begin, act)
+    [message] = failures_of(path, Here(), plan)
+    assert re.fullmatch(f"seed 7{reason}", message)
+    assert f" with agent={tmp_path}/agent.py:Own, max_steps=5: " in message
+    assert seeds_done(path, plan) == [set(range(10)), set(range(10)) - {7}]
+
+
+def test_an_error_that_cannot_be_pickled_is_reported_too(tmp_path: Path) -> None:
+    plan = plan_of(tmp_path, act="raise type('Odd', (Exception,), {})(lambda: 1)")
+    with process_pool(1) as (executor, _):
+        [message] = failures_of(tmp_path / "r.sqlite", executor, plan)
+    assert "Odd: <function " in message
+
+
+def test_an_episode_that_takes_long_is_reported_once_with_its_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("agents.lab.experiments.episodes.SLOW_SECONDS", 0.2)
+    monkeypatch.setattr("agents.lab.console.watch.LOOK_SECONDS", 0.01)
+    plan = plan_of(tmp_path, act="__import__('time').sleep(0.5)")
+    run(tmp_path / "r.sqlite", Here(), plan)
+    assert capsys.readouterr().err == (
+        f"warehouse: seed 7, step 1, with agent={tmp_path}/agent.py:Own, max_steps=5 has run for "
+        "0.2 s (agent.py, line 11)\n"
+    )
+
+
+class Dying(Here):
+    """A worker ends with each of some calls, counted from 0, or whenever it runs one of some seeds.
+
+    As on a cluster, all that wait for the same worker have the error.
+    """
+
+    def __init__(self, calls: Collection[int] = (), seeds: Collection[int] = ()) -> None:
+        super().__init__()
+        self.calls, self.deadly = calls, seeds
+        self.tasks: list[list[int]] = []
+
+    def submit(self, call: Callable[..., Any], /, *args: Any, **named: Any) -> Future[Any]:
+        self.tasks.append(args[1])
+        if len(self.tasks) - 1 not in self.calls and not set(args[1]) & set(self.deadly):
+            return super().submit(call, *args, **named)
+        future = Future[Any]()
+        future.set_exception(WorkerError("it ended"))
+        return future
+
+
+def test_a_worker_that_ends_once_loses_nothing_and_is_no_failure(
+    tmp_path: Path, expected: list[Any]
+) -> None:
+    path = tmp_path / "r.sqlite"
+    assert failures_of(path, Dying(calls=(0, 3)), PLAN) == []
+    assert table(path) == expected
+
+
+def test_a_seed_whose_worker_ends_twice_has_failed_and_the_others_go_on(tmp_path: Path) -> None:
+    path, plan, executor = tmp_path / "r.sqlite", make_plan({}, 60, 0), Dying(seeds=(7, 41))
+    messages = failures_of(path, executor, plan)
+    assert sorted(messages) == [
+        f"seed {seed} with the defaults: it ended; it was tried twice" for seed in (41, 7)
+    ]
+    assert seeds_done(path, plan) == [set(range(60)) - {7, 41}]
+    assert [len(task) for task in executor.tasks if 7 in task][-1] == 1
+
+
+class Counting(ThreadPoolExecutor):
+    """Counts what runs beside each call; a worker ends with the first two and with a large one."""
+
+    def __init__(self) -> None:
+        super().__init__(3)
+        self.calls = list[tuple[list[int], int]]()
+        self.futures = list[Future[Any]]()
+        self.suspects = set[int]()
+
+    def submit(self, call: Callable[..., Any], /, *args: Any, **named: Any) -> Future[Any]:
+        self.calls.append((args[1], sum(not future.done() for future in self.futures)))
+        if len(self.calls) <= 2 or len(args[1]) > MAX_SUSPECTS > len(self.suspects):
+            self.suspects |= {*args[1]}
+            future = Future[Any]()
+            future.set_exception(WorkerError("it ended"))
+        else:
+            future = super().submit(call, *args, **named)
+        self.futures.append(future)
+        return future
+
+
+def test_seeds_whose_worker_has_ended_run_again_with_nothing_beside_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("agents.lab.experiments.running.TICK", 1e-4)  # shorter than an episode
+    with Counting() as executor:
+        assert failures_of(tmp_path / "r.sqlite", executor, make_plan({}, 3000, 0), 3) == []
+    first, again = set[int](), list[int]()
+    for number, (seeds, beside) in enumerate(executor.calls):
+        if first.isdisjoint(seeds):
+            first |= {*seeds}
+            continue
+        again += seeds
+        after = [count for _, count in executor.calls[number + 1 : number + 2]]
+        assert (len(seeds), beside, sum(after)) == (1, 0, 0)
+    assert sorted(again) == sorted(executor.suspects)
+    assert len(again) > MAX_SUSPECTS
+
+
+def test_a_case_that_always_fails_ends_after_a_few_and_the_others_go_on(tmp_path: Path) -> None:
+    path, file = tmp_path / "r.sqlite", tmp_path / "agent.py"
+    file.write_text(AGENT.format(name="Own", begin="pass", act="raise KeyError"))
+    plan = make_plan({"agent": [f"{file}:Own", "greedy"], "max_steps": 5}, 1000, 0)
+    messages = failures_of(path, Here(), plan)
+    assert len(messages) == MAX_FAILURES
+    assert messages[-1].endswith(
+        f"; its other seeds are left out after MAX_FAILURES = {MAX_FAILURES}"
+    )
+    assert [len(done) for done in seeds_done(path, plan)] == [0, 1000]
+
+
+def test_workers_that_always_end_are_soon_failures(tmp_path: Path) -> None:
+    executor = Dying(seeds=range(10**6))
+    messages = failures_of(tmp_path / "r.sqlite", executor, make_plan({}, 10**6, 0))
+    assert len(messages) == MAX_FAILURES
+    assert len(executor.tasks) <= 2 * (MAX_FAILURES + MAX_SUSPECTS)
+
+
+@pytest.mark.parametrize("is_changed", [True, False])
+def test_an_agent_whose_file_is_changed_or_removed_during_a_sweep_is_an_error(
+    tmp_path: Path, is_changed: bool
+) -> None:
+    path, plan = tmp_path / "r.sqlite", plan_of(tmp_path)
+    file = tmp_path / "agent.py"
+    if is_changed:
+        file.write_text(file.read_text() + "# changed\n")
+    else:
+        file.unlink()
+    why = "has changed since the sweep began" if is_changed else "No such file"
+    messages = failures_of(path, Here(), plan)
+    assert all(why in message for message in messages)
+    assert seeds_done(path, plan) == [set(range(10)), set()]
+
+
+def test_an_agent_whose_import_is_changed_during_a_sweep_is_an_error(tmp_path: Path) -> None:
+    file, helper = tmp_path / "agent.py", tmp_path / "helper.py"
+    helper.write_text("WORD = 'N'\n")
+    file.write_text("from helper import WORD\n" + GLOBAL_STREAMS)
+    plan = make_plan({"agent": f"{file}:Own"}, 3, 0)
+    run(tmp_path / "r.sqlite", Here(), plan)
+    helper.write_text("WORD = 'S'\n")
+    more = Plan(plan.cases, 5, 0)
+    messages = failures_of(tmp_path / "r.sqlite", Here(), more)
+    assert len(messages) == 2
+    assert all("or what it imports, has changed since the sweep" in each for each in messages)
+    assert make_plan({"agent": f"{file}:Own"}, 3, 0).cases != plan.cases
+
+
+def test_a_worker_of_another_program_is_an_error_and_its_rows_are_not_stored(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "r.sqlite"
+    before = run(path, Here(), make_plan({}, 3, 0))
+    # Only what runs the episodes is another program, not what stores them.
+    monkeypatch.setattr(
+        "agents.lab.experiments.episodes.program_for", lambda backend: f"new {backend}"
+    )
+    with pytest.raises(StoreError, match="new ones would be of new grid; "):
+        run(path, Here(), make_plan({}, 5, 0))
+    assert table(path) == before
+    with Store(path, read_only=True) as store:
+        assert store.programs(1) == [program_for("grid")]
+
+
+def test_rows_finished_at_the_same_time_as_a_failure_are_kept(tmp_path: Path) -> None:
+    path = tmp_path / "r.sqlite"
+    with pytest.raises(ArithmeticError):
+        run(path, Here(fails_at=5), make_plan({}, 20, 5), workers=10)
+    assert [found[1] for found in table(path)] == list(range(6, 25))
+
+
+def test_rows_are_reported_once_after_they_are_stored(tmp_path: Path) -> None:
+    reported: list[int] = []
+    plan = make_plan({}, 20, 0)
+    with Store(tmp_path / "r.sqlite") as store, ThreadPoolExecutor(2) as executor:
+
+        def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
+            reported.extend(row.seed for row in rows)
+            assert store.count(plan.cases[0], plan.seeds) == len(reported)
+
+        run_missing(plan, store, executor, 2, report)
+    assert sorted(reported) == list(range(20))
+
+
+def test_an_error_of_the_store_ends_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(store: Store, case_id: int, rows: Sequence[Row], program: str) -> None:
+        raise StoreError("full")
+
+    monkeypatch.setattr(Store, "add", full)
+    with ThreadPoolExecutor(1) as executor, pytest.raises(StoreError, match="full"):
+        run(tmp_path / "r.sqlite", executor, make_plan({}, 10**6, 0))
+
+
+def test_processes_end_without_warnings_while_tasks_are_waiting(tmp_path: Path) -> None:
+    stored = set[int]()
+
+    def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
+        stored.update(row.seed for row in rows)
+        if 6 in stored and not rows:
+            raise KeyboardInterrupt
+
+    # An error in a thread of the pool would be a warning, and that fails the test.
+    sleeper = plan_of(tmp_path, act="__import__('time').sleep(60)").cases[1]
+    plan = Plan((sleeper,), 20, 0)
+    with Store(tmp_path / "r.sqlite") as store, pytest.raises(KeyboardInterrupt):  # noqa: SIM117
+        with process_pool(1) as (executor, _):
+            run_missing(plan, store, executor, 20, report)
+
+
+def test_the_pace_grows_gradually_to_tasks_of_about_half_a_second() -> None:
+    pace = Pace()
+    assert pace.episodes == 1
+    sizes = []
+    for _ in range(12):
+        pace.learn(pace.episodes, pace.episodes * 0.001)
+        sizes.append(pace.episodes)
+    assert sizes[:4] == [4, 16, 64, 256]
+    assert sizes[-1] == TASK_SECONDS / 0.001
+    pace.learn(500, 50)
+    assert pace.episodes == 5
+    pace.learn(5, 500)
+    assert pace.episodes == 1
+    for _ in range(30):
+        pace.learn(pace.episodes, 0)
+    assert pace.episodes == MAX_TASK_EPISODES

@@ -1,0 +1,597 @@
+"""The results file: rows are stored once and kept, and other files are errors."""
+
+import gc
+import os
+import sqlite3
+from collections.abc import Callable
+from contextlib import AbstractContextManager, closing, suppress
+from functools import partial
+from multiprocessing import get_context
+from multiprocessing.synchronize import Barrier
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+from helpers.command_line import ROOT, in_a_process
+from helpers.results_files import shift
+
+from agents.errors import StoreError
+from agents.lab.experiments.case import key_of, make_case
+from agents.lab.experiments.store import Store
+from agents.lab.experiments.tables import APPLICATION, TABLES, UNKNOWN, VERSION, Row, Shift
+
+CASE, OTHER = make_case({"battery": 20}), make_case({"battery": 30})
+EVERY = range(2**63 - 1)
+ALL = f"SELECT case_id, {', '.join(Row._fields)} FROM episodes ORDER BY case_id, seed"
+
+
+def row(seed: int, mode: str = "delivered", needed: int | None = 9) -> Row:
+    return Row(seed, mode, 10, needed, -0.1 - 0.2, 3, 10.5, 1 / 3, 4, 5)
+
+
+def change(path: Path, statement: str, *values: object) -> None:
+    """Change a file as no sweep does."""
+    connection = sqlite3.connect(path)
+    connection.execute(statement, values)
+    connection.commit()
+    connection.close()
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "r.sqlite"
+
+
+def test_rows_are_equal_after_reopening(path: Path) -> None:
+    rows = [row(3), row(1, "stalled", None), row(2**62)]
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+        store.add(case_id, rows)
+    with Store(path) as store:
+        assert [found[1:] for found in store.query(ALL)] == sorted(rows)
+        assert store.cases() == {case_id: CASE}
+        assert store.case_id(CASE) == case_id
+
+
+def test_stored_rows_are_not_replaced(path: Path) -> None:
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+        store.add(case_id, [row(1), row(2)])
+        store.add(case_id, [row(3), row(2), row(2, "stalled")])
+        assert [found[1:] for found in store.query(ALL)] == [row(1), row(2), row(3)]
+
+
+def test_each_case_has_its_own_seeds(path: Path) -> None:
+    with Store(path) as store:
+        first, second = store.case_id(CASE), store.case_id(OTHER)
+        assert first != second
+        store.add(first, [row(seed) for seed in range(5)])
+        store.add(second, [row(2), row(9)])
+        assert store.seeds_done(first, EVERY) == {0, 1, 2, 3, 4}
+        assert store.seeds_done(second, EVERY) == {2, 9}
+        assert store.seeds_done(77, EVERY) == set()
+        assert [store.count(CASE, range(*ends)) for ends in ((0, 5), (1, 4), (4, 9))] == [5, 3, 1]
+        assert store.count(OTHER, range(0, 9)) == 1
+        assert store.count(make_case({}), range(0, 100)) == 0
+        assert store.cases() == {first: CASE, second: OTHER}
+
+
+def test_counting_adds_no_case(path: Path) -> None:
+    with Store(path) as store:
+        store.count(CASE, range(9))
+        assert store.cases() == {}
+
+
+def test_rows_are_added_all_or_none(path: Path) -> None:
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+        store.add(case_id, [row(1)])
+        broken = row(3)._replace(steps={})  # type: ignore[arg-type]
+        with pytest.raises(StoreError, match=r"r\.sqlite"):
+            store.add(case_id, [row(2), broken, row(4)])
+        assert store.seeds_done(case_id, EVERY) == {1}
+        store.add(case_id, [row(2)])
+        assert store.seeds_done(case_id, EVERY) == {1, 2}
+
+
+def test_each_batch_is_committed_and_synchronised_to_disk(path: Path) -> None:
+    with Store(path) as writer:
+        case_id = writer.case_id(CASE)
+        writer.add(case_id, [row(1)])
+        assert next(writer.query("PRAGMA synchronous")) == (2,)
+        with Store(path, read_only=True) as reader:
+            assert reader.seeds_done(case_id, EVERY) == {1}
+
+
+def test_the_unfinished_transaction_of_a_killed_process_is_rolled_back(path: Path) -> None:
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+        store.add(case_id, [row(1)])
+    child = os.fork()
+    if child == 0:
+        try:
+            store = Store(path)
+            with store._transaction():
+                for number, each in enumerate((row(2), row(3)), start=1):
+                    places = ", ".join("?" * (2 + len(each)))
+                    store._connection.execute(
+                        f"INSERT INTO episodes VALUES ({places})", (case_id, *each, 0)
+                    )
+                    if number == 2:
+                        os._exit(7)
+        finally:
+            os._exit(1)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
+    with Store(path, read_only=True) as store:
+        assert store.seeds_done(case_id, EVERY) == {1}
+
+
+def test_an_empty_file_becomes_a_file_of_results(path: Path) -> None:
+    path.touch()
+    with Store(path) as store:
+        assert store.cases() == {}
+
+
+def test_the_file_of_another_program_is_an_error(path: Path) -> None:
+    connection = sqlite3.connect(path)
+    connection.execute("CREATE TABLE cases (id)")
+    connection.commit()
+    connection.close()
+    before = path.read_bytes()
+    with pytest.raises(StoreError) as caught:
+        Store(path)
+    assert str(caught.value) == f"{path}: it is a database, but not of results"
+    assert path.read_bytes() == before
+    assert [each.name for each in path.parent.iterdir()] == [path.name]
+
+
+def test_a_newer_version_is_an_error(path: Path) -> None:
+    Store(path).close()
+    connection = sqlite3.connect(path)
+    connection.execute(f"PRAGMA user_version = {VERSION + 1}")
+    connection.close()
+    with pytest.raises(StoreError) as caught:
+        Store(path)
+    line = f"{path}: its version is {VERSION + 1}; only 1 to {VERSION} can be read"
+    assert str(caught.value) == line
+
+
+def test_the_file_has_its_application_id_and_version(path: Path) -> None:
+    with Store(path) as store:
+        assert next(store.query("PRAGMA application_id")) == (APPLICATION,)
+        assert next(store.query("PRAGMA user_version")) == (VERSION,)
+
+
+def test_a_text_file_is_an_error_and_is_not_changed(path: Path) -> None:
+    text = "These are no results.\n" * 100
+    path.write_text(text)
+    with pytest.raises(StoreError) as caught:
+        Store(path)
+    assert str(caught.value).startswith(f"{path}: ")
+    assert "\n" not in str(caught.value)
+    assert path.read_text() == text
+
+
+@pytest.mark.parametrize("read_only", [False, True])
+@pytest.mark.parametrize(("kind", "make"), [("folder", os.mkdir), ("pipe", os.mkfifo)])
+def test_a_folder_or_a_pipe_is_an_error_and_gets_no_journal(
+    path: Path, kind: str, make: Callable[[Path], None], read_only: bool
+) -> None:
+    make(path)
+    with pytest.raises(StoreError) as caught:
+        Store(path, read_only=read_only)
+    assert str(caught.value) == f"{path}: it is a {kind}, not a file"
+    assert [each.name for each in path.parent.iterdir()] == [path.name]
+
+
+@pytest.mark.parametrize("name", ["nowhere/r.sqlite", "."])
+def test_a_path_that_cannot_be_opened_is_an_error_with_its_name(tmp_path: Path, name: str) -> None:
+    with pytest.raises(StoreError) as caught:
+        Store(tmp_path / name)
+    assert str(caught.value).startswith(f"{tmp_path / name}: ")
+
+
+AS_NOBODY = """
+import os, sys, urllib.parse  # imported before the user changes
+from agents.lab.experiments.store import Store, StoreError
+from agents.lab.experiments.tables import Row
+if os.geteuid() == 0:  # root may write anywhere
+    os.setgid(65534)
+    os.setuid(65534)
+path = sys.argv[1]
+try:
+    Store(path).add(1, [Row(2, "stalled", 1, None, 0, 0, 0, 0, 0, 0)])
+except StoreError as error:
+    print(error)
+with Store(path, read_only=True) as store:
+    print(store.seeds_done(1, range(99)))
+try:
+    Store(path + "2")
+except StoreError as error:
+    print(error)
+"""
+
+
+def test_a_file_without_write_permission_can_be_read_and_writing_is_an_error() -> None:
+    with TemporaryDirectory() as folder:  # other users may not enter pytest's folders
+        path = Path(folder) / "r.sqlite"
+        with Store(path) as store:
+            store.add(store.case_id(CASE), [row(1)])
+        path.chmod(0o444)
+        path.parent.chmod(0o555)
+        result = in_a_process("-c", AS_NOBODY, path, folder=ROOT)
+        path.parent.chmod(0o755)
+        assert [each.name for each in path.parent.iterdir()] == [path.name]
+    assert result.err == ""
+    assert result.out.splitlines() == [
+        f"{path}: attempt to write a readonly database",
+        "{1}",
+        f"{path}2: unable to open database file",
+    ]
+
+
+def test_opening_a_missing_file_read_only_does_not_create_it(path: Path) -> None:
+    with pytest.raises(StoreError) as caught:
+        Store(path, read_only=True)
+    assert str(caught.value) == f"{path}: there is no such file"
+    assert not path.exists()
+
+
+def test_writing_to_a_file_opened_read_only_is_an_error(path: Path) -> None:
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+    with Store(path, read_only=True) as store, pytest.raises(StoreError, match="readonly"):
+        store.add(case_id, [row(1)])
+
+
+def test_reading_an_empty_file_is_an_error(path: Path) -> None:
+    path.touch()
+    with pytest.raises(StoreError) as caught:
+        Store(path, read_only=True)
+    assert str(caught.value) == f"{path}: there are no results in it"
+
+
+def test_a_full_disk_is_an_error_and_earlier_rows_are_kept(path: Path) -> None:
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+        store.add(case_id, [row(seed) for seed in range(50)])
+        [pages] = next(store.query("PRAGMA page_count"))
+        list(store.query(f"PRAGMA max_page_count = {pages + 2}"))
+        with pytest.raises(StoreError) as caught:
+            store.add(case_id, [row(seed) for seed in range(50, 5000)])
+        assert str(caught.value) == f"{path}: database or disk is full"
+        assert store.seeds_done(case_id, EVERY) == set(range(50))
+
+
+def open_many(folder: Path, number: int, files: int, start: Barrier) -> None:
+    """Open each file at the same time as other processes, and add two rows to it."""
+    for file in range(files):
+        start.wait(20)
+        with Store(folder / f"{file}.sqlite") as store:
+            store.add(store.case_id(CASE), [row(number), row(99)])
+
+
+def test_several_sweeps_may_create_and_use_the_same_file_at_once(tmp_path: Path) -> None:
+    context, files, count = get_context("fork"), 8, 3
+    start = context.Barrier(count)
+    processes = [
+        context.Process(target=open_many, args=(tmp_path, number, files, start))
+        for number in range(count)
+    ]
+    for each in processes:
+        each.start()
+    for each in processes:
+        each.join(60)
+    assert [each.exitcode for each in processes] == [0] * count
+    for file in range(files):
+        with Store(tmp_path / f"{file}.sqlite", read_only=True) as store:
+            assert len(store.cases()) == 1
+            assert store.seeds_done(1, EVERY) == {*range(count), 99}
+
+
+def test_tables_that_another_sweep_has_created_first_are_used(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begin, rivals = Store._transaction, []
+
+    def late(store: Store, kind: str = "IMMEDIATE") -> AbstractContextManager[None]:
+        if kind == "IMMEDIATE" and not rivals:
+            rivals.append(path)
+            with Store(path) as rival:
+                rival.add(rival.case_id(CASE), [row(1)])
+        return begin(store, kind)
+
+    monkeypatch.setattr(Store, "_transaction", late)
+    with Store(path) as store:
+        assert store.seeds_done(store.case_id(CASE), EVERY) == {1}
+
+
+def test_tables_that_another_sweep_creates_during_the_check_are_accepted(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rivals = []
+
+    class Watched(sqlite3.Connection):
+        def execute(self, statement: str, *values: object) -> sqlite3.Cursor:
+            if "sqlite_master" in statement and not rivals:
+                rivals.append(path)
+                with suppress(StoreError):  # it may time out
+                    Store(path).close()
+            return super().execute(statement, *values)
+
+    monkeypatch.setattr("agents.lab.experiments.store.TIMEOUT", 0.1)
+    monkeypatch.setattr(sqlite3, "connect", partial(sqlite3.connect, factory=Watched))
+    with Store(path) as store:
+        assert store.cases() == {}
+    assert rivals
+
+
+@pytest.mark.parametrize("is_open", [False, True], ids=["opening", "adding"])
+def test_the_wait_for_another_writer_ends_with_what_the_check_raises(
+    path: Path, is_open: bool
+) -> None:
+    checks = iter([None, None, KeyboardInterrupt])
+
+    def check() -> None:
+        if error := next(checks):
+            raise error
+
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+    other = sqlite3.connect(path, isolation_level=None)
+    if is_open:
+        with Store(path, check=check) as store:
+            other.execute("BEGIN IMMEDIATE")
+            with pytest.raises(KeyboardInterrupt):
+                store.add(case_id, [row(1)])
+            other.execute("ROLLBACK")
+            store.add(case_id, [row(2)])
+            assert store.seeds_done(case_id, EVERY) == {2}
+    else:
+        other.execute("BEGIN IMMEDIATE")
+        with pytest.raises(KeyboardInterrupt):
+            Store(path, check=check)
+    other.close()
+
+
+@pytest.mark.parametrize("code", [sqlite3.SQLITE_BUSY, sqlite3.SQLITE_IOERR])
+def test_only_a_busy_database_is_tried_again(
+    path: Path, monkeypatch: pytest.MonkeyPatch, code: int
+) -> None:
+    refused = []
+
+    class Busy(sqlite3.Connection):
+        def execute(self, statement: str, *values: object) -> sqlite3.Cursor:
+            if statement == "PRAGMA journal_mode = WAL" and len(refused) < 3:
+                error = sqlite3.OperationalError("not now")
+                error.sqlite_errorcode = code
+                refused.append(error)
+                raise error
+            return super().execute(statement, *values)
+
+    monkeypatch.setattr(sqlite3, "connect", partial(sqlite3.connect, factory=Busy))
+    if code == sqlite3.SQLITE_BUSY:
+        Store(path).close()
+        assert len(refused) == 3
+        return
+    with pytest.raises(StoreError, match="not now"):
+        Store(path)
+    assert len(refused) == 1
+
+
+@pytest.mark.parametrize("is_replaced", [False, True])
+def test_writing_to_a_removed_or_replaced_file_is_an_error(path: Path, is_replaced: bool) -> None:
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+        store.add(case_id, [row(1)])
+        path.rename(path.with_name("away.sqlite"))
+        if is_replaced:
+            path.write_bytes(b"")
+        with pytest.raises(StoreError) as caught:
+            store.add(case_id, [row(2)])
+    assert str(caught.value) == f"{path}: it has been removed or replaced meanwhile"
+
+
+def test_rows_may_be_discarded_before_all_are_read(path: Path) -> None:
+    with Store(path) as store:
+        case_id = store.case_id(CASE)
+        store.add(case_id, [row(1), row(2), row(3)])
+        rows = store.rows(case_id)
+        next(rows)
+    del rows
+    gc.collect()  # an exception here would fail the test
+
+
+PLAIN = make_case({})
+TREES = {"robot.mass": 1.0, "layout": "random", "size": "8x8", "density": 0.1}
+INVALID = {
+    "an agent that is a number": ({"agent": 5}, "agent is 5; allowed: a name of at most"),
+    "an agent with a long name": ({"agent": 10_001 * "a"}, "agent is 'aaaa"),
+    "uneven rows": ({"tiles": ["##", "#"]}, "row 1 has 1 columns where row 0 has 2"),
+    "no rows": ({"tiles": []}, "the layout is empty"),
+    "tiles that are no rows": ({"tiles": [["#"]]}, "tiles is [['#']]; allowed: a list of rows"),
+    "no tiles": ({"tiles": None}, "it has no tiles"),
+    "unknown stations": ({"stations": "moved"}, "stations is 'moved'; allowed: drawn or kept"),
+    "a list as a value": ({"battery": [3]}, "battery is [3]; allowed: a whole number 1.."),
+    "many steps": ({"max_steps": 10**15}, f"max_steps is {10**15}; allowed: a whole number 1.."),
+    "a wide view": ({"view_radius": 10**4}, "view_radius is 10000; allowed: "),
+    "a large size": ({**TREES, "size": "99999x9"}, "size is '99999x9'; allowed: "),
+    "a mass that is no number": ({**TREES, "robot.mass": "heavy"}, "robot.mass is 'heavy'; "),
+    "an infinite mass": ({**TREES, "robot.mass": float("inf")}, "robot.mass is inf; allowed: "),
+    "the name of a result column": ({"seed": 3}, "no setting is called 'seed'"),
+    "a fingerprint of another kind": ({"fingerprint": "f"}, "fingerprint is 'f'; allowed: 64 "),
+    "no battery": ({"battery": None}, "it has no battery"),
+    "no layout": ({"layout": None}, "it has no layout"),
+    "many keys": ({f"robot.{'x' * n}": 1.0 for n in range(1, 50)} | {
+        f"disturbances.{'x' * n}": 1.0 for n in range(1, 50)}, "at most MAX_KEYS = 100 keys"),
+}  # fmt: skip
+TEXTS = {
+    "not JSON": ("{", "Expecting property name"),
+    "null": ("null", "it must be a JSON object"),
+    "deep nesting": (100_000 * "[", "there are more than MAX_BRACKETS = 1000 brackets"),
+    "many lists": ('{"a": [' + "[]," * 100_000, "there are more than MAX_BRACKETS"),
+} | {
+    name: (key_of({k: v for k, v in {**PLAIN, **change}.items() if v is not None}), reason)
+    for name, (change, reason) in INVALID.items()
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("settings", "reason"), TEXTS.values(), ids=TEXTS)
+def test_an_invalid_case_is_an_error_with_the_reason(
+    path: Path, settings: str, reason: str
+) -> None:
+    Store(path).close()
+    change(path, "INSERT INTO cases (settings) VALUES (?)", settings)
+    with Store(path, read_only=True) as store, pytest.raises(StoreError) as caught:
+        store.cases()
+    assert str(caught.value).startswith(f"{path}: case 1 is invalid: ")
+    assert reason in str(caught.value)
+
+
+def test_a_case_with_a_backend_that_is_not_installed_here_is_read(path: Path) -> None:
+    case = {**PLAIN, "backend": "hover"}
+    with Store(path) as store:
+        number = store.case_id(case)
+        assert store.cases() == {number: case}
+
+
+def test_equal_layouts_are_kept_once(path: Path) -> None:
+    with Store(path) as store:
+        store.add_cases([CASE, OTHER])
+        first, second = store.cases().values()
+    assert first["tiles"] is second["tiles"]
+
+
+def test_too_many_cases_are_an_error_and_none_is_added(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("agents.lab.experiments.store.MAX_CASES", 1)
+    with Store(path) as store:
+        with pytest.raises(StoreError) as caught:
+            store.add_cases([CASE, OTHER])
+        assert str(caught.value) == f"{path}: 2 cases; MAX_CASES = 1 are allowed"
+        assert store.cases() == {}
+        store.add_cases([CASE])
+
+
+def test_rows_in_a_write_ahead_log_that_cannot_be_read_are_an_error(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Store(path) as store:
+        store.add(store.case_id(CASE), [row(1)])
+        monkeypatch.setattr("os.access", lambda *_: False)
+        with pytest.raises(StoreError, match="its newest rows are still in r"):
+            Store(path, read_only=True)
+
+
+def test_a_name_that_sqlite_keeps_for_itself_is_a_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Store(":memory:").close()
+    assert [path.name for path in tmp_path.iterdir()] == [":memory:"]
+
+
+# Programs.
+
+OLD, NEW = "warehouse-lab 1 (a), numpy 2", "warehouse-lab 1 (b), numpy 2"
+
+
+def version_1(path: Path) -> Path:
+    """Write a file as version 0.1.0 of this program did, with three episodes of a case."""
+    connection = sqlite3.connect(path)
+    connection.executescript(TABLES[0])
+    connection.execute("INSERT INTO cases (settings) VALUES (?)", (key_of(CASE),))
+    connection.execute("INSERT INTO cases (settings) VALUES (?)", (key_of(OTHER),))
+    places = ", ".join("?" * (1 + len(Row._fields)))
+    for seed in range(3):
+        connection.execute(f"INSERT INTO episodes VALUES ({places})", (1, *row(seed)))
+    connection.commit()
+    connection.close()
+    return path
+
+
+@pytest.mark.parametrize("mix", [False, True])
+def test_episodes_of_another_program_are_only_added_to_a_case_if_asked(
+    path: Path, mix: bool
+) -> None:
+    with Store(path) as store:
+        case_id, other = store.case_id(CASE), store.case_id(OTHER)
+        store.add(case_id, [row(1)], OLD)
+    with Store(path, mix=mix) as store:
+        store.add(other, [row(1)], NEW)
+        store.add(case_id, [], NEW)
+        if mix:
+            store.add(case_id, [row(2)], NEW)
+        else:
+            with pytest.raises(StoreError) as caught:
+                store.add(case_id, [row(2)], NEW)
+            assert str(caught.value) == (
+                f"{path}: the episodes with battery=20 are of {OLD}, and new ones would be of "
+                f"{NEW}; write to another file, or mix them with --mix-programs"
+            )
+        store.add(case_id, [row(3)], NEW if mix else OLD)
+        assert store.programs(case_id) == ([OLD, NEW] if mix else [OLD])
+        assert store.programs(other) == [NEW]
+        assert store.mixed() == ([case_id] if mix else [])
+        assert store.episodes() == ([(NEW, 3), (OLD, 1)] if mix else [(OLD, 2), (NEW, 1)])
+        written = {each.seed: program for each, program in store.rows(case_id)}
+        assert written == ({1: OLD, 2: NEW, 3: NEW} if mix else {1: OLD, 3: OLD})
+
+
+def test_a_file_of_version_1_is_read_unchanged(path: Path) -> None:
+    before = version_1(path).read_bytes()
+    with Store(path, read_only=True) as store:
+        assert store.cases() == {1: CASE, 2: OTHER}
+        assert list(store.rows(1)) == [(row(seed), UNKNOWN) for seed in range(3)]
+        assert (store.programs(1), store.programs(2)) == ([UNKNOWN], [])
+        assert (store.mixed(), store.episodes()) == ([], [(UNKNOWN, 3)])
+        store.check_rows()
+    assert path.read_bytes() == before
+
+
+def test_a_file_of_version_1_is_resumed_and_its_episodes_are_of_an_unknown_program(
+    path: Path,
+) -> None:
+    with Store(version_1(path)) as store:
+        assert store.seeds_done(store.case_id(CASE), EVERY) == {0, 1, 2}
+        with pytest.raises(StoreError, match=f"battery=20 are of {UNKNOWN}, and new ones"):
+            store.add(1, [row(3)], NEW)
+        store.add(2, [row(3)], NEW)
+        assert store.episodes() == [(UNKNOWN, 3), (NEW, 1)]
+    with Store(path, mix=True) as store:
+        store.add(1, [row(3)], NEW)
+        assert [program for _, program in store.rows(1)] == [UNKNOWN, UNKNOWN, UNKNOWN, NEW]
+    with Store(path, read_only=True) as store:
+        assert store.mixed() == [1]
+
+
+def test_the_shifts_of_fleets_are_rows_of_their_own(path: Path) -> None:
+    fleet, shifts = make_case({"robots": 2}), [shift(3, per_hour=None), shift(5)]
+    with Store(path) as store:
+        number, alone = store.case_id(fleet), store.case_id(CASE)
+        store.add(number, shifts, "one")
+        store.add(alone, [row(3)], "one")
+        store.add(number, [shift(5, "late")], "one")
+        assert [found for found, _ in store.rows(number, Shift)] == shifts
+        assert [*store.rows(number)] == []
+        assert store.seeds_done(number, range(4)) == {3}
+        assert (store.count(fleet, range(9)), store.count(CASE, range(9))) == (2, 1)
+        assert store.episodes() == [("one", 3)]
+        with pytest.raises(StoreError, match="are of one, and new ones would be of other"):
+            store.add(number, [shift(9)], "other")
+
+
+@pytest.mark.parametrize("change", [
+    "mode = 'delivered'", "seed = -1", "orders = 1.5", "seconds = 'x'", "per_hour = 1e31",
+    "on_time = 'x'", "case_id = 9",
+])  # fmt: skip
+def test_a_shift_that_no_sweep_has_written_is_damage(path: Path, change: str) -> None:
+    with Store(path) as store:
+        store.add(store.case_id(make_case({"robots": 2})), [shift(0)])
+        store.check_rows()
+    with closing(sqlite3.connect(path)) as connection:
+        connection.execute(f"UPDATE shifts SET {change}")
+        connection.commit()
+    with Store(path) as store, pytest.raises(StoreError, match=r"the row of case .* is damaged"):
+        store.check_rows()

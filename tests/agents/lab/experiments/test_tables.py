@@ -1,0 +1,152 @@
+"""Files of results from strangers: only the tables of a sweep are read, and nothing else is run."""
+
+import sqlite3
+from pathlib import Path
+
+import pytest
+from helpers.command_line import refusal
+
+from agents.errors import StoreError
+from agents.lab.experiments import tables
+from agents.lab.experiments.case import make_case
+from agents.lab.experiments.store import Store
+from agents.lab.experiments.tables import TABLES, VERSION, Row
+
+ENDLESS = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT"
+COLUMNS = ", ".join(f"i AS {name}" for name in ("case_id", *Row._fields, "program_id"))
+ELSE = "its tables are not those of a sweep"
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    path = tmp_path / "r.sqlite"
+    with Store(path) as store:
+        store.add(
+            store.case_id(make_case({})), [Row(0, "stalled", 1, None, 0.0, 3, 1.0, 2.0, 1, 1)]
+        )
+    return path
+
+
+def refused(path: Path) -> str:
+    """Return the message, which is the same for reading and for resuming."""
+    messages = set()
+    for read_only in (True, False):
+        with pytest.raises(StoreError) as caught:
+            Store(path, read_only=read_only)
+        messages.add(str(caught.value))
+    [message] = messages
+    return message.removeprefix(f"{path}: ")
+
+
+@pytest.mark.parametrize(
+    "script",
+    [
+        f"DROP TABLE episodes; CREATE VIEW episodes AS {ENDLESS} {COLUMNS} FROM n",
+        f"DROP TABLE cases; CREATE VIEW cases AS {ENDLESS} i AS id, '' AS settings FROM n",
+        "CREATE TRIGGER t AFTER INSERT ON cases BEGIN DELETE FROM episodes; END",
+        f"CREATE VIEW more AS {ENDLESS} i FROM n",
+        "CREATE TABLE more (a)",
+        "CREATE INDEX more ON episodes (mode)",
+        "CREATE VIRTUAL TABLE more USING fts5(a)",
+        "ALTER TABLE episodes ADD COLUMN more AS (zeroblob(1000000000))",
+        "DROP TABLE writers",
+        "PRAGMA user_version = 1",
+    ],
+)
+def test_a_file_with_anything_but_the_tables_is_refused(path: Path, script: str) -> None:
+    connection = sqlite3.connect(path)
+    connection.executescript(script)
+    connection.close()
+    before = path.read_bytes()
+    assert refused(path) == ELSE
+    assert path.read_bytes() == before
+
+
+def test_the_tables_of_each_version_are_read_and_resumed(tmp_path: Path) -> None:
+    for version in range(1, VERSION + 1):
+        path = tmp_path / f"{version}.sqlite"
+        connection = sqlite3.connect(path)
+        connection.executescript("".join(TABLES[:version]))
+        connection.close()
+        Store(path, read_only=True).close()
+        Store(path).close()
+        with Store(path, read_only=True) as store:
+            assert next(store.query("PRAGMA user_version")) == (VERSION,)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (b"tableepisodes", b"tableepi\xffodes", "codec can't decode byte 0xff"),
+        (b"CREATE TABLE cases", b"CREATE TABLE c\xffses", "malformed database schema (cases)"),
+        (b"INTEGER PRIMARY KEY, settings", b"INTEGER PRIM\xffRY KEY, settings", "Could not decode"),
+        (b"CREATE TABLE", b"CREATE GRILL", "malformed database schema"),
+        (b"mode TEXT", b"mope TEXT", ELSE),
+    ],
+)
+def test_a_wrong_byte_in_the_schema_is_an_error(
+    path: Path, capsys: pytest.CaptureFixture[str], old: bytes, new: bytes, message: str
+) -> None:
+    path.write_bytes(path.read_bytes().replace(old, new))
+    for words in (["report", path], ["sweep", "-o", path], ["export", path, f"{path}.csv"]):
+        assert refusal(capsys, *words).startswith(f"{path}: ")
+    assert message in refused(path)
+
+
+@pytest.mark.parametrize("column", ["settings", "mode", "name"])
+def test_a_wrong_byte_in_a_text_is_an_error(
+    path: Path, capsys: pytest.CaptureFixture[str], column: str
+) -> None:
+    table = {"settings": "cases", "mode": "episodes", "name": "programs"}[column]
+    connection = sqlite3.connect(path)
+    connection.execute(f"UPDATE {table} SET {column} = CAST(x'61ff' AS TEXT)")
+    connection.commit()
+    connection.close()
+    for words in (["report", path], ["export", path, path.with_suffix(".csv")]):
+        assert refusal(capsys, *words).startswith(f"{path}: ")
+
+
+def test_a_page_that_is_used_twice_is_refused(path: Path) -> None:
+    with Store(path) as store:
+        rows = [Row(n, "stalled", 1, None, 0.0, 3, 1.0, 2.0, 1, 1) for n in range(1, 2000)]
+        store.add(1, rows)
+        [page_size] = next(store.query("PRAGMA page_size"))
+        statement = "SELECT rootpage FROM sqlite_master WHERE name = 'episodes'"
+        [root] = next(store.query(statement))
+    data = bytearray(path.read_bytes())
+    begin = (root - 1) * page_size
+    assert data[begin] == 2, "the root has pages below it"
+    first = begin + int.from_bytes(data[begin + 12 : begin + 14])
+    second = begin + int.from_bytes(data[begin + 14 : begin + 16])
+    data[second : second + 4] = data[first : first + 4]
+    path.write_bytes(data)
+    message = refused(path)
+    assert message.startswith("it is damaged: ")
+    assert "2nd reference to page" in message
+
+
+def test_a_schema_without_an_end_is_refused(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tables, "MAX_SCHEMA_STEPS", 1)
+    assert refused(path) == "its schema has no end"
+
+
+def test_long_texts_are_not_read(path: Path) -> None:
+    connection = sqlite3.connect(path)
+    connection.execute("UPDATE cases SET settings = ?", ("x" * 70_000_000,))
+    connection.commit()
+    connection.close()
+    with Store(path, read_only=True) as store, pytest.raises(StoreError, match="blob too big"):
+        store.cases()
+
+
+@pytest.mark.parametrize(
+    "change",
+    ["seed = -1", "steps = -5", "row = -1", "seconds = 9e999", "reward = -9e999", "joules = 1e31"],
+)
+def test_numbers_that_no_episode_has_are_errors(path: Path, change: str) -> None:
+    connection = sqlite3.connect(path)
+    connection.execute(f"UPDATE episodes SET {change}")
+    connection.commit()
+    connection.close()
+    with Store(path, read_only=True) as store, pytest.raises(StoreError, match="is damaged"):
+        store.check_rows()

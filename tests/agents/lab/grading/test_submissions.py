@@ -1,0 +1,242 @@
+"""Agents, good, bad and hostile, get what they have earned, and leave nothing behind."""
+
+import json
+import os
+import re
+import shutil
+import signal
+from pathlib import Path
+
+import pytest
+from helpers.submissions import (
+    GOOD,
+    RUBRIC,
+    SUBMISSIONS,
+    Expected,
+    good,
+    idle,
+    running_in,
+    write_rubric,
+    write_submissions,
+)
+
+from agents.errors import AgentError, GradeError
+from agents.lab.grading import sandbox
+from agents.lab.grading.gradescope import results_of
+from agents.lab.grading.grading import Report, grade
+from agents.lab.grading.rubric import load_rubric
+from agents.lab.grading.submissions import find_submission, in_folder
+
+NOBODY = 65534
+
+IN_TIME = """
+[[criteria]]
+name = "in time"
+points = 1
+measure = "answer_seconds"
+cases = ["chapter", "loops"]
+full = 0.01
+"""
+
+SLOWEST = ("ours", "sleeps", "leaves_a_daemon", "prints_much", "answers_much")
+"""Agents with others like them; together they take long enough to be left out by default."""
+
+HIDDEN = re.sub(
+    "max_steps.*", "max_steps = 60\nvisible = false", RUBRIC.replace("visible = false", "")
+)
+"""The rubric with no visible episode."""
+
+
+def grade_file(folder: Path, file: Path, user: str | None = None) -> Report:
+    return grade(find_submission(str(file)), load_rubric(write_rubric(folder)), user)
+
+
+def grade_source(folder: Path, source: str, user: str | None = None) -> Report:
+    file = folder / "agent.py"
+    file.write_text(source, encoding="utf-8")
+    return grade_file(folder, file, user)
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        pytest.param(*each, id=each[0], marks=[pytest.mark.slow] * (each[0] in SLOWEST))
+        for each in SUBMISSIONS.items()
+    ],
+)
+def test_agents_get_what_they_have_earned_and_leave_nothing_behind(
+    tmp_path: Path, name: str, expected: Expected
+) -> None:
+    [file] = write_submissions(tmp_path, name)
+    report = grade_file(tmp_path, file)
+    said = report.failure or " ".join(each.worst for each in report.grades)
+    assert (report.points, bool(report.failure)) == (expected.points, not expected.is_loaded), said
+    assert expected.failure in said
+    assert "LookupError" not in said, "it has found something in its memory"
+    assert not running_in(tmp_path)
+    assert [path.name for path in file.parent.iterdir()] == ["agent.py"]
+
+
+def test_the_same_agent_has_the_same_report(tmp_path: Path) -> None:
+    """Also if it depends on random numbers, the order of sets of words, or takes long."""
+    source = """
+import random, time
+import numpy
+class Agent:
+    def reset(self):
+        pass
+    def act(self, observation):
+        if observation["steps"] == 1:
+            time.sleep(0.02)
+        words = [*{"N", "E", "S", "W"}, random.choice("NESW"), str(numpy.random.choice(["PICK"]))]
+        return words[numpy.random.randint(6)]
+"""
+    (tmp_path / "agent.py").write_text(source, encoding="utf-8")
+    found = find_submission(str(tmp_path / "agent.py"))
+    rubric = load_rubric(write_rubric(tmp_path, RUBRIC + IN_TIME))
+    first, second = (grade(found, rubric) for _ in range(2))
+    assert json.dumps(results_of(first)) == json.dumps(results_of(second))
+    assert not first.failure
+    assert first.grades[-1].command.endswith("--seed 1 --max-steps 60"), "the first that is slow"
+
+
+@pytest.mark.parametrize(("error", "told"), [("ValueError", "ValueError"), ("Own", "an exception")])
+def test_hidden_episodes_stay_hidden(tmp_path: Path, error: str, told: str) -> None:
+    """What an agent says of them is not told, and their seeds it does not know."""
+    rubric = write_rubric(tmp_path, HIDDEN)
+    body = f"raise {error}(observation, self.seed)"
+    source = f"""
+class Own(Exception):
+    pass
+class Agent:
+    def __init__(self, seed):
+        self.seed = seed
+        assert seed < 4
+    def reset(self):
+        pass
+    def act(self, observation):
+        {body}
+"""
+    (tmp_path / "agent.py").write_text(source, encoding="utf-8")
+    report = grade(find_submission(str(tmp_path / "agent.py")), load_rubric(rubric))
+    assert {(each.worst, each.command) for each in report.grades} == {
+        (f"fails: {told} (a hidden episode)", "")
+    }
+    text = json.dumps(results_of(report))
+    assert not re.search("7712|robot_pos|--seed", text)
+
+
+def test_what_hidden_episodes_end_with_is_told_without_places(tmp_path: Path) -> None:
+    rubric = load_rubric(write_rubric(tmp_path, HIDDEN))
+    report = grade(find_submission("reflex"), rubric)
+    assert report.grades[0].worst == "oscillation (a hidden episode)"
+    assert not report.grades[0].command
+
+
+def test_the_answers_of_an_episode_have_a_limit_together(tmp_path: Path) -> None:
+    """Not only each of them, so that an agent cannot use the limit 60 times over."""
+    rubric = RUBRIC.replace("episode_seconds = 3.0", "episode_seconds = 0.5")
+    (tmp_path / "agent.py").write_text(idle("time.sleep(0.2)", "import time"), encoding="utf-8")
+    found = find_submission(str(tmp_path / "agent.py"))
+    report = grade(found, load_rubric(write_rubric(tmp_path, rubric)))
+    assert report.grades[0].worst.endswith("its answers took 0.5 s in all")
+
+
+def test_an_agent_that_passes_by_the_rules_of_python_is_ended_with_all_it_has_started(
+    tmp_path: Path,
+) -> None:
+    """``daemon`` of C leaves a process that is no child of the agent, nor in its session."""
+    body = (
+        "if os.path.exists('started'):\n"
+        "    if os.path.exists('/proc/' + open('started').read()):\n"
+        "        open('alive', 'w').close()\n"
+        "    return 'WAIT'\n"
+        "libc = ctypes.CDLL(None)\n"
+        "libc.daemon(1, 1)\n"
+        "open('started', 'w').write(str(os.getpid()))\n"
+        "libc.sleep(600)"
+    )
+    rubric = RUBRIC.replace("give_up_after = 1", "give_up_after = 2")
+    (tmp_path / "agent.py").write_text(idle(body, "import ctypes, os"), encoding="utf-8")
+    found = find_submission(str(tmp_path / "agent.py"))
+    report = grade(found, load_rubric(write_rubric(tmp_path, rubric)))
+    assert not (tmp_path / "alive").exists(), "it was there in the next episode"
+    started = int((tmp_path / "started").read_text(encoding="utf-8"))
+    assert not Path("/proc", str(started)).exists()
+    assert report.points == 0
+    assert not running_in(tmp_path)
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+def test_an_agent_that_ends_or_stops_what_has_started_it_ends_no_other_episode(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int
+) -> None:
+    """Compiled code can send signals; the next episode has a new server then."""
+    monkeypatch.setattr(sandbox, "ENDING_SECONDS", 0.3)
+    body = (
+        "if observation['steps'] == 2 and not os.path.exists('done'):\n"
+        "    open('done', 'w').close()\n"
+        "    libc = ctypes.CDLL(None)\n"
+        f"    libc.sigqueue(os.getppid(), {number:d}, 0)\n"
+        "    libc.sleep(600)"
+    )
+    source = good("before(self, observation)", body, "import ctypes, os")
+    (tmp_path / "agent.py").write_text(source, encoding="utf-8")
+    rubric = RUBRIC.replace("give_up_after = 1", "give_up_after = 2")
+    submission = find_submission(str(tmp_path / "agent.py"))
+    report = grade(submission, load_rubric(write_rubric(tmp_path, rubric)))
+    found = "ends its process" if number == signal.SIGKILL else "takes too long"
+    assert report.grades[0].seen == f"88% of 8 episodes: 7 delivered and 1 {found}"
+    assert not running_in(tmp_path)
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root may run agents as another user")
+def test_agents_can_run_as_another_user(tmp_path_factory: pytest.TempPathFactory) -> None:
+    folder = Path(os.path.realpath("/tmp"), f"graded-{os.getpid()}")
+    folder.mkdir(mode=0o755)
+    try:
+        secret = folder / "secret"
+        secret.write_text("seeds", encoding="utf-8")
+        secret.chmod(0o600)
+        body = (
+            f"assert os.getuid() == {NOBODY} and not os.getgroups()\n"
+            f"try: open({str(secret)!r})\n"
+            "except PermissionError: return\n"
+            "raise AssertionError('it can read private files')"
+        )
+        report = grade_source(folder, good("begin(self)", body, "import os"), "nobody")
+        assert report.points == 100, report.grades
+        assert not running_in(folder)
+        with pytest.raises(GradeError, match="--user no_such_user: there is no such user"):
+            grade_source(folder, GOOD, "no_such_user")
+    finally:
+        shutil.rmtree(folder)
+
+
+def test_a_folder_has_files_and_folders(tmp_path: Path) -> None:
+    write_submissions(tmp_path, "searches", "waits")
+    (tmp_path / "waits" / "other.py").touch()
+    (tmp_path / "two").mkdir()
+    for name in ("two/a.py", "two/b.py", "mine.py", "notes.txt", ".hidden.py"):
+        (tmp_path / name).touch()
+    found = [each if isinstance(each, str) else each.shown for each in in_folder(tmp_path, None)]
+    assert [each.removeprefix(f"{tmp_path}/") for each in found] == [
+        "mine.py",
+        "searches/agent.py",
+        "two: it has 2 .py files, and none is agent.py",
+        "waits/agent.py",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("none.py:Agent", "agent file none.py: there is no such file"),
+        ("astar", "'astar' plans on the map, which a graded agent does not get; allowed: random"),
+        ("nobody", "'nobody' is no agent; allowed: random, reflex, greedy, exploring, or file.py"),
+    ],
+)
+def test_wrong_names_are_refused(name: str, message: str) -> None:
+    with pytest.raises(AgentError) as error:
+        find_submission(name)
+    assert message in str(error.value)

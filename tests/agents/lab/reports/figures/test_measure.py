@@ -1,0 +1,273 @@
+"""The charts of a report: points, intervals, lines, bars and labels."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.results_files import fill, outcomes, row
+from matplotlib.axes import Axes
+
+from agents.lab.evaluation.interval import Interval
+from agents.lab.experiments.plan import make_plan
+from agents.lab.experiments.store import Store
+from agents.lab.reports.analysis.design import make_design
+from agents.lab.reports.analysis.results import Deliveries, Experiment, Results
+from agents.lab.reports.figures import roles as roles_module
+from agents.lab.reports.figures.measure import measure_chart
+from agents.lab.reports.figures.modes import MODE_COLORS, ink_on, modes_chart
+from agents.lab.reports.figures.panels import MAX_TICKS
+from agents.lab.reports.figures.roles import Roles, roles_of
+from warehouse_core.records.failure_modes import MODES
+from warehouse_core.records.fleet_modes import FLEET_MODES
+from warehouse_core.viz.figure import SceneFigure
+
+
+def success(results: Results) -> Interval:
+    return results.success
+
+
+def steps(results: Results) -> Interval | None:
+    return results.steps
+
+
+def roles(**choices: Any) -> list[Any]:
+    found = roles_of(make_design(dict(enumerate(make_plan(choices, 1, 0).cases))))
+    return [factor.name if factor else None for factor in found[:3]] + [
+        factor.name for factor in found.pooled
+    ]
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Iterator[Store]:
+    """Yield results of three batteries with escape and of two without."""
+    cases = [
+        ({"battery": battery, "escape": escape}, outcomes(words))
+        for battery, escape, words in (
+            (20, True, "dwww"), (60, True, "ddww"), (200, True, "dddw"),
+            (20, False, "oooo"), (200, False, "dooo"),
+        )
+    ]  # fmt: skip
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as opened:
+        yield opened
+
+
+def draw(store: Store, *, modes: bool = False) -> SceneFigure:
+    design = make_design(store.cases())
+    if modes:
+        return modes_chart(Experiment(store, Deliveries), design, "Modes")
+    figure = measure_chart(Experiment(store, Deliveries), design, "Success", "%", success)
+    assert figure is not None
+    return figure
+
+
+def middles(axes: Axes) -> list[tuple[list[float], list[float]]]:
+    """Return the x and y values of the points of each line."""
+    lines = [each.lines[0] for each in axes.containers]
+    return [
+        (np.asarray(line.get_xdata()).tolist(), np.asarray(line.get_ydata()).tolist())
+        for line in lines
+    ]
+
+
+def test_the_ordered_factor_with_the_most_values_is_on_the_axis() -> None:
+    assert roles(battery=[20, 40, 60], escape=[True, False]) == ["battery", "escape", None]
+    assert roles(memory=[2, 5], battery=[1, 2, 3], escape=[True, False]) == [
+        "battery", "escape", "memory",
+    ]  # fmt: skip
+    assert roles(layout="random", size=["7x12", "9x9"], battery=[1, 2, 3])[0] == "battery"
+    assert roles(escape=[True, False])[:2] == ["escape", None]
+    assert roles() == [None, None, None]
+
+
+def test_a_factor_with_too_many_values_for_colours_and_panels_is_pooled() -> None:
+    found = roles(battery={"from": 1, "to": 30, "step": 1}, view_radius=[*range(9)], memory=[1, 2])
+    assert found == ["battery", "memory", None, "view_radius"]
+
+
+def test_points_and_their_intervals_are_at_the_values_of_the_data(store: Store) -> None:
+    [axes] = draw(store).axes
+    (first_x, first_y), (second_x, second_y) = middles(axes)
+    assert first_y == [0.25, 0.5, 0.75]
+    assert second_y == [0.0, 0.25]
+    assert first_x == pytest.approx([0, 40, 180], abs=2)
+    assert second_x == pytest.approx([0, 180], abs=2)
+    assert first_x[0] < second_x[0]  # so that neither interval hides the other
+    bars = axes.containers[0].lines[2][0].get_segments()
+    results = Experiment(store, Deliveries).results(1)
+    assert bars[0][:, 1].tolist() == pytest.approx([results.success.low, results.success.high])
+
+
+def test_the_legend_names_each_line_in_order(store: Store) -> None:
+    [legend] = draw(store).legends
+    assert [text.get_text() for text in legend.get_texts()] == ["escape on", "escape off"]
+
+
+def test_a_case_that_does_not_depend_on_the_axis_is_a_horizontal_line(tmp_path: Path) -> None:
+    cases = [
+        ({"memory": 2}, outcomes("dw")),
+        ({"memory": 9}, outcomes("dd")),
+        ({"escape": False}, outcomes("dooo")),
+    ]
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
+        figure = draw(store)
+    [axes] = figure.axes
+    [line] = [each for each in axes.lines if each.get_linestyle() == "--"]
+    assert np.asarray(line.get_ydata()).tolist() == [0.25, 0.25]
+    [legend] = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["escape on", "escape off"]
+
+
+def test_without_deliveries_there_is_no_chart_of_steps(tmp_path: Path) -> None:
+    cases = [({"battery": battery}, outcomes("ww")) for battery in (1, 2)]
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
+        design = make_design(store.cases())
+        assert measure_chart(Experiment(store, Deliveries), design, "", "steps", steps) is None
+
+
+def test_a_single_case_has_bars_but_no_chart_of_a_measure(tmp_path: Path) -> None:
+    with Store(fill(tmp_path / "r.sqlite", [({}, outcomes("dw"))]), read_only=True) as store:
+        design = make_design(store.cases())
+        assert measure_chart(Experiment(store, Deliveries), design, "", "%", success) is None
+        [axes] = modes_chart(Experiment(store, Deliveries), design, "").axes
+        assert [label.get_text() for label in axes.get_xticklabels()] == ["all episodes"]
+
+
+def test_stacked_bars_add_up_to_1(store: Store) -> None:
+    on, off = draw(store, modes=True).axes
+    assert (on.get_title(loc="left"), off.get_title(loc="left")) == ("escape on", "escape off")
+    heights = [
+        (round(bar.get_x() + 0.4), bar.get_y(), bar.get_height())
+        for group in on.containers
+        for bar in group
+    ]
+    assert heights == [
+        (0, 0, 0.25), (0, 0.25, 0.75), (1, 0, 0.5), (1, 0.5, 0.5), (2, 0, 0.75), (2, 0.75, 0.25),
+    ]  # fmt: skip
+    assert [label.get_text() for label in on.get_xticklabels()] == ["20", "60", "200"]
+    assert [label.get_text() for label in off.get_xticklabels()] == ["20", "200"]
+
+
+def test_each_mode_has_its_own_colour_and_a_name_in_the_legend(store: Store) -> None:
+    figure = draw(store, modes=True)
+    [legend] = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == [
+        "delivered",
+        "oscillation",
+        "wandering",
+    ]
+    assert set(MODE_COLORS) == {*MODES, *FLEET_MODES}
+    for modes in (MODES, FLEET_MODES):
+        assert len({MODE_COLORS[mode] for mode in modes}) == len(modes)
+
+
+def test_numbers_contrast_with_their_background() -> None:
+    assert ink_on("#ffffff") == "black"
+    assert ink_on("#000000") == "whitesmoke"
+
+
+def test_long_names_do_not_overlap(tmp_path: Path) -> None:
+    files = [tmp_path / f"{'a very long name of a hall' * 3} {number}.txt" for number in range(5)]
+    for file in files:
+        file.write_text("#####\n#P.D#\n#####")
+    cases = [({"layout": str(file)}, outcomes("dw")) for file in files]
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
+        for figure in (draw(store), draw(store, modes=True)):
+            figure.pixels()
+            labels = [label.get_window_extent() for label in figure.axes[0].get_xticklabels()]
+            assert len(labels) == 5
+            assert all(one.x1 < other.x0 for one, other in pairwise(labels))
+            names = [label.get_text() for label in figure.axes[0].get_xticklabels()]
+            assert len(set(names)) == 5
+
+
+def test_pooled_cases_are_one_point(tmp_path: Path) -> None:
+    cases = [
+        ({"battery": battery, "view_radius": radius}, outcomes("dw" if radius else "dd"))
+        for battery in range(1, 12)
+        for radius in range(9)
+    ]
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
+        [axes] = draw(store).axes
+    [(_, shares)] = middles(axes)
+    assert shares == [pytest.approx(10 / 18)] * 11
+    [whiskers] = axes.containers[0].lines[2]
+    assert not any(len(segment) for segment in whiskers.get_segments())
+
+
+def test_of_many_values_some_are_shown_at_equal_distances(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(roles_module, "MAX_POINTS", 20)
+    cases = [
+        ({"battery": battery, "escape": escape}, outcomes("dw"))
+        for battery in range(1, 101)
+        for escape in (True, False)
+    ]
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
+        lines = middles(draw(store).axes[0])
+        bars = draw(store, modes=True).axes[0]
+    assert [len(places) for places, _ in lines] == [10, 10]
+    assert [round(place) for place in lines[0][0]] == [-1, 10, 21, 32, 43, 54, 65, 76, 87, 98]
+    assert len(bars.containers) == 20
+
+
+def test_many_values_have_few_ticks(tmp_path: Path) -> None:
+    cases = [({"battery": battery}, outcomes("dw")) for battery in range(1, 60)]
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
+        assert len(draw(store).axes[0].get_xticks()) <= MAX_TICKS
+        assert len(draw(store, modes=True).axes[0].get_xticks()) <= MAX_TICKS
+
+
+@pytest.mark.parametrize("name", ["$x_{", "a_b^c$x$", "100%"])
+def test_names_are_not_parsed_as_formulas(tmp_path: Path, name: str) -> None:
+    file = tmp_path / name
+    file.write_text("#####\n#P.D#\n#####")
+    places = [{"layout": name, "stations": "kept"} for name in ("default", str(file))]
+    cases = [(place, outcomes("dw")) for place in places]
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
+        for figure in (draw(store), draw(store, modes=True)):
+            figure.pixels()
+            labels = [label.get_text() for label in figure.axes[0].get_xticklabels()]
+            assert labels == ["default", name]
+
+
+def test_everything_drawn_is_inside_the_figure(store: Store) -> None:
+    for figure in (draw(store), draw(store, modes=True)):
+        figure.pixels()
+        drawn = figure.get_tightbbox(figure.canvas.get_renderer())
+        width, height = figure.get_size_inches()
+        assert drawn.x0 >= 0
+        assert drawn.y0 >= 0
+        assert drawn.x1 <= width
+        assert drawn.y1 <= height
+
+
+def test_roles_are_none_where_nothing_differs() -> None:
+    assert roles_of(make_design({1: make_plan({}, 1, 0).cases[0]})) == Roles(None, None, None, ())
+
+
+def test_means_of_few_deliveries_have_no_whiskers(tmp_path: Path) -> None:
+    cases = [({"battery": battery}, [row(0, steps=battery)]) for battery in (10, 20)]
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
+        figure = measure_chart(
+            Experiment(store, Deliveries), make_design(store.cases()), "", "steps", steps
+        )
+    assert figure is not None
+    [(_, means)] = middles(figure.axes[0])
+    assert means == [10, 20]
+    [whiskers] = figure.axes[0].containers[0].lines[2]
+    assert not any(len(segment) for segment in whiskers.get_segments())
+    figure.pixels()
+
+
+def test_only_ordered_values_are_joined_by_a_line(tmp_path: Path) -> None:
+    for number, settings in enumerate(({"battery": [1, 2]}, {"escape": [True, False]})):
+        [(name, values)] = settings.items()
+        cases = [({name: value}, outcomes("dw")) for value in values]
+        with Store(fill(tmp_path / f"{number}.sqlite", cases), read_only=True) as store:
+            [axes] = draw(store).axes
+        line = axes.containers[0].lines[0]
+        assert line.get_linestyle() == ("-" if name == "battery" else "None")

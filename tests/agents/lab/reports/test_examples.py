@@ -1,0 +1,222 @@
+"""One example of each outcome: which episode is chosen, and its replay."""
+
+import os
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from agents.errors import StoreError
+from agents.lab.experiments.case import FINGERPRINT, Case, make_case
+from agents.lab.experiments.episodes import run_one as run_whole
+from agents.lab.experiments.episodes import run_task
+from agents.lab.experiments.store import Store
+from agents.lab.experiments.tables import Row
+from agents.lab.reports import examples
+from agents.lab.reports.examples import Found, find_examples, replay
+from warehouse_core import Episode
+from warehouse_core.records.failure_modes import MODES
+
+WAITING = """class Waiting:
+    def reset(self):
+        pass
+
+    def act(self, observation):
+        return "WAIT"
+"""
+
+
+def row(seed: int, mode: str, steps: int) -> Row:
+    return Row(seed, mode, steps, 5, -1.0, 3, 10.5, 1.5, 1, 1)
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Iterator[Store]:
+    with Store(tmp_path / "r.sqlite") as opened:
+        yield opened
+
+
+def found_in(store: Store, episodes: int = 12, **settings: object) -> list[Found]:
+    case = make_case(settings)  # type: ignore[arg-type]
+    store.add(store.case_id(case), run_task(case, range(episodes)).rows)
+    return find_examples(store)
+
+
+def agent_in(folder: Path, source: str = WAITING) -> Path:
+    path = folder / "mine.py"
+    path.write_text(source)
+    return path
+
+
+def test_the_shortest_is_chosen_then_the_first_case_then_the_smallest_seed(store: Store) -> None:
+    cases = [make_case({"memory": memory}) for memory in (1, 2)]
+    first, second = map(store.case_id, cases)
+    store.add(first, [row(1, "stalled", 9), row(8, "stalled", 7), row(9, "stalled", 7)])
+    store.add(second, [row(0, "stalled", 7), row(2, "stalled", 8), row(3, "delivered", 4)])
+    store.add(first, [row(2, "delivered", 5)])
+    assert find_examples(store) == [
+        Found("delivered", cases[1], 3, 4, 2), Found("stalled", cases[0], 8, 7, 5),
+    ]  # fmt: skip
+
+
+def test_every_mode_that_occurs_has_an_example_in_the_order_of_definition(store: Store) -> None:
+    case_id = store.case_id(make_case({}))
+    assert find_examples(store) == []
+    store.add(case_id, [row(n, mode, 9) for n, mode in enumerate(reversed(MODES[::2]))])
+    assert tuple(each.mode for each in find_examples(store)) == MODES[::2]
+
+
+def test_a_replay_shows_every_step_and_the_outcome(store: Store) -> None:
+    found = found_in(store)[0]
+    example = replay(found, run_own_code=True)
+    assert found.mode == "delivered"
+    assert example.found == found
+    assert example.sentence.startswith(f"delivered in {found.steps} steps")
+    assert example.track is not None
+    assert example.track.steps == found.steps
+    assert example.track.ending == "delivered"
+
+
+def test_a_continuous_motion_is_shown_between_the_steps(store: Store) -> None:
+    found = found_in(store, episodes=1, backend="physics", max_steps=8)[0]
+    track = replay(found, run_own_code=True).track
+    assert track is not None
+    assert track.is_continuous
+    assert track.steps == found.steps < len(track) - 1
+
+
+def test_an_episode_that_now_has_another_outcome_has_no_replay(store: Store) -> None:
+    found = found_in(store)[0]
+    longer = replay(replace(found, steps=found.steps + 1), run_own_code=True)
+    other = replay(replace(found, mode="stalled"), run_own_code=True)
+    for example in (longer, other):
+        assert example.track is None
+        assert f"delivered after {found.steps} steps" in example.sentence
+    assert f"not delivered after {found.steps + 1}" in longer.sentence
+    assert f"not stalled after {found.steps}" in other.sentence
+
+
+def test_a_missing_agent_file_is_named(tmp_path: Path, store: Store) -> None:
+    agent = agent_in(tmp_path)
+    [found] = found_in(store, episodes=1, agent=f"{agent}:Waiting", max_steps=12)
+    assert replay(found, run_own_code=True).track
+    agent.unlink()
+    example = replay(found, run_own_code=True)
+    assert example.track is None
+    assert example.sentence == (
+        f"It cannot be run again: the file of agent '{agent}:Waiting': No such file or directory."
+    )
+
+
+@pytest.mark.parametrize(
+    ("source", "said"),
+    [
+        ("class Other:\n    pass\n", "has no class 'Waiting'"),
+        ("class Waiting(:\n", "line 1"),
+        (WAITING.replace('return "WAIT"', "return 1 / 0"), "ZeroDivisionError: division by zero"),
+        (WAITING.replace('return "WAIT"', "raise SystemExit"), "SystemExit (mine.py, line 6)"),
+        ("raise RuntimeError('two\\nlines')\n", "RuntimeError: two lines"),
+    ],
+    ids=["class missing", "syntax", "raises in act", "exits in act", "raises when imported"],
+)
+def test_an_agent_that_no_longer_works_has_no_replay(
+    tmp_path: Path, store: Store, source: str, said: str
+) -> None:
+    agent = agent_in(tmp_path)
+    [found] = found_in(store, episodes=1, agent=f"{agent}:Waiting", max_steps=12)
+    agent_in(tmp_path, source)
+    unmarked = {name: value for name, value in found.case.items() if name != FINGERPRINT}
+    example = replay(replace(found, case=unmarked), run_own_code=True)
+    assert example.track is None
+    assert example.sentence.startswith("It cannot be run again: ")
+    assert said in example.sentence
+    assert example.sentence.endswith(".")
+    assert "\n" not in example.sentence
+
+
+FORGED = {
+    "steps": ({}, 10_001, "it has 10,001 steps; with its map, view and backend at most 10,000 are"),
+    "map": ({"tiles": [1000 * "."] * 400}, 5, "its map has 400,000 cells, and at most 300,000 are"),
+    "size": (
+        {"layout": "random", "tiles": None, "size": "999x9999", "density": 0.1}, 5,
+        "its map has 9,989,001 cells, and at most 300,000 are",
+    ),
+    "view": (
+        {"view_radius": 1000}, 5, "it has 5 steps; with its map, view and backend at most 4 are"
+    ),
+    "physics": (
+        {"backend": "physics"}, 1001,
+        "it has 1,001 steps; with its map, view and backend at most 1,000 are",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("change", "steps", "why"), FORGED.values(), ids=FORGED)
+def test_an_episode_that_is_too_much_work_is_not_run(
+    monkeypatch: pytest.MonkeyPatch, change: dict[str, object], steps: int, why: str
+) -> None:
+    case = {k: v for k, v in {**make_case({}), **change}.items() if v is not None}
+    monkeypatch.delattr(examples, "run_alone")
+    example = replay(Found("stalled", case, 0, steps, 1), run_own_code=True)
+    assert (example.sentence, example.track) == (f"It is not run again: {why}.", None)
+
+
+def test_an_episode_that_goes_on_for_longer_than_the_results_say_is_stopped(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    episodes = []
+
+    def run_alone(case: Case, seed: int) -> Episode:
+        episodes.append(run_whole(case, seed))
+        return episodes[-1]
+
+    monkeypatch.setattr(examples, "run_alone", run_alone)
+    case = {
+        **make_case({}),
+        "max_steps": 10**9,
+        "battery": 10**9,
+        "tiles": ["####", "#PD#", "####"],
+    }
+    example = replay(Found("wandering", case, 0, 7, 1), run_own_code=True)
+    assert "it has not ended after 7 steps, not wandering after 7" in example.sentence
+    assert episodes[0].steps == 8
+
+
+@pytest.mark.parametrize("has_fingerprint", [False, True])
+@pytest.mark.parametrize("agent", ["q:{}/pipe", "ppo:{}/pipe", "q:/dev/zero", "{}/pipe.py:Mine"])
+def test_only_files_are_read_as_agents(tmp_path: Path, agent: str, has_fingerprint: bool) -> None:
+    for name in ("pipe", "pipe.py"):
+        os.mkfifo(tmp_path / name)
+    case = {**make_case({}), "agent": agent.format(tmp_path)}
+    if has_fingerprint:
+        case[FINGERPRINT] = "0" * 64
+    example = replay(Found("stalled", case, 0, 7, 1), run_own_code=True)
+    assert example.sentence.startswith("It cannot be run again: agent file ")
+
+
+def test_examples_are_found_only_among_rows_that_a_sweep_may_have_written(store: Store) -> None:
+    store.add(77, [row(0, "stalled", 9)])
+    with pytest.raises(StoreError, match="the row of case 77, seed 0 is damaged"):
+        find_examples(store)
+
+
+def test_a_user_agent_is_run_only_on_request(tmp_path: Path) -> None:
+    marker = tmp_path / "ran"
+    file = tmp_path / "agent.py"
+    file.write_text(f"open({str(marker)!r}, 'w')\nclass Mine:\n    pass\n")
+    case = {**make_case({}), "agent": f"{file}:Mine"}
+    example = replay(Found("wandering", case, 0, 5, 1), run_own_code=False)
+    assert example.track is None
+    assert "--replays" in example.sentence
+    assert not marker.exists()
+
+
+def test_a_changed_agent_is_not_run(tmp_path: Path) -> None:
+    marker = tmp_path / "ran"
+    file = tmp_path / "agent.py"
+    file.write_text(f"open({str(marker)!r}, 'w')\nclass Mine:\n    pass\n")
+    case = {**make_case({}), "agent": f"{file}:Mine", "fingerprint": "0" * 64}
+    example = replay(Found("wandering", case, 0, 5, 1), run_own_code=True)
+    assert "has changed" in example.sentence
+    assert not marker.exists()

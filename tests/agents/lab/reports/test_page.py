@@ -1,0 +1,297 @@
+"""The page: its parts in order, and user input is escaped."""
+
+import base64
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from helpers.pages import HOSTILE, SVG, a_page, a_page_of, found
+from helpers.player import said_by
+from jinja2 import UndefinedError
+
+from agents.lab.experiments.case import make_case
+from agents.lab.experiments.episodes import run_task
+from agents.lab.experiments.parameters import shown
+from agents.lab.experiments.store import Store
+from agents.lab.reports import page as page_module
+from agents.lab.reports.analysis.answers import Answer
+from agents.lab.reports.examples import Example, find_examples, replay
+from agents.lab.reports.figures.pictures import Picture
+from agents.lab.reports.page import Table, write_page
+from warehouse_core.viz.player.page import digest, script
+from warehouse_core.wording import printable
+
+NOTHING = shown(None)
+VOID = {"meta", "link", "img", "input"}
+ALLOWED = {
+    "html", "head", "meta", "link", "title", "style", "body", "header", "nav", "main", "section",
+    "article", "h1", "h2", "h3", "p", "ul", "li", "a", "div", "span", "figure", "figcaption", "img",
+    "table", "thead", "tbody", "tr", "th", "td", "code", "details", "summary", "strong", "iframe",
+}  # fmt: skip
+
+
+class Seen(HTMLParser):
+    """The elements, attributes and texts of a page."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(convert_charrefs=True)
+        self.open: list[str] = []
+        self.elements: list[tuple[str, dict[str, str]]] = []
+        self.texts: list[tuple[str, str]] = []
+        self.comments: list[str] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        assert len(dict(attrs)) == len(attrs), f"{tag} has an attribute twice"
+        self.elements.append((tag, {name: value or "" for name, value in attrs}))
+        if tag not in VOID:
+            self.open.append(tag)
+            self.texts.append((tag, ""))
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self.open:
+            tag, text = self.texts[-1]
+            if tag == self.open[-1]:
+                self.texts[-1] = (tag, text + data)
+            else:
+                self.texts.append((self.open[-1], data))
+
+    def handle_comment(self, data: str) -> None:
+        self.comments.append(data)
+
+    def said(self, tag: str) -> list[str]:
+        return [text.strip() for each, text in self.texts if each == tag and text.strip()]
+
+    def all(self, tag: str) -> list[dict[str, str]]:
+        return [attributes for each, attributes in self.elements if each == tag]
+
+
+def read(path: Path) -> Seen:
+    return Seen(path.read_text(encoding="utf-8"))
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "report.html"
+
+
+def bytes_of(uri: str, kind: str) -> bytes:
+    start = f"data:{kind};base64,"
+    assert uri.startswith(start)
+    return base64.b64decode(uri.removeprefix(start), validate=True)
+
+
+def test_all_parts_are_on_the_page_the_answers_first(path: Path) -> None:
+    write_page(path, a_page())
+    seen = read(path)
+    assert seen.open == []
+    assert seen.said("title") == seen.said("h1") == ["A title"]
+    headings = ["Answers", "Figures", "Examples", "Settings", "All cases", "Made with"]
+    assert seen.said("h2") == headings
+    assert seen.said("h3")[:2] == ["Is it so?", "And that?"]
+    paragraphs = seen.said("p")
+    assert paragraphs[:3] == ["A summary", "The methods", "Mostly."]
+    assert seen.said("strong") == ["It is.", "No."]
+    assert seen.said("summary") == ["How ranges are computed", "Evidence"], (
+        "one for each that has some"
+    )
+    assert "open" not in str(seen.all("details"))
+    assert "A note" in paragraphs
+    assert seen.said("figcaption") == ["A caption"]
+    assert seen.said("th") == ["escape", "memory", "agent", "steps", "warehouse-lab"]
+    cells = ["on, off", "5", "greedy", "12.5", "mine", NOTHING, "other", "7", "1.2.3"]
+    assert seen.said("td") == cells
+
+
+def test_pictures_are_in_the_page_byte_for_byte(path: Path) -> None:
+    write_page(path, a_page())
+    [picture] = read(path).all("img")
+    assert bytes_of(picture["src"], "image/svg+xml") == SVG
+    assert picture["alt"] == "A caption"
+
+
+def test_a_replay_is_a_player_whose_script_alone_is_allowed(path: Path) -> None:
+    write_page(path, a_page())
+    [frame] = read(path).all("iframe")
+    assert frame["sandbox"] == "allow-scripts"
+    assert frame["title"] == "Replay of an episode that ended as oscillation: swung to and fro"
+    [track] = said_by(frame["srcdoc"])["tracks"]
+    assert track["title"] == "A robot on the grid backend, seed 4"
+    own, allowed = rules_of(Seen(frame["srcdoc"])), rules_of(read(path))
+    assert allowed["script-src"] == own["script-src"] == digest(script())
+    source = frame["srcdoc"].partition('<script type="module">')[2].partition("</script>")[0]
+    assert source == script(), "as it was hashed"
+
+
+def rules_of(seen: Seen) -> dict[str, str]:
+    """Return the Content-Security-Policy of a page."""
+    [policy] = [each["content"] for each in seen.all("meta") if "http-equiv" in each]
+    return dict(rule.split(maxsplit=1) for rule in policy.split("; "))
+
+
+def test_an_example_has_its_outcome_its_settings_and_its_number_of_episodes(path: Path) -> None:
+    write_page(path, a_page())
+    seen = read(path)
+    assert "Oscillation" in seen.said("h3")
+    assert "4,321 episodes" in seen.said("span")
+    assert "Swung to and fro." in seen.said("p")
+    assert seen.said("code") == ["escape=off", "battery=60"]
+    assert any(text.startswith("Seed 1234, 57 steps") for text in seen.said("p"))
+
+
+def test_an_example_without_a_replay_gives_the_reason(path: Path) -> None:
+    example = Example(found(), "It cannot be run again: it is gone.")
+    write_page(path, a_page(pictures=(), examples=(example,)))
+    seen = read(path)
+    assert seen.all("img") == []
+    assert "It cannot be run again: it is gone." in seen.said("p")
+
+
+def test_a_count_of_one_is_singular(path: Path) -> None:
+    write_page(path, a_page(examples=(Example(found(episodes=1, steps=1), "x"),)))
+    seen = read(path)
+    assert "1 episode" in seen.said("span")
+    assert any(text.startswith("Seed 1234, 1 step,") for text in seen.said("p"))
+
+
+def test_only_columns_of_numbers_have_the_class_number(path: Path) -> None:
+    columns = ("name", "mean", "share", "size", "nothing")
+    rows = (
+        ("a", "1,600.5", "71.2% [60.0, 80.1]", "7x12", NOTHING),
+        ("2", "-3", NOTHING, "8x12", NOTHING),
+    )
+    write_page(path, a_page(tables=(Table(columns, rows, ""),)))
+    heads = [each.get("class") for each in read(path).all("th") if each["scope"] == "col"]
+    assert heads == [None, "number", "number", None, None]
+
+
+def test_a_page_with_empty_parts_is_valid(path: Path) -> None:
+    empty = Table(("case",), (), "")
+    write_page(
+        path,
+        a_page(answers=(), pictures=(), settings=(), tables=(empty,), examples=(), made_with=()),
+    )
+    seen = read(path)
+    assert seen.open == []
+    assert seen.said("h2") == ["Settings", "All cases", "Made with"]
+    assert "script-src" not in rules_of(seen)
+    targets = {each["href"] for each in seen.all("a")}
+    assert targets == {f"#{each['id']}" for each in seen.all("section")}
+
+
+def test_every_link_leads_to_a_section_of_the_page(path: Path) -> None:
+    write_page(path, a_page())
+    seen = read(path)
+    parts = {f"#{each['id']}" for each in seen.all("section")}
+    assert {each["href"] for each in seen.all("a")} == parts
+    assert len(parts) == 6
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_names_are_escaped_and_load_nothing(path: Path, name: str) -> None:
+    write_page(path, a_page_of(name))
+    seen = read(path)
+    assert seen.open == []
+    assert seen.comments == []
+    assert {tag for tag, _ in seen.elements} <= ALLOWED
+    for tag, attributes in seen.elements:
+        assert not [each for each in attributes if each.startswith("on")], tag
+    name = printable(name).strip()
+    assert seen.said("title") == seen.said("h1") == [name]
+    assert seen.said("th").count(name) == 4
+    assert seen.said("td").count(name) == 4
+    assert name in [each["alt"].strip() for each in seen.all("img")]
+    assert f"{name}={name}" in seen.said("code")
+    for tag, attributes in seen.elements:
+        assert attributes.get("src", "data:").startswith("data:"), tag
+        assert attributes.get("href", "#").startswith(("#", "data:,")), tag
+    [style] = seen.said("style")
+    assert "url(" not in style
+    assert "@import" not in style
+    rules = rules_of(seen)
+    assert rules["default-src"] == "'none'"
+    assert rules["img-src"] == "data:"
+    assert rules["script-src"] == digest(script())
+
+
+def test_the_content_security_policy_precedes_all_content(path: Path) -> None:
+    write_page(path, a_page())
+    tags = [tag for tag, _ in read(path).elements]
+    assert tags[:4] == ["html", "head", "meta", "meta"]
+    assert "http-equiv" in read(path).all("meta")[1]
+
+
+def test_unprintable_characters_are_escaped(path: Path) -> None:
+    write_page(path, a_page(title="a\nb\x00c\ud800d\x1be\u202ef\ufffeg"))
+    assert read(path).said("h1") == [r"a b\x00c\ud800d\x1be\u202ef\ufffeg"]
+
+
+def test_names_of_files_and_agents_in_real_results_are_escaped(
+    tmp_path: Path, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    layout = "<img src=x onerror=alert(1)>{{7*7}}.txt"
+    agent = "<script>alert(1)<.py"
+    Path(layout).write_text("#####\n#P.D#\n#...#\n#####\n")
+    Path(agent).write_text(
+        "class A:\n"
+        "    reason = '</title><script>alert(1)</script>'\n"
+        "    def reset(self): pass\n"
+        "    def act(self, observation): return 'WAIT'\n"
+    )
+    case = make_case({"layout": layout, "agent": f"{agent}:A", "max_steps": 12})
+    with Store(tmp_path / "r.sqlite") as store:
+        store.add(store.case_id(case), run_task(case, range(3)).rows)
+        examples = tuple(replay(each, run_own_code=True) for each in find_examples(store))
+    write_page(path, a_page(examples=examples))
+    seen = read(path)
+    assert examples[0].track
+    assert {tag for tag, _ in seen.elements} <= ALLOWED
+    assert f"layout={layout}" in seen.said("code")
+    assert f"agent={agent}:A" in seen.said("code")
+    assert not [text for text in seen.said("code") if "fingerprint" in text or "tiles" in text]
+
+
+def test_a_page_that_cannot_be_written_completely_keeps_the_existing_one(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path.write_text("the older one")
+
+    def broken(self: Path, *_: object, **__: object) -> None:
+        self.write_bytes(b"half of it")
+        raise OSError("No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", broken)
+    with pytest.raises(OSError, match="No space left"):
+        write_page(path, a_page())
+    assert path.read_bytes() == b"the older one"
+    assert [each.name for each in path.parent.iterdir()] == [path.name]
+
+
+def test_an_undefined_name_in_the_template_is_an_error(
+    tmp_path: Path, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "page.html").write_text("{{ page.titel }}")
+    monkeypatch.setattr(page_module, "__file__", str(tmp_path / "page.py"))
+    with pytest.raises(UndefinedError, match="titel"):
+        write_page(path, a_page())
+
+
+def test_the_same_page_gives_the_same_bytes(tmp_path: Path) -> None:
+    for name in ("one.html", "two.html"):
+        write_page(tmp_path / name, a_page())
+    assert (tmp_path / "one.html").read_bytes() == (tmp_path / "two.html").read_bytes()
+
+
+def test_questions_sentences_and_captions_keep_their_order(path: Path) -> None:
+    answers = tuple(Answer(f"Q{n}?", f"{n}a", (f"{n}b",)) for n in range(3))
+    pictures = tuple(Picture(f"p{n}", f"caption {n}", SVG) for n in range(3))
+    write_page(path, a_page(answers=answers, pictures=pictures))
+    said = re.findall(r"Q\d\?|\b\d[ab]\b", " ".join(text for _, text in read(path).texts))
+    assert said == ["Q0?", "0a", "0b", "Q1?", "1a", "1b", "Q2?", "2a", "2b"]
+    assert read(path).said("figcaption") == ["caption 0", "caption 1", "caption 2"]

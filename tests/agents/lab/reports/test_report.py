@@ -1,0 +1,227 @@
+"""The command ``warehouse report``: its output, its files and its errors."""
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from helpers.command_line import command, refusal
+from helpers.results_files import fill, outcomes
+from helpers.sweeps import Here, nothing
+
+from agents.lab.experiments.case import make_case
+from agents.lab.experiments.plan import make_plan
+from agents.lab.experiments.running import run_missing
+from agents.lab.experiments.store import Store
+from agents.lab.reports import contents, report
+from agents.lab.reports.contents import make_page
+from agents.lab.runs.programs import program_for
+
+ON, OFF = {"escape": True, "max_steps": 30}, {"escape": False, "max_steps": 30}
+
+
+@pytest.fixture
+def results(tmp_path: Path) -> Path:
+    return fill(tmp_path / "r.sqlite", [(ON, outcomes("dddw")), (OFF, outcomes("dooo"))])
+
+
+def test_the_command_prints_the_answers_and_writes_the_page(
+    results: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, out, err = command(capsys, "report", results, "--no-replays")
+    assert (code, err) == (0, "")
+    lines = out.splitlines()
+    assert lines[0] == "8 episodes in 2 combinations of settings, seeds from 0 to 3"
+    assert "Does escaping loops cut delivery time, or does it make the robot wander?" in lines
+    assert "Every failure with escape off is oscillation (3 episodes)." in lines
+    assert lines[-1] == f"saved {results.with_suffix('.html')}"
+    page = results.with_suffix(".html").read_text(encoding="utf-8")
+    assert page.startswith("<!DOCTYPE html>")
+    assert "Every failure with escape off is oscillation (3 episodes)." in page
+    assert "<iframe" not in page
+
+
+def test_figures_are_saved_in_a_folder(
+    results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page, folder = tmp_path / "page.html", tmp_path / "new" / "figures"
+    command(capsys, "report", results, "--no-replays", "-o", page, "--figures", folder)
+    names = {path.name for path in folder.iterdir()}
+    assert names == {"success.svg", "steps.svg", "modes.svg", "stuck-1.svg"}
+    assert page.exists()
+    assert not results.with_suffix(".html").exists()
+
+
+def test_the_page_is_written_even_if_the_output_is_closed(
+    results: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def echo(*_: object, **__: object) -> None:
+        raise BrokenPipeError
+
+    monkeypatch.setattr(report.typer, "echo", echo)
+    with pytest.raises(BrokenPipeError):
+        report.report(results, figures=results.parent / "figures", replays=False)
+    assert results.with_suffix(".html").exists()
+    assert (results.parent / "figures" / "modes.svg").exists()
+
+
+def test_each_outcome_is_replayed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    results = tmp_path / "r.sqlite"
+    with Store(results) as store:
+        run_missing(
+            make_plan({"max_steps": 12, "battery": [2, 20], "stations": ["drawn", "kept"]}, 3, 0),
+            store,
+            Here(),
+            1,
+            nothing,
+        )
+    assert command(capsys, "report", results).code == 0
+    with Store(results, read_only=True) as store:
+        modes = {mode for (mode,) in store.query("SELECT DISTINCT mode FROM episodes")}
+    page = results.with_suffix(".html").read_text(encoding="utf-8")
+    assert len(modes) > 1
+    assert page.count("<iframe") == len(modes)
+    assert "run again: " not in page
+    assert "different now" not in page
+    assert "<td>kept</td>" in page
+
+
+def test_a_report_changes_nothing_in_the_results(
+    results: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = results.read_bytes()
+    command(capsys, "report", results, "--no-replays")
+    assert results.read_bytes() == before
+    assert {path.name for path in results.parent.iterdir()} == {"r.sqlite", "r.html"}
+
+
+def test_invalid_results_and_outputs_are_errors(
+    results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert refusal(capsys, "report", tmp_path / "no.sqlite").endswith("there is no such file")
+    empty = tmp_path / "empty.sqlite"
+    Store(empty).close()
+    assert refusal(capsys, "report", empty) == f"{empty}: there is no episode in it"
+    text = tmp_path / "r.txt"
+    text.write_text("no results" * 100)
+    assert refusal(capsys, "report", text).startswith(f"{text}: ")
+    nowhere = tmp_path / "nowhere" / "page.html"
+    assert str(nowhere.parent) in refusal(capsys, "report", results, "-o", nowhere)
+    assert refusal(capsys, "report", results, "-o", results) == (
+        f"{results}: cannot save as .sqlite; allowed: .html"
+    )
+    html = results.rename(tmp_path / "r.html")
+    assert refusal(capsys, "report", html) == (
+        f"{html}: this is the file of results; the page needs another name"
+    )
+    Store(html, read_only=True).close()
+
+
+def test_the_table_has_a_row_for_each_case(results: Path) -> None:
+    with Store(results, read_only=True) as store:
+        table = make_page(store, ()).tables[0]
+    assert table.columns == (
+        "escape", "episodes", "seeds", "success", "steps", "delivered", "oscillation", "wandering",
+    )  # fmt: skip
+    assert table.rows == (
+        ("on", "4", "0 to 3", "75.0% (30.1 to 95.4)", "20.0", "3", "0", "1"),
+        ("off", "4", "0 to 3", "25.0% (4.6 to 69.9)", "20.0", "1", "3", "0"),
+    )
+    assert table.note == ""
+
+
+def test_a_long_table_states_what_it_leaves_out(
+    results: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(contents, "MAX_CASES", 1)
+    with Store(results, read_only=True) as store:
+        table = make_page(store, ()).tables[0]
+    assert len(table.rows) == 1
+    assert table.note == "1 further combination in the file."
+
+
+def test_the_page_lists_all_settings_and_versions(results: Path) -> None:
+    with Store(results, read_only=True) as store:
+        page = make_page(store, ())
+    settings = dict(page.settings)
+    assert settings["escape"] == "on, off"
+    assert settings["max_steps"] == "30"
+    assert settings["battery"] == "200"
+    assert {name for name, _ in page.made_with} == {
+        "Python", "warehouse-lab", "numpy", "scipy", "matplotlib", "8 episodes",
+    }  # fmt: skip
+
+
+def test_the_summary_states_what_is_missing(tmp_path: Path) -> None:
+    cases = [(ON, outcomes("dd")), (OFF, outcomes("ddd")), ({"battery": 33}, [])]
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
+        assert make_page(store, ()).summary == (
+            "5 episodes in 2 combinations of settings, seeds from 0 to 2, 2 to 3 episodes each, "
+            "1 further combination not yet begun"
+        )
+
+
+def test_the_report_names_the_programs_and_where_they_are_mixed(tmp_path: Path) -> None:
+    path = fill(tmp_path / "r.sqlite", [])
+    with Store(path, mix=True) as store:
+        for number, program in enumerate(("an older one", "a newer one", "a newer one")):
+            case = make_case(OFF if number == 2 else ON)
+            store.add(store.case_id(case), outcomes("dd", seed=2 * number), program)
+    with Store(path, read_only=True) as store:
+        page = make_page(store, ())
+    assert page.summary.endswith(
+        ", episodes of different programs mixed in escape on; "
+        "run by different programs: a newer one; an older one"
+    )
+    assert page.made_with[-2:] == (("4 episodes", "a newer one"), ("2 episodes", "an older one"))
+
+
+def test_a_program_with_the_libraries_of_a_backend_is_no_other(tmp_path: Path) -> None:
+    path = fill(tmp_path / "r.sqlite", [])
+    with Store(path) as store:
+        for backend in ("grid", "physics"):
+            case = make_case({"backend": backend})
+            store.add(store.case_id(case), outcomes("d"), program_for(backend))
+    with Store(path, read_only=True) as store:
+        page = make_page(store, ())
+    assert "programs" not in page.summary
+    assert set(page.made_with[-2:]) == {
+        ("1 episode", program_for(backend)) for backend in ("grid", "physics")
+    }
+
+
+def test_the_table_states_gaps_in_the_seeds(tmp_path: Path) -> None:
+    cases = [(ON, [*outcomes("dd"), *outcomes("d", seed=9)]), (OFF, outcomes("d", seed=4))]
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
+        rows = make_page(store, ()).tables[0].rows
+    assert [row[2] for row in rows] == ["0 to 9 with gaps", "4 to 4"]
+
+
+def test_cases_without_episodes_are_left_out(tmp_path: Path) -> None:
+    path = fill(tmp_path / "r.sqlite", [(ON, outcomes("dd")), ({"battery": 33}, [])])
+    with Store(path, read_only=True) as store:
+        page = make_page(store, ())
+    assert page.summary.startswith("2 episodes in 1 combination of settings")
+    assert "33" not in dict(page.settings)["battery"]
+
+
+def test_time_and_energy_in_the_table_are_only_measured_ones(tmp_path: Path) -> None:
+    cases = [({"backend": name}, outcomes("d", steps=30)) for name in ("grid", "physics")]
+    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
+        table = make_page(store, ()).tables[0]
+    assert table.columns[4:7] == ("steps", "seconds", "joules")
+    assert [row[4:7] for row in table.rows] == [("30.0", "none", "none"), ("30.0", "30.0", "60.0")]
+
+
+def test_a_layout_and_an_agent_whose_names_are_no_utf8_are_reported(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    hall = tmp_path / "hall\udcff.txt"
+    hall.write_text("#######\n#P...D#\n#######")
+    cases = [{}, {"layout": str(hall)}, {"agent": "a\udcff.py:Mine"}]
+    path = fill(tmp_path / "r.sqlite", [(case, outcomes("dw")) for case in cases])
+    code, out, _ = command(capsys, "report", path, "--figures", tmp_path, "--no-replays")
+    assert code == 0
+    assert "hall\\udcff.txt" in out
+    assert "a\\udcff.py:Mine" in path.with_suffix(".html").read_text(encoding="utf-8")
+    for picture in tmp_path.glob("*.svg"):
+        ElementTree.parse(picture)

@@ -1,0 +1,172 @@
+"""What a row depends on beside its case: digests of this program and of the code of an agent."""
+
+import hashlib
+import os
+from pathlib import Path
+
+import pytest
+from helpers.command_line import ROOT, in_a_process
+
+from agents.errors import AgentError
+from agents.lab.runs import programs
+from agents.lab.runs.programs import fingerprint, own_sources, program_for
+
+MODULES = {
+    "mine.py": "import numpy, helper\nclass Mine: pass\n",
+    "helper.py": "def late():\n    from inner.deep import word\n",
+    "inner/deep.py": "from . import word\n",
+    "inner/word.py": "from ..helper import late\n",
+    "starred.py": "from inner import *\n",
+    "unused.py": "x = 1\n",
+}
+IMPORTED = ["mine.py", "helper.py", "inner/deep.py", "inner/word.py"]
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name, text in MODULES.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    return tmp_path
+
+
+def test_a_program_is_named_by_its_version_its_sources_and_its_libraries() -> None:
+    own, numpy = program_for("grid").split(", ")
+    assert own.startswith("warehouse-lab ")
+    assert numpy.startswith("numpy ")
+    assert program_for("physics").startswith(f"{own}, {numpy}, pymunk 7.")
+
+
+def test_naming_a_program_does_not_import_pymunk() -> None:
+    look = (
+        "import sys; from agents.lab.runs.programs import program_for; "
+        "print(program_for('physics')); "
+        "print('pymunk' in sys.modules)"
+    )
+    name, is_imported = in_a_process("-c", look, folder=ROOT).out.splitlines()
+    assert (name, is_imported) == (program_for("physics"), "False")
+
+
+def test_the_sources_of_a_program_are_those_that_decide_rows() -> None:
+    names = {path.relative_to(ROOT).as_posix() for path in own_sources()}
+    assert names >= {
+        "agents/lab/experiments/episodes.py", "agents/lab/console/place.py", "agents/registry.py",
+        "agents/search/algorithms.py", "warehouse_core/task/rules.py",
+        "warehouse_core/records/failure_modes.py", "warehouse_physics/robot.py",
+    }  # fmt: skip
+    assert not [
+        name for name in names if name.split("/")[1] in ("viz", "render", "reports", "commands")
+    ]
+    assert not [name for name in names if name.startswith("agents/lab/console/")][1:]
+
+
+def test_a_changed_source_is_another_program(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = []
+    monkeypatch.setattr(programs, "ROOT", tmp_path)
+    for name in ("agents/rules.py", "agents/viz/chart.py", "warehouse_core/tiles.py"):
+        (tmp_path / name).parent.mkdir(exist_ok=True, parents=True)
+        (tmp_path / name).write_text("changed")
+        programs._own_digest.cache_clear()
+        found.append(programs._own_digest())
+    programs._own_digest.cache_clear()
+    assert found[0] == found[1] != found[2]
+
+
+def test_the_fingerprint_of_one_file_is_its_digest(folder: Path) -> None:
+    file = folder / "unused.py"
+    assert fingerprint(file, None) == hashlib.sha256(file.read_bytes()).hexdigest()
+    own = folder / "own.py"
+    own.write_text("import agents.registry, numpy, missing, random\n")
+    (folder / "agents").mkdir()
+    (folder / "agents" / "registry.py").write_text("")
+    assert fingerprint(own, None) == hashlib.sha256(own.read_bytes()).hexdigest()
+
+
+@pytest.mark.parametrize("changed", MODULES)
+def test_a_fingerprint_is_of_the_file_and_what_it_imports_from_its_folder(
+    folder: Path, changed: str
+) -> None:
+    before = fingerprint(folder / "mine.py", None)
+    assert fingerprint(folder / "mine.py", None) == before
+    with (folder / changed).open("a") as file:
+        file.write("# changed")
+    assert (fingerprint(folder / "mine.py", None) != before) == (changed in IMPORTED)
+
+
+def test_all_modules_of_a_package_may_be_imported_by_a_star(folder: Path) -> None:
+    before = fingerprint(folder / "starred.py", None)
+    (folder / "inner" / "word.py").write_text("")
+    assert fingerprint(folder / "starred.py", None) != before
+
+
+@pytest.mark.parametrize("text", [b"import (", b"\xff\xfe", b"\x00", b"(" * 10_000])
+def test_a_file_that_cannot_be_parsed_has_a_fingerprint(folder: Path, text: bytes) -> None:
+    file = folder / "mine.py"
+    file.write_bytes(text)
+    assert fingerprint(file, None) == hashlib.sha256(text).hexdigest()
+
+
+LOOK = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from agents.lab.runs.programs import fingerprint
+print(fingerprint(None, sys.argv[2]))
+print("inner.deep" in sys.modules)
+"""
+
+
+@pytest.mark.parametrize(
+    ("changed", "is_part"),
+    [("inner/deep.py", True), ("helper.py", True), ("inner/__init__.py", True), ("mine.py", False)],
+)
+def test_the_fingerprint_of_a_module_is_of_its_package_and_folder(
+    folder: Path, changed: str, is_part: bool
+) -> None:
+    found = set()
+    for _ in range(2):
+        result = in_a_process("-c", LOOK, folder, "inner.deep", folder=ROOT)
+        digest, is_imported = result.out.splitlines()
+        assert (len(digest), is_imported) == (64, "False")
+        found.add(digest)
+        with (folder / changed).open("a") as file:
+            file.write("# changed")
+    assert (len(found) == 2) == is_part
+
+
+def test_of_installed_packages_only_that_of_the_agent_is_read(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(programs, "_installed", lambda: {folder})
+    names = [
+        {file.name for file in programs._with_imports([folder / name], folder, own)}
+        for name, own in (("mine.py", None), ("mine.py", "helper"), ("inner/deep.py", "inner"))
+    ]
+    assert names == [{"mine.py"}, {"mine.py", "helper.py"}, {"deep.py", "word.py", "helper.py"}]
+
+
+def test_a_process_keeps_the_fingerprint_of_a_module_that_it_has_imported(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(folder)
+    before = fingerprint(None, "unused")
+    (folder / "unused.py").write_text("x = 2")
+    assert fingerprint(None, "unused") == before
+
+
+def test_the_agents_of_this_program_have_no_fingerprint() -> None:
+    assert fingerprint(None, None) is None
+    assert fingerprint(None, "agents.warehouse_agent_greedy") is None
+
+
+def test_only_files_of_a_limited_size_are_read(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    os.mkfifo(folder / "pipe.py")
+    for other in (folder, folder / "pipe.py", Path("/dev/zero")):
+        with pytest.raises(AgentError, match=r"it is a (folder|pipe|device), not a file"):
+            fingerprint(other, None)
+    monkeypatch.setattr(programs, "MAX_BYTES", 3)
+    with pytest.raises(AgentError, match=r"unused\.py: it is longer than MAX_BYTES = 3"):
+        fingerprint(folder / "unused.py", None)
