@@ -6,7 +6,7 @@ from agents.fleet.planned import PlannedFleet
 from agents.fleet.team import Team
 from agents.lab.console.watch import watched
 from warehouse_core import FleetEnv, FleetEpisode
-from warehouse_core.records.fleet_episode import FleetAgent, FleetRecorder
+from warehouse_core.records.recorder import FleetAgent, FleetRecorder
 
 
 def run_shift(env: FleetEnv, agent: FleetAgent, name: str, seed: int) -> FleetEpisode:
