@@ -9,11 +9,11 @@ import typer
 
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PlannedFleet
+from agents.lab.commands.lanes_demo import BATTERY, ROBOTS, lanes_compared
 from agents.lab.console.options import SaveReplayOption, ShowOption
 from agents.lab.console.output import PICTURES, Film, show_or_save, show_or_save_picture
 from agents.lab.console.terminal import say
 from agents.lab.console.watch import slow_steps_told
-from agents.lab.runs.lanes_demo import BATTERY, ROBOTS, lanes_compared
 from agents.lab.runs.run import run
 from agents.mapf.cbs import ConflictTree
 from agents.mapf.graph import Graph
