@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import random
-
 import typer
 
 from agents.errors import EpisodeError, EpisodeInterrupted
@@ -28,13 +26,11 @@ from agents.lab.console.options import (
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say
 from agents.lab.console.watch import slow_steps_told
+from agents.lab.runs.run import draw_seed
 from agents.lab.runs.run import run as run_agent
 from agents.registry import make_agent
 from warehouse_core import DEFAULT_LAYOUT, Cell, Episode, Layout, WarehouseEnv
 from warehouse_core.records.failure_modes import diagnose
-
-MAX_SEED = 999_999
-"""The largest random seed; short enough to type again."""
 
 
 def run_episode(
@@ -76,11 +72,6 @@ def run_episode(
         return run_agent(env, acting, seed, watch, name=agent, randomize=randomize)
     finally:
         env.close()
-
-
-def draw_seed() -> int:
-    """Return a random seed."""
-    return random.SystemRandom().randint(0, MAX_SEED)
 
 
 def report_episode(episode: Episode, stations: str = "") -> None:

@@ -26,7 +26,6 @@ from agents.lab.commands.fleet.options import (
     parse_due,
 )
 from agents.lab.commands.fleet.report import Result, report_shifts, result_of
-from agents.lab.commands.run import draw_seed
 from agents.lab.console.options import (
     MAX_COUNT,
     AgentOption,
@@ -40,7 +39,7 @@ from agents.lab.console.options import (
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import print_error
 from agents.lab.console.watch import slow_steps_told
-from agents.lab.runs.run import run
+from agents.lab.runs.run import draw_seed, run
 from agents.registry import PLANNERS, make_fleet_agent, make_team
 from warehouse_core import FleetEnv, FleetEpisode, OrderStream, WarehouseError
 from warehouse_core.arguments import whole_number

@@ -7,7 +7,8 @@ from helpers.command_line import ROOT, command, in_a_process
 
 from agents.errors import AgentError
 from agents.lab.commands import run as module
-from agents.lab.commands.run import MAX_SEED, draw_seed, report_episode, run, run_episode
+from agents.lab.commands.run import report_episode, run, run_episode
+from agents.lab.runs.run import MAX_SEED, draw_seed
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import BackendError, Layout, WarehouseEnv, record_episode, replay_episode
 
