@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from warehouse_core.records.arrays import LONE_SCHEMA, pack, unpack
 
 from warehouse_core import Episode, RecordError
 from warehouse_core.files.npz import Arrays
+from warehouse_core.records.arrays import LONE_SCHEMA, pack, unpack
 from warehouse_core.world.layout import MAX_CELLS, MAX_ROWS
 
 Load = Callable[..., Episode]

@@ -5,6 +5,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from warehouse_core import Contact, Episode, Outcome, RecordError
+from warehouse_core.files.npz import Arrays
 from warehouse_core.records.arrays import (
     MAX_NUMBER,
     MOTION_SCHEMA,
@@ -13,9 +16,6 @@ from warehouse_core.records.arrays import (
     pack_motions,
     unpack_motions,
 )
-
-from warehouse_core import Contact, Episode, Outcome, RecordError
-from warehouse_core.files.npz import Arrays
 
 floats = st.floats(-MAX_NUMBER, MAX_NUMBER)
 contacts = st.builds(

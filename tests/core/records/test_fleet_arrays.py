@@ -6,15 +6,15 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.fleets import fleet_episode
+
+from warehouse_core import FleetEpisode, RecordError
+from warehouse_core.files.npz import Arrays, read_arrays
 from warehouse_core.records.arrays import (
     END_COLUMNS,
     FLEET_SCHEMA,
     FRAME_COLUMNS,
     STEP_COLUMNS,
 )
-
-from warehouse_core import FleetEpisode, RecordError
-from warehouse_core.files.npz import Arrays, read_arrays
 
 Refused = Callable[..., str]
 

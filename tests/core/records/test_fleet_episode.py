@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.fleets import LINE, SHELVES, Choosers, fleet_episode
+from helpers.fleets import LINE, SHELVES, Choosers, Couriers, fleet_episode
 
 from warehouse_core import (
     FleetEnv,
