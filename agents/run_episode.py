@@ -32,9 +32,10 @@ from agents.lab.console.options import (
 )
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say
-from agents.lab.console.watch import run_watched
+from agents.lab.console.watch import slow_steps_told
+from agents.lab.runs.run import run
 from agents.registry import make_agent
-from warehouse_core import DEFAULT_LAYOUT, Cell, Episode, EpisodeRecorder, Layout, WarehouseEnv
+from warehouse_core import DEFAULT_LAYOUT, Cell, Episode, Layout, WarehouseEnv
 from warehouse_core.records.failure_modes import diagnose
 
 MAX_SEED = 999_999
@@ -76,10 +77,8 @@ def run_episode(
     seed = draw_seed() if seed is None else seed
     try:
         acting = make_agent(agent, seed, layout)
-        observation = env.reset(randomize, seed)
-        recorder = EpisodeRecorder(env, seed=seed, agent=type(acting).__name__)
-        run_watched(recorder, acting, agent, observation)
-        return recorder.episode
+        watch = slow_steps_told(acting, agent)
+        return run(env, acting, seed, watch, name=agent, randomize=randomize)
     finally:
         env.close()
 
@@ -103,7 +102,7 @@ def report_episode(episode: Episode, stations: str = "") -> None:
     say(f"episode length  {episode.steps} of at most {settings.max_steps} steps")
 
 
-def run(
+def run_command(
     agent: AgentOption = "greedy",
     backend: BackendOption = "grid",
     layout: LayoutOption = None,
@@ -153,5 +152,5 @@ def run(
 
 if __name__ == "__main__":
     app = application()
-    app.command()(run)
+    app.command()(run_command)
     main(app)

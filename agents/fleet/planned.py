@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import inspect
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.errors import AgentError, reason_of
+from agents.errors import AgentError, file_of, reason_of
 from agents.fleet.dispatcher import Dispatcher, shares_cell
 from agents.fleet.plan_log import PlanLog
 from agents.mapf.graph import CLOSED, Graph, Integers
@@ -95,7 +92,7 @@ class PlannedFleet:
         except Exception as error:  # the planner of a user may raise anything
             if not self._goes_on:
                 raise
-            chosen = self._lose(env, cells, reason_of(error, _file_of(self.planner)))
+            chosen = self._lose(env, cells, reason_of(error, file_of(self.planner)))
         if shares_cell(cells).any():
             chosen = part(graph, situation, chosen)
         moves = (graph.neighbours[cells] == chosen[:, None]).argmax(axis=1)
@@ -125,10 +122,3 @@ def part(graph: Graph, situation: Situation, chosen: Integers) -> Integers:
             found[np.argmax(cells == cell)] = free[0]
             taken.add(free[0])
     return found
-
-
-def _file_of(planner: Planner) -> Path | None:
-    try:
-        return Path(inspect.getfile(type(planner)))
-    except (OSError, TypeError):  # a class defined interactively
-        return None

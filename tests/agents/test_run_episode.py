@@ -7,7 +7,7 @@ from helpers.command_line import ROOT, command, in_a_process
 
 from agents import run_episode as module
 from agents.errors import AgentError
-from agents.run_episode import MAX_SEED, draw_seed, report_episode, run, run_episode
+from agents.run_episode import MAX_SEED, draw_seed, report_episode, run_command, run_episode
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import BackendError, Layout, WarehouseEnv, record_episode, replay_episode
 
@@ -21,7 +21,7 @@ class Fails:
         return observation["x"]
 """
 app = typer.Typer(add_completion=False)
-app.command()(run)
+app.command()(run_command)
 
 
 def test_an_episode_runs_from_a_random_start_to_its_end() -> None:

@@ -67,17 +67,17 @@ MAY_IMPORT = {
     "agents/lab/evaluation": "",
     "agents/search": "",
     "agents/warehouse_agent_greedy": "",
-    "agents/lab/console": "errors",
     "agents/learning": "errors lab/evaluation warehouse_agent_greedy",
     "agents/mapf": "errors",
     "agents/fleet": "errors mapf",
-    "agents/lab/runs": "errors fleet lab/console mapf",
+    "agents/lab/runs": "errors fleet",
     "agents/registry": "errors fleet learning mapf search warehouse_agent_greedy",
+    "agents/lab/console": "errors lab/runs",
     "agents/lab/experiments": "errors fleet lab/console lab/runs mapf registry",
     "agents/lab/grading": (
         "errors lab/console lab/evaluation lab/runs registry warehouse_agent_greedy"
     ),
-    "agents/run_episode": "errors lab/console registry",
+    "agents/run_episode": "errors lab/console lab/runs registry",
     "agents/lab/commands/export": "errors lab/console lab/experiments",
     "agents/lab/commands/fleet": (
         "errors fleet lab/console lab/evaluation lab/runs mapf registry run_episode"

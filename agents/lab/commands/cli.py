@@ -29,7 +29,7 @@ from agents.lab.console.output import load_record, replay_or_save
 from agents.lab.console.terminal import say
 from agents.lab.experiments.sweep import sweep
 from agents.lab.reports.report import report
-from agents.run_episode import report_episode, run
+from agents.run_episode import report_episode, run_command
 from warehouse_core import FleetEpisode
 from warehouse_core.viz.tracks.track import INTERVAL_MS
 
@@ -38,7 +38,7 @@ app = console.application(
     help="A grid warehouse for rational agents, with a motion backend you can swap.",
     no_args_is_help=True,
 )
-app.command()(run)
+app.command("run")(run_command)
 app.command()(play)
 app.command()(fleet)
 app.command()(gap)
