@@ -10,6 +10,7 @@ import typer
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PlannedFleet
 from agents.lab.commands.lanes_demo import BATTERY, ROBOTS, lanes_compared
+from agents.lab.commands.run import run_episode
 from agents.lab.console.options import SaveReplayOption, ShowOption
 from agents.lab.console.output import PICTURES, Film, show_or_save, show_or_save_picture
 from agents.lab.console.terminal import say
@@ -19,7 +20,6 @@ from agents.mapf.cbs import ConflictTree
 from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
 from agents.mapf.problem import Problem
-from agents.run_episode import run_episode
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (
     Cell,

@@ -5,6 +5,7 @@ A lone robot and a fleet are run by the same function.
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Any, overload
@@ -22,6 +23,9 @@ from warehouse_core import (
     WarehouseEnv,
 )
 from warehouse_core.records import FleetAgent, FleetRecorder
+
+MAX_SEED = 999_999
+"""Largest seed that is drawn; it is short enough to type again."""
 
 Place = Callable[[], str]
 """Tells where an episode is, in words: ``"reset"``, or a step such as ``"step 3"``."""
@@ -81,6 +85,11 @@ def run(
         recorder.run(agent, *first)
     episode: Episode | FleetEpisode = recorder.episode
     return episode
+
+
+def draw_seed() -> int:
+    """Return a random seed."""
+    return random.SystemRandom().randint(0, MAX_SEED)
 
 
 @contextmanager

@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 from agents.errors import EpisodeError, EpisodeInterrupted
+from agents.fleet.director import wants_dispatch
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PLAN_SECONDS, PlannedFleet
 from agents.lab.commands.fleet.options import (
@@ -39,9 +40,8 @@ from agents.lab.console.options import (
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import print_error
 from agents.lab.console.watch import slow_steps_told
-from agents.lab.runs.run import run
+from agents.lab.runs.run import draw_seed, run
 from agents.registry import PLANNERS, make_fleet_agent, make_team
-from agents.run_episode import draw_seed
 from warehouse_core import FleetEnv, FleetEpisode, OrderStream, WarehouseError
 from warehouse_core.arguments import whole_number
 from warehouse_core.fleet.settings import MAX_BODIES
@@ -240,7 +240,7 @@ def fleet(
                 log=log if seed == first else None,
             )
         )
-        with closing(make_env(dispatch=getattr(directing, "dispatch", True))) as env:
+        with closing(make_env(dispatch=wants_dispatch(directing))) as env:
             episode = run(env, directing, seed, slow_steps_told(directing, director), name=director)
         warn_of_lost_steps(directing, seed, director)
         return episode
