@@ -93,7 +93,9 @@ class PPOLearner:
     def network(self) -> PolicyNetwork:
         """Return a copy of the policy network."""
         policy = self.model.policy
-        hidden = [part for part in policy.mlp_extractor.policy_net if hasattr(part, "weight")]
+        hidden = [
+            part for part in policy.mlp_extractor.policy_net if isinstance(part, torch.nn.Linear)
+        ]
         return PolicyNetwork(
             self._view_radius,
             [_copy(part) for part in (*hidden, policy.action_net)],

@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 from agents.errors import EpisodeError, EpisodeInterrupted
+from agents.fleet.director import wants_dispatch
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PLAN_SECONDS, PlannedFleet
 from agents.lab.commands.fleet.options import (
@@ -239,7 +240,7 @@ def fleet(
                 log=log if seed == first else None,
             )
         )
-        with closing(make_env(dispatch=getattr(directing, "dispatch", True))) as env:
+        with closing(make_env(dispatch=wants_dispatch(directing))) as env:
             episode = run(env, directing, seed, slow_steps_told(directing, director), name=director)
         warn_of_lost_steps(directing, seed, director)
         return episode
