@@ -33,7 +33,6 @@ from agents.lab.runs.programs import program_for
 from agents.registry import agent_file
 from warehouse_core import Episode, EpisodeRecorder
 from warehouse_core.records.failure_modes import diagnose
-from warehouse_core.records.fleet_modes import diagnose_fleet
 from warehouse_core.records.recorder import FleetRecorder
 
 Recorder = EpisodeRecorder | FleetRecorder
@@ -140,13 +139,13 @@ def run_alone(
 
 def row_of(episode: Episode) -> AnyRow:
     """Return the row that is stored for an episode."""
+    diagnosis = diagnose(episode)
     if episode.is_fleet:
-        mode, measures = diagnose_fleet(episode).mode, asdict(episode.measures)
+        mode, measures = diagnosis.mode, asdict(episode.measures)
         stored = [measures[name] for name in Shift._fields if name in measures]
         measured = [None if math.isnan(value) else value for value in stored]
         return Shift._make((episode.seed, mode, *measured))
     assert episode.seed is not None, "every episode here has a seed"
-    diagnosis = diagnose(episode)
     cell = diagnosis.cells[0] if diagnosis.cells else episode.cells[-1]
     return Row(
         episode.seed,

@@ -15,8 +15,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, get_type_hints
 
 from agents.errors import StoreError
-from warehouse_core.records.failure_modes import MODES
-from warehouse_core.records.fleet_modes import FLEET_MODES
+from warehouse_core.records.failure_modes import FLEET_MODES, MODES
 from warehouse_core.world.layout import MAX_CELLS
 
 APPLICATION = 0x57617265
@@ -59,7 +58,7 @@ class Shift(NamedTuple):
 
     Attributes:
         seed: of layout, starts, orders, people and agents.
-        mode: its outcome, see ``warehouse_core/records/fleet_modes.py``.
+        mode: its outcome, see ``warehouse_core/records/failure_modes.py``.
 
     The others are those of ``FleetMeasures``; ``None`` is where nothing was measured.
     """

@@ -14,8 +14,7 @@ from agents.lab.experiments.case import Case, row_type
 from agents.lab.experiments.store import Store
 from agents.lab.experiments.tables import TABLE_OF, AnyRow, Row, Shift
 from warehouse_core.records.episode import DELIVERED
-from warehouse_core.records.failure_modes import MODES
-from warehouse_core.records.fleet_modes import FLEET_MODES
+from warehouse_core.records.failure_modes import FLEET_MODES, MODES
 
 CaseIds = tuple[int, ...]
 
