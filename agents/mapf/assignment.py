@@ -28,7 +28,7 @@ HANDLING = 2
 """Steps of picking and dropping."""
 
 URGENT, LATE = 30.0, 15.0
-"""Steps of a detour that an order without spare time is worth, and that one which is late costs."""
+"""Steps of detour that an order without spare time is worth; steps that a late one costs."""
 
 KEEP = 3.0
 """Steps that another order must be better by than the one that a robot goes for already."""
@@ -93,7 +93,7 @@ def nearest_first(tasks: Tasks) -> NDArray[np.intp]:
 def hungarian(tasks: Tasks) -> NDArray[np.intp]:
     """Give away as many orders as can be, so that the sum of the ways is least.
 
-    Source: Kuhn (1955), The Hungarian method for the assignment problem. SciPy's solver is that of
+    Source: Kuhn (1955), The Hungarian method for the assignment problem. SciPy's solver is by
     Crouse (2016), On implementing 2D rectangular assignment algorithms.
     """
     return _cheapest(tasks, tasks.ways)
@@ -134,4 +134,4 @@ ASSIGNMENTS: dict[str, Assignment] = {
 """Assignments by name."""
 
 REASSIGNING = ("hungarian", "urgent")
-"""Those that may give the order of a robot to another as long as it has not picked its item."""
+"""Assignments that may give the order of a robot to another until it has picked its item."""

@@ -1,7 +1,7 @@
 """The open cells of a layout as a graph, and the distances in it.
 
 Cells are numbers, ``row * W + col``, as in the arrays of a fleet. Where turns have a cost,
-distances are those of *places*: a robot in a cell that faces north, east, south or west, 0 to 3, is
+distances are between *places*: a robot in a cell that faces north, east, south or west, 0 to 3, is
 in the place ``heading * H * W + cell``. Otherwise places are cells.
 """
 
@@ -31,13 +31,13 @@ EAST = 1
 """The heading of robots at first."""
 
 CLOSED = -1
-"""In place of a neighbour that is a wall or off the layout."""
+"""Number in place of a neighbour that is a wall or off the layout."""
 
 MAX_BYTES = 1_000_000_000
-"""Of the distance fields that are kept."""
+"""Most bytes of distance fields that are kept."""
 
 FAR = np.iinfo(np.uint16).max
-"""Where no way leads to the goal, in ``Fields``."""
+"""Distance in ``Fields`` where no way leads to the goal."""
 
 NO_ROW = -1
 
@@ -46,24 +46,23 @@ class Graph:
     """The open cells of a layout and the moves between them.
 
     Args:
-        layout: any.
-        costs: ``[H * W, 4]`` of the moves N, E, S and W from each cell, above 0; ``None`` is 1
-            each. See ``lanes.py``.
-        turn_cost: of a quarter turn before a move; a half turn costs twice as much.
+        layout: any layout.
+        costs: ``[H * W, 4]``, cost of the moves N, E, S and W from each cell, above 0; ``None`` is
+            1 each. See ``lanes.py``.
+        turn_cost: cost of a quarter turn before a move; a half turn costs twice as much.
 
     Raises:
         ValueError: ``turn_cost`` is below 0 or no number.
 
     Attributes:
-        layout: as given.
-        costs: as given.
-        turn_cost: as given.
+        layout: the argument.
+        costs: the argument.
+        turn_cost: the argument.
         size: ``H * W``.
-        turns: ``[4, 5]`` float32, what robots of each heading turn for before they move N, E, S or
-            W, or wait.
-        closed: the cells that no way leads through; see ``close``.
-        neighbours: ``[H * W, 5]`` int32, the cell that N, E, S, W and waiting lead to, or
-            ``CLOSED``.
+        turns: ``[4, 5]`` float32, cost of the turn of a robot of each heading before it moves N, E,
+            S or W, or waits.
+        closed: cells that no way leads through; see ``close``.
+        neighbours: ``[H * W, 5]`` int32, cell that N, E, S, W and waiting lead to, or ``CLOSED``.
     """
 
     def __init__(self, layout: Layout, costs: Costs | None = None, turn_cost: float = 0.0) -> None:
@@ -131,7 +130,7 @@ class Graph:
 
         Args:
             goal: a cell.
-            keep: whether to keep the field if it was not kept yet.
+            keep: keep the field, if it was not kept yet.
         """
         field = self._fields.get(goal)
         if field is None:
@@ -158,8 +157,8 @@ class Graph:
         A robot faces where it begins.
 
         Args:
-            cell: where it starts.
-            goal: another cell, or the same.
+            cell: first cell.
+            goal: last cell, which may be the first.
         """
         field, way = self.distances(goal), [cell]
         heading = int(field[cell :: self.size].argmin())

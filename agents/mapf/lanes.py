@@ -23,20 +23,20 @@ WRONG_WAY = 5.0
 
 FIRST_WRONG_WAY = 1.5
 MOVE_COST, OPPOSED_COST, WAIT_COST = 2.0, 10.0, 2.0
-"""What traffic adds to the costs of a move: for each time in a step that the same move is made,
-that the opposite move is made, and that somebody waits in the cell to which it leads.
+"""Costs that traffic adds to a move, for each time in a step that the same move is made, that the
+opposite move is made, and that somebody waits in the cell to which it leads.
 """
 
 MIN_SHARE = 0.15
-"""Of the last trial in the mean traffic."""
+"""Least weight of the last trial in the mean traffic."""
 
 
 def lane_costs(layout: Layout, wrong_way: float = WRONG_WAY) -> Costs:
     """Return the costs of the moves N, E, S and W from each cell, ``[H * W, 4]``, for a ``Graph``.
 
     Args:
-        layout: any.
-        wrong_way: the cost of a move west in an even row, east in an odd one, north in an even
+        layout: any layout.
+        wrong_way: cost of a move west in an even row, east in an odd one, north in an even
             column, south in an odd one; other moves cost 1.
     """
     costs = np.ones((layout.height, layout.width, 4), np.float32)
@@ -57,17 +57,17 @@ def learned_costs(
 ) -> Costs:
     """Return costs of moves that were learned from the traffic of trial runs, as ``lane_costs``.
 
-    In each trial PIBT leads robots by the costs so far, first those of faint lanes. What moves
-    cost then follows from the mean traffic of the trials: most where robots would meet head-on.
+    In each trial PIBT leads robots by the costs so far, at first by faint lanes. The costs of moves
+    then follow from the mean traffic of the trials: most where robots would meet head-on.
 
     Args:
-        layout: any.
-        robots: as many as there will be, since traffic depends on it.
+        layout: any layout.
+        robots: number of robots that there will be, since traffic depends on it.
         trials: runs to learn from.
-        steps: of each run.
-        seed: of the first run; each has a seed of its own.
-        starts: as for ``run_lifelong``.
-        goals: as for ``run_lifelong``.
+        steps: steps of each run.
+        seed: seed of the first run; each has a seed of its own.
+        starts: cells that starts are drawn from, see ``run_lifelong``.
+        goals: cells that goals are drawn from, see ``run_lifelong``.
 
     Raises:
         PlanError: as for ``run_lifelong``.

@@ -24,14 +24,15 @@ NOBODY = -1
 UNDECIDED = -1
 
 FREE = -2
-"""In place of the next cell of ``NOBODY``."""
+"""Number in place of the next cell of ``NOBODY``."""
 
 WAIT_COST = 1.5
-"""Of a step in place. On floors without lanes a move ahead is worth 1.5 less, one back 0.5 more."""
+"""Cost of a step in place. Without lanes a move ahead is worth 1.5 less, one back 0.5 more."""
 
 OCCUPIED_COST, CHANCE_COST = 0.5, 0.2
-"""Of a cell that somebody is in, and the most that chance adds; less than ``WAIT_COST`` together,
-so that nobody waits for what could be pushed.
+"""Cost of entering an occupied cell; most that the random tie-break adds.
+
+Together they are less than ``WAIT_COST``, so that nobody waits for a robot that could be pushed.
 """
 
 
@@ -47,17 +48,17 @@ def choose_cells(
     """Choose the next cells of all robots that are undecided; a round of PIBT.
 
     Args:
-        order: robots, those of the highest priority first.
-        cells: ``[R]``, where they are.
-        choices: ``[R, 5]``, the cells that each can go to, the best first.
-        robot_in: ``[H * W + 1]``, who is in each cell, or ``NOBODY``.
-        is_taken: ``[H * W + 1]``, whether somebody is to be in a cell next, or nobody can be; it
-            gets the cells that are chosen. The last is for ``CLOSED`` and is taken.
-        chosen: ``[R]``, the next cells, or ``UNDECIDED``; it gets those that are chosen.
-        pushers: ``[R]``, all ``NOBODY``; it gets who made a robot choose.
+        order: robots, the highest priority first.
+        cells: ``[R]``, cells of the robots.
+        choices: ``[R, 5]``, cells that each can go to, the best first.
+        robot_in: ``[H * W + 1]``, robot in each cell, or ``NOBODY``.
+        is_taken: ``[H * W + 1]``, true for cells that somebody is to be in next, or nobody can be
+            in; chosen cells are added. The last is for ``CLOSED`` and is taken.
+        chosen: ``[R]``, next cells, or ``UNDECIDED``; chosen cells are filled in.
+        pushers: ``[R]``, all ``NOBODY``; robots that made others choose are filled in.
 
     Returns:
-        Whether each robot has a cell of its own. It may be false only if the cell of an undecided
+        True if each robot has a cell of its own. It may be false only if the cell of an undecided
         robot was taken before.
     """
     is_complete = True
@@ -107,16 +108,15 @@ class PIBT:
     cell, and then by chance.
 
     Args:
-        graph: of the floor.
-        seed: for what is left to chance.
-        turn_cost: of a quarter turn, in steps. Robots face where they last moved, at first east.
-            0 leaves the graph as it is. For one that drives through, a turn costs its time, and
-            that of braking and speeding up, over the time of a cell.
+        graph: graph of the floor.
+        seed: seed of the random tie-breaks.
+        turn_cost: cost of a quarter turn, in steps; 0 leaves the graph as it is. Robots face where
+            they last moved, at first east. A robot that drives through cells loses the time of the
+            turn, of braking and of speeding up, divided by the time of a cell.
 
     Attributes:
-        fields: the distances of the robots' goals.
-        pushers: ``[R]``, who made each robot choose before its turn in the last step, or
-            ``NOBODY``.
+        fields: distances to the robots' goals.
+        pushers: see ``PushingPlanner``.
     """
 
     def __init__(self, graph: Graph, seed: int = 0, turn_cost: float = 0.0) -> None:

@@ -31,10 +31,10 @@ PAUSE = 1
 """Steps for which a robot is expected to wait in its goal before it has another."""
 
 TOLL = 10.0
-"""The cost of a conflict on the way of a robot that finds none without."""
+"""Cost of a conflict on the way of a robot that finds no way without."""
 
 MAX_PUSHES = 3
-"""How many others are planned again for such robots, times the number of all robots."""
+"""Most others that are planned again for such robots, times the number of all robots."""
 
 GROUP = 8
 """The largest number of robots that are planned anew together."""
@@ -90,12 +90,13 @@ class WindowedPlanner:
     no way leads to is as none.
 
     Args:
-        graph: of the floor; with lanes as costs more robots reach their goals, see ``lanes.py``.
+        graph: graph of the floor; with lanes as costs more robots reach their goals, see
+            ``lanes.py``.
         window: steps that are planned ahead.
         replan: steps until all are planned again, less than ``window``.
-        groups: how many groups of robots are then planned anew, to see if that is better.
-        seconds: a time limit for each step, after which the robots without a way wait.
-        seed: for the order in groups.
+        groups: groups of robots that are then planned anew, to see if that is better.
+        seconds: time limit for each step, after which the robots without a way wait.
+        seed: seed of the order in groups.
         turn_cost: see ``PIBT``.
 
     Attributes:
@@ -180,7 +181,7 @@ class WindowedPlanner:
                 self._aims[robot], self._fields[robot] = aim, self.graph.distances(aim).tolist()
 
     def _close(self, closed: list[int]) -> None:
-        """Close cells until the next replanning, and those of robots that stay for a step."""
+        """Close cells until the next replanning, and for a step the cells of robots that stay."""
         taken, here = self._taken, set(self._cells)
         taken.closed.clear()
         soon = range(self._now + 1, self._now + 1 + self.replan)
@@ -298,7 +299,7 @@ class WindowedPlanner:
                 self._delays[robot] = delay
 
     def _step(self, closed: set[int]) -> list[int]:
-        """Return the next cells: those of the ways, unless somebody waits there."""
+        """Return the next cells of the ways, and the present ones where somebody waits ahead."""
         cells = self._cells
         chosen, movers = list(cells), dict[int, int]()
         for robot, (begin, way) in self._taken.ways.items():

@@ -21,7 +21,7 @@ class Problem:
     """Robots that are to go from their starts to their goals, and to stay there.
 
     Args:
-        graph: of the floor.
+        graph: graph of the floor.
         starts: ``[R]`` cells, all different.
         goals: ``[R]`` cells, all different.
 
@@ -71,7 +71,7 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Where each robot is before each joint step and after the last, ``[T + 1, R]``."""
+    """Cells of the robots before each joint step and after the last, ``[T + 1, R]``."""
 
     cells: Integers
 

@@ -18,19 +18,21 @@ from agents.mapf.reservations import Reservations
 from warehouse_core.world.actions import WAIT
 
 NONE = -1
-"""Before the first state."""
+"""State before the first."""
 
 Moves = Sequence[Sequence[tuple[int, float, int]]]
-"""For each place the cells that a step leads to, its own the last, what the step costs, and the
-places that it leads to; see ``graph.py``."""
+"""Steps from each place: the cell that each leads to, its cost, and the place that it leads to.
+
+The last step of a place waits; see ``graph.py``.
+"""
 
 
 class Way(NamedTuple):
     """A way of a robot.
 
     Attributes:
-        cells: one for each time.
-        cost: of its moves, and the distance that is left.
+        cells: one cell for each time.
+        cost: cost of its moves, and the distance that is left.
     """
 
     cells: list[int]
@@ -70,16 +72,16 @@ def find_way(
 
     Args:
         moves: see ``moves_of``.
-        field: the distance of each place from the goal.
-        start: the place where the robot is at ``begin``.
-        goal: where it is to go.
-        taken: by others.
-        begin: a time.
-        window: after so many steps the way may end anywhere, and only the distance counts.
-        end: the way does not end in the goal before this time. A robot that is to stay there needs
+        field: distance of each place from the goal.
+        start: place where the robot is at ``begin``.
+        goal: cell to go to.
+        taken: reservations of others.
+        begin: time of the first cell.
+        window: steps after which the way may end anywhere, and only the distance counts.
+        end: time before which the way does not end in the goal. A robot that is to stay there needs
             ``taken.free_from(goal)``.
-        toll: what each state or move costs that a robot has; ``inf`` forbids them.
-        deadline: by ``time.perf_counter``.
+        toll: cost of each state or move that another robot has; ``inf`` forbids them.
+        deadline: latest ``time.perf_counter``.
 
     Raises:
         TimeoutError: the deadline has passed.

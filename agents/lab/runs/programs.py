@@ -37,7 +37,7 @@ NO_EFFECT = {
 EXCEPT = Path("lab", "console", "place.py")
 
 DIGITS = 10
-"""Of the digest in the name of a program."""
+"""Digits of the digest in the name of a program."""
 
 MAX_BYTES = 64 * 1024 * 1024
 """Limit on each file of an agent."""
@@ -82,15 +82,15 @@ def _own_digest() -> str:
 
 
 def fingerprint(file: Path | None, module: str | None) -> str | None:
-    """Return the digest of the code or model of an agent; ``None`` for those of this program.
+    """Return the digest of the code or model of an agent; ``None`` for one of this program.
 
     The code is its file, or its module, and what these import from the same folder, also in
     functions. It is found without being run. A process imports a module once, so the digest of one
     is made once too; files are read each time.
 
     Args:
-        file: of the agent, or ``None``.
-        module: its name if the agent is imported, or ``None``.
+        file: file of the agent, or ``None``.
+        module: name of its module if the agent is imported, or ``None``.
 
     Raises:
         AgentError: its file is a folder, a pipe or a device, or longer than ``MAX_BYTES``.
@@ -123,9 +123,9 @@ def _with_imports(files: Iterable[Path], folder: Path, own: str | None) -> set[P
     """Return files, what they import from a folder, what that imports from there, and so on.
 
     Args:
-        files: where to begin.
-        folder: where imports that are not relative are looked up.
-        own: the package of the files. It alone is looked up in a folder of installed packages.
+        files: files to begin with.
+        folder: folder in which imports that are not relative are looked up.
+        own: package of the files. It alone is looked up in a folder of installed packages.
     """
     is_shared = folder.resolve() in _installed()
     found, waiting = set[Path](), list(files)
@@ -159,7 +159,7 @@ def imports_of(source: bytes) -> tuple[tuple[int, str], ...]:
 
 
 def _files_of(parts: Sequence[str], folder: Path) -> Iterator[Path]:
-    """Yield the files of a module in a folder, those of the packages around it first."""
+    """Yield the files of a module in a folder, the packages around it first."""
     for part in parts:
         if part == "*":  # perhaps modules
             yield from folder.glob("*.py")

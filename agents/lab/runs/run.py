@@ -60,7 +60,7 @@ def run(
         watch: makes the context that the episode runs in.
         name: name of the agent in messages and in the record of a fleet; the default is its class.
             The record of a lone robot always has the class.
-        randomize: what the reset of a lone robot draws, see ``WarehouseEnv.reset``.
+        randomize: choice of what a lone robot's reset draws, see ``WarehouseEnv.reset``.
 
     Raises:
         EpisodeError: the agent raised an exception, or returned something that is no action; the

@@ -54,15 +54,15 @@ from warehouse_core.world.named_layouts import DEPOT, find_layout
 MAX_SHIFTS = 1000
 
 RATE = "0.06"
-"""Orders that arrive in a step."""
+"""Mean number of orders that arrive in a step."""
 
 
 def parse_orders(text: str, due: str | None) -> Orders:
     """Return the orders in a text: a rate, or the name of a file.
 
     Args:
-        text: of the option ``--orders``.
-        due: of ``--due``, for a rate.
+        text: value of ``--orders``.
+        due: value of ``--due``, which only a rate takes.
 
     Raises:
         OrderError: the file has a wrong line.

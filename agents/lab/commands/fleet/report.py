@@ -67,7 +67,7 @@ def result_of(episode: FleetEpisode) -> Result:
 
 
 def report_shifts(results: Sequence[Result], robots: int, title: str) -> None:
-    """Print the measures of shifts, those of several as means with 95% intervals."""
+    """Print the measures of shifts; several are printed as means with 95% intervals."""
     measures = [result.measures for result in results]
     print_table(measures_table(measures, title))
     lines = [verdict(measures, robots), f"Diagnosis: {diagnosis([each[1] for each in results])}."]
