@@ -34,24 +34,28 @@ from agents.mapf.space_time import find_way, moves_of
 from warehouse_core.wording import counted
 
 TOLL = 2.0**-12
-"""Cost of a conflict with the other robots' ways: of equally long ways the one with fewest wins."""
-
+"""Cost of a conflict with another robot's way, so that among ways of equal length one with few
+conflicts is taken. A power of two below any sum of conflicts keeps the costs exact.
+"""
 
 CARDINAL = 2
+"""Robots of a cardinal conflict whose costs it raises: both."""
 
 MAX_PAIRS = 10_000
-"""Most pairs of cells at one time; robots with more are not compared and count as independent."""
+"""Pairs of cells at one time up to which two robots are compared; beyond it they count as
+independent, which weakens the bound but never makes it wrong.
+"""
 
 
 class Constraint(NamedTuple):
     """What a robot must not do.
 
     Attributes:
-        robot: number of the robot.
-        time: time of the step that it must not make.
-        cell: cell that it must not be in at the time; ``None`` forbids that it is in its goal for
-            good by then.
-        before: cell that it must not come from; ``None`` forbids the cell wherever it comes from.
+        robot: its number.
+        time: joint step at which the constraint holds.
+        cell: cell that the robot must not be in at the time; ``None`` forbids the robot to be in
+            its goal for good by then.
+        before: cell that the robot must not come from; ``None`` forbids the cell altogether.
     """
 
     robot: int
@@ -71,7 +75,9 @@ Judged = tuple[int, Conflict]
 """Number of its robots whose cost a conflict raises, and the conflict to split."""
 
 MDD = list[dict[int, list[int]]]
-"""Cells where a robot can be at each time, and where it can be next from each."""
+"""Multi-valued decision diagram: by time, the cells of a robot's cheapest ways, each with the cells
+that follow it.
+"""
 
 
 @dataclass(eq=False)
@@ -79,12 +85,12 @@ class Node:
     """A node of the conflict tree.
 
     Attributes:
-        parent: parent, ``None`` at the root.
-        constraint: constraint that its parent does not have.
+        parent: node above, ``None`` for the root.
+        constraint: constraint that this node adds to its parent's.
         ways: cheapest way of each robot under the constraints.
-        cost: sum of the costs of the ways.
-        conflicts: conflicts of the ways.
-        split: conflict that its children forbid, or ``None`` if it has none.
+        cost: the sum of the costs of the ways.
+        conflicts: all conflicts between the ways.
+        split: the conflict that its children forbid, or ``None`` if it has none.
     """
 
     parent: Node | None

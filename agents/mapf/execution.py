@@ -26,10 +26,10 @@ PATIENCE = 10.0
 """Seconds without stops in which nobody moves, after which nobody will."""
 
 MAX_SLOWNESS = 10
-"""Most time of an execution, relative to robots that drive one after the other."""
+"""Factor on the time of robots that drive one after the other, after which a plan has failed."""
 
 MAX_TRIES = 10
-"""Most tries of a joint step that disturbances keep robots from."""
+"""Attempts at a joint step from which disturbances keep robots."""
 
 RESTS = 1e-5
 """Metres in which a robot may move from row to row of its path and is still said to rest."""
@@ -39,9 +39,9 @@ class Execution(NamedTuple):
     """What the execution of a plan by ``R`` bodies took.
 
     Attributes:
-        seconds: time until all are at rest in their last cells.
-        joules: energy of all together, until then.
-        hits: hits of walls and of robots; a hit of two robots counts for each.
+        seconds: time until all bodies are at rest in their last cells.
+        joules: energy of all bodies until then.
+        hits: number of hits; a hit between two robots counts for each of them.
         arrivals: ``[R]``, seconds until each is at rest in its last cell for good.
     """
 
@@ -61,11 +61,11 @@ def drive_through(
     """Let bodies drive through the cells of a joint plan.
 
     Args:
-        layout: layout of the plan.
-        plan: ``[T + 1, R]``, cell of each robot before each joint step and after the last: the
+        layout: floor on which the plan was made.
+        plan: ``[T + 1, R]``, the cell of each robot before each joint step and after the last: the
             ``cells`` of a ``Plan`` or of a ``LifelongRun``.
-        spec: numbers of the robots.
-        disturbances: departures of the physics from the nominal.
+        spec: robot to use; ``None`` is the default robot.
+        disturbances: departures from nominal physics.
         seed: seed of the disturbances.
 
     Raises:

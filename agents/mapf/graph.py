@@ -31,15 +31,16 @@ EAST = 1
 """The heading of robots at first."""
 
 CLOSED = -1
-"""Number in place of a neighbour that is a wall or off the layout."""
+"""Stands for a neighbour that is a wall or off the layout."""
 
 MAX_BYTES = 1_000_000_000
-"""Most bytes of distance fields that are kept."""
+"""Memory of kept distance fields; those used least recently are dropped beyond it."""
 
 FAR = np.iinfo(np.uint16).max
-"""Distance in ``Fields`` where no way leads to the goal."""
+"""Distance in ``Fields`` of a cell that no way leads from."""
 
 NO_ROW = -1
+"""Row of a goal that has no field in ``Fields``."""
 
 
 class Graph:
@@ -47,7 +48,7 @@ class Graph:
 
     Args:
         layout: any layout.
-        costs: ``[H * W, 4]``, cost of the moves N, E, S and W from each cell, above 0; ``None`` is
+        costs: ``[H * W, 4]`` costs above 0 of the moves N, E, S and W from each cell; ``None`` is
             1 each. See ``lanes.py``.
         turn_cost: cost of a quarter turn before a move; a half turn costs twice as much.
 
@@ -55,14 +56,13 @@ class Graph:
         ValueError: ``turn_cost`` is below 0 or no number.
 
     Attributes:
-        layout: the argument.
-        costs: the argument.
-        turn_cost: the argument.
+        layout, costs, turn_cost: the arguments.
         size: ``H * W``.
-        turns: ``[4, 5]`` float32, cost of the turn of a robot of each heading before it moves N, E,
-            S or W, or waits.
+        turns: ``[4, 5]`` float32, cost of turning from each heading before moving N, E, S or W, or
+            waiting.
         closed: cells that no way leads through; see ``close``.
-        neighbours: ``[H * W, 5]`` int32, cell that N, E, S, W and waiting lead to, or ``CLOSED``.
+        neighbours: ``[H * W, 5]`` int32, the cell that N, E, S, W and waiting lead to, or
+            ``CLOSED``.
     """
 
     def __init__(self, layout: Layout, costs: Costs | None = None, turn_cost: float = 0.0) -> None:
@@ -101,8 +101,8 @@ class Graph:
         """Return the places that N, E, S, W and waiting lead to, ``[R, 5]``.
 
         Args:
-            cells: ``[R]``.
-            headings: ``[R]``, 0 to 3.
+            cells: ``[R]`` present cells.
+            headings: ``[R]`` present headings, 0 to 3.
         """
         near: Integers = self.neighbours[cells]  # CLOSED leads to a place that is not used
         if self.turn_cost:
@@ -113,11 +113,11 @@ class Graph:
     def headings(self, before: Integers, cells: Integers, headings: Integers) -> Integers:
         """Return the headings of robots after they have moved; all arguments are ``[R]``."""
         moves = self.neighbours[before, :WAIT] == cells[:, None]
-        found: Integers = np.where(moves.any(axis=1), moves.argmax(axis=1), headings)
-        return found
+        turned: Integers = np.where(moves.any(axis=1), moves.argmax(axis=1), headings)
+        return turned
 
     def close(self, cells: frozenset[int]) -> None:
-        """Let no way lead through some cells from now on, and those closed before be open."""
+        """Close some cells to all ways from now on, and open the cells that were closed before."""
         self.closed = cells
         self._fields.clear()
         self.__dict__.pop("_edges", None)
@@ -125,12 +125,12 @@ class Graph:
     def distances(self, goal: int, keep: bool = True) -> Costs:
         """Return the cost of the cheapest way from each place to a goal, ``[places]`` float32.
 
-        It is infinite for walls and cells without a way. Fields are kept, those used last, in
-        ``MAX_BYTES``; they are not to be changed.
+        The cost is infinite for walls and cells without a way. Recently used fields are kept up
+        to ``MAX_BYTES``; callers must not change them.
 
         Args:
-            goal: a cell.
-            keep: keep the field, if it was not kept yet.
+            goal: cell to reach.
+            keep: keep the field for later calls.
         """
         field = self._fields.get(goal)
         if field is None:
@@ -138,10 +138,10 @@ class Graph:
 
             unweighted = self.costs is None and not self.turn_cost
             goals = range(goal, self.places, self.size) if self.turn_cost else goal
-            found = dijkstra(
+            costs = dijkstra(
                 self._edges, indices=goals, unweighted=unweighted, min_only=self.turn_cost > 0
             )
-            field = np.asarray(found, np.float32)
+            field = np.asarray(costs, np.float32)
             if not keep:
                 return field
             self._fields[goal] = field
@@ -217,8 +217,8 @@ class Fields:
                 self._free_rows(goals)
             self._row_of[goal] = row = self._free.pop()
             self._fill(row, self.graph.distances(goal, keep=False))
-        found: Integers = self._row_of[goals]
-        return found
+        rows: Integers = self._row_of[goals]
+        return rows
 
     def _free_rows(self, goals: Integers) -> None:
         rows = len(self.matrix)

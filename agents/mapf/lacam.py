@@ -33,9 +33,9 @@ class Node:
     """A configuration.
 
     Attributes:
-        cells: ``[R]``, cells of the robots.
-        ages: ``[R]``, steps since each robot was at its goal.
-        order: robots, the highest priority first.
+        cells: ``[R]`` cells of the robots.
+        ages: ``[R]`` steps since each robot was at its goal.
+        order: robots by falling priority.
         parent: configuration before, ``None`` at the start.
         tree: queue of constraints that were not yet tried.
     """
@@ -48,7 +48,7 @@ class Node:
 
 
 def lacam(problem: Problem, seconds: float, seed: int = 0) -> Plan:
-    """Return a plan; it is not optimal.
+    """Return a plan, which need not be optimal.
 
     Raises:
         PlanError: there is none, or none was found in time.

@@ -14,20 +14,20 @@ from agents.mapf.graph import Graph, Integers
 from agents.mapf.planner import NO_CELLS, Planner, Situation
 
 NewGoals = Callable[[Integers, Integers], Integers]
-"""Returns the goals of the robots, ``[R]``, from their cells after a step and their goals so far.
+"""Function that returns new goals, ``[R]``, from the cells after a step and the goals so far.
 
-It must not change its arguments.
+It must not change these arrays.
 """
 
 
 @dataclass(frozen=True, eq=False)
 class LifelongRun:
-    """What robots did.
+    """Record of a lifelong run.
 
     Attributes:
-        cells: ``[T + 1, R]``, cells of the robots.
-        goals: ``[T + 1, R]``, goals of the robots.
-        seconds: ``[T]``, processor time of the planner.
+        cells: ``[T + 1, R]`` cells of the robots.
+        goals: ``[T + 1, R]`` goals of the robots.
+        seconds: ``[T]`` processor time of the planner.
     """
 
     cells: Integers
@@ -60,8 +60,8 @@ def run_lifelong(
     planners.
 
     Args:
-        graph: graph of the floor.
-        planner: planner, which is reset.
+        graph: floor.
+        planner: planner, which is reset first.
         robots: ``R``.
         steps: ``T``.
         seed: seed of starts and goals.
@@ -98,9 +98,9 @@ def lead(
     """Let a planner lead robots to goals that change.
 
     Args:
-        planner: planner, which is reset.
-        cells: ``[R]``, cells of the robots.
-        goals: ``[R]``, first goals of the robots.
+        planner: planner, which is reset first.
+        cells: ``[R]`` first cells of the robots.
+        goals: ``[R]`` first goals of the robots.
         new_goals: function called after each step.
         steps: ``T``.
     """

@@ -24,15 +24,15 @@ NOBODY = -1
 UNDECIDED = -1
 
 FREE = -2
-"""Number in place of the next cell of ``NOBODY``."""
+"""Next cell of ``NOBODY``."""
 
 WAIT_COST = 1.5
-"""Cost of a step in place. Without lanes a move ahead is worth 1.5 less, one back 0.5 more."""
+"""Cost of a step in place: without lanes 1.5 more than a move ahead and 0.5 less than one back."""
 
 OCCUPIED_COST, CHANCE_COST = 0.5, 0.2
 """Cost of entering an occupied cell; most that the random tie-break adds.
 
-Together they are less than ``WAIT_COST``, so that nobody waits for a robot that could be pushed.
+Together they are less than ``WAIT_COST``, so that no robot waits behind one that it could push.
 """
 
 
@@ -45,24 +45,27 @@ def choose_cells(
     chosen: list[int],
     pushers: list[int],
 ) -> bool:
-    """Choose the next cells of all robots that are undecided; a round of PIBT.
+    """Choose the next cells of all undecided robots, in one round of PIBT.
+
+    The round is a loop with a stack, since chains of thousands of robots that push each other
+    would exceed Python's limit on recursion.
 
     Args:
-        order: robots, the highest priority first.
-        cells: ``[R]``, cells of the robots.
-        choices: ``[R, 5]``, cells that each can go to, the best first.
-        robot_in: ``[H * W + 1]``, robot in each cell, or ``NOBODY``.
-        is_taken: ``[H * W + 1]``, true for cells that somebody is to be in next, or nobody can be
-            in; chosen cells are added. The last is for ``CLOSED`` and is taken.
-        chosen: ``[R]``, next cells, or ``UNDECIDED``; chosen cells are filled in.
-        pushers: ``[R]``, all ``NOBODY``; robots that made others choose are filled in.
+        order: robots by falling priority.
+        cells: ``[R]`` present cells.
+        choices: ``[R, 5]`` cells that each robot can go to, the best first.
+        robot_in: ``[H * W + 1]`` robot in each cell, or ``NOBODY``.
+        is_taken: ``[H * W + 1]`` flags of cells that are closed or chosen; chosen cells are added.
+            The last flag is for ``CLOSED`` and is set.
+        chosen: ``[R]`` next cells, or ``UNDECIDED``; the choices are written here.
+        pushers: ``[R]``, all ``NOBODY``; the robot that made each choose is written here.
 
     Returns:
-        True if each robot has a cell of its own. It may be false only if the cell of an undecided
+        True if each robot has a cell of its own. It is false only if the cell of an undecided
         robot was taken before.
     """
     is_complete = True
-    chosen.append(FREE)  # of NOBODY
+    chosen.append(FREE)  # index NOBODY, -1, is the last entry
     for first in order:
         if chosen[first] != UNDECIDED:
             continue
@@ -108,15 +111,16 @@ class PIBT:
     cell, and then by chance.
 
     Args:
-        graph: graph of the floor.
-        seed: seed of the random tie-breaks.
-        turn_cost: cost of a quarter turn, in steps; 0 leaves the graph as it is. Robots face where
-            they last moved, at first east. A robot that drives through cells loses the time of the
-            turn, of braking and of speeding up, divided by the time of a cell.
+        graph: floor.
+        seed: seed of random tie-breaks.
+        turn_cost: cost of a quarter turn in steps. Robots face where they last moved, at first
+            east. 0 leaves the graph as it is. For a robot that drives through, a turn costs the
+            time to brake, turn and speed up, divided by the time of a cell.
 
     Attributes:
         fields: distances to the robots' goals.
-        pushers: see ``PushingPlanner``.
+        pushers: ``[R]`` robot that made each robot choose before its turn in the last step, or
+            ``NOBODY``.
     """
 
     def __init__(self, graph: Graph, seed: int = 0, turn_cost: float = 0.0) -> None:
@@ -163,7 +167,7 @@ class PIBT:
         return np.array(chosen)
 
     def robots_in(self, cells: Integers) -> Integers:
-        """Return who is in each cell, or ``NOBODY``, ``[H * W + 1]``."""
+        """Return the robot in each cell, or ``NOBODY``, ``[H * W + 1]``."""
         robots = np.full(self.graph.size + 1, NOBODY)
         robots[cells] = np.arange(len(cells))
         return robots
@@ -171,7 +175,7 @@ class PIBT:
     def choices(
         self, cells: Integers, goals: Integers, robot_in: Integers
     ) -> tuple[list[list[int]], NDArray[np.bool_]]:
-        """Return the cells that each robot can go to, the best first, and who is to stay."""
+        """Return the cells that each robot can go to, the best first, and the robots that stay."""
         rows, reached = self.fields.rows(goals), self.graph.neighbours[cells]
         places = self.graph.places_at(cells, self._headings)
         distances = self.fields.matrix[rows[:, None], places]

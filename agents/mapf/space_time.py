@@ -18,12 +18,11 @@ from agents.mapf.reservations import Reservations
 from warehouse_core.world.actions import WAIT
 
 NONE = -1
-"""State before the first."""
+"""Predecessor of the first state."""
 
 Moves = Sequence[Sequence[tuple[int, float, int]]]
-"""Steps from each place: the cell that each leads to, its cost, and the place that it leads to.
-
-The last step of a place waits; see ``graph.py``.
+"""Steps from each place, waiting the last: the cell that a step leads to, its cost, and its place;
+see ``graph.py``.
 """
 
 
@@ -31,8 +30,8 @@ class Way(NamedTuple):
     """A way of a robot.
 
     Attributes:
-        cells: one cell for each time.
-        cost: cost of its moves, and the distance that is left.
+        cells: cell at each time.
+        cost: cost of the moves, plus the distance that is left.
     """
 
     cells: list[int]
@@ -73,15 +72,15 @@ def find_way(
     Args:
         moves: see ``moves_of``.
         field: distance of each place from the goal.
-        start: place where the robot is at ``begin``.
-        goal: cell to go to.
-        taken: reservations of others.
+        start: place of the robot at ``begin``.
+        goal: cell to reach.
+        taken: reservations of other robots.
         begin: time of the first cell.
-        window: steps after which the way may end anywhere, and only the distance counts.
-        end: time before which the way does not end in the goal. A robot that is to stay there needs
+        window: number of steps after which the way may end anywhere, and the distance left counts.
+        end: the way does not end in the goal before this time. A robot that is to stay there needs
             ``taken.free_from(goal)``.
         toll: cost of each state or move that another robot has; ``inf`` forbids them.
-        deadline: latest ``time.perf_counter``.
+        deadline: limit on ``time.perf_counter()``.
 
     Raises:
         TimeoutError: the deadline has passed.

@@ -25,7 +25,7 @@ MAX_BYTES = 64 * 1024 * 1024
 
 Arrays = dict[str, NDArray[Any]]
 Schema = Mapping[str, tuple[str, int]]
-"""For each array its dtype, with byte order, and its number of dimensions."""
+"""Name of each array, its dtype with byte order, and its number of dimensions."""
 
 _END_RECORD = struct.Struct("<4s4H2LH")
 _ZIP64_LOCATOR_SIZE = 20
@@ -108,17 +108,17 @@ def _read_one(
         if np.lib.format.read_magic(file) != (1, 0):
             raise RecordError(f"array {name}: not of .npy version 1.0")
         try:
-            shape, fortran_order, found = np.lib.format.read_array_header_1_0(file)
+            shape, fortran_order, stored = np.lib.format.read_array_header_1_0(file)
         except Exception as error:  # the header is Python text, which can raise many types
             raise RecordError(f"array {name}: damaged header") from error
-        if found != np.dtype(dtype) or len(shape) != dimensions or fortran_order:
+        if stored != np.dtype(dtype) or len(shape) != dimensions or fortran_order:
             raise RecordError(
-                f"array {name} is {found} with {len(shape)} dimensions; "
+                f"array {name} is {stored} with {len(shape)} dimensions; "
                 f"it must be {np.dtype(dtype)} with {dimensions}, in C order"
             )
-        size = math.prod(shape) * found.itemsize
+        size = math.prod(shape) * stored.itemsize
         if size != entry.file_size - file.tell():
             raise RecordError(f"array {name} claims {size} bytes, which it does not have")
         data = file.read(size)
         file.read(1)  # zipfile compares the checksum only when the end is read
-    return np.frombuffer(data, dtype=found).reshape(shape)
+    return np.frombuffer(data, dtype=stored).reshape(shape)
