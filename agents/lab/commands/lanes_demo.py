@@ -10,7 +10,7 @@ from agents.lab.runs.run import run
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import PIBT
-from warehouse_core import FleetEnv, FleetEpisode, Layout, OrderStream
+from warehouse_core import Episode, FleetEnv, Layout, OrderStream
 
 SHELF_ROWS, SHELF_COLUMNS, SHELF, MARGIN = 5, 2, 8, 2
 """Rows and columns of shelves, their length, and the cells at both sides of them."""
@@ -34,7 +34,7 @@ def crowded_floor() -> Layout:
     return Layout([row_of("."), *(row for block in blocks for row in block)])
 
 
-def lanes_compared(seed: int = 1, steps: int = STEPS) -> dict[str, FleetEpisode]:
+def lanes_compared(seed: int = 1, steps: int = STEPS) -> dict[str, Episode]:
     """Return the records of a fleet led by PIBT without and with lanes.
 
     Args:

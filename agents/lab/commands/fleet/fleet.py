@@ -42,7 +42,7 @@ from agents.lab.console.terminal import print_error
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import draw_seed, run
 from agents.registry import PLANNERS, make_fleet_agent, make_team
-from warehouse_core import FleetEnv, FleetEpisode, OrderStream, WarehouseError
+from warehouse_core import Episode, FleetEnv, OrderStream, WarehouseError
 from warehouse_core.arguments import whole_number
 from warehouse_core.fleet.settings import MAX_BODIES
 from warehouse_core.orders import load_orders
@@ -224,7 +224,7 @@ def fleet(
 
     first = draw_seed() if seed is None else seed
 
-    def run_seed(seed: int) -> FleetEpisode:
+    def run_seed(seed: int) -> Episode:
         whole_number("seed", seed, 0)
         directing = (
             make_team(agent, robots, seed, floor)
@@ -249,9 +249,9 @@ def fleet(
         f"{counted(robots, 'robot')} ({director}) on layout {layout.stem}, backend {backend}, "
         f"{f'seed {first}' if shifts == 1 else f'seeds {first} to {first + shifts - 1}'}"
     )
-    results, records = list[Result](), list[FleetEpisode]()
+    results, records = list[Result](), list[Episode]()
 
-    def keep(episode: FleetEpisode) -> None:
+    def keep(episode: Episode) -> None:
         results.append(result_of(episode))
         if not records:  # all of them would take much memory
             records.append(episode)
@@ -284,9 +284,9 @@ def warn_of_lost_steps(agent: FleetAgent, seed: int, name: str) -> None:
 
 
 def run_shifts(
-    run: Callable[[int], FleetEpisode],
+    run: Callable[[int], Episode],
     seeds: Sequence[int],
-    keep: Callable[[FleetEpisode], None],
+    keep: Callable[[Episode], None],
 ) -> None:
     """Run a shift for each seed, and ``keep`` each record, the unfinished one of an error too.
 
