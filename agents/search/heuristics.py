@@ -23,7 +23,7 @@ Costs = NDArray[np.float64]
 """``[H, W]``: a cost for each cell, infinite without a path."""
 
 MAX_COMPARED = 16
-"""Stations of a kind that are compared for each state; for more, one table of all cells is made."""
+"""Most stations of a kind compared for each state; for more, a table of all cells is made once."""
 
 
 def zero(state: Hashable) -> float:

@@ -1,7 +1,7 @@
 """Search problems on a layout: the route to a cell, and the delivery of an item.
 
 Both take their moves from a ``MoveTable``, which all problems with the same walls share. The
-transition model is that of ``warehouse_core/task/rules.py`` for a robot whose moves succeed.
+transition model is the table in ``warehouse_core/task/rules.py`` for a robot whose moves succeed.
 
 A state of a route is a cell. A state of a delivery is ``(row, col, has_item)``, and ``DELIVERED``
 after the drop.
@@ -32,7 +32,7 @@ class MoveTable(dict[Cell, Moves]):
     Equal cells of a table are one object: dictionaries find them faster.
 
     Args:
-        is_open: whether a robot can drive to a cell.
+        is_open: function that tells whether a robot can drive to a cell.
     """
 
     def __init__(self, is_open: Callable[[Cell], bool]) -> None:
@@ -101,10 +101,10 @@ class DeliveryProblem(Problem[State, str]):
     Args:
         layout: the walls, and the default stations.
         start: the cell of the robot.
-        has_item: whether it holds the item already.
-        pickups: cells of the item; ``None`` for those of the layout.
-        dropoffs: cells where it can be delivered; ``None`` for those of the layout.
-        costs: of the actions.
+        has_item: the robot holds the item already.
+        pickups: cells of the item; ``None`` stands for the pickups of the layout.
+        dropoffs: cells where it can be delivered; ``None`` stands for the dropoffs of the layout.
+        costs: costs of the actions.
 
     Raises:
         LayoutError: the start or a station is not open.
@@ -160,9 +160,9 @@ class DeliveryProblem(Problem[State, str]):
         if state == DELIVERED:
             return []
         cost = self.costs.move_loaded if has_item else self.costs.move_empty
-        found = [(move, (*cell, has_item), cost) for move, cell, _ in self._moves[row, col]]
+        edges = [(move, (*cell, has_item), cost) for move, cell, _ in self._moves[row, col]]
         if has_item and (row, col) in self.dropoffs:
-            found.append(("DROP", DELIVERED, self.costs.drop))
+            edges.append(("DROP", DELIVERED, self.costs.drop))
         if not has_item and (row, col) in self.pickups:
-            found.append(("PICK", (row, col, True), self.costs.pick))
-        return found
+            edges.append(("PICK", (row, col, True), self.costs.pick))
+        return edges

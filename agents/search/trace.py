@@ -14,28 +14,28 @@ from warehouse_core.world.tiles import EMPTY, PICKUP, Cell
 SHADES: tuple[Color, ...] = tuple(
     blend(COLORS[PICKUP], COLORS[EMPTY], share) for share in (0.75, 0.5, 0.25, 0.0)
 )
-"""Of expanded cells: the first quarter of them, and so on."""
+"""Colours of expanded cells: the first quarter of them, the second, and so on."""
 
 FRONTIER: Color = HIT
 
 MAX_PANELS = 6
-"""Of searches side by side."""
+"""Most searches side by side."""
 
 WAITS, UNTOUCHED = -1, 0
 """Marks of a cell on the frontier and of a cell not reached yet."""
 
 Marks = NDArray[np.int32]
-"""``[H, W]``: one of the above, or the number of the expansion of the cell, from 1."""
+"""``[H, W]``: ``WAITS``, ``UNTOUCHED``, or the number of the cell's expansion, from 1."""
 
 
 class SearchCourse:
     """The marks of a search after any number of its expansions.
 
     Args:
-        name: of the algorithm, to be shown.
-        layout: that was searched.
-        start: of the search.
-        solution: of the search, with its events.
+        name: name of the algorithm, to show.
+        layout: layout that was searched.
+        start: start of the search.
+        solution: solution of the search, with its events.
 
     Raises:
         ValueError: the solution has no events.
