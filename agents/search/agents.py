@@ -19,7 +19,7 @@ from agents.search.algorithms import (
 from agents.search.belief import Belief, BeliefProblem
 from agents.search.costs import STEPS, action_costs
 from agents.search.heuristics import manhattan, manhattan_delivery
-from agents.search.problems import DeliveryProblem, State
+from agents.search.problems import DeliveryProblem, DeliveryState
 from warehouse_core.motion.backends import Backend
 from warehouse_core.task.state import Observation
 from warehouse_core.world.layout import Layout
@@ -31,7 +31,7 @@ WEIGHT = 2.0
 PATIENCE = 10
 """Most times per goal that an exploring agent forgets the walls that it has not seen."""
 
-ALGORITHMS: dict[str, Callable[[DeliveryProblem, float], Solution[State, str]]] = {
+ALGORITHMS: dict[str, Callable[[DeliveryProblem, float], Solution[DeliveryState, str]]] = {
     "bfs": lambda problem, _: breadth_first_search(problem),
     "ucs": lambda problem, _: uniform_cost_search(problem),
     "greedy-best-first": lambda problem, _: greedy_best_first_search(

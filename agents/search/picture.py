@@ -81,7 +81,7 @@ class _SearchScene:
         self.root.text(left, top, printable(title), fontsize=14, fontweight="bold", **common)
         self._counter = self.root.text(left, 1 - 54 / height, "", fontsize=12, **common)
         self.root.add_mover(self._counter)
-        draw_legend(self.root)
+        draw_search_legend(self.root)
         self.show(0)
 
     def __len__(self) -> int:
@@ -124,7 +124,7 @@ def search_replay(
     return Replay(scene, tracks, FRAME_MS)
 
 
-def draw_legend(figure: SceneFigure) -> None:
+def draw_search_legend(figure: SceneFigure) -> None:
     """Draw the legend along the bottom."""
     square: dict[str, Any] = {"marker": "s", "markersize": 12, "linestyle": "none", "mec": INK}
     disc = Line2D([], [], color=PAPER, **(square | {"marker": "o", "markersize": 17}))

@@ -24,7 +24,7 @@ MAX_PANELS = 6
 WAITS, UNTOUCHED = -1, 0
 """Marks of a cell on the frontier and of a cell not reached yet."""
 
-Marks = NDArray[np.int32]
+MarkGrid = NDArray[np.int32]
 """``[H, W]``: ``WAITS``, ``UNTOUCHED``, or the number of the cell's expansion, from 1."""
 
 
@@ -68,7 +68,7 @@ class SearchCourse:
         """Return whether the search has ended after ``count`` expansions."""
         return count >= len(self)
 
-    def marks_after(self, count: int) -> Marks:
+    def marks_after(self, count: int) -> MarkGrid:
         """Return the marks after ``count`` expansions, or after all if there are fewer."""
         end = self._ends[min(count, len(self))]
         marks = np.full(self._shape, UNTOUCHED, dtype=np.int32)
@@ -80,7 +80,7 @@ class SearchCourse:
             marks[goal] = max(len(self), 1)
         return marks
 
-    def shades(self, numbers: Marks) -> Marks:
+    def shades(self, numbers: MarkGrid) -> MarkGrid:
         """Return for numbers of expansions the index of its shade in ``SHADES``."""
         return (numbers - 1) * len(SHADES) // max(len(self), 1)
 
