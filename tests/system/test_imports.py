@@ -20,7 +20,7 @@ MAY_IMPORT = {
     "warehouse_core/errors": "",
     "warehouse_core/extras": "",
     "warehouse_core/wording": "",
-    "warehouse_core/files": "errors",
+    "warehouse_core/files": "errors wording",
     "warehouse_core/world": "errors files wording",
     "warehouse_core/motion": "arguments errors extras world",
     "warehouse_core/task": "errors world",
