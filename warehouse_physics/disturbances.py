@@ -11,7 +11,7 @@ from operator import index
 from warehouse_core import Cell
 from warehouse_core.arguments import real_number, whole_number
 from warehouse_core.motion.base import Conditions
-from warehouse_physics.robot_spec import GRAVITY
+from warehouse_physics.spec import GRAVITY
 
 
 @dataclass(frozen=True, slots=True)

@@ -150,7 +150,7 @@ EXPORTS = {
     """,
     "warehouse_physics": "Disturbances DrivingMotion RigidBodyMotion RobotSpec Stop",
     "warehouse_physics.driving": "DrivingMotion",
-    "warehouse_physics.vector": "RigidBodyBatch",
+    "warehouse_physics.batch": "RigidBodyBatch",
     "agents": "ExploringAgent GreedyAgent PPOAgent QAgent SearchAgent",
     "agents.lab.evaluation": """
         MEASURES Interval Run Scores Task evaluate mean_interval share_interval

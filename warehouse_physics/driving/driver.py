@@ -16,17 +16,18 @@ import numpy as np
 
 from warehouse_core import Cell
 from warehouse_core.motion.base import centre_of
-from warehouse_core.motion.dependencies import Dependencies
 from warehouse_core.motion.vector import Flags
+from warehouse_physics.arena import Hit
 from warehouse_physics.disturbances import Disturbances
-from warehouse_physics.driving.arena import DrivingArena, Hit
+from warehouse_physics.driven_arena import DrivenArena
+from warehouse_physics.driving.dependencies import Dependencies
 from warehouse_physics.driving.headings import Headings
 from warehouse_physics.driving.leaders import Leaders
 from warehouse_physics.driving.limits import Limits
 from warehouse_physics.driving.motors import Motors
-from warehouse_physics.driving.speeds import stopping_distances, stopping_speeds
-from warehouse_physics.profile import Floats
-from warehouse_physics.robot_spec import ARRIVED, RobotSpec
+from warehouse_physics.energy import spent
+from warehouse_physics.profile import Floats, stopping_distances, stopping_speeds
+from warehouse_physics.spec import ARRIVED, RobotSpec
 
 NOMINAL = Disturbances()
 
@@ -58,7 +59,7 @@ class Driver:
 
     def __init__(
         self,
-        arena: DrivingArena,
+        arena: DrivenArena,
         spec: RobotSpec,
         cells: Sequence[Cell],
         disturbances: Disturbances = NOMINAL,
@@ -129,10 +130,11 @@ class Driver:
         speeds, aside = self._choose_speeds(), self._choose_speeds_aside(across)
         before = self._speeds
         chosen = speeds[:, None] * self._along + aside[:, None] * across
-        hits = self._arena.step(self._motors.command(chosen, speeds, before, self._turning()))
+        self._arena.command(self._motors.command(chosen, speeds, before, self._turning()))
+        _, hits = self._arena.stepper.run(0, 1)
         self._look()
         gained = self._limits.masses * (self._speeds**2 - before**2) / 2
-        self.work += np.maximum(gained + self._motors.drags * np.abs(before) * self._dt, 0.0)
+        self.work += spent(gained + self._motors.drags * np.abs(before) * self._dt)
         return hits
 
     def _look(self) -> None:

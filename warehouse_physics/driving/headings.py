@@ -9,7 +9,7 @@ import numpy as np
 from warehouse_core.motion.vector import Flags
 from warehouse_physics.profile import Floats
 from warehouse_physics.robot import TURN_RATE, TURN_SECONDS
-from warehouse_physics.robot_spec import RobotSpec
+from warehouse_physics.spec import RobotSpec
 
 
 class Headings:

@@ -14,11 +14,10 @@ import math
 
 import numpy as np
 
-from warehouse_core.motion.dependencies import Dependencies
+from warehouse_physics.driving.dependencies import Dependencies
 from warehouse_physics.driving.limits import Limits
-from warehouse_physics.driving.speeds import stopping_distances, stopping_speeds
-from warehouse_physics.profile import Floats
-from warehouse_physics.robot_spec import RobotSpec
+from warehouse_physics.profile import Floats, stopping_distances, stopping_speeds
+from warehouse_physics.spec import RobotSpec
 
 NEVER = 2**40
 """In place of the number of a node that nobody has to wait for."""

@@ -7,9 +7,8 @@ import math
 import numpy as np
 
 from warehouse_physics.disturbances import Disturbances
-from warehouse_physics.driving.speeds import stopping_distances
-from warehouse_physics.profile import Floats
-from warehouse_physics.robot_spec import GRAVITY, RobotSpec
+from warehouse_physics.profile import Floats, stopping_distances
+from warehouse_physics.spec import GRAVITY, RobotSpec
 
 CORNER = 0.2
 """Share of a cell before a corner where robots begin to turn into their next leg: they brake in the

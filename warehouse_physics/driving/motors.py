@@ -9,10 +9,10 @@ import numpy as np
 from warehouse_core import Cell
 from warehouse_core.motion.vector import Flags
 from warehouse_physics.disturbances import Disturbances, FloorConditions
-from warehouse_physics.driving.arena import DrivingArena
+from warehouse_physics.driven_arena import DrivenArena
 from warehouse_physics.driving.limits import Limits
 from warehouse_physics.profile import Floats
-from warehouse_physics.robot_spec import RobotSpec
+from warehouse_physics.spec import RobotSpec
 
 
 class Motors:
@@ -35,7 +35,7 @@ class Motors:
 
     def __init__(
         self,
-        arena: DrivingArena,
+        arena: DrivenArena,
         spec: RobotSpec,
         limits: Limits,
         disturbances: Disturbances,
@@ -44,7 +44,7 @@ class Motors:
         self._arena, self._spec, self._limits = arena, spec, limits
         self._noise, self._floor = disturbances.actuation_noise, FloorConditions(disturbances, seed)
         self.is_exact = not self._noise and not self._floor.varies
-        robots = len(arena.robots)
+        robots = len(arena.bodies)
         self.drags = np.zeros(robots)
         self._factors, self._drag_factors = np.ones((2, robots))
         self._cells = np.full((robots, 2), -1)
@@ -54,7 +54,7 @@ class Motors:
 
     def load(self) -> None:
         """Give bodies the masses of their loads, and motors the forces that these need."""
-        for body, mass in zip(self._arena.robots, self._limits.masses.tolist(), strict=True):
+        for body, mass in zip(self._arena.bodies, self._limits.masses.tolist(), strict=True):
             if body.mass != mass:
                 body.mass = mass
         for robot in range(len(self.drags)):
