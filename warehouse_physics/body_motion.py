@@ -24,7 +24,7 @@ class BodyMotion:
         spec: numbers of the robots.
         disturbances: departure of the physics from the nominal.
         cell_size: side of a cell in metres.
-        is_busy: whether a call is running that no other may overlap; see ``exclusive``.
+        is_busy: true while a call is running that no other may overlap; see ``exclusive``.
     """
 
     is_busy = False

@@ -28,12 +28,13 @@ TURN_RATE, TURN_ACCELERATION = math.pi, 60.0
 """
 
 TURN_SECONDS = 2.0
+"""Seconds of a free move of the default robot over a cell."""
 
 AT_REST = 1e-6
 """Speed in m/s below which a robot stands still; less than the solver may leave after a hit."""
 
 REST, GO, BRAKE, HELD = range(4)
-"""What a drive is doing; a robot that is held waits for others at rest, see ``giving_way.py``."""
+"""Phases of a drive; a robot that is held waits for others at rest, see ``giving_way.py``."""
 
 NEVER = sys.maxsize
 """The substep at which a robot at rest has something to do."""
@@ -47,17 +48,17 @@ class Action:
     """The state of one action.
 
     Attributes:
-        home: cell in which it began.
+        home: cell in which the action began.
         goal: cell to drive to.
         target: middle of ``goal``, or of ``home`` after the robot gave up, in metres.
         deadline: substep after which no new attempt is made.
-        gave_up: something was in the way.
-        is_followed: another robot drives to ``home``.
-        has_met: it touched another robot.
+        gave_up: true if something was in the way.
+        is_followed: true if another robot drives to ``home``.
+        has_met: true if the robot touched another one.
         last_hit: substep of the last hit, or 0.
-        rested: substep at which it came to rest.
+        rested: substep at which the robot came to rest.
         contacts: hits so far.
-        work: of the motor so far, in joules.
+        work: work of the motor so far, in joules.
     """
 
     home: Cell
@@ -86,7 +87,7 @@ class Robot:
         body: body of the robot.
         position: middle of the body at the last look, in metres.
         action: action that was begun last.
-        phase: what the drive is doing: ``REST``, ``GO``, ``BRAKE`` or ``HELD``.
+        phase: present phase of the drive: ``REST``, ``GO``, ``BRAKE`` or ``HELD``.
         until: substep at which the phase ends, or ``NEVER``.
     """
 
@@ -118,8 +119,8 @@ class Robot:
         self.action = Action(cell, cell, centre)
         self._heading = self._turn = 0.0
         self.look()
-        # Of the present profile: where work was last counted, the kinetic energy there, and for
-        # how many substeps to brake at its end.
+        # The present profile: where work was last counted, the kinetic energy there, and the
+        # substeps to brake at its end.
         self._start, self._energy, self._braking = self.position, 0.0, 0
         self._on = cell
         self._load(False, spec.acceleration)
@@ -142,11 +143,11 @@ class Robot:
 
         Args:
             displacement: ``(0, 0)``, or one cell in one direction.
-            loaded: whether it carries an item.
+            loaded: true if the robot carries an item.
             pace: acceleration in m/s² to drive with.
 
         Returns:
-            For how many substeps it has to turn on the spot before; see ``set_off``.
+            Substeps that it has to turn on the spot before it drives; see ``set_off``.
         """
         if loaded != self._loaded or pace != self._pace:
             self._load(loaded, pace)

@@ -24,7 +24,7 @@ import pymunk
 Hit = TypeVar("Hit")
 
 IS_KNOWN = pymunk.version.startswith(("7.1.", "7.2.", "7.3."))
-"""Whether this version of pymunk has the private parts that are used here."""
+"""True if this version of pymunk has the private parts that are used here."""
 
 
 class Hits(list[Any]):
@@ -59,8 +59,8 @@ class Stepper(Generic[Hit]):
     """Steps a space.
 
     Args:
-        space: to step.
-        time_step: of a substep, in seconds.
+        space: space to step.
+        time_step: duration of a substep in seconds.
         note: called as two bodies begin to touch; returns hits, one or more for the touch.
         pairs: collision types whose hits are noted.
     """

@@ -27,8 +27,7 @@ class RigidBodyBatch:
     """Moves one robot in each of ``B`` layouts as a disc with mass; see ``BatchMotion``.
 
     Up to ``ROWS_OF_A_SPACE`` robots are in one space, too far apart to touch. An action takes as
-    many substeps as the slowest of them needs; ``seconds`` and ``joules`` are those of each robot
-    alone.
+    many substeps as the slowest of them needs; each has ``seconds`` and ``joules`` of its own.
 
     Raises:
         ValueError: no layouts.

@@ -24,8 +24,8 @@ class BatchRobots:
     """Drives the ``B`` robots of an arena by one action at a time.
 
     Attributes:
-        gave_up: ``[B]``, whether a wall was in the way.
-        work: ``[B]`` joules that each motor has done in the action.
+        gave_up: ``[B]`` bool, true if a wall was in the way.
+        work: ``[B]`` joules, work of each motor in the action.
         substeps: ``[B]`` substeps until each robot was at rest.
     """
 
@@ -69,7 +69,7 @@ class BatchRobots:
 
         Args:
             ways: ``[B, 2]`` cells to go, columns before rows.
-            loaded: ``[B]``, whether it carries an item.
+            loaded: ``[B]`` bool, true if the robot carries an item.
         """
         self._load(loaded)
         self._home, self._ways = self.cells(), ways

@@ -33,7 +33,7 @@ class Warehouses(DrivenArena):
     Args:
         spec: numbers of the robots.
         layouts: layouts of the warehouses.
-        corners: ``[B, 2]`` metres, where they are in the space; see ``corners_of``.
+        corners: ``[B, 2]`` metres, positions of the layouts in the space; see ``corners_of``.
     """
 
     def __init__(self, spec: RobotSpec, layouts: Sequence[Layout], corners: Floats) -> None:

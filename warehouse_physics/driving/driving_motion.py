@@ -142,7 +142,7 @@ class DrivingMotion(BodyMotion):
         """Extend the ways by a joint step of a plan, whether they have room or not.
 
         Args:
-            cells: for each robot its next cell, or the end of its way if it waits.
+            cells: next cell of each robot, or the end of its way if it waits.
 
         Raises:
             ValueError: another number of cells than robots, or robots cannot make this step, as
