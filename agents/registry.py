@@ -175,8 +175,8 @@ def make_fleet_agent(
             f"no assignment is called {assignment!r}; allowed: {', '.join(ASSIGNMENTS)}"
         )
     made = make_planner(planner, seed, layout, robots)
-    if hasattr(made, "next_cells"):
-        return PlannedFleet(cast(Planner, made), assignment or DEFAULT_ASSIGNMENT, **options)
+    if isinstance(made, Planner):
+        return PlannedFleet(made, assignment or DEFAULT_ASSIGNMENT, **options)
     if options.get("log"):
         raise AgentError(f"planner {planner!r} has act(), so its plans are not known")
     if assignment is not None:

@@ -17,8 +17,10 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.fleet_truth import DROP, EAST, NORTH, PICK, SOUTH, WAIT, WEST, big_warehouse
+from helpers.timing import resident
 
 from warehouse_core import FleetEnv, Layout
+from warehouse_core.fleet import FleetBatch
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*chargers supply")
 
@@ -123,6 +125,26 @@ def test_robot_steps_a_second(robots: int, measured) -> None:
     assert cpu >= 15 or robots != 1000
 
 
+def rate_of_fleets(fleets: int, robots: int) -> float:
+    """Return the robot-steps a second of many fleets together, by CPU time."""
+    batch = FleetBatch(fleets, robots=robots, max_steps=OURS, battery=OURS)
+    batch.reset(seed=1)
+    actions = np.random.default_rng(0).integers(0, WAIT + 1, batch.num_envs)
+    return batch.num_envs * CYCLE / timed(lambda: [batch.step(actions) for _ in range(CYCLE)])[1]
+
+
+def test_lone_robots_on_thousands_of_floors(measured) -> None:
+    """Fleets of one are moved by arrays, and each robot takes less time than one of two."""
+    fleets, rates = 4096, {1: 0.0, 2: 0.0}
+    for _ in range(ROUNDS):
+        for robots in rates:
+            rates[robots] = max(rates[robots], rate_of_fleets(fleets, robots))
+    words = ", ".join(f"{rate:,.0f} with {robots}" for robots, rate in rates.items())
+    ratio = rates[1] / rates[2]
+    measured(f"robot-steps a second of {fleets:,} fleets by CPU time", f"{words}; {ratio:.2f}")
+    assert ratio >= 1.3
+
+
 @pytest.mark.parametrize("orders", [None, 100.0])
 def test_a_reset_of_ten_thousand_robots(orders: float | None, measured) -> None:
     fleet = FleetEnv(LAYOUT, 10_000, orders=orders, max_steps=1000, battery=1000)
@@ -130,11 +152,6 @@ def test_a_reset_of_ten_thousand_robots(orders: float | None, measured) -> None:
     what = f"reset of 10,000 robots{' with 100,000 orders' if orders else ''}"
     measured(what, f"{wall:.3f} s, {cpu:.3f} s of CPU time")
     assert cpu < 0.1
-
-
-def resident() -> int:
-    """Return the bytes of memory that this process uses now."""
-    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
 def towards_goals(arrays: Any, mask: np.ndarray, stream: np.random.Generator) -> np.ndarray:

@@ -67,21 +67,19 @@ MAY_IMPORT = {
     "agents/lab/evaluation": "",
     "agents/search": "",
     "agents/warehouse_agent_greedy": "",
-    "agents/lab/console": "errors",
-    "agents/learning": "errors lab/evaluation warehouse_agent_greedy",
+    "agents/learning": "errors warehouse_agent_greedy",
     "agents/mapf": "errors",
     "agents/fleet": "errors mapf",
-    "agents/lab/runs": "errors fleet lab/console mapf",
+    "agents/lab/training": "lab/evaluation learning",
+    "agents/lab/runs": "errors fleet",
     "agents/registry": "errors fleet learning mapf search warehouse_agent_greedy",
+    "agents/lab/console": "errors lab/runs",
+    "agents/lab/commands/fleet": "errors fleet lab/console lab/evaluation lab/runs mapf registry",
     "agents/lab/experiments": "errors fleet lab/console lab/runs mapf registry",
     "agents/lab/grading": (
         "errors lab/console lab/evaluation lab/runs registry warehouse_agent_greedy"
     ),
-    "agents/run_episode": "errors lab/console registry",
     "agents/lab/commands/export": "errors lab/console lab/experiments",
-    "agents/lab/commands/fleet": (
-        "errors fleet lab/console lab/evaluation lab/runs mapf registry run_episode"
-    ),
     "agents/lab/commands/planners": (
         "errors lab/console lab/evaluation lab/experiments mapf registry"
     ),
@@ -99,9 +97,10 @@ MAY_IMPORT = {
     "agents/lab/commands": (
         "errors fleet lab/commands/export lab/commands/fleet lab/commands/gap lab/commands/grade "
         "lab/commands/planners lab/console lab/evaluation lab/experiments lab/reports lab/runs "
-        "learning mapf registry run_episode search warehouse_agent_greedy"
+        "lab/training learning mapf registry search warehouse_agent_greedy"
     ),
     "agents/__main__": "lab/commands",
+    "agents/run_episode": "lab/commands lab/console",
 }
 """The modules and folders that each may import in its own package; each is in a row above."""
 

@@ -24,7 +24,7 @@ from warehouse_core.motion.base import (
     robot_contact,
 )
 from warehouse_core.motion.traffic import Stop, find_stops
-from warehouse_core.motion.vector import NOTHING, BatchOutcome, Flags, Integers
+from warehouse_core.motion.vector import NOTHING, WALL, BatchOutcome, Flags, Integers
 from warehouse_core.motion.vector_traffic import VectorTraffic
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.layout import Layout
@@ -110,10 +110,12 @@ class GridMotion:
         """Forget the robots; see ``Motion.close``."""
         self._cells, self._headings, self._lone = [], [], {}
 
-    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> GridBatch:
-        """Return a motion for so many robots in each of these layouts; see ``vector.py``."""
-        if robots == 1:
-            return GridBatch(layouts, self.cell_size)
+    def batch(self, layouts: Sequence[Layout]) -> GridBatch:
+        """Return a motion for a lone robot in each of these layouts; see ``Batchable``."""
+        return GridBatch(layouts, self.cell_size)
+
+    def fleet_batch(self, layouts: Sequence[Layout], robots: int) -> GridFleetBatch:
+        """Return a motion for so many robots in each of these layouts; see ``FleetBatchable``."""
         return GridFleetBatch(layouts, self.cell_size, robots)
 
     def _advance_all(
@@ -230,10 +232,6 @@ class GridBatch:
         joules = self._joules.take(actions)
         return BatchOutcome(self._cells.astype(np.intp), blocked, self._seconds.copy(), joules)
 
-    def outcomes(self, floor: int) -> Sequence[Outcome]:
-        """Raise ``NotImplementedError``: a batch of lone robots does not record headings."""
-        raise NotImplementedError("a batch of lone robots does not record headings")
-
     def close(self) -> None:
         """Make ``advance`` raise from now on; see ``BatchMotion.close``."""
         self._closed = True
@@ -268,6 +266,8 @@ class GridFleetBatch(GridBatch):
         self._before, self._moving = self._cells, actions < WAIT
         self._headings = np.where(self._moving, actions, self._headings)
         wanted = super().advance(actions, loaded)
+        if self._robots == 1:  # only walls stop it
+            return wanted._replace(stopped_by=np.where(wanted.blocked, WALL, NOTHING))
         starts, targets = self._floor + self._before, self._floor + wanted.cells
         stops = self._traffic.find_stops(starts, targets, wanted.blocked)
         blocked = stops != NOTHING

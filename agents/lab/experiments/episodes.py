@@ -11,6 +11,7 @@ from time import perf_counter
 from typing import NamedTuple
 
 from agents.errors import AgentError, EpisodeError, reason_of
+from agents.fleet.director import wants_dispatch
 from agents.lab.console.place import Stations, what_to_draw
 from agents.lab.console.watch import slow_reported
 from agents.lab.experiments.case import (
@@ -116,7 +117,7 @@ def run_fleet(
     """Run one episode of a fleet; see ``run_one``."""
     layout = fleet_layout(case, seed)
     agent = make_fleet_agent_for(case, seed, layout)
-    with closing(make_fleet(case, layout, dispatch=getattr(agent, "dispatch", True))) as env:
+    with closing(make_fleet(case, layout, dispatch=wants_dispatch(agent))) as env:
         recorder = FleetRecorder(env, seed=seed, agent=director_of(case))
         watch(recorder)
         recorder.run(agent)
