@@ -40,7 +40,7 @@ from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, RecordError
 from warehouse_core.files.kinds import not_a_file
-from warehouse_core.records.fleet_episode import FleetAgent
+from warehouse_core.records.recorder import FleetAgent
 
 AGENTS: dict[str, Callable[..., Agent]] = {
     "random": RandomAgent,

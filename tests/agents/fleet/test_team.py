@@ -14,7 +14,7 @@ from agents.search.agents import SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import FleetEnv, Layout, Observation, OrderStream
 from warehouse_core.errors import EndedError
-from warehouse_core.records.fleet_episode import record_fleet_episode, replay_fleet_episode
+from warehouse_core.records.recorder import record_fleet_episode, replay_fleet_episode
 
 ROOM = Layout(["########", "#P....P#", "#......#", "#D....D#", "########"])
 MINE = """
@@ -75,7 +75,7 @@ def test_each_robot_is_directed_by_its_own_agent_and_has_its_reason() -> None:
         env.step(["WAIT", "WAIT"])
     team = Team([Fixed(), GreedyAgent(1)])
     assert team.act(env)[0] == 1
-    assert team.reasons == ["fixed", "greedy"]
+    assert team.reason == ["fixed", "greedy"]
     assert team.robot is None
 
 

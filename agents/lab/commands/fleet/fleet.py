@@ -47,7 +47,7 @@ from warehouse_core.arguments import whole_number
 from warehouse_core.fleet.settings import MAX_BODIES
 from warehouse_core.orders import load_orders
 from warehouse_core.orders.order import Orders
-from warehouse_core.records.fleet_episode import FleetAgent
+from warehouse_core.records.recorder import FleetAgent
 from warehouse_core.wording import counted
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 
