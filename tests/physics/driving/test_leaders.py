@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from warehouse_core.motion.dependencies import Dependencies
 from warehouse_physics import Disturbances, RobotSpec
+from warehouse_physics.driving.dependencies import Dependencies
 from warehouse_physics.driving.leaders import NEVER, Leaders
 from warehouse_physics.driving.limits import Limits
 
