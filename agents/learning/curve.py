@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import EngFormatter, MaxNLocator, PercentFormatter
 
-from agents.lab.evaluation.fleet_scores import FleetScores
-from agents.lab.evaluation.interval import Interval
-from agents.lab.evaluation.scores import Scores
+from agents.lab.trials.fleet_scores import FleetScores
+from agents.lab.trials.interval import Interval
+from agents.lab.trials.scores import Scores
 from agents.learning.training import Point
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.render.palette import COLORS, INK, PAPER, WARNING

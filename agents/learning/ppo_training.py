@@ -18,9 +18,9 @@ import torch
 from sb3_contrib import MaskablePPO
 from stable_baselines3.common.callbacks import BaseCallback
 
-from agents.lab.evaluation.fleet_scores import FleetTask
-from agents.lab.evaluation.random_layouts import RandomLayouts
-from agents.lab.evaluation.scores import MakeAgent, Task
+from agents.lab.trials.fleet_scores import FleetTask
+from agents.lab.trials.random_layouts import RandomLayouts
+from agents.lab.trials.scores import MakeAgent, Task
 from agents.learning.policy_network import Layer, PolicyNetwork
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.training import RECENT_EPISODES, Watch

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from agents.lab.evaluation.fleet_scores import FleetScores, FleetTask
-from agents.lab.evaluation.scores import MakeAgent, Scores, Task
+from agents.lab.trials.fleet_scores import FleetScores, FleetTask
+from agents.lab.trials.scores import MakeAgent, Scores, Task
 from agents.learning.q_learning import TRAINING_SEEDS
 
 EXAMS = 25

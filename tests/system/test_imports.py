@@ -64,41 +64,39 @@ MAY_IMPORT = {
     "agents/errors": "",
     "agents/handbook": "",
     "agents/lab": "",
-    "agents/lab/evaluation": "",
+    "agents/lab/trials": "",
     "agents/search": "",
     "agents/warehouse_agent_greedy": "",
     "agents/lab/console": "errors",
-    "agents/learning": "errors lab/evaluation warehouse_agent_greedy",
+    "agents/learning": "errors lab/trials warehouse_agent_greedy",
     "agents/mapf": "errors",
     "agents/fleet": "errors mapf",
     "agents/lab/runs": "errors fleet lab/console mapf",
     "agents/registry": "errors fleet learning mapf search warehouse_agent_greedy",
     "agents/lab/experiments": "errors fleet lab/console lab/runs mapf registry",
     "agents/lab/grading": (
-        "errors lab/console lab/evaluation lab/runs registry warehouse_agent_greedy"
+        "errors lab/console lab/trials lab/runs registry warehouse_agent_greedy"
     ),
     "agents/run_episode": "errors lab/console registry",
     "agents/lab/commands/export": "errors lab/console lab/experiments",
     "agents/lab/commands/fleet": (
-        "errors fleet lab/console lab/evaluation lab/runs mapf registry run_episode"
+        "errors fleet lab/console lab/trials lab/runs mapf registry run_episode"
     ),
-    "agents/lab/commands/planners": (
-        "errors lab/console lab/evaluation lab/experiments mapf registry"
-    ),
-    "agents/lab/reports/analysis": "lab/evaluation lab/experiments",
-    "agents/lab/reports/figures": "errors lab/evaluation lab/experiments lab/reports/analysis",
+    "agents/lab/commands/planners": ("errors lab/console lab/trials lab/experiments mapf registry"),
+    "agents/lab/reports/analysis": "lab/trials lab/experiments",
+    "agents/lab/reports/figures": "errors lab/trials lab/experiments lab/reports/analysis",
     "agents/lab/reports": (
-        "errors lab/console lab/evaluation lab/experiments lab/reports/analysis "
+        "errors lab/console lab/trials lab/experiments lab/reports/analysis "
         "lab/reports/figures registry"
     ),
     "agents/lab/commands/gap": (
-        "errors fleet lab/commands/fleet lab/commands/planners lab/console lab/evaluation "
+        "errors fleet lab/commands/fleet lab/commands/planners lab/console lab/trials "
         "lab/experiments lab/reports lab/runs registry"
     ),
     "agents/lab/commands/grade": "errors lab/console lab/experiments lab/grading lab/reports",
     "agents/lab/commands": (
         "errors fleet lab/commands/export lab/commands/fleet lab/commands/gap lab/commands/grade "
-        "lab/commands/planners lab/console lab/evaluation lab/experiments lab/reports lab/runs "
+        "lab/commands/planners lab/console lab/trials lab/experiments lab/reports lab/runs "
         "learning mapf registry run_episode search warehouse_agent_greedy"
     ),
     "agents/__main__": "lab/commands",
@@ -152,7 +150,7 @@ EXPORTS = {
     "warehouse_physics.driving": "DrivingMotion",
     "warehouse_physics.vector": "RigidBodyBatch",
     "agents": "ExploringAgent GreedyAgent PPOAgent QAgent SearchAgent",
-    "agents.lab.evaluation": """
+    "agents.lab.trials": """
         MEASURES Interval Run Scores Task evaluate mean_interval share_interval
     """,
     "agents.fleet": "PlannedFleet Team",

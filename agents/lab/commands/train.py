@@ -37,10 +37,10 @@ from agents.lab.console.options import (
 )
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import say
-from agents.lab.evaluation.fleet_scores import FleetScores, FleetTask
-from agents.lab.evaluation.random_layouts import RandomLayouts
-from agents.lab.evaluation.scores import MakeAgent, Scores, Task
-from agents.lab.evaluation.wording import mean, share
+from agents.lab.trials.fleet_scores import FleetScores, FleetTask
+from agents.lab.trials.random_layouts import RandomLayouts
+from agents.lab.trials.scores import MakeAgent, Scores, Task
+from agents.lab.trials.wording import mean, share
 from agents.learning.q_learning import QAgent, QTable, learn
 from agents.learning.q_table import save_table
 from agents.learning.training import (

@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from agents.lab.evaluation.scores import Run, Scores
+from agents.lab.trials.scores import Run, Scores
 from agents.learning import curve as learning_curve
 from agents.learning.curve import (
     DPI,

@@ -1,6 +1,6 @@
 import pytest
 
-from agents.lab.evaluation.scores import Task
+from agents.lab.trials.scores import Task
 from agents.learning import training
 from agents.learning.q_learning import TRAINING_SEEDS
 from agents.learning.training import EXAM_SEEDS, EXAMS, FINAL_SEEDS, Examiner
