@@ -67,7 +67,7 @@ PRAGMA user_version = {VERSION};
 """Statements that make the tables of an empty file.
 
 ``writers`` has the programs of the episodes of each case, so that nobody has to look for them among
-millions of episodes. The default of a program is never used; files of version 0.1.0 have it.
+millions of episodes. The default of a program is never used; the files that exist have it.
 """
 
 MAX_CASES = 50_000

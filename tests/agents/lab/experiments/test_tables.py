@@ -15,7 +15,7 @@ from agents.lab.trials.rows import Row
 
 ENDLESS = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT"
 COLUMNS = ", ".join(f"i AS {name}" for name in ("case_id", *Row._fields, "program_id"))
-WRITTEN_BY_0_1_0 = """
+WRITTEN_BEFORE = """
 CREATE TABLE cases (id INTEGER PRIMARY KEY, settings TEXT NOT NULL UNIQUE);
 CREATE TABLE episodes (
     case_id INTEGER NOT NULL REFERENCES cases, seed INTEGER NOT NULL, mode TEXT NOT NULL,
@@ -90,10 +90,10 @@ def test_a_file_with_anything_but_the_tables_is_refused(path: Path, script: str)
     assert path.read_bytes() == before
 
 
-def test_a_file_of_version_0_1_0_is_read_and_resumed(tmp_path: Path) -> None:
+def test_a_file_that_an_earlier_program_has_written_is_read_and_resumed(tmp_path: Path) -> None:
     path = tmp_path / "r.sqlite"
     with closing(sqlite3.connect(path)) as connection:
-        connection.executescript(WRITTEN_BY_0_1_0)
+        connection.executescript(WRITTEN_BEFORE)
     Store(path, read_only=True).close()
     with Store(path) as store:
         number = store.case_id(make_case({}))
