@@ -9,6 +9,7 @@ from time import perf_counter
 from typing import NamedTuple
 
 from agents.errors import AgentError, EpisodeError, reason_of
+from agents.fleet.director import wants_dispatch
 from agents.lab.console.place import Stations, what_to_draw
 from agents.lab.console.watch import slow_reported
 from agents.lab.experiments.case import (
@@ -28,8 +29,8 @@ from agents.lab.runs.programs import program_for
 from agents.lab.trials.rows import AnyRow, row_of
 from agents.lab.trials.workers import teller
 from agents.registry import agent_file
-from warehouse_core import Episode, EpisodeRecorder, FleetEpisode
-from warehouse_core.records.fleet_episode import FleetRecorder
+from warehouse_core import Episode, EpisodeRecorder
+from warehouse_core.records.recorder import FleetRecorder
 
 Recorder = EpisodeRecorder | FleetRecorder
 
@@ -101,18 +102,18 @@ def about(case: Case, seed: int, place: str = "") -> str:
 
 def run_one(
     case: Case, seed: int, watch: Callable[[Recorder], object] = lambda recorder: None
-) -> Episode | FleetEpisode:
+) -> Episode:
     """Run one episode of a case and return its record; ``watch`` is given its recorder."""
     return (run_fleet if is_fleet(case) else run_alone)(case, seed, watch)
 
 
 def run_fleet(
     case: Case, seed: int, watch: Callable[[Recorder], object] = lambda recorder: None
-) -> FleetEpisode:
+) -> Episode:
     """Run one episode of a fleet; see ``run_one``."""
     layout = fleet_layout(case, seed)
     agent = make_fleet_agent_for(case, seed, layout)
-    with closing(make_fleet(case, layout, dispatch=getattr(agent, "dispatch", True))) as env:
+    with closing(make_fleet(case, layout, dispatch=wants_dispatch(agent))) as env:
         recorder = FleetRecorder(env, seed=seed, agent=director_of(case))
         watch(recorder)
         recorder.run(agent)

@@ -6,7 +6,7 @@ import math
 from dataclasses import asdict
 from typing import NamedTuple
 
-from warehouse_core import Episode, FleetEpisode
+from warehouse_core import Episode
 from warehouse_core.records.failure_modes import MODES, diagnose
 from warehouse_core.records.fleet_modes import FLEET_MODES, diagnose_fleet
 
@@ -76,10 +76,10 @@ MODES_OF: dict[type[AnyRow], tuple[str, ...]] = {Row: MODES, FleetRow: FLEET_MOD
 """Outcomes that a row of each kind can have, in the order in which they are shown."""
 
 
-def row_of(episode: Episode | FleetEpisode) -> AnyRow:
+def row_of(episode: Episode) -> AnyRow:
     """Return the row of an episode that has a seed."""
     assert episode.seed is not None, "every episode here has a seed"
-    if isinstance(episode, FleetEpisode):
+    if episode.is_fleet:
         mode, measures = diagnose_fleet(episode).mode, asdict(episode.measures)
         stored = [measures[name] for name in FleetRow._fields if name in measures]
         measured = [None if math.isnan(value) else value for value in stored]
