@@ -80,9 +80,7 @@ MAY_IMPORT = {
         "errors lab/console lab/trials lab/runs registry warehouse_agent_greedy"
     ),
     "agents/lab/commands/export": "errors lab/console lab/experiments",
-    "agents/lab/commands/planners": (
-        "errors lab/console lab/trials lab/experiments mapf registry"
-    ),
+    "agents/lab/commands/planners": ("errors lab/console lab/trials lab/experiments mapf registry"),
     "agents/lab/reports/analysis": "lab/trials lab/experiments",
     "agents/lab/reports/figures": "errors lab/trials lab/experiments lab/reports/analysis",
     "agents/lab/reports": (
