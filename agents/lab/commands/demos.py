@@ -216,10 +216,10 @@ DEMOS: dict[str, Callable[[], Demo]] = {
 }
 
 STILLS: dict[str, Callable[[], Picture]] = {"cbs": cbs, "lanes": lanes}
-"""Those that are one picture."""
+"""Demonstrations that are one picture."""
 
 PHYSICS = DEMOS.keys() - {"pibt"}
-"""Those that need the backend."""
+"""Demonstrations that need the backend."""
 
 
 def drive(

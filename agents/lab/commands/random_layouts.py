@@ -60,8 +60,8 @@ def is_random(layout: Path | None, **options: object) -> bool:
     """Return whether ``--layout`` asks for random layouts, and check what goes with it.
 
     Args:
-        layout: that was given.
-        options: the values of options that only random layouts have, by name.
+        layout: value of ``--layout``.
+        options: values of options that only random layouts have, by name.
 
     Raises:
         typer.BadParameter: one of these options is given without random layouts.

@@ -35,11 +35,11 @@ def save_learning_curve(
     """Write the picture as PNG, whole or not at all.
 
     Args:
-        path: of the file.
-        name: of the agent that learns.
-        title: of the picture.
-        points: at least one.
-        greedy: the scores of the greedy agent, for comparison.
+        path: path of the file.
+        name: name of the agent that learns.
+        title: title of the picture.
+        points: points of the curve, at least one.
+        greedy: scores of the greedy agent, for comparison.
     """
     figure = make_figure(SIZE, DPI)
     left, right = figure.subplots(1, 2)

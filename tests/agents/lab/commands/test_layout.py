@@ -113,10 +113,6 @@ def test_a_size_that_is_not_allowed_is_named(
     assert message in refusal(capsys, "layout", *words)
 
 
-def test_a_size_that_is_not_a_number_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
-    assert "--height" in refusal(capsys, "layout", "generate", "--height", "tall", code=2)
-
-
 def test_check_describes_a_layout(capsys: pytest.CaptureFixture[str], room: Path) -> None:
     assert command(capsys, "layout", "check", room) == (
         0,
