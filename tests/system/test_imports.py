@@ -49,17 +49,24 @@ MAY_IMPORT = {
     "warehouse_physics/exclusive": "",
     "warehouse_physics/profile": "",
     "warehouse_physics/pymunk_version": "",
-    "warehouse_physics/robot_spec": "",
+    "warehouse_physics/spec": "",
     "warehouse_physics/stepping": "",
     "warehouse_physics/walls": "",
-    "warehouse_physics/disturbances": "robot_spec",
-    "warehouse_physics/robot": "clearance disturbances profile robot_spec",
-    "warehouse_physics/arena": "disturbances robot robot_spec stepping walls",
-    "warehouse_physics/giving_way": "robot",
-    "warehouse_physics/vector": "arena exclusive profile robot robot_spec stepping walls",
-    "warehouse_physics/motion": "arena disturbances exclusive giving_way robot robot_spec vector",
+    "warehouse_physics/arena": "spec stepping walls",
+    "warehouse_physics/body_arrays": "profile",
+    "warehouse_physics/disturbances": "spec",
+    "warehouse_physics/energy": "profile spec",
+    "warehouse_physics/body_motion": "disturbances spec",
+    "warehouse_physics/driven_arena": "arena body_arrays profile spec",
+    "warehouse_physics/robot": "arena clearance disturbances energy profile spec",
+    "warehouse_physics/batch": "arena driven_arena energy exclusive profile robot spec walls",
     "warehouse_physics/driving": (
-        "arena disturbances exclusive motion profile robot robot_spec stepping vector walls"
+        "arena body_motion disturbances driven_arena energy exclusive profile robot spec walls"
+    ),
+    "warehouse_physics/giving_way": "robot",
+    "warehouse_physics/robot_arena": "arena disturbances robot spec walls",
+    "warehouse_physics/rigid_body_motion": (
+        "batch body_motion disturbances energy exclusive giving_way robot robot_arena spec"
     ),
     "agents/errors": "",
     "agents/handbook": "",
@@ -149,7 +156,7 @@ EXPORTS = {
     """,
     "warehouse_physics": "Disturbances DrivingMotion RigidBodyMotion RobotSpec Stop",
     "warehouse_physics.driving": "DrivingMotion",
-    "warehouse_physics.vector": "RigidBodyBatch",
+    "warehouse_physics.batch": "RigidBodyBatch",
     "agents": "ExploringAgent GreedyAgent PPOAgent QAgent SearchAgent",
     "agents.lab.evaluation": """
         MEASURES Interval Run Scores Task evaluate mean_interval share_interval

@@ -118,10 +118,6 @@ def test_a_wrong_value_or_file_is_named(
     assert message in refusal(capsys, "layout", *words.split())
 
 
-def test_a_size_that_is_not_a_number_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
-    assert "--height" in refusal(capsys, "layout", "generate", "--height", "tall", code=2)
-
-
 def test_help_explains_the_tiles(capsys: pytest.CaptureFixture[str]) -> None:
     assert "C charger" in " ".join(command(capsys, "layout", "--help").out.split())
 

@@ -41,26 +41,28 @@ class RobotSpec:
     """A small warehouse robot, in SI units.
 
     Attributes:
-        radius: of the round body, metres. Two robots that turn the same corner one after the
+        radius: radius of the round body, metres. Two robots that turn the same corner one after the
             other come within 0.707 of a cell, so with more than 0.35 of a cell they touch; with
             more than ``MAX_FLEET_RADIUS`` of it they do not get past, and there can be only one.
-        mass: without a load, kg; about 70 for a MiR100.
-        payload_mass: of an item, kg.
-        top_speed: m/s; near people 1 to 1.5 m/s (MiR100: 1.5).
-        acceleration: nominal, also for braking, m/s².
-        motor_force: N. Where it is too small for a load, the acceleration is lower.
+        mass: mass without a load, kg; about 70 for a MiR100.
+        payload_mass: mass of an item, kg.
+        top_speed: highest speed, m/s; near people 1 to 1.5 m/s (MiR100: 1.5).
+        acceleration: nominal acceleration, also for braking, m/s².
+        motor_force: force of the motor, N. Where it is too small for a load, the acceleration is
+            lower.
         floor_drag: rolling force over weight; 0.01 to 0.02 for a hard tyre on concrete. Where
             it brakes harder than the robot accelerates, robots stop by it alone.
         drivetrain_efficiency: work at the wheel over energy from the battery, above 0, up to 1.
-        idle_power: of computer and sensors, W.
+        idle_power: power of computer and sensors, W.
         dwell: duration of waiting, picking and dropping, seconds.
-        turn_seconds: of a quarter turn on the spot, which a robot with two driven wheels makes
-            before it drives in another direction; a half turn takes twice as long. With 0 it drives
-            in any direction without turning. A MiR100 takes about 1.6 (1.5 rad/s and 2.5 rad/s²,
-            ``diffdrive_controller.yaml`` of github.com/DFKI-NI/mir_robot). A turn costs the idle
-            power only: a disc of 50 kg that turns at 1 rad/s has 1.5 J, at 1 m/s it has 25 J.
+        turn_seconds: duration of a quarter turn on the spot, seconds. A robot with two driven
+            wheels turns before it drives in another direction; a half turn takes twice as long.
+            With 0 it drives in any direction without turning. A MiR100 takes about 1.6 (1.5 rad/s
+            and 2.5 rad/s², ``diffdrive_controller.yaml`` of github.com/DFKI-NI/mir_robot). A turn
+            costs the idle power only: a disc of 50 kg that turns at 1 rad/s has 1.5 J, at 1 m/s it
+            has 25 J.
         cell_size: side of a cell, metres.
-        time_step: of a physics substep, seconds.
+        time_step: duration of a physics substep, seconds.
 
     Raises:
         ValueError: naming the field, its value and what is allowed.

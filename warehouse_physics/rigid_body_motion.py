@@ -2,33 +2,29 @@
 
 from __future__ import annotations
 
-import random
-from collections.abc import Mapping, Sequence
-from typing import TypeVar
+from collections.abc import Sequence
 
 import numpy as np
 
 from warehouse_core import Cell, Layout, Outcome
-from warehouse_core.arguments import whole_number
-from warehouse_core.motion.base import Conditions, check_moves, check_starts
-from warehouse_physics.arena import Arena
+from warehouse_core.motion.base import check_moves, check_starts
+from warehouse_physics.batch.rigid_body_batch import RigidBodyBatch
+from warehouse_physics.body_motion import PATH_EVERY, BodyMotion
 from warehouse_physics.disturbances import Disturbances, FloorConditions
+from warehouse_physics.energy import joules_of
 from warehouse_physics.exclusive import exclusive
 from warehouse_physics.giving_way import GivingWay
 from warehouse_physics.robot import MAX_SUBSTEPS, NEVER, REST, Robot
-from warehouse_physics.robot_spec import MAX_FLEET_RADIUS, MAX_MOVE_SUBSTEPS, RobotSpec
-from warehouse_physics.vector.motion import RigidBodyBatch
+from warehouse_physics.robot_arena import RobotArena
+from warehouse_physics.spec import MAX_FLEET_RADIUS, MAX_MOVE_SUBSTEPS, RobotSpec
 
 Row = tuple[float, float, float, float]
-Part = TypeVar("Part", RobotSpec, Disturbances)
-
-PATH_EVERY = 10
-"""Substeps between rows of a path."""
+"""Time in seconds, x, y and heading; see ``Outcome.path``."""
 
 STAY = (0, 0)
 
 
-class RigidBodyMotion:
+class RigidBodyMotion(BodyMotion):
     """Moves ``R`` robots as discs with mass, driven by finite force, that collide.
 
     Nothing is looked up in the grid: ``cell`` is the cell under the body, and a robot is blocked
@@ -42,8 +38,8 @@ class RigidBodyMotion:
     Those that have less to turn turn more slowly.
 
     Args:
-        spec: of the robots.
-        disturbances: how far the physics departs from the nominal.
+        spec: numbers of the robots; ``None`` is the default robot.
+        disturbances: departure of the physics from the nominal; ``None`` is no departure.
         record_path: record the path of each robot, not only its start and end.
         path_every: substeps between rows of a path, at least 1.
 
@@ -53,8 +49,6 @@ class RigidBodyMotion:
             no ``Disturbances``.
     """
 
-    is_busy = False
-
     def __init__(
         self,
         spec: RobotSpec | None = None,
@@ -63,29 +57,14 @@ class RigidBodyMotion:
         record_path: bool = True,
         path_every: int = PATH_EVERY,
     ) -> None:
-        every = whole_number("path_every", path_every, minimum=1)
-        self._path_every = every if record_path else MAX_SUBSTEPS
-        self.spec = instance("spec", spec, RobotSpec)
-        self.disturbances = instance("disturbances", disturbances, Disturbances)
+        super().__init__(spec, disturbances, record_path=record_path, path_every=path_every)
         if self.disturbances.stops:
             raise ValueError(
                 f"stops is {self.disturbances.stops}; it must be empty for robots that move step "
                 "by step, as only a DrivingMotion carries out stops"
             )
-        self.cell_size = self.spec.cell_size
-        self._record_path = record_path
         self._paces = [self.spec.attainable_acceleration(loaded) for loaded in (False, True)]
-        self._arena: Arena | None = None
-
-    @classmethod
-    def from_numbers(cls, numbers: Mapping[str, float]) -> RigidBodyMotion:
-        """Return a motion of nominal robots; see ``RobotSpec.from_numbers``."""
-        return cls(RobotSpec.from_numbers(numbers))
-
-    @property
-    def conditions(self) -> Conditions:
-        """Floor and motors, for records."""
-        return self.disturbances.conditions
+        self._arena: RobotArena | None = None
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         """Build a new arena with robots at rest; see ``Motion.reset``.
@@ -102,11 +81,8 @@ class RigidBodyMotion:
             )
         floor = None
         if self.disturbances.any:
-            # Without a seed use Python's global random numbers, as the chapter does.
-            floor = FloorConditions(
-                self.disturbances, random.getrandbits(32) if seed is None else seed
-            )
-        self._arena = Arena(layout, cells, self.spec, floor)
+            floor = FloorConditions(self.disturbances, self._drawn(seed))
+        self._arena = RobotArena(layout, cells, self.spec, floor)
 
     @exclusive
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -147,19 +123,21 @@ class RigidBodyMotion:
         """Release the arena; see ``Motion.close``."""
         self._arena = None
 
-    def _drive(self, arena: Arena, paths: list[list[Row]]) -> int:
+    def _drive(self, arena: RobotArena, paths: list[list[Row]]) -> int:
         """Run until all robots are at rest, and return the number of substeps."""
         now = 0
         robots = arena.robots
         giving_way = GivingWay(robots) if len(robots) > 1 else None
+        # One after the other, in the worst case.
         limit = MAX_SUBSTEPS + (len(robots) - 1) * MAX_MOVE_SUBSTEPS
+        path_every = self._path_every if self._record_path else limit
         while now < limit:
             until = min([robot.until for robot in robots])
             if until == NEVER:
                 if giving_way is None or not giving_way.move_on(now):
                     break
                 continue
-            now = arena.run(now, min(until, now + self._path_every))
+            now = arena.run(now, min(until, now + path_every))
             if self._record_path:
                 seconds = now * self.spec.time_step
                 for robot, path in zip(robots, paths, strict=True):
@@ -183,7 +161,7 @@ class RigidBodyMotion:
             path.append(self._row(seconds, robot))
         rows = np.array(path)
         rows.flags.writeable = False
-        joules = action.work / self.spec.drivetrain_efficiency + self.spec.idle_power * seconds
+        joules = joules_of(self.spec, action.work, seconds)
         cell, blocked, contacts = robot.cell, robot.is_blocked(), tuple(action.contacts)
         return Outcome(cell, blocked, seconds, joules, rows, contacts, cut_off)
 
@@ -191,12 +169,3 @@ class RigidBodyMotion:
     def _row(seconds: float, robot: Robot) -> Row:
         x, y = robot.position
         return seconds, x, y, robot.body.angle
-
-
-def instance(name: str, value: Part | None, kind: type[Part]) -> Part:
-    """Return an argument that must be of a kind, or a default one."""
-    if value is None:
-        return kind()
-    if not isinstance(value, kind):
-        raise TypeError(f"{name} is {value!r}; it must be a {kind.__name__}")
-    return value

@@ -12,24 +12,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.motion.vector import Flags, Integers, Rows
+from warehouse_physics.arena import Hit, Position
+from warehouse_physics.batch.warehouses import Warehouses
+from warehouse_physics.energy import kinetic, spent
 from warehouse_physics.profile import Floats, Substeps, brakings, lengths_of, plan_profiles
-from warehouse_physics.robot import AT_REST, BRAKE, GO, MAX_SUBSTEPS, NEVER, REST, Position
-from warehouse_physics.robot_spec import ARRIVED, RobotSpec
-from warehouse_physics.vector.arena import Hit, VectorArena
+from warehouse_physics.robot import AT_REST, BRAKE, GO, MAX_SUBSTEPS, NEVER, REST
+from warehouse_physics.spec import ARRIVED, RobotSpec
 
 
-class VectorRobots:
+class BatchRobots:
     """Drives the ``B`` robots of an arena by one action at a time.
 
     Attributes:
-        gave_up: ``[B]``, whether a wall was in the way.
-        work: ``[B]`` joules that each motor has done in the action.
+        gave_up: ``[B]`` bool, true if a wall was in the way.
+        work: ``[B]`` joules, work of each motor in the action.
         substeps: ``[B]`` substeps until each robot was at rest.
     """
 
-    def __init__(self, spec: RobotSpec, arena: VectorArena) -> None:
+    def __init__(self, spec: RobotSpec, arena: Warehouses) -> None:
         self._spec, self.arena = spec, arena
-        robots = len(arena.robots)
+        robots = len(arena.bodies)
         loads = (False, True)
         self._masses = np.array([spec.total_mass(load) for load in loads])
         self._drags = np.array([spec.drag_force(load) for load in loads])
@@ -67,7 +69,7 @@ class VectorRobots:
 
         Args:
             ways: ``[B, 2]`` cells to go, columns before rows.
-            loaded: ``[B]``, whether it carries an item.
+            loaded: ``[B]`` bool, true if the robot carries an item.
         """
         self._load(loaded)
         self._home, self._ways = self.cells(), ways
@@ -81,7 +83,7 @@ class VectorRobots:
         self._brake(moving[turning > 0], now, turning[turning > 0])
         while now < MAX_SUBSTEPS and (until := int(self._until.min())) < NEVER:
             self.arena.command(self._commands)
-            now, hits = self.arena.run(now, until)
+            now, hits = self.arena.stepper.run(now, until)
             self._look()
             if hits:
                 self._meet(hits, now)
@@ -123,7 +125,7 @@ class VectorRobots:
 
         A robot at rest has ended its action, even while others still drive.
         """
-        rows = np.array([hit.row for hit in hits])
+        rows = np.array([hit.robot for hit in hits])
         pushes = np.array([hit.push for hit in hits])
         velocities = np.array([hit.velocity for hit in hits])
         is_going = self._phase[rows] == GO
@@ -160,7 +162,7 @@ class VectorRobots:
 
     def _load(self, loaded: Flags) -> None:
         for row in np.flatnonzero(loaded != self._loaded).tolist():
-            self.arena.robots[row].mass = self._masses[int(loaded[row])]
+            self.arena.bodies[row].mass = self._masses[int(loaded[row])]
         self._loaded = loaded.astype(np.intp)
 
     def _push(self, rows: Integers, forces: Floats) -> None:
@@ -177,12 +179,12 @@ class VectorRobots:
         starts, energies = self._start[rows], self._energy[rows]
         self._count_from(rows, velocities, lead)
         drags = self._drags[self._loaded[rows]] * lengths_of(self._start[rows] - starts)
-        self.work[rows] += np.maximum(self._energy[rows] - energies + drags, 0.0)
+        self.work[rows] += spent(self._energy[rows] - energies + drags)
 
     def _count_from(self, rows: Integers, velocities: Floats, lead: float) -> None:
         """Begin to count work at these positions and ``velocities``."""
         self._start[rows] = self._positions[rows] + lead * velocities
-        self._energy[rows] = 0.5 * self._masses[self._loaded[rows]] * (velocities**2).sum(axis=1)
+        self._energy[rows] = kinetic(self._masses[self._loaded[rows]], *velocities.T)
 
     def _count_impact(self, rows: Integers, before: Floats) -> None:
         """Add the work up to hits in this substep, and of the pushes of the motors in them.
@@ -195,7 +197,7 @@ class VectorRobots:
         pushes = joints + self._drags[self._loaded[rows]] * self._spec.time_step
         commands = self._commands[rows]
         forward = ((before + after) * commands).sum(axis=1) / lengths_of(commands)
-        self.work[rows] += np.maximum(pushes * forward / 2, 0.0)
+        self.work[rows] += spent(pushes * forward / 2)
         self._count_from(rows, after, self._lead)
 
     def _rest(self, rows: Rows, now: int) -> None:

@@ -2,33 +2,28 @@
 
 from __future__ import annotations
 
-import random
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from warehouse_core import Cell, Layout, Outcome
-from warehouse_core.arguments import real_number, whole_number
-from warehouse_core.motion.base import (
-    WALL_CONTACT,
-    Conditions,
-    Contact,
-    Ways,
-    check_moves,
-    check_starts,
-)
+from warehouse_core.arguments import real_number
+from warehouse_core.motion.base import Contact, Ways, centre_of, check_moves, check_starts
 from warehouse_core.motion.traffic import check_joint_step, find_stops
 from warehouse_core.world.tiles import moved
+from warehouse_physics.arena import ITERATIONS
+from warehouse_physics.body_motion import PATH_EVERY, BodyMotion
 from warehouse_physics.disturbances import Disturbances
-from warehouse_physics.driving.arena import DrivingArena
+from warehouse_physics.driven_arena import DrivenArena
 from warehouse_physics.driving.driver import Driver
 from warehouse_physics.driving.leaders import corner_distance
+from warehouse_physics.energy import joules_of
 from warehouse_physics.exclusive import exclusive
-from warehouse_physics.motion import PATH_EVERY, instance
-from warehouse_physics.robot_spec import RobotSpec
+from warehouse_physics.spec import RobotSpec
+from warehouse_physics.walls import wall_boxes
 
 
-class DrivingMotion:
+class DrivingMotion(BodyMotion):
     """Moves ``R`` robots as bodies that drive through the cells of their ways.
 
     Each robot has a way ahead of it, and a displacement appends a cell to its end, which robots
@@ -38,13 +33,17 @@ class DrivingMotion:
     whatever the robots do; those that drive at its end drive on in the next. ``extend`` and
     ``drive`` do the two parts of it for a plan that is known.
 
-    The ``cell`` of an outcome is the one under the body. ``blocked`` means that a way could not be
-    extended, by the table of ``motion/traffic.py`` for the ends of the ways.
+    The ``cell`` of an outcome is the one under the body, and its ``contacts`` are hits of the body.
+    ``blocked`` belongs to the plan: it means that the way was not extended by a displacement for
+    which it had room. A body cannot report that. It is a cell or more behind the end of its way, so
+    it meets nothing there at the time of the refusal, and once on the way it is stopped by no wall
+    and keeps clear of its leaders. So the table of ``motion/traffic.py`` decides, for the ends of
+    the ways as if the robots stood there, and nobody can enter a cell that a failed robot closes.
 
     Args:
-        spec: of the robots.
-        disturbances: how far the physics departs from the nominal.
-        period: of a call in seconds; ``None`` is the time for a cell at top speed.
+        spec: numbers of the robots; ``None`` is the default robot.
+        disturbances: departure of the physics from the nominal; ``None`` is no departure.
+        period: duration of a call in seconds; ``None`` is the time for a cell at top speed.
         record_path: record the path of each robot, not only its start and end.
         path_every: substeps between rows of a path, at least 1.
 
@@ -52,8 +51,6 @@ class DrivingMotion:
         ValueError: ``period`` is not above 0, or the robots are too wide to follow each other.
         TypeError: ``spec`` is no ``RobotSpec``, or ``disturbances`` no ``Disturbances``.
     """
-
-    is_busy = False
 
     def __init__(
         self,
@@ -64,29 +61,15 @@ class DrivingMotion:
         record_path: bool = True,
         path_every: int = PATH_EVERY,
     ) -> None:
-        self.spec = instance("spec", spec, RobotSpec)
-        self.disturbances = instance("disturbances", disturbances, Disturbances)
+        super().__init__(spec, disturbances, record_path=record_path, path_every=path_every)
         corner_distance(self.spec)
-        self.cell_size = self.spec.cell_size
         usual = self.cell_size / self.spec.top_speed
         self._substeps = self._substeps_in("period", usual if period is None else period)
         self.period = self._substeps * self.spec.time_step
         # With less ahead of it, a robot would have to brake before the end of the next call.
         self._room = (self.period + self.spec.top_speed / (2 * self.spec.acceleration)) / usual
-        self._path_every = whole_number("path_every", path_every, minimum=1)
-        self._record_path = record_path
         self._layout: Layout | None = None
         self._driver: Driver | None = None
-
-    @classmethod
-    def from_numbers(cls, numbers: Mapping[str, float]) -> DrivingMotion:
-        """Return a motion of nominal robots; see ``RobotSpec.from_numbers``."""
-        return cls(RobotSpec.from_numbers(numbers))
-
-    @property
-    def conditions(self) -> Conditions:
-        """Floor and motors, for records."""
-        return self.disturbances.conditions
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         """Build a new arena with robots at rest; see ``Motion.reset``.
@@ -99,10 +82,10 @@ class DrivingMotion:
             if stop.robot >= len(cells):
                 raise ValueError(f"{stop}: its robot must be at most {len(cells) - 1}")
         self._layout = layout
-        # Without a seed use Python's global random numbers, as the chapter does.
-        chance = random.getrandbits(32) if seed is None and self.disturbances.any else seed or 0
-        arena = DrivingArena(layout, cells, self.spec)
-        self._driver = Driver(arena, self.spec, cells, self.disturbances, chance)
+        arena = DrivenArena(self.spec, ITERATIONS)
+        arena.add_walls(wall_boxes(layout))
+        arena.add_robots(centre_of(cell, self.cell_size) for cell in cells)
+        self._driver = Driver(arena, self.spec, cells, self.disturbances, self._drawn(seed))
 
     def ways(self) -> Ways:
         """Return what each robot has ahead of it; see ``DrivesThrough``."""
@@ -133,30 +116,25 @@ class DrivingMotion:
         assert self._layout is not None
         check_moves(len(driver.work), displacements, loaded)
         ends, room, _, _, closed = self.ways()
-        targets = [
+        wanted = [
             moved(end, displacement) if has_room else end
             for end, displacement, has_room in zip(ends, displacements, room, strict=True)
         ]
-        barred = {
-            robot: target
-            for robot, (end, target) in enumerate(zip(ends, targets, strict=True))
-            if target != end and target in closed
-        }
-        for robot in barred:
-            targets[robot] = ends[robot]
-        stops = find_stops(self._layout, ends, targets)
-        for robot in barred:
-            stops[robot] = WALL_CONTACT
+        open_to = [
+            end if target in closed else target for end, target in zip(ends, wanted, strict=True)
+        ]
+        stops = find_stops(self._layout, ends, open_to)
+        targets = [
+            target if stop is None else end
+            for end, target, stop in zip(ends, open_to, stops, strict=True)
+        ]
         driver.load(loaded)
-        driver.extend(
-            [
-                target if stop is None else end
-                for end, target, stop in zip(ends, targets, stops, strict=True)
-            ]
-        )
+        driver.extend(targets)
         return [
-            outcome._replace(blocked=stop is not None)
-            for outcome, stop in zip(self._drive(self._substeps), stops, strict=True)
+            outcome._replace(blocked=target != other)
+            for outcome, target, other in zip(
+                self._drive(self._substeps), targets, wanted, strict=True
+            )
         ]
 
     @exclusive
@@ -164,7 +142,7 @@ class DrivingMotion:
         """Extend the ways by a joint step of a plan, whether they have room or not.
 
         Args:
-            cells: for each robot its next cell, or the end of its way if it waits.
+            cells: next cell of each robot, or the end of its way if it waits.
 
         Raises:
             ValueError: another number of cells than robots, or robots cannot make this step, as
@@ -196,14 +174,12 @@ class DrivingMotion:
         contacts: list[list[Contact]] = [[] for _ in before]
         for substep in range(1, substeps + 1):
             for hit in driver.step():
-                contact = Contact(substep * dt, hit.impulse, hit.point, hit.counterpart)
-                contacts[hit.robot].append(contact)
+                contacts[hit.robot].append(hit.contact(substep * dt))
             if substep == substeps or (self._record_path and substep % self._path_every == 0):
                 paths.append(driver.rows(substep * dt))
         seconds, rows = substeps * dt, np.stack(paths, axis=1)
         rows.flags.writeable = False
-        work = (driver.work - before) / self.spec.drivetrain_efficiency
-        joules = (work + self.spec.idle_power * seconds).tolist()
+        joules = joules_of(self.spec, driver.work - before, seconds).tolist()
         columns, lines = np.floor(driver.positions / self.cell_size).astype(int).T.tolist()
         return [
             Outcome((row, col), False, seconds, cost, path, tuple(hits))

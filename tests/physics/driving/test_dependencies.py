@@ -7,7 +7,7 @@ import pytest
 from helpers.driving import resolved
 
 from warehouse_core import Cell, Layout, random_layout
-from warehouse_core.motion.dependencies import HISTORY, Dependencies, Node, Visit
+from warehouse_physics.driving.dependencies import HISTORY, Dependencies, Node, Visit
 
 Plan = list[list[Cell]]
 

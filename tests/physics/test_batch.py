@@ -16,13 +16,12 @@ from hypothesis import strategies as st
 from warehouse_core import Layout, LayoutError
 from warehouse_core.motion.vector import Batchable, BatchOutcome
 from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec, stepping
+from warehouse_physics.arena import WALL, Hit
+from warehouse_physics.batch import rigid_body_batch
+from warehouse_physics.batch import robots as batch_robots
+from warehouse_physics.batch.rigid_body_batch import RigidBodyBatch
+from warehouse_physics.body_arrays import BodyArrays
 from warehouse_physics.profile import braking, brakings, plan_profile, plan_profiles
-from warehouse_physics.robot import WALL
-from warehouse_physics.vector import motion as vector_motion
-from warehouse_physics.vector import robots as vector_robots
-from warehouse_physics.vector.arena import Hit
-from warehouse_physics.vector.body_arrays import BodyArrays
-from warehouse_physics.vector.motion import RigidBodyBatch
 
 NORTH, EAST, SOUTH, WEST, WAIT = range(5)
 
@@ -71,7 +70,7 @@ def test_rows_in_several_spaces_have_the_bits_of_one_space(monkeypatch) -> None:
     moves = [(drawn.integers(0, 8, 11), drawn.random(11) < 0.5) for _ in range(30)]
     outcomes = []
     for rows in (256, 4):
-        monkeypatch.setattr(vector_motion, "ROWS_OF_A_SPACE", rows)
+        monkeypatch.setattr(rigid_body_batch, "ROWS_OF_A_SPACE", rows)
         batch = batch_in(layouts)
         assert len(batch._parts) == math.ceil(11 / rows)
         each = [batch.advance(*move) for move in moves[:15]]
@@ -116,7 +115,7 @@ def test_an_outcome_does_not_change_later() -> None:
 
 
 def test_an_action_that_takes_too_long_ends_and_the_robot_stops(monkeypatch) -> None:
-    monkeypatch.setattr(vector_robots, "MAX_SUBSTEPS", 30)
+    monkeypatch.setattr(batch_robots, "MAX_SUBSTEPS", 30)
     batch = batch_in([CORRIDOR, LEDGE])
     arena = batch._parts[0].arena
     # It ends with the first event after MAX_SUBSTEPS, the hit of the second robot.
@@ -148,16 +147,16 @@ def test_a_robot_with_weak_brakes_equals_a_single_motion() -> None:
 
 def test_a_robot_at_rest_ignores_contacts_while_others_drive() -> None:
     batch = batch_in([LEDGE, HALL])
-    batch._parts[0].arena.robots[0].position += (0.2, 0.0)
+    batch._parts[0].arena.bodies[0].position += (0.2, 0.0)
     outcome = advance(batch, WAIT, EAST)
     assert (outcome.blocked[0], outcome.seconds[0]) == (False, RobotSpec().dwell)
-    batch._parts[0]._meet([Hit(1, (-1.0, 0.0), (0.0, 0.0))], 200)
+    batch._parts[0]._meet([Hit(1, None, (-1.0, 0.0), (0.0, 0.0))], 200)
     assert not batch._parts[0].gave_up[1]
 
 
 def test_a_robot_is_placed_at_rest() -> None:
     batch = batch_in([HALL, HALL])
-    batch._parts[0].arena.robots[0].velocity = (1.0, 1.0)
+    batch._parts[0].arena.bodies[0].velocity = (1.0, 1.0)
     batch.place(np.array([0]), np.array([6]))
     advance(batch, WAIT, EAST)
     assert batch._parts[0].arena.look()[0][0].tolist() == [1.5, 1.5]
@@ -181,7 +180,7 @@ def test_without_the_shapes_of_the_walls_robots_drive_through() -> None:
 
 def test_the_outcome_follows_a_body_that_was_moved_by_hand() -> None:
     batch = batch_in([HALL, HALL])
-    body = batch._parts[0].arena.robots[1]
+    body = batch._parts[0].arena.bodies[1]
     body.position += (2.0, 1.0)
     assert advance(batch, EAST, EAST).cells.tolist() == [1, 5 + 3]
 
@@ -219,7 +218,7 @@ def test_after_many_bumps_robots_are_in_the_middle_of_their_cells() -> None:
 
 def test_a_touch_beside_the_path_does_not_block() -> None:
     batch = batch_in([CORRIDOR], RobotSpec(radius=0.499))
-    body = batch._parts[0].arena.robots[0]
+    body = batch._parts[0].arena.bodies[0]
     hits = []
     noted = batch._parts[0]._meet
     batch._parts[0]._meet = lambda found, now: (hits.extend(found), noted(found, now))

@@ -11,10 +11,11 @@ from warehouse_core import Layout, LayoutError
 from warehouse_core.motion.base import centre_of
 from warehouse_core.motion.vector import BatchOutcome, Flags, Integers
 from warehouse_core.world.actions import DISPLACEMENTS
+from warehouse_physics.batch.robots import BatchRobots
+from warehouse_physics.batch.warehouses import Warehouses, corners_of
+from warehouse_physics.energy import joules_of
 from warehouse_physics.exclusive import exclusive
-from warehouse_physics.robot_spec import RobotSpec
-from warehouse_physics.vector.arena import VectorArena, corners_of
-from warehouse_physics.vector.robots import VectorRobots
+from warehouse_physics.spec import RobotSpec
 
 ROWS_OF_A_SPACE = 256
 """Rows whose robots are in one space; with thousands a substep takes longer for each of them."""
@@ -26,8 +27,7 @@ class RigidBodyBatch:
     """Moves one robot in each of ``B`` layouts as a disc with mass; see ``BatchMotion``.
 
     Up to ``ROWS_OF_A_SPACE`` robots are in one space, too far apart to touch. An action takes as
-    many substeps as the slowest of them needs; ``seconds`` and ``joules`` are those of each robot
-    alone.
+    many substeps as the slowest of them needs; each has ``seconds`` and ``joules`` of its own.
 
     Raises:
         ValueError: no layouts.
@@ -47,8 +47,8 @@ class RigidBodyBatch:
             slice(first, first + ROWS_OF_A_SPACE)
             for first in range(0, len(layouts), ROWS_OF_A_SPACE)
         ]
-        self._parts: list[VectorRobots] | None = [
-            VectorRobots(spec, VectorArena(spec, self._layouts[rows], corners[rows]))
+        self._parts: list[BatchRobots] | None = [
+            BatchRobots(spec, Warehouses(spec, self._layouts[rows], corners[rows]))
             for rows in self._slices
         ]
 
@@ -118,7 +118,7 @@ class RigidBodyBatch:
         substeps = np.concatenate([robots.substeps for robots in parts])
         seconds = np.where(substeps > 0, substeps * self.spec.time_step, self.spec.dwell)
         work = np.concatenate([robots.work for robots in parts])
-        joules = work / self.spec.drivetrain_efficiency + self.spec.idle_power * seconds
+        joules = joules_of(self.spec, work, seconds)
         cols, lines = np.concatenate([robots.cells() for robots in parts]).T
         gave_up = np.concatenate([robots.gave_up for robots in parts])
         return BatchOutcome(lines * self._widths + cols, gave_up, seconds, joules)
@@ -127,7 +127,7 @@ class RigidBodyBatch:
         """Release the arena; see ``BatchMotion.close``."""
         self._parts = None
 
-    def _in_use(self, call: str) -> list[VectorRobots]:
+    def _in_use(self, call: str) -> list[BatchRobots]:
         if self._parts is None:
             raise RuntimeError(f"{call}() after close()")
         return self._parts

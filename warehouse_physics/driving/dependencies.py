@@ -45,7 +45,7 @@ class Dependencies:
     """The ways of ``R`` robots and the order in which they pass each cell.
 
     Args:
-        cells: where the robots are, all different.
+        cells: present cell of each robot; all are different.
     """
 
     def __init__(self, cells: Sequence[Cell]) -> None:
@@ -98,8 +98,8 @@ class Dependencies:
         """Append a joint step, and return the robots that move in it.
 
         Args:
-            targets: for each robot its next cell, or the end of its way if it waits. They are all
-                different, and no two robots change places.
+            targets: next cell of each robot, or the end of its way if it waits. All are different,
+                and no two robots change places.
         """
         movers = [robot for robot, cell in enumerate(targets) if cell != self.end(robot)]
         before = [self._latest.get(targets[robot]) for robot in movers]
@@ -120,16 +120,16 @@ class Dependencies:
     def cut(self, robot: int, number: int, reached: Sequence[int]) -> dict[int, bool]:
         """Discard the nodes that cannot be reached any more, as a robot has failed.
 
-        Nobody else enters its cells, and all ways end in different cells, except those of robots
-        that failed between the same two. A robot that is already on its way to a node that is
+        Nobody else enters its cells, and all ways end in different cells, except where two robots
+        have failed between the same two cells. A robot that is already on its way to a node that is
         discarded goes back: its way then has the nodes that lead there, with new numbers, in the
         order in which the robots behind it leave them. It cannot go there if a robot that has
         failed reaches into one of these cells.
 
         Args:
-            robot: that stays at the node ``number`` of its way, or between it and the next.
-            number: its last node.
-            reached: ``[R]``, the node that each robot is at, or drives to.
+            robot: robot that has failed.
+            number: node at which it stays, or after which, between this node and the next.
+            reached: ``[R]``, node that each robot is at, or drives to.
 
         Returns:
             The other robots whose ways have changed, and whether they go back.
