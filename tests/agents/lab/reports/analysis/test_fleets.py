@@ -4,28 +4,28 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from helpers.results_files import fill, shift
+from helpers.results_files import fill, fleet_row
 
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import Shift
-from agents.lab.reports.analysis.answers import MAX_DESCRIBED, Answer
+from agents.lab.reports.analysis.answers import Answer, answers
 from agents.lab.reports.analysis.design import make_design
-from agents.lab.reports.analysis.fleet_answers import fleet_answers
-from agents.lab.reports.analysis.results import Experiment, Shifts
+from agents.lab.reports.analysis.question import MAX_DESCRIBED
+from agents.lab.reports.analysis.results import FLEETS, Experiment
+from agents.lab.trials.rows import FleetRow
 
-Cases = Sequence[tuple[Mapping[str, Any], Sequence[Shift]]]
+Cases = Sequence[tuple[Mapping[str, Any], Sequence[FleetRow]]]
 
 
 def answered(tmp_path: Path, cases: Cases) -> tuple[Answer, ...]:
     path = fill(tmp_path / "r.sqlite", [(dict(settings), rows) for settings, rows in cases])
     with Store(path, read_only=True) as store:
-        return fleet_answers(Experiment(store, Shifts), make_design(store.cases()))
+        return answers(Experiment(store, FLEETS), make_design(store.cases()))
 
 
 def trend(tmp_path: Path, *rates: float, name: str = "robots") -> Sequence[str]:
     """Return the sentences for these deliveries an hour, give or take one, of 2, 4, ... robots."""
     cases = [
-        ({name: 2 * number}, [shift(seed, per_hour=rate + seed % 3 - 1) for seed in range(30)])
+        ({name: 2 * number}, [fleet_row(seed, per_hour=rate + seed % 3 - 1) for seed in range(30)])
         for number, rate in enumerate(rates, start=1)
     ]
     [answer] = answered(tmp_path, cases)
@@ -78,7 +78,7 @@ def test_the_verdict_on_fleets_is_that_of_the_seeds_they_share(tmp_path: Path) -
         folder.mkdir()
         cases = [
             ({"robots": robots}, [
-                shift(start + n, per_hour=rate + 9 * (n % 5) + n % robots / robots)
+                fleet_row(start + n, per_hour=rate + 9 * (n % 5) + n % robots / robots)
                 for n in range(30)
             ])
             for robots, rate, start in ((2, 20.0, 0), (4, 60.0, 0), (8, 58.0, first_seed))
@@ -91,7 +91,8 @@ def test_the_verdict_on_fleets_is_that_of_the_seeds_they_share(tmp_path: Path) -
 
 def test_few_episodes_allow_no_verdict_and_no_word_on_what_is_the_same(tmp_path: Path) -> None:
     cases = [
-        ({"robots": n}, [shift(0, per_hour=rate)]) for n, rate in ((4, 9.0), (8, 50.0), (16, 30.0))
+        ({"robots": n}, [fleet_row(0, per_hour=rate)])
+        for n, rate in ((4, 9.0), (8, 50.0), (16, 30.0))
     ]
     [answer] = answered(tmp_path, cases)
     assert answer.verdict == (
@@ -109,7 +110,7 @@ def test_the_hardest_layout_of_a_fleet_comes_first(tmp_path: Path) -> None:
     for name, rate in (("easy", 90.0), ("hard", 30.0)):
         file = tmp_path / f"{name}.txt"
         file.write_text("######\n#P...#\n#...D#\n######\n" + "######\n" * (name == "easy"))
-        rows = [shift(seed, per_hour=rate + seed % 3) for seed in range(30)]
+        rows = [fleet_row(seed, per_hour=rate + seed % 3) for seed in range(30)]
         cases.append(({"robots": 2, "layout": str(file)}, rows))
     (tmp_path / "results").mkdir()
     [answer] = answered(tmp_path / "results", cases)
@@ -121,9 +122,12 @@ def test_the_hardest_layout_of_a_fleet_comes_first(tmp_path: Path) -> None:
 
 
 def test_the_best_of_values_without_an_order_comes_first_with_its_measures(tmp_path: Path) -> None:
-    slow = [shift(0, "late", on_time=0.25, joules_per_delivery=2000.0, per_hour=50.0), shift(1)]
-    fast = [shift(seed, per_hour=200.0) for seed in range(2)]
-    none = shift(0, delivered=0, per_hour=0.0, on_time=None, joules_per_delivery=None,
+    slow = [
+        fleet_row(0, "late", on_time=0.25, joules_per_delivery=2000.0, per_hour=50.0),
+        fleet_row(1),
+    ]
+    fast = [fleet_row(seed, per_hour=200.0) for seed in range(2)]
+    none = fleet_row(0, delivered=0, per_hour=0.0, on_time=None, joules_per_delivery=None,
                  distance=0, blocked_by_robot=0)  # fmt: skip
     [answer] = answered(
         tmp_path,
@@ -150,7 +154,7 @@ def test_the_best_of_values_without_an_order_comes_first_with_its_measures(tmp_p
 
 def test_other_combinations_are_told_in_short(tmp_path: Path) -> None:
     cases = [
-        ({"order_rate": rate, "robots": robots}, [shift(0, per_hour=100.0 * rate - robots)])
+        ({"order_rate": rate, "robots": robots}, [fleet_row(0, per_hour=100.0 * rate - robots)])
         for rate in (0.06, 0.1, 0.2, 0.3, 0.4, 0.5)
         for robots in (4, 8)
     ]
@@ -164,7 +168,7 @@ def test_other_combinations_are_told_in_short(tmp_path: Path) -> None:
 
 
 def test_combinations_that_cannot_be_compared_are_each_described(tmp_path: Path) -> None:
-    cases = [({"robots": n, "people": n}, [shift(0)]) for n in range(1, MAX_DESCRIBED + 2)]
+    cases = [({"robots": n, "people": n}, [fleet_row(0)]) for n in range(1, MAX_DESCRIBED + 2)]
     [answer] = answered(tmp_path, cases)
     assert answer.question == "How does it do?"
     assert answer.verdict == (
@@ -177,7 +181,9 @@ def test_combinations_that_cannot_be_compared_are_each_described(tmp_path: Path)
 
 
 def test_cases_without_a_common_seed_are_not_compared_seed_by_seed(tmp_path: Path) -> None:
-    [answer] = answered(tmp_path, [({"robots": 2}, [shift(0)]), ({"robots": 4}, [shift(1)])])
+    [answer] = answered(
+        tmp_path, [({"robots": 2}, [fleet_row(0)]), ({"robots": 4}, [fleet_row(1)])]
+    )
     assert answer.sentences[1] == (
         "Robots 2 and robots 4 share no seed, so they are not compared seed by seed."
     )

@@ -2,8 +2,8 @@ from dataclasses import replace
 
 import pytest
 
-from agents.lab.evaluation.random_layouts import MAX_POOL, TRAINING_LAYOUTS, RandomLayouts
-from agents.lab.evaluation.scores import Task, evaluate
+from agents.lab.trials.random_layouts import MAX_POOL, TRAINING_LAYOUTS, RandomLayouts
+from agents.lab.trials.scores import Task, evaluate
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import LayoutError
 from warehouse_core.world.tiles import WALL

@@ -8,10 +8,11 @@ from helpers.results_files import fill, outcomes, row
 
 from agents.lab.experiments.parameters import PARAMETERS
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import Row
-from agents.lab.reports.analysis.answers import MAX_DESCRIBED, Answer, answers
+from agents.lab.reports.analysis.answers import Answer, answers
 from agents.lab.reports.analysis.design import make_design
-from agents.lab.reports.analysis.results import Deliveries, Experiment
+from agents.lab.reports.analysis.question import MAX_DESCRIBED
+from agents.lab.reports.analysis.results import LONE, Experiment
+from agents.lab.trials.rows import Row
 
 ON, OFF = {"escape": True}, {"escape": False}
 Cases = Sequence[tuple[dict[str, Any], Sequence[Row]]]
@@ -23,7 +24,7 @@ AGENTS_AND_OUTCOMES = (("greedy", "dddddd"), ("q:table.npz", "wwwwww"), ("ppo:m.
 def answered(tmp_path: Path, cases: Cases) -> tuple[Answer, ...]:
     path = tmp_path / f"{len([*tmp_path.iterdir()])}.sqlite"
     with Store(fill(path, cases), read_only=True) as store:
-        return answers(Experiment(store, Deliveries), make_design(store.cases()))
+        return answers(Experiment(store, LONE), make_design(store.cases()))
 
 
 def said(tmp_path: Path, cases: Cases) -> str:

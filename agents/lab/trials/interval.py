@@ -16,7 +16,7 @@ BATCH_VALUES = 2_000_000
 """Values that a bootstrap draws at once; it limits the memory."""
 
 MIN_VALUES = 20
-"""Of a bootstrap; from fewer values its intervals are far too narrow."""
+"""Values that a bootstrap needs; from fewer its intervals are far too narrow."""
 
 
 class Interval(NamedTuple):
@@ -31,20 +31,24 @@ class Interval(NamedTuple):
         """Whether the ends are known."""
         return not math.isnan(self.low)
 
+    def __abs__(self) -> Interval:
+        """The interval of the absolute value, if all of it is on one side of 0."""
+        return Interval(abs(self.estimate), *sorted((abs(self.low), abs(self.high))))
+
 
 def share_interval(count: int, total: int) -> Interval:
     """Return the Wilson interval of a share.
 
     Args:
-        count: of successes.
-        total: of trials, at least one.
+        count: Number of successes.
+        total: Number of trials, at least one.
 
     Source: Wilson (1927), Probable inference, the law of succession, and statistical inference.
     """
     from scipy.stats import binomtest
 
-    found = binomtest(count, total).proportion_ci(CONFIDENCE, method="wilson")
-    return Interval(count / total, float(found.low), float(found.high))
+    ends = binomtest(count, total).proportion_ci(CONFIDENCE, method="wilson")
+    return Interval(count / total, float(ends.low), float(ends.high))
 
 
 def ratio_interval(costs: np.ndarray, successes: np.ndarray) -> Interval | None:
@@ -53,8 +57,8 @@ def ratio_interval(costs: np.ndarray, successes: np.ndarray) -> Interval | None:
     The ratio is linearised: its error is that of the mean of ``(cost - ratio * success) / share``.
 
     Args:
-        costs: ``[n]`` of each trial.
-        successes: ``[n]`` whether it succeeded; of fewer than ``MIN_VALUES`` successes there is no
+        costs: ``[n]`` cost of each trial.
+        successes: ``[n]`` success of each trial; fewer than ``MIN_VALUES`` successes have no
             interval, as the linearisation is then poor.
 
     Returns:
@@ -78,8 +82,8 @@ def mean_interval(values: np.ndarray) -> Interval | None:
     bootstrap does; ``tests/benchmarks/bench_intervals.py`` measures how often.
 
     Args:
-        values: ``[n]``; fewer than ``MIN_VALUES`` have a mean and no interval, nor have values
-            of which nearly all are equal.
+        values: ``[n]`` values; fewer than ``MIN_VALUES`` have a mean and no interval, nor have
+            values of which nearly all are equal.
 
     Returns:
         The interval, or ``None`` if there are no values.
@@ -109,12 +113,12 @@ def _studentised(values: np.ndarray) -> np.ndarray:
     It is infinite for a resample of equal values.
     """
     stream = np.random.default_rng(0)
-    count, found = len(values), list[np.ndarray]()
+    count, means = len(values), list[np.ndarray]()
     at_once = max(1, BATCH_VALUES // count)
     for start in range(0, RESAMPLES, at_once):
         drawn = values[stream.integers(0, count, (min(at_once, RESAMPLES - start), count))]
         errors = drawn.std(axis=1, ddof=1) / math.sqrt(count)
         errors[np.ptp(drawn, axis=1) == 0] = 0.0  # it may have been rounded up
         with np.errstate(divide="ignore"):
-            found.append(drawn.mean(axis=1) / errors)
-    return np.concatenate(found)
+            means.append(drawn.mean(axis=1) / errors)
+    return np.concatenate(means)

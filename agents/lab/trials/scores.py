@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.lab.evaluation.interval import (
+from agents.lab.trials.interval import (
     CONFIDENCE,
     MIN_VALUES,
     Interval,
@@ -22,7 +22,7 @@ from agents.lab.evaluation.interval import (
     ratio_interval,
     share_interval,
 )
-from agents.lab.evaluation.random_layouts import RandomLayouts
+from agents.lab.trials.random_layouts import RandomLayouts
 from warehouse_core import (
     DEFAULT_LAYOUT,
     Agent,

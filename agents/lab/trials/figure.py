@@ -9,8 +9,8 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.ticker import EngFormatter, LogLocator, MaxNLocator, NullFormatter, PercentFormatter
 
-from agents.lab.evaluation.interval import Interval
-from agents.lab.evaluation.scores import MEASURES, Measure, Scores
+from agents.lab.trials.interval import Interval
+from agents.lab.trials.scores import MEASURES, Measure, Scores
 from warehouse_core.render.palette import BATTERY, INK, PALE_WARNING, WARNING
 from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.figure import SceneFigure, make_figure

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from textwrap import fill, wrap
 from typing import Any
 
-from agents.lab.evaluation.figure import (
+from agents.lab.trials.figure import (
     CAPTION_LETTERS,
     DPI,
     GREY,
@@ -19,7 +19,7 @@ from agents.lab.evaluation.figure import (
     fitting,
     message,
 )
-from agents.lab.evaluation.scores import MEASURES, Scores
+from agents.lab.trials.scores import MEASURES, Scores
 from warehouse_core.render.palette import INK
 from warehouse_core.viz.figure import SceneFigure, make_figure
 

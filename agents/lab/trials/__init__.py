@@ -1,7 +1,7 @@
 """How well agents do: scores, intervals and their wording."""
 
-from agents.lab.evaluation.interval import Interval, mean_interval, share_interval
-from agents.lab.evaluation.scores import MEASURES, Run, Scores, Task, evaluate
+from agents.lab.trials.interval import Interval, mean_interval, share_interval
+from agents.lab.trials.scores import MEASURES, Run, Scores, Task, evaluate
 
 __all__ = [
     "MEASURES",

@@ -5,8 +5,8 @@ import math
 import pytest
 from matplotlib.text import Text
 
-from agents.lab.evaluation.figure import message, scores_figure
-from agents.lab.evaluation.scores import MEASURES, Run, Scores, Task, evaluate
+from agents.lab.trials.figure import message, scores_figure
+from agents.lab.trials.scores import MEASURES, Run, Scores, Task, evaluate
 from agents.run_episode import run_episode
 from agents.search.agents import SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from agents.lab.evaluation.interval import Interval
+from agents.lab.trials.interval import Interval
 
 
 def share(interval: Interval) -> str:

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.lab.evaluation.interval import Interval, mean_interval
-from agents.lab.evaluation.scores import MakeAgent
+from agents.lab.trials.interval import Interval, mean_interval
+from agents.lab.trials.scores import MakeAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, FleetEnv, Layout
 from warehouse_core.fleet import FleetBatch, FleetMeasures
 from warehouse_core.fleet.env import Actions

@@ -15,11 +15,11 @@ import pytest
 from helpers.command_line import ROOT
 
 from agents.errors import WorkerError
-from agents.lab.experiments.workers import ending_of, process_pool, teller
+from agents.lab.trials.workers import ending_of, process_pool, teller
 
 ORPHAN_MAKER = """
 import os, time
-from agents.lab.experiments.workers import process_pool
+from agents.lab.trials.workers import process_pool
 if __name__ == "__main__":
     with process_pool(2) as (executor, count):
         print(executor.submit(os.getpid).result(), flush=True)

@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from agents.lab.experiments.workers import blocked_interrupts, deferred_interrupts
+from agents.lab.trials.workers import blocked_interrupts, deferred_interrupts
 
 pytestmark = pytest.mark.usefixtures("interrupts_raise")
 SLEEPER = [sys.executable, "-c", "import time; print('up', flush=True); time.sleep(60)"]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from agents.lab.evaluation.interval import (
+from agents.lab.trials.interval import (
     MIN_VALUES,
     Interval,
     mean_interval,

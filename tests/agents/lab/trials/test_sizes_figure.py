@@ -1,5 +1,5 @@
-from agents.lab.evaluation.scores import Run, Scores
-from agents.lab.evaluation.sizes_figure import PANELS, sizes_figure
+from agents.lab.trials.scores import Run, Scores
+from agents.lab.trials.sizes_figure import PANELS, sizes_figure
 
 GOOD, BAD = Run(True, 20, 10.0, 40.0, 900.0, 5), Run(False, 200, 10.0, 400.0, 9000.0, 95)
 GROUPS = {

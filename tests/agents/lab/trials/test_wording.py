@@ -2,8 +2,8 @@
 
 import pytest
 
-from agents.lab.evaluation import wording
-from agents.lab.evaluation.interval import Interval
+from agents.lab.trials import wording
+from agents.lab.trials.interval import Interval
 
 
 def test_a_share_has_its_interval_in_brackets() -> None:
