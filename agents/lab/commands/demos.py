@@ -26,7 +26,6 @@ from warehouse_core import (
     Episode,
     EpisodeRecorder,
     FleetEnv,
-    FleetEpisode,
     Layout,
     OrderStream,
     WarehouseEnv,
@@ -241,7 +240,7 @@ def drive(
     return recorder.episode
 
 
-def drive_together(moves: Mapping[Cell, str]) -> FleetEpisode:
+def drive_together(moves: Mapping[Cell, str]) -> Episode:
     """Carry out one action of each robot, given by its start, in the hall."""
     from warehouse_physics import RigidBodyMotion
 
@@ -287,7 +286,7 @@ def demo(
     show_or_save(Film(lambda: tracks), save, show, f"demo-{name}.gif")
 
 
-def _together(episode: FleetEpisode, title: str, ending: str) -> Track:
+def _together(episode: Episode, title: str, ending: str) -> Track:
     track = track_of_fleet_episode(episode, frame_seconds=SLOW_MOTION)
     track.shift, track.ending = None, ending
     return _titled(track, title)
