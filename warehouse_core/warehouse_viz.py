@@ -70,10 +70,10 @@ def replay_animation(
     track = _track_of(frames, metrics, frame_seconds, plans)
     if track is None or not _matplotlib_is_installed():
         return None
-    from warehouse_core.viz.replay import replay_of_track
+    from warehouse_core.viz.replay import replay_of_tracks
 
-    other = None if beside is None else _track_of(beside, None, frame_seconds)
-    return replay_of_track(track, other, interval_ms=interval_ms, speed=speed, window=window)
+    tracks = [track] if beside is None else [track, track_of_record(beside, frame_seconds)]
+    return replay_of_tracks(*tracks, interval_ms=interval_ms, speed=speed, window=window)
 
 
 def save_frames_to_svg(frames: Record | Frames, output_dir: str | Path, dpi: float = 120) -> None:
@@ -102,8 +102,8 @@ def save_frames_to_svg(frames: Record | Frames, output_dir: str | Path, dpi: flo
     real_number("dpi", dpi, above=True)
     folder = Path(output_dir)
     folder.mkdir(parents=True, exist_ok=True)
-    track.metrics, track.is_continuous, track.shift = {}, False, None
-    scene = Scene(track, make_figure, legend=False)
+    track.metrics, track.is_continuous = {}, False
+    scene = Scene([track], make_figure, legend=False)
     with progress_bar(len(track), "Drawing") as report:
         for frame in range(len(track)):
             scene.show(frame)

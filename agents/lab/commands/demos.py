@@ -162,7 +162,7 @@ def pibt() -> Demo:
     pushes = sum(len(plans.pushers) for plans in log.plans)
     said = f"{counted(episode.robots, 'robot')} push {pushes} times in {episode.steps} steps"
     track = track_of_fleet_episode(episode, plans=log.plans)
-    track.shift = None
+    track.metrics, track.orders = {}, None
     return Demo(said, _titled(track, f"PIBT: {said}; arrows show who pushes whom"))
 
 
@@ -288,7 +288,7 @@ def demo(
 
 def _together(episode: FleetEpisode, title: str, ending: str) -> Track:
     track = track_of_fleet_episode(episode, frame_seconds=SLOW_MOTION)
-    track.shift, track.ending = None, ending
+    track.metrics, track.orders, track.ending = {}, None, ending
     return _titled(track, title)
 
 

@@ -61,7 +61,7 @@ class Driver:
         self._env, self._place = env, place
         self.games: list[Episode] = []
         self._begin(seed)
-        self._scene = Scene(track_of_episode(self.episode), make_window, length=env.max_steps + 1)
+        self._scene = Scene([track_of_episode(self.episode)], make_window, length=env.max_steps + 1)
         self.figure = self._scene.root
         self.figure.canvas.mpl_connect("key_press_event", self._on_key)
         self._timer = self.figure.canvas.new_timer(interval=FRAME_MS)

@@ -53,9 +53,9 @@ class Film:
         """Return the replay, with a window or without one."""
         if self.draw is not None:
             return self.draw(window)
-        from warehouse_core.viz.replay import replay_of_track
+        from warehouse_core.viz.replay import replay_of_tracks
 
-        return replay_of_track(*self.tracks(), speed=self.speed, window=window)
+        return replay_of_tracks(*self.tracks(), speed=self.speed, window=window)
 
     def save(self, target: Path) -> None:
         """Write the record, a page or a picture, by the suffix, whole or not at all."""

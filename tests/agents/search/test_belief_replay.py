@@ -19,7 +19,7 @@ from agents.search.belief_replay import (
 )
 from warehouse_core import DEFAULT_LAYOUT, Episode, Layout, WarehouseEnv, record_episode
 from warehouse_core.render.palette import INK, UNKNOWN
-from warehouse_core.viz.replay import Replay, replay_of_track
+from warehouse_core.viz.replay import Replay, replay_of_tracks
 from warehouse_core.viz.tracks.episode_track import track_of_episode
 
 DETOUR = Layout(["#########", "#.......#", "#.#####.#", "#P....#D#", "#.....#.#", "#########"])
@@ -35,7 +35,7 @@ def explored(
 
 
 def replay(**options: Any) -> Replay:
-    return replay_of_track(*belief_tracks(*explored(**options)), window=False)
+    return replay_of_tracks(*belief_tracks(*explored(**options)), window=False)
 
 
 def unknown_share(image: NDArray[np.int64]) -> tuple[float, float]:

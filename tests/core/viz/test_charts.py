@@ -22,7 +22,7 @@ def axes_of(scene: Scene, title: str) -> Axes:
 
 
 def test_charts_of_bodies_are_in_seconds(physics: Track) -> None:
-    scene = Scene(physics, make_figure)
+    scene = Scene([physics], make_figure)
     scene.show(len(physics) - 1)
     rewards, motion = axes_of(scene, "reward"), axes_of(scene, "energy")
     assert motion.get_xlabel() == "seconds"
@@ -34,7 +34,7 @@ def test_charts_of_bodies_are_in_seconds(physics: Track) -> None:
 
 
 def test_speed_and_energy_begin_at_0_and_fill_the_chart(physics: Track) -> None:
-    scene = Scene(physics, make_figure)
+    scene = Scene([physics], make_figure)
     scene.root.pixels()
     motion, energy = axes_of(scene, "energy"), scene.root.axes[-2]
     assert motion.get_ylim()[0] == energy.get_ylim()[0] == 0
@@ -44,7 +44,7 @@ def test_speed_and_energy_begin_at_0_and_fill_the_chart(physics: Track) -> None:
 
 
 def test_charts_of_a_track_that_grows_are_in_steps(physics: Track) -> None:
-    scene = Scene(physics, make_figure, length=51)
+    scene = Scene([physics], make_figure, length=51)
     rewards = axes_of(scene, "reward")
     assert rewards.get_xlim() == (-0.5, 50.5)
     scene.show(len(physics) - 1)

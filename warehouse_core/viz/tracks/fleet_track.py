@@ -19,7 +19,6 @@ from warehouse_core.viz.tracks.track import (
     Frame,
     Hit,
     Pose,
-    Shift,
     Track,
     Waiting,
     middle,
@@ -64,7 +63,8 @@ def track_of_fleet_episode(
     if episode.robots == 1:
         track.metrics = _metrics(episode)
     else:
-        track.shift = _shift(episode)
+        track.metrics, track.lateness = _fleet_metrics(episode), _lateness(episode)
+        track.orders, track.assignments = episode.orders, episode.assignments
     track.ending = _ending(episode)
     return track
 
@@ -191,30 +191,31 @@ class _Orders:
         return ages
 
 
-def _shift(episode: FleetEpisode) -> Shift:
-    """Return what the charts show."""
-    steps, full = episode.steps, episode.settings.battery.capacity
-    released = [order.released for order in episode.orders]
-    late = [
-        (order.delivered, order.delivered - order.due)
-        for order in episode.orders
-        if order.delivered is not None
-    ]
+def _fleet_metrics(episode: FleetEpisode) -> dict[str, Sequence[float]]:
+    """Return what ``FLEET_METRICS`` names."""
+    steps = episode.steps
     if episode.settings.orders is None:
         gone = episode.loaded[:-1] & ~episode.loaded[1:]
         delivered = np.concatenate([[0], gone.sum(axis=1)])
     else:
-        delivered = np.bincount([step for step, _ in late], minlength=steps + 1)
-    shares = np.clip(episode.battery / full, 0, 1)
-    return Shift(
-        np.bincount(np.array(released, np.intp), minlength=steps + 1).cumsum().tolist(),
-        delivered.cumsum().tolist(),
-        sorted(late),
-        shares.mean(axis=1).tolist(),
-        shares.min(axis=1).tolist(),
-        [0.0, *episode.joules.sum(axis=1).cumsum().tolist()],
-        episode.orders,
-        episode.assignments,
+        delivered = np.bincount([step for step, _ in _lateness(episode)], minlength=steps + 1)
+    released = np.array([order.released for order in episode.orders], np.intp)
+    shares = np.clip(episode.battery / episode.settings.battery.capacity, 0, 1)
+    return {
+        "released": np.bincount(released, minlength=steps + 1).cumsum().tolist(),
+        "delivered": delivered.cumsum().tolist(),
+        "battery_mean": shares.mean(axis=1).tolist(),
+        "battery_lowest": shares.min(axis=1).tolist(),
+        "joules": [0.0, *episode.joules.sum(axis=1).cumsum().tolist()],
+    }
+
+
+def _lateness(episode: FleetEpisode) -> list[tuple[int, int]]:
+    """Return the step of each delivery, and by how many steps it was late."""
+    return sorted(
+        (order.delivered, order.delivered - order.due)
+        for order in episode.orders
+        if order.delivered is not None
     )
 
 

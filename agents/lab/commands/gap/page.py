@@ -111,8 +111,7 @@ def track_of(record: FleetEpisode, world: str) -> Track:
     track.title = world
     for frame in track.frames:
         frame.energy = 0.0  # it is that of one robot
-    if track.shift is not None:
-        track.shift = track.shift._replace(lateness=[])  # in steps, which last differently long
+    track.lateness = ()  # in steps, which last differently long
     return track
 
 

@@ -8,7 +8,6 @@ import pytest
 from helpers.fleets import fleet_episode
 from helpers.pictures import replay_of, short_episode
 from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 
 from warehouse_core.records.plans import NO_PLANS, StepPlans
 from warehouse_core.render.palette import COLORS
@@ -21,7 +20,7 @@ PLACES = np.array([(0.5, 0.5), (1.5, 0.5), (1.5, 1.5)])
 
 
 def shown(plans: StepPlans) -> PlanView:
-    view = PlanView(Figure().add_subplot(), 30.0, 3)
+    view = PlanView(30.0, 3)
     view.show(plans, PLACES, [RED, BLUE, RED])
     return view
 

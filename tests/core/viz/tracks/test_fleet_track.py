@@ -10,7 +10,7 @@ from warehouse_core import FleetEnv, FleetEpisode, Layout, Order, RecordError, W
 from warehouse_core.records import FleetRecorder, record_episode
 from warehouse_core.viz.tracks import track_of_fleet_episode
 from warehouse_core.viz.tracks.episode_track import track_of_episode
-from warehouse_core.viz.tracks.track import Waiting
+from warehouse_core.viz.tracks.track import FLEET_METRICS, Waiting
 
 LATE = 3
 
@@ -160,27 +160,25 @@ def test_motions_that_take_too_many_frames_raise(bodies: FleetEpisode) -> None:
 
 
 def test_charts_show_what_the_measures_count(episode: FleetEpisode) -> None:
-    shift, measures = track_of_fleet_episode(episode).shift, episode.measures
-    assert shift
-    assert {len(values) for values in (shift.released, shift.delivered, shift.battery,
-                                       shift.lowest, shift.joules)} == {81}  # fmt: skip
-    assert (shift.released[-1], shift.delivered[-1]) == (measures.orders, measures.delivered)
-    assert shift.joules[-1] == pytest.approx(measures.joules)
-    late = [max(late, 0) for _, late in shift.lateness]
+    track, measures = track_of_fleet_episode(episode), episode.measures
+    shown = track.metrics
+    assert {name: len(values) for name, values in shown.items()} == dict.fromkeys(FLEET_METRICS, 81)
+    assert (shown["released"][-1], shown["delivered"][-1]) == (measures.orders, measures.delivered)
+    assert shown["joules"][-1] == pytest.approx(measures.joules)
+    late = [max(late, 0) for _, late in track.lateness]
     assert sum(late) / len(late) == pytest.approx(measures.mean_lateness)
     for step in (0, 40, 80):
-        assert shift.battery[step] == pytest.approx(episode.battery[step].mean() / 100)
-        assert shift.lowest[step] == pytest.approx(episode.battery[step].min() / 100)
-        assert shift.released[step] == sum(order.released <= step for order in episode.orders)
+        assert shown["battery_mean"][step] == pytest.approx(episode.battery[step].mean() / 100)
+        assert shown["battery_lowest"][step] == pytest.approx(episode.battery[step].min() / 100)
+        assert shown["released"][step] == sum(order.released <= step for order in episode.orders)
 
 
 def test_without_orders_the_items_delivered_are_counted() -> None:
     actions = [["PICK", "E"], ["E", "WAIT"], ["E", "N"], ["DROP", "W"]]
     episode = driven(actions, orders=None, starts=[(0, 0), (1, 0)], layout=Layout(["P.D", "..."]))
     track = track_of_fleet_episode(episode)
-    assert track.shift
-    assert track.shift.delivered == [0, 0, 0, 0, 1]
-    assert (track.shift.released, track.shift.lateness) == ([0] * 5, [])
+    assert track.metrics["delivered"] == [0, 0, 0, 0, 1]
+    assert (track.metrics["released"], track.lateness) == ([0] * 5, [])
     assert [frame.caption for frame in track.frames] == [""] * 5
     items = [frame.fleet and frame.fleet.items[0] for frame in track.frames]
     assert items == [None, 0, 0, 0, None]
@@ -189,7 +187,7 @@ def test_without_orders_the_items_delivered_are_counted() -> None:
 def test_a_lone_robot_has_the_charts_of_the_chapter() -> None:
     episode = fleet_episode(robots=1, people=0, orders=None, layout=SHELVES, max_steps=30)
     track = track_of_fleet_episode(episode)
-    assert track.shift is None
+    assert not track.counts_orders
     env = WarehouseEnv(SHELVES, max_steps=30, battery=100)
 
     class Again:
