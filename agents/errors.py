@@ -15,6 +15,7 @@
 
 from __future__ import annotations
 
+import inspect
 import traceback
 from pathlib import Path
 from typing import Any
@@ -92,6 +93,14 @@ def reason_of(error: BaseException, file: Path | None = None) -> str:
     except Exception:  # the exception of a user may itself be broken
         text = ""
     return f"{type(error).__name__}{text}{where}"
+
+
+def file_of(thing: object) -> Path | None:
+    """Return the file that the class of an object is defined in; ``None`` in a session."""
+    try:
+        return Path(inspect.getfile(type(thing)))
+    except (OSError, TypeError):
+        return None
 
 
 def _is_same(name: str, file: Path) -> bool:

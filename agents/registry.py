@@ -40,7 +40,7 @@ from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, RecordError
 from warehouse_core.files.kinds import not_a_file
-from warehouse_core.records.fleet_episode import FleetAgent
+from warehouse_core.records.recorder import FleetAgent
 
 AGENTS: dict[str, Callable[..., Agent]] = {
     "random": RandomAgent,
@@ -175,8 +175,8 @@ def make_fleet_agent(
             f"no assignment is called {assignment!r}; allowed: {', '.join(ASSIGNMENTS)}"
         )
     made = make_planner(planner, seed, layout, robots)
-    if hasattr(made, "next_cells"):
-        return PlannedFleet(cast(Planner, made), assignment or DEFAULT_ASSIGNMENT, **options)
+    if isinstance(made, Planner):
+        return PlannedFleet(made, assignment or DEFAULT_ASSIGNMENT, **options)
     if options.get("log"):
         raise AgentError(f"planner {planner!r} has act(), so its plans are not known")
     if assignment is not None:

@@ -131,15 +131,12 @@ class RigidBodyMotion:
         substeps = self._drive(self._arena, paths)
         return [self._outcome(*each, substeps) for each in zip(robots, paths, strict=True)]
 
-    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> RigidBodyBatch:
+    def batch(self, layouts: Sequence[Layout]) -> RigidBodyBatch:
         """Return a motion for one robot in each of these layouts; see ``Batchable``.
 
         Raises:
-            ValueError: no layouts, several robots, or this motion has disturbances, which a batch
-                cannot have.
+            ValueError: no layouts, or this motion has disturbances, which a batch cannot have.
         """
-        if robots != 1:
-            raise ValueError(f"robots is {robots}; a batch has one robot in each layout")
         if self.disturbances.any:
             raise ValueError(
                 f"{self.disturbances} cannot be batched; a batch is nominal, without disturbances"

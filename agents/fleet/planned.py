@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import inspect
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.errors import AgentError, reason_of
+from agents.errors import AgentError, file_of, reason_of
 from agents.fleet.dispatcher import Dispatcher, shares_cell
 from agents.fleet.plan_log import PlanLog
 from agents.mapf.graph import CLOSED, Graph, Integers
-from agents.mapf.planner import Planner, Situation, check_step
+from agents.mapf.planner import GraphPlanner, Planner, PushingPlanner, Situation, check_step
 from agents.mapf.time_limit import time_limit
 from warehouse_core import FleetEnv
 from warehouse_core.records.plans import NO_PLANS
@@ -56,7 +53,7 @@ class PlannedFleet:
         goes_on: bool = False,
         log: PlanLog | None = None,
     ) -> None:
-        if log and log.pushes and not hasattr(planner, "pushers"):
+        if log and log.pushes and not isinstance(planner, PushingPlanner):
             raise AgentError(f"planner {type(planner).__name__} does not say which robots push")
         self.planner, self._assignment = planner, assignment
         self._seconds, self._goes_on, self._log = seconds, goes_on, log
@@ -80,7 +77,7 @@ class PlannedFleet:
             self._dispatcher = Dispatcher(env, self._assignment)
         situation, actions = self._dispatcher.situation(env)
         graph, cells = self._dispatcher.graph, situation.cells
-        known = getattr(self.planner, "graph", graph)
+        known = self.planner.graph if isinstance(self.planner, GraphPlanner) else graph
         if known.closed != graph.closed:
             known.close(graph.closed)
             self.planner.reset()
@@ -95,7 +92,7 @@ class PlannedFleet:
         except Exception as error:  # the planner of a user may raise anything
             if not self._goes_on:
                 raise
-            chosen = self._lose(env, cells, reason_of(error, _file_of(self.planner)))
+            chosen = self._lose(env, cells, reason_of(error, file_of(self.planner)))
         if shares_cell(cells).any():
             chosen = part(graph, situation, chosen)
         moves = (graph.neighbours[cells] == chosen[:, None]).argmax(axis=1)
@@ -125,10 +122,3 @@ def part(graph: Graph, situation: Situation, chosen: Integers) -> Integers:
             found[np.argmax(cells == cell)] = free[0]
             taken.add(free[0])
     return found
-
-
-def _file_of(planner: Planner) -> Path | None:
-    try:
-        return Path(inspect.getfile(type(planner)))
-    except (OSError, TypeError):  # a class defined interactively
-        return None

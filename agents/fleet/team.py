@@ -22,7 +22,7 @@ class Team:
 
     Attributes:
         agents: as given.
-        reasons: ``R``, of the last actions.
+        reason: Reasons of the last actions, one for each robot; "" for a robot that drives on.
         robot: the one whose agent is choosing now, or ``None``.
     """
 
@@ -33,7 +33,7 @@ class Team:
     def reset(self) -> None:
         """Forget the last episode."""
         self.robot: int | None = None
-        self.reasons = [""] * len(self.agents)
+        self.reason = [""] * len(self.agents)
         self._pilots: list[Pilot] = []
 
     def act(self, env: FleetEnv) -> list[int]:
@@ -42,11 +42,12 @@ class Team:
             site, stream = Site(env), random.Random(self._seed)
             self._pilots = [Pilot(agent, site, stream) for agent in self.agents]
         actions = [WAIT] * len(self.agents)
+        self.reason = [""] * len(self.agents)
         at_rest = env.ways.at_rest
         for robot, observation in enumerate(env.observations()):
             self.robot, pilot = robot, self._pilots[robot]
             if at_rest[robot]:
                 actions[robot] = pilot.act(observation)
-                self.reasons[robot] = pilot.reason
+                self.reason[robot] = pilot.reason
         self.robot = None
         return actions

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core import RecordError
+from warehouse_core.files.header import pack_header, unpack_header
 from warehouse_core.files.npz import Schema, read_arrays, write_arrays
-from warehouse_core.records.episode_arrays import pack_header, unpack_header
 from warehouse_core.task.encoding import MARKED_TILES, OTHER_NUMBERS, Arrays, vector
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.tiles import CELL_CODES

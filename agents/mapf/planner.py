@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,11 +36,11 @@ class Situation(NamedTuple):
     urgent: Integers = NO_CELLS
 
 
+@runtime_checkable
 class Planner(Protocol):
     """Chooses the next cells of robots; each planner is made for one ``Graph``.
 
-    For replays it may have a method ``plan_of(robot)``, which returns the cells that it has planned
-    after each of the next steps, that just chosen first, and ``pushers`` as ``PIBT`` has.
+    A planner may also be a ``GraphPlanner``, a ``ForesightedPlanner`` and a ``PushingPlanner``.
     """
 
     def reset(self) -> None:
@@ -52,6 +52,36 @@ class Planner(Protocol):
         The step has no conflict: no two robots in one cell, no two that change places, nobody in
         a closed cell. Each cell is the robot's own or one beside it.
         """
+
+
+@runtime_checkable
+class GraphPlanner(Protocol):
+    """A planner that shows its graph.
+
+    Cells of it are closed while nobody can enter them, and replays have ways of its costs.
+    """
+
+    graph: Graph
+
+
+@runtime_checkable
+class ForesightedPlanner(Protocol):
+    """A planner that plans more than one step, which replays show."""
+
+    def plan_of(self, robot: int) -> list[int]:
+        """Return the cells of a robot after each of the next steps, first the one just chosen."""
+
+
+@runtime_checkable
+class PushingPlanner(Protocol):
+    """A planner whose robots push others out of their way, which replays show.
+
+    Attributes:
+        pushers: ``[R]``, robot that made each robot choose before its turn in the last step, or
+            ``NOBODY``.
+    """
+
+    pushers: Integers
 
 
 def solve_by_steps(planner: Planner, problem: Problem, seconds: float) -> Plan:

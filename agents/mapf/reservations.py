@@ -1,4 +1,4 @@
-"""Who is in each cell at each time, so that others keep out of the way.
+"""Reservations: the robot in each cell at each time, so that others keep out of the way.
 
 A cell at a time is one number, a *state*: ``time * H * W + cell``. The *way* of a robot is a list
 of its cells, one for each time.
@@ -18,15 +18,15 @@ class Reservations:
         size: ``H * W``.
 
     Attributes:
-        size: as given.
-        states: the robot that has each taken state.
+        size: ``H * W``.
+        states: robot that has each taken state.
         moves: ``state * H * W + cell`` of the moves that would make a robot change places with
             another, and that robot.
         ends: the state from which on a cell is occupied for good, by cell.
-        closed: states that nobody can have, such as those of people.
-        closed_moves: ``state * H * W + cell`` of moves that nobody can make.
-        latest: a time after which nothing is taken or closed but for good.
-        ways: of each robot that was added, with the time when it begins.
+        closed: states that no robot can have, such as cells of people.
+        closed_moves: ``state * H * W + cell`` of moves that no robot can make.
+        latest: time after which nothing is taken or closed but for good.
+        ways: begin and way of each robot that was added.
     """
 
     def __init__(self, size: int) -> None:

@@ -49,8 +49,8 @@ def tree_picture(tree: ConflictTree, make: MakeFigure = make_figure) -> SceneFig
     conflict that its children forbid; one without children shows if it is the optimal plan.
 
     Args:
-        tree: after ``solve``.
-        make: makes the figure of a width and height in inches.
+        tree: tree that ``solve`` has grown.
+        make: function that makes the figure of a width and height in inches.
 
     Raises:
         ValueError: the tree has no node, or more than ``MAX_NODES``.

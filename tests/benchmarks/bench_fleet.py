@@ -19,6 +19,7 @@ import pytest
 from helpers.fleet_truth import DROP, EAST, NORTH, PICK, SOUTH, WAIT, WEST, big_warehouse
 
 from warehouse_core import FleetEnv, Layout
+from warehouse_core.fleet import FleetBatch
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*chargers supply")
 
@@ -121,6 +122,26 @@ def test_robot_steps_a_second(robots: int, measured) -> None:
         f"{'; '.join(words)}; {wall:.0f} ({cpu:.0f}) times POGEMA; in parentheses by CPU time",
     )
     assert cpu >= 15 or robots != 1000
+
+
+def rate_of_fleets(fleets: int, robots: int) -> float:
+    """Return the robot-steps a second of many fleets together, by CPU time."""
+    batch = FleetBatch(fleets, robots=robots, max_steps=OURS, battery=OURS)
+    batch.reset(seed=1)
+    actions = np.random.default_rng(0).integers(0, WAIT + 1, batch.num_envs)
+    return batch.num_envs * CYCLE / timed(lambda: [batch.step(actions) for _ in range(CYCLE)])[1]
+
+
+def test_lone_robots_on_thousands_of_floors(measured) -> None:
+    """Fleets of one are moved by arrays, and each robot takes less time than one of two."""
+    fleets, rates = 4096, {1: 0.0, 2: 0.0}
+    for _ in range(ROUNDS):
+        for robots in rates:
+            rates[robots] = max(rates[robots], rate_of_fleets(fleets, robots))
+    words = ", ".join(f"{rate:,.0f} with {robots}" for robots, rate in rates.items())
+    ratio = rates[1] / rates[2]
+    measured(f"robot-steps a second of {fleets:,} fleets by CPU time", f"{words}; {ratio:.2f}")
+    assert ratio >= 1.3
 
 
 @pytest.mark.parametrize("orders", [None, 100.0])

@@ -30,7 +30,7 @@ def test_nanoseconds_a_robot_move(robots: int, measured) -> None:
     layout, stream = random_layout(**FLOOR), np.random.default_rng(robots)
     starts = stream.permutation(layout.open_cells)[:robots]
     cells = [divmod(cell, layout.width) for cell in starts.tolist()]
-    motion, batch = GridMotion(), GridMotion().batch([layout], robots)
+    motion, batch = GridMotion(), GridMotion().fleet_batch([layout], robots)
     motion.reset(layout, cells, None)
     batch.place(np.arange(robots), starts)
     actions, loaded = stream.integers(0, WAIT + 1, robots), np.zeros(robots, np.bool_)

@@ -116,7 +116,7 @@ def check_crowds(moves: int, seed: int = 0) -> Counter[str]:
         room = min(len(layout.open_cells) for layout in layouts)
         robots = max(stream.randint(2, room), stream.randint(2, room))
         starts = [stream.sample(layout.open_cells.tolist(), robots) for layout in layouts]
-        batch = GridMotion().batch(layouts, robots)
+        batch = GridMotion().fleet_batch(layouts, robots)
         batch.place(np.arange(FLOORS * robots), np.ravel(starts))
         for _ in range(STEPS):
             crowds = [

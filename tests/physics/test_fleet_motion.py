@@ -18,7 +18,7 @@ from helpers.rigid_bodies import (
 )
 
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, Outcome, random_layout
-from warehouse_core.motion.backends import make_batch_motion
+from warehouse_core.motion.backends import make_fleet_motion
 from warehouse_core.motion.base import WALL_CONTACT, robot_contact
 from warehouse_core.motion.traffic import find_stops
 from warehouse_core.motion.vector import NOTHING, WALL
@@ -216,7 +216,7 @@ def test_a_robot_that_is_pushed_out_of_its_cell_is_reported_where_it_is() -> Non
 def test_a_batch_of_fleets_equals_the_grid(robots: int) -> None:
     """What stops a robot too, but for those stopped by several: bodies touch one of them first."""
     layouts = [DEFAULT_LAYOUT, *(random_layout(6, 8, 0.15, seed=seed) for seed in range(3))]
-    batches = [make_batch_motion(name, layouts, robots) for name in ("physics", "grid")]
+    batches = [make_fleet_motion(name, layouts, robots) for name in ("physics", "grid")]
     stream, same, blocked = np.random.default_rng(robots), 0, 0
     cells = np.concatenate([stream.permutation(it.open_cells)[:robots] for it in layouts])
     for batch in batches:
@@ -237,7 +237,7 @@ def test_a_batch_of_disturbed_fleets_repeats_with_its_seeds() -> None:
     motion = RigidBodyMotion(disturbances=Disturbances(actuation_noise=0.1))
     ends = []
     for seed in (4, 4, 5):
-        batch = make_batch_motion(motion, [HALL], 3)
+        batch = make_fleet_motion(motion, [HALL], 3)
         batch.place(np.arange(3), np.array([0, 7, 14]), seeds=[seed])
         ends.append(batch.advance(np.array([1, 2, 1]), np.zeros(3, np.bool_)).seconds.tolist())
     assert ends[0] == ends[1] != ends[2]

@@ -32,10 +32,10 @@ class Result:
     """The result of one check.
 
     Attributes:
-        name: of the check, as in ``expected_failures``.
+        name: name of the check, as in ``expected_failures``.
         rule: the rule that it checks, a sentence.
         status: ``"passed"``, ``"failed"``, ``"expected failure"`` or ``"unexpected pass"``.
-        detail: how it failed, or why it was expected to; "" if it passed.
+        detail: reason for the failure, or for expecting one; "" if the check passed.
     """
 
     name: str

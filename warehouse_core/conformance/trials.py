@@ -23,7 +23,7 @@ STAY: Cell = (0, 0)
 NORTH, EAST, SOUTH, WEST = MOVES = tuple(MOVE_DELTAS.values())
 
 MAZE = random_layout(height=7, width=8, density=0.25, seed=3)
-"""For random walks: small, so that robots often meet walls and each other."""
+"""Layout of random walks, so small that robots often meet walls and each other."""
 
 
 class ConformanceError(AssertionError):

@@ -1,13 +1,13 @@
 """Checks of a batch against single motions.
 
-A motion without a method ``batch``, or whose ``batch`` raises ValueError, passes them; one that
-raises ValueError for several robots passes the check of fleets.
+A motion without a method ``batch``, or whose ``batch`` raises ValueError, passes the checks of lone
+robots; without a ``fleet_batch`` it passes the check of fleets.
 """
 
 from __future__ import annotations
 
 import random
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, suppress
 
 import numpy as np
 
@@ -20,18 +20,20 @@ from warehouse_core.motion.vector import (
     BatchMotion,
     BatchOutcome,
     ChangesLayouts,
+    FleetBatchable,
+    FleetBatchMotion,
 )
 from warehouse_core.world.actions import ACTIONS, DISPLACEMENTS
 from warehouse_core.world.layout import Layout
 
 MOVES = 60
 TOLERANCE = 1e-6
-"""Of seconds and joules, relative; terms may be summed in another order."""
+"""Relative difference allowed in seconds and joules; terms may be summed in another order."""
 
 LAYOUTS = [MAZE, Layout(["#.#.", "....", "..#."]), MAZE, Layout(["."]), Layout(["......"]), MAZE]
 POOL = [Layout(rows) for rows in (["#.#.", "...."], ["..#.", ".##."], ["....", "...."])]
 CHANGES = 6
-FLEET_LAYOUTS, FLEET_ROBOTS = [MAZE, Layout(["#.#.", "....", "..#."]), MAZE], 4
+FLEET_LAYOUTS, FLEET_SIZES = [MAZE, Layout(["#.#.", "....", "..#."]), MAZE], (1, 4)
 
 
 def check_a_batch_moves_as_single_motions_do(make_motion: MakeMotion) -> None:
@@ -44,16 +46,19 @@ def check_a_batch_moves_as_single_motions_do(make_motion: MakeMotion) -> None:
 
 
 def check_a_batch_of_fleets_moves_as_single_motions_do(make_motion: MakeMotion) -> None:
-    """So does each of several robots on a floor, and `stopped_by` names what blocked it."""
-    with ExitStack() as open_motions:
-        batch = _batch_of(make_motion, open_motions, FLEET_LAYOUTS, FLEET_ROBOTS)
-        if batch is not None:
-            singles = [open_motions.enter_context(closing(make_motion())) for _ in FLEET_LAYOUTS]
-            _walk_side_by_side(batch, singles, random.Random(1), FLEET_LAYOUTS, FLEET_ROBOTS)
+    """Each robot of a batch of fleets moves as in a single motion; `stopped_by` names its stop."""
+    for robots in FLEET_SIZES:
+        with ExitStack() as open_motions:
+            batch = _fleet_batch_of(make_motion, open_motions, FLEET_LAYOUTS, robots)
+            if batch is not None:
+                motions = [make_motion() for _ in FLEET_LAYOUTS]
+                singles = [open_motions.enter_context(closing(motion)) for motion in motions]
+                stream = random.Random(robots)
+                _walk_side_by_side(batch, singles, stream, FLEET_LAYOUTS, robots, fleet=batch)
 
 
 def check_a_batch_moves_in_changed_layouts(make_motion: MakeMotion) -> None:
-    """If a batch can change its layouts, so does each row after a change."""
+    """If a batch can change its layouts, its rows move as single motions do after a change too."""
     before = [POOL[number % len(POOL)] for number in range(len(LAYOUTS))]
     with ExitStack() as open_motions:
         batch = _batch_of(make_motion, open_motions, before)
@@ -90,17 +95,25 @@ VECTOR_CHECKS = (
 
 
 def _batch_of(
-    make_motion: MakeMotion, open_motions: ExitStack, layouts: list[Layout], robots: int = 1
+    make_motion: MakeMotion, open_motions: ExitStack, layouts: list[Layout]
 ) -> BatchMotion | None:
-    """Return a batch in these layouts, or ``None`` if the motion has none for so many robots."""
+    """Return a batch of lone robots in these layouts, or ``None`` if the motion has none."""
     motion = open_motions.enter_context(closing(make_motion()))
-    if not isinstance(motion, Batchable):
-        return None
-    try:
-        batch = motion.batch(layouts) if robots == 1 else motion.batch(layouts, robots)
-    except ValueError:
-        return None
-    return open_motions.enter_context(closing(batch))
+    if isinstance(motion, Batchable):
+        with suppress(ValueError):
+            return open_motions.enter_context(closing(motion.batch(layouts)))
+    return None
+
+
+def _fleet_batch_of(
+    make_motion: MakeMotion, open_motions: ExitStack, layouts: list[Layout], robots: int
+) -> FleetBatchMotion | None:
+    """Return a batch of so many robots in each layout, or ``None`` if the motion has none."""
+    motion = open_motions.enter_context(closing(make_motion()))
+    if isinstance(motion, FleetBatchable):
+        with suppress(ValueError):
+            return open_motions.enter_context(closing(motion.fleet_batch(layouts, robots)))
+    return None
 
 
 def _walk_side_by_side(
@@ -110,8 +123,12 @@ def _walk_side_by_side(
     layouts: list[Layout],
     robots: int = 1,
     moves: int = MOVES,
+    fleet: FleetBatchMotion | None = None,
 ) -> None:
-    """Make the same random moves on both, and place the robots of some floors anew at times."""
+    """Make the same random moves on both, and place the robots of some floors anew at times.
+
+    The paths and contacts of ``fleet``, the same batch if it moves fleets, are compared too.
+    """
     fresh = list(range(len(layouts)))
     for _ in range(moves):
         for floor in fresh:
@@ -129,9 +146,9 @@ def _walk_side_by_side(
             for row, expected in zip(rows, each, strict=True):
                 where = f"row {row} of a batch, action {ACTIONS[actions[row]]}"
                 _expect_equal(outcome, row, layouts[floor], expected, where)
-                if robots > 1:
+                if fleet is not None:
                     _expect_stop(outcome, row, robots, where)
-                    again = batch.outcomes(floor)[row % robots]
+                    again = fleet.outcomes(floor)[row % robots]
                     expect(again[:2] == expected[:2], f"{where}: outcomes() gives {again[:2]}")
         fresh = [floor for floor in range(len(layouts)) if stream.random() < 0.1]
 

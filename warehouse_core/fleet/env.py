@@ -336,7 +336,7 @@ class FleetEnv:
         Raises:
             RuntimeError: no step has been taken since the reset.
         """
-        return self._fleets.robots.motion.outcomes(0)
+        return self._fleets.motion.outcomes(0)
 
     @property
     def measures(self) -> FleetMeasures:

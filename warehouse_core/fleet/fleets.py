@@ -20,11 +20,17 @@ from warehouse_core.fleet.tally import FleetMeasures, Tally
 from warehouse_core.fleet.vector_orders import VectorOrders
 from warehouse_core.motion.backends import (
     Backend,
-    make_batch_motion,
+    make_fleet_motion,
     make_motion,
-    make_separate_motions,
 )
-from warehouse_core.motion.vector import BatchMotion, BatchOutcome, CanFail, Flags, Integers, Rows
+from warehouse_core.motion.vector import (
+    BatchOutcome,
+    CanFail,
+    Flags,
+    FleetBatchMotion,
+    Integers,
+    Rows,
+)
 from warehouse_core.task.rules import judge
 from warehouse_core.vector.robots import VectorRobots
 from warehouse_core.vector.rules import spend_and_charge
@@ -63,8 +69,7 @@ def make_fleets(layouts: Sequence[Layout], settings: FleetSettings, backend: Bac
         BackendError: the backend is unknown, or a single instance for several layouts.
         LayoutError: as for ``Fleets``, as well as ``OrderError``.
     """
-    make = make_batch_motion if settings.bodies > 1 else make_separate_motions
-    motion = make(backend, layouts, settings.bodies)
+    motion = make_fleet_motion(backend, layouts, settings.bodies)
     return Fleets(layouts, settings, motion, make_motion(backend).cell_size)
 
 
@@ -78,6 +83,7 @@ class Fleets:
         cell_size: side of a cell in metres, for what a step costs.
 
     Attributes:
+        motion: what moves the robots, and the people among them.
         orders: ``None`` without orders.
         robots: their cells and loads.
         crowd: the people.
@@ -97,20 +103,18 @@ class Fleets:
         self,
         layouts: Sequence[Layout],
         settings: FleetSettings,
-        motion: BatchMotion,
+        motion: FleetBatchMotion,
         cell_size: float,
     ) -> None:
         self.layouts, self.settings = LayoutSet(layouts), settings
         floors, rows = len(layouts), len(layouts) * settings.robots
-        has_orders = settings.orders is not None
-        self._floor = FleetFloor(
-            self.layouts, settings.robots, settings.view_radius, has_orders=has_orders
-        )
-        self.orders = VectorOrders(self.layouts, settings, self._floor) if has_orders else None
+        self._floor = floor = FleetFloor(self.layouts, settings)
+        self.orders = VectorOrders(self.layouts, settings, floor) if settings.has_orders else None
         self._starts = [FleetStarts(kind, settings) for kind in self.layouts.kinds]
         self.crowd = Crowd(settings.people, self.layouts)
         if settings.people.count:
             motion = FleetMotion(motion, settings.robots, self.crowd)
+        self.motion = motion
         self.robots = VectorRobots(self._floor, motion, rows)
         self.tally = Tally(floors, settings.robots)
         self._streams = [np.random.default_rng() for _ in layouts]
@@ -118,7 +122,7 @@ class Fleets:
         self.battery = np.zeros(rows)
         self.steps = np.zeros(floors, np.int32)
         self.terminated, self.truncated, self.failed = np.zeros((3, rows), np.bool_)
-        if not has_orders:
+        if not settings.has_orders:
             stations = first_stations(self.layouts.repeated(settings.robots))
             self._floor.put_stations(np.arange(rows), *stations.T)
 
@@ -206,7 +210,7 @@ class Fleets:
 
     def close(self) -> None:
         """Close the motion backend."""
-        self.robots.motion.close()
+        self.motion.close()
 
     def _book(
         self,
@@ -246,8 +250,8 @@ class Fleets:
         is_over = np.repeat(self.steps >= self.settings.max_steps, robots)
         self.terminated |= active & done
         empty = np.flatnonzero(active & (self.battery <= 0) & ~self.failed)
-        if len(empty) and isinstance(self.robots.motion, CanFail):
-            self.robots.motion.fail(empty)
+        if len(empty) and isinstance(self.motion, CanFail):
+            self.motion.fail(empty)
         self.truncated |= active & (self._is_out | is_over)
 
     @property

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.errors import LayoutError
+from warehouse_core.fleet.settings import FleetSettings
 from warehouse_core.motion.vector import Flags, Integers, Rows
 from warehouse_core.task.encoding import NOWHERE, Window
 from warehouse_core.vector.floor import VectorFloor
@@ -25,18 +26,20 @@ class FleetFloor(VectorFloor):
     a margin of ``radius`` cells. A *spot* is an index in it.
 
     Args:
-        layouts: of the ``B`` floors.
-        robots: ``R``.
-        radius: cells seen in each direction.
-        has_orders: stations are those of orders; otherwise they are the tiles of the layouts.
+        layouts: layouts of the ``B`` floors.
+        settings: settings of all fleets. With orders, stations are where orders have them;
+            otherwise they are the tiles of the layouts.
 
     Raises:
         LayoutError: windows that are too large, for the layouts or for the robots.
     """
 
-    def __init__(self, layouts: LayoutSet, robots: int, radius: int, *, has_orders: bool) -> None:
+    def __init__(self, layouts: LayoutSet, settings: FleetSettings) -> None:
+        robots, radius, has_orders = settings.robots, settings.view_radius, settings.has_orders
         _check_windows(len(layouts.kind) * robots, 2 * radius + 1)
         super().__init__(layouts.repeated(robots), radius, moving_stations=has_orders)
+        # Nothing lies on the tiles around a robot that is alone.
+        self._is_bare = settings.bodies == 1 and not has_orders
         kinds = layouts.kinds
         strides = [kind.width + 2 * radius for kind in kinds]
         sizes = [
@@ -80,6 +83,8 @@ class FleetFloor(VectorFloor):
             has_item: ``[B * R]``, whether they hold an item.
             people: ``[B, P]``, their cells.
         """
+        if self._is_bare:
+            return
         self._on_top[self._covered] = self._waiting.take(self._covered)
         robots = self._robot_spots = self._spots_of(cells)
         persons = self._corner[:, None] + self._spots.take(self._floor_base[:, None] + people)
@@ -98,6 +103,8 @@ class FleetFloor(VectorFloor):
 
     def _around(self, rows: Rows, cells: Integers, robots: Integers) -> Window:
         windows = super()._around(rows, cells, robots)
+        if self._is_bare:
+            return windows
         spots = self._robot_spots[rows]
         offsets = self._offsets
         if len(offsets) > 1:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.fleet.people import Crowd
 from warehouse_core.motion.base import Outcome
-from warehouse_core.motion.vector import BatchMotion, BatchOutcome, CanFail, Flags, Integers
+from warehouse_core.motion.vector import BatchOutcome, CanFail, Flags, FleetBatchMotion, Integers
 
 Kind = TypeVar("Kind", bound=np.generic)
 
@@ -24,7 +24,7 @@ class FleetMotion:
         crowd: the people, who have entered before the robots are placed.
     """
 
-    def __init__(self, motion: BatchMotion, robots: int, crowd: Crowd) -> None:
+    def __init__(self, motion: FleetBatchMotion, robots: int, crowd: Crowd) -> None:
         self._motion, self._robots, self._crowd = motion, robots, crowd
         self._bodies = robots + crowd.cells.shape[1]
 

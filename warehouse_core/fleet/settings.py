@@ -73,6 +73,11 @@ class FleetSettings:
             raise ValueError(f"these are no settings of a fleet: {error}") from error
 
     @property
+    def has_orders(self) -> bool:
+        """Whether robots bring items of orders, and not one each from station to station."""
+        return self.orders is not None
+
+    @property
     def bodies(self) -> int:
         """Number of robots and people on a floor."""
         return self.robots + self.people.count

@@ -15,12 +15,16 @@ from contextlib import suppress
 from functools import cache
 from typing import TYPE_CHECKING
 
-from warehouse_core.arguments import whole_number
 from warehouse_core.errors import BackendError
 from warehouse_core.extras import pip_install, requirements_of
 from warehouse_core.motion.base import Motion
 from warehouse_core.motion.motion_batch import MotionBatch
-from warehouse_core.motion.vector import Batchable, BatchMotion
+from warehouse_core.motion.vector import (
+    Batchable,
+    BatchMotion,
+    FleetBatchable,
+    FleetBatchMotion,
+)
 from warehouse_core.world.layout import Layout
 
 if TYPE_CHECKING:
@@ -51,24 +55,15 @@ def make_motion(backend: Backend) -> Motion:
     )
 
 
-def make_batch_motion(backend: Backend, layouts: Sequence[Layout], robots: int = 1) -> BatchMotion:
-    """Return a batch motion of a backend, for so many robots in each of these layouts.
-
-    If the backend cannot move several robots in each layout by arrays, they are moved by a motion
-    for each layout; see ``make_separate_motions``.
+def make_batch_motion(backend: Backend, layouts: Sequence[Layout]) -> BatchMotion:
+    """Return a motion of a backend for a lone robot in each of these layouts.
 
     Raises:
-        BackendError: as for ``make_motion``; or the backend has no ``batch`` for one robot; or as
-            for ``make_separate_motions``.
+        BackendError: as for ``make_motion``; or the backend has no ``batch``.
         TypeError: as for ``make_motion``.
-        ValueError: ``robots`` is below 1, or the settings of the motion do not allow a batch.
+        ValueError: the settings of the motion do not allow a batch.
     """
-    robots, motion = whole_number("robots", robots, minimum=1), make_motion(backend)
-    if robots > 1:
-        if isinstance(motion, Batchable):
-            with suppress(ValueError):
-                return motion.batch(layouts, robots)
-        return make_separate_motions(backend, layouts, robots)
+    motion = make_motion(backend)
     if not isinstance(motion, Batchable):
         raise BackendError(
             f"backend {backend!r} cannot move a batch; it would need a method batch(layouts)"
@@ -76,15 +71,19 @@ def make_batch_motion(backend: Backend, layouts: Sequence[Layout], robots: int =
     return motion.batch(layouts)
 
 
-def make_separate_motions(
-    backend: Backend, layouts: Sequence[Layout], robots: int = 1
-) -> MotionBatch:
-    """Return a batch motion that is made of a motion of the backend for each of these layouts.
+def make_fleet_motion(backend: Backend, layouts: Sequence[Layout], robots: int) -> FleetBatchMotion:
+    """Return a motion of a backend for so many robots, at least 1, in each of these layouts.
+
+    If the backend cannot move them by arrays, each layout has a motion of its own.
 
     Raises:
-        BackendError: as for ``make_motion``, or an instance for several layouts.
+        BackendError: as for ``make_motion``; or an instance that would have to be several motions.
         TypeError: as for ``make_motion``.
     """
+    motion = make_motion(backend)
+    if isinstance(motion, FleetBatchable):
+        with suppress(ValueError):
+            return motion.fleet_batch(layouts, robots)
     if len(layouts) > 1 and not isinstance(backend, (str, type)):
         raise BackendError(
             f"backend {backend!r} is a single motion, for one layout; {len(layouts)} layouts need "
@@ -110,14 +109,14 @@ def _make_named(backend: str) -> Motion:
 
 
 def _read_numbers(text: str) -> dict[str, float]:
-    found = {}
+    numbers = {}
     for part in text.split(","):
         name, _, value = part.partition("=")
         try:
-            found[name] = float(value)
+            numbers[name] = float(value)
         except ValueError:
             raise ValueError(f"{part!r} is not of the form name=1.5") from None
-    return found
+    return numbers
 
 
 def backend_names() -> list[str]:
@@ -161,7 +160,7 @@ def _complaint(error: Exception, entry_point: EntryPoint) -> str:
 
 
 def _requirements(entry_point: EntryPoint) -> list[str]:
-    """Return those of the extra with the backend's name, or else its distribution."""
+    """Return the requirements of the extra with the backend's name, or else its distribution."""
     distribution = entry_point.dist
     if distribution is None:
         return [entry_point.module.partition(".")[0]]

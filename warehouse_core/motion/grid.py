@@ -24,7 +24,7 @@ from warehouse_core.motion.base import (
     robot_contact,
 )
 from warehouse_core.motion.traffic import Stop, find_stops
-from warehouse_core.motion.vector import NOTHING, BatchOutcome, Flags, Integers
+from warehouse_core.motion.vector import NOTHING, WALL, BatchOutcome, Flags, Integers
 from warehouse_core.motion.vector_traffic import VectorTraffic
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.layout import Layout
@@ -40,7 +40,7 @@ GRAVITY = 9.81
 
 STAY, EAST = (0, 0), (0, 1)
 NOT_MOVED = -1
-"""In place of the cell before the last action: none since the robot was placed."""
+"""Stands for the cell before the last action if a robot has not moved since it was placed."""
 
 ANGLES = {delta: math.atan2(*delta) for delta in MOVE_DELTAS.values()}
 """Heading in radians of a move; atan2 takes y (rows, downward) before x."""
@@ -50,12 +50,11 @@ _pack = Struct("8d").pack
 MAX_CACHED = 100_000
 """Limit on the cached outcomes of a lone robot, about half a kilobyte each."""
 
-
 MAX_SINGLE_OUTCOMES = 500
 """Outcomes that are made one by one, before the paths of all moves are made at once."""
 
 MAX_PATHS_BYTES = 32_000_000
-"""Limit on those paths; a layout that needs more has none made at once."""
+"""Limit on the paths of all moves; a layout that needs more has none made at once."""
 
 
 class GridMotion:
@@ -110,10 +109,12 @@ class GridMotion:
         """Forget the robots; see ``Motion.close``."""
         self._cells, self._headings, self._lone = [], [], {}
 
-    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> GridBatch:
-        """Return a motion for so many robots in each of these layouts; see ``vector.py``."""
-        if robots == 1:
-            return GridBatch(layouts, self.cell_size)
+    def batch(self, layouts: Sequence[Layout]) -> GridBatch:
+        """Return a motion for a lone robot in each of these layouts; see ``Batchable``."""
+        return GridBatch(layouts, self.cell_size)
+
+    def fleet_batch(self, layouts: Sequence[Layout], robots: int) -> GridFleetBatch:
+        """Return a motion for so many robots in each of these layouts; see ``FleetBatchable``."""
         return GridFleetBatch(layouts, self.cell_size, robots)
 
     def _advance_all(
@@ -177,7 +178,7 @@ def move_paths(layout: Layout, cell_size: float) -> dict[Cell, NDArray[np.float6
     if height * width * len(ANGLES) * 2 * 4 * 8 > MAX_PATHS_BYTES:
         return {}
     rows, cols = np.indices((height, width)) + 0.5
-    found = {}
+    paths_by_move = {}
     for (down, right), angle in ANGLES.items():
         paths = np.zeros((height, width, 2, 4))
         paths[..., 1, 0] = NOMINAL_SECONDS
@@ -185,8 +186,8 @@ def move_paths(layout: Layout, cell_size: float) -> dict[Cell, NDArray[np.float6
         paths[..., 1, 1], paths[..., 1, 2] = (cols + right) * cell_size, (rows + down) * cell_size
         paths[..., 3] = angle
         paths.flags.writeable = False
-        found[down, right] = paths
-    return found
+        paths_by_move[down, right] = paths
+    return paths_by_move
 
 
 class GridBatch:
@@ -230,10 +231,6 @@ class GridBatch:
         joules = self._joules.take(actions)
         return BatchOutcome(self._cells.astype(np.intp), blocked, self._seconds.copy(), joules)
 
-    def outcomes(self, floor: int) -> Sequence[Outcome]:
-        """Raise ``NotImplementedError``: a batch of lone robots does not record headings."""
-        raise NotImplementedError("a batch of lone robots does not record headings")
-
     def close(self) -> None:
         """Make ``advance`` raise from now on; see ``BatchMotion.close``."""
         self._closed = True
@@ -268,6 +265,8 @@ class GridFleetBatch(GridBatch):
         self._before, self._moving = self._cells, actions < WAIT
         self._headings = np.where(self._moving, actions, self._headings)
         wanted = super().advance(actions, loaded)
+        if self._robots == 1:  # only walls stop it
+            return wanted._replace(stopped_by=np.where(wanted.blocked, WALL, NOTHING))
         starts, targets = self._floor + self._before, self._floor + wanted.cells
         stops = self._traffic.find_stops(starts, targets, wanted.blocked)
         blocked = stops != NOTHING

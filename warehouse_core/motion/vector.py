@@ -1,6 +1,7 @@
 """The interface of a batch motion: ``R`` robots in each of ``B`` warehouses, moved together.
 
-A motion with a method ``batch(layouts)`` makes one and can be the backend of ``BatchEnv``. Floor
+A motion with a method ``batch(layouts)`` makes one of lone robots and can be the backend of
+``BatchEnv``; one with a method ``fleet_batch(layouts, robots)`` moves fleets by arrays too. Floor
 ``b`` of the batch equals a separate motion in ``layouts[b]``, in ``cell`` and ``blocked``.
 
 The arrays have a row for each of the ``N = B * R`` robots, floor by floor: robot ``r`` of floor
@@ -82,16 +83,19 @@ class BatchMotion(Protocol):
             RuntimeError: after ``close``.
         """
 
+    def close(self) -> None:
+        """Release resources; safe to call twice."""
+
+
+class FleetBatchMotion(BatchMotion, Protocol):
+    """A batch motion that also tells what stopped each robot, and how each moved."""
+
     def outcomes(self, floor: int) -> Sequence[Outcome]:
         """Return what the last ``advance`` did on one floor, with paths and contacts.
 
         Raises:
             RuntimeError: the robots of the floor have not moved since they were placed.
-            NotImplementedError: a batch of lone robots may not record them.
         """
-
-    def close(self) -> None:
-        """Release resources; safe to call twice."""
 
 
 @runtime_checkable
@@ -117,11 +121,23 @@ class CanFail(Protocol):
 
 @runtime_checkable
 class Batchable(Protocol):
-    """A motion that can make a batch motion."""
+    """A motion that can move one robot in each of many layouts by arrays."""
 
-    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> BatchMotion:
-        """Return a motion for so many robots in each of these layouts.
+    def batch(self, layouts: Sequence[Layout]) -> BatchMotion:
+        """Return a motion for a lone robot in each of these layouts.
 
         Raises:
-            ValueError: the settings of this motion do not allow a batch, or not of so many robots.
+            ValueError: the settings of this motion do not allow a batch.
+        """
+
+
+@runtime_checkable
+class FleetBatchable(Protocol):
+    """A motion that can move the fleets of many layouts by arrays."""
+
+    def fleet_batch(self, layouts: Sequence[Layout], robots: int) -> FleetBatchMotion:
+        """Return a motion for so many robots, at least 1, in each of these layouts.
+
+        Raises:
+            ValueError: the settings of this motion do not allow a batch of so many robots.
         """

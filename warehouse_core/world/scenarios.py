@@ -116,6 +116,6 @@ def _scenario(line: str, number: int) -> Scenario:
 
 
 def _column(line: str, field: int) -> int:
-    """Return the column where a field starts, or that after the line."""
-    starts = [found.start() for found in re.finditer(r"\S+", line)]
+    """Return the column where a field starts, or the one after the line."""
+    starts = [word.start() for word in re.finditer(r"\S+", line)]
     return [*starts, len(line)][min(field, len(starts))] + 1

@@ -26,12 +26,12 @@ class LayoutSet:
     """The layouts of ``B`` rows, with equal layouts stored once.
 
     Args:
-        layouts: of the rows.
-        others: that rows may change to; any other layout can be added later.
+        layouts: layout of each row.
+        others: layouts that rows may change to; any other layout can be added later.
 
     Attributes:
         kinds: the different layouts.
-        others: as given.
+        others: the argument of this name.
         kind: ``[B]`` intp, index into ``kinds`` for each row.
         base: ``[B]`` intp, the number of the first cell of each row's layout.
         width: ``[B]`` intp, columns of each row's layout.

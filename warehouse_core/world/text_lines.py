@@ -37,8 +37,8 @@ def read_lines(
     """Yield number and text of each further line that is not blank, as ``read_line`` returns it.
 
     Args:
-        file: of the lines.
-        number: of the first of them.
+        file: file that is read from where it stands.
+        number: number of its next line.
         limit: the name of ``most`` in errors.
         most: limit on the lines, blank ones included.
 

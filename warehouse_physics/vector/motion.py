@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from warehouse_core import Layout, LayoutError, Outcome
+from warehouse_core import Layout, LayoutError
 from warehouse_core.motion.base import centre_of
 from warehouse_core.motion.vector import BatchOutcome, Flags, Integers
 from warehouse_core.world.actions import DISPLACEMENTS
@@ -122,10 +122,6 @@ class RigidBodyBatch:
         cols, lines = np.concatenate([robots.cells() for robots in parts]).T
         gave_up = np.concatenate([robots.gave_up for robots in parts])
         return BatchOutcome(lines * self._widths + cols, gave_up, seconds, joules)
-
-    def outcomes(self, floor: int) -> Sequence[Outcome]:
-        """Raise ``NotImplementedError``: a batch does not record paths and contacts."""
-        raise NotImplementedError("a batch of lone bodies does not record paths and contacts")
 
     def close(self) -> None:
         """Release the arena; see ``BatchMotion.close``."""

@@ -21,16 +21,16 @@ from agents.lab.commands.grade.grade import grade
 from agents.lab.commands.planners.compare_planners import compare_planners
 from agents.lab.commands.planners.mapf import mapf
 from agents.lab.commands.play import play
+from agents.lab.commands.run import report_episode, run
 from agents.lab.commands.search import search
 from agents.lab.commands.train import train_ppo, train_q
 from agents.lab.console import main as console
 from agents.lab.console.options import IntervalOption, SaveOption, ShowOption, SpeedOption
-from agents.lab.console.output import load_record, replay_or_save
+from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say
 from agents.lab.experiments.sweep import sweep
 from agents.lab.reports.report import report
-from agents.run_episode import report_episode, run
-from warehouse_core import FleetEpisode
+from warehouse_core import Episode
 from warehouse_core.viz.tracks.track import INTERVAL_MS
 
 app = console.application(
@@ -75,8 +75,8 @@ def replay(
 
     Example: warehouse replay episode.npz --speed 2 --save replay.gif
     """
-    episode = load_record(file)
-    if isinstance(episode, FleetEpisode):
+    episode = Episode.load(file)
+    if episode.is_fleet:
         report_fleet(episode)
     else:
         report_episode(episode)

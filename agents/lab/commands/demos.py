@@ -9,16 +9,17 @@ import typer
 
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PlannedFleet
+from agents.lab.commands.lanes_demo import BATTERY, ROBOTS, lanes_compared
+from agents.lab.commands.run import run_episode
 from agents.lab.console.options import SaveReplayOption, ShowOption
 from agents.lab.console.output import PICTURES, Film, show_or_save, show_or_save_picture
 from agents.lab.console.terminal import say
-from agents.lab.runs.lanes_demo import BATTERY, ROBOTS, lanes_compared
-from agents.lab.runs.shift import run_shift
+from agents.lab.console.watch import slow_steps_told
+from agents.lab.runs.run import run
 from agents.mapf.cbs import ConflictTree
 from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
 from agents.mapf.problem import Problem
-from agents.run_episode import run_episode
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (
     Cell,
@@ -158,7 +159,7 @@ def pibt() -> Demo:
     env = FleetEnv(
         layout, 30, orders=OrderStream(1.0), max_steps=60, battery=BATTERY, dispatch=False
     )
-    episode = run_shift(env, fleet, "PIBT", 1)
+    episode = run(env, fleet, 1, slow_steps_told(fleet, "PIBT"), name="PIBT")
     pushes = sum(len(plans.pushers) for plans in log.plans)
     said = f"{counted(episode.robots, 'robot')} push {pushes} times in {episode.steps} steps"
     track = track_of_fleet_episode(episode, plans=log.plans)

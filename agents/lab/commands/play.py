@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from agents.lab.commands.run import report_episode
 from agents.lab.console.options import (
     BackendOption,
     BatteryOption,
@@ -19,7 +20,7 @@ from agents.lab.console.options import (
 from agents.lab.console.output import replay_or_save, unused
 from agents.lab.console.place import Place
 from agents.lab.console.terminal import say
-from agents.run_episode import draw_seed, report_episode
+from agents.lab.runs.run import draw_seed
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.render.window import has_display

@@ -39,18 +39,12 @@ from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import say
 from agents.lab.evaluation.fleet_scores import FleetScores, FleetTask
 from agents.lab.evaluation.random_layouts import RandomLayouts
-from agents.lab.evaluation.scores import MakeAgent, Scores, Task
+from agents.lab.evaluation.scores import Scores, Task
 from agents.lab.evaluation.wording import mean, share
+from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS, Examiner, Point
+from agents.learning.learner import RECENT_EPISODES, MakeAgent, Watch
 from agents.learning.q_learning import QAgent, QTable, learn
 from agents.learning.q_table import save_table
-from agents.learning.training import (
-    EXAM_SEEDS,
-    FINAL_SEEDS,
-    RECENT_EPISODES,
-    Examiner,
-    Point,
-    Watch,
-)
 from agents.registry import make_team
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core.errors import FormatError
@@ -128,14 +122,15 @@ def make_learner(task: Task | FleetTask, steps: int, seed: int) -> PPOLearner:
         AgentError: a library is missing; the message has the command that installs it.
     """
     try:
-        from agents.learning.ppo_training import PPOLearner
+        from agents.learning.ppo_training import ENVS, FOR_RANDOM_LAYOUTS, PPOLearner
     except ImportError as error:
         if (error.name or "").partition(".")[0] not in LIBRARIES:
             raise
         raise AgentError(
             f"training by PPO needs {error.name}, which is not installed: {install_command('rl')}"
         ) from error
-    return PPOLearner(task, steps, seed)
+    differs = FOR_RANDOM_LAYOUTS if isinstance(task.layout, RandomLayouts) else {}
+    return PPOLearner(task.make_batch(ENVS), steps, seed, differs)
 
 
 def train_q(
@@ -258,7 +253,7 @@ class Training:
         say(f"{steps:,}{of} steps in {seconds:.1f} s, seed {self.seed}")
 
         def draw(path: Path) -> None:
-            from agents.learning.curve import save_learning_curve
+            from agents.lab.training.curve import save_learning_curve
 
             is_random = isinstance(self.task.layout, RandomLayouts)
             unseen = " in layouts that are not in the training" if is_random else ""

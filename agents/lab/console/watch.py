@@ -1,19 +1,19 @@
-"""Watch an agent during an episode: where it fails, is interrupted, or takes long."""
+"""Reports of an agent that takes long."""
 
 from __future__ import annotations
 
-import inspect
 import math
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from time import monotonic
 
-from agents.errors import EpisodeError, EpisodeInterrupted, reason_of
+from agents.errors import file_of
 from agents.lab.console.terminal import print_error
-from warehouse_core import Agent, Episode, EpisodeRecorder, FleetEpisode, Observation
+from agents.lab.runs.run import Place, Watch, failures_named, own_code
+from warehouse_core import Agent, EpisodeRecorder, Observation
 
 SLOW_SECONDS, LOOK_SECONDS = 5.0, 0.5
 """Seconds of a step before it is reported, and seconds between the checks."""
@@ -27,63 +27,42 @@ def run_watched(
     A step that takes long is reported on standard error.
 
     Args:
-        recorder: of the episode.
-        agent: to be watched.
-        name: of the agent.
-        observation: the first one.
+        recorder: recorder of the episode.
+        agent: agent to watch.
+        name: name of the agent.
+        observation: first observation.
 
     Raises:
         EpisodeError: the agent raised an exception, or returned something that is no action.
         EpisodeInterrupted: Ctrl-C was pressed.
     """
-    with watched(lambda: recorder.place, name, agent, lambda: recorder.episode):
+
+    def place() -> str:
+        return recorder.place
+
+    named = failures_named(place, name, agent, lambda: recorder.episode)
+    with named, slow_steps_told(agent, name)(place):
         recorder.run(agent, observation)
 
 
-@contextmanager
-def watched(
-    part: Callable[[], str],
-    name: str,
-    agent: object,
-    record: Callable[[], Episode | FleetEpisode],
-) -> Iterator[None]:
-    """Name where an agent fails, is interrupted or takes long in a block.
+def slow_steps_told(agent: object, name: str) -> Watch:
+    """Return what reports on standard error each step of an agent that takes long.
 
     Args:
-        part: gives the part of the episode that the block is in, such as ``"step 3"``.
-        name: of the agent.
-        agent: whose code is named.
-        record: gives the record so far.
-
-    Raises:
-        EpisodeError: the block raised an exception.
-        EpisodeInterrupted: Ctrl-C was pressed.
+        agent: agent whose line of code is named.
+        name: name of the agent.
     """
-    file = _source_of(agent)
+    file = file_of(own_code(agent))
 
-    def place() -> str:
-        return f"{part()}, agent {name}"
+    def watch(place: Place) -> AbstractContextManager[None]:
+        def tell(seconds: float, line: str) -> None:
+            print_error(
+                f"{place()}, agent {name} takes more than {seconds:g} s{line}; Ctrl-C ends it"
+            )
 
-    def tell(seconds: float, line: str) -> None:
-        print_error(f"{place()} takes more than {seconds:g} s{line}; Ctrl-C ends it")
+        return slow_reported(place, SLOW_SECONDS, file, tell)
 
-    try:
-        with slow_reported(part, SLOW_SECONDS, file, tell):
-            yield
-    except KeyboardInterrupt as error:
-        reason = reason_of(error, file).removeprefix("KeyboardInterrupt")
-        raise EpisodeInterrupted(f"in {place()}{reason}", record()) from error
-    except (Exception, SystemExit) as error:  # an agent may raise anything
-        episode = record()
-        message = f"seed {episode.seed}, {place()}: {reason_of(error, file)}"
-        raise EpisodeError(message, episode) from error
-
-
-def _source_of(agent: object) -> Path | None:
-    try:
-        return Path(inspect.getfile(type(agent)))
-    except (OSError, TypeError):  # a class defined interactively
-        return None
+    return watch
 
 
 @contextmanager

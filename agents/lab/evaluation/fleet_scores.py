@@ -15,7 +15,7 @@ from agents.lab.evaluation.scores import MakeAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, FleetEnv, Layout
 from warehouse_core.fleet import FleetBatch, FleetMeasures
 from warehouse_core.fleet.env import Actions
-from warehouse_core.records.fleet_episode import FleetAgent, FleetRecorder
+from warehouse_core.records.recorder import FleetAgent, FleetRecorder
 from warehouse_core.vector.rows import SAME_STEP
 
 

@@ -46,7 +46,7 @@ from warehouse_core import (
     random_layout,
 )
 from warehouse_core.motion.backends import Backend
-from warehouse_core.records.fleet_episode import FleetAgent
+from warehouse_core.records.recorder import FleetAgent
 from warehouse_core.world.named_layouts import DEFAULT, DEPOT, find_layout
 
 Case = Mapping[str, Any]

@@ -8,7 +8,7 @@ import pytest
 from agents.errors import AgentError
 from agents.fleet import PlannedFleet
 from agents.fleet.plan_log import PlanLog
-from agents.lab.runs.shift import run_shift
+from agents.lab.runs.run import run
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import PIBT
@@ -27,7 +27,7 @@ def logged(planner: str, log: PlanLog, robots: int = 16, **options: Any) -> Flee
         DEPOT, robots, orders=OrderStream(0.3), max_steps=60, battery=10_000, dispatch=False
     )
     agent = make_fleet_agent(planner, None, 3, DEPOT, log=log, **options)
-    return run_shift(env, agent, planner, 3)
+    return run(env, agent, 3, name=planner)
 
 
 def situation(cells: list[int], goals: list[int]) -> Situation:
@@ -115,7 +115,7 @@ def test_a_lost_step_has_no_plans() -> None:
     fleet = PlannedFleet(Fails(Graph(DEPOT)), goes_on=True, log=log)
     for _ in range(2):
         fleet.planner.calls = 0  # type: ignore[attr-defined]
-        run_shift(env, fleet, "fails", 1)
+        run(env, fleet, 1, name="fails")
         assert [plans == NO_PLANS for plans in log.plans] == [False, False, True, False, False]
 
 

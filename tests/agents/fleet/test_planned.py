@@ -17,12 +17,12 @@ from agents.fleet.charging import Chargers
 from agents.fleet.dispatcher import parking_of
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import part
-from agents.lab.runs.shift import run_shift
+from agents.lab.runs.run import run
 from agents.mapf.graph import Graph, Integers
 from agents.mapf.planner import Planner, Situation, check_step
 from agents.registry import make_fleet_agent, make_planner
 from warehouse_core import FleetEnv, Layout, Order, OrderQueue, OrderStream, shelf_layout
-from warehouse_core.records.fleet_episode import record_fleet_episode, replay_fleet_episode
+from warehouse_core.records.recorder import record_fleet_episode, replay_fleet_episode
 from warehouse_core.world.actions import PICK, WAIT
 
 ROOM = Layout(["########", "#P....P#", "#......#", "#C....D#", "########"])
@@ -312,9 +312,9 @@ def test_a_planner_that_fails_stops_the_shift_or_loses_its_step() -> None:
     planner = Does(fail)
     message = r"^seed 7, step 3, agent mine: ValueError: no way \(test_planned.py, line \d+\)$"
     with pytest.raises(EpisodeError, match=message):
-        run_shift(fleet_of(ROOM), PlannedFleet(planner), "mine", 7)
+        run(fleet_of(ROOM), PlannedFleet(planner), 7, name="mine")
     agent = PlannedFleet(planner, goes_on=True)
-    episode = run_shift(fleet_of(ROOM), agent, "mine", 7)
+    episode = run(fleet_of(ROOM), agent, 7, name="mine")
     assert episode.steps == 60
     assert [step for step, _ in agent.lost] == list(range(3, 61, 3))  # it is reset each time
     assert re.fullmatch(r"ValueError: no way \(test_planned.py, line \d+\)", agent.lost[0][1])
@@ -326,9 +326,9 @@ def test_a_plan_that_collides_stops_the_shift_or_loses_its_step() -> None:
     with pytest.raises(
         EpisodeError, match=r"step 1, agent mine: PlanError: robots 0 and 1 are both"
     ):
-        run_shift(fleet_of(ROOM, starts=starts), PlannedFleet(planner), "mine", 7)
+        run(fleet_of(ROOM, starts=starts), PlannedFleet(planner), 7, name="mine")
     agent = PlannedFleet(planner, goes_on=True)
-    run_shift(fleet_of(ROOM, starts=starts, max_steps=5), agent, "mine", 7)
+    run(fleet_of(ROOM, starts=starts, max_steps=5), agent, 7, name="mine")
     assert len(agent.lost) == 5
 
 
@@ -340,7 +340,7 @@ def test_a_plan_that_takes_too_long_is_cut_off() -> None:
     agent = PlannedFleet(Does(hang), seconds=0.05)
     env = fleet_of(ROOM, max_steps=2)
     start = env.reset(seed=1) and env.cells
-    run_shift(env, agent, "mine", 1)
+    run(env, agent, 1, name="mine")
     assert agent.lost == [(step, "the plan took more than 0.05 s") for step in (1, 2)]
     assert env.cells == start
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -32,7 +33,7 @@ def path_of(rows: object) -> Any:
 class LoneGrid(GridMotion):
     """A grid without a batch, so that only the checks of single motions apply."""
 
-    batch = None
+    batch = fleet_batch = None
 
 
 class Altered(LoneGrid):
@@ -351,22 +352,29 @@ class ClosesOnce(LoneGrid):
 
 
 class AlteredBatch(GridMotion):
-    """A grid whose batch changes its outcomes before it returns them."""
+    """A grid whose batches change their outcomes before they return them."""
 
     changed: ClassVar[dict[str, Callable[[Any], Any]]] = {}
 
-    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> Any:
-        batch, changed = super().batch(layouts, robots), self.changed
+    def _altered(self, batch: Any) -> Any:
+        advance, changed = batch.advance, self.changed
 
-        class Wrapped:
-            place, outcomes, close = batch.place, batch.outcomes, batch.close
+        def altered(actions: Any, loaded: Any) -> BatchOutcome:
+            outcome = advance(actions, loaded)
+            changes = {name: change(getattr(outcome, name)) for name, change in changed.items()}
+            return outcome._replace(**changes)
 
-            def advance(self, actions: Any, loaded: Any) -> BatchOutcome:
-                outcome = batch.advance(actions, loaded)
-                changes = {name: change(getattr(outcome, name)) for name, change in changed.items()}
-                return outcome._replace(**changes)
+        # It has no method ``change``, so that no other check applies.
+        outcomes = getattr(batch, "outcomes", None)
+        return SimpleNamespace(
+            place=batch.place, advance=altered, outcomes=outcomes, close=batch.close
+        )
 
-        return Wrapped()
+    def batch(self, layouts: Sequence[Layout]) -> Any:
+        return self._altered(super().batch(layouts))
+
+    def fleet_batch(self, layouts: Sequence[Layout], robots: int) -> Any:
+        return self._altered(super().fleet_batch(layouts, robots))
 
 
 class LateBatch(AlteredBatch):
@@ -386,10 +394,10 @@ class BlamesTheFirst(AlteredBatch):
 
 
 class ForgetsItsOutcomes(GridMotion):
-    """A grid whose batch returns the outcomes of the first floor for all of them."""
+    """A grid whose fleets return the outcomes of the first floor for all of them."""
 
-    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> Any:
-        batch = super().batch(layouts, robots)
+    def fleet_batch(self, layouts: Sequence[Layout], robots: int) -> Any:
+        batch: Any = super().fleet_batch(layouts, robots)
         outcomes = batch.outcomes
         batch.outcomes = lambda floor: outcomes(0)
         return batch
@@ -398,8 +406,8 @@ class ForgetsItsOutcomes(GridMotion):
 class StubbornBatch(GridMotion):
     """A grid whose batch keeps its layouts when they are to change."""
 
-    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> Any:
-        batch = super().batch(layouts, robots)
+    def batch(self, layouts: Sequence[Layout]) -> Any:
+        batch: Any = super().batch(layouts)
         batch.change = lambda floors, layouts: None
         return batch
 
@@ -407,8 +415,8 @@ class StubbornBatch(GridMotion):
 class TirelessBatch(GridMotion):
     """A grid whose batch still moves after a close."""
 
-    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> Any:
-        batch = super().batch(layouts, robots)
+    def batch(self, layouts: Sequence[Layout]) -> Any:
+        batch: Any = super().batch(layouts)
         batch.close = lambda: None
         return batch
 
@@ -416,8 +424,8 @@ class TirelessBatch(GridMotion):
 class WakefulBatch(GridMotion):
     """A grid whose batch moves after a close if it has been placed."""
 
-    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> Any:
-        batch = super().batch(layouts, robots)
+    def batch(self, layouts: Sequence[Layout]) -> Any:
+        batch: Any = super().batch(layouts)
         place, advance, placed = batch.place, batch.advance, list[object]()
 
         def advance_if_placed(*arguments: Any) -> Any:
@@ -524,10 +532,12 @@ def test_every_check_runs_once() -> None:
 
 
 class BatchRaises(GridMotion):
-    """A grid whose method ``batch`` raises ValueError."""
+    """A grid whose methods ``batch`` and ``fleet_batch`` raise ValueError."""
 
-    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> Any:
+    def batch(self, *_: Any) -> Any:
         raise ValueError("not with this motor")
+
+    fleet_batch = batch
 
 
 @pytest.mark.parametrize("motion", [LoneGrid, BatchRaises])

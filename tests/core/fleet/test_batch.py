@@ -8,6 +8,7 @@ import pytest
 from warehouse_core import FleetEnv, Layout
 from warehouse_core.errors import EndedError
 from warehouse_core.fleet import FleetBatch, People
+from warehouse_core.motion.grid import GridFleetBatch
 
 YARD = Layout(["......", ".P..D.", "..##.C"])
 HALL = Layout(["P....", ".....", "....D"])
@@ -97,6 +98,13 @@ def test_a_fleet_restarts_when_its_last_robot_has_ended() -> None:
         assert ("final_obs" in info) == (step == 5)
         assert rewards.all()
     assert flags == [[False] * 4] * 5 + [[True] * 4]
+
+
+@pytest.mark.parametrize("robots", [1, 2])
+def test_fleets_on_the_grid_are_moved_by_arrays(robots: int) -> None:
+    """A motion for each floor would be a hundred times slower for thousands of lone robots."""
+    many = FleetBatch(3, YARD, robots, orders=0.3)
+    assert isinstance(many._fleets.motion, GridFleetBatch)
 
 
 def test_a_mask_resets_some_fleets_only() -> None:

@@ -14,7 +14,7 @@ from warehouse_core import FleetEnv, OrderStream
 from warehouse_core.fleet import Battery, People
 from warehouse_core.fleet.fleets import Fleets
 from warehouse_core.fleet.settings import FleetSettings, as_orders
-from warehouse_core.motion.backends import make_batch_motion
+from warehouse_core.motion.backends import make_fleet_motion
 from warehouse_core.orders.order import OrderQueue
 from warehouse_core.world.layout import Layout
 
@@ -50,7 +50,7 @@ def test_fleets_together_equal_separate_ones(kind: str) -> None:
     settings = FleetSettings(robots=ROBOTS, starts=None, **settings_of(kind))
     groups = [LAYOUTS, *([layout] for layout in LAYOUTS)]
     together, *apart = (
-        Fleets(group, settings, make_batch_motion("grid", group, settings.bodies), 1.0)
+        Fleets(group, settings, make_fleet_motion("grid", group, settings.bodies), 1.0)
         for group in groups
     )
     stream, rows = np.random.default_rng(1), np.arange(len(LAYOUTS))

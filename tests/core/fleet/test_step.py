@@ -146,8 +146,8 @@ def test_of_two_robots_over_one_cell_the_lower_number_is_served_first() -> None:
     class Together(GridMotion):
         """Bodies that come to rest over one cell."""
 
-        def batch(self, *_: Any) -> Any:
-            raise ValueError
+        def fleet_batch(self, *_: Any) -> Any:
+            raise ValueError("bodies")
 
         def advance(self, displacements: Any, loaded: Any) -> Any:
             return [Outcome((0, 0), False, 1.0, 1.0, np.zeros((2, 4))) for _ in loaded]

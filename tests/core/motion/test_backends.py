@@ -12,6 +12,7 @@ from warehouse_core.motion.backends import (
     backend_names,
     load_backend,
     make_batch_motion,
+    make_fleet_motion,
     make_motion,
 )
 from warehouse_core.motion.grid import GridBatch, GridFleetBatch, GridMotion
@@ -135,37 +136,31 @@ class WithoutBatch:
 
 
 class LoneBatch(GridMotion):
-    """A grid that can move one robot in each layout."""
+    """A grid that moves no fleets by arrays."""
 
-    def batch(self, layouts: Any, robots: int = 1) -> Any:
-        if robots > 1:
-            raise ValueError("one robot")
-        return super().batch(layouts)
+    def fleet_batch(self, layouts: Any, robots: int) -> Any:
+        raise ValueError("lone robots only")
 
 
-def test_a_batch_of_several_robots_is_made_of_motions_if_the_backend_has_none() -> None:
+@pytest.mark.parametrize("robots", [1, 2])
+def test_fleets_of_one_robot_and_more_are_moved_by_arrays_if_the_backend_can(robots: int) -> None:
     layouts = [Layout(["..."])] * 2
-    assert type(make_batch_motion("grid", layouts, 2)) is GridFleetBatch
-    assert type(make_batch_motion(GridMotion(), layouts, 2)) is GridFleetBatch
-    assert type(make_batch_motion(LoneBatch, layouts)) is GridBatch
+    for backend in ("grid", GridMotion, GridMotion()):
+        assert type(make_fleet_motion(backend, layouts, robots)) is GridFleetBatch
     for backend in (LoneBatch, WithoutBatch):
-        made = make_batch_motion(backend, layouts, 2)
+        made = make_fleet_motion(backend, layouts, robots)
         assert type(made) is MotionBatch
         assert len({id(motion) for motion in made._motions}) == 2
     lone = WithoutBatch()
-    assert make_batch_motion(lone, layouts[:1], 2)._motions == [lone]
-
-
-def test_an_instance_without_a_batch_moves_one_floor() -> None:
+    assert make_fleet_motion(lone, layouts[:1], robots)._motions == [lone]
     with pytest.raises(BackendError, match=r"is a single motion.*2 layouts need the name or the"):
-        make_batch_motion(LoneBatch(), [Layout(["..."])] * 2, 2)
+        make_fleet_motion(LoneBatch(), layouts, robots)
 
 
 def test_a_batch_of_lone_robots_needs_a_backend_that_has_one() -> None:
+    assert type(make_batch_motion(LoneBatch, [Layout(["..."])])) is GridBatch
     with pytest.raises(BackendError, match="cannot move a batch"):
         make_batch_motion(WithoutBatch, [Layout(["..."])])
-    with pytest.raises(ValueError, match="robots is 0; it must be at least 1"):
-        make_batch_motion("grid", [Layout(["..."])], 0)
 
 
 class Numbered(GridMotion):

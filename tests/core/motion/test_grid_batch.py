@@ -72,11 +72,13 @@ def test_the_arrays_of_an_outcome_belong_to_the_caller() -> None:
         batch.advance(actions, loaded)
 
 
-def test_the_outcomes_of_a_floor_are_those_of_the_single_motion() -> None:
+@pytest.mark.parametrize("robots", [1, 6])
+def test_the_outcomes_of_a_floor_are_those_of_the_single_motion(robots: int) -> None:
     """Paths, headings and contacts too, and of floors that were placed anew."""
     layouts = [random_layout(5, 7, 0.2, seed=seed) for seed in (1, 2, 1)]
-    stream, robots = np.random.default_rng(0), 6
-    batch, motions = GridMotion(0.5).batch(layouts, robots), [GridMotion(0.5) for _ in layouts]
+    stream = np.random.default_rng(0)
+    batch = GridMotion(0.5).fleet_batch(layouts, robots)
+    motions = [GridMotion(0.5) for _ in layouts]
     for step in range(60):
         for floor in range(3) if step == 0 else stream.permutation(3)[: step % 3]:
             cells = stream.permutation(layouts[floor].open_cells)[:robots]
@@ -95,16 +97,8 @@ def test_the_outcomes_of_a_floor_are_those_of_the_single_motion() -> None:
             assert batch.outcomes(floor) == motion.advance(moves, [False] * robots)
 
 
-def test_a_batch_of_lone_robots_does_not_record_outcomes() -> None:
-    batch = batch_of([OPEN])
-    batch.place(np.arange(1), np.zeros(1, int))
-    assert batch.advance(np.array([NORTH]), np.zeros(1, bool)).stopped_by is None
-    with pytest.raises(NotImplementedError, match="lone"):
-        batch.outcomes(0)
-
-
 def test_a_fleet_can_be_placed_and_closed() -> None:
-    batch = GridMotion().batch([OPEN, Layout(["...."])], 2)
+    batch = GridMotion().fleet_batch([OPEN, Layout(["...."])], 2)
     batch.place(np.arange(4), np.array([0, 1, 2, 3]))
     batch.place(np.arange(2), np.array([5, 4]))
     found = batch.advance(np.array([NORTH, WEST, WEST, WEST]), np.zeros(4, bool))

@@ -19,9 +19,12 @@ def batch_of(layouts: Sequence[Layout], robots: int, make: Any = GridMotion) -> 
 
 
 class Separate(GridMotion):
-    """A grid whose batch is made of single motions."""
+    """A grid whose batches are made of single motions."""
 
-    def batch(self, layouts: Sequence[Layout], robots: int = 1) -> Any:
+    def batch(self, layouts: Sequence[Layout]) -> Any:
+        return batch_of(layouts, 1)
+
+    def fleet_batch(self, layouts: Sequence[Layout], robots: int) -> Any:
         return batch_of(layouts, robots)
 
 
@@ -30,11 +33,12 @@ def test_it_conforms(check: Any) -> None:
     check(Separate)
 
 
-def test_it_equals_the_batch_of_the_grid() -> None:
+@pytest.mark.parametrize("robots", [1, 7])
+def test_it_equals_the_batch_of_the_grid(robots: int) -> None:
     layouts = [random_layout(6, size, 0.1, seed=size) for size in (6, 7, 5)]
-    stream, robots = np.random.default_rng(0), 7
+    stream = np.random.default_rng(0)
     cells = np.concatenate([stream.permutation(each.open_cells)[:robots] for each in layouts])
-    both = batch_of(layouts, robots), GridMotion().batch(layouts, robots)
+    both = batch_of(layouts, robots), GridMotion().fleet_batch(layouts, robots)
     for batch in both:
         batch.place(np.arange(3 * robots), cells)
     for _ in range(40):

@@ -403,8 +403,3 @@ def test_plans_for_a_batch_equal_single_profiles(ways, speed, paces, time_step) 
         assert velocities[row] == pytest.approx(profile.velocity, rel=1e-9)
         assert (go[row], brake[row]) == (profile.go, profile.brake)
         assert stops[row] == braking(speeds[row], pace[row], time_step)
-
-
-def test_a_batch_does_not_record_outcomes() -> None:
-    with pytest.raises(NotImplementedError, match="does not record"):
-        batch_in([HALL]).outcomes(0)

@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 from agents.errors import EpisodeError, EpisodeInterrupted
+from agents.fleet.director import wants_dispatch
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PLAN_SECONDS, PlannedFleet
 from agents.lab.commands.fleet.options import (
@@ -38,15 +39,15 @@ from agents.lab.console.options import (
 )
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import print_error
-from agents.lab.runs.shift import run_shift
+from agents.lab.console.watch import slow_steps_told
+from agents.lab.runs.run import draw_seed, run
 from agents.registry import PLANNERS, make_fleet_agent, make_team
-from agents.run_episode import draw_seed
 from warehouse_core import FleetEnv, FleetEpisode, OrderStream, WarehouseError
 from warehouse_core.arguments import whole_number
 from warehouse_core.fleet.settings import MAX_BODIES
 from warehouse_core.orders import load_orders
 from warehouse_core.orders.order import Orders
-from warehouse_core.records.fleet_episode import FleetAgent
+from warehouse_core.records.recorder import FleetAgent
 from warehouse_core.wording import counted
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 
@@ -223,7 +224,7 @@ def fleet(
 
     first = draw_seed() if seed is None else seed
 
-    def run(seed: int) -> FleetEpisode:
+    def run_seed(seed: int) -> FleetEpisode:
         whole_number("seed", seed, 0)
         directing = (
             make_team(agent, robots, seed, floor)
@@ -239,8 +240,8 @@ def fleet(
                 log=log if seed == first else None,
             )
         )
-        with closing(make_env(dispatch=getattr(directing, "dispatch", True))) as env:
-            episode = run_shift(env, directing, director, seed)
+        with closing(make_env(dispatch=wants_dispatch(directing))) as env:
+            episode = run(env, directing, seed, slow_steps_told(directing, director), name=director)
         warn_of_lost_steps(directing, seed, director)
         return episode
 
@@ -260,7 +261,7 @@ def fleet(
         replay_or_save(records[0], save, show, speed=speed, plans=log.plans if log else ())
 
     try:
-        run_shifts(run, range(first, first + shifts), keep)
+        run_shifts(run_seed, range(first, first + shifts), keep)
     except EpisodeError:
         finish(show, ", not finished")
         raise

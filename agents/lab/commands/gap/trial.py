@@ -11,11 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.errors import EpisodeError
+from agents.fleet.director import wants_dispatch
 from agents.fleet.planned import PlannedFleet
 from agents.lab.commands.gap.orders import TimedOrder, draw_orders, in_steps
 from agents.lab.commands.gap.spent_time import time_spent
 from agents.lab.commands.gap.worlds import Shocks, World, make_world
-from agents.lab.runs.shift import run_shift
+from agents.lab.console.watch import slow_steps_told
+from agents.lab.runs.run import run
 from agents.registry import make_fleet_agent
 from warehouse_core import FleetEnv, FleetEpisode, Layout
 from warehouse_core.fleet import Battery
@@ -110,7 +112,7 @@ def run_trial(trial: Trial) -> Result:
         EpisodeError: the planner failed.
         ValueError: the fleet cannot be made.
     """
-    setting, seed = trial.setting, trial.seed
+    setting, seed, name = trial.setting, trial.seed, trial.setting.planner
     orders = setting.orders(seed)
     world = make_world(trial.world, setting.shocks, setting.robots, orders[-1].released, seed)
     agent = make_fleet_agent(
@@ -121,9 +123,9 @@ def run_trial(trial: Trial) -> Result:
         setting.robots,
         seconds=setting.plan_seconds,
     )
-    with closing(make_env(setting, world, orders, getattr(agent, "dispatch", True))) as env:
+    with closing(make_env(setting, world, orders, wants_dispatch(agent))) as env:
         try:
-            record = run_shift(env, agent, setting.planner, seed)
+            record = run(env, agent, seed, slow_steps_told(agent, name), name=name)
         except EpisodeError as error:
             # Without its record, which would go from process to process.
             raise EpisodeError(f"world {trial.world}, {error}") from None

@@ -14,10 +14,11 @@ from agents.lab.commands import train
 from agents.lab.commands.train import LIBRARIES, Training, comparison_table, fill_table
 from agents.lab.evaluation.random_layouts import RandomLayouts
 from agents.lab.evaluation.scores import MakeAgent, Run, Scores, Task
-from agents.learning import curve, training
+from agents.lab.training import curve, exams
+from agents.lab.training.exams import Point
+from agents.learning.learner import Watch
 from agents.learning.q_learning import QTable
 from agents.learning.q_table import load_table
-from agents.learning.training import Point, Watch
 from warehouse_core import Layout, Observation
 from warehouse_core.errors import FormatError
 
@@ -30,7 +31,7 @@ WORDS = ("train", "q", "--layout", "room.txt", "--max-steps", 30)
 @pytest.fixture(autouse=True)
 def room(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Work in a folder with a small layout, with short examinations."""
-    monkeypatch.setattr(training, "EXAM_SEEDS", training.EXAM_SEEDS[:3])
+    monkeypatch.setattr(exams, "EXAM_SEEDS", exams.EXAM_SEEDS[:3])
     monkeypatch.setattr(train, "FINAL_SEEDS", train.FINAL_SEEDS[:4])
     monkeypatch.chdir(tmp_path)
     ROOM.save("room.txt")

@@ -9,8 +9,8 @@ from helpers.command_line import command
 from PIL import Image
 
 from agents.errors import EpisodeError
+from agents.lab.commands.run import run_episode
 from agents.lab.console import watch
-from agents.run_episode import run_episode
 from warehouse_core import Episode
 
 AGENTS = """
@@ -117,7 +117,7 @@ def test_each_step_that_takes_long_is_reported_once_with_its_line(
             return "N"
 
     line = Slow.act.__code__.co_firstlineno + 3
-    monkeypatch.setattr("agents.run_episode.make_agent", lambda *_: Slow())
+    monkeypatch.setattr("agents.lab.commands.run.make_agent", lambda *_: Slow())
     assert run_episode("slow", seed=1, max_steps=5).steps == 5
     assert capsys.readouterr().err.splitlines() == [
         f"warehouse: step {step}, agent slow takes more than 0.05 s (test_watch.py, line {line}); "

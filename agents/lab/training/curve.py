@@ -14,7 +14,7 @@ from matplotlib.ticker import EngFormatter, MaxNLocator, PercentFormatter
 from agents.lab.evaluation.fleet_scores import FleetScores
 from agents.lab.evaluation.interval import Interval
 from agents.lab.evaluation.scores import Scores
-from agents.learning.training import Point
+from agents.lab.training.exams import Point
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.render.palette import COLORS, INK, PAPER, WARNING
 from warehouse_core.viz.axes import style_chart

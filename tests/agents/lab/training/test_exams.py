@@ -1,15 +1,15 @@
 import pytest
 
 from agents.lab.evaluation.scores import Task
-from agents.learning import training
+from agents.lab.training import exams
+from agents.lab.training.exams import EXAM_SEEDS, EXAMS, FINAL_SEEDS, Examiner
 from agents.learning.q_learning import TRAINING_SEEDS
-from agents.learning.training import EXAM_SEEDS, EXAMS, FINAL_SEEDS, Examiner
 from agents.warehouse_agent_greedy import GreedyAgent
 
 
 @pytest.fixture(autouse=True)
 def three_starts(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(training, "EXAM_SEEDS", EXAM_SEEDS[:3])
+    monkeypatch.setattr(exams, "EXAM_SEEDS", EXAM_SEEDS[:3])
 
 
 def examined(goal: int, steps: range) -> Examiner:

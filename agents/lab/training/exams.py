@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 from agents.lab.evaluation.fleet_scores import FleetScores, FleetTask
-from agents.lab.evaluation.scores import MakeAgent, Scores, Task
+from agents.lab.evaluation.scores import Scores, Task
+from agents.learning.learner import MakeAgent
 from agents.learning.q_learning import TRAINING_SEEDS
 
 EXAMS = 25
@@ -15,13 +15,6 @@ EXAMS = 25
 EXAM_SEEDS = range(TRAINING_SEEDS, TRAINING_SEEDS + 200)
 FINAL_SEEDS = range(2 * TRAINING_SEEDS, 2 * TRAINING_SEEDS + 1000)
 """Starts of the comparison with the greedy agent; they are used for nothing else."""
-
-RECENT_EPISODES = 1000
-"""Episodes over which the share of deliveries is averaged during training."""
-
-Watch = Callable[[int, float, MakeAgent], None]
-"""Called by a learner regularly and at its end, with the steps taken so far, the share of its
-latest episodes that ended with the delivery (NaN without any), and what makes the agent."""
 
 
 class Point(NamedTuple):

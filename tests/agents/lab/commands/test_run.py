@@ -5,9 +5,10 @@ import pytest
 import typer
 from helpers.command_line import ROOT, command, in_a_process
 
-from agents import run_episode as module
 from agents.errors import AgentError
-from agents.run_episode import MAX_SEED, draw_seed, report_episode, run, run_episode
+from agents.lab.commands import run as module
+from agents.lab.commands.run import report_episode, run, run_episode
+from agents.lab.runs.run import MAX_SEED, draw_seed
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import BackendError, Layout, WarehouseEnv, record_episode, replay_episode
 

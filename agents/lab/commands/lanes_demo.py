@@ -5,7 +5,8 @@ from __future__ import annotations
 from itertools import cycle
 
 from agents.fleet.planned import PlannedFleet
-from agents.lab.runs.shift import run_shift
+from agents.lab.console.watch import slow_steps_told
+from agents.lab.runs.run import run
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import PIBT
@@ -47,5 +48,5 @@ def lanes_compared(seed: int = 1, steps: int = STEPS) -> dict[str, FleetEpisode]
             dispatch=False,
         )  # fmt: skip
         fleet = PlannedFleet(PIBT(Graph(layout, costs), seed), "hungarian")
-        found[name] = run_shift(env, fleet, name, seed)
+        found[name] = run(env, fleet, seed, slow_steps_told(fleet, name), name=name)
     return found

@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from agents.lab.evaluation.scores import Run, Scores
-from agents.learning import curve as learning_curve
-from agents.learning.curve import (
+from agents.lab.training import curve as learning_curve
+from agents.lab.training.curve import (
     DPI,
     GREEDY,
     LEARNER,
@@ -15,7 +15,7 @@ from agents.learning.curve import (
     mean_length,
     save_learning_curve,
 )
-from agents.learning.training import Point
+from agents.lab.training.exams import Point
 from warehouse_core.viz.figure import SceneFigure, make_figure
 
 

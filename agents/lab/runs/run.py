@@ -1,0 +1,127 @@
+"""One run: an agent acts in an environment until the episode is over, and everything is recorded.
+
+A lone robot and a fleet are run by the same function.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from typing import Any, overload
+
+from agents.errors import EpisodeError, EpisodeInterrupted, file_of, reason_of
+from agents.fleet.planned import PlannedFleet
+from agents.fleet.team import Team
+from warehouse_core import (
+    Agent,
+    Episode,
+    EpisodeRecorder,
+    FleetEnv,
+    FleetEpisode,
+    Observation,
+    WarehouseEnv,
+)
+from warehouse_core.records import FleetAgent, FleetRecorder
+
+MAX_SEED = 999_999
+"""Largest seed that is drawn; it is short enough to type again."""
+
+Place = Callable[[], str]
+"""Tells where an episode is, in words: ``"reset"``, or a step such as ``"step 3"``."""
+
+Watch = Callable[[Place], AbstractContextManager[object]]
+"""Makes the context that an episode runs in; it may report steps that take long."""
+
+
+@overload
+def run(
+    env: WarehouseEnv, agent: Agent, seed: int | None, watch: Watch = ..., *,
+    name: str = ..., randomize: bool | str = ...,
+) -> Episode: ...  # fmt: skip
+
+
+@overload
+def run(
+    env: FleetEnv, agent: FleetAgent, seed: int | None, watch: Watch = ..., *, name: str = ...
+) -> FleetEpisode: ...
+
+
+def run(
+    env: Any, agent: Any, seed: int | None, watch: Watch = nullcontext, *,
+    name: str = "", randomize: bool | str = True,
+) -> Episode | FleetEpisode:  # fmt: skip
+    """Reset an environment and its agent, run one whole episode, and return its record.
+
+    Args:
+        env: environment of a lone robot or of a fleet; it is not closed.
+        agent: agent of the robot, or agent that directs the fleet.
+        seed: seed of the reset, not of the agent; ``None`` draws one.
+        watch: makes the context that the episode runs in.
+        name: name of the agent in messages and in the record of a fleet; the default is its class.
+            The record of a lone robot always has the class.
+        randomize: what the reset of a lone robot draws, see ``WarehouseEnv.reset``.
+
+    Raises:
+        EpisodeError: the agent raised an exception, or returned something that is no action; the
+            message has the seed, the step and, of a ``Team``, the robot.
+        EpisodeInterrupted: Ctrl-C was pressed.
+    """
+    kind = type(agent).__name__
+    name = name or kind
+    recorder: Any
+    first: tuple[Observation, ...] = ()
+    if isinstance(env, FleetEnv):
+        recorder = FleetRecorder(env, seed=seed, agent=name)
+    else:
+        first = (env.reset(randomize, seed),)
+        recorder = EpisodeRecorder(env, seed=seed, agent=kind)
+
+    def place() -> str:
+        robot = agent.robot if isinstance(agent, Team) else None
+        return recorder.place if robot is None else f"{recorder.place}, robot {robot}"
+
+    with failures_named(place, name, agent, lambda: recorder.episode), watch(place):
+        recorder.run(agent, *first)
+    episode: Episode | FleetEpisode = recorder.episode
+    return episode
+
+
+def draw_seed() -> int:
+    """Return a random seed."""
+    return random.SystemRandom().randint(0, MAX_SEED)
+
+
+@contextmanager
+def failures_named(
+    place: Place, name: str, agent: object, record: Callable[[], Episode | FleetEpisode]
+) -> Iterator[None]:
+    """Name where an agent fails or is interrupted in a block.
+
+    Args:
+        place: tells where the episode is.
+        name: name of the agent.
+        agent: agent whose code is named.
+        record: returns the record so far.
+
+    Raises:
+        EpisodeError: the block raised an exception.
+        EpisodeInterrupted: Ctrl-C was pressed.
+    """
+    file = file_of(own_code(agent))
+    try:
+        yield
+    except KeyboardInterrupt as error:
+        reason = reason_of(error, file).removeprefix("KeyboardInterrupt")
+        raise EpisodeInterrupted(f"in {place()}, agent {name}{reason}", record()) from error
+    except (Exception, SystemExit) as error:  # an agent may raise anything
+        episode, reason = record(), reason_of(error, file)
+        message = f"seed {episode.seed}, {place()}, agent {name}: {reason}"
+        raise EpisodeError(message, episode) from error
+
+
+def own_code(agent: object) -> object:
+    """Return the part of an agent that a user may have written."""
+    if isinstance(agent, Team):
+        return agent.agents[0]
+    return agent.planner if isinstance(agent, PlannedFleet) else agent
