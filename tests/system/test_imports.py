@@ -137,9 +137,7 @@ EXPORTS = {
         Observation Settings WarehouseState encode judge useful_actions vector
     """,
     "warehouse_core.vector": "AUTORESET_MODES BatchEnv",
-    "warehouse_core.viz.tracks": """
-        Frame Pose Track track_of_episode track_of_fleet_episode track_of_frames
-    """,
+    "warehouse_core.viz.tracks": "Frame Pose Track track_of_frames track_of_record",
     "warehouse_core.viz.player": "player_frame player_page save_page",
     "warehouse_core.viz.axes": "box_in draw_grid style_chart",
     "warehouse_core.viz.export": "FORMATS ffmpeg progress_bar",

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 from agents.lab.console.options import RECORD_SUFFIX
 from agents.lab.console.terminal import say
+from warehouse_core import Episode
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.window import has_display
 from warehouse_core.viz.player import save_page
-from warehouse_core.viz.tracks.record_track import Record, track_of_record
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ class Film:
 
     tracks: Callable[[], Sequence[Track]]
     title: str = ""
-    record: Record | None = None
+    record: Episode | None = None
     speed: float = 1.0
     draw: Callable[[bool], Replay] | None = None
 
@@ -69,7 +70,7 @@ class Film:
 
 
 def replay_or_save(
-    episode: Record,
+    episode: Episode,
     targets: Sequence[Path],
     show: bool | None,
     interval_ms: float = INTERVAL_MS,

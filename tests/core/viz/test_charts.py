@@ -7,13 +7,13 @@ from agents.run_episode import run_episode
 from warehouse_core.viz.charts import RewardChart, TimeAxis
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.scene import Scene
-from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Track
 
 
 @pytest.fixture
 def physics() -> Track:
-    return track_of_episode(run_episode(backend="physics", seed=12))
+    return track_of_record(run_episode(backend="physics", seed=12))
 
 
 def axes_of(scene: Scene, title: str) -> Axes:
@@ -54,7 +54,7 @@ def test_charts_of_a_track_that_grows_are_in_steps(physics: Track) -> None:
 def test_rewards_are_drawn_at_the_clock_of_their_step(physics: Track) -> None:
     figure = make_figure((3, 2))
     axes = figure.add_axes((0, 0, 1, 1))
-    chart = RewardChart(figure, axes, physics, TimeAxis.of(physics))
+    chart = RewardChart(figure, axes, physics, TimeAxis(physics.frames[-1].clock, physics.clocks))
     chart.show(physics, len(physics) - 1)
     [bars] = axes.collections
     starts = [segment[0][0] for segment in bars.get_segments()]  # type: ignore[attr-defined]

@@ -21,7 +21,7 @@ from warehouse_core.render.palette import (
     WARNING,
 )
 from warehouse_core.viz.replay import Replay, replay_of_tracks
-from warehouse_core.viz.tracks.fleet_track import track_of_fleet_episode
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import FleetFrame, Frame, Pose, Track, Waiting
 from warehouse_core.viz.view import FEW
 
@@ -216,7 +216,7 @@ def test_the_legend_is_a_file_of_its_own(episode: FleetEpisode, tmp_path: Path) 
     from warehouse_core.warehouse_viz import FLEET_LEGEND_INCHES
 
     figure = make_figure(FLEET_LEGEND_INCHES)
-    draw_legend(figure, [track_of_fleet_episode(episode)], columns=6)
+    draw_legend(figure, [track_of_record(episode)], columns=6)
     figure.pixels()
     box = figure.legends[0].get_window_extent()
     assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1

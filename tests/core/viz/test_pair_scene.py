@@ -16,8 +16,8 @@ from warehouse_core import Episode, Layout, WarehouseEnv, record_episode
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.replay import replay_of_tracks
 from warehouse_core.viz.scene import Scene
-from warehouse_core.viz.tracks.episode_track import track_of_episode
 from warehouse_core.viz.tracks.grid_track import track_of_frames
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Track
 
 MAX_PIXELS = 1366
@@ -30,12 +30,12 @@ def episodes() -> tuple[Episode, Episode]:
 
 @pytest.fixture
 def grid(episodes: tuple[Episode, Episode]) -> Track:
-    return track_of_episode(episodes[0])
+    return track_of_record(episodes[0])
 
 
 @pytest.fixture
 def physics(episodes: tuple[Episode, Episode]) -> Track:
-    return track_of_episode(episodes[1])
+    return track_of_record(episodes[1])
 
 
 def texts(scene: Scene) -> list[str]:
@@ -98,7 +98,7 @@ def test_moments_are_equally_far_apart(grid: Track, physics: Track) -> None:
 
 
 def test_two_tracks_on_the_grid_advance_by_steps(grid: Track) -> None:
-    short = track_of_episode(run_episode(seed=12, max_steps=4))
+    short = track_of_record(run_episode(seed=12, max_steps=4))
     scene = Scene([grid, short], make_figure)
     assert len(scene) == len(grid)
     scene.show(len(scene) - 1)
@@ -188,7 +188,7 @@ def bare() -> Track:
 
 def corridor() -> Track:
     env = WarehouseEnv(Layout(["P" + "." * 60 + "D"]), (0, 5), max_steps=3)
-    return track_of_episode(record_episode(env, GreedyAgent(seed=0), randomize=False))
+    return track_of_record(record_episode(env, GreedyAgent(seed=0), randomize=False))
 
 
 @pytest.mark.parametrize("make_other", [bare, corridor, None])

@@ -42,8 +42,8 @@ from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.legend import signs_of
 from warehouse_core.viz.replay import Replay
 from warehouse_core.viz.scene import Scene
-from warehouse_core.viz.tracks.episode_track import track_of_episode
 from warehouse_core.viz.tracks.grid_track import track_of_frames
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import METRICS, Hit, Pose
 from warehouse_core.viz.view import TRAIL_STEPS, View
 
@@ -150,8 +150,8 @@ def test_the_floor_in_the_view_is_tinted_unless_it_is_slippery() -> None:
     env = WarehouseEnv(["...........", "P.........D"], start_pos=(0, 5), view_radius=1)
     recorder = EpisodeRecorder(env)
     recorder.step("E")
-    episode = recorder.episode
-    episode.settings = dataclasses.replace(episode.settings, slippery=((0, 7),))
+    settings = dataclasses.replace(recorder.episode.settings, slippery=((0, 7),))
+    episode = dataclasses.replace(recorder.episode, settings=settings)
     replay = replay_of(episode)
     for frame, seen in ((0, [4, 5, 6]), (1, [5, 6, 7])):
         replay.go_to(frame)
@@ -160,11 +160,11 @@ def test_the_floor_in_the_view_is_tinted_unless_it_is_slippery() -> None:
         assert tinted == seen
         assert is_color(image[point_of(replay, 7.2, 0.1)], ICE)
         assert count_color(patch(replay, image, 7.1, 0.1, 7.9, 0.9), ICE_WAVE) > 5
-    assert {"slippery floor", "what the robot sees"} <= {*signs_of(track_of_episode(episode))}
+    assert {"slippery floor", "what the robot sees"} <= {*signs_of(track_of_record(episode))}
 
 
 def test_weak_motors_are_a_dashed_outline_with_a_sign_in_the_legend() -> None:
-    track = track_of_episode(short_episode())
+    track = track_of_record(short_episode())
     nominal = np.asarray(Scene([track], make_figure, legend=False).root.pixels())
     assert not [words for words in signs_of(track) if "motors" in words]
     track.motor_strength = 0.5
@@ -539,8 +539,8 @@ def test_a_low_battery_turns_red() -> None:
 
 def test_a_scene_shows_a_track_that_has_grown() -> None:
     episode = short_episode()
-    whole = track_of_episode(episode)
-    start = track_of_episode(
+    whole = track_of_record(episode)
+    start = track_of_record(
         short_episode(
             cells=episode.cells[:1],
             loaded=[False],
@@ -566,14 +566,14 @@ def test_a_scene_shows_a_track_that_has_grown() -> None:
 
 
 def test_a_picture_may_be_without_its_legend() -> None:
-    track = track_of_episode(short_episode())
+    track = track_of_record(short_episode())
     small, whole = Scene([track], make_figure, legend=False), Scene([track], make_figure)
     assert small.root.legends == []
     assert small.root.get_figwidth() < whole.root.get_figwidth()
 
 
 def test_every_robot_of_a_track_is_drawn_with_its_trail() -> None:
-    track = track_of_episode(short_episode())
+    track = track_of_record(short_episode())
     for frame in track.frames:
         frame.robots = (*frame.robots, Pose((1.5 + 2 * (frame.progress > 0), 2.5), None, True))
     scene = Scene([track], make_figure)
