@@ -12,7 +12,7 @@ class Dispatching(Protocol):
     """An agent that says who assigns the orders.
 
     Attributes:
-        dispatch: whether the fleet does, see ``FleetEnv``; otherwise the agent assigns them.
+        dispatch: true if the fleet does, see ``FleetEnv``; false if the agent does.
     """
 
     dispatch: bool

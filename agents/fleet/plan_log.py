@@ -20,12 +20,12 @@ class PlanLog:
     """Keeps what a planner plans for some robots, and who pushes whom.
 
     Args:
-        robots: whose plans are kept.
-        pushes: whether to keep who pushes whom, for a planner that has ``pushers``.
+        robots: numbers of the robots whose plans are kept.
+        pushes: keep who pushes whom, too; the planner must be a ``PushingPlanner``.
 
     Attributes:
-        pushes: as given.
-        plans: of the steps so far, as ``replay_animation`` takes them.
+        pushes: the argument.
+        plans: plans of the steps so far, as ``replay_animation`` takes them.
     """
 
     def __init__(self, robots: Sequence[int] = (), pushes: bool = False) -> None:
@@ -36,10 +36,10 @@ class PlanLog:
         """Keep the plans of a step.
 
         Args:
-            planner: that has planned it.
-            graph: of the floor, for a planner that has none.
-            situation: before the step.
-            chosen: ``[R]``, the next cells.
+            planner: planner of the step.
+            graph: graph of the floor, used for a planner that shows none.
+            situation: situation before the step.
+            chosen: ``[R]``, next cells.
         """
         cells, goals = situation.cells, situation.goals
         if isinstance(planner, GraphPlanner):

@@ -18,7 +18,7 @@ from warehouse_core.world.actions import WAIT
 DEFAULT_ASSIGNMENT = "urgent"
 
 PLAN_SECONDS = 10.0
-"""That a planner may take for a step."""
+"""Seconds that a planner may take for a step."""
 
 
 class PlannedFleet:
@@ -28,18 +28,18 @@ class PlannedFleet:
     and the fleet is to go on; the planner is then reset.
 
     Args:
-        planner: for the floor of the fleet.
+        planner: planner made for the floor of the fleet.
         assignment: a name of ``ASSIGNMENTS``.
-        seconds: that the planner may take for a step, above 0.
-        goes_on: whether the fleet goes on when the planner fails; otherwise its error is raised.
-        log: gets the plans of each step.
+        seconds: time limit of the planner for a step, above 0.
+        goes_on: go on when the planner fails, instead of raising its error.
+        log: log that gets the plans of each step.
 
     Raises:
         AgentError: the log is to have pushes, which the planner does not say.
 
     Attributes:
         dispatch: false, as the orders are assigned here; see ``FleetEnv``.
-        lost: the steps that were lost, and why.
+        lost: steps that were lost, and why.
     """
 
     dispatch = False

@@ -17,13 +17,13 @@ class Team:
     with a backend that ``DrivesThrough``, has no action to choose until it is at rest.
 
     Args:
-        agents: one for each robot.
-        seed: of the moves of robots that are in the way.
+        agents: one agent for each robot.
+        seed: seed of the moves of robots that are in the way.
 
     Attributes:
-        agents: as given.
-        reason: Reasons of the last actions, one for each robot; "" for a robot that drives on.
-        robot: the one whose agent is choosing now, or ``None``.
+        agents: the argument.
+        reason: reasons of the last actions, one for each robot; "" for a robot that drives on.
+        robot: robot whose agent is choosing now, or ``None``.
     """
 
     def __init__(self, agents: Sequence[Agent], seed: int | None = None) -> None:

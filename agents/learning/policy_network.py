@@ -37,7 +37,7 @@ SCHEMA: Schema = {
 }
 
 Tiles = tuple[str, ...]
-"""What a network tells apart in a window: ``MARKED_TILES``, or ``FLEET_TILES`` in a fleet."""
+"""Tiles that a network tells apart in a window: ``MARKED_TILES``, or ``FLEET_TILES`` in a fleet."""
 
 Floats = NDArray[np.float32]
 Layer = tuple[Floats, Floats]
@@ -58,9 +58,9 @@ class PolicyNetwork:
     """A network with fixed weights.
 
     Args:
-        view_radius: of its observations.
-        layers: ``LAYERS`` of them, from the first to the last.
-        tiles: that it tells apart.
+        view_radius: view radius of its observations.
+        layers: ``LAYERS`` layers, from the first to the last.
+        tiles: tiles that it tells apart.
 
     Raises:
         ValueError: the layers do not fit together or hold numbers that are not finite.

@@ -117,11 +117,11 @@ class ConflictTree:
     """The tree of a problem, which grows until it has a plan.
 
     Args:
-        problem: any. Lanes do not count: the cost of a way is its length.
+        problem: any problem. Lanes do not count: the cost of a way is its length.
 
     Attributes:
-        nodes: all so far, the root first.
-        solution: the node whose ways are an optimal plan, once there is one.
+        nodes: all nodes so far, the root first.
+        solution: node whose ways are an optimal plan, once there is one.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -230,7 +230,7 @@ class ConflictTree:
         return None if found is None else found.cells
 
     def _judge(self, node: Node, conflict: Conflict) -> Judged:
-        """Return for how many of its robots a conflict raises the cost, and what to split."""
+        """Return how many of its robots a conflict costs more, and the conflict to split."""
         one, other = (self._mdd(node, each.robot) for each in conflict)
         forced = _is_forced(one, conflict.one) + _is_forced(other, conflict.other)
         if forced < CARDINAL and self._are_dependent(one, other):

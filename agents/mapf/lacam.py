@@ -25,7 +25,7 @@ from agents.mapf.problem import Plan, Problem
 from warehouse_core.world.actions import WAIT
 
 Constraint = tuple[tuple[int, int], ...]
-"""Robots and the cells that they must go to next."""
+"""Robots and their next cells."""
 
 
 @dataclass(eq=False)

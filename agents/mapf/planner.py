@@ -20,12 +20,12 @@ class Situation(NamedTuple):
     """What a planner knows of ``R`` robots before a joint step; cells are numbers.
 
     Attributes:
-        cells: ``[R]``, where they are, all different.
-        goals: ``[R]``, where they are to go; several may have one goal. A robot that is to go
+        cells: ``[R]``, cells of the robots, all different.
+        goals: ``[R]``, cells to go to; several robots may have one goal. A robot that is to go
             nowhere has its own cell as goal, and gives way.
-        stays: ``[R]``, whether a robot stays where it is in this step, as one does that picks,
-            drops or charges, or whose battery is empty.
-        closed: cells that nobody can enter in this step, such as those of people.
+        stays: ``[R]``, true for robots that stay where they are in this step, because they pick,
+            drop or charge, or have an empty battery.
+        closed: cells that nobody can enter in this step, such as cells of people.
         urgent: robots that should go before all others, as those whose batteries are low.
     """
 
@@ -106,10 +106,10 @@ def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:
     """Return the next cells that a planner has chosen, checked.
 
     Args:
-        graph: of the floor.
-        situation: before the step. Robots that share a cell, as bodies may after a disturbance,
-            stay there.
-        chosen: what the planner returned.
+        graph: graph of the floor.
+        situation: situation before the step. Robots that share a cell, as bodies may after a
+            disturbance, stay there.
+        chosen: next cells, as the planner returned them.
 
     Raises:
         PlanError: it is no cell for each robot, or a robot jumps, moves though it stays, enters a

@@ -71,7 +71,7 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Where each robot is before each joint step and after the last, ``[T + 1, R]``."""
+    """Cells of the robots before each joint step and after the last, ``[T + 1, R]``."""
 
     cells: Integers
 

@@ -84,7 +84,7 @@ class Reservations:
         return next((t + 1 for t in times if not self.is_free(t * self.size + cell)), begin)
 
     def _keys(self, way: Sequence[int], begin: int) -> Iterator[tuple[int, int]]:
-        """Return each state of a way, and the move that is the reverse of that to the next cell."""
+        """Return each state of a way, and the reverse of the move that led there."""
         state, before = begin * self.size, way[0] if way else 0
         for cell in way:
             yield state + cell, (state - self.size + cell) * self.size + before

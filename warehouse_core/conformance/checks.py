@@ -36,7 +36,7 @@ from warehouse_core.conformance.trials import (
 )
 from warehouse_core.errors import LayoutError
 from warehouse_core.motion.base import WALL_CONTACT, Outcome, robot_contact
-from warehouse_core.motion.traffic import Stop, find_stops
+from warehouse_core.motion.traffic import Obstacle, find_stops
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 
@@ -321,7 +321,7 @@ def _expect_stops(
     layout: Layout,
     cells: list[Cell],
     displacements: list[Cell],
-    stops: list[Stop],
+    stops: list[Obstacle],
 ) -> None:
     """Expect one step to end by ``stops``, and each robot to have touched what stopped it."""
     step = trial(make_motion, layout, cells, displacements)

@@ -23,7 +23,7 @@ from warehouse_core.motion.base import (
     check_starts,
     robot_contact,
 )
-from warehouse_core.motion.traffic import Stop, find_stops
+from warehouse_core.motion.traffic import Obstacle, find_stops
 from warehouse_core.motion.vector import NOTHING, WALL, BatchOutcome, Flags, Integers
 from warehouse_core.motion.vector_traffic import VectorTraffic
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
@@ -147,7 +147,7 @@ class GridMotion:
             self._lone.clear()
         return self._outcome(cell, target, heading, None if is_open else WALL_CONTACT)
 
-    def _outcome(self, cell: Cell, target: Cell, heading: Cell, stop: Stop) -> Outcome:
+    def _outcome(self, cell: Cell, target: Cell, heading: Cell, stop: Obstacle) -> Outcome:
         end = target if stop is None else cell
         x0, y0 = centre_of(cell, self.cell_size)
         x1, y1 = centre_of(end, self.cell_size)

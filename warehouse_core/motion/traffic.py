@@ -27,11 +27,11 @@ from warehouse_core.motion.base import WALL_CONTACT
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 
-Stop = int | str | None
-"""Cause of a robot's stop: another robot's number, the wall, or nothing."""
+Obstacle = int | str | None
+"""Obstacle of a robot: another robot's number, the wall, or nothing."""
 
 
-def find_stops(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -> list[Stop]:
+def find_stops(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -> list[Obstacle]:
     """Return what stops each of ``R`` robots on its way from ``cells`` to ``targets``.
 
     Args:
@@ -39,7 +39,7 @@ def find_stops(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -
         cells: ``R`` different open cells.
         targets: the cell of each robot, or a neighbour of it.
     """
-    stops: list[Stop] = [None if layout.is_open(target) else WALL_CONTACT for target in targets]
+    stops: list[Obstacle] = [None if layout.is_open(target) else WALL_CONTACT for target in targets]
     robot_in = {cell: robot for robot, cell in enumerate(cells)}
     movers_to: dict[Cell, list[int]] = {}
     for robot, target in enumerate(targets):

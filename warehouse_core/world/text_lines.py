@@ -64,7 +64,7 @@ def _decoded(data: bytes, number: int) -> str:
         raise error_at(number, error.start + 1, "not UTF-8 text") from error
 
 
-def expect(line: str, number: int, *wanted: str) -> None:
+def expect_line(line: str, number: int, *wanted: str) -> None:
     """Raise ``LayoutError`` if a line, with single spaces, is none of ``wanted``."""
     if " ".join(line.split()) not in wanted:
         allowed = " or ".join(map(repr, wanted))

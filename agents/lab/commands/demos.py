@@ -26,7 +26,6 @@ from warehouse_core import (
     Episode,
     EpisodeRecorder,
     FleetEnv,
-    FleetEpisode,
     Layout,
     OrderStream,
     WarehouseEnv,
@@ -215,10 +214,10 @@ DEMOS: dict[str, Callable[[], Demo]] = {
 }
 
 STILLS: dict[str, Callable[[], Picture]] = {"cbs": cbs, "lanes": lanes}
-"""Those that are one picture."""
+"""Demonstrations that are one picture."""
 
 PHYSICS = DEMOS.keys() - {"pibt"}
-"""Those that need the backend."""
+"""Demonstrations that need the backend."""
 
 
 def drive(
@@ -240,7 +239,7 @@ def drive(
     return recorder.episode
 
 
-def drive_together(moves: Mapping[Cell, str]) -> FleetEpisode:
+def drive_together(moves: Mapping[Cell, str]) -> Episode:
     """Carry out one action of each robot, given by its start, in the hall."""
     from warehouse_physics import RigidBodyMotion
 
@@ -286,7 +285,7 @@ def demo(
     show_or_save(Film(lambda: tracks), save, show, f"demo-{name}.gif")
 
 
-def _together(episode: FleetEpisode, title: str, ending: str) -> Track:
+def _together(episode: Episode, title: str, ending: str) -> Track:
     track = track_of_record(episode, frame_seconds=SLOW_MOTION)
     track.metrics, track.orders, track.ending = {}, None, ending
     return _titled(track, title)

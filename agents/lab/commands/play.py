@@ -47,8 +47,8 @@ class Driver:
 
     Args:
         env: the environment.
-        seed: for the first episode; each further one adds 1.
-        place: where the episodes take place.
+        seed: seed of the first episode; each further one adds 1.
+        place: place of the episodes.
 
     Attributes:
         games: the records of all episodes, the last of which may be unfinished.

@@ -50,13 +50,13 @@ def run_episode(
         agent: name of an agent, see ``agents/registry.py``.
         backend: name of a motion backend.
         layout: ``None`` for the built-in one.
-        seed: for the start, the backend and the agent; ``None`` for a random one, which the
+        seed: seed of the start, the backend and the agent; ``None`` is a random one, which the
             record keeps.
         battery: units of a full battery, at least 1.
-        max_steps: of the episode, at least 1.
+        max_steps: most steps of the episode, at least 1.
         view_radius: cells seen in each direction.
-        start_pos: the start if none is drawn; ``None`` for the usual one.
-        randomize: what is drawn, see ``WarehouseEnv.reset``.
+        start_pos: start if none is drawn; ``None`` is the usual one.
+        randomize: choice of what is drawn, see ``WarehouseEnv.reset``.
 
     Raises:
         ValueError: an unknown name or a number out of range.

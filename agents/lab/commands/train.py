@@ -37,11 +37,11 @@ from agents.lab.console.options import (
 )
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import say
-from agents.lab.evaluation.fleet_scores import FleetScores, FleetTask
-from agents.lab.evaluation.random_layouts import RandomLayouts
-from agents.lab.evaluation.scores import Scores, Task
-from agents.lab.evaluation.wording import mean, share
 from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS, Examiner, Point
+from agents.lab.trials.fleet_scores import FleetScores, FleetTask
+from agents.lab.trials.random_layouts import RandomLayouts
+from agents.lab.trials.scores import Scores, Task
+from agents.lab.trials.wording import mean, share
 from agents.learning.learner import RECENT_EPISODES, MakeAgent, Watch
 from agents.learning.q_learning import QAgent, QTable, learn
 from agents.learning.q_table import save_table
@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from agents.learning.ppo_training import PPOLearner
 
 LIBRARIES = ("torch", "stable_baselines3", "sb3_contrib")
-"""What training by PPO needs besides this package."""
+"""Libraries that training by PPO needs."""
 
 MODEL_SUFFIX, CURVE_SUFFIX = ".npz", ".png"
 
@@ -171,11 +171,11 @@ class Training:
     """A training with a progress bar, and the files and the table that it results in.
 
     Args:
-        name: of the method of learning.
-        task: to be learned.
-        steps: of the whole training.
-        seed: of the training.
-        output: the file of the agent; the picture of the learning curve goes beside it.
+        name: name of the method of learning.
+        task: task to learn.
+        steps: steps of the whole training.
+        seed: seed of the training.
+        output: file of the agent; the picture of the learning curve goes beside it.
 
     Raises:
         FormatError: ``output`` is no ``.npz``.
@@ -202,7 +202,7 @@ class Training:
 
         Args:
             learn: trains the agent.
-            writers: of the files of the agent, by suffix.
+            writers: writers of the files of the agent, by suffix.
 
         Raises:
             OSError: a file cannot be written; raised before the training if its folder is missing.

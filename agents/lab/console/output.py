@@ -36,11 +36,11 @@ class Film:
     """What a command shows. Matplotlib is imported for a window or a picture, not for a page.
 
     Attributes:
-        tracks: returns them; called when they are needed.
-        title: of a page; by default those of the tracks.
-        record: of the episode, which can be saved too.
+        tracks: returns the tracks; called when they are needed.
+        title: title of a page; by default the titles of the tracks.
+        record: record of the episode, which can be saved too.
         speed: factor on the playing speed.
-        draw: makes the replay with a window or without one; by default that of the tracks.
+        draw: makes the replay with a window or without one; by default the tracks are replayed.
     """
 
     tracks: Callable[[], Sequence[Track]]

@@ -189,7 +189,7 @@ def imports_of(source: bytes) -> tuple[tuple[int, str], ...]:
 
 
 def _files_of(parts: Sequence[str], folder: Path) -> Iterator[Path]:
-    """Yield the files of a module in a folder, after those of the packages around it."""
+    """Yield the files of a module in a folder, after the packages around it."""
     for part in parts:
         if part == "*":  # perhaps modules
             yield from folder.glob("*.py")

@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import EngFormatter, MaxNLocator, PercentFormatter
 
-from agents.lab.evaluation.fleet_scores import FleetScores
-from agents.lab.evaluation.interval import Interval
-from agents.lab.evaluation.scores import Scores
 from agents.lab.training.exams import Point
+from agents.lab.trials.fleet_scores import FleetScores
+from agents.lab.trials.interval import Interval
+from agents.lab.trials.scores import Scores
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.render.palette import COLORS, INK, PAPER, WARNING
 from warehouse_core.viz.axes import style_chart
@@ -35,11 +35,11 @@ def save_learning_curve(
     """Write the picture as PNG, whole or not at all.
 
     Args:
-        path: of the file.
-        name: of the agent that learns.
-        title: of the picture.
-        points: at least one.
-        greedy: the scores of the greedy agent, for comparison.
+        path: path of the file.
+        name: name of the agent that learns.
+        title: title of the picture.
+        points: points of the curve, at least one.
+        greedy: scores of the greedy agent, for comparison.
     """
     figure = make_figure(SIZE, DPI)
     left, right = figure.subplots(1, 2)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from agents.lab.evaluation.fleet_scores import FleetScores, FleetTask
-from agents.lab.evaluation.scores import Scores, Task
+from agents.lab.trials.fleet_scores import FleetScores, FleetTask
+from agents.lab.trials.scores import Scores, Task
 from agents.learning.learner import MakeAgent
 from agents.learning.q_learning import TRAINING_SEEDS
 
@@ -28,12 +28,12 @@ class Examiner:
     """Evaluates an agent at regular intervals during its training.
 
     Args:
-        task: that is learned.
-        steps: of the whole training.
+        task: task that is learned.
+        steps: steps of the whole training.
 
     Attributes:
-        points: one for each examination.
-        summary: the result of the last examination in words.
+        points: one point for each examination.
+        summary: result of the last examination in words.
     """
 
     def __init__(self, task: Task | FleetTask, steps: int) -> None:

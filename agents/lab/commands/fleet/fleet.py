@@ -42,7 +42,7 @@ from agents.lab.console.terminal import print_error
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import draw_seed, run
 from agents.registry import PLANNERS, make_fleet_agent, make_team
-from warehouse_core import FleetEnv, FleetEpisode, OrderStream, WarehouseError
+from warehouse_core import Episode, FleetEnv, OrderStream, WarehouseError
 from warehouse_core.arguments import whole_number
 from warehouse_core.fleet.settings import MAX_BODIES
 from warehouse_core.orders import load_orders
@@ -54,15 +54,15 @@ from warehouse_core.world.named_layouts import DEPOT, find_layout
 MAX_SHIFTS = 1000
 
 RATE = "0.06"
-"""Orders that arrive in a step."""
+"""Mean number of orders that arrive in a step."""
 
 
 def parse_orders(text: str, due: str | None) -> Orders:
     """Return the orders in a text: a rate, or the name of a file.
 
     Args:
-        text: of the option ``--orders``.
-        due: of ``--due``, for a rate.
+        text: value of ``--orders``.
+        due: value of ``--due``, which only a rate takes.
 
     Raises:
         OrderError: the file has a wrong line.
@@ -224,7 +224,7 @@ def fleet(
 
     first = draw_seed() if seed is None else seed
 
-    def run_seed(seed: int) -> FleetEpisode:
+    def run_seed(seed: int) -> Episode:
         whole_number("seed", seed, 0)
         directing = (
             make_team(agent, robots, seed, floor)
@@ -249,9 +249,9 @@ def fleet(
         f"{counted(robots, 'robot')} ({director}) on layout {layout.stem}, backend {backend}, "
         f"{f'seed {first}' if shifts == 1 else f'seeds {first} to {first + shifts - 1}'}"
     )
-    results, records = list[Result](), list[FleetEpisode]()
+    results, records = list[Result](), list[Episode]()
 
-    def keep(episode: FleetEpisode) -> None:
+    def keep(episode: Episode) -> None:
         results.append(result_of(episode))
         if not records:  # all of them would take much memory
             records.append(episode)
@@ -284,9 +284,9 @@ def warn_of_lost_steps(agent: FleetAgent, seed: int, name: str) -> None:
 
 
 def run_shifts(
-    run: Callable[[int], FleetEpisode],
+    run: Callable[[int], Episode],
     seeds: Sequence[int],
-    keep: Callable[[FleetEpisode], None],
+    keep: Callable[[Episode], None],
 ) -> None:
     """Run a shift for each seed, and ``keep`` each record, the unfinished one of an error too.
 
