@@ -34,7 +34,7 @@ SELECT mode, case_id, steps, episodes, (
 """Both inner queries follow the order of the table and end with the first row they find."""
 
 MAX_REPLAY_STEPS = 10_000
-"""Of an episode that is run again."""
+"""Most steps of an episode that is run again."""
 
 MAX_WORK, PHYSICS_WORK = 20_000_000, 20_000
 """The cells that an agent may look at in all its steps, and how many a step of physics counts."""
