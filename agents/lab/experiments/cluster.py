@@ -27,7 +27,7 @@ PROBE_SECONDS = 10.0
 """Longest time in which a worker must run a call that does nothing."""
 
 SILENT_SECONDS = 10.0
-"""Time without a worker before that is reported, and without an answer before one counts as gone."""
+"""Time without any worker until that is reported, or without an answer until one counts as gone."""
 
 
 @contextmanager
