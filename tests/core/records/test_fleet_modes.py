@@ -161,14 +161,14 @@ def test_a_quarter_of_the_moves_stopped_by_robots_is_congestion(free_moves: int,
         )
 
 
-@pytest.mark.parametrize(("waits", "mode"), [(5, "idle"), (4, "served")])
+@pytest.mark.parametrize(("waits", "mode"), [(10, "idle"), (9, "served")])
 def test_a_fleet_that_waits_half_of_the_time_is_idle(waits: int, mode: str) -> None:
-    steps = ([["WAIT", "WAIT"]] * waits + [["E", "E"], ["W", "W"]] * 5)[:10]
+    steps = ([["WAIT", "WAIT"]] * waits + [["E", "E"], ["W", "W"]] * 6)[:20]
     episode = driven(HALL, [(1, 2), (2, 2)], steps)
     assert mode_of(episode) == (mode, (0, 1))
     if mode == "idle":
         assert diagnose(episode).sentence == (
-            "the robots waited in 10 of 20 steps, with 0 orders for 2 robots"
+            "the robots waited in 20 of 40 steps, with 0 orders for 2 robots"
         )
 
 
@@ -203,3 +203,10 @@ def test_robots_that_failed_are_counted() -> None:
     failed = diagnose(dataclasses.replace(episode, measures=measures))
     assert (failed.mode, failed.robots) == ("stranded", ())
     assert failed.sentence == "2 robots failed for good, and 1 item with them"
+
+
+def test_a_fleet_that_has_delivered_everything_was_not_idle() -> None:
+    steps = [["WAIT"]] * 6 + [[action] for action in ROUND]
+    episode = driven(["PD"], [(0, 0)], steps, orders=[Order(0, 99, (0, 0), (0, 1))])
+    assert mode_of(episode) == ("served", (0,))
+    assert mode_of(driven(["PD"], [(0, 0)], steps[:-2], orders=episode.orders[:1]))[0] == "idle"
