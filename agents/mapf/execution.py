@@ -20,7 +20,7 @@ from warehouse_core.motion.base import Ways
 from warehouse_core.wording import listed
 from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, RobotSpec
 from warehouse_physics.profile import Floats
-from warehouse_physics.robot_spec import ARRIVED
+from warehouse_physics.spec import ARRIVED
 
 PATIENCE = 10.0
 """Seconds without stops in which nobody moves, after which nobody will."""

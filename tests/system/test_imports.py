@@ -38,10 +38,9 @@ MAY_IMPORT = {
     "warehouse_core/records": "errors files fleet motion orders task warehouse_env wording world",
     "warehouse_core/viz/axes": "motion records render wording world",
     "warehouse_core/viz/tracks": "arguments errors motion orders records render wording world",
-    "warehouse_core/viz/player": "arguments files render viz/tracks wording world",
-    "warehouse_core/notebooks": "fleet records render viz/player viz/tracks warehouse_env world",
+    "warehouse_core/viz/player": "arguments files orders render viz/tracks wording world",
     "warehouse_core/viz": (
-        "arguments errors files records render viz/axes viz/export viz/player viz/tracks "
+        "arguments errors files fleet records render viz/axes viz/export viz/player viz/tracks "
         "warehouse_env wording world"
     ),
     "warehouse_core/warehouse_viz": "arguments files records viz viz/export viz/tracks",
@@ -49,55 +48,58 @@ MAY_IMPORT = {
     "warehouse_physics/exclusive": "",
     "warehouse_physics/profile": "",
     "warehouse_physics/pymunk_version": "",
-    "warehouse_physics/robot_spec": "",
+    "warehouse_physics/spec": "",
     "warehouse_physics/stepping": "",
     "warehouse_physics/walls": "",
-    "warehouse_physics/disturbances": "robot_spec",
-    "warehouse_physics/robot": "clearance disturbances profile robot_spec",
-    "warehouse_physics/arena": "disturbances robot robot_spec stepping walls",
-    "warehouse_physics/giving_way": "robot",
-    "warehouse_physics/vector": "arena exclusive profile robot robot_spec stepping walls",
-    "warehouse_physics/motion": "arena disturbances exclusive giving_way robot robot_spec vector",
+    "warehouse_physics/arena": "spec stepping walls",
+    "warehouse_physics/body_arrays": "profile",
+    "warehouse_physics/disturbances": "spec",
+    "warehouse_physics/energy": "profile spec",
+    "warehouse_physics/body_motion": "disturbances spec",
+    "warehouse_physics/driven_arena": "arena body_arrays profile spec",
+    "warehouse_physics/robot": "arena clearance disturbances energy profile spec",
+    "warehouse_physics/batch": "arena driven_arena energy exclusive profile robot spec walls",
     "warehouse_physics/driving": (
-        "arena disturbances exclusive motion profile robot robot_spec stepping vector walls"
+        "arena body_motion disturbances driven_arena energy exclusive profile robot spec walls"
+    ),
+    "warehouse_physics/giving_way": "robot",
+    "warehouse_physics/robot_arena": "arena disturbances robot spec walls",
+    "warehouse_physics/rigid_body_motion": (
+        "batch body_motion disturbances energy exclusive giving_way robot robot_arena spec"
     ),
     "agents/errors": "",
     "agents/handbook": "",
     "agents/lab": "",
-    "agents/lab/evaluation": "",
     "agents/search": "",
     "agents/warehouse_agent_greedy": "",
     "agents/learning": "errors warehouse_agent_greedy",
     "agents/mapf": "errors",
     "agents/fleet": "errors mapf",
-    "agents/lab/training": "lab/evaluation learning",
     "agents/lab/runs": "errors fleet",
     "agents/registry": "errors fleet learning mapf search warehouse_agent_greedy",
     "agents/lab/console": "errors lab/runs",
-    "agents/lab/commands/fleet": "errors fleet lab/console lab/evaluation lab/runs mapf registry",
-    "agents/lab/experiments": "errors fleet lab/console lab/runs mapf registry",
-    "agents/lab/grading": (
-        "errors lab/console lab/evaluation lab/runs registry warehouse_agent_greedy"
-    ),
-    "agents/lab/commands/export": "errors lab/console lab/experiments",
-    "agents/lab/commands/planners": (
-        "errors lab/console lab/evaluation lab/experiments mapf registry"
-    ),
-    "agents/lab/reports/analysis": "lab/evaluation lab/experiments",
-    "agents/lab/reports/figures": "errors lab/evaluation lab/experiments lab/reports/analysis",
+    "agents/lab/trials": "errors lab/console",
+    "agents/lab/commands/fleet": "errors fleet lab/console lab/runs lab/trials mapf registry",
+    "agents/lab/commands/planners": "errors lab/console lab/trials mapf registry",
+    "agents/lab/experiments": "errors fleet lab/console lab/runs lab/trials mapf registry",
+    "agents/lab/grading": "errors lab/console lab/runs lab/trials registry warehouse_agent_greedy",
+    "agents/lab/training": "lab/trials learning",
+    "agents/lab/commands/export": "errors lab/console lab/experiments lab/trials",
+    "agents/lab/reports/analysis": "lab/experiments lab/trials",
+    "agents/lab/reports/figures": "errors lab/experiments lab/reports/analysis lab/trials",
     "agents/lab/reports": (
-        "errors lab/console lab/evaluation lab/experiments lab/reports/analysis "
-        "lab/reports/figures registry"
+        "errors lab/console lab/experiments lab/reports/analysis lab/reports/figures lab/trials "
+        "registry"
     ),
     "agents/lab/commands/gap": (
-        "errors fleet lab/commands/fleet lab/commands/planners lab/console lab/evaluation "
-        "lab/experiments lab/reports lab/runs registry"
+        "errors fleet lab/commands/fleet lab/commands/planners lab/console lab/reports lab/runs "
+        "lab/trials registry"
     ),
-    "agents/lab/commands/grade": "errors lab/console lab/experiments lab/grading lab/reports",
+    "agents/lab/commands/grade": "errors lab/console lab/grading lab/reports lab/trials",
     "agents/lab/commands": (
         "errors fleet lab/commands/export lab/commands/fleet lab/commands/gap lab/commands/grade "
-        "lab/commands/planners lab/console lab/evaluation lab/experiments lab/reports lab/runs "
-        "lab/training learning mapf registry search warehouse_agent_greedy"
+        "lab/commands/planners lab/console lab/experiments lab/reports lab/runs lab/training "
+        "lab/trials learning mapf registry search warehouse_agent_greedy"
     ),
     "agents/__main__": "lab/commands",
     "agents/run_episode": "lab/commands lab/console",
@@ -137,9 +139,7 @@ EXPORTS = {
         Observation Settings WarehouseState encode judge useful_actions vector
     """,
     "warehouse_core.vector": "AUTORESET_MODES BatchEnv",
-    "warehouse_core.viz.tracks": """
-        Frame Pose Track track_of_episode track_of_fleet_episode track_of_frames
-    """,
+    "warehouse_core.viz.tracks": "Frame Pose Track track_of_frames track_of_record",
     "warehouse_core.viz.player": "player_frame player_page save_page",
     "warehouse_core.viz.axes": "box_in draw_grid style_chart",
     "warehouse_core.viz.export": "FORMATS ffmpeg progress_bar",
@@ -149,9 +149,9 @@ EXPORTS = {
     """,
     "warehouse_physics": "Disturbances DrivingMotion RigidBodyMotion RobotSpec Stop",
     "warehouse_physics.driving": "DrivingMotion",
-    "warehouse_physics.vector": "RigidBodyBatch",
+    "warehouse_physics.batch": "RigidBodyBatch",
     "agents": "ExploringAgent GreedyAgent PPOAgent QAgent SearchAgent",
-    "agents.lab.evaluation": """
+    "agents.lab.trials": """
         MEASURES Interval Run Scores Task evaluate mean_interval share_interval
     """,
     "agents.fleet": "PlannedFleet Team",

@@ -37,11 +37,11 @@ from agents.lab.console.options import (
 )
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import say
-from agents.lab.evaluation.fleet_scores import FleetScores, FleetTask
-from agents.lab.evaluation.random_layouts import RandomLayouts
-from agents.lab.evaluation.scores import Scores, Task
-from agents.lab.evaluation.wording import mean, share
 from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS, Examiner, Point
+from agents.lab.trials.fleet_scores import FleetScores, FleetTask
+from agents.lab.trials.random_layouts import RandomLayouts
+from agents.lab.trials.scores import Scores, Task
+from agents.lab.trials.wording import mean, share
 from agents.learning.learner import RECENT_EPISODES, MakeAgent, Watch
 from agents.learning.q_learning import QAgent, QTable, learn
 from agents.learning.q_table import save_table

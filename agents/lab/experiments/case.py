@@ -32,8 +32,8 @@ from agents.lab.experiments.parameters import (
     shown,
     text,
 )
-from agents.lab.experiments.tables import AnyRow, Row, Shift
 from agents.lab.runs.programs import fingerprint
+from agents.lab.trials.rows import AnyRow, FleetRow, Row
 from agents.registry import agent_file, agent_module, make_agent, make_fleet_agent, make_team
 from warehouse_core import (
     Agent,
@@ -55,7 +55,7 @@ TILES, FINGERPRINT = "tiles", "fingerprint"
 """Keys beside the parameters: the rows of the layout, and the digest of the agent's code."""
 
 FLEET_DEFAULTS: dict[str, Value] = {"layout": DEPOT, "battery": 400, "max_steps": 1000}
-"""Of parameters that lone robots have too, with other defaults."""
+"""Defaults of a fleet's parameters that lone robots have too, with other defaults."""
 
 IMPLIED = {"stations": str(Stations.DRAWN)}
 """Left out of a case as text, as in the files of version 0.1.0, which are read and resumed."""
@@ -109,7 +109,7 @@ def is_fleet(case: Case) -> bool:
 
 def row_type(case: Case) -> type[AnyRow]:
     """Return the kind of the rows of a case."""
-    return Shift if is_fleet(case) else Row
+    return FleetRow if is_fleet(case) else Row
 
 
 def default_of(name: str, case: Case) -> Value | None:
@@ -169,7 +169,7 @@ def _digest(value: Any) -> str:
 CHECKS: dict[str, Callable[[Any], Value]] = {
     TILES: _tiles, FINGERPRINT: _digest, "backend": text,
 }  # fmt: skip
-"""Of what is in a case and is no parameter, or need not be installed where a case is read."""
+"""Checks of keys that are no parameters, and of the backend, which a reader need not have."""
 
 
 def flags_of(case: Case) -> list[str]:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from contextlib import closing
-from dataclasses import asdict
 from functools import partial
 from time import perf_counter
 from typing import NamedTuple
@@ -27,13 +25,11 @@ from agents.lab.experiments.case import (
     make_fleet,
     make_fleet_agent_for,
 )
-from agents.lab.experiments.tables import AnyRow, Row, Shift
-from agents.lab.experiments.workers import teller
 from agents.lab.runs.programs import program_for
+from agents.lab.trials.rows import AnyRow, row_of
+from agents.lab.trials.workers import teller
 from agents.registry import agent_file
 from warehouse_core import Episode, EpisodeRecorder
-from warehouse_core.records.failure_modes import diagnose
-from warehouse_core.records.fleet_modes import diagnose_fleet
 from warehouse_core.records.recorder import FleetRecorder
 
 Recorder = EpisodeRecorder | FleetRecorder
@@ -46,11 +42,11 @@ class Done(NamedTuple):
     """The outcome of a task.
 
     Attributes:
-        seconds: that it took.
-        rows: of its episodes, up to the one that failed.
-        program: that ran them, see ``program_for``.
-        failure: the message of the error of that one. It is text, because an exception of a user
-            agent may not be picklable.
+        seconds: seconds that it took.
+        rows: rows of its episodes, up to the one that failed.
+        program: program that ran them, see ``program_for``.
+        failure: the message of the error of the one that failed. It is text, because an exception
+            of a user's agent may not be picklable.
     """
 
     seconds: float
@@ -136,29 +132,6 @@ def run_alone(
         watch(recorder)
         recorder.run(agent, observation)
         return recorder.episode
-
-
-def row_of(episode: Episode) -> AnyRow:
-    """Return the row that is stored for an episode."""
-    if episode.is_fleet:
-        mode, measures = diagnose_fleet(episode).mode, asdict(episode.measures)
-        stored = [measures[name] for name in Shift._fields if name in measures]
-        measured = [None if math.isnan(value) else value for value in stored]
-        return Shift._make((episode.seed, mode, *measured))
-    assert episode.seed is not None, "every episode here has a seed"
-    diagnosis = diagnose(episode)
-    cell = diagnosis.cells[0] if diagnosis.cells else episode.cells[-1]
-    return Row(
-        episode.seed,
-        diagnosis.mode,
-        episode.steps,
-        diagnosis.needed,
-        episode.total_reward,
-        episode.battery[-1],
-        episode.seconds,
-        episode.joules,
-        *cell,
-    )
 
 
 def check_fingerprint(case: Case) -> None:

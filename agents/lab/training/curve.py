@@ -11,10 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import EngFormatter, MaxNLocator, PercentFormatter
 
-from agents.lab.evaluation.fleet_scores import FleetScores
-from agents.lab.evaluation.interval import Interval
-from agents.lab.evaluation.scores import Scores
 from agents.lab.training.exams import Point
+from agents.lab.trials.fleet_scores import FleetScores
+from agents.lab.trials.interval import Interval
+from agents.lab.trials.scores import Scores
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.render.palette import COLORS, INK, PAPER, WARNING
 from warehouse_core.viz.axes import style_chart

@@ -10,9 +10,9 @@ from helpers.command_line import command
 
 from agents.lab.commands import train
 from agents.lab.commands.train import make_learner
-from agents.lab.evaluation.fleet_scores import FleetTask
-from agents.lab.evaluation.random_layouts import RandomLayouts
-from agents.lab.evaluation.scores import Task, evaluate
+from agents.lab.trials.fleet_scores import FleetTask
+from agents.lab.trials.random_layouts import RandomLayouts
+from agents.lab.trials.scores import Task, evaluate
 from agents.learning.policy_network import PolicyNetwork, network_input
 from agents.learning.ppo_agent import PPOAgent
 from agents.warehouse_agent_greedy import GreedyAgent

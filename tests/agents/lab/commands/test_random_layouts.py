@@ -8,8 +8,8 @@ from helpers.networks import random_network
 from PIL import Image
 
 from agents.lab.commands import compare_agents, train
-from agents.lab.evaluation.random_layouts import TRAINING_LAYOUTS, RandomLayouts
-from agents.lab.evaluation.scores import Task
+from agents.lab.trials.random_layouts import TRAINING_LAYOUTS, RandomLayouts
+from agents.lab.trials.scores import Task
 
 RANDOM = ("--layout", "random")
 COMPARE = ("compare-agents", "-n", 2, "--backend", "grid", "--max-steps", 40, *RANDOM)

@@ -12,10 +12,10 @@ from PIL import Image
 
 from agents.lab.commands import train
 from agents.lab.commands.train import LIBRARIES, Training, comparison_table, fill_table
-from agents.lab.evaluation.random_layouts import RandomLayouts
-from agents.lab.evaluation.scores import MakeAgent, Run, Scores, Task
 from agents.lab.training import curve, exams
 from agents.lab.training.exams import Point
+from agents.lab.trials.random_layouts import RandomLayouts
+from agents.lab.trials.scores import MakeAgent, Run, Scores, Task
 from agents.learning.learner import Watch
 from agents.learning.q_learning import QTable
 from agents.learning.q_table import load_table

@@ -5,7 +5,6 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from agents.lab.evaluation.scores import Run, Scores
 from agents.lab.training import curve as learning_curve
 from agents.lab.training.curve import (
     DPI,
@@ -16,6 +15,7 @@ from agents.lab.training.curve import (
     save_learning_curve,
 )
 from agents.lab.training.exams import Point
+from agents.lab.trials.scores import Run, Scores
 from warehouse_core.viz.figure import SceneFigure, make_figure
 
 

@@ -1,8 +1,8 @@
 import pytest
 
-from agents.lab.evaluation.scores import Task
 from agents.lab.training import exams
 from agents.lab.training.exams import EXAM_SEEDS, EXAMS, FINAL_SEEDS, Examiner
+from agents.lab.trials.scores import Task
 from agents.learning.q_learning import TRAINING_SEEDS
 from agents.warehouse_agent_greedy import GreedyAgent
 
