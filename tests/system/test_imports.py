@@ -154,9 +154,6 @@ EXPORTS = {
     "warehouse_physics.driving": "DrivingMotion",
     "warehouse_physics.batch": "RigidBodyBatch",
     "agents": "ExploringAgent GreedyAgent PPOAgent QAgent SearchAgent",
-    "agents.lab.trials": """
-        MEASURES Interval Run Scores Task evaluate mean_interval share_interval
-    """,
     "agents.fleet": "PlannedFleet Team",
     "agents.learning": "PPOAgent QAgent QTable load_agent load_table save_table",
     "agents.search": """
