@@ -13,14 +13,12 @@ from agents.lab.runs.run import Watch, run
 from agents.lab.trials.random_layouts import RandomLayouts
 from agents.lab.trials.rows import fleet_row, lone_row
 from agents.lab.trials.scores import FleetScores, Scores
+from agents.learning.learner import MakeAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, BatchEnv, Cell, FleetEnv, Layout, WarehouseEnv
 from warehouse_core.fleet import FleetBatch
 from warehouse_core.fleet.env import Actions
 from warehouse_core.records import FleetAgent
 from warehouse_core.vector.rows import SAME_STEP
-
-MakeAgent = Callable[[int], Agent]
-"""Makes the agent of the episode with a seed."""
 
 MakeWatch = Callable[[object, str], Watch]
 """Makes what watches an agent, given its name, through an episode."""

@@ -8,6 +8,8 @@ from agents.lab.trials.figure import message, scores_figure
 from agents.lab.trials.rows import Row
 from agents.lab.trials.scores import MEASURES
 
+SLOW = GOOD._replace(steps=30)
+
 
 def test_failures_count_in_all_measures_but_the_ratio_to_the_fewest_steps() -> None:
     scores = scores_of([GOOD] * 30 + [BAD] * 10)
@@ -67,9 +69,6 @@ def test_failures_are_counted_and_fill_the_bars_of_deliveries() -> None:
     assert [text.get_text() for text in first.texts] == ["failed", "10", "0"]
     bars = sorted((bar.get_x(), bar.get_width()) for bar in first.patches)  # type: ignore[attr-defined]
     assert bars == [(0, 0.75), (0, 1), (0.75, 0.25)]
-
-
-SLOW = GOOD._replace(steps=30)
 
 
 @pytest.mark.parametrize(
