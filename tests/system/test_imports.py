@@ -78,7 +78,7 @@ MAY_IMPORT = {
     "agents/lab/runs": "errors fleet",
     "agents/registry": "errors fleet learning mapf search warehouse_agent_greedy",
     "agents/lab/console": "errors lab/runs",
-    "agents/lab/trials": "errors lab/console",
+    "agents/lab/trials": "errors lab/console lab/runs learning",
     "agents/lab/commands/fleet": "errors fleet lab/console lab/runs lab/trials mapf registry",
     "agents/lab/commands/planners": "errors lab/console lab/trials mapf registry",
     "agents/lab/experiments": "errors fleet lab/console lab/runs lab/trials mapf registry",
