@@ -15,11 +15,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from warehouse_core.batch.fleet.settings import FleetSettings
+from warehouse_core.batch.fleet.tally import FleetMeasures
 from warehouse_core.errors import RecordError
 from warehouse_core.files.npz import read_arrays, write_arrays
 from warehouse_core.fleet.env import Actions, FleetEnv
-from warehouse_core.fleet.settings import FleetSettings
-from warehouse_core.fleet.tally import FleetMeasures
 from warehouse_core.motion.backends import Backend
 from warehouse_core.motion.base import Outcome
 from warehouse_core.motion.grid import GridMotion

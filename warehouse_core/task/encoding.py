@@ -76,6 +76,18 @@ class Arrays(TypedDict):
     dropoff_pos: NDArray[np.int32]
 
 
+class FleetArrays(Arrays, total=False):
+    """The observations of ``N`` robots: ``Arrays`` with two more keys.
+
+    Attributes:
+        due: ``[N, 1]`` int32, the step by which the robot's order is due, or -1; with orders only.
+        charger_pos: ``[N, 2]`` int32, the nearest charger; with chargers only.
+    """
+
+    due: NDArray[np.int32]
+    charger_pos: NDArray[np.int32]
+
+
 def encode(observation: Observation) -> Arrays:
     """Return an observation as new arrays, which share nothing with it."""
     return arrays_of(window_of(observation), numbers_of(observation), observation["has_item"])

@@ -13,10 +13,10 @@ import numpy as np
 from agents.lab.evaluation.interval import Interval, mean_interval
 from agents.lab.evaluation.scores import MakeAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, FleetEnv, Layout
+from warehouse_core.batch.shell import SAME_STEP
 from warehouse_core.fleet import FleetBatch, FleetMeasures
 from warehouse_core.fleet.env import Actions
 from warehouse_core.records.fleet_episode import FleetAgent, FleetRecorder
-from warehouse_core.vector.rows import SAME_STEP
 
 
 @dataclass(frozen=True)

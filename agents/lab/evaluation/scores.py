@@ -33,8 +33,8 @@ from warehouse_core import (
     Observation,
     WarehouseEnv,
 )
+from warehouse_core.batch.shell import SAME_STEP
 from warehouse_core.records.failure_modes import fewest_steps
-from warehouse_core.vector.rows import SAME_STEP
 
 MakeAgent = Callable[[int], Agent]
 """Returns the agent for the episode with a seed."""

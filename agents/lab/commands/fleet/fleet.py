@@ -44,7 +44,7 @@ from agents.registry import PLANNERS, make_fleet_agent, make_team
 from agents.run_episode import draw_seed
 from warehouse_core import FleetEnv, FleetEpisode, OrderStream, WarehouseError
 from warehouse_core.arguments import whole_number
-from warehouse_core.fleet.settings import MAX_BODIES
+from warehouse_core.batch.fleet.settings import MAX_BODIES
 from warehouse_core.orders import load_orders
 from warehouse_core.orders.order import Orders
 from warehouse_core.records.fleet_episode import FleetAgent

@@ -19,7 +19,7 @@ class Battery:
 
     Args:
         capacity: units of a full charge, at least 1.
-        unit: ``"steps"``: every step costs one; ``"joules"``: what its motion cost.
+        unit: ``"steps"``: every step costs one; ``"joules"``: it costs what its motion cost.
         charge: units that a step of waiting on a charger adds; ``None`` is ``CHARGE`` steps, or in
             joules the nominal cost of as many moves.
 
