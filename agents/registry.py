@@ -40,7 +40,7 @@ from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, RecordError
 from warehouse_core.files.kinds import not_a_file
-from warehouse_core.records.fleet_episode import FleetAgent
+from warehouse_core.records.recorder import FleetAgent
 
 AGENTS: dict[str, Callable[..., Agent]] = {
     "random": RandomAgent,
@@ -64,17 +64,17 @@ TRAINED: dict[str, Callable[..., Agent]] = {"ppo": PPOAgent.load, "q": load_agen
 """Functions that load an agent of ``warehouse train``, by the word before the colon."""
 
 FIXED = ("seed", "layout", "graph", "algorithm")
-"""Arguments that a name does not give: those of the episode, and the name's own."""
+"""Arguments that a name does not give: parts of the episode, and what the name itself says."""
 
 
 class Sort(NamedTuple):
     """What is made by name: agents or planners.
 
     Attributes:
-        word: for it.
-        known: those that have a name.
-        more: in words, what else is allowed.
-        methods: sets of which a class of a user must have one.
+        word: word for one of them.
+        known: callables that make them, by name.
+        more: other names that are allowed, in words.
+        methods: sets of methods; a class of a user must have all of one set.
     """
 
     word: str
@@ -111,9 +111,10 @@ def make_team(
 
     Args:
         name: see ``make_agent``.
-        robots: their number.
-        seed: of all of them.
-        layout: of the fleet. The agents get its walls; which stations are theirs they observe.
+        robots: number of robots.
+        seed: seed of all of them.
+        layout: layout of the fleet. The agents get its walls; they observe which stations are
+            theirs.
 
     Raises:
         AgentError: as ``make_agent``.
@@ -138,7 +139,7 @@ def make_planner(
             ``Planner``, one that has ``act`` a ``FleetAgent``.
         seed: see ``make_agent``.
         layout: passed to the planner if it takes a ``layout``; if it takes a ``graph``, it gets
-            that of the layout, where ways lead around chargers.
+            the graph of the layout, where ways lead around chargers.
         robots: passed to the planner if it takes ``robots`` and the name does not give them.
 
     Raises:
@@ -162,10 +163,10 @@ def make_fleet_agent(
         planner: see ``make_planner``.
         assignment: one of ``ASSIGNMENTS``; ``None`` is ``DEFAULT_ASSIGNMENT``. An agent that
             directs all robots assigns orders itself.
-        seed: of the planner.
-        layout: of the fleet.
-        robots: their number, see ``make_planner``.
-        options: see ``PlannedFleet``.
+        seed: seed of the planner.
+        layout: layout of the fleet.
+        robots: number of robots, see ``make_planner``.
+        options: options of ``PlannedFleet``.
 
     Raises:
         AgentError: as ``make_planner``, or an assignment that does not exist or is not used.
@@ -175,8 +176,8 @@ def make_fleet_agent(
             f"no assignment is called {assignment!r}; allowed: {', '.join(ASSIGNMENTS)}"
         )
     made = make_planner(planner, seed, layout, robots)
-    if hasattr(made, "next_cells"):
-        return PlannedFleet(cast(Planner, made), assignment or DEFAULT_ASSIGNMENT, **options)
+    if isinstance(made, Planner):
+        return PlannedFleet(made, assignment or DEFAULT_ASSIGNMENT, **options)
     if options.get("log"):
         raise AgentError(f"planner {planner!r} has act(), so its plans are not known")
     if assignment is not None:
@@ -245,7 +246,7 @@ def _options(what: str, kind: Callable[..., Any], text: str) -> dict[str, Any]:
 
 
 def is_own_code(name: str) -> bool:
-    """Return whether a name is that of a user's class, whose code ``make_agent`` would run."""
+    """Return whether a name stands for a user's class, whose code ``make_agent`` would run."""
     return _split(name)[0] not in AGENTS and name.partition(":")[0] not in TRAINED
 
 
@@ -267,7 +268,7 @@ def agent_module(name: str) -> str | None:
 def _wanted(
     make: Callable[..., Any], seed: int | None, layout: Layout, robots: int | None = None
 ) -> dict[str, Any]:
-    """Return those of ``seed``, ``layout``, ``graph`` and ``robots`` that ``make`` takes."""
+    """Return the arguments that ``make`` takes, out of seed, layout, graph and robots."""
     parts: dict[str, Callable[[], Any]] = {
         "seed": lambda: seed,
         "layout": lambda: layout,

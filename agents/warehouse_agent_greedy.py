@@ -23,8 +23,8 @@ class GreedyAgent:
     steps.
 
     Args:
-        seed: of the agent's own random stream, restarted at each ``reset``; ``None`` uses Python's
-            global ``random``, as in the chapter.
+        seed: seed of the agent's own random stream, restarted at each ``reset``; ``None`` uses
+            Python's global ``random``, as in the chapter.
         memory: positions remembered, at least 0.
         escape_steps: random moves of one escape; 0 disables the escape.
 

@@ -13,16 +13,13 @@ from warehouse_core.fleet.env import FleetEnv
 from warehouse_core.motion.base import Contact, Motion, Outcome
 from warehouse_core.motion.grid import GridMotion
 from warehouse_core.orders.order import Order, OrderQueue, OrderStream
-from warehouse_core.records.episode import (
+from warehouse_core.records.episode import Episode, FleetEpisode
+from warehouse_core.records.recorder import (
     Agent,
-    Episode,
     EpisodeRecorder,
     record_episode,
-    replay_episode,
-)
-from warehouse_core.records.fleet_episode import (
-    FleetEpisode,
     record_fleet_episode,
+    replay_episode,
     replay_fleet_episode,
 )
 from warehouse_core.task.settings import Settings

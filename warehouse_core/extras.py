@@ -28,8 +28,8 @@ def requirements_of(extra: str, requires: Iterable[str]) -> list[str]:
     """Return the requirements of an extra.
 
     Args:
-        extra: its name.
-        requires: those of the distribution, as in its metadata: ``name>=1; extra == 'video'``.
+        extra: name of the extra.
+        requires: requirements as in the metadata of a distribution: ``name>=1; extra == 'video'``.
     """
     parts = (each.partition(";") for each in requires)
     marker = re.compile(rf"""extra == ['"]{re.escape(extra)}['"]""")

@@ -12,7 +12,6 @@ from typing import Any
 
 from warehouse_core.fleet.env import FleetEnv
 from warehouse_core.records.episode import Episode
-from warehouse_core.records.fleet_episode import FleetEpisode
 from warehouse_core.viz.tracks.record_track import Record, track_of_record
 from warehouse_core.warehouse_env import WarehouseEnv
 from warehouse_core.world.layout import Layout
@@ -67,7 +66,6 @@ def _picture(
 
 SHOWN: dict[tuple[type, str], Callable[[Any], str | bytes]] = {
     (Episode, "_repr_html_"): record_player,
-    (FleetEpisode, "_repr_html_"): record_player,
     (Layout, "_repr_png_"): layout_picture,
     (WarehouseEnv, "_repr_png_"): env_picture,
     (FleetEnv, "_repr_png_"): fleet_picture,

@@ -168,7 +168,7 @@ class WarehouseEnv:
             randomize: ``True`` to draw pickup, dropoff and start uniformly from the empty cells, in
                 this order; ``"stations"`` or ``"start"`` to draw only those. A new pickup and
                 dropoff replace the old ones for later resets too.
-            seed: for ``random.Random(seed)``, from which the cells are drawn; ``None`` draws from
+            seed: seed of ``random.Random``, from which the cells are drawn; ``None`` draws from
                 the global ``random``. Pickup and dropoff are drawn from the cells that are empty
                 before, so the same seed gives the same layout only after the same stations.
 
@@ -196,9 +196,9 @@ class WarehouseEnv:
         """Start an episode in a given layout, which is kept for later resets.
 
         Args:
-            layout: of any size.
-            start_pos: for this episode; ``None`` is the layout's ``usual_start()``.
-            seed: for the random numbers of the motion backend.
+            layout: layout of any size.
+            start_pos: start of this episode; ``None`` is the layout's ``usual_start()``.
+            seed: seed of the random numbers of the motion backend.
 
         Raises:
             LayoutError: the start is not open; nothing has changed.
@@ -235,6 +235,7 @@ class WarehouseEnv:
             Reward, terminated and truncated.
         """
         state = self.state
+        # Compared by identity: a cell that was assigned is another object, even if it is equal.
         if state.robot_pos is not self._placed:
             self._place(state.robot_pos)
         has_item = state.has_item
@@ -314,9 +315,9 @@ class WarehouseEnv:
     def _draw_stations(self, stream: Any, taken: list[int]) -> tuple[Layout, list[int]]:
         """Return the layout with random pickup and dropoff, from the cells that are empty before.
 
-        ``taken`` are the ranks of the present stations and chargers; those of the new stations are
-        returned too. With fewer than two empty cells there are none, as in the chapter's recorded
-        episodes.
+        ``taken`` are the ranks of the present stations and chargers; the ranks of the new stations
+        are returned too. With fewer than two empty cells there are none, as in the chapter's
+        recorded episodes.
         """
         check_room(self.layout)
         count = len(self.layout.open_cells)

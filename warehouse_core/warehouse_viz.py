@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from warehouse_core.arguments import real_number
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.records.fleet_episode import FleetEpisode
+from warehouse_core.records.episode import Episode
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.viz.tracks.grid_track import track_of_frames
 from warehouse_core.viz.tracks.motion_frames import FRAME_SECONDS
@@ -122,7 +122,7 @@ def _track_of(
     frame_seconds: float,
     plans: Sequence[StepPlans] = (),
 ) -> Track | None:
-    if plans and not isinstance(frames, FleetEpisode):
+    if plans and not (isinstance(frames, Episode) and frames.is_fleet):
         raise TypeError("plans are for the record of a fleet")
     if isinstance(frames, Record):
         if metrics is not None:

@@ -6,7 +6,7 @@ import reprlib
 from collections.abc import Iterable
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""A spreadsheet would run cells that begin with these; texts may come from strangers."""
+"""First characters of cells that a spreadsheet would run; texts may come from strangers."""
 
 
 def counted(number: int, noun: str) -> str:

@@ -4,7 +4,7 @@
 from warehouse_physics import pymunk_version as _checked  # noqa: F401
 from warehouse_physics.disturbances import Disturbances, Stop
 from warehouse_physics.driving import DrivingMotion
-from warehouse_physics.motion import RigidBodyMotion
-from warehouse_physics.robot_spec import RobotSpec
+from warehouse_physics.rigid_body_motion import RigidBodyMotion
+from warehouse_physics.spec import RobotSpec
 
 __all__ = ["Disturbances", "DrivingMotion", "RigidBodyMotion", "RobotSpec", "Stop"]

@@ -11,7 +11,7 @@ from operator import index
 from warehouse_core import Cell
 from warehouse_core.arguments import real_number, whole_number
 from warehouse_core.motion.base import Conditions
-from warehouse_physics.robot_spec import GRAVITY
+from warehouse_physics.spec import GRAVITY
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,9 +19,9 @@ class Stop:
     """A failure of a robot, which brakes and stands still for some time.
 
     Attributes:
-        robot: its number.
-        at: seconds from the reset.
-        seconds: how long it does not drive; ``math.inf`` for a robot that has died.
+        robot: number of the robot.
+        at: seconds from the reset to the failure.
+        seconds: duration of the failure; ``math.inf`` if the robot has died.
 
     Raises:
         ValueError: naming the field, its value and what is allowed.
@@ -54,7 +54,7 @@ class Disturbances:
         drag_spread: the drag of each cell is drawn within this share of the nominal, below 1.
         patience: durations of a free move after which no new attempt is made, at least 1; robots
             that drive through have no such limit.
-        stops: failures of robots; only for robots that drive through.
+        stops: failures of robots; only robots that drive through may have any.
 
     Raises:
         ValueError: naming the field, its value and what is allowed.
@@ -108,8 +108,8 @@ class FloorConditions:
     """Drag, grip and random numbers of one episode with these disturbances and this seed.
 
     Attributes:
-        patience: of the disturbances.
-        varies: whether drag or grip differ from cell to cell.
+        patience: durations of a free move after which no new attempt is made.
+        varies: true if drag or grip differ from cell to cell.
     """
 
     def __init__(self, disturbances: Disturbances, seed: int) -> None:

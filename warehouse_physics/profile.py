@@ -1,6 +1,8 @@
-"""Velocity profiles from rest to rest, as two commands: go, then brake.
+"""Velocity profiles: how fast to drive, for how many substeps, and how far that leads.
 
-Chipmunk moves positions before it changes velocities. Let a robot at rest be commanded the speed
+Chipmunk moves positions before it changes velocities, and all formulas here follow from that.
+
+*From rest to rest, as two commands: go, then brake.* Let a robot at rest be commanded the speed
 ``v`` for ``n`` substeps of ``dt`` and then 0, and let its speed change by at most ``a * dt`` in a
 substep on the way up and ``b * dt`` on the way down. With ``a = b`` the distance lost while it
 speeds up is gained while it slows down: it ends at rest exactly ``n * dt * v`` farther, as long as
@@ -11,7 +13,12 @@ gained than lost, by nearly ``k * v * v`` with ``k = (1 / a - 1 / b) / 2``. Agai
 first, for the highest speed possible; ``v`` is the root of a quadratic equation, and then exact by
 Newton's method, because the distance is linear between speeds of whole substeps.
 
-The second half of this module does the same for ``N`` robots at once.
+*Substep by substep.* A body moves on with the speed that it has, and then takes the speed that it
+is commanded. So the speeds that are chosen now decide where the bodies are from the end of the next
+substep on, to which all distances of ``stopping_speeds`` are measured.
+
+``plan_profile`` plans for one robot what ``plan_profiles`` does for an array of them: NumPy takes
+ten times as long for a single number, which a lone robot would notice.
 """
 
 from __future__ import annotations
@@ -26,12 +33,12 @@ Floats = NDArray[np.float64]
 Substeps = NDArray[np.int64]
 
 _SLACK = 1e-4
-"""Of a substep; a quotient that is whole but for what the solver leaves is not rounded up. So the
-top speed may be exceeded by as little."""
+"""Part of a substep that is not rounded up to a whole one, because the solver leaves as much of a
+quotient that should be whole. The top speed may be exceeded by as little."""
 
 _ROUNDS = 8
-"""Of Newton's method. After 6 the distance is exact but for rounding, at a thousand substeps and
-any rates too."""
+"""Rounds of Newton's method. After 6 the distance is exact but for rounding, at a thousand substeps
+and any rates too."""
 
 
 class Profile(NamedTuple):
@@ -61,16 +68,14 @@ def plan_profile(
     dx, dy = target[0] - start[0], target[1] - start[1]
     length = math.hypot(dx, dy)
     if drag > acceleration and length > 0:
-        speeds, goes = _hard_stops(length, top_speed, acceleration, drag, time_step)
-        go, seconds = int(goes), length / float(speeds)
-        brake = braking(float(speeds), drag, time_step)
-        return Profile((dx / seconds, dy / seconds), go, brake)
-    seconds = max(length / top_speed, math.sqrt(length / acceleration))
-    go = max(1, math.ceil(seconds / time_step - _SLACK))
-    seconds = go * time_step
-    return Profile(
-        (dx / seconds, dy / seconds), go, braking(length / seconds, acceleration, time_step)
-    )
+        speed, substeps = _hard_stops(length, top_speed, acceleration, drag, time_step)
+        go, seconds = int(substeps), length / float(speed)
+    else:
+        seconds = max(length / top_speed, math.sqrt(length / acceleration))
+        go = max(1, math.ceil(seconds / time_step - _SLACK))
+        seconds = go * time_step
+    brake = braking(length / seconds, max(acceleration, drag), time_step)
+    return Profile((dx / seconds, dy / seconds), go, brake)
 
 
 def braking(speed: float, deceleration: float, time_step: float) -> int:
@@ -107,6 +112,24 @@ def brakings(speeds: Floats, decelerations: Floats, time_step: float) -> Substep
 def lengths_of(vectors: Floats) -> Floats:
     """Return the lengths ``[N]`` of vectors ``[N, 2]``."""
     return np.hypot(vectors[:, 0], vectors[:, 1])
+
+
+def stopping_distances(speeds: Floats, rates: Floats, time_step: float) -> Floats:
+    """Return how far robots move after they are commanded ``speeds``, if they then brake."""
+    return speeds * (speeds + rates * time_step) / (2 * rates)
+
+
+def stopping_speeds(distances: Floats, rates: Floats, time_step: float) -> Floats:
+    """Return the highest speeds from which robots stop within ``distances``; 0 where they cannot.
+
+    Args:
+        distances: distances in metres.
+        rates: decelerations in m/s².
+        time_step: duration of a substep in seconds.
+    """
+    ways, half = np.maximum(distances, 0.0), rates * time_step / 2
+    # The last substep may be too short for a whole step of speed, so a way is also not overshot.
+    return np.minimum(np.sqrt(half * half + 2 * rates * ways) - half, ways / time_step)
 
 
 def _whole(substeps: Floats) -> Substeps:

@@ -10,21 +10,17 @@ import math
 import sys
 from dataclasses import dataclass, field
 from itertools import product
-from typing import NamedTuple
 
 import pymunk
 
 from warehouse_core import Cell
 from warehouse_core.motion.base import Contact, centre_of
+from warehouse_physics.arena import Arena, Hit, Position
 from warehouse_physics.clearance import apart, comes_closer
 from warehouse_physics.disturbances import FloorConditions
+from warehouse_physics.energy import kinetic, spent
 from warehouse_physics.profile import braking, plan_profile
-from warehouse_physics.robot_spec import ARRIVED, RobotSpec
-
-Position = tuple[float, float]
-
-ROBOT, WALL = 1, 2
-"""Collision types."""
+from warehouse_physics.spec import ARRIVED, RobotSpec
 
 TURN_RATE, TURN_ACCELERATION = math.pi, 60.0
 """Limits of the heading in rad/s and rad/s² for a free move of ``TURN_SECONDS``; a robot that moves
@@ -32,12 +28,13 @@ TURN_RATE, TURN_ACCELERATION = math.pi, 60.0
 """
 
 TURN_SECONDS = 2.0
+"""Seconds of a free move of the default robot over a cell."""
 
 AT_REST = 1e-6
 """Speed in m/s below which a robot stands still; less than the solver may leave after a hit."""
 
 REST, GO, BRAKE, HELD = range(4)
-"""What a drive is doing; a robot that is held waits for others at rest, see ``giving_way.py``."""
+"""Phases of a drive; a robot that is held waits for others at rest, see ``giving_way.py``."""
 
 NEVER = sys.maxsize
 """The substep at which a robot at rest has something to do."""
@@ -46,34 +43,22 @@ MAX_SUBSTEPS = 10_000
 """Substeps after which an action of one robot ends, wherever it is."""
 
 
-class Touch(NamedTuple):
-    """A hit as one robot feels it: with another robot, or with a wall if ``other`` is ``None``.
-
-    ``push`` is the direction of the push on it, of length 1, and ``velocity`` its velocity right
-    before the hit in m/s.
-    """
-
-    other: Robot | None
-    push: Position
-    velocity: Position
-
-
 @dataclass(slots=True)
 class Action:
     """The state of one action.
 
     Attributes:
-        home: cell in which it began.
+        home: cell in which the action began.
         goal: cell to drive to.
         target: middle of ``goal``, or of ``home`` after the robot gave up, in metres.
         deadline: substep after which no new attempt is made.
-        gave_up: something was in the way.
-        is_followed: another robot drives to ``home``.
-        has_met: it touched another robot.
+        gave_up: true if something was in the way.
+        is_followed: true if another robot drives to ``home``.
+        has_met: true if the robot touched another one.
         last_hit: substep of the last hit, or 0.
-        rested: substep at which it came to rest.
+        rested: substep at which the robot came to rest.
         contacts: hits so far.
-        work: of the motor so far, in joules.
+        work: work of the motor so far, in joules.
     """
 
     home: Cell
@@ -90,39 +75,35 @@ class Action:
 
 
 class Robot:
-    """A robot in a space.
+    """A robot in an arena.
 
     Args:
-        space: that its body and joints are added to.
-        spec: what it is made of.
-        cell: where it starts, at rest and heading east.
-        robots: those of the arena by body, in order; the robot adds itself.
+        arena: arena that its body and joints are added to.
+        spec: numbers of the robot.
+        cell: cell where it starts, at rest and heading east.
         floor: conditions that disturb it, or ``None``.
 
     Attributes:
-        number: of the robot in its arena.
-        position: of its middle at the last look, in metres.
-        action: the last one begun.
+        body: body of the robot.
+        position: middle of the body at the last look, in metres.
+        action: action that was begun last.
+        phase: present phase of the drive: ``REST``, ``GO``, ``BRAKE`` or ``HELD``.
+        until: substep at which the phase ends, or ``NEVER``.
     """
 
     def __init__(
         self,
-        space: pymunk.Space,
+        arena: Arena,
         spec: RobotSpec,
         cell: Cell,
-        robots: dict[pymunk.Body, Robot],
         floor: FloorConditions | None = None,
     ) -> None:
         self._spec, self._uneven = spec, floor
         self._lead = spec.time_step / 2
         self.body = pymunk.Body(1.0, 1.0)  # the load sets its mass and moment
-        self.number = len(robots)
-        robots[self.body] = self
         self.body.position = centre = centre_of(cell, spec.cell_size)
-        shape = pymunk.Circle(self.body, spec.body_radius)
-        shape.collision_type = ROBOT
         self._control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-        self._floor = pymunk.PivotJoint(space.static_body, self.body, (0, 0), (0, 0))
+        self._floor = pymunk.PivotJoint(arena.space.static_body, self.body, (0, 0), (0, 0))
         self._motor = pymunk.PivotJoint(self.body, self._control, (0, 0), (0, 0))
         self._steering = pymunk.GearJoint(self.body, self._control, 0.0, 1.0)
         self._floor.max_bias = self._motor.max_bias = 0.0
@@ -134,12 +115,12 @@ class Robot:
             self._steering.error_bias = 0.0
             self._turn_acceleration = math.pi / spec.turn_seconds / spec.time_step
         # The motor comes after the floor, so that its impulse is the last in each solver round.
-        space.add(self.body, shape, self._control, self._floor, self._motor, self._steering)
+        arena.add_robot(self.body, self._control, self._floor, self._motor, self._steering)
         self.action = Action(cell, cell, centre)
         self._heading = self._turn = 0.0
         self.look()
-        # Of the present profile: where work was last counted, the kinetic energy there, and for
-        # how many substeps to brake at its end.
+        # The present profile: where work was last counted, the kinetic energy there, and the
+        # substeps to brake at its end.
         self._start, self._energy, self._braking = self.position, 0.0, 0
         self._on = cell
         self._load(False, spec.acceleration)
@@ -162,11 +143,11 @@ class Robot:
 
         Args:
             displacement: ``(0, 0)``, or one cell in one direction.
-            loaded: whether it carries an item.
+            loaded: true if the robot carries an item.
             pace: acceleration in m/s² to drive with.
 
         Returns:
-            For how many substeps it has to turn on the spot before; see ``set_off``.
+            Substeps that it has to turn on the spot before it drives; see ``set_off``.
         """
         if loaded != self._loaded or pace != self._pace:
             self._load(loaded, pace)
@@ -242,16 +223,16 @@ class Robot:
                 return (to_x, y) if abs(x - to_x) == aside else (x, to_y)
         return to_x, to_y
 
-    def meet(self, now: int, touch: Touch, contact: Contact) -> None:
-        """Record a hit at substep ``now``, and give up if it is in the way."""
-        if contact.impulse > 0:  # not if they touch side on and already part
-            self.action.contacts.append(contact)
-        self.action.has_met |= touch.other is not None
+    def meet(self, now: int, hit: Hit, other: Robot | None) -> None:
+        """Record a hit with a wall or another robot at substep ``now``; give up if hindered."""
+        if hit.impulse > 0:  # not if they touch side on and already part
+            self.action.contacts.append(hit.contact(now * self._spec.time_step))
+        self.action.has_met |= other is not None
         self.look()
         if self.phase == GO and self.action.last_hit < now:
-            self._count_impact(touch)
+            self._count_impact(hit)
         self.action.last_hit = now
-        if self._is_hindered_by(touch, contact.point):
+        if self._is_hindered_by(hit, None if other is None else other.action):
             self.give_up()
             self.halt(now)
         elif self.phase != GO:
@@ -292,8 +273,8 @@ class Robot:
             self._floor.max_force = self._drag
             self._push(self._force)
 
-    def _is_hindered_by(self, touch: Touch, point: Position) -> bool:
-        """Return whether a hit at a point is in the way.
+    def _is_hindered_by(self, hit: Hit, other: Action | None) -> bool:
+        """Return whether a hit is in the way, with a wall or a robot in an action of its own.
 
         A wall is, if it reaches into the lane on this side of the goal and pushes against the way
         rather than across it. Another robot is, if it drives to the same cell or stays there, meets
@@ -303,14 +284,13 @@ class Robot:
         home, goal = self.action.home, self.action.goal
         if self.action.gave_up or goal == home:
             return False
-        if touch.other is not None:
-            other = touch.other.action
+        if other is not None:
             is_on_the_way = other.gave_up or other.goal == home
             return other.goal == goal or (other.home == goal and is_on_the_way)
         down, right = goal[0] - home[0], goal[1] - home[1]
-        along = touch.push[0] * right + touch.push[1] * down
-        across = touch.push[0] * down - touch.push[1] * right
-        x, y = apart(point, self.action.target)
+        along = hit.push[0] * right + hit.push[1] * down
+        across = hit.push[0] * down - hit.push[1] * right
+        x, y = apart(hit.point, self.action.target)
         is_in_lane = abs(x * down - y * right) < self._spec.cell_size / 2
         return is_in_lane and x * right + y * down < 0 and -along > abs(across)
 
@@ -352,28 +332,28 @@ class Robot:
         start, energy = self._start, self._energy
         self._count_from(velocity, lead)
         drag = self._drag * math.dist(start, self._start)
-        self.action.work += max(0.0, self._energy - energy + drag)
+        self.action.work += spent(self._energy - energy + drag)
 
     def _count_from(self, velocity: Position, lead: float) -> None:
         """Begin to count work at this position and ``velocity``."""
         (x, y), (right, down) = self.position, velocity
         self._start = x + lead * right, y + lead * down
-        self._energy = 0.5 * self._mass * (right * right + down * down)
+        self._energy = kinetic(self._mass, right, down)
 
-    def _count_impact(self, touch: Touch) -> None:
+    def _count_impact(self, hit: Hit) -> None:
         """Add the work up to a hit in this substep, and of the push of the motor in the hit.
 
         The motor pushes towards the commanded velocity, or against the hit if it holds that, at
         the mean of the velocities before and after. Its work before that is up to half a substep
         ago.
         """
-        self._count_work(touch.velocity, -self._lead)
+        self._count_work(hit.velocity, -self._lead)
         after = self.body.velocity
         aim = self._control.velocity - after
         if aim.length < AT_REST:
-            aim = -pymunk.Vec2d(*touch.push)
-        forward = aim.normalized().dot(after + touch.velocity) / 2
-        self.action.work += max(0.0, self._motor.impulse * forward)
+            aim = -pymunk.Vec2d(*hit.push)
+        forward = aim.normalized().dot(after + hit.velocity) / 2
+        self.action.work += spent(self._motor.impulse * forward)
         self._count_from(after, self._lead)
 
     def _deadline(self, floor: FloorConditions) -> float:

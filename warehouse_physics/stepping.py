@@ -14,7 +14,7 @@ pymunk that holds for errors in the functions of this package only.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from types import TracebackType
 from typing import Any, Generic, TypeVar
@@ -24,20 +24,20 @@ import pymunk
 Hit = TypeVar("Hit")
 
 IS_KNOWN = pymunk.version.startswith(("7.1.", "7.2.", "7.3."))
-"""Whether this version of pymunk has the private parts that are used here."""
+"""True if this version of pymunk has the private parts that are used here."""
 
 
 class Hits(list[Any]):
     """Hits that have begun, each as ``note`` describes it, and the errors of describing them."""
 
-    def __init__(self, note: Callable[[pymunk.Arbiter], object]) -> None:
+    def __init__(self, note: Callable[[pymunk.Arbiter], Iterable[object]]) -> None:
         super().__init__()
         self._note = note
 
     def begin(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
         """Keep a hit before the solver changes any velocity."""
         try:
-            self.append(self._note(arbiter))
+            self.extend(self._note(arbiter))
         except BaseException as error:
             self.append(error)
 
@@ -59,9 +59,9 @@ class Stepper(Generic[Hit]):
     """Steps a space.
 
     Args:
-        space: to step.
-        time_step: of a substep, in seconds.
-        note: called as a hit begins; returns what is to be known of it later.
+        space: space to step.
+        time_step: duration of a substep in seconds.
+        note: called as two bodies begin to touch; returns hits, one or more for the touch.
         pairs: collision types whose hits are noted.
     """
 
@@ -69,7 +69,7 @@ class Stepper(Generic[Hit]):
         self,
         space: pymunk.Space,
         time_step: float,
-        note: Callable[[pymunk.Arbiter], Hit],
+        note: Callable[[pymunk.Arbiter], Iterable[Hit]],
         pairs: list[tuple[int, int]],
     ) -> None:
         self._space, self._time_step, self._hits = space, time_step, Hits(note)

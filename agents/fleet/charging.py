@@ -22,7 +22,7 @@ DETOUR, SPARE_STEPS = 2.0, 20.0
 """A robot counts on ``DETOUR`` times the shortest way, and keeps ``SPARE_STEPS`` more."""
 
 MARGIN = 1.2
-"""By what the time until its turn may be longer than a robot counts on."""
+"""Factor by which the time until its turn may be longer than a robot counts on."""
 
 GAP = 5.0
 """Steps from the end of a turn at a charger until the next robot charges there."""
@@ -35,7 +35,7 @@ NEARBY, PATIENCE = 10.0, 5.0
 run empty goes to any that it reaches and waits."""
 
 HASTE = 0.25
-"""Steps of the way to a charger that a step which a battery lasts longer counts as."""
+"""Weight of remaining battery life against the distance to a charger, both in steps."""
 
 HALF = 0.5
 """Share of a full battery with which a robot leaves its charger to one that would run empty."""
@@ -44,7 +44,7 @@ QUEUE_DISTANCE = 3
 """Cells from its charger at which the robot that comes next waits."""
 
 OUT_OF_REACH = 1e9
-"""Cost of what is not allowed."""
+"""Cost of a pair that is not allowed."""
 
 INTO_CHARGER = 10.0
 """Cost of a move into a charger, where somebody may charge for long, more than of another."""
@@ -56,8 +56,8 @@ def costs_around_chargers(layout: Layout, costs: Costs | None = None) -> Costs |
     Planners do not look for a way around robots that stay.
 
     Args:
-        layout: of the fleet.
-        costs: of the moves without chargers; ``None`` is 1 each, and is returned if there are none.
+        layout: layout of the fleet.
+        costs: costs without chargers; ``None`` is 1 each, and is returned if there are no chargers.
     """
     if not layout.chargers:
         return costs
@@ -74,10 +74,10 @@ class Needs(NamedTuple):
     """What ``R`` robots need.
 
     Attributes:
-        cells: ``[R]``, where they are.
-        battery: ``[R]`` units left; robots without any have no turn.
-        may_go: ``[R]`` bool, whether they may go to charge now.
-        limits: ``[R]`` units, a robot with less goes to a charger that nobody uses.
+        cells: ``[R]``, cells of the robots.
+        battery: ``[R]``, units left; robots without any have no turn.
+        may_go: ``[R]`` bool, true for robots that may go to charge now.
+        limits: ``[R]``, units below which a robot goes to a charger that nobody uses.
     """
 
     cells: Integers
@@ -95,13 +95,13 @@ class Chargers:
     If it was wrong, turns end early for those that would run empty.
 
     Args:
-        env: of the fleet.
-        graph: of its floor.
+        env: fleet, after its reset.
+        graph: graph of its floor.
 
     Attributes:
-        cells: ``[C]``, where the chargers are.
-        home: ``[H * W]``, the steps from each cell to the nearest charger.
-        turn: ``[R]``, the charger where each robot charges or is to charge, or ``NONE``.
+        cells: ``[C]``, cells of the chargers.
+        home: ``[H * W]``, steps from each cell to the nearest charger.
+        turn: ``[R]``, charger where each robot charges or is to charge, or ``NONE``.
 
     Source: Liu and Layland (1973), Scheduling algorithms for multiprogramming in a hard-real-time
     environment, for the order of the deadlines.

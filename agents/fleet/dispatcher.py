@@ -23,20 +23,19 @@ to a charger that nobody uses."""
 
 Flags = NDArray[np.bool_]
 
-
 MAX_PAIRS, LARGE_EVERY = 40_000, 10
-"""Pairs of a robot and an order among which orders are assigned anew in each step; of more, every
-so many steps, and to robots without one in the others."""
+"""Pairs of a robot and an order up to which orders are assigned anew in each step. With more pairs
+that happens every ``LARGE_EVERY`` steps, and in the others only robots without an order get one."""
 
 
 class Robots(NamedTuple):
     """The robots before a step, ``[R]`` each; cells are numbers.
 
     Attributes:
-        cells: where they are, or are to stop; see ``Ways``.
-        goals: where they are to pick or drop, or ``NONE``.
-        loaded: whether they hold an item.
-        ended: whether they have ended.
+        cells: cells of the robots, or cells where they are to stop; see ``Ways``.
+        goals: cells where they are to pick or drop, or ``NONE``.
+        loaded: true for robots that hold an item.
+        ended: true for robots whose episode has ended.
         battery: units left.
     """
 
@@ -51,12 +50,12 @@ class Dispatcher:
     """Gives the robots of a fleet orders, turns at chargers, and goals.
 
     Args:
-        env: of the fleet, after its reset.
+        env: fleet, after its reset.
         assignment: a name of ``ASSIGNMENTS``.
 
     Attributes:
-        graph: of the floor.
-        chargers: of the floor.
+        graph: graph of the floor.
+        chargers: chargers of the floor, and the turns at them.
     """
 
     def __init__(self, env: FleetEnv, assignment: str) -> None:
@@ -71,7 +70,7 @@ class Dispatcher:
         self._is_idle = np.zeros(env.settings.robots, np.bool_)
 
     def situation(self, env: FleetEnv) -> tuple[Situation, NDArray[np.intp]]:
-        """Return what a planner is to know before the next step, and what those do who stay.
+        """Return the situation before the next step, and the actions of robots that stay.
 
         Orders are assigned. A robot does ``PICK`` or ``DROP``, or ``WAIT`` if it moves or waits.
         """

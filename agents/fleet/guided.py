@@ -1,4 +1,4 @@
-"""Planners whose moves have costs: those of lanes, or those learned from traffic."""
+"""Planners whose moves have costs: lanes, or costs learned from traffic."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from agents.mapf.prioritised import REPLAN, WINDOW, WindowedPlanner
 from warehouse_core import Layout
 
 TRIALS, TRIAL_SEED = 16, 1_000_000
-"""Runs that costs are learned from, and the seed of the first, not that of an episode."""
+"""Runs that costs are learned from, and seed of the first, which no episode shares."""
 
 
 def pibt_on_lanes(

@@ -21,7 +21,7 @@ from warehouse_core.world.tiles import (
 )
 
 CLOSED = (WALL, OTHER_EMPTY, OTHER_LOADED, PERSON)
-"""What no robot can drive into, as it is seen."""
+"""Tiles of an observation that no robot can drive into."""
 
 NEARLY_FULL, ENOUGH = 0.9, 0.7
 """Shares of a full battery: with the first a robot leaves its charger, and with the second or more
@@ -35,19 +35,20 @@ PATIENCE = 3
 """Moves that fail one after another before a robot takes another one."""
 
 Goal = tuple[Cell | None, Cell | None]
-"""Where to pick and where to drop."""
+"""Cells to pick and to drop in."""
 
 
 class Site:
     """What the robots of a fleet know of their warehouse.
 
     Args:
-        env: of the fleet.
+        env: fleet, after its reset.
 
     Attributes:
-        stations: the cells where nobody should stand without a reason.
-        enough, full: units of a battery, see ``NEARLY_FULL``.
-        free: the chargers that no robot goes to.
+        stations: cells where nobody should stand without a reason.
+        enough: units with which no robot goes to charge, see ``ENOUGH``.
+        full: units with which a robot leaves its charger, see ``NEARLY_FULL``.
+        free: chargers that no robot goes to.
     """
 
     def __init__(self, env: FleetEnv) -> None:
@@ -86,12 +87,12 @@ class Pilot:
     failed it takes a random one.
 
     Args:
-        agent: of the chapter; it is reset for each goal.
-        site: of the fleet.
-        stream: for moves out of the way.
+        agent: agent of the chapter; it is reset for each goal.
+        site: warehouse of the fleet.
+        stream: random numbers for moves out of the way.
 
     Attributes:
-        reason: of the last action.
+        reason: reason of the last action.
     """
 
     def __init__(self, agent: Agent, site: Site, stream: random.Random) -> None:

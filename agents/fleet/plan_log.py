@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from agents.mapf.graph import Graph, Integers
 from agents.mapf.pibt import NOBODY
-from agents.mapf.planner import Situation
+from agents.mapf.planner import (
+    ForesightedPlanner,
+    GraphPlanner,
+    Planner,
+    PushingPlanner,
+    Situation,
+)
 from warehouse_core.records.plans import StepPlans
 
 
@@ -15,41 +20,43 @@ class PlanLog:
     """Keeps what a planner plans for some robots, and who pushes whom.
 
     Args:
-        robots: whose plans are kept.
-        pushes: whether to keep who pushes whom, for a planner that has ``pushers``.
+        robots: numbers of the robots whose plans are kept.
+        pushes: keep who pushes whom, too; the planner must be a ``PushingPlanner``.
 
     Attributes:
-        pushes: as given.
-        plans: of the steps so far, as ``replay_animation`` takes them.
+        pushes: the argument.
+        plans: plans of the steps so far, as ``replay_animation`` takes them.
     """
 
     def __init__(self, robots: Sequence[int] = (), pushes: bool = False) -> None:
         self.plans: list[StepPlans] = []
         self._robots, self.pushes = robots, pushes
 
-    def add(self, planner: Any, graph: Graph, situation: Situation, chosen: Integers) -> None:
+    def add(self, planner: Planner, graph: Graph, situation: Situation, chosen: Integers) -> None:
         """Keep the plans of a step.
 
         Args:
-            planner: that has planned it.
-            graph: of the floor, for a planner that has none.
-            situation: before the step.
-            chosen: ``[R]``, the next cells.
+            planner: planner of the step.
+            graph: graph of the floor, used for a planner that shows none.
+            situation: situation before the step.
+            chosen: ``[R]``, next cells.
         """
         cells, goals = situation.cells, situation.goals
-        graph = getattr(planner, "graph", graph)
+        if isinstance(planner, GraphPlanner):
+            graph = planner.graph
         ways, wishes = dict[int, list[int]](), dict[int, list[int]]()
         for robot in self._robots:
-            ahead = planner.plan_of(robot) if hasattr(planner, "plan_of") else []
+            ahead = planner.plan_of(robot) if isinstance(planner, ForesightedPlanner) else []
             # A robot that cannot go on as planned waits.
             is_planned = ahead[:1] == [chosen[robot]]
             ways[robot] = [int(cells[robot]), *(ahead if is_planned else [int(chosen[robot])])]
             wishes[robot] = graph.way(ways[robot][-1], int(goals[robot]))
-        pushers = planner.pushers if self.pushes else []
         width = graph.layout.width
         places, wished = (
             {robot: [divmod(cell, width) for cell in way] for robot, way in kind.items()}
             for kind in (ways, wishes)
         )
-        pushed = {robot: int(by) for robot, by in enumerate(pushers) if by != NOBODY}
+        pushed = dict[int, int]()
+        if self.pushes and isinstance(planner, PushingPlanner):
+            pushed = {robot: int(by) for robot, by in enumerate(planner.pushers) if by != NOBODY}
         self.plans.append(StepPlans(places, wished, pushed))

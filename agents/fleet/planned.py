@@ -9,7 +9,7 @@ from agents.errors import AgentError, file_of, reason_of
 from agents.fleet.dispatcher import Dispatcher, shares_cell
 from agents.fleet.plan_log import PlanLog
 from agents.mapf.graph import CLOSED, Graph, Integers
-from agents.mapf.planner import Planner, Situation, check_step
+from agents.mapf.planner import GraphPlanner, Planner, PushingPlanner, Situation, check_step
 from agents.mapf.time_limit import time_limit
 from warehouse_core import FleetEnv
 from warehouse_core.records.plans import NO_PLANS
@@ -18,7 +18,7 @@ from warehouse_core.world.actions import WAIT
 DEFAULT_ASSIGNMENT = "urgent"
 
 PLAN_SECONDS = 10.0
-"""That a planner may take for a step."""
+"""Seconds that a planner may take for a step."""
 
 
 class PlannedFleet:
@@ -28,18 +28,18 @@ class PlannedFleet:
     and the fleet is to go on; the planner is then reset.
 
     Args:
-        planner: for the floor of the fleet.
+        planner: planner made for the floor of the fleet.
         assignment: a name of ``ASSIGNMENTS``.
-        seconds: that the planner may take for a step, above 0.
-        goes_on: whether the fleet goes on when the planner fails; otherwise its error is raised.
-        log: gets the plans of each step.
+        seconds: time limit of the planner for a step, above 0.
+        goes_on: go on when the planner fails, instead of raising its error.
+        log: log that gets the plans of each step.
 
     Raises:
         AgentError: the log is to have pushes, which the planner does not say.
 
     Attributes:
         dispatch: false, as the orders are assigned here; see ``FleetEnv``.
-        lost: the steps that were lost, and why.
+        lost: steps that were lost, and why.
     """
 
     dispatch = False
@@ -53,7 +53,7 @@ class PlannedFleet:
         goes_on: bool = False,
         log: PlanLog | None = None,
     ) -> None:
-        if log and log.pushes and not hasattr(planner, "pushers"):
+        if log and log.pushes and not isinstance(planner, PushingPlanner):
             raise AgentError(f"planner {type(planner).__name__} does not say which robots push")
         self.planner, self._assignment = planner, assignment
         self._seconds, self._goes_on, self._log = seconds, goes_on, log
@@ -77,7 +77,7 @@ class PlannedFleet:
             self._dispatcher = Dispatcher(env, self._assignment)
         situation, actions = self._dispatcher.situation(env)
         graph, cells = self._dispatcher.graph, situation.cells
-        known = getattr(self.planner, "graph", graph)
+        known = self.planner.graph if isinstance(self.planner, GraphPlanner) else graph
         if known.closed != graph.closed:
             known.close(graph.closed)
             self.planner.reset()

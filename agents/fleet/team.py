@@ -17,13 +17,13 @@ class Team:
     with a backend that ``DrivesThrough``, has no action to choose until it is at rest.
 
     Args:
-        agents: one for each robot.
-        seed: of the moves of robots that are in the way.
+        agents: one agent for each robot.
+        seed: seed of the moves of robots that are in the way.
 
     Attributes:
-        agents: as given.
-        reasons: ``R``, of the last actions.
-        robot: the one whose agent is choosing now, or ``None``.
+        agents: the argument.
+        reason: reasons of the last actions, one for each robot; "" for a robot that drives on.
+        robot: robot whose agent is choosing now, or ``None``.
     """
 
     def __init__(self, agents: Sequence[Agent], seed: int | None = None) -> None:
@@ -33,7 +33,7 @@ class Team:
     def reset(self) -> None:
         """Forget the last episode."""
         self.robot: int | None = None
-        self.reasons = [""] * len(self.agents)
+        self.reason = [""] * len(self.agents)
         self._pilots: list[Pilot] = []
 
     def act(self, env: FleetEnv) -> list[int]:
@@ -42,11 +42,12 @@ class Team:
             site, stream = Site(env), random.Random(self._seed)
             self._pilots = [Pilot(agent, site, stream) for agent in self.agents]
         actions = [WAIT] * len(self.agents)
+        self.reason = [""] * len(self.agents)
         at_rest = env.ways.at_rest
         for robot, observation in enumerate(env.observations()):
             self.robot, pilot = robot, self._pilots[robot]
             if at_rest[robot]:
                 actions[robot] = pilot.act(observation)
-                self.reasons[robot] = pilot.reason
+                self.reason[robot] = pilot.reason
         self.robot = None
         return actions

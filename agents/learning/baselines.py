@@ -13,7 +13,7 @@ class RandomAgent:
     """Takes any of the seven actions, each with the same probability.
 
     Args:
-        seed: of its random stream, restarted at each ``reset``; ``None`` uses a random one.
+        seed: seed of its random stream, restarted at each ``reset``; ``None`` uses a random one.
     """
 
     def __init__(self, seed: int | None = None) -> None:

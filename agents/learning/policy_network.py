@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core import RecordError
+from warehouse_core.files.header import pack_header, unpack_header
 from warehouse_core.files.npz import Schema, read_arrays, write_arrays
-from warehouse_core.records.episode_arrays import pack_header, unpack_header
 from warehouse_core.task.encoding import MARKED_TILES, OTHER_NUMBERS, Arrays, vector
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.tiles import CELL_CODES
@@ -37,7 +37,7 @@ SCHEMA: Schema = {
 }
 
 Tiles = tuple[str, ...]
-"""What a network tells apart in a window: ``MARKED_TILES``, or ``FLEET_TILES`` in a fleet."""
+"""Tiles that a network tells apart in a window: ``MARKED_TILES``, or ``FLEET_TILES`` in a fleet."""
 
 Floats = NDArray[np.float32]
 Layer = tuple[Floats, Floats]
@@ -58,9 +58,9 @@ class PolicyNetwork:
     """A network with fixed weights.
 
     Args:
-        view_radius: of its observations.
-        layers: ``LAYERS`` of them, from the first to the last.
-        tiles: that it tells apart.
+        view_radius: view radius of its observations.
+        layers: ``LAYERS`` layers, from the first to the last.
+        tiles: tiles that it tells apart.
 
     Raises:
         ValueError: the layers do not fit together or hold numbers that are not finite.

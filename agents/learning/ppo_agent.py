@@ -28,18 +28,18 @@ class PPOAgent:
     the robot has been since the episode began, or since it picked up the item, ends it for sure.
 
     Args:
-        network: that chooses the actions.
-        name: of the network in error messages.
-        seed: for the actions that are drawn, restarted at each ``reset``.
-        sample: whether actions are drawn by their probability, as in training. ``None`` is yes for
-            a network that robots of a fleet share: those that insist on the likeliest actions block
-            each other for ever.
-        revisit: by how much each visit to a cell lowers the output of the actions that lead there,
-            at least 0.
+        network: network that chooses the actions.
+        name: name of the network in error messages.
+        seed: seed of the actions that are drawn, restarted at each ``reset``.
+        sample: draw actions by their probability, as in training. ``None`` is true for a network
+            that robots of a fleet share: if they insist on the likeliest actions, they block each
+            other for ever.
+        revisit: penalty, at least 0, of each visit to a cell on the output of the actions that lead
+            there.
 
     Attributes:
-        samples: whether actions are drawn.
-        revisit: as given.
+        samples: true if actions are drawn.
+        revisit: the argument.
 
     Raises:
         AgentError: a value that is not allowed.
@@ -86,7 +86,7 @@ class PPOAgent:
         """Return the action for ``observation`` and set ``reason`` to its probability.
 
         Raises:
-            AgentError: the view radius is not that of the training.
+            AgentError: the view radius differs from the training.
         """
         radius = len(observation["local_grid"]) // 2
         if radius != self._network.view_radius:

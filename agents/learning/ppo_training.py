@@ -10,6 +10,7 @@ Closer Look at Invalid Action Masking in Policy Gradient Algorithms*, 2022.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,14 +19,11 @@ import torch
 from sb3_contrib import MaskablePPO
 from stable_baselines3.common.callbacks import BaseCallback
 
-from agents.lab.evaluation.fleet_scores import FleetTask
-from agents.lab.evaluation.random_layouts import RandomLayouts
-from agents.lab.evaluation.scores import MakeAgent, Task
+from agents.learning.learner import RECENT_EPISODES, MakeAgent, Watch
 from agents.learning.policy_network import Layer, PolicyNetwork
 from agents.learning.ppo_agent import PPOAgent
-from agents.learning.training import RECENT_EPISODES, Watch
 from agents.learning.vec_env import BatchVecEnv
-from agents.learning.vector_steps import tiles_of
+from agents.learning.vector_steps import Batch, tiles_of
 from warehouse_core.files.atomic import atomic_path
 
 ENVS = 128
@@ -35,7 +33,7 @@ ROUND = 64
 """Steps of each row between two updates of the network."""
 
 LEARNING_RATE = 2e-3
-"""Of the first round; it decreases linearly, to 0 after the last round."""
+"""Learning rate of the first round; it decreases linearly, to 0 after the last round."""
 
 SETTINGS: dict[str, Any] = {
     "n_steps": ROUND,
@@ -50,25 +48,26 @@ SETTINGS: dict[str, Any] = {
 """Chosen on the chapter's layout; all others are the defaults of Stable-Baselines3."""
 
 FOR_RANDOM_LAYOUTS: dict[str, Any] = {"gamma": 0.98, "policy_kwargs": {"net_arch": [128, 128]}}
-"""What differs if each episode has another layout: ways are longer, and there is more to learn."""
+"""Settings for another layout in each episode: ways are longer, and there is more to learn."""
+
+NO_SETTINGS: Mapping[str, Any] = {}
 
 
 class PPOLearner:
-    """Learns a task from episodes with random starts.
+    """Learns from the episodes of a batch.
 
     Args:
-        task: to be learned; its backend is not used. The robots of a fleet share the network.
-        steps: of the whole training, rounded up to whole rounds of all rows.
-        seed: repeats a training on the same machine with the same versions.
-
-    Raises:
-        LayoutError: the layout has no space for pickup and dropoff.
+        batch: environments with ``autoreset_mode="SameStep"``, usually ``ENVS`` rows. The robots of
+            a fleet share the network.
+        steps: steps of the whole training, rounded up to whole rounds of all rows.
+        seed: seed that repeats a training on the same machine with the same versions.
+        settings: settings that differ from ``SETTINGS``, such as ``FOR_RANDOM_LAYOUTS``.
     """
 
-    def __init__(self, task: Task | FleetTask, steps: int, seed: int) -> None:
+    def __init__(
+        self, batch: Batch, steps: int, seed: int, settings: Mapping[str, Any] = NO_SETTINGS
+    ) -> None:
         torch.set_num_threads(1)  # the network is small, and sums are repeatable
-        batch = task.make_batch(ENVS)
-        differs = FOR_RANDOM_LAYOUTS if isinstance(task.layout, RandomLayouts) else {}
         self._view_radius, self._tiles = batch.view_radius, tiles_of(batch)
         self._round = batch.num_envs * ROUND
         self._rounds = rounds = math.ceil(steps / self._round)
@@ -78,7 +77,7 @@ class PPOLearner:
             # ``left`` has been reduced by the round whose update uses the rate.
             learning_rate=lambda left: LEARNING_RATE * (left + 1 / rounds),
             seed=seed,
-            **SETTINGS | differs,
+            **SETTINGS | dict(settings),
         )
 
     def learn(self, watch: Watch) -> MakeAgent:
@@ -94,7 +93,9 @@ class PPOLearner:
     def network(self) -> PolicyNetwork:
         """Return a copy of the policy network."""
         policy = self.model.policy
-        hidden = [part for part in policy.mlp_extractor.policy_net if hasattr(part, "weight")]
+        hidden = [
+            part for part in policy.mlp_extractor.policy_net if isinstance(part, torch.nn.Linear)
+        ]
         return PolicyNetwork(
             self._view_radius,
             [_copy(part) for part in (*hidden, policy.action_net)],

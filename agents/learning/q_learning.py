@@ -40,7 +40,7 @@ State = tuple[Cell, Cell, bool]
 
 
 class QTable(dict[State, list[float]]):
-    """The values of all actions by state; those of a new state are 0."""
+    """The values of all actions by state, which are 0 in a new state."""
 
     def __missing__(self, state: State) -> list[float]:
         values = self[state] = [0.0] * len(ACTIONS)
@@ -65,7 +65,7 @@ def learn(table: QTable, env: WarehouseEnv, steps: int, seed: int) -> Iterator[t
     """Fill a table by whole episodes from random starts, in ``steps`` steps or a few more.
 
     Yields:
-        After each episode the steps taken so far, and whether it ended with a delivery.
+        Steps taken so far, after each episode, and true if it ended with a delivery.
     """
     stream, taken = random.Random(seed), 0
     while taken < steps:
@@ -86,8 +86,8 @@ class QAgent:
     """Takes the action with the highest value in a table.
 
     Args:
-        table: of values; in a state that is not in it, the agent acts at random.
-        seed: of the agent's own random stream, restarted at each ``reset``.
+        table: table of values; in a state that is not in it, the agent acts at random.
+        seed: seed of the agent's own random stream, restarted at each ``reset``.
     """
 
     def __init__(self, table: QTable, seed: int | None = None) -> None:

@@ -63,9 +63,9 @@ def load_agent(path: Path, seed: int | None = None, layout: Layout = DEFAULT_LAY
     """Return an agent with a table from a file.
 
     Args:
-        path: of the file.
-        seed: of the agent.
-        layout: where it is to act.
+        path: path of the file.
+        seed: seed of the agent.
+        layout: layout in which it is to act.
 
     Raises:
         AgentError: the table is for a layout with other walls.

@@ -20,7 +20,7 @@ class BatchVecEnv(VecEnv):
     The rows of a ``FleetBatch`` are its robots, which so share one policy.
 
     Args:
-        batch: with ``autoreset_mode="SameStep"``.
+        batch: batch with ``autoreset_mode="SameStep"``.
     """
 
     def __init__(self, batch: Batch) -> None:

@@ -28,10 +28,13 @@ HANDLING = 2
 """Steps of picking and dropping."""
 
 URGENT, LATE = 30.0, 15.0
-"""Steps of a detour that an order without spare time is worth, and that one which is late costs."""
+"""Detour in steps that an order without spare time is worth; detour that a late order costs."""
 
 KEEP = 3.0
-"""Steps that another order must be better by than the one that a robot goes for already."""
+"""Steps by which another order must be better before a robot leaves the order it goes for.
+
+Without it, robots would change orders at every tie.
+"""
 
 SPARE = 40.0
 """Spare steps of an order with which it is worth ``exp(-1)`` of ``URGENT``."""
@@ -93,7 +96,7 @@ def nearest_first(tasks: Tasks) -> NDArray[np.intp]:
 def hungarian(tasks: Tasks) -> NDArray[np.intp]:
     """Give away as many orders as can be, so that the sum of the ways is least.
 
-    Source: Kuhn (1955), The Hungarian method for the assignment problem. SciPy's solver is that of
+    Source: Kuhn (1955), The Hungarian method for the assignment problem. SciPy's solver follows
     Crouse (2016), On implementing 2D rectangular assignment algorithms.
     """
     return _cheapest(tasks, tasks.ways)
@@ -134,4 +137,4 @@ ASSIGNMENTS: dict[str, Assignment] = {
 """Assignments by name."""
 
 REASSIGNING = ("hungarian", "urgent")
-"""Those that may give the order of a robot to another as long as it has not picked its item."""
+"""Assignments that may move an order to another robot until its item is picked."""

@@ -34,13 +34,17 @@ from agents.mapf.space_time import find_way, moves_of
 from warehouse_core.wording import counted
 
 TOLL = 2.0**-12
-"""Of a conflict with the other robots' ways: of equally long ways that with the fewest is taken."""
-
+"""Cost of a conflict with another robot's way, so that among ways of equal length one with few
+conflicts is taken. A power of two below any sum of conflicts keeps the costs exact.
+"""
 
 CARDINAL = 2
+"""Robots of a cardinal conflict whose costs it raises: both."""
 
 MAX_PAIRS = 10_000
-"""Of cells at one time; robots with more are not compared, and count as independent."""
+"""Pairs of cells at one time up to which two robots are compared; beyond it they count as
+independent, which weakens the bound but never makes it wrong.
+"""
 
 
 class Constraint(NamedTuple):
@@ -48,9 +52,10 @@ class Constraint(NamedTuple):
 
     Attributes:
         robot: its number.
-        time: of what it must not do.
-        cell: where it must not be at the time; ``None`` for being in its goal for good by then.
-        before: if not ``None``, it may be in the cell, but not come from this one.
+        time: joint step at which the constraint holds.
+        cell: cell that the robot must not be in at the time; ``None`` forbids the robot to be in
+            its goal for good by then.
+        before: cell that the robot must not come from; ``None`` forbids the cell altogether.
     """
 
     robot: int
@@ -67,10 +72,12 @@ class Conflict(NamedTuple):
 
 
 Judged = tuple[int, Conflict]
-"""For how many of its robots a conflict raises the cost, and what to split."""
+"""Number of its robots whose cost a conflict raises, and the conflict to split."""
 
 MDD = list[dict[int, list[int]]]
-"""For each time the cells where a robot can be, and those where it can be next."""
+"""Multi-valued decision diagram: by time, the cells of a robot's cheapest ways, each with the cells
+that follow it.
+"""
 
 
 @dataclass(eq=False)
@@ -78,11 +85,11 @@ class Node:
     """A node of the conflict tree.
 
     Attributes:
-        parent: ``None`` for the root.
-        constraint: that it has beyond those of its parent.
-        ways: of each robot, the cheapest under the constraints.
+        parent: node above, ``None`` for the root.
+        constraint: constraint that this node adds to its parent's.
+        ways: cheapest way of each robot under the constraints.
         cost: the sum of the costs of the ways.
-        conflicts: of the ways.
+        conflicts: all conflicts between the ways.
         split: the conflict that its children forbid, or ``None`` if it has none.
     """
 
@@ -110,11 +117,11 @@ class ConflictTree:
     """The tree of a problem, which grows until it has a plan.
 
     Args:
-        problem: any. Lanes do not count: the cost of a way is its length.
+        problem: any problem. Lanes do not count: the cost of a way is its length.
 
     Attributes:
-        nodes: all so far, the root first.
-        solution: the node whose ways are an optimal plan, once there is one.
+        nodes: all nodes so far, the root first.
+        solution: node whose ways are an optimal plan, once there is one.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -223,7 +230,7 @@ class ConflictTree:
         return None if found is None else found.cells
 
     def _judge(self, node: Node, conflict: Conflict) -> Judged:
-        """Return for how many of its robots a conflict raises the cost, and what to split."""
+        """Return how many of its robots a conflict costs more, and the conflict to split."""
         one, other = (self._mdd(node, each.robot) for each in conflict)
         forced = _is_forced(one, conflict.one) + _is_forced(other, conflict.other)
         if forced < CARDINAL and self._are_dependent(one, other):

@@ -20,16 +20,16 @@ from warehouse_core.motion.base import Ways
 from warehouse_core.wording import listed
 from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, RobotSpec
 from warehouse_physics.profile import Floats
-from warehouse_physics.robot_spec import ARRIVED
+from warehouse_physics.spec import ARRIVED
 
 PATIENCE = 10.0
 """Seconds without stops in which nobody moves, after which nobody will."""
 
 MAX_SLOWNESS = 10
-"""Times as long as robots that drive one after the other."""
+"""Factor on the time of robots that drive one after the other, after which a plan has failed."""
 
 MAX_TRIES = 10
-"""Of a joint step from which disturbances keep robots."""
+"""Attempts at a joint step from which disturbances keep robots."""
 
 RESTS = 1e-5
 """Metres in which a robot may move from row to row of its path and is still said to rest."""
@@ -39,9 +39,9 @@ class Execution(NamedTuple):
     """What the execution of a plan by ``R`` bodies took.
 
     Attributes:
-        seconds: until all are at rest in their last cells.
-        joules: of all together, until then.
-        hits: with walls and, for each of the two, with robots.
+        seconds: time until all bodies are at rest in their last cells.
+        joules: energy of all bodies until then.
+        hits: number of hits; a hit between two robots counts for each of them.
         arrivals: ``[R]``, seconds until each is at rest in its last cell for good.
     """
 
@@ -61,12 +61,12 @@ def drive_through(
     """Let bodies drive through the cells of a joint plan.
 
     Args:
-        layout: of the plan.
+        layout: floor on which the plan was made.
         plan: ``[T + 1, R]``, the cell of each robot before each joint step and after the last: the
             ``cells`` of a ``Plan`` or of a ``LifelongRun``.
-        spec: of the robots.
-        disturbances: how far the physics departs from the nominal.
-        seed: for the disturbances.
+        spec: robot to use; ``None`` is the default robot.
+        disturbances: departures from nominal physics.
+        seed: seed of the disturbances.
 
     Raises:
         PlanError: nobody moves any more before all have arrived; the message names robots.

@@ -1,7 +1,7 @@
 """The open cells of a layout as a graph, and the distances in it.
 
 Cells are numbers, ``row * W + col``, as in the arrays of a fleet. Where turns have a cost,
-distances are those of *places*: a robot in a cell that faces north, east, south or west, 0 to 3, is
+distances are between *places*: a robot in a cell that faces north, east, south or west, 0 to 3, is
 in the place ``heading * H * W + cell``. Otherwise places are cells.
 """
 
@@ -31,37 +31,36 @@ EAST = 1
 """The heading of robots at first."""
 
 CLOSED = -1
-"""In place of a neighbour that is a wall or off the layout."""
+"""Stands for a neighbour that is a wall or off the layout."""
 
 MAX_BYTES = 1_000_000_000
-"""Of the distance fields that are kept."""
+"""Memory of kept distance fields; those used least recently are dropped beyond it."""
 
 FAR = np.iinfo(np.uint16).max
-"""Where no way leads to the goal, in ``Fields``."""
+"""Distance in ``Fields`` of a cell that no way leads from."""
 
 NO_ROW = -1
+"""Row of a goal that has no field in ``Fields``."""
 
 
 class Graph:
     """The open cells of a layout and the moves between them.
 
     Args:
-        layout: any.
-        costs: ``[H * W, 4]`` of the moves N, E, S and W from each cell, above 0; ``None`` is 1
-            each. See ``lanes.py``.
-        turn_cost: of a quarter turn before a move; a half turn costs twice as much.
+        layout: any layout.
+        costs: ``[H * W, 4]`` costs above 0 of the moves N, E, S and W from each cell; ``None`` is
+            1 each. See ``lanes.py``.
+        turn_cost: cost of a quarter turn before a move; a half turn costs twice as much.
 
     Raises:
         ValueError: ``turn_cost`` is below 0 or no number.
 
     Attributes:
-        layout: as given.
-        costs: as given.
-        turn_cost: as given.
+        layout, costs, turn_cost: the arguments.
         size: ``H * W``.
-        turns: ``[4, 5]`` float32, what robots of each heading turn for before they move N, E, S or
-            W, or wait.
-        closed: the cells that no way leads through; see ``close``.
+        turns: ``[4, 5]`` float32, cost of turning from each heading before moving N, E, S or W, or
+            waiting.
+        closed: cells that no way leads through; see ``close``.
         neighbours: ``[H * W, 5]`` int32, the cell that N, E, S, W and waiting lead to, or
             ``CLOSED``.
     """
@@ -102,8 +101,8 @@ class Graph:
         """Return the places that N, E, S, W and waiting lead to, ``[R, 5]``.
 
         Args:
-            cells: ``[R]``.
-            headings: ``[R]``, 0 to 3.
+            cells: ``[R]`` present cells.
+            headings: ``[R]`` present headings, 0 to 3.
         """
         near: Integers = self.neighbours[cells]  # CLOSED leads to a place that is not used
         if self.turn_cost:
@@ -114,11 +113,11 @@ class Graph:
     def headings(self, before: Integers, cells: Integers, headings: Integers) -> Integers:
         """Return the headings of robots after they have moved; all arguments are ``[R]``."""
         moves = self.neighbours[before, :WAIT] == cells[:, None]
-        found: Integers = np.where(moves.any(axis=1), moves.argmax(axis=1), headings)
-        return found
+        turned: Integers = np.where(moves.any(axis=1), moves.argmax(axis=1), headings)
+        return turned
 
     def close(self, cells: frozenset[int]) -> None:
-        """Let no way lead through some cells from now on, and those closed before be open."""
+        """Close some cells to all ways from now on, and open the cells that were closed before."""
         self.closed = cells
         self._fields.clear()
         self.__dict__.pop("_edges", None)
@@ -126,12 +125,12 @@ class Graph:
     def distances(self, goal: int, keep: bool = True) -> Costs:
         """Return the cost of the cheapest way from each place to a goal, ``[places]`` float32.
 
-        It is infinite for walls and cells without a way. Fields are kept, those used last, in
-        ``MAX_BYTES``; they are not to be changed.
+        The cost is infinite for walls and cells without a way. Recently used fields are kept up
+        to ``MAX_BYTES``; callers must not change them.
 
         Args:
-            goal: a cell.
-            keep: whether to keep the field if it was not kept yet.
+            goal: cell to reach.
+            keep: keep the field for later calls.
         """
         field = self._fields.get(goal)
         if field is None:
@@ -139,10 +138,10 @@ class Graph:
 
             unweighted = self.costs is None and not self.turn_cost
             goals = range(goal, self.places, self.size) if self.turn_cost else goal
-            found = dijkstra(
+            costs = dijkstra(
                 self._edges, indices=goals, unweighted=unweighted, min_only=self.turn_cost > 0
             )
-            field = np.asarray(found, np.float32)
+            field = np.asarray(costs, np.float32)
             if not keep:
                 return field
             self._fields[goal] = field
@@ -158,8 +157,8 @@ class Graph:
         A robot faces where it begins.
 
         Args:
-            cell: where it starts.
-            goal: another cell, or the same.
+            cell: first cell.
+            goal: last cell, which may be the first.
         """
         field, way = self.distances(goal), [cell]
         heading = int(field[cell :: self.size].argmin())
@@ -218,8 +217,8 @@ class Fields:
                 self._free_rows(goals)
             self._row_of[goal] = row = self._free.pop()
             self._fill(row, self.graph.distances(goal, keep=False))
-        found: Integers = self._row_of[goals]
-        return found
+        rows: Integers = self._row_of[goals]
+        return rows
 
     def _free_rows(self, goals: Integers) -> None:
         rows = len(self.matrix)

@@ -25,7 +25,7 @@ from agents.mapf.problem import Plan, Problem
 from warehouse_core.world.actions import WAIT
 
 Constraint = tuple[tuple[int, int], ...]
-"""Robots and the cells that they must go to next."""
+"""Robots and their next cells."""
 
 
 @dataclass(eq=False)
@@ -33,11 +33,11 @@ class Node:
     """A configuration.
 
     Attributes:
-        cells: ``[R]``.
-        ages: ``[R]``, the steps since each robot was at its goal.
-        order: robots, those of the highest priority first.
-        parent: the configuration before, ``None`` at the start.
-        tree: constraints that were not yet tried, a queue.
+        cells: ``[R]`` cells of the robots.
+        ages: ``[R]`` steps since each robot was at its goal.
+        order: robots by falling priority.
+        parent: configuration before, ``None`` at the start.
+        tree: queue of constraints that were not yet tried.
     """
 
     cells: Integers
@@ -48,7 +48,7 @@ class Node:
 
 
 def lacam(problem: Problem, seconds: float, seed: int = 0) -> Plan:
-    """Return a plan; it is not optimal.
+    """Return a plan, which need not be optimal.
 
     Raises:
         PlanError: there is none, or none was found in time.

@@ -20,23 +20,26 @@ from warehouse_core.world.actions import ACTIONS, WAIT
 from warehouse_core.world.layout import Layout
 
 WRONG_WAY = 5.0
+"""Cost of a move against its lane."""
 
 FIRST_WRONG_WAY = 1.5
+"""Cost of a move against its lane in the first trial of learned costs."""
+
 MOVE_COST, OPPOSED_COST, WAIT_COST = 2.0, 10.0, 2.0
-"""What traffic adds to the costs of a move: for each time in a step that the same move is made,
-that the opposite move is made, and that somebody waits in the cell to which it leads.
+"""Costs that traffic adds to a move, per step and occurrence: the same move, the opposite move, a
+robot that waits in the cell to which it leads. Robots that meet head-on lose most.
 """
 
 MIN_SHARE = 0.15
-"""Of the last trial in the mean traffic."""
+"""Smallest weight of the last trial in the mean traffic, so that late trials still count."""
 
 
 def lane_costs(layout: Layout, wrong_way: float = WRONG_WAY) -> Costs:
     """Return the costs of the moves N, E, S and W from each cell, ``[H * W, 4]``, for a ``Graph``.
 
     Args:
-        layout: any.
-        wrong_way: the cost of a move west in an even row, east in an odd one, north in an even
+        layout: any layout.
+        wrong_way: cost of a move west in an even row, east in an odd one, north in an even
             column, south in an odd one; other moves cost 1.
     """
     costs = np.ones((layout.height, layout.width, 4), np.float32)
@@ -57,17 +60,17 @@ def learned_costs(
 ) -> Costs:
     """Return costs of moves that were learned from the traffic of trial runs, as ``lane_costs``.
 
-    In each trial PIBT leads robots by the costs so far, first those of faint lanes. What moves
-    cost then follows from the mean traffic of the trials: most where robots would meet head-on.
+    In each trial PIBT leads robots by the costs so far, beginning with faint lanes. The
+    costs then follow from the mean traffic of the trials: most where robots would meet head-on.
 
     Args:
-        layout: any.
-        robots: as many as there will be, since traffic depends on it.
-        trials: runs to learn from.
-        steps: of each run.
-        seed: of the first run; each has a seed of its own.
-        starts: as for ``run_lifelong``.
-        goals: as for ``run_lifelong``.
+        layout: any layout.
+        robots: number of robots, on which traffic depends.
+        trials: number of runs to learn from.
+        steps: length of each run.
+        seed: seed of the first run; the next runs have the next seeds.
+        starts: see ``run_lifelong``.
+        goals: see ``run_lifelong``.
 
     Raises:
         PlanError: as for ``run_lifelong``.

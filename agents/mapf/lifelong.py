@@ -14,20 +14,20 @@ from agents.mapf.graph import Graph, Integers
 from agents.mapf.planner import NO_CELLS, Planner, Situation
 
 NewGoals = Callable[[Integers, Integers], Integers]
-"""Returns the goals of the robots, ``[R]``, from their cells after a step and their goals so far.
+"""Function that returns new goals, ``[R]``, from the cells after a step and the goals so far.
 
-What it is given is not to be changed.
+It must not change these arrays.
 """
 
 
 @dataclass(frozen=True, eq=False)
 class LifelongRun:
-    """What robots did.
+    """Record of a lifelong run.
 
     Attributes:
-        cells: ``[T + 1, R]``, where they were.
-        goals: ``[T + 1, R]``, where they were to go.
-        seconds: ``[T]``, the processor time of the planner.
+        cells: ``[T + 1, R]`` cells of the robots.
+        goals: ``[T + 1, R]`` goals of the robots.
+        seconds: ``[T]`` processor time of the planner.
     """
 
     cells: Integers
@@ -60,13 +60,13 @@ def run_lifelong(
     planners.
 
     Args:
-        graph: of the floor.
-        planner: is reset.
+        graph: floor.
+        planner: planner, which is reset first.
         robots: ``R``.
         steps: ``T``.
-        seed: for starts and goals.
-        starts: the cells that starts are drawn from; ``None`` is all open cells.
-        goals: the cells that goals are drawn from; ``None`` is all open cells.
+        seed: seed of starts and goals.
+        starts: cells that starts are drawn from; ``None`` is all open cells.
+        goals: cells that goals are drawn from; ``None`` is all open cells.
 
     Raises:
         PlanError: there are fewer cells to start from than robots, or fewer than two goals.
@@ -98,10 +98,10 @@ def lead(
     """Let a planner lead robots to goals that change.
 
     Args:
-        planner: is reset.
-        cells: ``[R]``, where the robots are.
-        goals: ``[R]``, where they are to go first.
-        new_goals: called after each step.
+        planner: planner, which is reset first.
+        cells: ``[R]`` first cells of the robots.
+        goals: ``[R]`` first goals of the robots.
+        new_goals: function called after each step.
         steps: ``T``.
     """
     nobody = np.zeros(len(cells), np.bool_)

@@ -24,14 +24,15 @@ NOBODY = -1
 UNDECIDED = -1
 
 FREE = -2
-"""In place of the next cell of ``NOBODY``."""
+"""Next cell of ``NOBODY``."""
 
 WAIT_COST = 1.5
-"""Of a step in place. On floors without lanes a move ahead is worth 1.5 less, one back 0.5 more."""
+"""Cost of a step in place: without lanes 1.5 more than a move ahead and 0.5 less than one back."""
 
 OCCUPIED_COST, CHANCE_COST = 0.5, 0.2
-"""Of a cell that somebody is in, and the most that chance adds; less than ``WAIT_COST`` together,
-so that nobody waits for what could be pushed.
+"""Cost of entering an occupied cell; most that the random tie-break adds.
+
+Together they are less than ``WAIT_COST``, so that no robot waits behind one that it could push.
 """
 
 
@@ -44,24 +45,27 @@ def choose_cells(
     chosen: list[int],
     pushers: list[int],
 ) -> bool:
-    """Choose the next cells of all robots that are undecided; a round of PIBT.
+    """Choose the next cells of all undecided robots, in one round of PIBT.
+
+    The round is a loop with a stack, since chains of thousands of robots that push each other
+    would exceed Python's limit on recursion.
 
     Args:
-        order: robots, those of the highest priority first.
-        cells: ``[R]``, where they are.
-        choices: ``[R, 5]``, the cells that each can go to, the best first.
-        robot_in: ``[H * W + 1]``, who is in each cell, or ``NOBODY``.
-        is_taken: ``[H * W + 1]``, whether somebody is to be in a cell next, or nobody can be; it
-            gets the cells that are chosen. The last is for ``CLOSED`` and is taken.
-        chosen: ``[R]``, the next cells, or ``UNDECIDED``; it gets those that are chosen.
-        pushers: ``[R]``, all ``NOBODY``; it gets who made a robot choose.
+        order: robots by falling priority.
+        cells: ``[R]`` present cells.
+        choices: ``[R, 5]`` cells that each robot can go to, the best first.
+        robot_in: ``[H * W + 1]`` robot in each cell, or ``NOBODY``.
+        is_taken: ``[H * W + 1]`` flags of cells that are closed or chosen; chosen cells are added.
+            The last flag is for ``CLOSED`` and is set.
+        chosen: ``[R]`` next cells, or ``UNDECIDED``; the choices are written here.
+        pushers: ``[R]``, all ``NOBODY``; the robot that made each choose is written here.
 
     Returns:
-        Whether each robot has a cell of its own. It may be false only if the cell of an undecided
+        True if each robot has a cell of its own. It is false only if the cell of an undecided
         robot was taken before.
     """
     is_complete = True
-    chosen.append(FREE)  # of NOBODY
+    chosen.append(FREE)  # index NOBODY, -1, is the last entry
     for first in order:
         if chosen[first] != UNDECIDED:
             continue
@@ -107,15 +111,15 @@ class PIBT:
     cell, and then by chance.
 
     Args:
-        graph: of the floor.
-        seed: for what is left to chance.
-        turn_cost: of a quarter turn, in steps. Robots face where they last moved, at first east.
-            0 leaves the graph as it is. For one that drives through, a turn costs its time, and
-            that of braking and speeding up, over the time of a cell.
+        graph: floor.
+        seed: seed of random tie-breaks.
+        turn_cost: cost of a quarter turn in steps. Robots face where they last moved, at first
+            east. 0 leaves the graph as it is. For a robot that drives through, a turn costs the
+            time to brake, turn and speed up, divided by the time of a cell.
 
     Attributes:
-        fields: the distances of the robots' goals.
-        pushers: ``[R]``, who made each robot choose before its turn in the last step, or
+        fields: distances to the robots' goals.
+        pushers: ``[R]`` robot that made each robot choose before its turn in the last step, or
             ``NOBODY``.
     """
 
@@ -163,7 +167,7 @@ class PIBT:
         return np.array(chosen)
 
     def robots_in(self, cells: Integers) -> Integers:
-        """Return who is in each cell, or ``NOBODY``, ``[H * W + 1]``."""
+        """Return the robot in each cell, or ``NOBODY``, ``[H * W + 1]``."""
         robots = np.full(self.graph.size + 1, NOBODY)
         robots[cells] = np.arange(len(cells))
         return robots
@@ -171,7 +175,7 @@ class PIBT:
     def choices(
         self, cells: Integers, goals: Integers, robot_in: Integers
     ) -> tuple[list[list[int]], NDArray[np.bool_]]:
-        """Return the cells that each robot can go to, the best first, and who is to stay."""
+        """Return the cells that each robot can go to, the best first, and the robots that stay."""
         rows, reached = self.fields.rows(goals), self.graph.neighbours[cells]
         places = self.graph.places_at(cells, self._headings)
         distances = self.fields.matrix[rows[:, None], places]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +20,12 @@ class Situation(NamedTuple):
     """What a planner knows of ``R`` robots before a joint step; cells are numbers.
 
     Attributes:
-        cells: ``[R]``, where they are, all different.
-        goals: ``[R]``, where they are to go; several may have one goal. A robot that is to go
+        cells: ``[R]``, cells of the robots, all different.
+        goals: ``[R]``, cells to go to; several robots may have one goal. A robot that is to go
             nowhere has its own cell as goal, and gives way.
-        stays: ``[R]``, whether a robot stays where it is in this step, as one does that picks,
-            drops or charges, or whose battery is empty.
-        closed: cells that nobody can enter in this step, such as those of people.
+        stays: ``[R]``, true for robots that stay where they are in this step, because they pick,
+            drop or charge, or have an empty battery.
+        closed: cells that nobody can enter in this step, such as cells of people.
         urgent: robots that should go before all others, as those whose batteries are low.
     """
 
@@ -36,11 +36,11 @@ class Situation(NamedTuple):
     urgent: Integers = NO_CELLS
 
 
+@runtime_checkable
 class Planner(Protocol):
     """Chooses the next cells of robots; each planner is made for one ``Graph``.
 
-    For replays it may have a method ``plan_of(robot)``, which returns the cells that it has planned
-    after each of the next steps, that just chosen first, and ``pushers`` as ``PIBT`` has.
+    A planner may also be a ``GraphPlanner``, a ``ForesightedPlanner`` and a ``PushingPlanner``.
     """
 
     def reset(self) -> None:
@@ -52,6 +52,36 @@ class Planner(Protocol):
         The step has no conflict: no two robots in one cell, no two that change places, nobody in
         a closed cell. Each cell is the robot's own or one beside it.
         """
+
+
+@runtime_checkable
+class GraphPlanner(Protocol):
+    """A planner that shows its graph.
+
+    Cells of it are closed while nobody can enter them, and replays have ways of its costs.
+    """
+
+    graph: Graph
+
+
+@runtime_checkable
+class ForesightedPlanner(Protocol):
+    """A planner that plans more than one step, which replays show."""
+
+    def plan_of(self, robot: int) -> list[int]:
+        """Return the cells of a robot after each of the next steps, first the one just chosen."""
+
+
+@runtime_checkable
+class PushingPlanner(Protocol):
+    """A planner whose robots push others out of their way, which replays show.
+
+    Attributes:
+        pushers: ``[R]``, robot that made each robot choose before its turn in the last step, or
+            ``NOBODY``.
+    """
+
+    pushers: Integers
 
 
 def solve_by_steps(planner: Planner, problem: Problem, seconds: float) -> Plan:
@@ -76,10 +106,10 @@ def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:
     """Return the next cells that a planner has chosen, checked.
 
     Args:
-        graph: of the floor.
-        situation: before the step. Robots that share a cell, as bodies may after a disturbance,
-            stay there.
-        chosen: what the planner returned.
+        graph: graph of the floor.
+        situation: situation before the step. Robots that share a cell, as bodies may after a
+            disturbance, stay there.
+        chosen: next cells, as the planner returned them.
 
     Raises:
         PlanError: it is no cell for each robot, or a robot jumps, moves though it stays, enters a

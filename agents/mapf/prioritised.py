@@ -25,22 +25,24 @@ from warehouse_core.arguments import whole_number
 from warehouse_core.wording import counted
 
 WINDOW, REPLAN = 30, 5
+"""Default steps that are planned ahead, and steps until all robots are planned again."""
+
 NO_GOAL = -1
 
 PAUSE = 1
 """Steps for which a robot is expected to wait in its goal before it has another."""
 
 TOLL = 10.0
-"""The cost of a conflict on the way of a robot that finds none without."""
+"""Cost of a conflict on the way of a robot that finds no way without conflicts."""
 
 MAX_PUSHES = 3
-"""How many others are planned again for such robots, times the number of all robots."""
+"""Robots planned again for such robots in a step, per robot of the fleet."""
 
 GROUP = 8
-"""The largest number of robots that are planned anew together."""
+"""Most robots that are planned anew together."""
 
 REST = 20
-"""Groups until a robot can be the first of one again."""
+"""Groups after which a robot can be the first of a group again."""
 
 
 def solve_prioritised(problem: Problem, seconds: float) -> Plan:
@@ -90,12 +92,12 @@ class WindowedPlanner:
     no way leads to is as none.
 
     Args:
-        graph: of the floor; with lanes as costs more robots reach their goals, see ``lanes.py``.
+        graph: floor; with lanes as costs more robots reach their goals, see ``lanes.py``.
         window: steps that are planned ahead.
-        replan: steps until all are planned again, less than ``window``.
-        groups: how many groups of robots are then planned anew, to see if that is better.
-        seconds: a time limit for each step, after which the robots without a way wait.
-        seed: for the order in groups.
+        replan: steps until all robots are planned again, less than ``window``.
+        groups: number of groups of robots that are then planned anew, and kept if better.
+        seconds: time limit for each step, after which robots without a way wait.
+        seed: seed of the order in groups.
         turn_cost: see ``PIBT``.
 
     Attributes:
@@ -180,7 +182,7 @@ class WindowedPlanner:
                 self._aims[robot], self._fields[robot] = aim, self.graph.distances(aim).tolist()
 
     def _close(self, closed: list[int]) -> None:
-        """Close cells until the next replanning, and those of robots that stay for a step."""
+        """Close cells until the next replanning, and cells of robots that stay for one step."""
         taken, here = self._taken, set(self._cells)
         taken.closed.clear()
         soon = range(self._now + 1, self._now + 1 + self.replan)
@@ -200,7 +202,7 @@ class WindowedPlanner:
         )
 
     def _plan(self, robots: Iterable[int]) -> None:
-        """Plan the ways of robots, and of those that they push away."""
+        """Plan the ways of robots, and of the robots that they push away."""
         queue = sorted(robots, key=self._rank, reverse=True)
         pushes = MAX_PUSHES * len(self._cells)
         while queue:
@@ -298,7 +300,7 @@ class WindowedPlanner:
                 self._delays[robot] = delay
 
     def _step(self, closed: set[int]) -> list[int]:
-        """Return the next cells: those of the ways, unless somebody waits there."""
+        """Return the next cells: those planned, unless another robot waits there."""
         cells = self._cells
         chosen, movers = list(cells), dict[int, int]()
         for robot, (begin, way) in self._taken.ways.items():

@@ -21,7 +21,7 @@ class Problem:
     """Robots that are to go from their starts to their goals, and to stay there.
 
     Args:
-        graph: of the floor.
+        graph: floor.
         starts: ``[R]`` cells, all different.
         goals: ``[R]`` cells, all different.
 
@@ -71,7 +71,7 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Where each robot is before each joint step and after the last, ``[T + 1, R]``."""
+    """Cells of the robots before each joint step and after the last, ``[T + 1, R]``."""
 
     cells: Integers
 
@@ -92,8 +92,8 @@ class Plan:
         """``[R]``, the steps until each robot is in its last cell for good."""
         is_there = (self.cells == self.cells[-1])[::-1]
         stays = np.where(is_there.all(axis=0), len(is_there), is_there.argmin(axis=0))
-        found: Integers = len(is_there) - stays
-        return found
+        costs: Integers = len(is_there) - stays
+        return costs
 
     @property
     def sum_of_costs(self) -> int:
@@ -102,7 +102,7 @@ class Plan:
 
 
 Solver = Callable[[Problem, float], Plan]
-"""Returns a plan for a problem in at most so many seconds, by the clock.
+"""Function that returns a plan for a problem within so many seconds by the clock.
 
-Raises ``PlanError`` if there is none, or if none was found in time.
+It raises ``PlanError`` if there is no plan, or if it found none in time.
 """

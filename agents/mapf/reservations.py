@@ -1,4 +1,4 @@
-"""Who is in each cell at each time, so that others keep out of the way.
+"""Reservations: the robot in each cell at each time, so that others keep out of the way.
 
 A cell at a time is one number, a *state*: ``time * H * W + cell``. The *way* of a robot is a list
 of its cells, one for each time.
@@ -18,15 +18,15 @@ class Reservations:
         size: ``H * W``.
 
     Attributes:
-        size: as given.
-        states: the robot that has each taken state.
+        size: ``H * W``.
+        states: robot that has each taken state.
         moves: ``state * H * W + cell`` of the moves that would make a robot change places with
             another, and that robot.
         ends: the state from which on a cell is occupied for good, by cell.
-        closed: states that nobody can have, such as those of people.
-        closed_moves: ``state * H * W + cell`` of moves that nobody can make.
-        latest: a time after which nothing is taken or closed but for good.
-        ways: of each robot that was added, with the time when it begins.
+        closed: states that no robot can have, such as cells of people.
+        closed_moves: ``state * H * W + cell`` of moves that no robot can make.
+        latest: time after which nothing is taken or closed but for good.
+        ways: begin and way of each robot that was added.
     """
 
     def __init__(self, size: int) -> None:
@@ -84,7 +84,7 @@ class Reservations:
         return next((t + 1 for t in times if not self.is_free(t * self.size + cell)), begin)
 
     def _keys(self, way: Sequence[int], begin: int) -> Iterator[tuple[int, int]]:
-        """Return each state of a way, and the move that is the reverse of that to the next cell."""
+        """Return each state of a way, and the reverse of the move that led there."""
         state, before = begin * self.size, way[0] if way else 0
         for cell in way:
             yield state + cell, (state - self.size + cell) * self.size + before

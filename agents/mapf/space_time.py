@@ -18,19 +18,20 @@ from agents.mapf.reservations import Reservations
 from warehouse_core.world.actions import WAIT
 
 NONE = -1
-"""Before the first state."""
+"""Predecessor of the first state."""
 
 Moves = Sequence[Sequence[tuple[int, float, int]]]
-"""For each place the cells that a step leads to, its own the last, what the step costs, and the
-places that it leads to; see ``graph.py``."""
+"""Steps from each place, waiting the last: the cell that a step leads to, its cost, and its place;
+see ``graph.py``.
+"""
 
 
 class Way(NamedTuple):
     """A way of a robot.
 
     Attributes:
-        cells: one for each time.
-        cost: of its moves, and the distance that is left.
+        cells: cell at each time.
+        cost: cost of the moves, plus the distance that is left.
     """
 
     cells: list[int]
@@ -70,16 +71,16 @@ def find_way(
 
     Args:
         moves: see ``moves_of``.
-        field: the distance of each place from the goal.
-        start: the place where the robot is at ``begin``.
-        goal: where it is to go.
-        taken: by others.
-        begin: a time.
-        window: after so many steps the way may end anywhere, and only the distance counts.
+        field: distance of each place from the goal.
+        start: place of the robot at ``begin``.
+        goal: cell to reach.
+        taken: reservations of other robots.
+        begin: time of the first cell.
+        window: number of steps after which the way may end anywhere, and the distance left counts.
         end: the way does not end in the goal before this time. A robot that is to stay there needs
             ``taken.free_from(goal)``.
-        toll: what each state or move costs that a robot has; ``inf`` forbids them.
-        deadline: by ``time.perf_counter``.
+        toll: cost of each state or move that another robot has; ``inf`` forbids them.
+        deadline: limit on ``time.perf_counter()``.
 
     Raises:
         TimeoutError: the deadline has passed.

@@ -19,7 +19,7 @@ from agents.search.algorithms import (
 from agents.search.belief import Belief, BeliefProblem
 from agents.search.costs import STEPS, action_costs
 from agents.search.heuristics import manhattan, manhattan_delivery
-from agents.search.problems import DeliveryProblem, State
+from agents.search.problems import DeliveryProblem, DeliveryState
 from warehouse_core.motion.backends import Backend
 from warehouse_core.task.state import Observation
 from warehouse_core.world.layout import Layout
@@ -29,11 +29,9 @@ WEIGHT = 2.0
 """Default weight of the heuristic in weighted A*."""
 
 PATIENCE = 10
-"""Times per goal that an exploring agent forgets the walls that it has not seen."""
+"""Most times per goal that an exploring agent forgets the walls that it has not seen."""
 
-Plan = Solution[State, str]
-
-ALGORITHMS: dict[str, Callable[[DeliveryProblem, float], Plan]] = {
+ALGORITHMS: dict[str, Callable[[DeliveryProblem, float], Solution[DeliveryState, str]]] = {
     "bfs": lambda problem, _: breadth_first_search(problem),
     "ucs": lambda problem, _: uniform_cost_search(problem),
     "greedy-best-first": lambda problem, _: greedy_best_first_search(
@@ -55,12 +53,12 @@ class SearchAgent:
     Args:
         layout: the walls, and the stations if the observation agrees with them.
         algorithm: one of ``ALGORITHMS``.
-        cost: to be minimised: ``"steps"``, ``"seconds"`` or ``"joules"``.
-        weight: of the heuristic in weighted A*.
-        backend: that measures seconds and joules.
+        cost: measure to minimise: ``"steps"``, ``"seconds"`` or ``"joules"``.
+        weight: weight of the heuristic in weighted A*.
+        backend: motion backend on which seconds and joules are measured.
 
     Attributes:
-        reason: of the last action.
+        reason: reason of the last action.
         expanded: nodes since the last reset.
         plans: number of plans since the last reset.
 
@@ -112,17 +110,17 @@ class SearchAgent:
     def _make_plan(self, observation: Observation) -> str:
         here, has_item = observation["robot_pos"], observation["has_item"]
         problem = self._problem(observation)
-        found = ALGORITHMS[self.algorithm](problem, self.weight)
+        solution = ALGORITHMS[self.algorithm](problem, self.weight)
         self.plans += 1
-        self.expanded += found.expanded
-        if not found.found:
+        self.expanded += solution.expanded
+        if not solution.found:
             self._plan = {(here, has_item): "WAIT"}
             self.reason = f"no way leads to the {'dropoff' if has_item else 'pickup and dropoff'}"
             return "WAIT"
         # The last state, the delivery, has no action.
         self._plan = {
             ((row, col), loaded): action
-            for (row, col, loaded), action in zip(found.states, found.actions, strict=False)
+            for (row, col, loaded), action in zip(solution.states, solution.actions, strict=False)
         }
         self.reason = "has a plan" if self.plans == 1 else "is off its plan, makes a new one"
         self._before, self._is_new = (here, has_item), True
@@ -156,7 +154,7 @@ class ExploringAgent:
 
     Attributes:
         belief: the cells that it has seen.
-        reason: of the last action.
+        reason: reason of the last action.
         expanded: nodes since the last reset.
         plans: number of plans since the last reset.
     """
@@ -206,7 +204,7 @@ class ExploringAgent:
         return tuple(cells)
 
     def _why_to_plan(self, here: Cell, goal: Cell) -> str:
-        """Return why a new plan is needed, or ""."""
+        """Return the reason for a new plan; it is empty if the old one holds."""
         if goal != self._goal:
             return f"plans its way to {goal}"
         # The plan avoids all other walls: what is new since then is in view or was just run into.
@@ -220,21 +218,21 @@ class ExploringAgent:
     def _make_plan(self, here: Cell, goal: Cell) -> None:
         if goal != self._goal:
             self._goal, self._patience = goal, PATIENCE
-        found = self._search(here, goal)
-        if not found.found and self.belief.bumps and self._patience:
+        solution = self._search(here, goal)
+        if not solution.found and self.belief.bumps and self._patience:
             # The moves may have failed for another reason than a wall.
             self._patience -= 1
             self.belief.forget_bumps()
-            found = self._search(here, goal)
-        self._moves = dict(zip(found.states, found.actions, strict=False))
-        self._planned = set(found.states)
+            solution = self._search(here, goal)
+        self._moves = dict(zip(solution.states, solution.actions, strict=False))
+        self._planned = set(solution.states)
 
     def _search(self, here: Cell, goal: Cell) -> Solution[Cell, str]:
         problem = BeliefProblem(self.belief, here, goal)
-        found = astar_search(problem, manhattan(problem))
+        solution = astar_search(problem, manhattan(problem))
         self.plans += 1
-        self.expanded += found.expanded
-        return found
+        self.expanded += solution.expanded
+        return solution
 
     def _choose(self, action: str, reason: str) -> str:
         self.reason = reason

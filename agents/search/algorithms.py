@@ -37,10 +37,10 @@ S = TypeVar("S", bound=Hashable)
 A = TypeVar("A")
 
 Evaluation = Callable[[S, float], float]
-"""f: the order of expansion, by the state of a node and the cost of its path; least first."""
+"""f: function of a node's state and of the cost of its path; the least is expanded first."""
 
 MAX_WEIGHT = 1_000_000
-"""Of finite weights; with much larger ones estimates overflow to infinity."""
+"""Limit on finite weights; with much larger ones estimates overflow to infinity."""
 
 Heuristic = Callable[[S], float]
 """h: an estimate of the cost from a state to the nearest goal."""
@@ -49,7 +49,7 @@ Node = tuple[float, S, Any, A | None]
 """The cost of a path, its last state, and the node and the action before it, or twice ``None``."""
 
 CLOSED: Node[Any, Any] = (-math.inf, None, None, None)
-"""In place of the node of an expanded state that is not reopened: no path to it is better."""
+"""Replaces the node of an expanded state that is not reopened: no path to it is better."""
 
 
 class Problem(ABC, Generic[S, A]):
@@ -102,7 +102,7 @@ class Solution(Generic[S, A]):
     Attributes:
         states: the path from the initial state to a goal; empty if there is none.
         actions: one fewer than the states; empty if there is no path.
-        cost: of the path; infinite if there is none.
+        cost: cost of the path; infinite if there is none.
         generated: number of nodes generated, including the first.
         expanded: number of nodes expanded.
         largest_frontier: most nodes in the frontier at once, including outdated ones.
@@ -119,7 +119,7 @@ class Solution(Generic[S, A]):
 
     @property
     def found(self) -> bool:
-        """Whether there is a path."""
+        """``True`` if there is a path."""
         return bool(self.states)
 
 
@@ -136,7 +136,7 @@ def best_first_search(
     Nodes that are evaluated at infinity are not put on the frontier: no path leads on from there.
 
     Args:
-        problem: to be solved.
+        problem: problem to solve.
         evaluate: the evaluation function f.
         with_events: record each expansion.
         reopen: expand a state again if a better path to it is found.
@@ -153,6 +153,7 @@ def best_first_search(
     waiting = largest = generated = 1
     expanded = 0
     events: list[Event] = []
+    # Methods are looked up once, not for each node: this loop is most of the time of a search.
     expand, is_goal = expand or problem.expand, problem.is_goal
     best_known, stack_of = reached.get, stacks.get
     while values:
@@ -183,13 +184,13 @@ def best_first_search(
                 value = evaluate(successor, path_cost)
                 if value == math.inf:
                     continue  # no path leads on from there
-                reached[successor] = found = (path_cost, successor, node, action)
+                reached[successor] = child = (path_cost, successor, node, action)
                 equals = stack_of(value)
                 if equals is None:
-                    stacks[value] = [found]
+                    stacks[value] = [child]
                     heappush(values, value)
                 else:
-                    equals.append(found)
+                    equals.append(child)
                 waiting += 1
                 if with_events:
                     fresh.append(successor)
@@ -206,10 +207,10 @@ def breadth_first_search(problem: Problem[S, A], *, with_events: bool = False) -
     def expand(state: S) -> Sequence[tuple[A, S, float]]:
         return [(action, successor, 1.0) for action, successor, _ in problem.expand(state)]
 
-    found = best_first_search(problem, path_cost, with_events=with_events, expand=expand)
-    steps = zip(found.states, found.actions, found.states[1:], strict=False)
+    solution = best_first_search(problem, path_cost, with_events=with_events, expand=expand)
+    steps = zip(solution.states, solution.actions, solution.states[1:], strict=False)
     cost = sum((problem.action_cost(*step) for step in steps), 0.0)
-    return replace(found, cost=cost if found.found else math.inf)
+    return replace(solution, cost=cost if solution.found else math.inf)
 
 
 def uniform_cost_search(problem: Problem[S, A], *, with_events: bool = False) -> Solution[S, A]:
@@ -251,7 +252,7 @@ def weighted_astar_search(
     """Find a path that may not be the best, often much faster (section 3.5.4).
 
     Args:
-        problem: to be solved.
+        problem: problem to solve.
         heuristic: h.
         weight: 0 is uniform-cost search, 1 is A*, infinity is greedy best-first search. If h never
             overestimates, the path costs at most ``max(1, weight)`` times the least.

@@ -15,12 +15,12 @@ class Belief:
 
     Attributes:
         known: the tile of each cell that has been seen, ``"#"`` or ``"."``.
-        news: those of the cells that the last look has added.
+        news: the part of ``known`` that the last look has added.
         bumps: cells that have not been seen and that two successive moves did not reach; probably
             walls.
-        moves: from each cell to those believed to be free.
-        rows: all those of ``known``, of ``bumps`` and of ends of routes.
-        cols: likewise.
+        moves: moves from each cell to neighbours believed to be free.
+        rows: range of the rows in ``known``, in ``bumps`` and at the ends of routes.
+        cols: range of the columns in the same.
     """
 
     def __init__(self) -> None:

@@ -15,16 +15,16 @@ from warehouse_core.viz.tracks.track import Point, Rows, Track
 from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, Cell
 
 GAP = ROBOT_RADIUS + 0.05
-"""In cells, from the middle of the robot to the first dot of its plan."""
+"""Distance in cells from the middle of the robot to the first dot of its plan."""
 
 
 @dataclass(frozen=True, slots=True)
 class Insight:
-    """What an agent had learnt since its last action when it chose an action.
+    """News and plan of an agent when it chose an action.
 
     Attributes:
         seen: cells of the layout that it had not seen before, ``"#"`` or ``"."``.
-        route: the cells of its plan, beginning with that of the robot.
+        route: the cells of its plan, beginning with the cell of the robot.
     """
 
     seen: dict[Cell, str]
@@ -42,7 +42,7 @@ def record_beliefs(
 
     Args:
         env: any environment, with any backend.
-        agent: to be watched.
+        agent: agent to watch.
         seed: given to ``env.reset``.
         randomize: given to ``env.reset``.
     """
@@ -72,27 +72,27 @@ def believed_tiles(layout: Layout, history: Sequence[Insight]) -> list[Rows]:
         grid[row][col] = tile
     known = dict.fromkeys(layout.chargers, CHARGER) | sensed
     rows: Rows = tuple(map("".join, grid))
-    found = []
+    believed = []
     for insight in history:
         for (row, col), tile in insight.seen.items():
             grid[row][col] = known.get((row, col), tile)
         if insight.seen:
             rows = tuple(map("".join, grid))
-        found.append(rows)
-    return found
+        believed.append(rows)
+    return believed
 
 
 def belief_tracks(episode: Episode, history: Sequence[Insight]) -> tuple[Track, Track]:
     """Return the tracks of the agent's belief and of the world, with the same frames in time.
 
-    The charts, captions and ending are those of the belief, because the agent acts on it.
+    The charts, captions and ending belong to the belief, because the agent acts on it.
 
     Args:
-        episode: of an agent that was watched.
-        history: ``[T]`` of its insights.
+        episode: episode of an agent that was watched.
+        history: ``[T]`` insights of the agent.
 
     Raises:
-        ValueError: ``history`` is not that of ``episode``.
+        ValueError: ``history`` is not as long as ``episode``.
     """
     if not history or len(history) != episode.steps:
         raise ValueError(f"history has {len(history)} insights for {episode.steps} steps")

@@ -16,7 +16,7 @@ COSTS = (STEPS, SECONDS, JOULES)
 """Measures of cost."""
 
 FLOOR = Layout(["......."] * 3)
-"""Large enough for the moves of a measurement."""
+"""Layout of a measurement, large enough for its moves."""
 
 WARM_UP = 1
 """Moves before the one that is measured; after them the robot faces its direction."""
@@ -46,7 +46,7 @@ def action_costs(measure: str = STEPS, backend: Backend = "physics") -> ActionCo
 
     Args:
         measure: one of ``COSTS``.
-        backend: that measures seconds and joules.
+        backend: motion backend on which seconds and joules are measured.
 
     Raises:
         ValueError: ``measure`` is unknown.

@@ -22,13 +22,13 @@ COLORS = {
     "third quarter": SHADES[2],
     "expanded last": SHADES[3],
 }
-"""Of the marks, by their names."""
+"""Colours of the marks, by the names of the marks."""
 
 WAITING, NOW, FIRST_SHADE = range(3)
 """Values of marks: indices into ``COLORS``."""
 
 MAX_FRAMES = 300
-"""Of a track; marks are exact between them."""
+"""Most frames of a track; marks are exact between them."""
 
 Mark = tuple[int, Cell, int]
 

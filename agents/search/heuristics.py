@@ -14,16 +14,16 @@ from numpy.typing import NDArray
 
 from agents.search.algorithms import Heuristic
 from agents.search.belief import BeliefProblem
-from agents.search.problems import DELIVERED, DeliveryProblem, RouteProblem, State
+from agents.search.problems import DELIVERED, DeliveryProblem, DeliveryState, RouteProblem
 from warehouse_core.world.distances import distances
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 
-Costs = NDArray[np.float64]
+CostTable = NDArray[np.float64]
 """``[H, W]``: a cost for each cell, infinite without a path."""
 
 MAX_COMPARED = 16
-"""Stations of a kind that are compared for each state; for more, one table of all cells is made."""
+"""Most stations of a kind compared for each state; for more, a table of all cells is made once."""
 
 
 def zero(state: Hashable) -> float:
@@ -48,14 +48,14 @@ def true_distance(problem: RouteProblem, layout: Layout) -> Heuristic[Cell]:
     return lambda cell: float(table[cell[0]][cell[1]])
 
 
-def manhattan_delivery(problem: DeliveryProblem) -> Heuristic[State]:
+def manhattan_delivery(problem: DeliveryProblem) -> Heuristic[DeliveryState]:
     """Return the heuristic of the cost of the delivery without walls."""
     empty, loaded, pick, drop = problem.costs
     with_item = _least_cost(dict.fromkeys(problem.dropoffs, drop), loaded, problem.size)
     begun = {cell: pick + with_item(*cell) for cell in problem.pickups}
     without_item = _least_cost(begun, empty, problem.size)
 
-    def estimate(state: State) -> float:
+    def estimate(state: DeliveryState) -> float:
         row, col, has_item = state
         if state == DELIVERED:
             return 0.0
@@ -89,7 +89,7 @@ def _least_cost(
     return least
 
 
-def _spread(costs: Costs, move: float) -> Costs:
+def _spread(costs: CostTable, move: float) -> CostTable:
     """Return for each cell the least sum of the cost at a cell and of the moves to it.
 
     One axis after the other, each from both ends, so in time that grows with the cells alone.

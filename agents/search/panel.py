@@ -36,12 +36,12 @@ class SearchPanel:
     """Draws a search into its axes, in units of cells, row 0 on top.
 
     Args:
-        figure: to add everything to; all of it moves, because the image under it does.
-        axes: to draw into.
+        figure: figure to add everything to; all of it moves, because the image under it does.
+        axes: axes to draw into.
         cell_points: side of a cell in points, 1/72 inch.
-        layout: that is searched.
+        layout: layout that is searched.
         ends: the start and the goal.
-        course: of the search.
+        course: course of the search.
     """
 
     def __init__(
@@ -139,7 +139,7 @@ class SearchPanel:
 
 
 def _numbered(layout: Layout, cell_points: float) -> int:
-    """Return how many rows or columns apart their numbers are, as close as there is room."""
+    """Return the rows or columns from one number to the next, as close as there is room."""
     steps = (power * step for power in (1, 10, 100, 1000, 10_000) for step in (1, 5))
     most = max(layout.height, layout.width)
     return next((step for step in steps if step * cell_points >= TICK_POINTS), most)

@@ -20,7 +20,7 @@ from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import WALL, Cell
 
 MAX_FRAMES = 120
-"""Of an animation, the first and the last included."""
+"""Most frames of an animation, the first and the last included."""
 
 FRAME_MS = 100.0
 
@@ -32,8 +32,8 @@ MIN_WIDTH = 940  # for the title and the legend
 MIN_PANEL, MAX_CELL, GOOD_CELL = 340, 40, 28
 
 
-class _Plan:
-    """How panels are laid out in so many columns, in pixels."""
+class _Arrangement:
+    """Sizes and places of panels in so many columns, in pixels."""
 
     def __init__(self, layout: Layout, panels: int, columns: int) -> None:
         self.columns, rows = columns, math.ceil(panels / columns)
@@ -63,24 +63,25 @@ class _SearchScene:
     ) -> None:
         self._longest = max(len(course) for course in courses)
         self._each = max(1, math.ceil(self._longest / (MAX_FRAMES - 1)))
-        plan = _plan(layout, len(courses))
-        size = plan.width / DPI, plan.height / DPI
+        arrangement = _arranged(layout, len(courses))
+        width, height = arrangement.width, arrangement.height
+        size = width / DPI, height / DPI
         self.root = (make_window if window else make_figure)(size)
         self._panels = []
         for place, course in enumerate(courses):
-            row, column = divmod(place, plan.columns)
-            left = MARGIN + PANEL_LEFT + column * plan.step_right
-            top = HEAD + PANEL_HEAD + row * plan.step_down
-            drawn = layout.width * plan.cell, layout.height * plan.cell
-            axes = self.root.add_axes(box_in((plan.width, plan.height), left, top, *drawn))
-            points = plan.cell * 72 / DPI
+            row, column = divmod(place, arrangement.columns)
+            left = MARGIN + PANEL_LEFT + column * arrangement.step_right
+            top = HEAD + PANEL_HEAD + row * arrangement.step_down
+            drawn = layout.width * arrangement.cell, layout.height * arrangement.cell
+            axes = self.root.add_axes(box_in((width, height), left, top, *drawn))
+            points = arrangement.cell * 72 / DPI
             self._panels.append(SearchPanel(self.root, axes, points, layout, ends, course))
         common: dict[str, Any] = {"parse_math": False, "va": "center", "color": INK}
-        left, top = MARGIN / plan.width, 1 - 24 / plan.height
+        left, top = MARGIN / width, 1 - 24 / height
         self.root.text(left, top, printable(title), fontsize=14, fontweight="bold", **common)
-        self._counter = self.root.text(left, 1 - 54 / plan.height, "", fontsize=12, **common)
+        self._counter = self.root.text(left, 1 - 54 / height, "", fontsize=12, **common)
         self.root.add_mover(self._counter)
-        draw_legend(self.root)
+        draw_search_legend(self.root)
         self.show(0)
 
     def __len__(self) -> int:
@@ -106,11 +107,11 @@ def search_replay(
     """Return the animation of searches side by side.
 
     Args:
-        layout: that is searched.
-        start: of all searches.
-        goal: of all searches.
-        courses: of the searches, 1 to ``MAX_PANELS``.
-        title: shown above them.
+        layout: layout that is searched.
+        start: start of all searches.
+        goal: goal of all searches.
+        courses: courses of the searches, 1 to ``MAX_PANELS``.
+        title: title above them.
         window: draw into a window.
 
     Raises:
@@ -123,7 +124,7 @@ def search_replay(
     return Replay(scene, tracks, FRAME_MS)
 
 
-def draw_legend(figure: SceneFigure) -> None:
+def draw_search_legend(figure: SceneFigure) -> None:
     """Draw the legend along the bottom."""
     square: dict[str, Any] = {"marker": "s", "markersize": 12, "linestyle": "none", "mec": INK}
     disc = Line2D([], [], color=PAPER, **(square | {"marker": "o", "markersize": 17}))
@@ -145,10 +146,11 @@ def draw_legend(figure: SceneFigure) -> None:
     )  # fmt: skip
 
 
-def _plan(layout: Layout, panels: int) -> _Plan:
-    """Return a plan of one row if its cells are large enough, or that of the largest cells."""
-    plans = [_Plan(layout, panels, columns) for columns in range(panels, 0, -1)]
-    if plans[0].cell >= GOOD_CELL:
-        return plans[0]
-    # Of those with the largest cells the one with the fewest empty places.
-    return max(plans, key=lambda plan: (plan.cell, -plan.places))
+def _arranged(layout: Layout, panels: int) -> _Arrangement:
+    """Return panels in one row if their cells are large enough, or with the largest cells."""
+    all_columns = range(panels, 0, -1)
+    one_row, *others = (_Arrangement(layout, panels, columns) for columns in all_columns)
+    if one_row.cell >= GOOD_CELL:
+        return one_row
+    # Among equally large cells, the fewest empty places.
+    return max([one_row, *others], key=lambda each: (each.cell, -each.places))

@@ -1,7 +1,7 @@
 """Search problems on a layout: the route to a cell, and the delivery of an item.
 
 Both take their moves from a ``MoveTable``, which all problems with the same walls share. The
-transition model is that of ``warehouse_core/task/rules.py`` for a robot whose moves succeed.
+transition model is the table in ``warehouse_core/task/rules.py`` for a robot whose moves succeed.
 
 A state of a route is a cell. A state of a delivery is ``(row, col, has_item)``, and ``DELIVERED``
 after the drop.
@@ -17,22 +17,22 @@ from agents.search.costs import ONE_EACH, ActionCosts
 from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.tiles import MOVE_DELTAS, NO_STATIONS, Cell, moved
 
-Moves = tuple[tuple[str, Cell, float], ...]
+Edges = tuple[tuple[str, Cell, float], ...]
 """The result of EXPAND for a cell: each open move, the cell that it leads to, and 1.0 step."""
 
-State = tuple[int, int, bool]
+DeliveryState = tuple[int, int, bool]
 
-DELIVERED: State = (-1, -1, False)
+DELIVERED: DeliveryState = (-1, -1, False)
 """The state after the drop, wherever the robot is."""
 
 
-class MoveTable(dict[Cell, Moves]):
+class MoveTable(dict[Cell, Edges]):
     """The open moves from each cell, computed when a cell is first looked up.
 
     Equal cells of a table are one object: dictionaries find them faster.
 
     Args:
-        is_open: whether a robot can drive to a cell.
+        is_open: function that tells whether a robot can drive to a cell.
     """
 
     def __init__(self, is_open: Callable[[Cell], bool]) -> None:
@@ -40,7 +40,7 @@ class MoveTable(dict[Cell, Moves]):
         self._is_open = is_open
         self._cells: dict[Cell, Cell] = {}
 
-    def __missing__(self, cell: Cell) -> Moves:
+    def __missing__(self, cell: Cell) -> Edges:
         beside = ((move, moved(cell, delta)) for move, delta in MOVE_DELTAS.items())
         same = self._cells.setdefault
         moves = self[same(cell, cell)] = tuple(
@@ -90,21 +90,21 @@ class RouteProblem(Problem[Cell, str]):
         """Return the cell that a move leads to."""
         return moved(state, MOVE_DELTAS[action])
 
-    def expand(self, state: Cell) -> Moves:
+    def expand(self, state: Cell) -> Edges:
         """Return each open move with its result and its cost."""
         return self._moves[state]
 
 
-class DeliveryProblem(Problem[State, str]):
+class DeliveryProblem(Problem[DeliveryState, str]):
     """Pick the item up at a pickup and drop it at a dropoff.
 
     Args:
         layout: the walls, and the default stations.
         start: the cell of the robot.
-        has_item: whether it holds the item already.
-        pickups: cells of the item; ``None`` for those of the layout.
-        dropoffs: cells where it can be delivered; ``None`` for those of the layout.
-        costs: of the actions.
+        has_item: the robot holds the item already.
+        pickups: cells of the item; ``None`` stands for the pickups of the layout.
+        dropoffs: cells where it can be delivered; ``None`` stands for the dropoffs of the layout.
+        costs: costs of the actions.
 
     Raises:
         LayoutError: the start or a station is not open.
@@ -131,15 +131,15 @@ class DeliveryProblem(Problem[State, str]):
         self.costs = costs
         self._moves = move_table(layout)
 
-    def is_goal(self, state: State) -> bool:
+    def is_goal(self, state: DeliveryState) -> bool:
         """Return whether the item has been delivered."""
         return state == DELIVERED
 
-    def actions(self, state: State) -> Iterable[str]:
+    def actions(self, state: DeliveryState) -> Iterable[str]:
         """Return the open moves, and ``PICK`` or ``DROP`` where it has an effect."""
         return [action for action, _, _ in self.expand(state)]
 
-    def result(self, state: State, action: str) -> State:
+    def result(self, state: DeliveryState, action: str) -> DeliveryState:
         """Return the state after an action."""
         row, col, has_item = state
         if action == "DROP":
@@ -148,21 +148,21 @@ class DeliveryProblem(Problem[State, str]):
             return row, col, True
         return *moved((row, col), MOVE_DELTAS[action]), has_item
 
-    def action_cost(self, state: State, action: str, successor: State) -> float:
+    def action_cost(self, state: DeliveryState, action: str, successor: DeliveryState) -> float:
         """Return the cost of an action."""
         if action in MOVE_DELTAS:
             return self.costs.move_loaded if state[2] else self.costs.move_empty
         return self.costs.drop if action == "DROP" else self.costs.pick
 
-    def expand(self, state: State) -> list[tuple[str, State, float]]:
+    def expand(self, state: DeliveryState) -> list[tuple[str, DeliveryState, float]]:
         """Return each action with its result and its cost."""
         row, col, has_item = state
         if state == DELIVERED:
             return []
         cost = self.costs.move_loaded if has_item else self.costs.move_empty
-        found = [(move, (*cell, has_item), cost) for move, cell, _ in self._moves[row, col]]
+        edges = [(move, (*cell, has_item), cost) for move, cell, _ in self._moves[row, col]]
         if has_item and (row, col) in self.dropoffs:
-            found.append(("DROP", DELIVERED, self.costs.drop))
+            edges.append(("DROP", DELIVERED, self.costs.drop))
         if not has_item and (row, col) in self.pickups:
-            found.append(("PICK", (row, col, True), self.costs.pick))
-        return found
+            edges.append(("PICK", (row, col, True), self.costs.pick))
+        return edges

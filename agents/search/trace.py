@@ -14,28 +14,28 @@ from warehouse_core.world.tiles import EMPTY, PICKUP, Cell
 SHADES: tuple[Color, ...] = tuple(
     blend(COLORS[PICKUP], COLORS[EMPTY], share) for share in (0.75, 0.5, 0.25, 0.0)
 )
-"""Of expanded cells: the first quarter of them, and so on."""
+"""Colours of expanded cells: the first quarter of them, the second, and so on."""
 
 FRONTIER: Color = HIT
 
 MAX_PANELS = 6
-"""Of searches side by side."""
+"""Most searches side by side."""
 
 WAITS, UNTOUCHED = -1, 0
 """Marks of a cell on the frontier and of a cell not reached yet."""
 
-Marks = NDArray[np.int32]
-"""``[H, W]``: one of the above, or the number of the expansion of the cell, from 1."""
+MarkGrid = NDArray[np.int32]
+"""``[H, W]``: ``WAITS``, ``UNTOUCHED``, or the number of the cell's expansion, from 1."""
 
 
 class SearchCourse:
     """The marks of a search after any number of its expansions.
 
     Args:
-        name: of the algorithm, to be shown.
-        layout: that was searched.
-        start: of the search.
-        solution: of the search, with its events.
+        name: name of the algorithm, to show.
+        layout: layout that was searched.
+        start: start of the search.
+        solution: solution of the search, with its events.
 
     Raises:
         ValueError: the solution has no events.
@@ -68,7 +68,7 @@ class SearchCourse:
         """Return whether the search has ended after ``count`` expansions."""
         return count >= len(self)
 
-    def marks_after(self, count: int) -> Marks:
+    def marks_after(self, count: int) -> MarkGrid:
         """Return the marks after ``count`` expansions, or after all if there are fewer."""
         end = self._ends[min(count, len(self))]
         marks = np.full(self._shape, UNTOUCHED, dtype=np.int32)
@@ -80,7 +80,7 @@ class SearchCourse:
             marks[goal] = max(len(self), 1)
         return marks
 
-    def shades(self, numbers: Marks) -> Marks:
+    def shades(self, numbers: MarkGrid) -> MarkGrid:
         """Return for numbers of expansions the index of its shade in ``SHADES``."""
         return (numbers - 1) * len(SHADES) // max(len(self), 1)
 

@@ -5,7 +5,6 @@
 
 import hashlib
 import os
-import resource
 import subprocess
 import sys
 import time
@@ -14,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from helpers.fleet_truth import big_warehouse
+from helpers.timing import resident
 
 from agents.mapf.execution import Execution, drive_steps, drive_through
 from agents.mapf.graph import Graph
@@ -160,9 +160,3 @@ def test_memory_is_flat_over_a_thousand_seconds(measured) -> None:
     grown = resident() - before
     measured("memory gained by 100 bodies in 900 simulated seconds", f"{grown / 1e6:.1f} MB")
     assert grown < 1e6
-
-
-def resident() -> int:
-    """Return the memory of this process in bytes."""
-    with open("/proc/self/statm", encoding="ascii") as file:
-        return int(file.read().split()[1]) * resource.getpagesize()

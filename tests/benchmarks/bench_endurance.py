@@ -5,11 +5,11 @@
 
 import os
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
 from helpers.malformed import MAKERS, step_malformed
+from helpers.timing import resident
 
 from warehouse_core import BatchEnv, WarehouseEnv
 
@@ -33,11 +33,6 @@ def test_malformed_actions_raise_only_documented_errors(
         f"{tally.steps:,}: {tally.refused:,} refused with documented errors, {tally.taken:,} taken "
         f"as invalid; state compared {tally.compared:,} times, 0 changes",
     )
-
-
-def resident() -> int:
-    """Return the bytes of memory that this process uses now."""
-    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
 def in_batch(steps: int) -> None:

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.fleet_truth import DROP, EAST, NORTH, PICK, SOUTH, WAIT, WEST, big_warehouse
+from helpers.timing import resident
 
 from warehouse_core import FleetEnv, Layout
 from warehouse_core.fleet import FleetBatch
@@ -151,11 +152,6 @@ def test_a_reset_of_ten_thousand_robots(orders: float | None, measured) -> None:
     what = f"reset of 10,000 robots{' with 100,000 orders' if orders else ''}"
     measured(what, f"{wall:.3f} s, {cpu:.3f} s of CPU time")
     assert cpu < 0.1
-
-
-def resident() -> int:
-    """Return the bytes of memory that this process uses now."""
-    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
 def towards_goals(arrays: Any, mask: np.ndarray, stream: np.random.Generator) -> np.ndarray:

@@ -15,7 +15,7 @@ from agents.lab.experiments.case import make_agent_for, make_case, make_env
 from agents.lab.experiments.plan import Plan
 from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.workers import process_pool
+from agents.lab.trials.workers import process_pool
 from warehouse_core import record_episode
 from warehouse_core.records.failure_modes import diagnose
 
@@ -31,7 +31,7 @@ import sys
 from agents.lab.experiments.plan import make_plan
 from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.workers import process_pool
+from agents.lab.trials.workers import process_pool
 
 def peak_in_kb():
     with open("/proc/self/status") as file:

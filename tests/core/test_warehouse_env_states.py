@@ -196,7 +196,7 @@ class EnvironmentMachine(RuleBasedStateMachine):
     @rule(seed=st.none() | st.integers())
     def reset_at_random_without_room(self, seed: int | None) -> None:
         before = random.getstate()
-        with pytest.raises(ValueError, match="needs two open cells"):
+        with pytest.raises(ValueError, match=r"needs two open cells .* the layout has [01]"):
             self.env.reset(randomize=True, seed=seed)
         assert random.getstate() == before
 

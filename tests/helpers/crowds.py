@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from warehouse_core import Cell, Layout
 from warehouse_core.motion.grid import GridFleetBatch, GridMotion
-from warehouse_core.motion.traffic import Stop, find_stops
+from warehouse_core.motion.traffic import Obstacle, find_stops
 from warehouse_core.motion.vector import NOTHING, WALL
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.tiles import moved
@@ -20,7 +20,7 @@ NORTH, EAST, SOUTH, WEST = range(4)
 
 def table_line(
     robot: int, layout: Layout, cells: list[Cell], targets: list[Cell]
-) -> tuple[str, Stop]:
+) -> tuple[str, Obstacle]:
     """Return the line of the table that applies to a robot, and what stops it."""
     line = _line_of_its_own(robot, layout, cells, targets)
     if line is not None:
@@ -38,7 +38,7 @@ def table_line(
 
 def _line_of_its_own(
     robot: int, layout: Layout, cells: list[Cell], targets: list[Cell]
-) -> tuple[str, Stop] | None:
+) -> tuple[str, Obstacle] | None:
     """Return the line of a robot that does not depend on whether the one ahead of it moves."""
     cell, target = cells[robot], targets[robot]
     if target == cell:
@@ -58,7 +58,7 @@ def _robot_in(cell: Cell, cells: list[Cell]) -> int | None:
     return cells.index(cell) if cell in cells else None
 
 
-def array_stops(layout: Layout, cells: list[Cell], moves: list[Cell]) -> list[Stop]:
+def array_stops(layout: Layout, cells: list[Cell], moves: list[Cell]) -> list[Obstacle]:
     """Return what stops each robot, by the arrays of a batch."""
     robots = len(cells)
     batch = GridFleetBatch([layout], 1.0, robots)
@@ -67,7 +67,7 @@ def array_stops(layout: Layout, cells: list[Cell], moves: list[Cell]) -> list[St
     return named(batch.advance(actions, np.zeros(robots, np.bool_)).stopped_by)
 
 
-def named(stopped_by: NDArray[np.intp]) -> list[Stop]:
+def named(stopped_by: NDArray[np.intp]) -> list[Obstacle]:
     """Return the stops of a batch as those of ``find_stops``."""
     return [{NOTHING: None, WALL: "wall"}.get(stop, stop) for stop in stopped_by.tolist()]
 

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from agents.lab.evaluation.figure import scores_figure
-from agents.lab.evaluation.scores import Run, Scores
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.store import Store
 from agents.lab.reports.contents import make_page
 from agents.lab.reports.page import write_page
+from agents.lab.trials.figure import scores_figure
+from agents.lab.trials.scores import Run, Scores
 from helpers.pages import a_page_of
 from helpers.pictures import named, replay_of
 from helpers.results_files import outcomes

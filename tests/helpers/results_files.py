@@ -6,7 +6,7 @@ from typing import Any
 
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import AnyRow, Row, Shift
+from agents.lab.trials.rows import AnyRow, FleetRow, Row
 
 
 def row(seed: int, mode: str = "delivered", steps: int = 20, **others: Any) -> Row:
@@ -31,9 +31,9 @@ def outcomes(words: str, seed: int = 0, steps: int = 20) -> list[Row]:
     return [row(number, modes[each], steps) for number, each in enumerate(words, start=seed)]
 
 
-def shift(seed: int, mode: str = "served", **others: Any) -> Shift:
+def fleet_row(seed: int, mode: str = "served", **others: Any) -> FleetRow:
     """Return the row of an episode of a fleet that ended with ``mode``."""
-    plain = Shift(
+    plain = FleetRow(
         seed, mode, 100, 100.0, 10, 5, 180.0, 4.0, 8.0, 0.5, 5000.0, 1000.0, 0, 10, 0, 3, 4, 90, 0
     )
     return plain._replace(**others)

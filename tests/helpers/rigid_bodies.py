@@ -11,8 +11,8 @@ from warehouse_core.motion.traffic import find_stops
 from warehouse_core.motion.vector import BatchOutcome
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_physics import RigidBodyMotion, RobotSpec
-from warehouse_physics.motion import PATH_EVERY
-from warehouse_physics.vector.motion import RigidBodyBatch
+from warehouse_physics.batch.rigid_body_batch import RigidBodyBatch
+from warehouse_physics.rigid_body_motion import PATH_EVERY
 
 LEDGE = Layout(["."])
 """One cell, so that every move ends at a wall."""

@@ -9,7 +9,7 @@ from helpers.traces import TRACES, assert_as_recorded, env_of
 from warehouse_core import DEFAULT_LAYOUT, Episode, WarehouseEnv, record_episode
 from warehouse_core.conformance import run_conformance
 from warehouse_physics import RigidBodyMotion, RobotSpec
-from warehouse_physics.robot_spec import FAST_STEP
+from warehouse_physics.spec import FAST_STEP
 
 MOVES = 2_000
 """Random actions on both backends; the benchmarks make more."""

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from warehouse_core import Cell, EpisodeRecorder, FleetEnv, Layout, Outcome, WarehouseEnv
-from warehouse_core.records.fleet_episode import FleetRecorder
+from warehouse_core.records.recorder import FleetRecorder
 from warehouse_core.viz.tracks import track_of_episode, track_of_fleet_episode
 from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
 from warehouse_physics.disturbances import FloorConditions

@@ -7,8 +7,7 @@ from helpers.physics_truth import differences_in_jams, queue, straight_queue, wi
 from helpers.rigid_bodies import EAST, NORTH, SOUTH, STAY, WEST
 
 from warehouse_core import Layout
-from warehouse_physics import RigidBodyMotion, RobotSpec
-from warehouse_physics import motion as rigid_body_motion
+from warehouse_physics import RigidBodyMotion, RobotSpec, rigid_body_motion
 from warehouse_physics.clearance import comes_closer
 
 MOVES = 1_500

@@ -23,9 +23,8 @@ from helpers.rigid_bodies import (
 
 from warehouse_core import Cell, Layout, LayoutError, Outcome, random_layout
 from warehouse_core.motion.base import centre_of
-from warehouse_physics import RigidBodyMotion, RobotSpec, stepping
-from warehouse_physics import motion as rigid_body_motion
-from warehouse_physics.robot import WALL
+from warehouse_physics import RigidBodyMotion, RobotSpec, rigid_body_motion, stepping
+from warehouse_physics.arena import WALL
 
 TUNNEL_MOVES = 200
 """Moves at walls at the highest speed; the benchmarks make more."""
@@ -317,7 +316,7 @@ def test_the_energy_is_the_work_of_the_motor(make, loaded, monkeypatch) -> None:
     """Add up force times path of every substep in which the motor accelerates the robot."""
     work = 0.0
     spec = RobotSpec(idle_power=0, drivetrain_efficiency=1)
-    stepped = rigid_body_motion.Arena.__init__
+    stepped = rigid_body_motion.RobotArena.__init__
 
     def watched(arena, *arguments) -> None:
         stepped(arena, *arguments)
@@ -333,7 +332,7 @@ def test_the_energy_is_the_work_of_the_motor(make, loaded, monkeypatch) -> None:
 
         arena.space.step = step_and_add
 
-    monkeypatch.setattr(rigid_body_motion.Arena, "__init__", watched)
+    monkeypatch.setattr(rigid_body_motion.RobotArena, "__init__", watched)
     monkeypatch.setattr(stepping, "IS_KNOWN", False)  # so that the public step is called
     outcome = make(spec, EAST, loaded)
     assert outcome.joules == pytest.approx(work, rel=0.05)

@@ -87,7 +87,7 @@ def test_what_a_callback_adds_or_removes_waits_for_the_end_of_the_steps(known) -
     move(motion, EAST)
     space, added = motion._arena.space, pymunk.Body(1.0, 1.0)
     wall = next(shape for shape in space.shapes if isinstance(shape, pymunk.Poly))
-    hits, seen = motion._arena._stepper._hits, []
+    hits, seen = motion._arena.stepper._hits, []
     note = hits._note
 
     def meddle(arbiter: pymunk.Arbiter) -> object:
@@ -107,7 +107,7 @@ def test_what_a_callback_adds_or_removes_waits_for_the_end_of_the_steps(known) -
 
 
 def break_notes(motion: RigidBodyMotion, fail: Callable[[], object]) -> None:
-    motion._arena._stepper._hits._note = lambda arbiter: fail()
+    motion._arena.stepper._hits._note = lambda arbiter: fail()
 
 
 def interrupt() -> None:
@@ -126,11 +126,11 @@ def divide_by_zero() -> None:
 )
 def test_an_error_while_a_hit_is_noted_ends_the_action(fail, error) -> None:
     motion = motion_in(LEDGE, (0, 0))
-    note = motion._arena._stepper._hits._note
+    note = motion._arena.stepper._hits._note
     break_notes(motion, fail)
     with pytest.raises(error):
         move(motion, EAST)
-    motion._arena._stepper._hits._note = note
+    motion._arena.stepper._hits._note = note
     assert len(move(motion, WEST).contacts) == 1
 
 
@@ -144,7 +144,7 @@ def test_an_error_while_a_hit_is_noted_is_kept_though_cffi_drops_those_of_callba
 
 def test_an_error_while_a_hit_is_noted_ends_the_action_of_a_batch() -> None:
     batch = batch_in([HALL, LEDGE])
-    batch._parts[0].arena._stepper._hits._note = lambda arbiter: divide_by_zero()
+    batch._parts[0].arena.stepper._hits._note = lambda arbiter: divide_by_zero()
     with pytest.raises(ZeroDivisionError):
         batch.advance(np.array([1, 1]), np.zeros(2, bool))
 
@@ -188,11 +188,11 @@ def test_errors_in_callbacks_of_other_spaces_are_printed_as_before(monkeypatch) 
 
 def test_an_action_inside_an_action_raises() -> None:
     motion = motion_in(LEDGE, (0, 0))
-    note = motion._arena._stepper._hits._note
+    note = motion._arena.stepper._hits._note
     break_notes(motion, lambda: move(motion, WEST))
     with pytest.raises(RuntimeError, match=r"^advance\(\) while another call .* of its own$"):
         move(motion, EAST)
-    motion._arena._stepper._hits._note = note
+    motion._arena.stepper._hits._note = note
     assert move(motion, WEST).contacts
 
 
@@ -224,7 +224,7 @@ def test_a_motion_in_several_threads_raises_and_goes_on() -> None:
 def test_robots_cannot_be_placed_during_an_action_of_a_batch() -> None:
     batch = batch_in([LEDGE])
     place = partial(batch.place, np.array([0]), np.array([0]))
-    batch._parts[0].arena._stepper._hits._note = lambda arbiter: place()
+    batch._parts[0].arena.stepper._hits._note = lambda arbiter: place()
     with pytest.raises(RuntimeError, match=r"^place\(\) while another call"):
         batch.advance(np.array([1]), np.zeros(1, bool))
     place()

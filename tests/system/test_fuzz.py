@@ -1,5 +1,7 @@
 """Changed inputs of every format end with documented errors; ``bench_fuzz.py`` reads a million."""
 
+from pathlib import Path
+
 import pytest
 from helpers.fuzz import formats, fuzz
 
@@ -9,3 +11,9 @@ def test_changed_inputs_are_read_or_refused(name: str) -> None:
     report = fuzz(name, 150, seed=2)
     assert report.accepted > 0
     assert report.refused > report.accepted
+
+
+@pytest.mark.parametrize("name", formats())
+def test_a_missing_file_is_an_os_error(name: str, tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match="missing"):
+        formats()[name].read(tmp_path / "missing")

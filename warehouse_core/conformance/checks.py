@@ -1,7 +1,7 @@
 """Checks of the rules in ``motion/base.py``; each raises if its rule is broken.
 
 A check is called with a factory that returns a fresh motion at each call. Its docstring is its
-rule. ``suite.py`` runs all of ``CHECKS``, and those of ``vector_checks.py``.
+rule. ``suite.py`` runs ``CHECKS`` and the checks of batches in ``vector_checks.py``.
 """
 
 from __future__ import annotations
@@ -36,20 +36,20 @@ from warehouse_core.conformance.trials import (
 )
 from warehouse_core.errors import LayoutError
 from warehouse_core.motion.base import WALL_CONTACT, Outcome, robot_contact
-from warehouse_core.motion.traffic import Stop, find_stops
+from warehouse_core.motion.traffic import Obstacle, find_stops
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 
 Check = Callable[[MakeMotion], None]
 
 CENTRE_TOLERANCE = 0.1
-"""In cells. A driven robot stops within millimetres of the middle."""
+"""Largest distance from the middle, in cells; a driven robot stops within millimetres of it."""
 JOIN_TOLERANCE = 1e-6
-"""In cells. Two rows at the same instant differ only by rounding."""
+"""Largest gap between two paths, in cells; rows at the same instant differ only by rounding."""
 TIME_TOLERANCE = 1e-9
-"""In seconds. A sum of time steps and a product with their number round differently."""
+"""Seconds by which times may differ; a sum of time steps and their product round differently."""
 HEADING_TOLERANCE = 0.1
-"""In radians, 6 degrees. A robot held by a finite torque may face slightly off."""
+"""Radians off east, 6 degrees; a robot held by a finite torque may face slightly off."""
 
 CLOSET = Layout(["###", "#.#", "###"])
 LEDGE = Layout(["."])
@@ -321,7 +321,7 @@ def _expect_stops(
     layout: Layout,
     cells: list[Cell],
     displacements: list[Cell],
-    stops: list[Stop],
+    stops: list[Obstacle],
 ) -> None:
     """Expect one step to end by ``stops``, and each robot to have touched what stopped it."""
     step = trial(make_motion, layout, cells, displacements)

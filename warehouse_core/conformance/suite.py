@@ -28,14 +28,14 @@ EXPECTED_FAILURE, UNEXPECTED_PASS = "expected failure", "unexpected pass"
 
 
 @dataclass(frozen=True, slots=True)
-class Result:
+class CheckResult:
     """The result of one check.
 
     Attributes:
-        name: of the check, as in ``expected_failures``.
+        name: name of the check, as in ``expected_failures``.
         rule: the rule that it checks, a sentence.
         status: ``"passed"``, ``"failed"``, ``"expected failure"`` or ``"unexpected pass"``.
-        detail: how it failed, or why it was expected to; "" if it passed.
+        detail: reason for the failure, or for expecting one; "" if the check passed.
     """
 
     name: str
@@ -51,10 +51,10 @@ class Result:
 class Report:
     """The results of all checks in the order of ``CHECKS``; ``str`` gives one line for each."""
 
-    results: tuple[Result, ...]
+    results: tuple[CheckResult, ...]
 
     @property
-    def failures(self) -> tuple[Result, ...]:
+    def failures(self) -> tuple[CheckResult, ...]:
         """The checks that failed, or passed although they were expected to fail."""
         return tuple(r for r in self.results if r.status in (FAILED, UNEXPECTED_PASS))
 
@@ -94,15 +94,15 @@ def run_conformance(
     return Report(tuple(_run(check, make_motion, expected.get(check.__name__)) for check in CHECKS))
 
 
-def _run(check: Check, make_motion: MakeMotion, reason: str | None) -> Result:
+def _run(check: Check, make_motion: MakeMotion, reason: str | None) -> CheckResult:
     name, rule = check.__name__, (check.__doc__ or "").strip()
     try:
         check(make_motion)
     except Exception as error:
         detail = str(error) if isinstance(error, ConformanceError) else f"it raised {error!r}"
         if reason is None:
-            return Result(name, rule, FAILED, detail)
-        return Result(name, rule, EXPECTED_FAILURE, f"{reason} ({detail})")
+            return CheckResult(name, rule, FAILED, detail)
+        return CheckResult(name, rule, EXPECTED_FAILURE, f"{reason} ({detail})")
     if reason is None:
-        return Result(name, rule, PASSED)
-    return Result(name, rule, UNEXPECTED_PASS, f"was declared to fail: {reason}")
+        return CheckResult(name, rule, PASSED)
+    return CheckResult(name, rule, UNEXPECTED_PASS, f"was declared to fail: {reason}")

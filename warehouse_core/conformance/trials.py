@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.motion.base import Motion, Outcome, centre_of
-from warehouse_core.motion.traffic import Stop
+from warehouse_core.motion.traffic import Obstacle
 from warehouse_core.world.generators import random_layout
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import MOVE_DELTAS, Cell
@@ -23,7 +23,7 @@ STAY: Cell = (0, 0)
 NORTH, EAST, SOUTH, WEST = MOVES = tuple(MOVE_DELTAS.values())
 
 MAZE = random_layout(height=7, width=8, density=0.25, seed=3)
-"""For random walks: small, so that robots often meet walls and each other."""
+"""Layout of random walks, so small that robots often meet walls and each other."""
 
 
 class ConformanceError(AssertionError):
@@ -116,7 +116,7 @@ def expect(condition: bool, otherwise: str) -> None:
         raise ConformanceError(otherwise)
 
 
-def expect_ends(step: Step, stops: Sequence[Stop]) -> None:
+def expect_ends(step: Step, stops: Sequence[Obstacle]) -> None:
     """Expect each robot in its wanted cell, or blocked in its start if something stops it."""
     for robot, (outcome, stop) in enumerate(zip(step.outcomes, stops, strict=True)):
         end = step.wanted[robot] if stop is None else step.starts[robot]

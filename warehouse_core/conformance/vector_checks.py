@@ -1,7 +1,7 @@
 """Checks of a batch against single motions.
 
-A motion without a method ``batch``, or whose ``batch`` raises ValueError, passes those of lone
-robots; likewise without a ``fleet_batch`` that of fleets.
+A motion without a method ``batch``, or whose ``batch`` raises ValueError, passes the checks of lone
+robots; without a ``fleet_batch`` it passes the check of fleets.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from warehouse_core.world.layout import Layout
 
 MOVES = 60
 TOLERANCE = 1e-6
-"""Of seconds and joules, relative; terms may be summed in another order."""
+"""Relative difference allowed in seconds and joules; terms may be summed in another order."""
 
 LAYOUTS = [MAZE, Layout(["#.#.", "....", "..#."]), MAZE, Layout(["."]), Layout(["......"]), MAZE]
 POOL = [Layout(rows) for rows in (["#.#.", "...."], ["..#.", ".##."], ["....", "...."])]
@@ -46,7 +46,7 @@ def check_a_batch_moves_as_single_motions_do(make_motion: MakeMotion) -> None:
 
 
 def check_a_batch_of_fleets_moves_as_single_motions_do(make_motion: MakeMotion) -> None:
-    """So does each robot of a fleet, and `stopped_by` names what blocked it."""
+    """Each robot of a batch of fleets moves as in a single motion; `stopped_by` names its stop."""
     for robots in FLEET_SIZES:
         with ExitStack() as open_motions:
             batch = _fleet_batch_of(make_motion, open_motions, FLEET_LAYOUTS, robots)
@@ -58,7 +58,7 @@ def check_a_batch_of_fleets_moves_as_single_motions_do(make_motion: MakeMotion) 
 
 
 def check_a_batch_moves_in_changed_layouts(make_motion: MakeMotion) -> None:
-    """If a batch can change its layouts, so does each row after a change."""
+    """If a batch can change its layouts, its rows move as single motions do after a change too."""
     before = [POOL[number % len(POOL)] for number in range(len(LAYOUTS))]
     with ExitStack() as open_motions:
         batch = _batch_of(make_motion, open_motions, before)
@@ -127,7 +127,7 @@ def _walk_side_by_side(
 ) -> None:
     """Make the same random moves on both, and place the robots of some floors anew at times.
 
-    If the batch is that of a fleet, its outcomes are compared too.
+    The paths and contacts of ``fleet``, the same batch if it moves fleets, are compared too.
     """
     fresh = list(range(len(layouts)))
     for _ in range(moves):

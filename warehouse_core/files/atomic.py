@@ -39,7 +39,7 @@ def check_suffix(path: Path, allowed: Collection[str]) -> str:
 def atomic_path(path: str | Path) -> Iterator[Path]:
     """Yield a path to write to; move that file to ``path`` when the block succeeds.
 
-    Its name is that of ``path``, because writers choose their format by the suffix. It is in a new
+    It is named like ``path``, because writers choose their format by the suffix. It is in a new
     folder beside ``path`` that only this user can enter, so that no other program writes or links
     there. On any error it is removed, and an existing file at ``path`` is left unchanged.
 

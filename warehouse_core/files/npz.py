@@ -10,7 +10,7 @@ import math
 import struct
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import IO, Any
 
@@ -19,13 +19,14 @@ from numpy.typing import NDArray
 
 from warehouse_core.errors import RecordError
 from warehouse_core.files.atomic import atomic_path
+from warehouse_core.wording import listed
 
 MAX_BYTES = 64 * 1024 * 1024
 """Limit on the uncompressed size of all arrays together, for writing and reading."""
 
 Arrays = dict[str, NDArray[Any]]
 Schema = Mapping[str, tuple[str, int]]
-"""For each array its dtype, with byte order, and its number of dimensions."""
+"""Name of each array, its dtype with byte order, and its number of dimensions."""
 
 _END_RECORD = struct.Struct("<4s4H2LH")
 _ZIP64_LOCATOR_SIZE = 20
@@ -48,16 +49,21 @@ def write_arrays(path: str | Path, arrays: Arrays, schema: Schema) -> None:
         np.savez_compressed(file, **typed)  # type: ignore[arg-type]
 
 
-def read_arrays(path: str | Path, schema: Schema) -> Arrays:
-    """Read exactly the arrays of ``schema`` from ``path``, read-only.
+def read_arrays(path: str | Path, *schemas: Schema) -> Arrays:
+    """Read exactly the arrays of one of ``schemas`` from ``path``, read-only.
+
+    Args:
+        path: File to read.
+        schemas: Allowed schemas, each with another number of arrays.
 
     Raises:
-        RecordError: the file is damaged or differs from ``schema``.
+        RecordError: the file is damaged or differs from its schema.
         OSError: the file cannot be opened.
     """
     with Path(path).open("rb") as file:
         try:
-            _check_directory(file, len(schema))
+            count = _check_directory(file, [len(schema) for schema in schemas])
+            schema = next(schema for schema in schemas if len(schema) == count)
             with zipfile.ZipFile(file) as archive:
                 return _read_all(archive, schema)
         except RecordError as error:
@@ -67,8 +73,12 @@ def read_arrays(path: str | Path, schema: Schema) -> Arrays:
             raise RecordError(f"{path}: damaged: {error}") from error
 
 
-def _check_directory(file: IO[bytes], count: int) -> None:
-    """Raise unless the directory has ``count`` entries, before zipfile reads it into memory."""
+def _check_directory(file: IO[bytes], counts: Sequence[int]) -> int:
+    """Return the number of entries in the directory, before zipfile reads it into memory.
+
+    Raises:
+        RecordError: the file has no directory, or it has another number than one of ``counts``.
+    """
     file.seek(0, 2)
     size = file.tell()
     tail_size = min(size, _END_RECORD.size + _ZIP64_LOCATOR_SIZE)
@@ -79,11 +89,12 @@ def _check_directory(file: IO[bytes], count: int) -> None:
     signature, _, _, _, entries, directory_size, *_ = _END_RECORD.unpack(tail[-_END_RECORD.size :])
     if signature != b"PK\x05\x06" or tail.startswith(b"PK\x06\x07"):
         raise RecordError("not an .npz file")
-    if entries != count:
-        raise RecordError(f"{entries} arrays; there must be {count}")
+    if entries not in counts:
+        raise RecordError(f"{entries} arrays; there must be {listed(counts, 'or')}")
     # zipfile reads as many entries as fit into the directory, whatever their stated number.
-    if directory_size > count * _MAX_ENTRY_SIZE:
+    if directory_size > entries * _MAX_ENTRY_SIZE:
         raise RecordError(f"its directory of {directory_size} bytes is too large")
+    return int(entries)
 
 
 def _read_all(archive: zipfile.ZipFile, schema: Schema) -> Arrays:
@@ -108,17 +119,17 @@ def _read_one(
         if np.lib.format.read_magic(file) != (1, 0):
             raise RecordError(f"array {name}: not of .npy version 1.0")
         try:
-            shape, fortran_order, found = np.lib.format.read_array_header_1_0(file)
+            shape, fortran_order, stored = np.lib.format.read_array_header_1_0(file)
         except Exception as error:  # the header is Python text, which can raise many types
             raise RecordError(f"array {name}: damaged header") from error
-        if found != np.dtype(dtype) or len(shape) != dimensions or fortran_order:
+        if stored != np.dtype(dtype) or len(shape) != dimensions or fortran_order:
             raise RecordError(
-                f"array {name} is {found} with {len(shape)} dimensions; "
+                f"array {name} is {stored} with {len(shape)} dimensions; "
                 f"it must be {np.dtype(dtype)} with {dimensions}, in C order"
             )
-        size = math.prod(shape) * found.itemsize
+        size = math.prod(shape) * stored.itemsize
         if size != entry.file_size - file.tell():
             raise RecordError(f"array {name} claims {size} bytes, which it does not have")
         data = file.read(size)
         file.read(1)  # zipfile compares the checksum only when the end is read
-    return np.frombuffer(data, dtype=found).reshape(shape)
+    return np.frombuffer(data, dtype=stored).reshape(shape)

@@ -79,7 +79,7 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         max_steps: limit of an episode, 1 to ``MAX_STEPS``.
         battery: units of a full charge, 1 to ``MAX_STEPS``; every step costs one.
         view_radius: cells seen in each direction, 0 to ``MAX_VIEW_RADIUS``.
-        randomize: what is drawn for each episode: ``True`` for pickup, dropoff and start, or
+        randomize: parts drawn for each episode: ``True`` for pickup, dropoff and start, or
             ``"stations"`` or ``"start"`` for one of the two.
         render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``. Without a
             display ``metadata`` does not list ``"human"``.
@@ -145,7 +145,7 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
 
     @property
     def spec(self) -> EnvSpec | None:
-        """How ``gymnasium.make`` made it; ``max_episode_steps`` is ``max_steps``."""
+        """The spec that ``gymnasium.make`` used; its ``max_episode_steps`` is ``max_steps``."""
         return self._spec
 
     @spec.setter
@@ -158,8 +158,8 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         """Start an episode.
 
         Args:
-            seed: for ``np_random``, from which pickup, dropoff, start and the seed of the motion
-                are drawn; ``None`` continues its stream.
+            seed: seed of ``np_random``, from which pickup, dropoff, start and the seed of the
+                motion are drawn; ``None`` continues its stream.
             options: ``randomize``, ``layout`` (of the same size) and ``start_pos`` for this
                 episode only.
 

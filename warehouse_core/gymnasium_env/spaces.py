@@ -19,15 +19,15 @@ from warehouse_core.world.tiles import CELL_CODES
 FORMS = ("dict", "vector", "image")
 
 MARKED = {"vector": MARKED_TILES}
-"""The tiles of forms that are made of ``marks``, and not of codes, because that is faster."""
+"""Tiles of the forms that are made of ``marks`` instead of codes, which is faster."""
 
 RENDER_FPS = 8
 
 MAX_VIEW_RADIUS = 500
-"""A window of a million cells."""
+"""Largest view radius, whose window has a million cells."""
 
 MIN_SIDE = 2
-"""Rows and columns that spaces allow for: Gymnasium warns if low and high bounds are equal."""
+"""Fewest rows and columns of a space; Gymnasium warns if low and high bounds are equal."""
 
 
 class Form(NamedTuple):

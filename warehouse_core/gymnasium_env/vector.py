@@ -49,7 +49,7 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         ``MultiDiscrete``, ``[B]``, as for ``WarehouseGymnasiumEnv``.
 
     Observations:
-        Those of ``WarehouseGymnasiumEnv``, batched. ``info["motion"]`` has ``blocked``,
+        The observations of ``WarehouseGymnasiumEnv``, batched. ``info["motion"]`` has ``blocked``,
         ``seconds`` and ``joules`` of all rows, and neither paths nor contacts.
 
     Rewards:
@@ -60,13 +60,13 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     Args:
         num_envs: ``B``, at least 1.
-        layout: as for ``WarehouseGymnasiumEnv``, one for all rows, or a list of ``B``. A list of
-            strings is one layout if any string is a row of tiles.
+        layout: one layout for all rows, in a form that ``WarehouseGymnasiumEnv`` takes, or a list
+            of ``B``. A list of strings is one layout if any string is a row of tiles.
         autoreset_mode: an ``AutoresetMode`` or its value, ``"NextStep"``, ``"SameStep"`` or
             ``"Disabled"``.
         max_episode_steps: a lower limit than ``max_steps``, as ``gymnasium.make`` sets it by a
-            wrapper; ``None`` or -1 is no other. Spaces remain those of ``max_steps``.
-        backend: as for ``WarehouseGymnasiumEnv``, like all other arguments. On the physics
+            wrapper; ``None`` or -1 is no other. Spaces still follow ``max_steps``.
+        backend: the same as in ``WarehouseGymnasiumEnv``, like all other arguments. On the physics
             backend a batch can be neither pickled nor copied.
 
     Raises:
@@ -152,7 +152,7 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     def reset(
         self, *, seed: Seeds = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Start an episode in every row, or in those of ``options["reset_mask"]``.
+        """Start an episode in every row, or in the rows that ``options["reset_mask"]`` marks.
 
         Raises:
             ValueError: an unknown option or a bad value; nothing has changed.

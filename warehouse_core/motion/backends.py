@@ -109,14 +109,14 @@ def _make_named(backend: str) -> Motion:
 
 
 def _read_numbers(text: str) -> dict[str, float]:
-    found = {}
+    numbers = {}
     for part in text.split(","):
         name, _, value = part.partition("=")
         try:
-            found[name] = float(value)
+            numbers[name] = float(value)
         except ValueError:
             raise ValueError(f"{part!r} is not of the form name=1.5") from None
-    return found
+    return numbers
 
 
 def backend_names() -> list[str]:
@@ -160,7 +160,7 @@ def _complaint(error: Exception, entry_point: EntryPoint) -> str:
 
 
 def _requirements(entry_point: EntryPoint) -> list[str]:
-    """Return those of the extra with the backend's name, or else its distribution."""
+    """Return the requirements of the extra with the backend's name, or else its distribution."""
     distribution = entry_point.dist
     if distribution is None:
         return [entry_point.module.partition(".")[0]]

@@ -39,7 +39,7 @@ class Conditions(NamedTuple):
 
 @runtime_checkable
 class HasConditions(Protocol):
-    """What a motion offers whose conditions are to be recorded, and drawn in replays."""
+    """A motion whose conditions are recorded, and drawn in replays."""
 
     @property
     def conditions(self) -> Conditions:
@@ -49,7 +49,7 @@ class HasConditions(Protocol):
 def conditions_of(motion: object, layout: Layout) -> Conditions:
     """Return the conditions of a motion in a layout, in whose open cells the floor may be slippery.
 
-    Those of a motion that has none are nominal.
+    A motion that tells none has nominal ones.
     """
     if not isinstance(motion, HasConditions):
         return Conditions()
@@ -67,9 +67,9 @@ class Contact(NamedTuple):
 
     Attributes:
         seconds: time of the hit, from the start of the motion.
-        impulse: in N·s, positive: the speed at which the two approached right before, times the
-            mass of the robot, or of two robots their reduced mass. Their motors' push during and
-            after the hit is not in it, nor that of others who touch them.
+        impulse: impulse in N·s, positive: the speed at which the two approached right before, times
+            the mass of the robot, or of two robots their reduced mass. The push of their motors
+            during and after the hit is not in it, nor the push of others who touch them.
         point: position ``(x, y)`` in metres.
         counterpart: ``"wall"`` or ``"robot 3"``.
     """
@@ -84,8 +84,8 @@ class Outcome(NamedTuple):
     """The outcome of one action of one robot, in the same fields for every backend.
 
     Attributes:
-        cell: where the robot is now.
-        blocked: whether something stopped the robot on its way to another cell.
+        cell: cell of the robot after the action.
+        blocked: something stopped the robot on its way to another cell.
         seconds: its duration.
         joules: its cost.
         path: ``[K, 4]`` float64, read-only, ``K >= 2``: time from the start of the motion in
@@ -138,9 +138,9 @@ class Motion(Protocol):
         """Put ``R = len(cells)`` robots at rest in the middle of their cells, heading east.
 
         Args:
-            layout: where the walls are.
+            layout: layout that has the walls.
             cells: one open cell for each robot, all different.
-            seed: for the backend's random numbers; ``None`` lets the backend choose.
+            seed: seed of the backend's random numbers; ``None`` lets the backend choose.
 
         Raises:
             LayoutError: a cell is a wall, off the grid, or given twice, or there is none; nothing
@@ -151,8 +151,8 @@ class Motion(Protocol):
         """Carry out one action for each robot, all at the same time.
 
         Args:
-            displacements: for each robot ``(0, 0)`` or one cell north, east, south or west.
-            loaded: for each robot whether it carries an item.
+            displacements: ``(0, 0)`` or one cell north, east, south or west for each robot.
+            loaded: flag of each robot that carries an item.
 
         Returns:
             One outcome for each robot.
@@ -168,15 +168,15 @@ class Motion(Protocol):
 
 
 class Ways(NamedTuple):
-    """What ``R`` robots have ahead of them.
+    """The ways that ``R`` robots have ahead of them.
 
     Attributes:
         ends: the last cell of each way, where the next move of the robot begins. They are all
             different, except that two failed robots may stand between the same two cells.
-        has_room: whether each way may be extended by a move now.
-        at_rest: whether each robot is at rest at the end of its way, as it has to be to pick, drop
-            or charge.
-        failed: whether each robot stays where it is for good.
+        has_room: flag of each way that a move may extend now.
+        at_rest: flag of each robot that is at rest at the end of its way, as it has to be to pick,
+            drop or charge.
+        failed: flag of each robot that stays in its place for good.
         closed: the cells that failed robots are in, or reach into, which nobody can enter.
     """
 
@@ -196,7 +196,7 @@ class DrivesThrough(Motion, Protocol):
     """
 
     def ways(self) -> Ways:
-        """Return what each robot has ahead of it.
+        """Return the way that each robot has ahead of it.
 
         Raises:
             RuntimeError: before ``reset`` or after ``close``.

@@ -23,7 +23,7 @@ from warehouse_core.motion.base import (
     check_starts,
     robot_contact,
 )
-from warehouse_core.motion.traffic import Stop, find_stops
+from warehouse_core.motion.traffic import Obstacle, find_stops
 from warehouse_core.motion.vector import NOTHING, WALL, BatchOutcome, Flags, Integers
 from warehouse_core.motion.vector_traffic import VectorTraffic
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
@@ -40,7 +40,7 @@ GRAVITY = 9.81
 
 STAY, EAST = (0, 0), (0, 1)
 NOT_MOVED = -1
-"""In place of the cell before the last action: none since the robot was placed."""
+"""Stands for the cell before the last action if a robot has not moved since it was placed."""
 
 ANGLES = {delta: math.atan2(*delta) for delta in MOVE_DELTAS.values()}
 """Heading in radians of a move; atan2 takes y (rows, downward) before x."""
@@ -50,12 +50,11 @@ _pack = Struct("8d").pack
 MAX_CACHED = 100_000
 """Limit on the cached outcomes of a lone robot, about half a kilobyte each."""
 
-
 MAX_SINGLE_OUTCOMES = 500
 """Outcomes that are made one by one, before the paths of all moves are made at once."""
 
 MAX_PATHS_BYTES = 32_000_000
-"""Limit on those paths; a layout that needs more has none made at once."""
+"""Limit on the paths of all moves; a layout that needs more has none made at once."""
 
 
 class GridMotion:
@@ -148,7 +147,7 @@ class GridMotion:
             self._lone.clear()
         return self._outcome(cell, target, heading, None if is_open else WALL_CONTACT)
 
-    def _outcome(self, cell: Cell, target: Cell, heading: Cell, stop: Stop) -> Outcome:
+    def _outcome(self, cell: Cell, target: Cell, heading: Cell, stop: Obstacle) -> Outcome:
         end = target if stop is None else cell
         x0, y0 = centre_of(cell, self.cell_size)
         x1, y1 = centre_of(end, self.cell_size)
@@ -179,7 +178,7 @@ def move_paths(layout: Layout, cell_size: float) -> dict[Cell, NDArray[np.float6
     if height * width * len(ANGLES) * 2 * 4 * 8 > MAX_PATHS_BYTES:
         return {}
     rows, cols = np.indices((height, width)) + 0.5
-    found = {}
+    paths_by_move = {}
     for (down, right), angle in ANGLES.items():
         paths = np.zeros((height, width, 2, 4))
         paths[..., 1, 0] = NOMINAL_SECONDS
@@ -187,8 +186,8 @@ def move_paths(layout: Layout, cell_size: float) -> dict[Cell, NDArray[np.float6
         paths[..., 1, 1], paths[..., 1, 2] = (cols + right) * cell_size, (rows + down) * cell_size
         paths[..., 3] = angle
         paths.flags.writeable = False
-        found[down, right] = paths
-    return found
+        paths_by_move[down, right] = paths
+    return paths_by_move
 
 
 class GridBatch:

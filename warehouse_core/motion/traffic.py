@@ -27,19 +27,19 @@ from warehouse_core.motion.base import WALL_CONTACT
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 
-Stop = int | str | None
-"""What stops a robot: another robot's number, the wall, or nothing."""
+Obstacle = int | str | None
+"""Obstacle of a robot: another robot's number, the wall, or nothing."""
 
 
-def find_stops(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -> list[Stop]:
+def find_stops(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -> list[Obstacle]:
     """Return what stops each of ``R`` robots on its way from ``cells`` to ``targets``.
 
     Args:
         layout: the layout with the walls.
         cells: ``R`` different open cells.
-        targets: for each robot its own cell or a neighbour of it.
+        targets: the cell of each robot, or a neighbour of it.
     """
-    stops: list[Stop] = [None if layout.is_open(target) else WALL_CONTACT for target in targets]
+    stops: list[Obstacle] = [None if layout.is_open(target) else WALL_CONTACT for target in targets]
     robot_in = {cell: robot for robot, cell in enumerate(cells)}
     movers_to: dict[Cell, list[int]] = {}
     for robot, target in enumerate(targets):
@@ -56,6 +56,7 @@ def find_stops(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -
             stops[first] = ahead
         elif ahead is not None:
             followers[ahead] = first
+    # Only now is it known who stays, for whatever reason; each stops the robot behind it.
     staying = [i for i, stop in enumerate(stops) if stop is not None or targets[i] == cells[i]]
     while staying:
         ahead = staying.pop()
@@ -67,12 +68,12 @@ def find_stops(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -
 
 
 def check_joint_step(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -> None:
-    """Raise unless ``R`` robots can all move at once as they are to; nothing stops them then.
+    """Raise unless ``R`` robots can all move to their targets at once, with nothing to stop them.
 
     Args:
         layout: the layout with the walls.
         cells: ``R`` different open cells.
-        targets: for each robot its next cell, or its own.
+        targets: the next cell of each robot, or its own.
 
     Raises:
         ValueError: naming the robots and cells: there are not ``R`` targets, a target is neither

@@ -25,19 +25,19 @@ class OrderBook:
     whoever picks it first. A robot has at most one order, which it is to take or carries.
 
     Args:
-        orders: of the episode.
+        orders: orders of the episode, or the first of a queue.
         robots: ``R``.
         width: columns of the layout.
-        more: for a queue, returns the next orders; as many as ``orders`` are then kept released
-            and not delivered.
+        more: function that returns the next orders of a queue, which keeps as many as ``orders``
+            released and not delivered; ``None`` without a queue.
 
     Attributes:
         order_of: ``[R]`` the order of each robot, or ``NONE``.
-        lost: number of items that robots carry which stay where they are for good.
+        lost: number of items on robots that have failed and will never deliver them.
         taken_by, taken, delivered: ``[K]`` robot and steps, or ``NONE``.
         waiting_at: number of open orders at each cell.
-        changed: the robots whose order has changed, and the cells where the number of open orders
-            has; the reader clears both.
+        changed: robots whose order has changed, and cells whose number of open orders has; the
+            reader clears both.
     """
 
     def __init__(
@@ -74,8 +74,8 @@ class OrderBook:
     @property
     def open_orders(self) -> list[int]:
         """The open orders, in order of release."""
-        found: list[int] = np.flatnonzero(self._is_open).tolist()
-        return found
+        orders: list[int] = np.flatnonzero(self._is_open).tolist()
+        return orders
 
     @property
     def released_orders(self) -> OrderArrays:
@@ -102,8 +102,10 @@ class OrderBook:
     def take(self, robot: int, cell: int, step: int) -> bool:
         """Give a robot at ``cell`` its order, or else the open one there that is due first.
 
+        A robot that takes another order gives its own back.
+
         Returns:
-            Whether there was one. A robot that takes another order gives its own back.
+            ``True`` if it has taken an order.
         """
         order = int(self.order_of[robot])
         if order == NONE or self.orders.pickup[order] != cell:
@@ -129,7 +131,7 @@ class OrderBook:
         return order
 
     def assign(self, robot: int, order: int | None) -> None:
-        """Let an order wait for one robot only, or with ``None`` give that of the robot back.
+        """Let an order wait for one robot only; ``None`` gives back the order that it had.
 
         Raises:
             OrderError: the robot carries an item, or the order does not wait, or for another robot.
@@ -154,8 +156,8 @@ class OrderBook:
         """Assign the oldest open orders, each to the nearest of some robots without an order.
 
         Args:
-            robots: ``[N]`` numbers.
-            cells: ``[N]`` where they are.
+            robots: ``[N]`` numbers of the robots.
+            cells: ``[N]`` their cells.
         """
         rows, cols = np.divmod(cells, self._width)
         free = np.ones(len(robots), np.bool_)
@@ -200,19 +202,20 @@ class OrderBook:
         self._take_reserved(robot)
 
     def _take_reserved(self, robot: int) -> None:
-        """Give a robot without an order the first due of those that only it may take."""
+        """Give a robot without an order the one due first among those that only it may take."""
         if self.order_of[robot] == NONE and self._reserved[robot]:
             self._give(robot, heappop(self._reserved[robot])[1])
 
     def _due_first(self, cell: int) -> int:
         """Return the open order at a cell that is due first, or ``NONE``."""
+        # Orders that were closed since they were pushed are still in the heap.
         waiting = self._due_at[cell]
         while waiting and not self._is_open[waiting[0][1]]:
             heappop(waiting)
         return waiting[0][1] if waiting else NONE
 
     def _close(self, order: int) -> None:
-        """Take an order from the open ones; its place in the heap is dropped later."""
+        """Take an order from the open ones; ``_due_first`` drops it from the heap later."""
         self._is_open[order] = False
         self._count(int(self.orders.pickup[order]), -1)
 

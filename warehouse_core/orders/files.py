@@ -14,7 +14,7 @@ from warehouse_core.files.atomic import atomic_path
 from warehouse_core.orders.order import MAX_ORDERS, Order
 from warehouse_core.world.text_lines import (
     error_at,
-    expect,
+    expect_line,
     read_line,
     read_lines,
     whole_number_at,
@@ -35,7 +35,7 @@ def load_orders(path: str | Path) -> list[Order]:
     """
     with Path(path).open("rb") as file:
         try:
-            expect(read_line(file, 1), 1, ",".join(COLUMNS))
+            expect_line(read_line(file, 1), 1, ",".join(COLUMNS))
             lines = read_lines(file, 2, "MAX_ORDERS", MAX_ORDERS)
             return [_order(line, number) for number, line in lines]
         except LayoutError as error:

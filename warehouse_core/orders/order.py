@@ -56,8 +56,8 @@ class OrderStream:
     Args:
         rate: mean number of orders released in a step, finite and at least 0.
         due: fewest and most steps from release to due time, drawn uniformly.
-        pickup_weights: how often each pickup of the layout is drawn, in row-major order, relative
-            to the others; ``None`` draws all equally often.
+        pickup_weights: weight of each pickup of the layout in the draws, in row-major order;
+            ``None`` draws all equally often.
         dropoff_weights: the same for the dropoffs.
         start: first step of this stream.
 
@@ -85,8 +85,8 @@ class OrderQueue:
     Args:
         size: number of orders that are released and not delivered, 1 to ``MAX_ORDERS``.
         due: fewest and most steps from release to due time, drawn uniformly.
-        pickup_weights: as for ``OrderStream``.
-        dropoff_weights: likewise.
+        pickup_weights: the same as in ``OrderStream``.
+        dropoff_weights: the same for the dropoffs.
 
     Raises:
         ValueError: a value that is not allowed.
@@ -104,7 +104,7 @@ class OrderQueue:
 
 
 Orders = float | OrderStream | OrderQueue | Sequence[OrderStream] | Sequence[Order]
-"""What a fleet accepts as its orders; a number is the rate of an ``OrderStream``."""
+"""Forms in which a fleet accepts its orders; a number is the rate of an ``OrderStream``."""
 
 
 class OrderArrays(NamedTuple):

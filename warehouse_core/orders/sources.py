@@ -28,8 +28,8 @@ class ListedOrders:
     """Orders that are known in advance, the same in every episode.
 
     Args:
-        orders: at least one; what has become of them is ignored.
-        layout: where they are carried out.
+        orders: one order or more; what has become of them is ignored.
+        layout: layout that has their pickups and dropoffs.
         robots: number of robots.
 
     Raises:
@@ -55,9 +55,9 @@ class DrawnOrders:
     """Orders drawn from streams for each episode.
 
     Args:
-        streams: at least one, in order of their starts.
-        layout: must have a pickup and a dropoff.
-        steps: of an episode; only orders released before its last step are drawn.
+        streams: one stream or more, in order of their starts.
+        layout: layout with a pickup and a dropoff.
+        steps: length of an episode; only orders released before its last step are drawn.
 
     Raises:
         LayoutError: a layout without a pickup or a dropoff.
@@ -98,8 +98,8 @@ class QueuedOrders:
     """Orders of which a constant number is released and not delivered.
 
     Args:
-        queue: how many, and how they are drawn.
-        layout: must have a pickup and a dropoff.
+        queue: number of orders, and the draws of their stations and due times.
+        layout: layout with a pickup and a dropoff.
 
     Raises:
         LayoutError: a layout without a pickup or a dropoff.
@@ -166,8 +166,8 @@ class _Stations:
     def draw(self, phase: Integers, uniforms: NDArray[np.float64]) -> NDArray[np.intp]:
         """Return a cell for each phase and uniform random number."""
         place = np.searchsorted(self._sums, phase + uniforms, side="right")
-        found: NDArray[np.intp] = self._cells[place % len(self._cells)]
-        return found
+        cells: NDArray[np.intp] = self._cells[place % len(self._cells)]
+        return cells
 
 
 def _row(name: str, order: Order, layout: Layout, robots: int) -> tuple[int, int, int, int, int]:

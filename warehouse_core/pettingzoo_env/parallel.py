@@ -43,16 +43,16 @@ class WarehouseParallelEnv(ParallelEnv[str, Any, int]):
     Observations:
         ``"dict"``: a flat ``Dict`` of the keys of ``FleetArrays``, and ``action_mask``.
         ``"vector"``: a ``Box``, see ``encoding.vector``, with ``FLEET_TILES``. The arrays of
-        different calls share no memory. ``state()`` is that of all robots and open orders.
+        different calls share no memory. ``state()`` describes all robots and open orders.
 
     Rewards:
-        Those of ``FleetEnv``.
+        The same as in ``FleetEnv``.
 
     Ends:
-        Those of ``FleetEnv``. A robot that has ended leaves ``agents`` and stays in the way.
+        The same as in ``FleetEnv``. A robot that has ended leaves ``agents`` and stays in the way.
 
     Args:
-        layout: as for ``WarehouseGymnasiumEnv``.
+        layout: a layout in a form that ``WarehouseGymnasiumEnv`` takes.
         robots: ``R``, number of ``possible_agents``.
         max_cycles: ``max_steps`` of ``FleetEnv``.
         observation: ``"dict"`` or ``"vector"``.
@@ -112,7 +112,7 @@ class WarehouseParallelEnv(ParallelEnv[str, Any, int]):
         """Start an episode with all robots.
 
         Args:
-            seed: as for ``FleetEnv.reset``.
+            seed: seed for ``FleetEnv.reset``.
             options: not used.
 
         Returns:

@@ -19,7 +19,7 @@ from warehouse_core.world.actions import ACTIONS
 FLEET_FORMS = ("dict", "vector")
 
 MAX_STATE_ORDERS = 32
-"""Open orders in a state: the oldest ones; what is missing is filled with -1."""
+"""Number of open orders in a state, the oldest ones; missing ones are filled with -1."""
 
 ROBOT_FEATURES, ORDER_FEATURES = 10, 6
 
@@ -74,8 +74,8 @@ def state_of(fleet: FleetEnv, running: NDArray[np.bool_]) -> NDArray[np.float32]
     What does not exist is -1.
 
     Args:
-        fleet: after a reset.
-        running: ``[R]``, which robots have not ended.
+        fleet: a fleet that has been reset.
+        running: ``[R]``, the robots that have not ended.
     """
     arrays, robots = fleet.arrays(), len(running)
     columns = (

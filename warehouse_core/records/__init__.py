@@ -1,21 +1,18 @@
 """Records of episodes, their files, and failure modes."""
 
-from warehouse_core.records.episode import (
-    Agent,
-    Episode,
-    EpisodeRecorder,
-    record_episode,
-    replay_episode,
-)
+from warehouse_core.records.episode import Episode, FleetEpisode
 from warehouse_core.records.failure_modes import MODES, Diagnosis, diagnose
-from warehouse_core.records.fleet_episode import (
+from warehouse_core.records.fleet_modes import FLEET_MODES, FleetDiagnosis, diagnose_fleet
+from warehouse_core.records.recorder import (
+    Agent,
+    EpisodeRecorder,
     FleetAgent,
-    FleetEpisode,
     FleetRecorder,
+    record_episode,
     record_fleet_episode,
+    replay_episode,
     replay_fleet_episode,
 )
-from warehouse_core.records.fleet_modes import FLEET_MODES, FleetDiagnosis, diagnose_fleet
 
 __all__ = [
     "FLEET_MODES",

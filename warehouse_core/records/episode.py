@@ -1,28 +1,38 @@
 """The record of an episode: enough to draw it, to measure it and to run it again bit for bit.
 
-``T`` is the number of steps and ``F = T + 1`` of frames; frame 0 is the state after ``reset``. The
-file format is in ``episode_arrays.py`` and ``files/npz.py``.
+``R`` is the number of robots, ``P`` of people, ``T`` of steps and ``F = T + 1`` of frames; frame 0
+is the state after ``reset``. The record of a ``WarehouseEnv`` has lists with an entry a frame or a
+step. The record of a ``FleetEnv`` has arrays with an axis more, for the robots. The file format is
+in ``arrays.py`` and ``files/npz.py``.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol, SupportsIndex
+from typing import Any
 
+import numpy as np
+
+from warehouse_core.batch.fleet.settings import FleetSettings
+from warehouse_core.batch.fleet.tally import FleetMeasures
 from warehouse_core.errors import RecordError
 from warehouse_core.files.npz import read_arrays, write_arrays
-from warehouse_core.motion.backends import Backend
-from warehouse_core.motion.base import Outcome
-from warehouse_core.records.episode_arrays import EPISODE_SCHEMA, pack_fields, unpack_fields
+from warehouse_core.orders.order import Order
+from warehouse_core.records.arrays import SCHEMAS, is_equal, pack, schema_of, unpack
 from warehouse_core.task.settings import Settings
-from warehouse_core.task.state import Observation
-from warehouse_core.warehouse_env import WarehouseEnv
 from warehouse_core.wording import counted
+from warehouse_core.world.actions import ACTIONS, INVALID
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED, Cell, manhattan_distance
+from warehouse_core.world.tiles import (
+    PERSON,
+    ROBOT_EMPTY,
+    ROBOT_LOADED,
+    Cell,
+    manhattan_distance,
+)
 
 DELIVERED = "delivered"
 BATTERY_DEPLETED = "battery depleted"
@@ -32,58 +42,106 @@ UNFINISHED = "unfinished"
 Action = str | int
 Frame = list[list[str]]
 
+Column = Any
+"""A list of a lone robot's values, or an array of a fleet's; ``Episode`` says which values."""
 
-class Agent(Protocol):
-    """What ``record_episode`` needs of an agent.
-
-    An agent may also have an attribute ``reason``, a string that explains its last action; the
-    record keeps it.
-    """
-
-    def reset(self) -> None:
-        """Forget the last episode."""
-
-    def act(self, observation: Observation) -> str | SupportsIndex:
-        """Return the next action, a word of ``WarehouseEnv.ACTIONS`` or its index."""
+NOT_MEASURED = FleetMeasures(
+    0, 0.0, 0, 0, math.nan, math.nan, math.nan, math.nan, 0.0, math.nan, 0, 0, 0, 0, 0, 0
+)
+"""Measures of a lone robot, whose record says the same in ``metrics``."""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Episode:
     """The record of one episode. Two records are equal when every value in them is.
 
+    The first shape is the record of a lone robot, the second the record of a fleet. Arrays are not
+    to be changed. Cells of a fleet are numbers, ``row * W + col``.
+
     Attributes:
-        layout: walls and stations during the episode.
-        settings: of the environment.
-        seed: given to ``reset``, or ``None``.
-        agent: a name for the agent.
-        cells: ``[F]`` where the robot was.
-        loaded: ``[F]`` whether it held an item.
-        battery: ``[F]`` units left.
-        rewards: ``[F]`` reward of the step before the frame; the first is 0.
-        actions: ``[T]`` as the agent gave them.
-        reasons: ``[T]`` the agent's reasons, or "".
-        motions: ``[T]`` outcomes of the motion backend.
-        terminated: the item was delivered.
-        truncated: the battery or the steps ran out.
+        layout: Walls, stations and chargers during the episode.
+        settings: Arguments of the environment, ``Settings`` or ``FleetSettings``.
+        seed: Seed given to ``reset``, or ``None``; a fleet always has one.
+        agent: Name of the agent.
+        cells: ``[F]`` cells, or ``[F, R]`` int32: where the robots were.
+        loaded: ``[F]`` or ``[F, R]`` bool, whether they held an item.
+        battery: ``[F]`` int or ``[F, R]`` float64, units left.
+        rewards: ``[F]`` reward of the step before the frame, first a 0; or ``[T, R]`` float64.
+        actions: ``[T]`` words and indices as the agent gave them; or ``[T, R]`` int8 indices,
+            ``INVALID`` for those that are not allowed, see ``unknown_actions``.
+        reasons: ``[T]`` reasons that the agent gave, "" for none; for a fleet tuples of ``R``,
+            and no entries if the agent gave none at all.
+        motions: ``[T]`` outcomes of the motion backend; for a fleet tuples of the outcomes of the
+            robots and then the people, and no entries if the robots drive straight from cell to
+            cell.
+        terminated: Whether the task is done; or ``[R]`` bool.
+        truncated: Whether the battery or the steps are used up; or ``[R]`` bool.
+        backend: Name of the motion backend, or of its class.
+        cell_size: Side of a cell in metres.
+        slippery: Open cells whose floor the backend says is slippery.
+        motor_strength: Actual share of the motor force.
+        unknown_actions: Actions of a fleet that are not allowed, as given, by step and robot.
+        people: ``[F, P]`` int32, where the people were; () for a lone robot.
+        stopped_by: ``[T, R]`` int32, what blocked a move, see ``BatchOutcome``; people have the
+            numbers from ``R`` on. () for a lone robot.
+        step_seconds: ``[T, R]`` float64, duration of each motion; () for a lone robot.
+        step_joules: ``[T, R]`` float64, cost of each motion; () for a lone robot.
+        orders: Orders released, and what has become of them.
+        assignments: Calls of ``FleetEnv.assign``: steps taken before, robot, and order or ``None``.
+        measures: Measures of a fleet over the whole episode.
     """
 
     layout: Layout
-    settings: Settings
+    settings: Any
     seed: int | None
     agent: str
-    cells: list[Cell] = field(default_factory=list)
-    loaded: list[bool] = field(default_factory=list)
-    battery: list[int] = field(default_factory=list)
-    rewards: list[float] = field(default_factory=list)
-    actions: list[Action] = field(default_factory=list)
-    reasons: list[str] = field(default_factory=list)
-    motions: list[Outcome] = field(default_factory=list)
-    terminated: bool = False
-    truncated: bool = False
+    cells: Column = field(default_factory=list)
+    loaded: Column = field(default_factory=list)
+    battery: Column = field(default_factory=list)
+    rewards: Column = field(default_factory=list)
+    actions: Column = field(default_factory=list)
+    reasons: list[Any] = field(default_factory=list)
+    motions: list[Any] = field(default_factory=list)
+    terminated: Any = False
+    truncated: Any = False
+    backend: str = ""
+    cell_size: float = 1.0
+    slippery: tuple[Cell, ...] = ()
+    motor_strength: float = 1.0
+    unknown_actions: dict[tuple[int, int], Action] = field(default_factory=dict)
+    people: Column = ()
+    stopped_by: Column = ()
+    step_seconds: Column = ()
+    step_joules: Column = ()
+    orders: list[Order] = field(default_factory=list)
+    assignments: list[tuple[int, int, int | None]] = field(default_factory=list)
+    measures: FleetMeasures = NOT_MEASURED
+
+    def __post_init__(self) -> None:
+        settings = self.settings
+        if isinstance(settings, Settings):
+            self.backend, self.cell_size = settings.backend, settings.cell_size
+            self.slippery, self.motor_strength = settings.slippery, settings.motor_strength
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Episode):
+            return NotImplemented
+        return not any(self._differences(other))
 
     def __repr__(self) -> str:
+        robots = f"{counted(self.robots, 'robot')}, " if self.is_fleet else ""
         result = f"{self.outcome}, {counted(self.steps, 'step')}, reward {self.total_reward:.2f}"
-        return f"<Episode {result}, seed {self.seed}, agent {self.agent!r}>"
+        return f"<Episode {robots}{result}, seed {self.seed}, agent {self.agent!r}>"
+
+    @property
+    def is_fleet(self) -> bool:
+        """Whether the record has an axis for the robots, as the record of a ``FleetEnv`` has."""
+        return isinstance(self.settings, FleetSettings)
+
+    @property
+    def robots(self) -> int:
+        """``R``, the number of robots."""
+        return self.settings.robots if self.is_fleet else 1
 
     @property
     def steps(self) -> int:
@@ -93,21 +151,29 @@ class Episode:
     @property
     def total_reward(self) -> float:
         """The sum of all rewards, rounded to nine decimals: 14.6, not 14.600000000000001."""
-        return round(math.fsum(self.rewards), 9)
+        return round(math.fsum(np.ravel(self.rewards)), 9)
 
     @property
-    def seconds(self) -> float:
-        """The simulated time that all motions took."""
-        return math.fsum(motion.seconds for motion in self.motions)
+    def seconds(self) -> Any:
+        """The simulated time that all motions of a lone robot took; or ``step_seconds``."""
+        return self.step_seconds if self.is_fleet else math.fsum(m.seconds for m in self.motions)
 
     @property
-    def joules(self) -> float:
-        """The energy that all motions cost."""
-        return math.fsum(motion.joules for motion in self.motions)
+    def joules(self) -> Any:
+        """The energy that all motions of a lone robot cost; or ``step_joules``."""
+        return self.step_joules if self.is_fleet else math.fsum(m.joules for m in self.motions)
 
     @property
     def outcome(self) -> str:
-        """The outcome; a delivery with the last battery unit is a delivery."""
+        """How it ended, or how many items of a fleet were delivered.
+
+        A delivery with the last battery unit is a delivery.
+        """
+        if self.is_fleet:
+            items = counted(self.robots, "item")
+            if self.settings.orders is not None:
+                items = counted(len(self.orders), "order")
+            return f"{self.measures.delivered:,} of {items} delivered"
         if self.terminated:
             return DELIVERED
         if self.battery and self.battery[-1] <= 0:
@@ -115,43 +181,70 @@ class Episode:
         return OUT_OF_TIME if self.truncated else UNFINISHED
 
     @property
+    def words(self) -> list[Any]:
+        """``[T]`` the actions of a lone robot; for a fleet tuples of ``R``, in words.
+
+        An action that is not allowed is as the agent gave it, or ``INVALID`` if that is not known.
+        """
+        if not self.is_fleet:
+            return list(self.actions)
+        words: list[Action] = [*ACTIONS, INVALID]
+        return [
+            tuple(self.unknown_actions.get((step, robot), words[action])
+                  for robot, action in enumerate(actions))
+            for step, actions in enumerate(self.actions.tolist())
+        ]  # fmt: skip
+
+    @property
     def frames(self) -> list[Frame]:
-        """``[F]`` frames as ``WarehouseEnv.render_grid`` returned them, as new lists."""
+        """``[F]`` frames as ``WarehouseEnv.render_grid`` returned them, as new lists.
+
+        Every robot of a fleet is shown as the lone robot is, and people are shown too.
+        """
         frames = []
-        for (row, col), loaded in zip(self.cells, self.loaded, strict=True):
+        for bodies in self._bodies():
             frame = [list(line) for line in self.layout.rows]
-            frame[row][col] = ROBOT_LOADED if loaded else ROBOT_EMPTY
+            for (row, col), character in bodies:
+                frame[row][col] = character
             frames.append(frame)
         return frames
 
     @property
     def metrics(self) -> dict[str, list[float]]:
-        """The chapter's four lists, one entry a frame; distances are NaN without a station."""
-        return {
-            "rewards": list(self.rewards),
-            "battery": [float(units) for units in self.battery],
-            "dist_pickup": self._distances(self.layout.pickups),
-            "dist_dropoff": self._distances(self.layout.dropoffs),
-        }
+        """The chapter's four lists of one robot, one entry a frame; empty for several robots.
 
-    def _distances(self, stations: Sequence[Cell]) -> list[float]:
-        """Return ``[F]`` distances to the first of the stations."""
-        if not stations:
-            return [math.nan] * len(self.cells)
-        return [float(manhattan_distance(cell, stations[0])) for cell in self.cells]
+        Distances are NaN without a station. With orders, which change the stations, there are none.
+        """
+        if self.robots > 1:
+            return {}
+        cells, battery, rewards = self.cells, self.battery, self.rewards
+        if self.is_fleet:
+            cells = [divmod(cell, self.layout.width) for cell in cells[:, 0].tolist()]
+            battery, rewards = battery[:, 0].tolist(), [0.0, *rewards[:, 0].tolist()]
+        metrics = {"rewards": list(rewards), "battery": [float(units) for units in battery]}
+        if not (self.is_fleet and self.settings.orders):
+            metrics["dist_pickup"] = _distances(cells, self.layout.pickups)
+            metrics["dist_dropoff"] = _distances(cells, self.layout.dropoffs)
+        return metrics
 
     def save(self, path: str | Path) -> None:
         """Write the record to a ``.npz`` file, whole or not at all.
 
         Raises:
-            RecordError: it is larger than ``npz.MAX_BYTES``, or ``load`` would not return it.
+            RecordError: it is larger than ``npz.MAX_BYTES``, which paths of many robots soon are
+                (``motions`` may be emptied), or ``load`` would not return it.
             OSError: the file cannot be written.
         """
         try:
-            arrays = pack_fields({name: getattr(self, name) for name in self.__slots__})
-        except ValueError as error:
+            arrays = pack({name: getattr(self, name) for name in self.__slots__})
+            changed = next(self._differences(Episode(**unpack(arrays))), None)
+        except RecordError as error:
             raise RecordError(f"{path}: {error}") from error
-        write_arrays(path, arrays, EPISODE_SCHEMA)
+        except (TypeError, ValueError, AttributeError, OverflowError) as error:
+            raise RecordError(f"{path}: the fields cannot be stored: {error}") from error
+        if changed:
+            raise RecordError(f"{path}: {changed} would be loaded with other values or types")
+        write_arrays(path, arrays, schema_of(arrays))
 
     @staticmethod
     def load(path: str | Path) -> Episode:
@@ -161,113 +254,37 @@ class Episode:
             RecordError: the file is damaged or no record; the message names what is wrong.
             OSError: the file cannot be read.
         """
-        arrays = read_arrays(path, EPISODE_SCHEMA)
+        arrays = read_arrays(path, *SCHEMAS)
         try:
-            return Episode(**unpack_fields(arrays))
+            return Episode(**unpack(arrays))
         except ValueError as error:
             raise RecordError(f"{path}: {error}") from error
 
+    def _differences(self, other: Episode) -> Iterator[str]:
+        """Yield the fields in which another record differs."""
+        for name in self.__slots__:
+            if not is_equal(getattr(self, name), getattr(other, name)):
+                yield name
 
-class EpisodeRecorder:
-    """Steps an environment and records it; for environments that are driven by hand.
-
-    It starts from the current state of the environment, which should be that after ``reset``.
-
-    Attributes:
-        episode: the record so far.
-    """
-
-    def __init__(self, env: WarehouseEnv, *, seed: int | None = None, agent: str = "") -> None:
-        self._env = env
-        self.episode = Episode(env.layout, env.settings, seed, agent)
-        self._is_acting = False
-        self._keep_frame(0.0)
-
-    @property
-    def place(self) -> str:
-        """Where ``run`` is, in words: ``"reset"``, or the step such as ``"step 3"``."""
-        return f"step {self.episode.steps + 1}" if self._is_acting else "reset"
-
-    @property
-    def ended(self) -> bool:
-        """Whether the episode is over."""
-        return self.episode.terminated or self.episode.truncated
-
-    def step(self, action: str | SupportsIndex, reason: str = "") -> Observation:
-        """Take one step and record it."""
-        observation, reward, terminated, truncated, _ = self._env.step(action)
-        motion = self._env.last_motion
-        assert motion is not None, "a step always leaves a motion"
-        episode = self.episode
-        episode.actions.append(str(action) if isinstance(action, str) else int(action))
-        episode.reasons.append(reason)
-        episode.motions.append(motion)
-        episode.terminated, episode.truncated = terminated, truncated
-        self._keep_frame(reward)
-        return observation
-
-    def run(self, agent: Agent, observation: Observation) -> None:
-        """Reset an agent and let it act until the episode is over.
-
-        Args:
-            agent: see ``Agent``.
-            observation: the present one.
-        """
-        agent.reset()
-        self._is_acting = True
-        while not self.ended:
-            action = agent.act(observation)
-            observation = self.step(action, reason=str(getattr(agent, "reason", "")))
-
-    def _keep_frame(self, reward: float) -> None:
-        state, episode = self._env.state, self.episode
-        episode.cells.append(state.robot_pos)
-        episode.loaded.append(state.has_item)
-        episode.battery.append(state.battery)
-        episode.rewards.append(reward)
+    def _bodies(self) -> Iterator[Iterator[tuple[Cell, str]]]:
+        """Yield for each frame the cells of robots and people, and their characters."""
+        loads = (ROBOT_EMPTY, ROBOT_LOADED)
+        if not self.is_fleet:
+            for cell, loaded in zip(self.cells, self.loaded, strict=True):
+                yield iter([(cell, loads[loaded])])
+            return
+        people = [PERSON] * self.people.shape[1]
+        bodies = np.hstack([self.cells, self.people]).tolist()
+        for cells, loaded in zip(bodies, self.loaded.tolist(), strict=True):
+            places = [divmod(cell, self.layout.width) for cell in cells]
+            yield zip(places, [*(loads[each] for each in loaded), *people], strict=True)
 
 
-def record_episode(
-    env: WarehouseEnv, agent: Agent, *, seed: int | None = None, randomize: bool | str = True
-) -> Episode:
-    """Reset the environment and the agent, and run one whole episode.
-
-    Args:
-        env: any environment, with any backend.
-        agent: see ``Agent``.
-        seed: given to ``env.reset``, not to the agent.
-        randomize: given to ``env.reset``.
-
-    Returns:
-        The record, which ends with the delivery or when the steps or the battery run out.
-    """
-    observation = env.reset(randomize=randomize, seed=seed)
-    recorder = EpisodeRecorder(env, seed=seed, agent=type(agent).__name__)
-    recorder.run(agent, observation)
-    return recorder.episode
+def _distances(cells: Sequence[Cell], stations: Sequence[Cell]) -> list[float]:
+    """Return the distance from each cell to the first of the stations."""
+    if not stations:
+        return [math.nan] * len(cells)
+    return [float(manhattan_distance(cell, stations[0])) for cell in cells]
 
 
-def replay_episode(episode: Episode, backend: Backend | None = None) -> Episode:
-    """Run the actions of a record again in a fresh environment.
-
-    With the same backend the result equals the record bit for bit.
-
-    Args:
-        episode: the record.
-        backend: used instead of the recorded one.
-    """
-    settings = episode.settings
-    env = WarehouseEnv(
-        episode.layout,
-        settings.start_pos,
-        settings.max_steps,
-        settings.battery,
-        settings.view_radius,
-        backend=settings.backend if backend is None else backend,
-    )
-    env.reset_to(episode.layout, episode.cells[0], episode.seed)
-    recorder = EpisodeRecorder(env, seed=episode.seed, agent=episode.agent)
-    for action, reason in zip(episode.actions, episode.reasons, strict=True):
-        recorder.step(action, reason)
-    env.close()
-    return recorder.episode
+FleetEpisode = Episode

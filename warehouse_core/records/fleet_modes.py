@@ -30,7 +30,7 @@ from typing import NamedTuple
 import numpy as np
 
 from warehouse_core.motion.vector import NOTHING
-from warehouse_core.records.fleet_episode import FleetEpisode
+from warehouse_core.records.episode import FleetEpisode
 from warehouse_core.wording import counted, listed
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tiles import Cell

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from warehouse_core.records.fleet_episode import FleetEpisode
+from warehouse_core.records.episode import FleetEpisode
 from warehouse_core.world.tiles import Cell
 
 

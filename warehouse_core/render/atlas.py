@@ -78,7 +78,7 @@ ROBOT_CODES = np.array(
 ROBOT_CODES.setflags(write=False)
 
 INSET, CORNER = 0.06, 0.1
-"""How far from the edge a station's square and its letter are, in cells."""
+"""Distances of a station's square and of its letter from the edge, in cells."""
 
 ROBOT_RADIUS, OUTLINE = 0.31, 1 / 22
 """Radius of the robot and width of the line around it, in cells."""
@@ -90,7 +90,7 @@ CORNER_LETTER, ROBOT_LETTER = 0.175, 0.306
 """Heights of capital letters, in cells."""
 
 MIN_RADIUS, MIN_CORNER_LETTER, MIN_ROBOT_LETTER = 3.0, 5, 6
-"""In pixels; smaller shapes could not be recognised."""
+"""Smallest sizes in pixels; smaller shapes could not be recognised."""
 
 MIN_OUTLINED, MIN_LETTERED, MIN_BOTH_LETTERED = 10, 16, 20
 """Minimum sides of tiles, in pixels, with an outline, with a letter, and with two letters."""

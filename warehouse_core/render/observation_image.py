@@ -28,7 +28,7 @@ class ObservationImage:
         height: rows of the layout, ``H``.
         width: columns, ``W``.
         battery: units of a full charge.
-        max_steps: of an episode.
+        max_steps: steps after which an episode is truncated.
     """
 
     def __init__(self, height: int, width: int, battery: int, max_steps: int) -> None:

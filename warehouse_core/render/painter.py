@@ -86,8 +86,8 @@ class TilePainter:
         tiles of robots and people replaced.
 
         Args:
-            layout: to be painted.
-            robots: for each its cell and whether it is loaded.
+            layout: layout to paint.
+            robots: cell of each robot, and ``True`` if it is loaded.
             people: the cells of persons.
 
         Raises:
@@ -113,10 +113,10 @@ def bar(share: ArrayLike, width: int, height: int, color: Color = BATTERY) -> Pi
     of one pixel, unless the bar is less than 4 pixels high.
 
     Args:
-        share: clipped to 0..1.
-        width: in pixels.
-        height: in pixels.
-        color: of the filling.
+        share: filled share, clipped to 0..1.
+        width: width in pixels.
+        height: height in pixels.
+        color: colour of the filling.
     """
     edge = 1 if height >= 4 else 0
     ground, filling = (color_bytes(part).astype(float) for part in (FAINT, color))

@@ -47,30 +47,30 @@ PALE_WARNING: Color = (1.0, 0.85, 0.85)
 HIT: Color = (1.0, 0.85, 0.1)
 
 STRANDED: Color = (0.38, 0.38, 0.4)
-"""Of a robot of a fleet whose battery is empty."""
+"""Colour of a robot of a fleet whose battery is empty."""
 
 ORDER_COLORS: tuple[Color, ...] = (
     (1.0, 0.96, 0.75), (1.0, 0.76, 0.25), (0.9, 0.47, 0.08), (0.52, 0.0, 0.14),
 )  # fmt: skip
-"""Of an order by its age: in the three thirds of its time, and late."""
+"""Colours of an order by its age: in the three thirds of its time, and late."""
 
 UNKNOWN: Color = (0.62, 0.62, 0.66)
-"""Of a cell that a robot does not see; the palette of files has a close enough match."""
+"""Colour of a cell that a robot does not see; the palette of files has a close enough match."""
 
 UNKNOWN_STRIPE: Color = (0.72, 0.72, 0.75)
-"""Of the stripes in such a cell."""
+"""Colour of the stripes in a cell that a robot does not see."""
 
 ITEM: Color = (1.0, 0.92, 0.7)
-"""Of an item, a box with an edge of ink, which separates it from every ground."""
+"""Colour of an item, a box with an edge of ink, which separates it from every ground."""
 
 SHELF: Color = (0.46, 0.46, 0.48)
-"""Of walls inside the border, between boards of the colour of walls."""
+"""Colour of walls inside the border, between boards of the colour of walls."""
 
 SEEN: Color = (1.0, 0.975, 0.82)
-"""Of the floor that a robot sees."""
+"""Colour of the floor that a robot sees."""
 
 ICE, ICE_WAVE = (0.8, 0.92, 1.0), (0.1, 0.45, 0.7)
-"""Of slippery floor and of the waves on it."""
+"""Colours of slippery floor and of the waves on it."""
 
 LineStyle = Literal["-"] | tuple[float, tuple[float, ...]]
 
@@ -95,7 +95,7 @@ FADES = 5
 VISITED: tuple[Color, ...] = tuple(
     blend(COLORS[EMPTY], COLORS[ROBOT_EMPTY], share) for share in (0.12, 0.22, 0.34)
 )
-"""Of floor that a robot has been to twice, three or four times, and more often."""
+"""Colours of floor that a robot has been to twice, three or four times, and more often."""
 
 
 def faded_trail(loaded: bool, age: float) -> Color:
@@ -107,7 +107,7 @@ _TINTS = (
     ITEM, SHELF, SEEN, ICE, ICE_WAVE, *VISITED,
     *(faded_trail(loaded, age / FADES) for loaded in (False, True) for age in range(1, FADES)),
 )  # fmt: skip
-"""They have no smooth edges of their own in files."""
+"""Colours without smooth edges of their own in files."""
 
 _OWN_COLORS = (
     PAPER, INK, FAINT, BATTERY, WARNING, PALE_WARNING, HIT, STRANDED, *ORDER_COLORS,
@@ -115,7 +115,7 @@ _OWN_COLORS = (
 )  # fmt: skip
 _GROUNDS = (PAPER, INK, COLORS[EMPTY])
 MAX_COLORS = 255
-"""In a file, whose 256th colour means that nothing has changed."""
+"""Limit on the colours of a file; its 256th colour means that nothing has changed."""
 
 _NEAR = 0.03
 """Pillow treats colours this close as the same."""

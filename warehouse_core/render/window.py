@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from warehouse_core.errors import NoDisplayError
 
 DPI = 100
-"""Of the figure; any value would do, because sizes are given in pixels."""
+"""Dots per inch of the figure; any value would do, because sizes are given in pixels."""
 
 MAX_WAIT_SECONDS = 0.01
-"""How long events of the window may wait while the next picture is not due."""
+"""Longest time that events of the window wait while the next picture is not due."""
 
 
 def may_have_display() -> bool:
@@ -51,10 +51,10 @@ class PictureWindow:  # pragma: no cover - opened by tests/system/test_picture_w
     and ``plt.close("all")`` does not close it.
 
     Args:
-        title: of the window, which opens with the first picture.
+        title: title of the window, which opens with the first picture.
 
     Attributes:
-        is_closed: whether it has been closed.
+        is_closed: ``True`` once it has been closed.
 
     Raises:
         NoDisplayError: no window can be opened.

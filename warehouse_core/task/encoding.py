@@ -27,7 +27,7 @@ from warehouse_core.world.tiles import (
 )
 
 NOWHERE: Cell = (-1, -1)
-"""A pickup or dropoff that the layout does not have; ``None`` in other forms."""
+"""Cell of a pickup or dropoff that the layout does not have; ``None`` in other forms."""
 
 MAX_STEPS = 2**31 - 1
 """Limit on the steps of an episode, and on battery units, in int32 arrays."""
@@ -39,7 +39,7 @@ MARKED_TILES = (WALL, PICKUP, DROPOFF)
 """The characters of a window that have a number of their own in a vector."""
 
 FLEET_TILES = (*MARKED_TILES, CHARGER, OTHER_EMPTY, OTHER_LOADED, PERSON)
-"""Those of a robot of a fleet, which sees others and people too."""
+"""The same for a robot of a fleet, which sees chargers, other robots and people too."""
 
 OTHER_NUMBERS = 11
 """Length of a vector without the window."""
@@ -135,9 +135,9 @@ def vector(arrays: Arrays, tiles: tuple[str, ...] = MARKED_TILES) -> NDArray[np.
     ======================  =====================================================================
     """
     window = arrays["local_grid"]
-    found = window if window.dtype == np.bool_ else marks(window, tiles)
+    marked = window if window.dtype == np.bool_ else marks(window, tiles)
     # Each number of all rows side by side, which is several times as fast as row by row.
-    rest = np.empty((OTHER_NUMBERS, *found.shape[-2::-1]), np.float32)
+    rest = np.empty((OTHER_NUMBERS, *marked.shape[-2::-1]), np.float32)
     rest[0:2] = robot = arrays["robot_pos"].T
     for first, station in ((2, arrays["pickup_pos"].T), (5, arrays["dropoff_pos"].T)):
         exists = station >= 0
@@ -146,15 +146,15 @@ def vector(arrays: Arrays, tiles: tuple[str, ...] = MARKED_TILES) -> NDArray[np.
     rest[8] = np.asarray(arrays["has_item"]).T
     rest[9:10] = arrays["battery"].T
     rest[10:11] = arrays["steps"].T
-    return np.concatenate([found, rest.T * _SCALES], axis=-1, dtype=np.float32)
+    return np.concatenate([marked, rest.T * _SCALES], axis=-1, dtype=np.float32)
 
 
 def marks(window: NDArray[Any], tiles: tuple[str, ...]) -> NDArray[np.bool_]:
     """Return for ``[..., C]`` codes of cells which of ``T`` tiles each is, ``[..., C * T]``."""
-    found = np.empty((*window.shape, len(tiles)), np.bool_)
+    is_tile = np.empty((*window.shape, len(tiles)), np.bool_)
     for number, tile in enumerate(tiles):
-        np.equal(window, CELL_CODES[tile], out=found[..., number])
-    return found.reshape(*window.shape[:-1], -1)
+        np.equal(window, CELL_CODES[tile], out=is_tile[..., number])
+    return is_tile.reshape(*window.shape[:-1], -1)
 
 
 def vector_limits(

@@ -54,8 +54,8 @@ def judge(action: int, tile: str, has_item: bool, blocked: bool) -> Verdict:
     Args:
         action: index into ``ACTIONS``, or ``INVALID``.
         tile: the tile under the robot after its motion.
-        has_item: whether the robot held an item before the step.
-        blocked: whether something stopped the motion.
+        has_item: the robot held an item before the step.
+        blocked: something stopped the motion.
     """
     if action < WAIT:
         return Verdict(STEP_REWARD + (BLOCKED_REWARD if blocked else 0.0), has_item, False)
@@ -73,10 +73,11 @@ def useful_actions(open_sides: tuple[bool, ...], tile: str, has_item: bool) -> t
     """Return for each action whether it has an effect; all others only cost a penalty.
 
     Args:
-        open_sides: whether the neighbouring cells to the N, E, S and W are open.
+        open_sides: flag for each neighbouring cell, N, E, S and W, that is open.
         tile: the tile under the robot.
-        has_item: whether the robot holds an item.
+        has_item: the robot holds an item.
     """
+    # The table itself is asked, so that masks and rewards cannot disagree.
     picks = judge(PICK, tile, has_item, False).has_item != has_item
     return (*open_sides, True, picks, judge(DROP, tile, has_item, False).delivered)
 

@@ -10,7 +10,7 @@ from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED, WALL, Cell
 
 MAX_WINDOWS = 500
-"""Windows that are made one by one; as many take about as long as the table of 100 x 100 cells."""
+"""Most windows made one by one; as many take about as long as the table of 100 x 100 cells."""
 
 MAX_TABLE_BYTES = 32_000_000
 """Limit on a table; a layout that needs more has none."""

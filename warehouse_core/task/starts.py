@@ -18,7 +18,7 @@ from warehouse_core.world.tiles import Cell
 
 STATIONS, START = "stations", "start"
 RANDOMIZE = (False, True, STATIONS, START)
-"""What ``randomize`` may be: nothing is drawn, all, or one of the two."""
+"""Allowed values of ``randomize``: draw nothing, all, or one of the two."""
 
 MIN_OPEN_CELLS = 2
 """Open cells that pickup and dropoff need."""
@@ -27,7 +27,7 @@ DRAWS = 4
 """Uniform random numbers for one episode: pickup, dropoff, start, and the motion's seed."""
 
 NO_RANK = -1
-"""The rank of a start if the stations leave no cell."""
+"""Rank of a start for which the stations leave no cell."""
 
 
 class Drawn(NamedTuple):
@@ -87,6 +87,7 @@ def draw_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArray[np.i
     left = np.asarray(counts)[..., None] - np.arange(3)
     ranks: NDArray[Any] = (uniforms[..., :3] * left).astype(np.intp)
     pickup, dropoff, start = ranks[..., 0], ranks[..., 1], ranks[..., 2]
+    # A rank among the cells that are left becomes one among all: it skips the cells drawn before.
     dropoff += dropoff >= pickup
     lower, higher = np.minimum(pickup, dropoff), np.maximum(pickup, dropoff)
     start += start >= lower
@@ -111,7 +112,7 @@ def draw_start_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArra
 
 
 def station_cells(layout: Layout) -> NDArray[np.intp]:
-    """Return where stations may be drawn: the open cells without a charger, in ascending order.
+    """Return the cells for stations: the open ones without a charger, in ascending order.
 
     Cells are ``row * W + col``.
     """
@@ -120,7 +121,7 @@ def station_cells(layout: Layout) -> NDArray[np.intp]:
 
 
 def empty_cells(layout: Layout) -> NDArray[np.intp]:
-    """Return the open cells without a station or a charger, likewise."""
+    """Return the open cells without a station or a charger, in the same form."""
     marked = layout.pickups + layout.dropoffs + layout.chargers
     return np.delete(layout.open_cells, layout.ranks(marked))
 
@@ -136,9 +137,9 @@ def draw_episode(
     """Return the layout and the start of an episode; ``None`` if the start is not drawn.
 
     Args:
-        layout: must have room for stations that are drawn, see ``check_room``.
+        layout: layout with room for stations that are drawn, see ``check_room``.
         uniforms: ``[DRAWS]``, in [0, 1).
-        drawn: what is drawn. A start is not if the stations leave no cell.
+        drawn: parts to draw. No start is drawn if the stations leave no cell.
     """
     if drawn.stations:
         cells = station_cells(layout)

@@ -10,7 +10,7 @@ from warehouse_core.world.tiles import Cell
 
 @dataclass(slots=True)
 class WarehouseState:
-    """What changes from step to step.
+    """Everything about a robot that changes from step to step.
 
     It may be assigned between steps: a robot put on another open cell starts at rest in the middle
     of it.
@@ -23,7 +23,7 @@ class WarehouseState:
 
 
 class Observation(TypedDict):
-    """What an agent receives; observations share no mutable object.
+    """One robot's view of the warehouse; observations share no mutable object.
 
     ``local_grid`` is ``2 * view_radius + 1`` equally long strings centred on the robot: ``#``
     outside the grid, ``R`` (empty) or ``r`` (loaded) for the robot, ``O`` or ``o`` for another

@@ -47,12 +47,12 @@ def _nearest(layout: Layout, cells: Collection[Cell]) -> tuple[Distances, NDArra
         graph = csr_array((np.ones(len(targets), np.int8), targets, ends), shape=(count, count))
         flat = [row * layout.width + col for row, col in cells]
         sources = np.searchsorted(layout.open_cells, flat)
-        found, _, source = dijkstra(
+        lengths, _, source = dijkstra(
             graph, indices=sources, unweighted=True, min_only=True, return_predecessors=True
         )
-        moves[layout.open_cells] = found
+        moves[layout.open_cells] = lengths
         which[layout.open_cells] = np.where(
-            found < np.inf, layout.open_cells.take(source, mode="clip"), -1
+            lengths < np.inf, layout.open_cells.take(source, mode="clip"), -1
         )
     shape = layout.height, layout.width
     return moves.reshape(shape), which.reshape(shape)

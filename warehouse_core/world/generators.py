@@ -22,7 +22,7 @@ KIVA_PARKING = ".SS.SS."
 """A row of the blocks at both sides of ``kiva_warehouse``; robots start at ``S``."""
 
 MIN_OPEN = 4
-"""Room for a pickup and a dropoff and for the two that ``reset(randomize=True)`` draws next."""
+"""Fewest open cells: a pickup, a dropoff, and the two that ``reset(randomize=True)`` draws next."""
 
 
 def random_layout(height: int, width: int, density: float, seed: int) -> Layout:
@@ -34,7 +34,7 @@ def random_layout(height: int, width: int, density: float, seed: int) -> Layout:
         density: share of the cells inside the border that are walls, 0 to ``MAX_DENSITY``. A
             very small or very dense layout may have a few walls fewer, if any more would
             disconnect open cells.
-        seed: for the random numbers.
+        seed: seed of the random numbers.
 
     Raises:
         LayoutError: a size or density that is not allowed.
@@ -77,9 +77,9 @@ def shelf_layout(
         shelf_depth: cells of a block from top to bottom, at least 1.
         aisle: cells between blocks and along the border, at least 1.
         seed: chooses among the places that the stations and the chargers may have.
-        pickups: above shelves, at least 1.
-        dropoffs: on the bottom aisle, at least 1.
-        chargers: along the left and the right border, at least 0.
+        pickups: number of pickups, which are above shelves; at least 1.
+        dropoffs: number of dropoffs, which are on the bottom aisle; at least 1.
+        chargers: number of chargers, which are along the left and the right border.
 
     Raises:
         LayoutError: a size or a number that is not allowed, or more than ``MAX_CELLS`` cells.
@@ -155,8 +155,8 @@ def kiva_warehouse(
     usually 33 x 46, with 192 starts and 480 goals.
 
     Args:
-        rows: of shelves, at least 1.
-        columns: of shelves, at least 1.
+        rows: shelves from top to bottom, at least 1.
+        columns: shelves from left to right, at least 1.
         length: cells of a shelf from left to right, at least 1.
 
     Returns:
@@ -166,8 +166,7 @@ def kiva_warehouse(
     Raises:
         LayoutError: a size that is not allowed, or more than ``MAX_CELLS`` cells.
 
-    Source: the measures are those of Li et al. (2021), Lifelong multi-agent path finding in
-    large-scale warehouses, AAAI.
+    Source: Li et al. (2021), Lifelong multi-agent path finding in large-scale warehouses, AAAI.
     """
     _check_sizes({"rows": rows, "columns": columns, "length": length})
     width = columns * (length + 1) - 1 + 2 * len(KIVA_PARKING)
@@ -216,27 +215,29 @@ def _scatter_walls(tiles: list[list[str]], density: float, stream: random.Random
     candidates.remove(CHAPTER_START)  # robots start there by default
     while wanted > 0:
         stream.shuffle(candidates)
-        left = []
+        skipped = []
         for row, col in candidates:
             if wanted > 0 and not _joins_neighbours(tiles, row, col):
                 tiles[row][col] = WALL
                 wanted -= 1
             else:
-                left.append((row, col))
-        if len(left) == len(candidates):
+                skipped.append((row, col))
+        if len(skipped) == len(candidates):
             return
         # New walls may have turned a skipped cell into a dead end, which can become a wall.
-        candidates = left
+        candidates = skipped
 
 
 _RING = ((-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1))
+"""Displacements to the eight cells around a cell, clockwise from north."""
 
 
 def _joins_neighbours(tiles: list[list[str]], row: int, col: int) -> bool:
     """Return whether the open neighbours of a cell may be disconnected without it.
 
     They stay connected if one unbroken arc of open cells, among the eight around the cell, joins
-    them all.
+    them all. That looks no further than the ring, so a wall takes the same time in any layout; a
+    cell whose neighbours are joined only by a longer way stays open, although it need not.
     """
     ring = [tiles[row + down][col + right] == EMPTY for down, right in _RING]
     arcs = 0

@@ -19,7 +19,13 @@ from pathlib import Path
 from warehouse_core.errors import LayoutError
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.world.layout import Layout, check_size
-from warehouse_core.world.text_lines import MAX_LINE, error_at, expect, read_line, whole_number_at
+from warehouse_core.world.text_lines import (
+    MAX_LINE,
+    error_at,
+    expect_line,
+    read_line,
+    whole_number_at,
+)
 from warehouse_core.world.tiles import DROPOFF, EMPTY, NO_STATIONS, PICKUP, WALL
 
 SUFFIX = ".map"
@@ -110,7 +116,7 @@ def save_map(layout: Layout, path: str | Path) -> None:
 
 def _read_header(file: BufferedReader) -> tuple[int, int]:
     """Return height and width, which a file may give in either order."""
-    expect(read_line(file, 1), 1, "type octile")
+    expect_line(read_line(file, 1), 1, "type octile")
     sizes: dict[str, int] = {}
     for number in (2, 3):
         line = read_line(file, number)
@@ -126,7 +132,7 @@ def _read_header(file: BufferedReader) -> tuple[int, int]:
         check_size(height, width)
     except LayoutError as error:
         raise error_at(3, column, str(error)) from error
-    expect(read_line(file, 4), 4, "map")
+    expect_line(read_line(file, 4), 4, "map")
     return height, width
 
 

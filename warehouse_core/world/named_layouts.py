@@ -88,8 +88,10 @@ TEXTS = {"corridor": CORRIDOR, "hall": HALL, "rooms": ROOMS, "trap": TRAP, "maze
 DEFAULT, SHELVES, DEPOT = "default", "shelves", "depot"
 
 NAMES = (DEFAULT, *TEXTS, SHELVES, DEPOT)
-"""Of all layouts: the chapter's, six that show something, and two warehouses of shelves, the
-second of them for a fleet of about eight robots."""
+"""Names of all layouts: the chapter's, six that each show one thing, and two warehouses of shelves.
+
+The depot has room for a fleet of about eight robots.
+"""
 
 
 @lru_cache
@@ -97,7 +99,7 @@ def named_layout(name: str) -> Layout:
     """Return a layout by name.
 
     Raises:
-        LayoutError: no layout has the name; the message has those that there are.
+        LayoutError: no layout has the name; the message lists all names.
     """
     if name == DEFAULT:
         return DEFAULT_LAYOUT

@@ -30,7 +30,6 @@ MAX_LOCATIONS = 1_000_000
 MAX_LINES = 2 * MAX_LOCATIONS
 """Limit on the lines of a file, comments and empty lines included."""
 
-
 MAX_PROBLEM = 100_000
 """Limit on the bytes of a problem, which only names other files."""
 
@@ -40,9 +39,9 @@ class League(NamedTuple):
 
     Attributes:
         layout: the map.
-        starts: of the robots, all different.
-        tasks: for each the cells to be visited, in this order; at least one task.
-        revealed: how many unfinished tasks are known at a time.
+        starts: cells in which the robots start, all different.
+        tasks: cells that each task visits, in this order; at least one task.
+        revealed: number of unfinished tasks that are known at a time.
     """
 
     layout: Layout
@@ -128,7 +127,7 @@ def load_agents(path: str | Path, layout: Layout) -> list[Cell]:
 
 
 def load_tasks(path: str | Path, layout: Layout) -> list[tuple[Cell, ...]]:
-    """Read a ``.tasks``: for each task the cells to be visited, in this order, at least one.
+    """Read a ``.tasks``: the cells that each task visits, one or more, in this order.
 
     Args:
         path: the file.
@@ -185,7 +184,7 @@ def _check_number(count: int, entries: str, line: int) -> None:
 
 
 def _lines(file: BufferedReader) -> Iterator[tuple[int, str]]:
-    """Yield the number and the text of each line with content, and of the end of the file, ""."""
+    """Yield number and text of each line with content; the end of the file is an empty text."""
     number = 0
     for number, line in read_lines(file, 1, "MAX_LINES", MAX_LINES):
         if line[0] != "#":

@@ -16,7 +16,13 @@ from typing import NamedTuple
 
 from warehouse_core.errors import LayoutError
 from warehouse_core.world.layout import Layout, check_open
-from warehouse_core.world.text_lines import error_at, expect, read_line, read_lines, whole_number_at
+from warehouse_core.world.text_lines import (
+    error_at,
+    expect_line,
+    read_line,
+    read_lines,
+    whole_number_at,
+)
 from warehouse_core.world.tiles import Cell
 
 MAX_SCENARIOS = 100_000
@@ -65,7 +71,7 @@ def load_scenarios(path: str | Path) -> list[Scenario]:
     """
     with Path(path).open("rb") as file:
         try:
-            expect(read_line(file, 1), 1, "version 1", "version 1.0")
+            expect_line(read_line(file, 1), 1, "version 1", "version 1.0")
             lines = read_lines(file, 2, "MAX_SCENARIOS", MAX_SCENARIOS)
             return [_scenario(line, number) for number, line in lines]
         except LayoutError as error:
@@ -116,6 +122,6 @@ def _scenario(line: str, number: int) -> Scenario:
 
 
 def _column(line: str, field: int) -> int:
-    """Return the column where a field starts, or that after the line."""
-    starts = [found.start() for found in re.finditer(r"\S+", line)]
+    """Return the column where a field starts, or the one after the line."""
+    starts = [word.start() for word in re.finditer(r"\S+", line)]
     return [*starts, len(line)][min(field, len(starts))] + 1

@@ -29,13 +29,13 @@ class LayoutSet:
     """The layouts of ``B`` rows, with equal layouts stored once.
 
     Args:
-        layouts: layouts of the rows.
+        layouts: layout of each row.
         others: layouts that rows may change to; any other layout can be added later.
-        bare: remove pickups and dropoffs from all of them.
+        bare: remove pickups and dropoffs from all layouts.
 
     Attributes:
         kinds: the different layouts.
-        others: layouts that rows may change to.
+        others: the argument of this name.
         kind: ``[B]`` intp, index into ``kinds`` for each row.
         base: ``[B]`` intp, the number of the first cell of each row's layout.
         width: ``[B]`` intp, columns of each row's layout.

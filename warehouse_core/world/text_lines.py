@@ -37,8 +37,8 @@ def read_lines(
     """Yield number and text of each further line that is not blank, as ``read_line`` returns it.
 
     Args:
-        file: of the lines.
-        number: of the first of them.
+        file: file that is read from where it stands.
+        number: number of its next line.
         limit: the name of ``most`` in errors.
         most: limit on the lines, blank ones included.
 
@@ -64,7 +64,7 @@ def _decoded(data: bytes, number: int) -> str:
         raise error_at(number, error.start + 1, "not UTF-8 text") from error
 
 
-def expect(line: str, number: int, *wanted: str) -> None:
+def expect_line(line: str, number: int, *wanted: str) -> None:
     """Raise ``LayoutError`` if a line, with single spaces, is none of ``wanted``."""
     if " ".join(line.split()) not in wanted:
         allowed = " or ".join(map(repr, wanted))

@@ -18,7 +18,7 @@ TILES = {
 ALLOWED_TILES = ", ".join(f"{tile} ({name})" for tile, name in TILES.items())
 
 NO_STATIONS = str.maketrans(dict.fromkeys((PICKUP, DROPOFF, CHARGER), EMPTY))
-"""For ``str.translate``: floor in place of stations and chargers."""
+"""Table for ``str.translate`` that puts floor in place of stations and chargers."""
 
 MOVE_DELTAS: dict[str, Cell] = {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
 
@@ -41,7 +41,7 @@ def runs_of(tile: str, row: str) -> list[tuple[int, int]]:
 ROBOT_EMPTY, ROBOT_LOADED = "R", "r"
 
 OTHER_EMPTY, OTHER_LOADED, PERSON = "O", "o", "H"
-"""What else a robot of a fleet sees: other robots and people."""
+"""Characters of the other robots and the people that a robot of a fleet sees."""
 
 CELL_CODES = {
     character: code

@@ -16,24 +16,25 @@ import numpy as np
 
 from warehouse_core import Cell
 from warehouse_core.motion.base import centre_of
-from warehouse_core.motion.dependencies import Dependencies
 from warehouse_core.motion.vector import Flags
+from warehouse_physics.arena import Hit
 from warehouse_physics.disturbances import Disturbances
-from warehouse_physics.driving.arena import DrivingArena, Hit
+from warehouse_physics.driven_arena import DrivenArena
+from warehouse_physics.driving.dependencies import Dependencies
 from warehouse_physics.driving.headings import Headings
 from warehouse_physics.driving.leaders import Leaders
 from warehouse_physics.driving.limits import Limits
 from warehouse_physics.driving.motors import Motors
-from warehouse_physics.driving.speeds import stopping_distances, stopping_speeds
-from warehouse_physics.profile import Floats
-from warehouse_physics.robot_spec import ARRIVED, RobotSpec
+from warehouse_physics.energy import spent
+from warehouse_physics.profile import Floats, stopping_distances, stopping_speeds
+from warehouse_physics.spec import ARRIVED, RobotSpec
 
 NOMINAL = Disturbances()
 
 NEAR = 0.02
 """Share of a cell beyond the middle of a cell in which a robot is still at its middle."""
 
-AT_REST = 1e-3
+SLOW = 1e-3
 """Speed in m/s below which a robot may begin another leg."""
 
 
@@ -41,24 +42,24 @@ class Driver:
     """Drives the robots of an arena.
 
     Args:
-        arena: with ``R`` robots at rest.
-        spec: of the robots.
-        cells: where they are.
-        disturbances: of the robots.
-        seed: for random numbers of the disturbances.
+        arena: arena with ``R`` robots at rest.
+        spec: numbers of the robots.
+        cells: cells that the robots are in.
+        disturbances: departure of the physics from the nominal.
+        seed: seed of the disturbances.
 
     Attributes:
-        ways: where they are to go.
+        ways: cells that the robots are to drive through.
         positions: ``[R, 2]`` metres.
-        stands: ``[R]`` whether each robot has stopped and cannot drive.
-        failed: ``[R]`` whether it will never drive again.
-        closed: the cells that failed robots are in, or reach into.
-        work: ``[R]`` joules that each motor has done so far.
+        stands: ``[R]`` bool, true if a robot has stopped and cannot drive.
+        failed: ``[R]`` bool, true if a robot will never drive again.
+        closed: cells that failed robots are in, or reach into.
+        work: ``[R]`` joules, work of each motor so far.
     """
 
     def __init__(
         self,
-        arena: DrivingArena,
+        arena: DrivenArena,
         spec: RobotSpec,
         cells: Sequence[Cell],
         disturbances: Disturbances = NOMINAL,
@@ -75,8 +76,8 @@ class Driver:
         self.closed: set[Cell] = set()
         self._leaders = Leaders(spec, self.ways, self._limits)
         self._headings = Headings(spec, robots)
-        # Of the present legs: numbers of the first and last node, the middle of the first, the
-        # direction, and whether the way turns left or right at the last.
+        # The present legs: numbers of the first and last node, the middle of the first node, the
+        # direction, and whether the way turns left or right at the last node.
         self._starts, self._ends = np.zeros((2, robots), np.int64)
         self._origins = np.array([centre_of(cell, self._size) for cell in cells])
         self._along = np.tile((1.0, 0.0), (robots, 1))
@@ -106,13 +107,12 @@ class Driver:
 
     def at_rest(self) -> Flags:
         """Return whether each robot is at rest at the end of its way, ``[R]``."""
-        found: Flags = self._have_arrived() & (self._ends == self._lasts) & ~self.stands
-        return found
+        is_last: Flags = self._ends == self._lasts
+        return self._have_arrived() & is_last & ~self.stands
 
     def left(self) -> Floats:
         """Return how many cells of its way each robot has yet to go, ``[R]``."""
-        found: Floats = self._lasts - self._done / self._size
-        return found
+        return self._lasts - self._done / self._size
 
     def rows(self, seconds: float) -> Floats:
         """Return a row of the path of each robot, ``[R, 4]``; see ``Outcome``."""
@@ -129,10 +129,11 @@ class Driver:
         speeds, aside = self._choose_speeds(), self._choose_speeds_aside(across)
         before = self._speeds
         chosen = speeds[:, None] * self._along + aside[:, None] * across
-        hits = self._arena.step(self._motors.command(chosen, speeds, before, self._turning()))
+        self._arena.command(self._motors.command(chosen, speeds, before, self._turning()))
+        _, hits = self._arena.stepper.run(0, 1)
         self._look()
         gained = self._limits.masses * (self._speeds**2 - before**2) / 2
-        self.work += np.maximum(gained + self._motors.drags * np.abs(before) * self._dt, 0.0)
+        self.work += spent(gained + self._motors.drags * np.abs(before) * self._dt)
         return hits
 
     def _look(self) -> None:
@@ -148,23 +149,24 @@ class Driver:
     def _have_arrived(self) -> Flags:
         """Return whether each robot is at rest at the end of its leg."""
         off = np.abs(self._ends * self._size - self._done)
-        found: Flags = (off <= ARRIVED * self._size) & (np.abs(self._speeds) <= AT_REST)
-        return found
+        has_arrived: Flags = (off <= ARRIVED * self._size) & (np.abs(self._speeds) <= SLOW)
+        return has_arrived
 
     def _may_turn(self) -> Flags:
         """Return whether each robot may begin its next leg: from rest, or round a corner."""
         limits = self._limits
         is_near = self._ends * self._size - self._done <= limits.corner
-        is_slow = self._speeds <= limits.corner_speeds + AT_REST
+        is_slow = self._speeds <= limits.corner_speeds + SLOW
         is_free = self._leaders.nodes[:, 0] > self._ends
-        found: Flags = self._have_arrived() | (self._has_corner & is_near & is_slow & is_free)
-        return found & ~self.stands
+        is_turning: Flags = self._has_corner & is_near & is_slow & is_free
+        return (self._have_arrived() | is_turning) & ~self.stands
 
     def _turning(self) -> Flags:
         """Return whether each robot is off the line of its leg, ``[R]``."""
         x, y = self._offsets.T
-        found: Flags = np.abs(x * self._along[:, 1] - y * self._along[:, 0]) > ARRIVED * self._size
-        return found
+        aside = np.abs(x * self._along[:, 1] - y * self._along[:, 0])
+        is_off: Flags = aside > ARRIVED * self._size
+        return is_off
 
     def _choose_speeds(self) -> Floats:
         """Return the speeds along their legs that the robots are to have next, ``[R]`` m/s."""
@@ -181,7 +183,7 @@ class Driver:
         speeds: Floats = np.minimum(wanted, fastest) if is_exact else wanted
         stands = self._headings.turn(self.stands)
         if stands.any():
-            # Those that drive otherwise than they are commanded brake as hard as they can.
+            # Robots that drive otherwise than they are commanded brake as hard as they can.
             slower = np.maximum(np.abs(self._speeds) - downs * dt, 0.0) if is_exact else 0.0
             speeds = np.where(stands, np.sign(self._speeds) * slower, speeds)
         self._leaders.slow_down(speeds, ahead, downs, None if is_exact else self._speeds)
@@ -193,8 +195,7 @@ class Driver:
         """Return the speeds at which they are to get back to the lines of their legs, ``[R]``."""
         aside = _dots(self._offsets + self._velocities * self._dt, across)
         speeds = stopping_speeds(np.abs(aside), self._limits.corner_rates, self._dt)
-        back: Floats = -np.sign(aside) * speeds
-        return back
+        return -np.sign(aside) * speeds
 
     def _stop(self) -> None:
         """Let robots stop that are to stand now, and others drive on."""
@@ -297,5 +298,4 @@ class Driver:
 
 def _dots(some: Floats, others: Floats) -> Floats:
     """Return the dot product of each pair of vectors, ``[R]``; a sum over two columns is slower."""
-    found: Floats = some[:, 0] * others[:, 0] + some[:, 1] * others[:, 1]
-    return found
+    return some[:, 0] * others[:, 0] + some[:, 1] * others[:, 1]

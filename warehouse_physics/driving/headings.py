@@ -9,7 +9,7 @@ import numpy as np
 from warehouse_core.motion.vector import Flags
 from warehouse_physics.profile import Floats
 from warehouse_physics.robot import TURN_RATE, TURN_SECONDS
-from warehouse_physics.robot_spec import RobotSpec
+from warehouse_physics.spec import RobotSpec
 
 
 class Headings:
@@ -19,12 +19,12 @@ class Headings:
     drives, as in ``robot.py``, which makes no difference to where it goes.
 
     Args:
-        spec: of the robots.
-        robots: ``R``; all face east.
+        spec: numbers of the robots.
+        robots: number ``R`` of robots; all face east.
 
     Attributes:
         angles: ``[R]`` radians.
-        on_the_spot: whether robots turn before they drive.
+        on_the_spot: true if robots turn before they drive.
     """
 
     def __init__(self, spec: RobotSpec, robots: int) -> None:
@@ -44,13 +44,13 @@ class Headings:
         """Turn robots for a substep.
 
         Args:
-            stands: ``[R]``, who has stopped and does not turn.
+            stands: ``[R]`` bool, true if a robot has stopped and does not turn.
 
         Returns:
-            ``[R]``, who has stopped or turns on the spot.
+            ``[R]`` bool, true if a robot has stopped or turns on the spot.
         """
         turned = np.where(stands, 0.0, np.clip(self._left, -self._most, self._most))
-        found: Flags = stands | (self.on_the_spot & (turned != 0))
         self.angles += turned
         self._left -= turned
-        return found
+        is_turning: Flags = turned != 0
+        return stands | (self.on_the_spot & is_turning)

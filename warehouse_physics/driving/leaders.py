@@ -14,23 +14,22 @@ import math
 
 import numpy as np
 
-from warehouse_core.motion.dependencies import Dependencies
+from warehouse_physics.driving.dependencies import Dependencies
 from warehouse_physics.driving.limits import Limits
-from warehouse_physics.driving.speeds import stopping_distances, stopping_speeds
-from warehouse_physics.profile import Floats
-from warehouse_physics.robot_spec import RobotSpec
+from warehouse_physics.profile import Floats, stopping_distances, stopping_speeds
+from warehouse_physics.spec import RobotSpec
 
-NEVER = 2**40
-"""In place of the number of a node that nobody has to wait for."""
+NOWHERE = 2**40
+"""Number in place of a node where a robot has to wait: so far away that nobody gets there."""
 
 CLEARANCE = 0.01
 """Share of a cell that is left between robots that follow each other straight on."""
 
 MAX_LEADERS = 50
-"""That a robot looks for, where it needs a long way to stop."""
+"""Most leaders of a robot. Only robots that can hardly brake, on ice, would look for more."""
 
 MAX_ROUNDS = 100
-"""In which a chain of robots, each following the one before, agree on speeds; few are needed."""
+"""Most rounds in which robots that follow each other in a chain agree on speeds; few are needed."""
 
 
 def corner_distance(spec: RobotSpec) -> float:
@@ -52,12 +51,12 @@ class Leaders:
     """The next cells on the ways of ``R`` robots where they have leaders, ``[R, K]`` of them.
 
     Args:
-        spec: of the robots.
-        ways: where they are to go.
-        limits: of the robots.
+        spec: numbers of the robots.
+        ways: cells that the robots are to drive through.
+        limits: speeds and rates that the robots can reach.
 
     Attributes:
-        nodes: the numbers of these cells on the way, or ``NEVER``.
+        nodes: ``[R, K]`` numbers of these cells on the way, or ``NOWHERE``.
         apart: metres beyond the middle of a cell where a robot has left it.
     """
 
@@ -67,7 +66,7 @@ class Leaders:
         self.apart = 2 * spec.radius + CLEARANCE * spec.cell_size
         self._apart_at_corners = corner_distance(spec)
         shape = len(limits.loaded), min(1 + math.ceil(limits.reach / self._size), MAX_LEADERS)
-        self.nodes = np.full(shape, NEVER)
+        self.nodes = np.full(shape, NOWHERE)
         self._looked = [0] * shape[0]  # up to which nodes of the ways
         self._leaders = np.zeros(shape, np.intp)
         self._leaving = np.zeros(shape, np.int64)
@@ -77,10 +76,10 @@ class Leaders:
         """Find the next cells of a robot where it has leaders, as far as there is space for them.
 
         Args:
-            robot: its number.
-            done: ``[R]`` metres of its way that each has done.
+            robot: number of the robot.
+            done: ``[R]`` metres, length of way that each robot has done.
         """
-        slot, last = np.count_nonzero(self.nodes[robot] != NEVER), self._ways.last(robot)
+        slot, last = np.count_nonzero(self.nodes[robot] != NOWHERE), self._ways.last(robot)
         number = self._looked[robot]
         while number < last and slot < self.nodes.shape[1]:
             number += 1
@@ -99,19 +98,19 @@ class Leaders:
 
     def find_anew(self, robot: int, done: Floats) -> None:
         """Find the next cells of a robot where it has leaders after its way has changed."""
-        self.nodes[robot] = NEVER
+        self.nodes[robot] = NOWHERE
         self._looked[robot] = max(self._ways.first(robot), int(done[robot] // self._size) - 1)
         self.find(robot, done)
 
     def drop(self, done: Floats) -> None:
         """Forget the leaders that have moved on, and find the next ones."""
         passed = done[self._leaders] - self._leaving * self._size
-        is_gone = (self.nodes != NEVER) & (passed >= self.apart)
+        is_gone = (self.nodes != NOWHERE) & (passed >= self.apart)
         rows = np.flatnonzero(is_gone.any(axis=1))
         if not len(rows):
             return
         kept = np.argsort(is_gone[rows], axis=1, kind="stable")
-        self.nodes[is_gone] = NEVER
+        self.nodes[is_gone] = NOWHERE
         for values in (self.nodes, self._leaders, self._leaving, self._gaps):
             values[rows] = np.take_along_axis(values[rows], kept, axis=1)
         for robot in rows.tolist():
@@ -123,15 +122,15 @@ class Leaders:
         """Lower the speeds of robots, ``[R]`` in place, so that none comes too close to a leader.
 
         Args:
-            speeds: in m/s, those that they would have without leaders.
-            ahead: ``[R]`` metres of its way that each has done when it gets its speed.
-            downs: ``[R]`` m/s², how fast each can brake.
-            now: ``[R]`` m/s, the speeds that they have, where it is not known which ones they get.
-                Leaders may then brake as hard as they can.
+            speeds: ``[R]`` m/s, speeds that they would have without leaders.
+            ahead: ``[R]`` metres, length of way that each robot has done when it gets its speed.
+            downs: ``[R]`` m/s², rate at which each can brake.
+            now: ``[R]`` m/s, present speeds, where it is not known which speeds robots get. Leaders
+                may then brake as hard as they can.
         """
         to_nodes = self.nodes * self._size - ahead[:, None]
         before = stopping_speeds(to_nodes - self._size, downs[:, None], self._dt)
-        # Those who can still stop before all cells with leaders need not look at the leaders.
+        # Robots that can still stop before all cells with leaders need not look at the leaders.
         rows = np.flatnonzero((before < speeds[:, None]).any(axis=1))
         if not len(rows):
             return

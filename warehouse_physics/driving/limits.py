@@ -7,9 +7,8 @@ import math
 import numpy as np
 
 from warehouse_physics.disturbances import Disturbances
-from warehouse_physics.driving.speeds import stopping_distances
-from warehouse_physics.profile import Floats
-from warehouse_physics.robot_spec import GRAVITY, RobotSpec
+from warehouse_physics.profile import Floats, stopping_distances
+from warehouse_physics.spec import GRAVITY, RobotSpec
 
 CORNER = 0.2
 """Share of a cell before a corner where robots begin to turn into their next leg: they brake in the
@@ -27,16 +26,17 @@ class Limits:
     """What limits each robot, as arrays ``[R]``, where it is known beforehand.
 
     Attributes:
-        loaded: bool, whether it carries an item; see ``load``.
-        slips: bool, whether its floor is slippery, or will be before it could stop.
+        loaded: bool, true if a robot carries an item; see ``load``.
+        slips: bool, true if the floor is slippery, or will be before the robot could stop.
         masses: kg.
-        drags: nominal ones of the floor, in N.
-        ups: m/s², how fast it speeds up.
-        downs: m/s², how fast it can always brake.
-        hardest: m/s², how fast it brakes at most.
-        corner_rates: m/s², how fast it changes speed in either direction at a corner.
-        usual_reach, reach: metres within which robots stop on the usual floor and on slippery one.
-        corner_speeds: m/s, with which it may begin to turn.
+        drags: N, nominal drag of the floor.
+        ups: m/s², rate at which a robot speeds up.
+        downs: m/s², rate at which it can always brake.
+        hardest: m/s², highest rate at which it brakes.
+        corner_rates: m/s², rate at which it changes speed in either direction at a corner.
+        usual_reach: metres within which all robots stop on the usual floor.
+        reach: metres within which all robots stop on slippery floor.
+        corner_speeds: m/s, highest speed at which it may begin to turn.
         spare: metres before a corner where it would come to rest, as it is so fast.
     """
 
@@ -50,14 +50,13 @@ class Limits:
         self._hardest = np.minimum(
             spec.acceleration, (motor[0] + self._drags * (1 + spread)) / self._masses
         )
-        # A row for the usual floor, and one for slippery floor.
+        # One row is for the usual floor, and one for slippery floor; columns are loads.
         motor[1] = np.minimum(motor[1], disturbances.grip * self._masses * GRAVITY)
         most = min(spec.acceleration, spec.top_speed / spec.time_step)
         self._reserve = (1 + SIGMAS * disturbances.actuation_noise) ** 2
         self._ups = np.clip((motor - self._drags) / self._masses, MIN_RATE, most)
         slowest = (motor + self._drags * (1 - spread)) / self._masses
         self._downs = np.clip(slowest, MIN_RATE, spec.acceleration) / self._reserve
-        # Metres within which robots stop, on the usual floor and on the most slippery.
         self.usual_reach, self.reach = spec.top_speed**2 / (2 * self._downs.min(axis=1))
         self.slips, self.loaded = np.zeros((2, robots), np.bool_)
         self.load(self.loaded)

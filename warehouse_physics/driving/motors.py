@@ -9,10 +9,16 @@ import numpy as np
 from warehouse_core import Cell
 from warehouse_core.motion.vector import Flags
 from warehouse_physics.disturbances import Disturbances, FloorConditions
-from warehouse_physics.driving.arena import DrivingArena
+from warehouse_physics.driven_arena import DrivenArena
 from warehouse_physics.driving.limits import Limits
 from warehouse_physics.profile import Floats
-from warehouse_physics.robot_spec import RobotSpec
+from warehouse_physics.spec import RobotSpec
+
+MIN_SPEED = 0.01
+"""Speed in m/s below which robots do not measure how exactly they drive."""
+
+MAX_EXCESS = 2.0
+"""Highest ratio of the speed to the commanded one: ``speed_factor`` draws none above it."""
 
 
 class Motors:
@@ -22,20 +28,20 @@ class Motors:
     robot enters, the share of the commanded speed that it really drives is drawn anew.
 
     Args:
-        arena: with ``R`` robots.
-        spec: of the robots.
-        limits: of the robots.
-        disturbances: of motors and floor.
-        seed: for their random numbers.
+        arena: arena with ``R`` robots.
+        spec: numbers of the robots.
+        limits: speeds and rates that the robots can reach.
+        disturbances: departure of motors and floor from the nominal.
+        seed: seed of the disturbances.
 
     Attributes:
-        drags: ``[R]`` N, of the cells under the robots.
-        is_exact: whether robots drive as they are commanded.
+        drags: ``[R]`` N, drag of the cells under the robots.
+        is_exact: true if robots drive as they are commanded.
     """
 
     def __init__(
         self,
-        arena: DrivingArena,
+        arena: DrivenArena,
         spec: RobotSpec,
         limits: Limits,
         disturbances: Disturbances,
@@ -44,7 +50,7 @@ class Motors:
         self._arena, self._spec, self._limits = arena, spec, limits
         self._noise, self._floor = disturbances.actuation_noise, FloorConditions(disturbances, seed)
         self.is_exact = not self._noise and not self._floor.varies
-        robots = len(arena.robots)
+        robots = len(arena.bodies)
         self.drags = np.zeros(robots)
         self._factors, self._drag_factors = np.ones((2, robots))
         self._cells = np.full((robots, 2), -1)
@@ -54,7 +60,7 @@ class Motors:
 
     def load(self) -> None:
         """Give bodies the masses of their loads, and motors the forces that these need."""
-        for body, mass in zip(self._arena.robots, self._limits.masses.tolist(), strict=True):
+        for body, mass in zip(self._arena.bodies, self._limits.masses.tolist(), strict=True):
             if body.mass != mass:
                 body.mass = mass
         for robot in range(len(self.drags)):
@@ -82,18 +88,17 @@ class Motors:
         """Return how many times faster than commanded robots drive, ``[R]`` and at least 1.
 
         Args:
-            speeds: m/s, those that they have now.
+            speeds: ``[R]`` m/s, present speeds.
         """
         slowest = np.maximum(np.maximum(self._commands, self._expected), MIN_SPEED)
-        found: Floats = np.clip(speeds / slowest, 1.0, MAX_EXCESS)
-        return found
+        return np.clip(speeds / slowest, 1.0, MAX_EXCESS)
 
     def fastest(self, speeds: Floats, ups: Floats) -> Floats:
         """Return the highest speeds that robots may be commanded next, ``[R]`` m/s.
 
         Args:
-            speeds: m/s, those that they have now.
-            ups: m/s², how fast they speed up.
+            speeds: ``[R]`` m/s, present speeds.
+            ups: ``[R]`` m/s², rates at which they speed up.
         """
         gained = ups * self._spec.time_step
         if not self.is_exact:  # what is commanded may be more than what is driven
@@ -102,17 +107,16 @@ class Motors:
         faster = speeds + gained
         if not self.is_exact:  # one that drives back faster than commanded has to be able to brake
             faster = np.where(speeds < 0, np.maximum(faster, 0.0), faster)
-        found: Floats = np.minimum(faster, self._spec.top_speed)
-        return found
+        return np.minimum(faster, self._spec.top_speed)
 
     def command(self, velocities: Floats, speeds: Floats, before: Floats, turns: Flags) -> Floats:
         """Set the forces of the motors, and return the velocities that they hold, ``[R, 2]`` m/s.
 
         Args:
-            velocities: that are commanded.
-            speeds: those along the legs of the robots.
-            before: speeds along the legs that they have now.
-            turns: whether each robot is off the line of its leg.
+            velocities: ``[R, 2]`` m/s, commanded velocities.
+            speeds: ``[R]`` m/s, commanded speeds along the legs of the robots.
+            before: ``[R]`` m/s, present speeds along the legs.
+            turns: ``[R]`` bool, true if a robot is off the line of its leg.
         """
         if self.is_exact:
             return velocities
@@ -142,10 +146,3 @@ class Motors:
     def _cell(self, robot: int) -> Cell:
         row, col = self._cells[robot].tolist()
         return row, col
-
-
-MIN_SPEED = 0.01
-"""Speed in m/s below which robots do not measure how exactly they drive."""
-
-MAX_EXCESS = 2.0
-"""Of the speed over the commanded one."""

@@ -8,7 +8,6 @@ from typing import Annotated
 import typer
 
 from agents.lab.commands import layout as layout_commands
-from agents.lab.commands.bench import bench
 from agents.lab.commands.compare_agents import compare_agents
 from agents.lab.commands.compare_backends import compare
 from agents.lab.commands.demos import demo
@@ -21,16 +20,16 @@ from agents.lab.commands.grade.grade import grade
 from agents.lab.commands.planners.compare_planners import compare_planners
 from agents.lab.commands.planners.mapf import mapf
 from agents.lab.commands.play import play
+from agents.lab.commands.run import report_episode, run
 from agents.lab.commands.search import search
 from agents.lab.commands.train import train_ppo, train_q
 from agents.lab.console import main as console
 from agents.lab.console.options import IntervalOption, SaveOption, ShowOption, SpeedOption
-from agents.lab.console.output import load_record, replay_or_save
+from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say
 from agents.lab.experiments.sweep import sweep
 from agents.lab.reports.report import report
-from agents.run_episode import report_episode, run_command
-from warehouse_core import FleetEpisode
+from warehouse_core import Episode
 from warehouse_core.viz.tracks.track import INTERVAL_MS
 
 app = console.application(
@@ -38,7 +37,7 @@ app = console.application(
     help="A grid warehouse for rational agents, with a motion backend you can swap.",
     no_args_is_help=True,
 )
-app.command("run")(run_command)
+app.command()(run)
 app.command()(play)
 app.command()(fleet)
 app.command()(gap)
@@ -50,7 +49,6 @@ app.command()(grade)
 app.command()(demo)
 app.command()(search)
 app.command()(explore)
-app.command()(bench)
 app.command()(sweep)
 app.command()(report)
 app.command()(export)
@@ -75,8 +73,8 @@ def replay(
 
     Example: warehouse replay episode.npz --speed 2 --save replay.gif
     """
-    episode = load_record(file)
-    if isinstance(episode, FleetEpisode):
+    episode = Episode.load(file)
+    if episode.is_fleet:
         report_fleet(episode)
     else:
         report_episode(episode)

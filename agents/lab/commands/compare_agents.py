@@ -31,8 +31,8 @@ from agents.lab.console.place import Stations, what_to_draw
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import say
 from agents.lab.console.watch import run_watched
-from agents.lab.evaluation.scores import EXPLANATION, MEASURES, Measure, Scores, Task, evaluate
-from agents.lab.evaluation.wording import mean, share
+from agents.lab.trials.scores import EXPLANATION, MEASURES, Measure, Scores, Task, evaluate
+from agents.lab.trials.wording import mean, share
 from agents.registry import make_agent
 from warehouse_core import Layout
 from warehouse_core.files.atomic import check_suffix, check_target
@@ -114,8 +114,8 @@ def compare_agents(
     }
     # The figure first, because the reader of standard output may leave, as ``head`` does.
     if save is not None:
-        from agents.lab.evaluation.figure import scores_figure
-        from agents.lab.evaluation.sizes_figure import sizes_figure
+        from agents.lab.trials.figure import scores_figure
+        from agents.lab.trials.sizes_figure import sizes_figure
 
         [(title, scores), *more] = groups.items()
         figure = scores_figure(scores, title, EXPLANATION)

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from agents.lab.commands.run import run_episode
 from agents.lab.console.options import (
     AgentOption,
     BatteryOption,
@@ -21,7 +22,7 @@ from agents.lab.console.options import (
 )
 from agents.lab.console.output import Film, show_or_save
 from agents.lab.console.table import Table, print_table
-from agents.run_episode import draw_seed, run_episode
+from agents.lab.runs.run import draw_seed
 from warehouse_core import Episode
 from warehouse_core.viz.tracks.episode_track import track_of_episode
 

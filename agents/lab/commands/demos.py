@@ -10,6 +10,7 @@ import typer
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PlannedFleet
 from agents.lab.commands.lanes_demo import BATTERY, ROBOTS, lanes_compared
+from agents.lab.commands.run import run_episode
 from agents.lab.console.options import SaveReplayOption, ShowOption
 from agents.lab.console.output import PICTURES, Film, show_or_save, show_or_save_picture
 from agents.lab.console.terminal import say
@@ -19,14 +20,12 @@ from agents.mapf.cbs import ConflictTree
 from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
 from agents.mapf.problem import Problem
-from agents.run_episode import run_episode
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (
     Cell,
     Episode,
     EpisodeRecorder,
     FleetEnv,
-    FleetEpisode,
     Layout,
     OrderStream,
     WarehouseEnv,
@@ -216,10 +215,10 @@ DEMOS: dict[str, Callable[[], Demo]] = {
 }
 
 STILLS: dict[str, Callable[[], Picture]] = {"cbs": cbs, "lanes": lanes}
-"""Those that are one picture."""
+"""Demonstrations that are one picture."""
 
 PHYSICS = DEMOS.keys() - {"pibt"}
-"""Those that need the backend."""
+"""Demonstrations that need the backend."""
 
 
 def drive(
@@ -241,7 +240,7 @@ def drive(
     return recorder.episode
 
 
-def drive_together(moves: Mapping[Cell, str]) -> FleetEpisode:
+def drive_together(moves: Mapping[Cell, str]) -> Episode:
     """Carry out one action of each robot, given by its start, in the hall."""
     from warehouse_physics import RigidBodyMotion
 
@@ -287,7 +286,7 @@ def demo(
     show_or_save(Film(lambda: tracks), save, show, f"demo-{name}.gif")
 
 
-def _together(episode: FleetEpisode, title: str, ending: str) -> Track:
+def _together(episode: Episode, title: str, ending: str) -> Track:
     track = track_of_fleet_episode(episode, frame_seconds=SLOW_MOTION)
     track.shift, track.ending = None, ending
     return _titled(track, title)

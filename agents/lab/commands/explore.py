@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from agents.lab.commands.run import report_episode
 from agents.lab.console.options import (
     BackendOption,
     BatteryOption,
@@ -19,7 +20,7 @@ from agents.lab.console.options import (
 )
 from agents.lab.console.output import Film, show_or_save
 from agents.lab.console.terminal import say
-from agents.run_episode import draw_seed, report_episode
+from agents.lab.runs.run import draw_seed
 from agents.search.agents import ExploringAgent
 from warehouse_core import Episode, WarehouseEnv
 from warehouse_core.records.episode import DELIVERED

@@ -10,13 +10,13 @@ from agents.lab.runs.run import run
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import PIBT
-from warehouse_core import FleetEnv, FleetEpisode, Layout, OrderStream
+from warehouse_core import Episode, FleetEnv, Layout, OrderStream
 
 SHELF_ROWS, SHELF_COLUMNS, SHELF, MARGIN = 5, 2, 8, 2
-"""Shelves, their length, and the cells beside them at both sides."""
+"""Rows and columns of shelves, their length, and the cells at both sides of them."""
 
 STATIONS = "PD.."
-"""Along shelves, again and again."""
+"""Tiles along shelves, again and again."""
 
 ROBOTS, RATE, STEPS, BATTERY = 60, 6.0, 300, 10_000
 """Orders arrive faster than they can be delivered, and nobody has to charge."""
@@ -34,12 +34,12 @@ def crowded_floor() -> Layout:
     return Layout([row_of("."), *(row for block in blocks for row in block)])
 
 
-def lanes_compared(seed: int = 1, steps: int = STEPS) -> dict[str, FleetEpisode]:
+def lanes_compared(seed: int = 1, steps: int = STEPS) -> dict[str, Episode]:
     """Return the records of a fleet led by PIBT without and with lanes.
 
     Args:
-        seed: of the fleet, its orders and PIBT.
-        steps: of each.
+        seed: seed of the fleet, its orders and PIBT.
+        steps: steps of each episode.
     """
     layout, found = crowded_floor(), {}
     for name, costs in (("Without lanes", None), ("With lanes", lane_costs(layout))):

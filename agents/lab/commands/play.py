@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from agents.lab.commands.run import report_episode
 from agents.lab.console.options import (
     BackendOption,
     BatteryOption,
@@ -19,7 +20,7 @@ from agents.lab.console.options import (
 from agents.lab.console.output import replay_or_save, unused
 from agents.lab.console.place import Place
 from agents.lab.console.terminal import say
-from agents.run_episode import draw_seed, report_episode
+from agents.lab.runs.run import draw_seed
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.render.window import has_display
@@ -46,8 +47,8 @@ class Driver:
 
     Args:
         env: the environment.
-        seed: for the first episode; each further one adds 1.
-        place: where the episodes take place.
+        seed: seed of the first episode; each further one adds 1.
+        place: place of the episodes.
 
     Attributes:
         games: the records of all episodes, the last of which may be unfinished.

@@ -10,7 +10,7 @@ import typer
 
 from agents.lab.console.options import LAYOUT_HELP
 from agents.lab.console.place import RANDOM
-from agents.lab.evaluation.random_layouts import MAX_POOL, RandomLayouts
+from agents.lab.trials.random_layouts import MAX_POOL, RandomLayouts
 
 DEFAULTS = RandomLayouts()
 
@@ -60,8 +60,8 @@ def is_random(layout: Path | None, **options: object) -> bool:
     """Return whether ``--layout`` asks for random layouts, and check what goes with it.
 
     Args:
-        layout: that was given.
-        options: the values of options that only random layouts have, by name.
+        layout: value of ``--layout``.
+        options: values of options that only random layouts have, by name.
 
     Raises:
         typer.BadParameter: one of these options is given without random layouts.

@@ -84,7 +84,7 @@ def choose_ends(
         layout: the layout.
         start: ``None`` for a random cell, or for the farthest from the goal if there is no seed.
         goal: ``None`` for a random cell, or for the first pickup if there is no seed.
-        seed: for the random cells.
+        seed: seed of the random cells.
 
     In the chapter's layout, without any of them, they are ``ALL_DIFFER``.
 

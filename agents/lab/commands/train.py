@@ -37,20 +37,14 @@ from agents.lab.console.options import (
 )
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import say
-from agents.lab.evaluation.fleet_scores import FleetScores, FleetTask
-from agents.lab.evaluation.random_layouts import RandomLayouts
-from agents.lab.evaluation.scores import MakeAgent, Scores, Task
-from agents.lab.evaluation.wording import mean, share
+from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS, Examiner, Point
+from agents.lab.trials.fleet_scores import FleetScores, FleetTask
+from agents.lab.trials.random_layouts import RandomLayouts
+from agents.lab.trials.scores import Scores, Task
+from agents.lab.trials.wording import mean, share
+from agents.learning.learner import RECENT_EPISODES, MakeAgent, Watch
 from agents.learning.q_learning import QAgent, QTable, learn
 from agents.learning.q_table import save_table
-from agents.learning.training import (
-    EXAM_SEEDS,
-    FINAL_SEEDS,
-    RECENT_EPISODES,
-    Examiner,
-    Point,
-    Watch,
-)
 from agents.registry import make_team
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core.errors import FormatError
@@ -61,7 +55,7 @@ if TYPE_CHECKING:
     from agents.learning.ppo_training import PPOLearner
 
 LIBRARIES = ("torch", "stable_baselines3", "sb3_contrib")
-"""What training by PPO needs besides this package."""
+"""Libraries that training by PPO needs."""
 
 MODEL_SUFFIX, CURVE_SUFFIX = ".npz", ".png"
 
@@ -128,14 +122,15 @@ def make_learner(task: Task | FleetTask, steps: int, seed: int) -> PPOLearner:
         AgentError: a library is missing; the message has the command that installs it.
     """
     try:
-        from agents.learning.ppo_training import PPOLearner
+        from agents.learning.ppo_training import ENVS, FOR_RANDOM_LAYOUTS, PPOLearner
     except ImportError as error:
         if (error.name or "").partition(".")[0] not in LIBRARIES:
             raise
         raise AgentError(
             f"training by PPO needs {error.name}, which is not installed: {install_command('rl')}"
         ) from error
-    return PPOLearner(task, steps, seed)
+    differs = FOR_RANDOM_LAYOUTS if isinstance(task.layout, RandomLayouts) else {}
+    return PPOLearner(task.make_batch(ENVS), steps, seed, differs)
 
 
 def train_q(
@@ -176,11 +171,11 @@ class Training:
     """A training with a progress bar, and the files and the table that it results in.
 
     Args:
-        name: of the method of learning.
-        task: to be learned.
-        steps: of the whole training.
-        seed: of the training.
-        output: the file of the agent; the picture of the learning curve goes beside it.
+        name: name of the method of learning.
+        task: task to learn.
+        steps: steps of the whole training.
+        seed: seed of the training.
+        output: file of the agent; the picture of the learning curve goes beside it.
 
     Raises:
         FormatError: ``output`` is no ``.npz``.
@@ -207,7 +202,7 @@ class Training:
 
         Args:
             learn: trains the agent.
-            writers: of the files of the agent, by suffix.
+            writers: writers of the files of the agent, by suffix.
 
         Raises:
             OSError: a file cannot be written; raised before the training if its folder is missing.
@@ -258,7 +253,7 @@ class Training:
         say(f"{steps:,}{of} steps in {seconds:.1f} s, seed {self.seed}")
 
         def draw(path: Path) -> None:
-            from agents.learning.curve import save_learning_curve
+            from agents.lab.training.curve import save_learning_curve
 
             is_random = isinstance(self.task.layout, RandomLayouts)
             unseen = " in layouts that are not in the training" if is_random else ""

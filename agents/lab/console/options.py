@@ -33,9 +33,9 @@ def save_option(help_text: str, *suffixes: str, pictures: bool = False) -> Any:
     """Return an option for files to write.
 
     Args:
-        help_text: what the option does.
-        suffixes: that are allowed.
-        pictures: whether those of pictures are allowed too.
+        help_text: description of the option.
+        suffixes: suffixes that are allowed.
+        pictures: allow the suffixes of pictures too.
     """
 
     def check(targets: list[Path]) -> list[Path]:
@@ -214,7 +214,7 @@ ModelOption = Annotated[
 
 
 def load_layout(path: Path | None) -> Layout:
-    """Return the layout in a file or of a name, or that of the chapter without one."""
+    """Return the layout in a file or of a name, or the chapter's without one."""
     return DEFAULT_LAYOUT if path is None else find_layout(path)
 
 
@@ -222,8 +222,8 @@ def load_place(path: Path | None, stations: Stations | None, start: str | None) 
     """Return where episodes take place, from the options of a command.
 
     Args:
-        path: of the layout, or its name; ``None`` for that of the chapter.
-        stations: ``None`` for those of a file that has any, and for drawn ones otherwise.
+        path: file of the layout, or its name; ``None`` is the chapter's.
+        stations: ``None`` keeps the stations of a file that has any, and draws them otherwise.
         start: ``ROW,COL``, or ``None`` to draw it.
 
     Raises:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from agents.lab.console.options import RECORD_SUFFIX
 from agents.lab.console.terminal import say
-from warehouse_core import Episode, FleetEpisode, RecordError
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.window import has_display
@@ -36,11 +35,11 @@ class Film:
     """What a command shows. Matplotlib is imported for a window or a picture, not for a page.
 
     Attributes:
-        tracks: returns them; called when they are needed.
-        title: of a page; by default those of the tracks.
-        record: of the episode, which can be saved too.
+        tracks: returns the tracks; called when they are needed.
+        title: title of a page; by default the titles of the tracks.
+        record: record of the episode, which can be saved too.
         speed: factor on the playing speed.
-        draw: makes the replay with a window or without one; by default that of the tracks.
+        draw: makes the replay with a window or without one; by default the tracks are replayed.
     """
 
     tracks: Callable[[], Sequence[Track]]
@@ -79,33 +78,15 @@ def replay_or_save(
 ) -> None:
     """Show or save an episode as ``show_or_save`` does; ``.npz`` is its record."""
     seed = "unseeded" if episode.seed is None else episode.seed
-    backend = episode.settings.backend if isinstance(episode, Episode) else episode.backend
-    name = re.sub(r"[^\w-]+", "_", f"replay-{episode.agent}-{backend}-{seed}")
+    name = re.sub(r"[^\w-]+", "_", f"replay-{episode.agent}-{episode.backend}-{seed}")
     # Drawing each frame of a whole shift takes minutes; a page does not.
-    suffix = ".gif" if isinstance(episode, Episode) else PAGE_SUFFIX
+    suffix = PAGE_SUFFIX if episode.is_fleet else ".gif"
     film = Film(
         lambda: [track_of_record(episode, plans=plans)],
         record=episode,
         speed=speed * INTERVAL_MS / interval_ms,
     )
     show_or_save(film, targets, show, name + suffix)
-
-
-def load_record(path: Path) -> Record:
-    """Read the record of an episode, of one robot or of a fleet.
-
-    Raises:
-        RecordError: the file is damaged or no record; the message names what is wrong.
-        OSError: the file cannot be read.
-    """
-    try:
-        return Episode.load(path)
-    except RecordError as error:
-        try:
-            return FleetEpisode.load(path)
-        except RecordError as other:
-            # The two kinds have different numbers of arrays.
-            raise error if "arrays; there must be" in str(other) else other from None
 
 
 def show_or_save(film: Film, targets: Sequence[Path], show: bool | None, fallback: str) -> None:

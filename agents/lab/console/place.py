@@ -9,7 +9,7 @@ from warehouse_core import Cell, Layout, LayoutError
 from warehouse_core.task.starts import START, STATIONS, empty_cells
 
 RANDOM = "random"
-"""In place of the name of a layout: another layout for each seed."""
+"""Name in place of a layout's: another layout for each seed."""
 
 
 class Stations(StrEnum):
@@ -23,9 +23,9 @@ class Place(NamedTuple):
     """Where episodes take place.
 
     Attributes:
-        layout: the walls, and the stations if these are kept.
-        start_pos: the start, ``None`` for a random one.
-        randomize: what is drawn, see ``WarehouseEnv.reset``.
+        layout: walls, and stations if these are kept.
+        start_pos: start, ``None`` for a random one.
+        randomize: choice of what is drawn, see ``WarehouseEnv.reset``.
     """
 
     layout: Layout
@@ -41,7 +41,7 @@ class Place(NamedTuple):
 def usual_stations(layout: Layout, *, is_default: bool) -> Stations:
     """Return what is done with the stations of a layout if nothing is said.
 
-    They are kept if it has any, but those of the default layout are drawn, as in the chapter.
+    They are kept if it has any, but in the default layout they are drawn, as in the chapter.
     """
     has_own = layout.pickups + layout.dropoffs and not is_default
     return Stations.KEPT if has_own else Stations.DRAWN
@@ -51,10 +51,10 @@ def check_stations(layout: Layout, stations: Stations, name: object, to_draw: st
     """Check that stations can be drawn or kept.
 
     Args:
-        layout: the layout.
-        stations: what is done with its stations.
-        name: of the layout.
-        to_draw: how a user says that they are drawn.
+        layout: layout.
+        stations: choice for its stations.
+        name: name of the layout.
+        to_draw: words by which a user lets them be drawn.
 
     Raises:
         LayoutError: there is no station of a kind, or no room to draw them.

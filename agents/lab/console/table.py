@@ -62,8 +62,8 @@ def _widths(columns: Sequence[Sequence[str]], room: int) -> list[int]:
     then to titles.
 
     Args:
-        columns: the title and the cells of each.
-        room: in characters, for all of them.
+        columns: title and cells of each column.
+        room: characters for all columns together.
     """
     from rich.cells import cell_len
 

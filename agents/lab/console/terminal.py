@@ -14,7 +14,7 @@ def say(text: object, *, error: bool = False, bold: bool = False) -> None:
     """Print text; names in it may have any characters, and the terminal is not given its own.
 
     Args:
-        text: of one or more lines.
+        text: text of one or more lines.
         error: print on standard error.
         bold: print it in bold, if the stream is a terminal.
     """

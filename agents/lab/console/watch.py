@@ -75,10 +75,10 @@ def slow_reported(
     """Report the parts of a block that take long, once each.
 
     Args:
-        part: gives the part that this thread is in.
-        seconds: after which a part is reported.
-        file: of the agent.
-        tell: is called in another thread with ``seconds`` and the line of the file that is being
+        part: returns the part that this thread is in.
+        seconds: time after which a part is reported.
+        file: file of the agent.
+        tell: called in another thread with ``seconds`` and the line of the file that is being
             executed, in words.
     """
     ended, thread = threading.Event(), threading.get_ident()

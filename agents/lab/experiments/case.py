@@ -32,8 +32,8 @@ from agents.lab.experiments.parameters import (
     shown,
     text,
 )
-from agents.lab.experiments.tables import AnyRow, Row, Shift
 from agents.lab.runs.programs import fingerprint
+from agents.lab.trials.rows import AnyRow, FleetRow, Row
 from agents.registry import agent_file, agent_module, make_agent, make_fleet_agent, make_team
 from warehouse_core import (
     Agent,
@@ -46,7 +46,7 @@ from warehouse_core import (
     random_layout,
 )
 from warehouse_core.motion.backends import Backend
-from warehouse_core.records.fleet_episode import FleetAgent
+from warehouse_core.records.recorder import FleetAgent
 from warehouse_core.world.named_layouts import DEFAULT, DEPOT, find_layout
 
 Case = Mapping[str, Any]
@@ -109,7 +109,7 @@ def is_fleet(case: Case) -> bool:
 
 def row_type(case: Case) -> type[AnyRow]:
     """Return the kind of the rows of a case."""
-    return Shift if is_fleet(case) else Row
+    return FleetRow if is_fleet(case) else Row
 
 
 def default_of(name: str, case: Case) -> Value | None:

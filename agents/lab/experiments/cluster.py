@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from agents.errors import ClusterError
 from agents.lab.console.terminal import print_error
-from agents.lab.experiments.workers import TOPIC
+from agents.lab.trials.workers import TOPIC
 from warehouse_core.extras import install_command
 
 if TYPE_CHECKING:

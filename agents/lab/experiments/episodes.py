@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from contextlib import closing
-from dataclasses import asdict
 from functools import partial
 from time import perf_counter
 from typing import NamedTuple
 
 from agents.errors import AgentError, EpisodeError, reason_of
+from agents.fleet.director import wants_dispatch
 from agents.lab.console.place import Stations, what_to_draw
 from agents.lab.console.watch import slow_reported
 from agents.lab.experiments.case import (
@@ -26,14 +25,12 @@ from agents.lab.experiments.case import (
     make_fleet,
     make_fleet_agent_for,
 )
-from agents.lab.experiments.tables import AnyRow, Row, Shift
-from agents.lab.experiments.workers import teller
 from agents.lab.runs.programs import program_for
+from agents.lab.trials.rows import AnyRow, row_of
+from agents.lab.trials.workers import teller
 from agents.registry import agent_file
-from warehouse_core import Episode, EpisodeRecorder, FleetEpisode
-from warehouse_core.records.failure_modes import diagnose
-from warehouse_core.records.fleet_episode import FleetRecorder
-from warehouse_core.records.fleet_modes import diagnose_fleet
+from warehouse_core import Episode, EpisodeRecorder
+from warehouse_core.records.recorder import FleetRecorder
 
 Recorder = EpisodeRecorder | FleetRecorder
 
@@ -105,18 +102,18 @@ def about(case: Case, seed: int, place: str = "") -> str:
 
 def run_one(
     case: Case, seed: int, watch: Callable[[Recorder], object] = lambda recorder: None
-) -> Episode | FleetEpisode:
+) -> Episode:
     """Run one episode of a case and return its record; ``watch`` is given its recorder."""
     return (run_fleet if is_fleet(case) else run_alone)(case, seed, watch)
 
 
 def run_fleet(
     case: Case, seed: int, watch: Callable[[Recorder], object] = lambda recorder: None
-) -> FleetEpisode:
+) -> Episode:
     """Run one episode of a fleet; see ``run_one``."""
     layout = fleet_layout(case, seed)
     agent = make_fleet_agent_for(case, seed, layout)
-    with closing(make_fleet(case, layout, dispatch=getattr(agent, "dispatch", True))) as env:
+    with closing(make_fleet(case, layout, dispatch=wants_dispatch(agent))) as env:
         recorder = FleetRecorder(env, seed=seed, agent=director_of(case))
         watch(recorder)
         recorder.run(agent)
@@ -135,29 +132,6 @@ def run_alone(
         watch(recorder)
         recorder.run(agent, observation)
         return recorder.episode
-
-
-def row_of(episode: Episode | FleetEpisode) -> AnyRow:
-    """Return the row that is stored for an episode."""
-    if isinstance(episode, FleetEpisode):
-        mode, measures = diagnose_fleet(episode).mode, asdict(episode.measures)
-        stored = [measures[name] for name in Shift._fields if name in measures]
-        measured = [None if math.isnan(value) else value for value in stored]
-        return Shift._make((episode.seed, mode, *measured))
-    assert episode.seed is not None, "every episode here has a seed"
-    diagnosis = diagnose(episode)
-    cell = diagnosis.cells[0] if diagnosis.cells else episode.cells[-1]
-    return Row(
-        episode.seed,
-        diagnosis.mode,
-        episode.steps,
-        diagnosis.needed,
-        episode.total_reward,
-        episode.battery[-1],
-        episode.seconds,
-        episode.joules,
-        *cell,
-    )
 
 
 def check_fingerprint(case: Case) -> None:

@@ -21,8 +21,8 @@ from agents.lab.experiments.case import Case
 from agents.lab.experiments.episodes import Done, about, run_task
 from agents.lab.experiments.plan import Plan
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import AnyRow
-from agents.lab.experiments.workers import ending_of
+from agents.lab.trials.rows import AnyRow
+from agents.lab.trials.workers import ending_of
 
 TASK_SECONDS = 0.5
 MAX_TASK_EPISODES = 10_000

@@ -22,8 +22,8 @@ from agents.lab.experiments.parameters import MAX_VALUE, MAX_VIEW_RADIUS
 from agents.lab.experiments.plan import MAX_EPISODES, Plan, make_plan
 from agents.lab.experiments.running import Report, run_missing
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import AnyRow, Shift
-from agents.lab.experiments.workers import Check, Pool, deferred_interrupts, process_pool
+from agents.lab.trials.rows import AnyRow, FleetRow
+from agents.lab.trials.workers import Check, Pool, deferred_interrupts, process_pool
 from agents.mapf.assignment import ASSIGNMENTS
 from warehouse_core.batch.fleet.settings import MAX_BODIES
 from warehouse_core.records.episode import DELIVERED
@@ -43,7 +43,7 @@ def sweep_bar(episodes: int) -> Iterator[Report]:
         def report(rows: Sequence[AnyRow], failures: Sequence[str] = ()) -> None:
             nonlocal delivered, wanted, done
             for row in rows:
-                if isinstance(row, Shift):
+                if isinstance(row, FleetRow):
                     delivered, wanted = delivered + row.delivered, wanted + row.orders
                 else:
                     delivered, wanted = delivered + (row.mode == DELIVERED), wanted + 1

@@ -7,9 +7,9 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from agents.lab.evaluation.wording import percent
 from agents.lab.grading.runs import Run, greedy_steps
 from agents.lab.grading.sandbox import SLOW
+from agents.lab.trials.wording import percent
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
 

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from agents.errors import GradeError
-from agents.lab.evaluation.wording import percent
 from agents.lab.grading.criteria import Criterion, Runs
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.runs import Run, run_cases
 from agents.lab.grading.submissions import Submission
+from agents.lab.trials.wording import percent
 from warehouse_core.wording import counted, printable
 
 

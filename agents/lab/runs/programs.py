@@ -1,7 +1,9 @@
 """What an episode depends on beside its case: the program that runs it, and the code of its agent.
 
-Both are named by digests of source files, so that no change goes unnoticed. Other packages that an
-agent of a user imports, those in ``site-packages``, are not part of its digest.
+Both are named by digests of source files, so that no change of what they do goes unnoticed. The
+digest of this program leaves out comments and docstrings: a spelling mended does not stop a sweep
+from being resumed. The file of an agent is digested as it is: it may be no Python, and may read
+itself. Other packages that an agent imports, from ``site-packages``, are not part of its digest.
 """
 
 from __future__ import annotations
@@ -11,7 +13,7 @@ import hashlib
 import importlib.util
 import site
 import sysconfig
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from functools import cache, lru_cache
 from importlib.machinery import all_suffixes
@@ -23,7 +25,7 @@ from warehouse_core.files.kinds import not_a_file
 from warehouse_core.motion.backends import GROUP
 
 OWN = ("agents", "warehouse_core", "warehouse_physics")
-"""The packages of this program; also the names that no module of a user can have."""
+"""Packages of this program; no module of a user can have one of these names."""
 
 ROOT = Path(__file__).parents[3]
 
@@ -32,15 +34,16 @@ NO_EFFECT = {
     "commands",
     "console", "cli.py", "__main__.py", "run_episode.py",
 }  # fmt: skip
-"""Files and folders of those packages that have no effect on an episode of an experiment."""
+"""Files and folders of these packages that have no effect on an episode of an experiment."""
 
 EXCEPT = Path("lab", "console", "place.py")
+"""File in a folder of ``NO_EFFECT`` that has an effect nevertheless."""
 
 DIGITS = 10
-"""Of the digest in the name of a program."""
+"""Length of the digest in the name of a program."""
 
 MAX_BYTES = 64 * 1024 * 1024
-"""Limit on each file of an agent."""
+"""Most bytes in a file of an agent."""
 
 
 @cache
@@ -67,30 +70,57 @@ def _version(name: str) -> str:
 
 def own_sources() -> list[Path]:
     """Return the source files of this program that have an effect on episodes, in a fixed order."""
-    found = {path: path.relative_to(ROOT / name) for name in OWN
-             for path in (ROOT / name).rglob("*.py")}  # fmt: skip
+    sources = {path: path.relative_to(ROOT / name) for name in OWN
+               for path in (ROOT / name).rglob("*.py")}  # fmt: skip
     return sorted(
         path
-        for path, inner in found.items()
+        for path, inner in sources.items()
         if inner == EXCEPT or not NO_EFFECT.intersection(inner.parts)
     )
 
 
 @cache
 def _own_digest() -> str:
-    return _digest(own_sources(), ROOT)[:DIGITS]
+    return _digest(own_sources(), ROOT, _code_of)[:DIGITS]
+
+
+def _code_of(path: Path) -> bytes:
+    """Return the syntax tree of a source without its docstrings, as text."""
+    return repr(_plain(ast.parse(path.read_bytes()))).encode()
+
+
+def _plain(node: object) -> object:
+    """Return a syntax tree as lists.
+
+    Fields without a value are left out. ``ast.dump`` writes some of them, and not the same ones in
+    each version of Python, but a sweep may be resumed on another version.
+    """
+    match node:
+        case ast.AST():
+            fields = ((name, _plain(value)) for name, value in ast.iter_fields(node))
+            return [type(node).__name__, *(each for each in fields if each[1] not in (None, []))]
+        case list():
+            return [_plain(each) for each in node if not _is_docstring(each)]
+    return node
+
+
+def _is_docstring(node: object) -> bool:
+    match node:
+        case ast.Expr(value=ast.Constant(value=str())):
+            return True
+    return False
 
 
 def fingerprint(file: Path | None, module: str | None) -> str | None:
-    """Return the digest of the code or model of an agent; ``None`` for those of this program.
+    """Return the digest of the code or model of an agent; ``None`` for an agent of this program.
 
     The code is its file, or its module, and what these import from the same folder, also in
     functions. It is found without being run. A process imports a module once, so the digest of one
     is made once too; files are read each time.
 
     Args:
-        file: of the agent, or ``None``.
-        module: its name if the agent is imported, or ``None``.
+        file: file of the agent, or ``None``.
+        module: name of the module if the agent is imported, or ``None``.
 
     Raises:
         AgentError: its file is a folder, a pipe or a device, or longer than ``MAX_BYTES``.
@@ -123,17 +153,17 @@ def _with_imports(files: Iterable[Path], folder: Path, own: str | None) -> set[P
     """Return files, what they import from a folder, what that imports from there, and so on.
 
     Args:
-        files: where to begin.
-        folder: where imports that are not relative are looked up.
-        own: the package of the files. It alone is looked up in a folder of installed packages.
+        files: files to begin with.
+        folder: folder in which imports that are not relative are looked up.
+        own: package of the files. It alone is looked up in a folder of installed packages.
     """
     is_shared = folder.resolve() in _installed()
-    found, waiting = set[Path](), list(files)
+    reached, waiting = set[Path](), list(files)
     while waiting:
         file = waiting.pop()
-        if file in found:
+        if file in reached:
             continue
-        found.add(file)
+        reached.add(file)
         for level, name in imports_of(_read(file)) if file.suffix == ".py" else ():
             parts = name.split(".")
             if level:
@@ -141,25 +171,25 @@ def _with_imports(files: Iterable[Path], folder: Path, own: str | None) -> set[P
                 waiting += _files_of(parts, base)
             elif parts[0] not in OWN and (not is_shared or parts[0] == own):
                 waiting += _files_of(parts, folder)
-    return found
+    return reached
 
 
 @lru_cache
 def imports_of(source: bytes) -> tuple[tuple[int, str], ...]:
     """Return the names that a source imports, with the number of dots before each."""
-    found = []
+    names = []
     with suppress(SyntaxError, ValueError, RecursionError, MemoryError):  # it cannot be imported
         for node in ast.walk(ast.parse(source)):
             if isinstance(node, ast.Import):
-                found += [(0, each.name) for each in node.names]
+                names += [(0, each.name) for each in node.names]
             elif isinstance(node, ast.ImportFrom):
                 before = f"{node.module}." if node.module else ""
-                found += [(node.level, before + each.name) for each in node.names]
-    return tuple(found)
+                names += [(node.level, before + each.name) for each in node.names]
+    return tuple(names)
 
 
 def _files_of(parts: Sequence[str], folder: Path) -> Iterator[Path]:
-    """Yield the files of a module in a folder, those of the packages around it first."""
+    """Yield the files of a module in a folder, after the packages around it."""
     for part in parts:
         if part == "*":  # perhaps modules
             yield from folder.glob("*.py")
@@ -177,12 +207,15 @@ def _installed() -> set[Path]:
     return {Path(each).resolve() for each in folders}
 
 
-def _digest(files: Iterable[Path], folder: Path) -> str:
-    """Return the digest of files and of their names in a folder."""
+def _digest(
+    files: Iterable[Path], folder: Path, content: Callable[[Path], bytes] | None = None
+) -> str:
+    """Return the digest of files, or of what ``content`` makes of them, and of their names."""
 
     def lines() -> Iterator[str]:
         for file in sorted(files):
-            yield f"{file.relative_to(folder).as_posix()} {hashlib.sha256(_read(file)).hexdigest()}"
+            digest = hashlib.sha256((content or _read)(file)).hexdigest()
+            yield f"{file.relative_to(folder).as_posix()} {digest}"
 
     return hashlib.sha256("\n".join(lines()).encode(errors="surrogateescape")).hexdigest()
 

@@ -5,23 +5,20 @@ A lone robot and a fleet are run by the same function.
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from typing import Any, overload
+from typing import Any
 
 from agents.errors import EpisodeError, EpisodeInterrupted, file_of, reason_of
 from agents.fleet.planned import PlannedFleet
 from agents.fleet.team import Team
-from warehouse_core import (
-    Agent,
-    Episode,
-    EpisodeRecorder,
-    FleetEnv,
-    FleetEpisode,
-    Observation,
-    WarehouseEnv,
-)
-from warehouse_core.records import FleetAgent, FleetRecorder
+from warehouse_core import Agent, Episode, FleetEnv, WarehouseEnv
+from warehouse_core.records import FleetAgent
+from warehouse_core.records.recorder import start_recording
+
+MAX_SEED = 999_999
+"""Largest seed that is drawn; it is short enough to type again."""
 
 Place = Callable[[], str]
 """Tells where an episode is, in words: ``"reset"``, or a step such as ``"step 3"``."""
@@ -30,23 +27,10 @@ Watch = Callable[[Place], AbstractContextManager[object]]
 """Makes the context that an episode runs in; it may report steps that take long."""
 
 
-@overload
 def run(
-    env: WarehouseEnv, agent: Agent, seed: int | None, watch: Watch = ..., *,
-    name: str = ..., randomize: bool | str = ...,
-) -> Episode: ...  # fmt: skip
-
-
-@overload
-def run(
-    env: FleetEnv, agent: FleetAgent, seed: int | None, watch: Watch = ..., *, name: str = ...
-) -> FleetEpisode: ...
-
-
-def run(
-    env: Any, agent: Any, seed: int | None, watch: Watch = nullcontext, *,
-    name: str = "", randomize: bool | str = True,
-) -> Episode | FleetEpisode:  # fmt: skip
+    env: WarehouseEnv | FleetEnv, agent: Agent | FleetAgent, seed: int | None,
+    watch: Watch = nullcontext, *, name: str = "", randomize: bool | str = True,
+) -> Episode:  # fmt: skip
     """Reset an environment and its agent, run one whole episode, and return its record.
 
     Args:
@@ -56,7 +40,7 @@ def run(
         watch: makes the context that the episode runs in.
         name: name of the agent in messages and in the record of a fleet; the default is its class.
             The record of a lone robot always has the class.
-        randomize: what the reset of a lone robot draws, see ``WarehouseEnv.reset``.
+        randomize: choice of what a lone robot's reset draws, see ``WarehouseEnv.reset``.
 
     Raises:
         EpisodeError: the agent raised an exception, or returned something that is no action; the
@@ -65,27 +49,27 @@ def run(
     """
     kind = type(agent).__name__
     name = name or kind
-    recorder: Any
-    first: tuple[Observation, ...] = ()
-    if isinstance(env, FleetEnv):
-        recorder = FleetRecorder(env, seed=seed, agent=name)
-    else:
-        first = (env.reset(randomize, seed),)
-        recorder = EpisodeRecorder(env, seed=seed, agent=kind)
+    recorded = name if isinstance(env, FleetEnv) else kind
+    recorder: Any = start_recording(env, seed=seed, agent=recorded, randomize=randomize)
 
     def place() -> str:
         robot = agent.robot if isinstance(agent, Team) else None
         return recorder.place if robot is None else f"{recorder.place}, robot {robot}"
 
     with failures_named(place, name, agent, lambda: recorder.episode), watch(place):
-        recorder.run(agent, *first)
-    episode: Episode | FleetEpisode = recorder.episode
+        recorder.run(agent)
+    episode: Episode = recorder.episode
     return episode
+
+
+def draw_seed() -> int:
+    """Return a random seed."""
+    return random.SystemRandom().randint(0, MAX_SEED)
 
 
 @contextmanager
 def failures_named(
-    place: Place, name: str, agent: object, record: Callable[[], Episode | FleetEpisode]
+    place: Place, name: str, agent: object, record: Callable[[], Episode]
 ) -> Iterator[None]:
     """Name where an agent fails or is interrupted in a block.
 

@@ -7,7 +7,7 @@ from agents.errors import AgentError
 from agents.fleet import guided
 from agents.registry import make_fleet_agent
 from warehouse_core import FleetEnv, Layout, OrderQueue
-from warehouse_core.records.fleet_episode import record_fleet_episode
+from warehouse_core.records.recorder import record_fleet_episode
 
 ROOM = Layout(["P....D", "..##..", "..##..", "D....P", "..C..."])
 LITTLE = "trials=2"

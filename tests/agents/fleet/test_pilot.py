@@ -9,7 +9,7 @@ from agents.registry import make_team
 from warehouse_core import FleetEnv, Layout, Observation, OrderStream
 from warehouse_core.fleet import Battery
 from warehouse_core.fleet.observation import FleetObservation
-from warehouse_core.records.fleet_episode import record_fleet_episode
+from warehouse_core.records.recorder import record_fleet_episode
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.named_layouts import named_layout
 

@@ -22,7 +22,7 @@ from agents.mapf.graph import Graph, Integers
 from agents.mapf.planner import Planner, Situation, check_step
 from agents.registry import make_fleet_agent, make_planner
 from warehouse_core import FleetEnv, Layout, Order, OrderQueue, OrderStream, shelf_layout
-from warehouse_core.records.fleet_episode import record_fleet_episode, replay_fleet_episode
+from warehouse_core.records.recorder import record_fleet_episode, replay_fleet_episode
 from warehouse_core.world.actions import PICK, WAIT
 
 ROOM = Layout(["########", "#P....P#", "#......#", "#C....D#", "########"])

@@ -9,9 +9,10 @@ import pytest
 from helpers.command_line import command
 
 from agents.lab.commands import train
-from agents.lab.evaluation.fleet_scores import FleetTask
-from agents.lab.evaluation.random_layouts import RandomLayouts
-from agents.lab.evaluation.scores import Task, evaluate
+from agents.lab.commands.train import make_learner
+from agents.lab.trials.fleet_scores import FleetTask
+from agents.lab.trials.random_layouts import RandomLayouts
+from agents.lab.trials.scores import Task, evaluate
 from agents.learning.policy_network import PolicyNetwork, network_input
 from agents.learning.ppo_agent import PPOAgent
 from agents.warehouse_agent_greedy import GreedyAgent
@@ -27,9 +28,7 @@ ROUND = 8192
 
 
 def learner(rounds: int = 1, seed: int = 1) -> Any:
-    from agents.learning.ppo_training import PPOLearner
-
-    return PPOLearner(Task(ROOM, 30, 30), rounds * ROUND, seed)
+    return make_learner(Task(ROOM, 30, 30), rounds * ROUND, seed)
 
 
 def weights(network: PolicyNetwork) -> list[np.ndarray]:
@@ -115,12 +114,12 @@ def test_the_last_rounds_change_the_network_less_than_the_first() -> None:
 
 
 def test_steps_are_rounded_up_to_whole_rounds() -> None:
-    from agents.learning.ppo_training import ENVS, PPOLearner
+    from agents.learning.ppo_training import ENVS
     from agents.learning.ppo_training import ROUND as STEPS
 
     assert ENVS * STEPS == ROUND
     for steps, expected in ((1, ROUND), (ROUND, ROUND), (ROUND + 1, 2 * ROUND)):
-        learning = PPOLearner(Task(ROOM), steps, 1)
+        learning = make_learner(Task(ROOM), steps, 1)
         learning.learn(ignore)
         assert learning.model.num_timesteps == expected
 
@@ -147,11 +146,11 @@ def test_deliveries_in_a_room_are_learned() -> None:
 
 
 def test_a_policy_delivers_in_layouts_that_it_has_not_seen() -> None:
-    from agents.learning.ppo_training import FOR_RANDOM_LAYOUTS, PPOLearner
+    from agents.learning.ppo_training import FOR_RANDOM_LAYOUTS
 
     task = Task(RandomLayouts(6, 8, 0.1, 0.3, count=40), 60, 60)
     task.layout.check_unseen(range(100))  # type: ignore[union-attr]
-    learning = PPOLearner(task, 15 * ROUND, 1)
+    learning = make_learner(task, 15 * ROUND, 1)
     assert learning.model.gamma == FOR_RANDOM_LAYOUTS["gamma"]
     learning.learn(ignore)
     network = learning.network()
@@ -163,10 +162,8 @@ def test_a_policy_delivers_in_layouts_that_it_has_not_seen() -> None:
 
 
 def test_robots_that_share_a_network_deliver_more_than_greedy_ones() -> None:
-    from agents.learning.ppo_training import PPOLearner
-
     task = FleetTask(ROOM, robots=2, max_steps=60)
-    trained = PPOLearner(task, 20 * ROUND, 1).learn(ignore)
+    trained = make_learner(task, 20 * ROUND, 1).learn(ignore)
     learned, greedy = (task.evaluate(each, range(20)) for each in (trained, GreedyAgent))
     assert learned.per_hour.low > greedy.per_hour.high
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from agents.lab.evaluation.scores import Task, evaluate
+from agents.lab.trials.scores import Task, evaluate
 from agents.learning import q_learning
 from agents.learning.q_learning import ALPHA, GAMMA, QAgent, QTable, best_action, learn, state_of
 from warehouse_core import Layout, Observation, WarehouseEnv

@@ -178,16 +178,11 @@ def test_expansions_are_counted_over_all_plans_of_an_episode() -> None:
     assert agent.expanded == agent.plans == 0
 
 
-def test_a_robot_without_a_view_tries_a_failed_move_again() -> None:
-    agent, env = ExploringAgent(), WarehouseEnv(["####", "#.P#", "#D.#", "####"], view_radius=0)
-    observation = env.reset()
-    assert [agent.act(observation) for _ in range(3)] == ["E", "E", "E"]
-
-
-def test_a_robot_without_a_view_stops_trying_failed_moves() -> None:
+def test_a_robot_without_a_view_tries_a_failed_move_again_and_gives_up_in_the_end() -> None:
     agent, env = ExploringAgent(), WarehouseEnv(["####", "#.P#", "#D.#", "####"], view_radius=0)
     observation = env.reset()
     actions = [agent.act(observation) for _ in range(200)]
+    assert actions[:3] == ["E", "E", "E"]
     assert actions[-1] == "WAIT"
     assert agent.reason.startswith("no way leads to (1, 2)")
 
@@ -218,13 +213,6 @@ def test_the_exploring_agent_makes_a_new_plan_if_its_path_is_blocked() -> None:
     assert episode.steps > fewest(episode)
 
 
-def test_without_a_view_walls_are_found_by_blocked_moves() -> None:
-    agent = ExploringAgent()
-    episode = run(agent, DEFAULT_LAYOUT, 3, view_radius=0, max_steps=500, battery=500)
-    assert episode.outcome == DELIVERED
-    assert any(motion.blocked for motion in episode.motions)
-
-
 def test_without_a_view_the_agent_delivers_on_the_default_layout_and_in_mazes() -> None:
     cases = [(DEFAULT_LAYOUT, seed) for seed in range(60)]
     cases += [(maze(11, seed), seed) for seed in range(30)]
@@ -252,13 +240,3 @@ def test_an_invalid_argument_is_an_error(options: dict[str, Any], words: str) ->
     with pytest.raises(ValueError, match=r"allowed|must be") as caught:
         SearchAgent(DEFAULT_LAYOUT, **options)
     assert str(caught.value).startswith(words)
-
-
-def test_the_actions_are_the_same_on_both_backends() -> None:
-    for seed in range(3):
-        grid, physics = (
-            run(SearchAgent(DEFAULT_LAYOUT, cost="seconds"), DEFAULT_LAYOUT, seed, backend=backend)
-            for backend in ("grid", "physics")
-        )
-        assert grid.actions == physics.actions
-        assert physics.outcome == DELIVERED

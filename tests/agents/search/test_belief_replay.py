@@ -1,6 +1,5 @@
 """The replay of the world beside the belief of the exploring agent."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,7 +7,6 @@ import pytest
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from numpy.typing import NDArray
-from PIL import Image
 
 from agents.search.agents import ExploringAgent
 from agents.search.belief_replay import (
@@ -230,14 +228,6 @@ def test_the_plan_is_drawn_from_the_robot_to_the_goal() -> None:
 def test_the_legend_explains_the_stripes_and_the_dots() -> None:
     found = [text.get_text() for text in replay().figure.findobj(Text)]
     assert found.count("not seen yet") == found.count("plan") == 1
-
-
-def test_unknown_cells_are_grey_in_a_gif(tmp_path: Path) -> None:
-    replay(max_steps=2).save(tmp_path / "belief.gif")
-    with Image.open(tmp_path / "belief.gif") as image:
-        belief, world = unknown_share(np.asarray(image.convert("RGB")).astype(np.int64))
-    assert world < 0.01
-    assert belief > 0.15
 
 
 def test_the_history_of_another_episode_is_an_error() -> None:

@@ -29,7 +29,7 @@ def test_a_loaded_move_costs_more_on_the_physics_backend(measure: str) -> None:
 
 
 def test_the_cost_of_a_pick_on_the_physics_backend_is_that_of_the_robot_spec() -> None:
-    from warehouse_physics.robot_spec import RobotSpec
+    from warehouse_physics.spec import RobotSpec
 
     spec = RobotSpec()
     assert action_costs(SECONDS)[2:] == pytest.approx((spec.dwell, spec.dwell))

@@ -1,7 +1,5 @@
 """Animated searches: the marks, counts and colours of every panel and frame."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from helpers.pictures import HOSTILE_NAMES, is_color, patch, pixels, texts
@@ -9,7 +7,6 @@ from helpers.player import page_in, said_by
 from matplotlib.backend_bases import KeyEvent
 from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
-from PIL import Image
 
 from agents.search.algorithms import Solution, weighted_astar_search
 from agents.search.heuristics import manhattan
@@ -261,24 +258,3 @@ def test_names_are_shown_literally() -> None:
         page = page_in(shown._repr_html_())
         assert "<script>alert" not in page
         assert [track["title"] for track in said_by(page)["tracks"]] == [printable(name)]
-
-
-def test_a_gif_has_every_frame_in_the_colours_of_the_screen(tmp_path: Path) -> None:
-    shown = replay(0)
-    shown.save(tmp_path / "a.gif")
-    with Image.open(tmp_path / "a.gif") as image:
-        assert image.n_frames == len([*shown.new_saved_frame_seq()])
-        image.seek(3)
-        saved = np.asarray(image.convert("RGB")).astype(int)
-    shown.go_to(3)
-    marks = course(0).marks_after(3)
-    for row, col in [*zip(*np.nonzero(marks), strict=True), (0, 0), (3, 3)]:
-        place = (col + 0.12, row + 0.12, col + 0.14, row + 0.14)
-        difference = patch(shown, saved, *place) - patch(shown, pixels(shown), *place)
-        assert np.abs(difference).max() <= 8  # rounded to the palette of the GIF
-
-
-def test_a_picture_saved_twice_is_the_same_byte_for_byte(tmp_path: Path) -> None:
-    for name in ("a.svg", "b.svg"):
-        replay(0, 1).save(tmp_path / name)
-    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()

@@ -95,12 +95,6 @@ def test_routes_have_the_length_that_networkx_finds() -> None:
     assert ROUTES / 10 < unreachable < ROUTES / 2
 
 
-def test_the_goal_is_one_cell() -> None:
-    problem = RouteProblem(DEFAULT_LAYOUT, (1, 1), (5, 6))
-    assert problem.initial == (1, 1)
-    assert [cell for cell in open_places(DEFAULT_LAYOUT.rows) if problem.is_goal(cell)] == [(5, 6)]
-
-
 @pytest.mark.parametrize(
     ("start", "goal", "message"),
     [
@@ -277,16 +271,6 @@ def test_the_stations_with_the_least_total_cost_are_chosen() -> None:
         costs = ActionCosts(1.0, loaded, 1.0, 1.0)
         found = uniform_cost_search(DeliveryProblem(layout, (0, 2), costs=costs))
         assert found.states[found.actions.index("PICK")] == (*pickup, False)
-
-
-def test_a_plan_delivers_in_the_environment() -> None:
-    for seed in range(10):
-        layout = random_layout(10, 12, 0.25, seed)
-        env = WarehouseEnv(layout)
-        plan = uniform_cost_search(DeliveryProblem(layout, env.start_pos)).actions
-        rewards, endings = zip(*(env.step(word)[1:3] for word in plan), strict=True)
-        assert endings == (False,) * (len(plan) - 1) + (True,)
-        assert sum(rewards) == pytest.approx(5 + 10 - 0.1 * len(plan))
 
 
 @pytest.mark.parametrize(

@@ -130,11 +130,6 @@ def test_arrays_above_the_limit_are_not_written(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_missing_file_is_an_os_error(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError):
-        read_arrays(tmp_path / "missing.npz", SCHEMA)
-
-
 # Files of another format, or with other arrays.
 
 

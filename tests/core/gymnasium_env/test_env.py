@@ -10,7 +10,6 @@ import os
 import pickle
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -258,15 +257,6 @@ def test_a_step_after_the_end_raises_until_a_reset() -> None:
     assert env.step(EAST)[0]["steps"].tolist() == [1]
 
 
-@pytest.mark.parametrize("limit", ["max_steps", "battery"])
-def test_an_episode_is_truncated_by_steps_and_by_battery(limit: str) -> None:
-    env = plain(**{limit: 2})
-    env.reset(seed=0)
-    assert [env.step(WAIT)[2:4] for _ in range(2)] == [(False, False), (False, True)]
-    with pytest.raises(ResetNeeded):
-        env.step(WAIT)
-
-
 @pytest.mark.parametrize(
     ("action", "error", "message"),
     [
@@ -287,13 +277,6 @@ def test_an_invalid_action_raises_and_changes_nothing(
     with pytest.raises(error, match=message):
         env.step(action)
     assert pickle.dumps(env) == before
-
-
-@pytest.mark.parametrize("kind", [int, np.uint64, np.array])
-def test_an_action_is_an_integer_of_any_type(kind: Callable[[int], Any]) -> None:
-    env = plain(layout=ROOM, randomize=False)
-    env.reset()
-    assert env.step(kind(EAST))[0]["robot_pos"].tolist() == [1, 2]
 
 
 def test_options_apply_to_one_episode() -> None:

@@ -4,7 +4,6 @@ import copy
 import inspect
 import pickle
 from contextlib import closing
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,6 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
-from gymnasium.vector import AsyncVectorEnv
 from gymnasium.wrappers.vector import RecordEpisodeStatistics as RecordBatchStatistics
 from helpers.gymnasium_envs import (
     CORRIDOR,
@@ -20,7 +18,6 @@ from helpers.gymnasium_envs import (
     MODES,
     NAME,
     ROOM,
-    make,
     make_sync,
     make_vec,
     plain,
@@ -201,19 +198,6 @@ def test_a_batch_of_physics_equals_a_sync_vector_env(mode: str) -> None:
             if mode == "Disabled" and ended.any():
                 starts = [each.reset(options={"reset_mask": ended})[0] for each in (batch, sync)]
                 assert same(*starts)
-
-
-def test_a_batch_equals_an_async_vector_env() -> None:
-    settings = {"layout": list(ROOM.rows), "max_steps": 5}
-    apart = AsyncVectorEnv([partial(make, **settings)], context="spawn")
-    batch = WarehouseVectorEnv(1, **settings)
-    with closing(apart):
-        assert same(apart.reset(seed=4)[0], batch.reset(seed=4)[0])
-        for actions in np.random.default_rng(1).integers(7, size=(12, 1)):
-            *found, info = apart.step(actions)
-            *expected, expected_info = batch.step(actions)
-            assert same(tuple(found), tuple(expected))
-            assert_infos_equal(expected_info, info)
 
 
 @allow_fork

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from warehouse_core import Cell, Layout
-from warehouse_core.motion.traffic import Stop, find_stops
+from warehouse_core.motion.traffic import Obstacle, find_stops
 from warehouse_core.motion.vector_traffic import MAX_SMALL_FRONT
 from warehouse_core.world.tiles import moved
 
@@ -53,7 +53,9 @@ def targets_of(cells: list[Cell], moves: list[Cell]) -> list[Cell]:
         ),
     ],
 )
-def test_stops_follow_the_table(cells: list[Cell], moves: list[Cell], stops: list[Stop]) -> None:
+def test_stops_follow_the_table(
+    cells: list[Cell], moves: list[Cell], stops: list[Obstacle]
+) -> None:
     assert find_stops(HALL, cells, targets_of(cells, moves)) == stops
     assert array_stops(HALL, cells, moves) == stops
 

@@ -61,7 +61,7 @@ def with_absurd(name: str, value: Any) -> Iterator[Episode]:
     """Yield a record with a field replaced, or its first entry or a part of that, if it has any."""
     original = on_line("PICK", "E", "W", "W", max_steps=4)
     first = getattr(original, name)
-    if isinstance(first, list):
+    if isinstance(first, list) and first:
         yield dataclasses.replace(original, **{name: [value, *first[1:]]})
         first = first[0]
     for part in getattr(first, "_fields", getattr(first, "__slots__", ())):
@@ -252,7 +252,10 @@ def test_any_actions_load_as_they_were_saved(actions: list[str | int], seed: int
         assert Episode.load(Path(folder) / "any.npz") == recorder.episode
 
 
-@pytest.mark.parametrize("name", [name for name in Episode.__slots__ if name != "layout"])
+FROM_SETTINGS = {"layout", "backend", "cell_size", "slippery", "motor_strength"}
+
+
+@pytest.mark.parametrize("name", sorted(set(Episode.__slots__) - FROM_SETTINGS))
 def test_a_record_of_any_values_loads_as_it_was_saved_or_raises(tmp_path: Path, name: str) -> None:
     path = tmp_path / "any.npz"
     refused = 0

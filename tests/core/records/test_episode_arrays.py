@@ -8,7 +8,7 @@ import pytest
 
 from warehouse_core import Episode, RecordError
 from warehouse_core.files.npz import Arrays
-from warehouse_core.records.episode_arrays import EPISODE_SCHEMA, pack_fields, unpack_fields
+from warehouse_core.records.arrays import LONE_SCHEMA, pack, unpack
 from warehouse_core.world.layout import MAX_CELLS, MAX_ROWS
 
 Load = Callable[..., Episode]
@@ -36,10 +36,9 @@ def changed_at(array: np.ndarray, place: Any, value: Any) -> np.ndarray:
 
 def test_fields_load_as_they_were_packed(episode: Episode) -> None:
     fields = {name: getattr(episode, name) for name in episode.__slots__}
-    arrays = pack_fields(fields)
-    assert arrays.keys() == EPISODE_SCHEMA.keys()
-    typed = {name: arrays[name].astype(dtype) for name, (dtype, _) in EPISODE_SCHEMA.items()}
-    assert unpack_fields(typed) == fields
+    arrays = pack(fields)
+    assert arrays.keys() == LONE_SCHEMA.keys()
+    assert Episode(**unpack(arrays)) == episode
 
 
 def test_a_motion_that_was_cut_off_loads_as_such(episode: Episode) -> None:
@@ -47,9 +46,7 @@ def test_a_motion_that_was_cut_off_loads_as_such(episode: Episode) -> None:
     motions = [
         motion._replace(cut_off=step in (1, 4)) for step, motion in enumerate(episode.motions)
     ]
-    arrays = pack_fields(fields | {"motions": motions})
-    typed = {name: arrays[name].astype(dtype) for name, (dtype, _) in EPISODE_SCHEMA.items()}
-    assert unpack_fields(typed)["motions"] == motions
+    assert unpack(pack(fields | {"motions": motions}))["motions"] == motions
 
 
 def test_the_file_can_be_read_with_numpy_and_json_alone(arrays: Arrays, episode: Episode) -> None:
@@ -102,7 +99,7 @@ def test_a_step_that_does_not_exist_cannot_be_cut_off(
     arrays: Arrays, load_changed: Load, value: object
 ) -> None:
     header = header_of(arrays) | {"cut_off": value}
-    assert "cut_off must be a list of steps" in refused(load_changed, header=as_text(header))
+    assert "cut_off must be a list of motions" in refused(load_changed, header=as_text(header))
 
 
 @pytest.mark.parametrize("value", [float("nan"), 0.0])
@@ -134,13 +131,13 @@ def test_a_reward_that_is_not_finite_raises(
 
 @pytest.mark.parametrize("name", ["cells", "loaded", "battery", "rewards", "reasons", "actions"])
 def test_columns_of_different_lengths_raise(arrays: Arrays, load_changed: Load, name: str) -> None:
-    assert "steps" in refused(load_changed, **{name: arrays[name][:-1]})
-    assert "steps" in refused(load_changed, **{name: arrays[name][:0]})
+    for array in (arrays[name][:-1], arrays[name][:0]):
+        assert "has the shape" in refused(load_changed, **{name: array})
 
 
 def test_cells_without_two_columns_raise(arrays: Arrays, load_changed: Load) -> None:
     for cells in (arrays["cells"][:, :1], np.repeat(arrays["cells"], 2, axis=1)):
-        assert "no (row, column) pairs" in refused(load_changed, cells=cells)
+        assert "cells has the shape" in refused(load_changed, cells=cells)
 
 
 @pytest.mark.parametrize(
@@ -236,9 +233,8 @@ def test_an_array_of_objects_raises(arrays: Arrays, load_changed: Load) -> None:
 
 
 def test_an_additional_array_raises(load_changed: Load) -> None:
-    count = len(EPISODE_SCHEMA)
     message = refused(load_changed, more=np.zeros(1))
-    assert f"{count + 1} arrays; there must be {count}" in message
+    assert "18 arrays; there must be 17, 24 or 25" in message
 
 
 def test_a_slippery_wall_raises(arrays: Arrays, load_changed: Load) -> None:

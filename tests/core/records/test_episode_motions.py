@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from warehouse_core import Contact, Episode, Outcome, RecordError
 from warehouse_core.files.npz import Arrays
-from warehouse_core.records.episode_arrays import (
+from warehouse_core.records.arrays import (
     MAX_NUMBER,
     MOTION_SCHEMA,
     decode_words,
@@ -41,21 +41,21 @@ TWO = [
 ]
 
 
-def packed(motions: list[Outcome]) -> tuple[Arrays, list[str]]:
+def packed(motions: list[Outcome]) -> tuple[Arrays, dict[str, Any]]:
     """Return the arrays with the dtypes that they have in a file."""
-    arrays, counterparts = pack_motions(motions)
+    arrays, header = pack_motions(motions)
     typed = {name: arrays[name].astype(dtype) for name, (dtype, _) in MOTION_SCHEMA.items()}
-    return typed, counterparts
+    return typed, header
 
 
 @settings(max_examples=20)
 @given(st.lists(outcomes, max_size=6))
 def test_outcomes_load_as_they_were_packed(motions: list[Outcome]) -> None:
-    arrays, counterparts = packed(motions)
+    arrays, header = packed(motions)
     assert {name: array.ndim for name, array in arrays.items()} == {
         name: dimensions for name, (_, dimensions) in MOTION_SCHEMA.items()
     }
-    assert unpack_motions(arrays, counterparts, len(motions)) == motions
+    assert unpack_motions(arrays, header, len(motions)) == motions
 
 
 @settings(max_examples=30)
@@ -99,19 +99,19 @@ def test_a_code_beyond_the_vocabulary_raises(code: int) -> None:
     ],
 )
 def test_inconsistent_arrays_raise(changed: Arrays, message: str) -> None:
-    arrays, counterparts = packed(TWO)
+    arrays, header = packed(TWO)
     with pytest.raises(RecordError) as caught:
-        unpack_motions(arrays | changed, counterparts, 2)
+        unpack_motions(arrays | changed, header, 2)
     assert message in str(caught.value)
 
 
 @pytest.mark.parametrize("name", ["motion_seconds", "motion_joules", "path", "contacts"])
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1.1e12])
 def test_a_number_that_is_too_large_raises(name: str, value: float) -> None:
-    arrays, counterparts = packed(TWO)
+    arrays, header = packed(TWO)
     arrays[name].flat[-1] = value
     with pytest.raises(RecordError, match=rf"{name} has a number outside -1e\+12..1e\+12"):
-        unpack_motions(arrays, counterparts, 2)
+        unpack_motions(arrays, header, 2)
 
 
 def test_motions_are_checked_when_a_record_is_loaded(
@@ -128,7 +128,7 @@ def test_motions_are_checked_when_a_record_is_loaded(
     ("name", "amount"), [("motion_seconds", 0.0), ("motion_seconds", -1.0), ("motion_joules", -1.0)]
 )
 def test_a_motion_takes_some_time_and_no_negative_energy(name: str, amount: float) -> None:
-    arrays, counterparts = packed(TWO)
+    arrays, header = packed(TWO)
     arrays[name][1] = amount
     with pytest.raises(RecordError, match="no time, or less than no energy"):
-        unpack_motions(arrays, counterparts, len(TWO))
+        unpack_motions(arrays, header, len(TWO))

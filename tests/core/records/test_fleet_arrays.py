@@ -9,7 +9,7 @@ from helpers.fleets import fleet_episode
 
 from warehouse_core import FleetEpisode, RecordError
 from warehouse_core.files.npz import Arrays, read_arrays
-from warehouse_core.records.fleet_arrays import (
+from warehouse_core.records.arrays import (
     END_COLUMNS,
     FLEET_SCHEMA,
     FRAME_COLUMNS,

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.fleets import LINE, SHELVES, Choosers, fleet_episode
+from helpers.fleets import LINE, SHELVES, Choosers, Couriers, fleet_episode
 
 from warehouse_core import (
     FleetEnv,
@@ -126,12 +126,12 @@ def test_another_backend_can_replay_a_record() -> None:
 def test_a_record_says_in_one_line_what_it_holds(episode: FleetEpisode) -> None:
     delivered = sum(order.delivered is not None for order in episode.orders)
     assert repr(episode) == (
-        f"<FleetEpisode 4 robots, {delivered} of {len(episode.orders)} orders delivered, "
-        "80 steps, seed 5, agent 'Couriers'>"
+        f"<Episode 4 robots, {delivered} of {len(episode.orders)} orders delivered, "
+        f"80 steps, reward {episode.total_reward:.2f}, seed 5, agent 'Couriers'>"
     )
     assert delivered == episode.measures.delivered > 1
     alone = fleet_episode(**KINDS["one robot"])
-    assert repr(alone).startswith("<FleetEpisode 1 robot, 0 of 1 item delivered, ")
+    assert repr(alone).startswith("<Episode 1 robot, 0 of 1 item delivered, ")
     assert alone.total_reward == round(sum(alone.rewards[:, 0].tolist()), 9)
     assert episode != "a record"
 
@@ -151,9 +151,27 @@ def test_values_that_would_load_as_others_are_not_saved(
     assert not [*tmp_path.iterdir()]
 
 
-def test_the_record_of_a_lone_robot_is_no_record_of_a_fleet(tmp_path: Path) -> None:
-    from helpers.pictures import short_episode
+class Talkers(Couriers):
+    """Couriers who say why, sometimes all together."""
 
-    short_episode().save(tmp_path / "lone.npz")
-    with pytest.raises(RecordError, match=r"lone\.npz: 17 arrays; there must be 24"):
-        FleetEpisode.load(tmp_path / "lone.npz")
+    def act(self, env: FleetEnv) -> list[str]:
+        actions = super().act(env)
+        self.reason = "all wait" if set(actions) == {"WAIT"} else [f"to {a}" for a in actions]
+        return actions
+
+
+def test_reasons_and_words_are_kept_saved_and_replayed(tmp_path: Path) -> None:
+    episode = fleet_episode(agent=Talkers(), orders=[Order(3, 40, (1, 1), (1, 5))], max_steps=20)
+    assert len(episode.reasons) == len(episode.words) == episode.steps
+    for words, reasons, actions in zip(
+        episode.words, episode.reasons, episode.actions, strict=True
+    ):
+        if set(words) == {"WAIT"}:
+            assert reasons == ("all wait",) * 4
+        else:
+            assert reasons == tuple(f"to {word}" for word in words)
+        assert [word == "FLY" for word in words] == (actions == INVALID).tolist()
+    assert "FLY" in episode.unknown_actions.values()
+    episode.save(tmp_path / "fleet.npz")
+    loaded = FleetEpisode.load(tmp_path / "fleet.npz")
+    assert loaded == episode == replay_fleet_episode(loaded)

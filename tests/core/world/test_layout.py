@@ -195,11 +195,6 @@ def test_the_error_of_an_invalid_file_names_it(tmp_path: Path, data: bytes, mess
     assert message in str(caught.value)
 
 
-def test_a_missing_file_is_an_os_error(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError):
-        Layout.load(tmp_path / "missing.txt")
-
-
 def test_a_layout_cannot_be_changed() -> None:
     layout = Layout(["#.P"])
     with pytest.raises(AttributeError):

@@ -175,11 +175,6 @@ def test_a_row_without_an_end_is_not_read_completely(
         load_map(hall)
 
 
-def test_a_missing_file_is_an_os_error(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError):
-        load_map(tmp_path / "missing.map")
-
-
 @settings(max_examples=25)
 @given(rows=grids())
 def test_a_saved_map_has_the_same_walls_and_no_stations(

@@ -93,12 +93,6 @@ def test_too_many_of_anything_raise_before_the_rest_is_read(
     assert refused(file, text) == message
 
 
-@pytest.mark.parametrize("load", [load_agents, load_tasks])
-def test_a_missing_file_is_an_os_error(load: Callable[..., Any], tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError):
-        load(tmp_path / "missing.tasks", LAYOUT)
-
-
 PROBLEM = {
     "mapFile": "maps/hall.map",
     "agentFile": "hall.agents",

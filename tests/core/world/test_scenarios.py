@@ -120,8 +120,3 @@ def test_scenarios_of_another_map_raise(changed: dict[str, object], message: str
     with pytest.raises(LayoutError) as caught:
         check_scenarios(layout, [scenario(), scenario(**changed)])
     assert str(caught.value).startswith(message)
-
-
-def test_a_missing_file_is_an_os_error(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError):
-        load_scenarios(tmp_path / "missing.scen")

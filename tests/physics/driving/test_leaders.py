@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from warehouse_core.motion.dependencies import Dependencies
 from warehouse_physics import Disturbances, RobotSpec
-from warehouse_physics.driving.leaders import NEVER, Leaders
+from warehouse_physics.driving.dependencies import Dependencies
+from warehouse_physics.driving.leaders import NOWHERE, Leaders
 from warehouse_physics.driving.limits import Limits
 
 SPEC = RobotSpec()
@@ -30,7 +30,7 @@ def test_a_leader_holds_a_cell_until_its_body_has_left_room_for_another(queue) -
     leaders.drop(apart)
     assert leaders.nodes[0, :2].tolist() == [2, 3]
     leaders.drop(apart + 2)
-    assert set(leaders.nodes.ravel().tolist()) == {NEVER}
+    assert set(leaders.nodes.ravel().tolist()) == {NOWHERE}
 
 
 def test_cells_that_leaders_have_left_are_not_waited_for(queue) -> None:
@@ -45,4 +45,4 @@ def test_cells_that_leaders_have_left_are_not_waited_for(queue) -> None:
 def test_the_first_robot_of_a_queue_has_no_leader(queue) -> None:
     leaders = queue[1]
     leaders.find(1, np.zeros(2))
-    assert set(leaders.nodes[1].tolist()) == {NEVER}
+    assert set(leaders.nodes[1].tolist()) == {NOWHERE}

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from warehouse_core import Cell, Layout
-from warehouse_core.motion.dependencies import HISTORY
 from warehouse_physics import DrivingMotion, RobotSpec
+from warehouse_physics.driving.dependencies import HISTORY
 
 STAY, EAST, WEST = (0, 0), (0, 1), (0, -1)
 LAYOUT = Layout([".....", "..#.."])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from warehouse_physics.driving.speeds import stopping_distances, stopping_speeds
+from warehouse_physics.profile import stopping_distances, stopping_speeds
 
 DT = 1 / 60
 RATES = np.array([0.3, 1.0, 7.0])

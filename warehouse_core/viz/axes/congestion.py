@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
 from warehouse_core.motion.vector import NOTHING
-from warehouse_core.records.fleet_episode import FleetEpisode
+from warehouse_core.records.episode import FleetEpisode
 from warehouse_core.render.palette import INK, PAPER
 from warehouse_core.viz.axes.heat_map import Counts, draw_heat
 from warehouse_core.viz.axes.look import box_in

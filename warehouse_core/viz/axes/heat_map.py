@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.motion.vector import NOTHING
 from warehouse_core.motion.vector import WALL as WALL_STOPS
-from warehouse_core.records.fleet_episode import FleetEpisode
+from warehouse_core.records.episode import FleetEpisode
 from warehouse_core.render.palette import COLORS, INK, PAPER, Color
 from warehouse_core.viz.axes.look import draw_grid
 from warehouse_core.wording import counted

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.motion.vector import NOTHING
-from warehouse_core.records.fleet_episode import FleetEpisode
+from warehouse_core.records.episode import FleetEpisode
 from warehouse_core.records.plans import NO_PLANS, StepPlans, check_plans
 from warehouse_core.render.palette import ORDER_COLORS
 from warehouse_core.viz.tracks.motion_frames import FRAME_SECONDS, check_frame_seconds, frames_along

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from warehouse_core.records.episode import Episode
-from warehouse_core.records.fleet_episode import FleetEpisode
+from warehouse_core.records.episode import Episode, FleetEpisode
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.viz.tracks.episode_track import track_of_episode
 from warehouse_core.viz.tracks.fleet_track import track_of_fleet_episode
@@ -21,6 +20,6 @@ def track_of_record(
     plans: Sequence[StepPlans] = (),
 ) -> Track:
     """Return what ``track_of_episode`` or, with ``plans``, ``track_of_fleet_episode`` returns."""
-    if isinstance(record, FleetEpisode):
+    if record.is_fleet:
         return track_of_fleet_episode(record, frame_seconds, plans)
     return track_of_episode(record, frame_seconds)

@@ -21,7 +21,7 @@ def contacts_of(record: Record, step: int) -> Iterator[tuple[int, Contact]]:
     """
     if step == 0:
         return
-    if isinstance(record, FleetEpisode):
+    if record.is_fleet:
         if not record.motions:
             yield from _nominal(record, step - 1)
             return

@@ -10,8 +10,8 @@ import typer
 from agents.lab.commands.export.recording import MCAP, save_recording
 from agents.lab.commands.export.table import CSV, PARQUET, save_table
 from agents.lab.console.options import RECORD_SUFFIX
-from agents.lab.console.output import load_record
 from agents.lab.console.terminal import say
+from warehouse_core import Episode
 from warehouse_core.files.atomic import check_suffix
 
 
@@ -41,7 +41,7 @@ def export(
     """
     if source.suffix.lower() == RECORD_SUFFIX:
         check_suffix(target, (MCAP,))
-        save_recording(target, load_record(source))
+        save_recording(target, Episode.load(source))
     else:
         save_table(target, source, check_suffix(target, (CSV, PARQUET)))
     say(f"saved {target}")

@@ -37,7 +37,6 @@ from agents.lab.commands.export.schemas import (
     SCHEMA_OF,
     SCHEMAS,
 )
-from warehouse_core import Episode
 from warehouse_core.errors import FormatError
 from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import atomic_path
@@ -114,13 +113,14 @@ class _Recording:
 
     def __init__(self, record: Record) -> None:
         self._record = record
-        if isinstance(record, Episode):
-            self.size, robots, people = record.settings.cell_size, 1, 0
+        self.size, robots = record.cell_size, record.robots
+        if not record.is_fleet:
+            people = 0
             joules = [[motion.joules] for motion in record.motions]
             self._battery = np.reshape(record.battery, (-1, 1))
         else:
-            self.size, robots, people = record.cell_size, record.robots, record.people.shape[1]
-            joules, self._battery = record.joules.tolist(), record.battery
+            people, joules = record.people.shape[1], record.joules.tolist()
+            self._battery = record.battery
         self._joules = np.cumsum([[0.0] * robots, *joules], axis=0)
         self._robots = robots
         self._names = [f"robot_{number}" for number in range(robots)]
@@ -161,7 +161,7 @@ class _Recording:
 
 def _about(record: Record) -> dict[str, str]:
     """Return what the recording says of the episode as a whole."""
-    backend = record.settings.backend if isinstance(record, Episode) else record.backend
+    backend = record.backend
     about = {
         "agent": record.agent,
         "backend": backend,

@@ -14,7 +14,7 @@ from typing import Any, get_type_hints
 from agents.errors import StoreError
 from agents.lab.experiments.case import TILES, Case, row_type
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import Row
+from agents.lab.trials.rows import Row
 from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.wording import spreadsheet_text

@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 from agents.errors import EpisodeError, EpisodeInterrupted
+from agents.fleet.director import wants_dispatch
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PLAN_SECONDS, PlannedFleet
 from agents.lab.commands.fleet.options import (
@@ -39,30 +40,29 @@ from agents.lab.console.options import (
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import print_error
 from agents.lab.console.watch import slow_steps_told
-from agents.lab.runs.run import run
+from agents.lab.runs.run import draw_seed, run
 from agents.registry import PLANNERS, make_fleet_agent, make_team
-from agents.run_episode import draw_seed
-from warehouse_core import FleetEnv, FleetEpisode, OrderStream, WarehouseError
+from warehouse_core import Episode, FleetEnv, OrderStream, WarehouseError
 from warehouse_core.arguments import whole_number
 from warehouse_core.batch.fleet.settings import MAX_BODIES
 from warehouse_core.orders import load_orders
 from warehouse_core.orders.order import Orders
-from warehouse_core.records.fleet_episode import FleetAgent
+from warehouse_core.records.recorder import FleetAgent
 from warehouse_core.wording import counted
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 
 MAX_SHIFTS = 1000
 
 RATE = "0.06"
-"""Orders that arrive in a step."""
+"""Mean number of orders that arrive in a step."""
 
 
 def parse_orders(text: str, due: str | None) -> Orders:
     """Return the orders in a text: a rate, or the name of a file.
 
     Args:
-        text: of the option ``--orders``.
-        due: of ``--due``, for a rate.
+        text: value of ``--orders``.
+        due: value of ``--due``, which only a rate takes.
 
     Raises:
         OrderError: the file has a wrong line.
@@ -224,7 +224,7 @@ def fleet(
 
     first = draw_seed() if seed is None else seed
 
-    def run_seed(seed: int) -> FleetEpisode:
+    def run_seed(seed: int) -> Episode:
         whole_number("seed", seed, 0)
         directing = (
             make_team(agent, robots, seed, floor)
@@ -240,7 +240,7 @@ def fleet(
                 log=log if seed == first else None,
             )
         )
-        with closing(make_env(dispatch=getattr(directing, "dispatch", True))) as env:
+        with closing(make_env(dispatch=wants_dispatch(directing))) as env:
             episode = run(env, directing, seed, slow_steps_told(directing, director), name=director)
         warn_of_lost_steps(directing, seed, director)
         return episode
@@ -249,9 +249,9 @@ def fleet(
         f"{counted(robots, 'robot')} ({director}) on layout {layout.stem}, backend {backend}, "
         f"{f'seed {first}' if shifts == 1 else f'seeds {first} to {first + shifts - 1}'}"
     )
-    results, records = list[Result](), list[FleetEpisode]()
+    results, records = list[Result](), list[Episode]()
 
-    def keep(episode: FleetEpisode) -> None:
+    def keep(episode: Episode) -> None:
         results.append(result_of(episode))
         if not records:  # all of them would take much memory
             records.append(episode)
@@ -284,9 +284,9 @@ def warn_of_lost_steps(agent: FleetAgent, seed: int, name: str) -> None:
 
 
 def run_shifts(
-    run: Callable[[int], FleetEpisode],
+    run: Callable[[int], Episode],
     seeds: Sequence[int],
-    keep: Callable[[FleetEpisode], None],
+    keep: Callable[[Episode], None],
 ) -> None:
     """Run a shift for each seed, and ``keep`` each record, the unfinished one of an error too.
 

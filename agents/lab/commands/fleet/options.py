@@ -66,9 +66,9 @@ def parse_due(text: str | None, usual: tuple[int, int] = DUE, unit: str = STEPS)
     """Return the fewest and most steps, or seconds, in a text ``FEWEST:MOST``.
 
     Args:
-        text: of the option ``--due``.
-        usual: without a text.
-        unit: of both.
+        text: value of ``--due``.
+        usual: times without a text.
+        unit: unit of both times.
 
     Raises:
         typer.BadParameter: the text is not of that form, or they are out of order.

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import say
-from agents.lab.evaluation.interval import CONFIDENCE, MIN_VALUES, mean_interval
-from agents.lab.evaluation.wording import mean, percent
-from warehouse_core import FleetEpisode
+from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES, mean_interval
+from agents.lab.trials.wording import mean, percent
+from warehouse_core import Episode
 from warehouse_core.fleet import FleetMeasures
 from warehouse_core.records.fleet_modes import FleetDiagnosis, diagnose_fleet
 from warehouse_core.wording import counted
@@ -61,13 +61,13 @@ LINES = (
 """The measures of a shift, see ``FleetMeasures``."""
 
 
-def result_of(episode: FleetEpisode) -> Result:
+def result_of(episode: Episode) -> Result:
     """Return what is printed of a record."""
     return Result(episode.measures, diagnose_fleet(episode))
 
 
 def report_shifts(results: Sequence[Result], robots: int, title: str) -> None:
-    """Print the measures of shifts, those of several as means with 95% intervals."""
+    """Print the measures of shifts; several are printed as means with 95% intervals."""
     measures = [result.measures for result in results]
     print_table(measures_table(measures, title))
     lines = [verdict(measures, robots), f"Diagnosis: {diagnosis([each[1] for each in results])}."]
@@ -83,7 +83,7 @@ def diagnosis(found: Sequence[FleetDiagnosis]) -> str:
     return ", ".join(f"{mode} ({count:,})" for mode, count in modes.most_common())
 
 
-def report_fleet(episode: FleetEpisode) -> None:
+def report_fleet(episode: Episode) -> None:
     """Print the measures of a record."""
     title = (
         f"{counted(episode.robots, 'robot')} ({episode.agent}), backend {episode.backend}, "

@@ -15,8 +15,8 @@ from agents.lab.commands.gap.summary import Scores, message
 from agents.lab.commands.gap.trial import Setting
 from agents.lab.commands.gap.worlds import DRIVING, PLAN, STOPPING
 from agents.lab.console import table as console
-from agents.lab.evaluation.interval import CONFIDENCE
 from agents.lab.reports.page import Table, write_template
+from agents.lab.trials.interval import CONFIDENCE
 from warehouse_core import FleetEpisode
 from warehouse_core.viz.player import player_frame
 from warehouse_core.viz.tracks import Track, track_of_fleet_episode

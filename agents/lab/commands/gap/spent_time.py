@@ -67,7 +67,7 @@ def _has_order(episode: FleetEpisode) -> NDArray[np.bool_]:
     given: dict[int, list[tuple[int, bool]]] = {}
     for step, robot, order in episode.assignments:
         given.setdefault(step, []).append((robot, order is not None))
-    found = episode.loaded[:-1].copy()
+    found: NDArray[np.bool_] = episode.loaded[:-1].copy()
     has_order = np.zeros(episode.robots, np.bool_)
     for step in range(episode.steps):
         for robot, is_order in given.get(step, ()):

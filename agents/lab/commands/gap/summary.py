@@ -11,8 +11,8 @@ import numpy as np
 from agents.lab.commands.gap.trial import Score
 from agents.lab.commands.gap.worlds import DISTURBED, DRIVING, PLAN, STOPPING, Shocks
 from agents.lab.console.table import Table
-from agents.lab.evaluation.interval import MIN_VALUES, Interval, mean_interval
-from agents.lab.evaluation.wording import mean, percent
+from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
+from agents.lab.trials.wording import mean, percent
 from warehouse_core.wording import counted
 
 Scores = Mapping[str, Sequence[Score]]

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.errors import EpisodeError
+from agents.fleet.director import wants_dispatch
 from agents.fleet.planned import PlannedFleet
 from agents.lab.commands.gap.orders import TimedOrder, draw_orders, in_steps
 from agents.lab.commands.gap.spent_time import time_spent
@@ -122,7 +123,7 @@ def run_trial(trial: Trial) -> Result:
         setting.robots,
         seconds=setting.plan_seconds,
     )
-    with closing(make_env(setting, world, orders, getattr(agent, "dispatch", True))) as env:
+    with closing(make_env(setting, world, orders, wants_dispatch(agent))) as env:
         try:
             record = run(env, agent, seed, slow_steps_told(agent, name), name=name)
         except EpisodeError as error:

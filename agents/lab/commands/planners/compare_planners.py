@@ -18,9 +18,9 @@ from agents.lab.console.options import MAX_COUNT, JobsOption
 from agents.lab.console.output import PICTURES, save_picture
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import print_error, say
-from agents.lab.evaluation.interval import MIN_VALUES, Interval, mean_interval
-from agents.lab.evaluation.wording import mean
-from agents.lab.experiments.workers import run_each
+from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
+from agents.lab.trials.wording import mean
+from agents.lab.trials.workers import run_each
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.planner import Planner

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import matplotlib as mpl
 from matplotlib.ticker import MaxNLocator
 
-from agents.lab.evaluation.interval import Interval
+from agents.lab.trials.interval import Interval
 from warehouse_core.render.palette import INK
 from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.figure import SceneFigure, make_figure

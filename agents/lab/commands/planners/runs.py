@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 from itertools import count
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
@@ -42,9 +42,9 @@ def make_stepper(name: str, seed: int, layout: Layout, robots: int, seconds: flo
         AgentError: as for ``make_planner``, or it is no ``Planner``.
     """
     made = make_planner(name, seed, layout, robots)
-    if not hasattr(made, "next_cells"):
+    if not isinstance(made, Planner):
         raise AgentError(f"planner {name!r} has no next_cells; it directs a fleet, not a problem")
-    return Stepper(cast(Planner, made), name, Graph(layout), seconds)
+    return Stepper(made, name, Graph(layout), seconds)
 
 
 def make_solver(name: str, seed: int, problem: Problem, seconds: float) -> Solver:

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.lab.evaluation.interval import Interval, mean_interval
 from agents.lab.experiments.store import Store
+from agents.lab.trials.interval import Interval, mean_interval
 from warehouse_core.records.episode import DELIVERED
 
 COLUMNS = ("steps", "seconds", "joules")

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from agents.lab.evaluation.interval import Interval
+from agents.lab.trials.interval import Interval
 from warehouse_core.wording import counted, listed
 
 BEST, HARDEST = ("does best", "do best"), ("is hardest", "are hardest")

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from agents.lab.experiments.parameters import Value
 from agents.lab.reports.analysis.design import Design, Factor
-from agents.lab.reports.analysis.results import AnyResults, Experiment
+from agents.lab.reports.analysis.results import Experiment, Results
 
 MAX_COLORS, MAX_PANELS = 8, 6
 
@@ -55,8 +55,8 @@ Where = tuple[Value | None, Value | None]
 
 
 def lines_of(
-    experiment: Experiment[AnyResults], design: Design, roles: Roles
-) -> dict[Where, dict[Value | None, AnyResults]]:
+    experiment: Experiment, design: Design, roles: Roles
+) -> dict[Where, dict[Value | None, Results]]:
     """Return the results of each point; the one at ``None`` is the same along the whole axis."""
     found: dict[Where, dict[Value | None, list[int]]] = {}
     for case_id, labels in design.labels.items():

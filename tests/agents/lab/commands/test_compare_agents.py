@@ -8,7 +8,7 @@ from PIL import Image
 
 from agents.lab.commands import compare_agents
 from agents.lab.commands.compare_agents import AGENTS
-from agents.lab.evaluation.scores import EXPLANATION
+from agents.lab.trials.scores import EXPLANATION
 
 SMALL = ("compare-agents", "-n", 2, "--backend", "grid", "--max-steps", 40)
 

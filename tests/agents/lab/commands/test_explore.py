@@ -3,16 +3,10 @@
 from pathlib import Path
 
 import pytest
-from helpers.command_line import command, refusal, without_display
+from helpers.command_line import command
 from PIL import Image
 
 from warehouse_core import Episode
-
-
-@pytest.fixture(autouse=True)
-def no_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    without_display(monkeypatch)
-    monkeypatch.chdir(tmp_path)
 
 
 def values(out: str) -> dict[str, str]:
@@ -69,19 +63,3 @@ def test_an_unreachable_delivery_has_no_fewest_steps(
     said = command(capsys, "explore", *words)
     assert said.code == 0
     assert "fewest steps    none: no way leads to the delivery" in said.out
-
-
-@pytest.mark.parametrize(
-    ("words", "named", "code"),
-    [
-        (("--backend", "antigravity"), "antigravity", 1),
-        (("--save", "way.txt"), ".txt", 1),
-        (("--layout", "nowhere.txt"), "nowhere.txt", 1),
-        (("--view-radius", -1), "--view-radius", 2),
-        (("--battery", 0), "--battery", 2),
-    ],
-)
-def test_a_wrong_value_is_one_line_that_names_it(
-    words: tuple[object, ...], named: str, code: int, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert named in refusal(capsys, "explore", *words, code=code)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
-from helpers.command_line import command, refusal, without_display
+from helpers.command_line import command, refusal
 from helpers.pictures import ROOM
 from matplotlib.backend_bases import KeyEvent
 from PIL import Image
@@ -15,12 +15,6 @@ from agents.lab.commands.play import Driver
 from agents.lab.console.options import Place
 from warehouse_core import Episode, WarehouseEnv, replay_episode
 from warehouse_core.viz.figure import SceneFigure
-
-
-@pytest.fixture(autouse=True)
-def no_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    without_display(monkeypatch)
-    monkeypatch.chdir(tmp_path)
 
 
 @pytest.fixture
@@ -214,11 +208,3 @@ def test_play_needs_a_display(capsys: pytest.CaptureFixture[str], tmp_path: Path
     message = refusal(capsys, "play", "--seed", 1, "--save", "e.npz")
     assert message == "play needs a window, and there is no display here"
     assert list(tmp_path.iterdir()) == []
-
-
-def test_play_checks_its_targets_before_it_opens_a_window(
-    capsys: pytest.CaptureFixture[str], keys: Callable[..., None]
-) -> None:
-    keys("nothing")
-    assert "cannot save as .txt" in refusal(capsys, "play", "--save", "e.txt")
-    assert plt.get_fignums() == []

@@ -5,19 +5,13 @@ import re
 from pathlib import Path
 
 import pytest
-from helpers.command_line import command, refusal, without_display
+from helpers.command_line import command, refusal
 from PIL import Image
 
 from agents.lab.commands.search import algorithm, choose_ends
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError
 
 SPLIT = "#######\n#..#..#\n#..#.P#\n#######\n"
-
-
-@pytest.fixture(autouse=True)
-def no_display(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    without_display(monkeypatch)
-    monkeypatch.chdir(tmp_path)
 
 
 def rows(out: str) -> list[list[str]]:
@@ -169,25 +163,9 @@ def test_a_weight_has_the_name_of_its_algorithm() -> None:
         (("--weights", "much"), r"--weights has 'much'; each must be 0\.\.1000000 or inf"),
         (("--weights", "1,2,3,4,5,6,7"), "--weights '1,2,3,4,5,6,7' are 7; at most 6"),
         (("--heuristic", "luck"), "no heuristic is called 'luck'; allowed: manhattan, true, zero"),
-        (("--start", "1"), "--start is '1'; it must be ROW,COL as in 1,2"),
-        (("--goal", "1,2,3"), "--goal is '1,2,3'; it must be ROW,COL as in 1,2"),
     ],
 )
 def test_a_wrong_value_is_one_line_that_names_what_is_allowed(
     capsys: pytest.CaptureFixture[str], words: tuple[str, ...], expected: str
 ) -> None:
     assert re.search(expected, refusal(capsys, "search", *words, code=2))
-
-
-def test_an_end_that_is_not_an_open_cell_is_named(capsys: pytest.CaptureFixture[str]) -> None:
-    line = refusal(capsys, "search", "--start", "0,0")
-    assert line == "start row 0, column 0 is wall; it must be an open cell"
-    line = refusal(capsys, "search", "--goal", "-1,99")
-    assert line.startswith("goal row -1, column 99 is off the grid (rows 0..6, columns 0..11)")
-
-
-def test_an_unknown_format_is_an_error_before_the_search(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    line = refusal(capsys, "search", "--save", "a.npz", "--start", "0,0")
-    assert line.startswith("a.npz: cannot save as .npz; allowed: .gif")

@@ -23,7 +23,7 @@ from agents.lab.experiments.episodes import check_fingerprint, row_of, run_fleet
 from agents.lab.experiments.parameters import PARAMETERS
 from agents.lab.experiments.plan import make_plan
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import Shift
+from agents.lab.trials.rows import FleetRow
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, LayoutError, OrderStream
 from warehouse_core.fleet import Battery, FleetMeasures
@@ -298,10 +298,10 @@ def test_chargers_are_taken_from_all_parts_of_the_layout() -> None:
 def test_the_row_of_a_fleet_has_its_measures() -> None:
     episode = run_fleet(make_case({**FLEET_CASE, "max_steps": 2, "order_rate": 0}), 0)
     row = row_of(episode)
-    assert isinstance(row, Shift)
+    assert isinstance(row, FleetRow)
     assert (row.seed, row.mode, row.steps, row.orders, row.on_time) == (0, "idle", 2, 0, None)
     measured = [each.name for each in fields(FleetMeasures) if each.name != "lost"]
-    assert list(Shift._fields[2:]) == measured
+    assert list(FleetRow._fields[2:]) == measured
     assert row.distance == episode.measures.distance
 
 

@@ -12,9 +12,9 @@ from agents.lab.experiments.case import FINGERPRINT, Case, make_case
 from agents.lab.experiments.episodes import run_one as run_whole
 from agents.lab.experiments.episodes import run_task
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import Row
 from agents.lab.reports import examples
 from agents.lab.reports.examples import Found, find_examples, replay
+from agents.lab.trials.rows import Row
 from warehouse_core import Episode
 from warehouse_core.records.failure_modes import MODES
 

@@ -60,18 +60,45 @@ def test_the_sources_of_a_program_are_those_that_decide_rows() -> None:
     assert not [name for name in names if name.startswith("agents/lab/console/")][1:]
 
 
-def test_a_changed_source_is_another_program(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    found = []
-    monkeypatch.setattr(programs, "ROOT", tmp_path)
-    for name in ("agents/rules.py", "agents/viz/chart.py", "warehouse_core/tiles.py"):
-        (tmp_path / name).parent.mkdir(exist_ok=True, parents=True)
-        (tmp_path / name).write_text("changed")
-        programs._own_digest.cache_clear()
-        found.append(programs._own_digest())
+RULES = '''"""Rules."""
+COST = 1
+"""Cost of a step."""
+def is_free(cost):
+    """Return whether nothing is paid."""
+    return cost == "free"  # never
+'''
+
+
+def own_digest(folder: Path, name: str, text: str) -> str:
+    (folder / name).parent.mkdir(exist_ok=True, parents=True)
+    (folder / name).write_text(text)
     programs._own_digest.cache_clear()
-    assert found[0] == found[1] != found[2]
+    return programs._own_digest()
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "is_another"),
+    [
+        ("agents/rules.py", RULES.replace("COST = 1", "COST = 2"), True),
+        ("agents/rules.py", RULES.replace('"free"', '"none"'), True),
+        ("agents/rules.py", RULES.replace("==", "!="), True),
+        ("agents/rules.py", RULES.replace("return cost", "cost"), True),
+        ("agents/rules.py", f"{RULES}print(COST)\n", True),
+        ("agents/more.py", "", True),
+        ("agents/rules.py", RULES.replace("Return whether", "Tell if"), False),
+        ("agents/rules.py", RULES.replace("Cost of", "What one pays for"), False),
+        ("agents/rules.py", RULES.replace('"""Rules."""', ""), False),
+        ("agents/rules.py", RULES.replace("  # never", "\n    # It is never free."), False),
+        ("agents/viz/chart.py", "changed", False),
+    ],
+)  # fmt: skip
+def test_a_program_is_another_if_its_code_changes_but_not_its_prose(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, text: str, is_another: bool
+) -> None:
+    monkeypatch.setattr(programs, "ROOT", tmp_path)
+    before = own_digest(tmp_path, "agents/rules.py", RULES)
+    assert (own_digest(tmp_path, name, text) != before) == is_another
+    programs._own_digest.cache_clear()
 
 
 def test_the_fingerprint_of_one_file_is_its_digest(folder: Path) -> None:

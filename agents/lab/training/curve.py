@@ -1,0 +1,157 @@
+"""The picture of a training: deliveries and episode lengths over the steps of training."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import EngFormatter, MaxNLocator, PercentFormatter
+
+from agents.lab.training.exams import Point
+from agents.lab.trials.fleet_scores import FleetScores
+from agents.lab.trials.interval import Interval
+from agents.lab.trials.scores import Scores
+from warehouse_core.files.atomic import atomic_path
+from warehouse_core.render.palette import COLORS, INK, PAPER, WARNING
+from warehouse_core.viz.axes import style_chart
+from warehouse_core.viz.figure import make_figure
+from warehouse_core.world.tiles import PICKUP
+
+SIZE, DPI = (9.0, 3.8), 150
+STEP_TICKS = [digit * 10**power for power in range(9) for digit in (1, 2, 5)]
+ROOM = 1.5
+"""Factor of space for the names of the lines, above the highest and below the lowest."""
+
+LEARNER, GREEDY = COLORS[PICKUP], WARNING
+
+
+def save_learning_curve(
+    path: Path, name: str, title: str, points: Sequence[Point], greedy: Scores | FleetScores
+) -> None:
+    """Write the picture as PNG, whole or not at all.
+
+    Args:
+        path: path of the file.
+        name: name of the agent that learns.
+        title: title of the picture.
+        points: points of the curve, at least one.
+        greedy: scores of the greedy agent, for comparison.
+    """
+    figure = make_figure(SIZE, DPI)
+    left, right = figure.subplots(1, 2)
+    figure.subplots_adjust(left=0.065, right=0.975, top=0.82, bottom=0.21, wspace=0.16)
+    figure.suptitle(title, x=0.065, y=0.97, ha="left", fontsize=12, color=INK)
+    method = "Wilson"
+    if isinstance(greedy, FleetScores):
+        method = "bootstrap"
+        _draw_rates(left, name, points, greedy)
+        _draw_blocked(right, name, points, greedy)
+    else:
+        _draw_success(left, name, points, greedy)
+        _draw_lengths(right, name, points, greedy)
+    count = len(points[0].scores.runs)
+    caption = (
+        f"each point: {count:,} random starts, the same ones every time, band: 95% ({method});  "
+        f"greedy: {len(greedy.runs):,} random starts"
+    )
+    figure.text(0.065, 0.03, caption, fontsize=8, color="0.4")
+    with atomic_path(path) as part:
+        figure.pixels().save(part, format="PNG")
+
+
+def mean_length(scores: Scores) -> float:
+    """Return the mean number of steps of all episodes, including those without a delivery."""
+    return float(scores.lengths.mean())
+
+
+def _draw_success(axes: Axes, name: str, points: Sequence[Point], greedy: Scores) -> None:
+    _prepare(axes, "delivers, of random starts", points)
+    axes.set_ylim(-0.1, 1.1)
+    axes.set_yticks(np.linspace(0, 1, 6))
+    axes.yaxis.set_major_formatter(PercentFormatter(1.0))
+    _draw_band(axes, points, lambda scores: scores.success)
+    _draw_lines(axes, name, points, greedy, lambda scores: scores.success.estimate, "{:.1%}")
+
+
+def _draw_lengths(axes: Axes, name: str, points: Sequence[Point], greedy: Scores) -> None:
+    _prepare(axes, "steps of an episode, failures included (mean)", points)
+    axes.set_yscale("log")
+    _draw_lines(axes, name, points, greedy, mean_length, "{:.1f} steps")
+    each: list[Any] = [greedy, *(point.scores for point in points)]
+    lengths = [mean_length(scores) for scores in each]
+    low, high = min(lengths) / ROOM, max(lengths) * ROOM
+    ticks = [tick for tick in STEP_TICKS if low <= tick <= high]
+    axes.set_yticks(ticks, labels=map(str, ticks))
+    axes.set_yticks([], minor=True)
+    axes.set_ylim(low, high)
+
+
+def _draw_rates(axes: Axes, name: str, points: Sequence[Point], greedy: FleetScores) -> None:
+    _prepare(axes, "items delivered in an hour (mean)", points)
+    _draw_band(axes, points, lambda scores: scores.per_hour)
+    _draw_lines(axes, name, points, greedy, lambda scores: scores.per_hour.estimate, "{:.0f}")
+    high = axes.get_ylim()[1]
+    axes.set_ylim(-0.1 * high, 1.1 * high)
+
+
+def _draw_blocked(axes: Axes, name: str, points: Sequence[Point], greedy: FleetScores) -> None:
+    _prepare(axes, "steps of robots that others blocked (mean)", points)
+    _draw_band(axes, points, lambda scores: scores.blocked)
+    axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
+    _draw_lines(axes, name, points, greedy, lambda scores: scores.blocked.estimate, "{:.1%}")
+    high = axes.get_ylim()[1]
+    axes.set_ylim(-0.1 * high, 1.1 * high)
+
+
+def _draw_band(axes: Axes, points: Sequence[Point], of: Callable[[Any], Interval]) -> None:
+    _, low, high = zip(*(of(point.scores) for point in points), strict=True)
+    axes.fill_between(_steps(points), low, high, color=LEARNER, alpha=0.18, linewidth=0)
+
+
+def _draw_lines(
+    axes: Axes,
+    name: str,
+    points: Sequence[Point],
+    greedy: Scores | FleetScores,
+    measure: Callable[[Any], float],
+    form: str,
+) -> None:
+    """Draw the learner's line and the greedy agent's, each with its name and last value.
+
+    The names are above the higher line and below the lower, so they cannot overlap.
+    """
+    values = [measure(point.scores) for point in points]
+    axes.axhline(measure(greedy), color=GREEDY, linewidth=1.4, linestyle=(0, (5, 2)))
+    axes.plot(_steps(points), values, "-o", color=LEARNER, linewidth=1.8, markersize=3)
+    lines = [(name, values[-1], LEARNER), ("greedy", measure(greedy), GREEDY)]
+    lower, higher = sorted(lines, key=lambda line: line[1])
+    for (who, value, color), above in ((lower, False), (higher, True)):
+        axes.annotate(
+            f"{who} {form.format(value)}",
+            (points[-1].steps, value),
+            xytext=(0, 5 if above else -5),
+            textcoords="offset points",
+            ha="right",
+            va="bottom" if above else "top",
+            fontsize=9,
+            fontweight="bold",
+            color=color,
+            path_effects=[withStroke(linewidth=3, foreground=PAPER)],
+        )
+
+
+def _prepare(axes: Axes, title: str, points: Sequence[Point]) -> None:
+    axes.set_title(title, fontsize=9.5, loc="left", color=INK, pad=6)
+    axes.set_xlabel("steps of training", fontsize=8.5, color=INK)
+    axes.set_xlim(0, points[-1].steps * 1.01)
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=6))
+    axes.xaxis.set_major_formatter(EngFormatter(sep=""))
+    style_chart(axes)
+
+
+def _steps(points: Sequence[Point]) -> list[int]:
+    return [point.steps for point in points]

@@ -1,0 +1,51 @@
+"""Examinations of an agent during its training: the points of its learning curve."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from agents.lab.trials.fleet_scores import FleetScores, FleetTask
+from agents.lab.trials.scores import Scores, Task
+from agents.learning.learner import MakeAgent
+from agents.learning.q_learning import TRAINING_SEEDS
+
+EXAMS = 25
+"""Examinations during a training, evenly spaced."""
+
+EXAM_SEEDS = range(TRAINING_SEEDS, TRAINING_SEEDS + 200)
+FINAL_SEEDS = range(2 * TRAINING_SEEDS, 2 * TRAINING_SEEDS + 1000)
+"""Starts of the comparison with the greedy agent; they are used for nothing else."""
+
+
+class Point(NamedTuple):
+    """The scores of an agent after a number of training steps."""
+
+    steps: int
+    scores: Scores | FleetScores
+
+
+class Examiner:
+    """Evaluates an agent at regular intervals during its training.
+
+    Args:
+        task: task that is learned.
+        steps: steps of the whole training.
+
+    Attributes:
+        points: one point for each examination.
+        summary: result of the last examination in words.
+    """
+
+    def __init__(self, task: Task | FleetTask, steps: int) -> None:
+        self.points: list[Point] = []
+        self.summary = "-"
+        self._task, self._goal = task, steps
+        self._next_exam = steps / EXAMS
+
+    def watch(self, steps: int, make_agent: MakeAgent) -> None:
+        """Examine the agent after ``steps`` of its training, if it is time."""
+        if steps >= min(self._next_exam, self._goal):
+            scores = self._task.evaluate(make_agent, EXAM_SEEDS[:: self._task.seed_stride])
+            self.points.append(Point(steps, scores))
+            self.summary = scores.summary
+            self._next_exam = steps + self._goal / EXAMS

@@ -1,0 +1,20 @@
+"""What a learner gives to the one who watches its training."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from warehouse_core import Agent
+
+RECENT_EPISODES = 1000
+"""Episodes over which a learner averages the share of deliveries."""
+
+MakeAgent = Callable[[int], Agent]
+"""Makes the agent of the episode with a seed."""
+
+Watch = Callable[[int, float, MakeAgent], None]
+"""Watches a training: a learner calls it regularly and at its end.
+
+It is given the steps taken so far, the share of the latest episodes that ended with the delivery
+(NaN without any), and what makes the agent in its present state.
+"""

@@ -1,0 +1,151 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image
+
+from agents.lab.training import curve as learning_curve
+from agents.lab.training.curve import (
+    DPI,
+    GREEDY,
+    LEARNER,
+    SIZE,
+    mean_length,
+    save_learning_curve,
+)
+from agents.lab.training.exams import Point
+from agents.lab.trials.scores import Run, Scores
+from warehouse_core.viz.figure import SceneFigure, make_figure
+
+
+def scores(success: float, count: int = 200) -> Scores:
+    good = round(success * count)
+    return Scores(
+        [Run(True, 14, 14.0, 0.0, 0.0, 0)] * good
+        + [Run(False, 200, 14.0, 0.0, 0.0, 0)] * (count - good)
+    )
+
+
+POINTS = [Point(60_000 * (n + 1), scores(s)) for n, s in enumerate((0, 0.1, 0.5, 0.98, 1))]
+
+
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> list[SceneFigure]:
+    """Return a list that collects the figures."""
+    figures: list[SceneFigure] = []
+
+    def make(*arguments: float) -> SceneFigure:
+        figures.append(make_figure(*arguments))  # type: ignore[arg-type]
+        return figures[-1]
+
+    monkeypatch.setattr(learning_curve, "make_figure", make)
+    return figures
+
+
+def words(figure: SceneFigure) -> str:
+    texts = [text.get_text() for text in figure.texts]
+    for axes in figure.axes:
+        texts += [text.get_text() for text in (*axes.texts, axes.title, axes.xaxis.label)]
+        texts += [axes.get_title(loc="left")]
+    suptitle = figure.get_suptitle()
+    return "\n".join([*texts, suptitle])
+
+
+def colors(path: Path) -> NDArray[np.int64]:
+    with Image.open(path) as image:
+        assert image.format == "PNG"
+        assert image.size == (SIZE[0] * DPI, SIZE[1] * DPI)
+        return np.asarray(image.convert("RGB")).astype(np.int64)
+
+
+def has_color(pixels: NDArray[np.int64], color: tuple[float, float, float]) -> bool:
+    return bool((np.abs(pixels - np.array(color) * 255).max(axis=-1) < 2).any())
+
+
+def test_both_lines_are_in_the_picture(tmp_path: Path) -> None:
+    path = tmp_path / "curve.png"
+    save_learning_curve(path, "PPO", "A title", POINTS, scores(0.87, 1000))
+    pixels = colors(path)
+    half = pixels.shape[1] // 2
+    for side in (pixels[:, :half], pixels[:, half:]):
+        assert has_color(side, LEARNER)
+        assert has_color(side, GREEDY)
+    assert [each.name for each in tmp_path.iterdir()] == ["curve.png"]
+
+
+def test_the_picture_has_its_captions(tmp_path: Path, drawn: list[SceneFigure]) -> None:
+    save_learning_curve(tmp_path / "c.png", "PPO", "A title", POINTS, scores(0.87, 1000))
+    said = words(drawn[0])
+    for phrase in (
+        "A title",
+        "PPO 100.0%",
+        "greedy 87.0%",
+        "PPO 14.0 steps",
+        "greedy 38.2 steps",
+        "each point: 200 random starts",
+        "greedy: 1,000 random starts",
+        "steps of training",
+    ):
+        assert phrase in said
+
+
+def test_the_lines_go_through_the_points(tmp_path: Path, drawn: list[SceneFigure]) -> None:
+    save_learning_curve(tmp_path / "c.png", "PPO", "", POINTS, scores(0.5))
+    success, length = (axes.lines[1].get_xydata() for axes in drawn[0].axes)
+    steps = [60_000, 120_000, 180_000, 240_000, 300_000]
+    assert np.asarray(success).tolist() == [
+        list(p) for p in zip(steps, (0, 0.1, 0.5, 0.98, 1), strict=True)
+    ]
+    expected = [200, 0.1 * 14 + 0.9 * 200, 107, 0.98 * 14 + 0.02 * 200, 14]
+    assert np.asarray(length)[:, 1] == pytest.approx(expected)
+
+
+def test_the_band_is_the_interval_of_each_point(tmp_path: Path, drawn: list[SceneFigure]) -> None:
+    save_learning_curve(tmp_path / "c.png", "PPO", "", POINTS, scores(0.5))
+    (band,) = drawn[0].axes[0].collections
+    (outline,) = band.get_paths()
+    corners = {(round(x), round(y, 4)) for x, y in np.asarray(outline.vertices).tolist()}
+    for point in POINTS:
+        for end in point.scores.success[1:]:
+            assert (point.steps, round(end, 4)) in corners
+
+
+@pytest.mark.parametrize(("success", "count"), [(0.0, 1), (0.3, 2), (1.0, 1)])
+def test_every_line_and_name_is_within_the_axes(
+    tmp_path: Path, drawn: list[SceneFigure], success: float, count: int
+) -> None:
+    points = [Point(1 + n, scores(success)) for n in range(count)]
+    for greedy in (scores(0), scores(1)):
+        save_learning_curve(tmp_path / "c.png", "PPO", "", points, greedy)
+        for axes in drawn[-1].axes:
+            box = axes.get_window_extent().expanded(1.01, 1.02)
+            for text in axes.texts:
+                assert box.containsx(text.get_window_extent().x0)
+                assert box.containsy(text.get_window_extent().y0)
+                assert box.containsy(text.get_window_extent().y1)
+
+
+def test_the_names_of_the_lines_never_overlap(tmp_path: Path, drawn: list[SceneFigure]) -> None:
+    for success in (0.0, 0.88, 0.9, 1.0):
+        save_learning_curve(tmp_path / "c.png", "PPO", "", [Point(9, scores(success))], scores(0.9))
+        for axes in drawn[-1].axes:
+            one, other = (text.get_window_extent() for text in axes.texts)
+            assert not one.overlaps(other), success
+
+
+def test_a_picture_that_cannot_be_written_leaves_no_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(_: object, file: Path, **__: object) -> None:
+        file.write_bytes(b"half a picture")
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Image.Image, "save", full)
+    with pytest.raises(OSError, match="No space"):
+        save_learning_curve(tmp_path / "c.png", "PPO", "", POINTS, scores(0.5))
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_mean_length_includes_failures() -> None:
+    assert mean_length(scores(0.5)) == 107

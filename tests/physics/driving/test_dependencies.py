@@ -1,0 +1,108 @@
+"""The order in which robots pass cells, compared with the joint plan that it is built from."""
+
+import itertools
+import random
+
+import pytest
+from helpers.driving import resolved
+
+from warehouse_core import Cell, Layout, random_layout
+from warehouse_physics.driving.dependencies import HISTORY, Dependencies, Node, Visit
+
+Plan = list[list[Cell]]
+
+
+def random_plan(seed: int) -> tuple[Layout, Plan]:
+    layout, stream = random_layout(7, 8, 0.2, seed=seed), random.Random(seed)
+    cells = [divmod(int(cell), layout.width) for cell in layout.open_cells]
+    starts = stream.sample(cells, len(cells) // 4)
+    actions = [[stream.randrange(5) for _ in starts] for _ in range(80)]
+    return layout, resolved(layout, starts, actions)
+
+
+def build(plan: Plan) -> Dependencies:
+    found = Dependencies(plan[0])
+    for before, cells in itertools.pairwise(plan):
+        movers = [robot for robot, cell in enumerate(cells) if cell != before[robot]]
+        assert found.extend(cells) == movers
+    return found
+
+
+def nodes_of(plan: Plan) -> list[list[Node]]:
+    """Return the nodes of each robot, from the order in which robots enter each cell."""
+    ways: list[list[Node]] = [[] for _ in plan[0]]
+    entries: dict[Cell, list[Visit]] = {}
+    for step, cells in enumerate(plan):
+        for robot, cell in enumerate(cells):
+            if step and cell == plan[step - 1][robot]:
+                continue
+            earlier = entries.setdefault(cell, [])
+            others = earlier and earlier[-1].robot != robot
+            ways[robot].append(Node(cell, earlier[-1] if others else None))
+            earlier.append(Visit(robot, len(ways[robot]) - 1))
+    return ways
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_robot_enters_a_cell_after_the_last_other_one_that_the_plan_has_there(seed: int) -> None:
+    plan = random_plan(seed)[1]
+    found, expected = build(plan), nodes_of(plan)
+    assert sum(node.after is not None for way in expected for node in way) > 10
+    for robot, way in enumerate(expected):
+        assert (found.last(robot), found.end(robot)) == (len(way) - 1, way[-1].cell)
+        assert [found.node(robot, number) for number in range(len(way))] == way
+        assert list(found.nodes(robot, 0)) == [*enumerate(way)][1:]
+        assert list(found.nodes(robot, 3)) == [*enumerate(way)][3:]
+        for number in range(1, len(way)):
+            (row, col), move = way[number - 1].cell, found.move(robot, number)
+            assert (row + move[0], col + move[1]) == way[number].cell
+
+
+def test_the_robots_of_a_ring_wait_for_each_other() -> None:
+    found = build([[(0, 0), (0, 1), (1, 1), (1, 0)], [(0, 1), (1, 1), (1, 0), (0, 0)]])
+    assert [found.node(robot, 1).after for robot in range(4)] == [
+        Visit(1, 0),
+        Visit(2, 0),
+        Visit(3, 0),
+        Visit(0, 0),
+    ]
+
+
+def test_a_robot_that_comes_back_to_its_cell_waits_for_nobody() -> None:
+    found = build([[(0, 0)], [(0, 1)], [(0, 0)]])
+    assert found.node(0, 2) == Node((0, 0), None)
+
+
+def test_nodes_that_are_forgotten_or_not_there_yet_raise() -> None:
+    found = build([[(0, col)] for col in range(HISTORY + 6)])
+    found.forget(0, HISTORY + 3)
+    found.forget(0, HISTORY + 2)
+    assert found.node(0, 3).cell == (0, 3)
+    last = HISTORY + 5
+    assert [number for number, _ in found.nodes(0, 0)] == list(range(4, last + 1))
+    for number in (-1, 0, 2, last + 1):
+        with pytest.raises(LookupError, match=f"no node {number}; its nodes are 3 to {last}"):
+            found.node(0, number)
+    with pytest.raises(LookupError, match="no node 2"):
+        found.move(0, 3)
+
+
+def test_robots_that_go_on_for_ever_keep_few_nodes() -> None:
+    ring = [(0, 0), (0, 1), (1, 1), (1, 0)]
+    found, kept = Dependencies(ring[:3]), set()
+    for step in range(1, 2000):
+        found.extend([ring[(robot + step) % 4] for robot in range(3)])
+        for robot in range(3):
+            found.forget(robot, found.last(robot) - 2)
+            kept.add(len(list(found.nodes(robot, 0))))
+    assert max(kept) <= HISTORY + 2
+
+
+def test_a_cell_whose_last_visit_is_forgotten_has_no_order_any_more() -> None:
+    long_row = [[(0, col), (1, 0)] for col in range(HISTORY + 2)]
+    found = build(long_row)
+    found.forget(0, HISTORY + 1)
+    found.extend([(0, HISTORY + 1), (0, 0)])
+    assert found.node(1, 1) == Node((0, 0), None)
+    found.extend([(0, HISTORY + 1), (0, 1)])
+    assert found.node(1, 2) == Node((0, 1), Visit(0, 1))

@@ -1,0 +1,55 @@
+"""The bodies of robots that drive through, and the hits that they would report."""
+
+import pytest
+
+from warehouse_core import Layout
+from warehouse_core.motion.base import centre_of
+from warehouse_physics import DrivingMotion, RobotSpec
+from warehouse_physics.arena import ITERATIONS, Hit
+from warehouse_physics.driven_arena import DrivenArena
+from warehouse_physics.walls import wall_boxes
+
+SPEC = RobotSpec(payload_mass=50.0)
+
+
+def hits_of(layout: Layout, cells: list[tuple[int, int]], velocities, loaded=()) -> list[Hit]:
+    """Return the first hits of bodies that are driven at velocities in m/s."""
+    arena = DrivenArena(SPEC, ITERATIONS)
+    arena.add_walls(wall_boxes(layout))
+    arena.add_robots(centre_of(cell, SPEC.cell_size) for cell in cells)
+    arena.command(velocities)
+    for robot, drive in enumerate(arena.drives):
+        arena.bodies[robot].mass = SPEC.total_mass(robot in loaded)
+        drive.max_force = 1e4
+    return arena.stepper.run(0, 120)[1]
+
+
+def test_a_body_that_is_driven_into_a_wall_hits_it() -> None:
+    (hit,) = hits_of(Layout([".."]), [(0, 1)], [(0.5, 0.0)])
+    assert (hit.robot, hit.other) == (0, None)
+    assert hit.impulse == pytest.approx(50 * 0.5)
+    assert hit.point == pytest.approx((2.0, 0.5), abs=0.01)
+
+
+def test_two_bodies_that_meet_both_report_it() -> None:
+    cells = [(0, 0), (0, 1)]
+    hits = hits_of(Layout(["..."]), cells, [(0.4, 0.0), (-0.2, 0.0)], loaded=[1])
+    assert [(hit.robot, hit.other) for hit in sorted(hits)] == [
+        (0, 1),
+        (1, 0),
+    ]
+    reduced = 50 * 100 / 150
+    assert {round(hit.impulse, 3) for hit in hits} == {round(reduced * 0.6, 3)}
+
+
+def test_a_hit_is_in_the_outcomes_of_those_who_feel_it() -> None:
+    motion = DrivingMotion()
+    motion.reset(Layout(["....."]), [(0, 0), (0, 4)], 0)
+    assert motion._driver is not None
+    arena = motion._driver._arena
+    motion.drive(0.1)
+    arena.bodies[0].position = (4.0, 0.5)
+    one, other = motion.drive(1.0)
+    assert [contact.counterpart for contact in one.contacts] == ["robot 1"]
+    assert [contact.counterpart for contact in other.contacts] == ["robot 0"]
+    assert 0 < one.contacts[0].seconds <= 1.0

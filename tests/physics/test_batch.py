@@ -1,0 +1,404 @@
+"""Warehouses side by side in one space: each row equals a single motion."""
+
+import math
+import os
+import random
+import subprocess
+import sys
+
+import numpy as np
+import pymunk
+import pytest
+from helpers.rigid_bodies import Singles, batch_in, rows_differ, some_layouts
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from warehouse_core import Layout, LayoutError
+from warehouse_core.motion.vector import Batchable, BatchOutcome
+from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec, stepping
+from warehouse_physics.arena import WALL, Hit
+from warehouse_physics.batch import rigid_body_batch
+from warehouse_physics.batch import robots as batch_robots
+from warehouse_physics.batch.rigid_body_batch import RigidBodyBatch
+from warehouse_physics.body_arrays import BodyArrays
+from warehouse_physics.profile import braking, brakings, plan_profile, plan_profiles
+
+NORTH, EAST, SOUTH, WEST, WAIT = range(5)
+
+HALL = Layout(["....."] * 4)
+LEDGE = Layout(["."])
+"""One cell, so that every move ends at a wall."""
+CORRIDOR = Layout(["..........."])
+
+SPECS = {
+    "fast": RobotSpec.fast(),
+    "small cells": RobotSpec(cell_size=0.5, radius=0.17, acceleration=2.0, motor_force=200.0),
+    "tight": RobotSpec(radius=0.499),
+    "wide": RobotSpec(radius=0.45),
+    "exact": RobotSpec(acceleration=4.0, motor_force=400.0),
+    "exact and small": RobotSpec(
+        cell_size=0.5, radius=0.2, top_speed=3.0, acceleration=4.0, motor_force=400.0
+    ),
+    "dragged": RobotSpec(floor_drag=0.05, acceleration=0.45),
+    "turning": RobotSpec(turn_seconds=0.31),
+    "violent": RobotSpec(top_speed=10.5, acceleration=1e6, motor_force=1e9),
+}
+"""Among them one that barely fits its cell, two of round numbers that reach a wall exactly at the
+end of a substep, one that the floor brakes harder than its drive does, and one that hits walls as
+hard as possible."""
+
+over_specs = pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS.keys())
+
+
+def advance(batch: RigidBodyBatch, *actions: int, loaded: bool = False) -> BatchOutcome:
+    return batch.advance(np.array(actions), np.full(len(actions), loaded))
+
+
+# Each row equals a single motion.
+
+
+@over_specs
+def test_each_row_equals_a_single_motion(spec: RobotSpec) -> None:
+    blocked = rows_differ(spec, rows=12, steps=25)
+    assert blocked > 12 * 25 / 8, "too few hits to compare"
+
+
+def test_rows_in_several_spaces_have_the_bits_of_one_space(monkeypatch) -> None:
+    stream = random.Random(6)
+    layouts = some_layouts(11, stream)
+    drawn = np.random.default_rng(6)
+    moves = [(drawn.integers(0, 8, 11), drawn.random(11) < 0.5) for _ in range(30)]
+    outcomes = []
+    for rows in (256, 4):
+        monkeypatch.setattr(rigid_body_batch, "ROWS_OF_A_SPACE", rows)
+        batch = batch_in(layouts)
+        assert len(batch._parts) == math.ceil(11 / rows)
+        each = [batch.advance(*move) for move in moves[:15]]
+        batch.place(np.array([9, 3]), np.array([layouts[row].open_cells[-1] for row in (9, 3)]))
+        each += [batch.advance(*move) for move in moves[15:]]
+        outcomes.append([column.tobytes() for outcome in each for column in outcome[:4]])
+    assert outcomes[0] == outcomes[1]
+
+
+def test_a_row_does_not_depend_on_the_other_rows() -> None:
+    stream = random.Random(5)
+    layouts = some_layouts(9, stream)
+    actions = np.array([stream.choices(range(8), k=9) for _ in range(30)])
+    loaded = np.array([[stream.random() < 0.3 for _ in range(9)] for _ in range(30)])
+    together = batch_in(layouts)
+    outcomes = [together.advance(*each) for each in zip(actions, loaded, strict=True)]
+    for row, layout in enumerate(layouts):
+        alone = batch_in([layout])
+        for step, outcome in enumerate(outcomes):
+            own = alone.advance(actions[step, [row]], loaded[step, [row]])
+            assert [column[row] for column in outcome[:3]] == [column[0] for column in own[:3]]
+            assert outcome.joules[row] == pytest.approx(own.joules[0], rel=1e-9)
+
+
+def test_each_row_has_its_own_seconds() -> None:
+    batch = batch_in([HALL, LEDGE, HALL, HALL])
+    actions = np.array([EAST, EAST, EAST, WAIT])
+    outcome = batch.advance(actions, np.array([False, False, True, False]))
+    free, bump, slow, waiting = outcome.seconds
+    assert bump < free < slow
+    assert waiting == RobotSpec().dwell
+    assert outcome.joules[3] == RobotSpec().idle_power * RobotSpec().dwell
+
+
+def test_an_outcome_does_not_change_later() -> None:
+    batch = batch_in([LEDGE, HALL])
+    first = advance(batch, EAST, EAST)[:4]
+    kept = [column.copy() for column in first]
+    advance(batch, WAIT, SOUTH, loaded=True)
+    assert all(map(np.array_equal, first, kept))
+    assert [column.dtype for column in first] == [np.intp, np.bool_, np.float64, np.float64]
+
+
+def test_an_action_that_takes_too_long_ends_and_the_robot_stops(monkeypatch) -> None:
+    monkeypatch.setattr(batch_robots, "MAX_SUBSTEPS", 30)
+    batch = batch_in([CORRIDOR, LEDGE])
+    arena = batch._parts[0].arena
+    # It ends with the first event after MAX_SUBSTEPS, the hit of the second robot.
+    assert advance(batch, EAST, EAST).seconds == pytest.approx([34 / 60] * 2)
+    assert arena.look()[1][0, 0] > 0.5
+    advance(batch, WAIT, EAST)
+    assert np.abs(arena.look()[1][0]).max() < 1e-9
+
+
+def test_a_robot_with_weak_brakes_equals_a_single_motion() -> None:
+    spec = RobotSpec(floor_drag=0.0)
+    batch, singles = batch_in([HALL], spec), Singles(spec, [HALL])
+    singles.place(0, 0)
+    batch._parts[0]._braking_forces *= 0.6
+    robot = singles.motions[0]._arena.robots[0]
+    drive = robot.drive
+
+    def drive_with_weak_brakes(*arguments) -> None:
+        drive(*arguments)
+        robot._braking_force *= 0.6
+
+    robot.drive = drive_with_weak_brakes
+    for action in (EAST, SOUTH, EAST, EAST):
+        outcome, expected = advance(batch, action), singles.advance([action], [False])
+        assert outcome.cells.tolist() == expected.cells.tolist()
+        assert outcome.seconds == pytest.approx(expected.seconds)
+        assert outcome.seconds[0] > 2.5, "the plan would take two seconds"
+
+
+def test_a_robot_at_rest_ignores_contacts_while_others_drive() -> None:
+    batch = batch_in([LEDGE, HALL])
+    batch._parts[0].arena.bodies[0].position += (0.2, 0.0)
+    outcome = advance(batch, WAIT, EAST)
+    assert (outcome.blocked[0], outcome.seconds[0]) == (False, RobotSpec().dwell)
+    batch._parts[0]._meet([Hit(1, None, (-1.0, 0.0), (0.0, 0.0))], 200)
+    assert not batch._parts[0].gave_up[1]
+
+
+def test_a_robot_is_placed_at_rest() -> None:
+    batch = batch_in([HALL, HALL])
+    batch._parts[0].arena.bodies[0].velocity = (1.0, 1.0)
+    batch.place(np.array([0]), np.array([6]))
+    advance(batch, WAIT, EAST)
+    assert batch._parts[0].arena.look()[0][0].tolist() == [1.5, 1.5]
+
+
+# Outcomes follow the bodies, not the grid.
+
+
+def test_without_the_shapes_of_the_walls_robots_drive_through() -> None:
+    batch = batch_in([Layout(["..#.."])] * 2)
+    advance(batch, EAST, EAST)
+    assert advance(batch, EAST, EAST).blocked.all()
+    space = batch._parts[0].arena.space
+    walls = [shape for shape in space.shapes if shape.collision_type == WALL]
+    # The first row has the first shapes: four around its grid and one within.
+    space.remove(walls[4])
+    outcome = advance(batch, EAST, EAST)
+    assert outcome.cells.tolist() == [2, 1]
+    assert outcome.blocked.tolist() == [False, True]
+
+
+def test_the_outcome_follows_a_body_that_was_moved_by_hand() -> None:
+    batch = batch_in([HALL, HALL])
+    body = batch._parts[0].arena.bodies[1]
+    body.position += (2.0, 1.0)
+    assert advance(batch, EAST, EAST).cells.tolist() == [1, 5 + 3]
+
+
+def test_robots_are_moved_by_finite_force_only(monkeypatch) -> None:
+    batch = batch_in([HALL, LEDGE])
+    arena = batch._parts[0].arena
+    step, seen = arena.space.step, []
+
+    def step_and_look(dt: float) -> None:
+        step(dt)
+        seen.append(np.concatenate([arena.look()[0], arena.look()[1]], axis=1))
+
+    monkeypatch.setattr(arena.space, "step", step_and_look)
+    monkeypatch.setattr(stepping, "IS_KNOWN", False)  # so that this step is called
+    for action in (EAST, SOUTH, WEST):
+        advance(batch, action, action)
+    states = np.array(seen)
+    ways = np.hypot(*np.diff(states[:, :, :2], axis=0).T)
+    gains = np.diff(np.hypot(states[:, :, 2], states[:, :, 3]), axis=0)
+    assert ways.max() <= 1.0 / 60 * (1 + 1e-6)
+    assert gains.max() <= 1.0 / 60 * (1 + 1e-6)
+    assert gains.max() >= 0.9 / 60
+
+
+def test_after_many_bumps_robots_are_in_the_middle_of_their_cells() -> None:
+    batch = batch_in([LEDGE] * 4)
+    for step in range(20):
+        outcome = advance(batch, *((row + step) % 4 for row in range(4)), loaded=step % 3 == 0)
+        assert outcome.blocked.all()
+    positions, velocities = batch._parts[0].arena.look()
+    assert np.abs(positions - 0.5).max() < 1e-3
+    assert np.abs(velocities).max() < 1e-6
+
+
+def test_a_touch_beside_the_path_does_not_block() -> None:
+    batch = batch_in([CORRIDOR], RobotSpec(radius=0.499))
+    body = batch._parts[0].arena.bodies[0]
+    hits = []
+    noted = batch._parts[0]._meet
+    batch._parts[0]._meet = lambda found, now: (hits.extend(found), noted(found, now))
+    for cell in range(1, 11):
+        body.position += (0.0, 0.003)
+        outcome = advance(batch, EAST)
+        assert (outcome.cells[0], outcome.blocked[0]) == (cell, False)
+    assert hits
+
+
+# Reproducible bit for bit.
+
+PRINT_A_HASH = """
+import hashlib
+import numpy as np
+from warehouse_core import random_layout
+from warehouse_physics import RigidBodyMotion
+
+layouts = [random_layout(4 + seed % 5, 9 - seed % 3, 0.2, seed=seed) for seed in range(16)]
+batch, stream, digest = RigidBodyMotion().batch(layouts), np.random.default_rng(3), hashlib.sha256()
+batch.place(np.arange(16), np.array([layout.open_cells[-1] for layout in layouts]))
+for _ in range(20):
+    for column in batch.advance(stream.integers(0, 8, 16), stream.random(16) < 0.5)[:4]:
+        digest.update(column.tobytes())
+print(digest.hexdigest())
+"""
+
+
+def test_outcomes_are_equal_bit_for_bit_in_every_process() -> None:
+    digests = {
+        subprocess.run(
+            [sys.executable, "-c", PRINT_A_HASH],
+            env=os.environ | {"PYTHONHASHSEED": hash_seed},
+            capture_output=True,
+            check=True,
+            text=True,
+        ).stdout
+        for hash_seed in ("0", "4242")
+    }
+    assert len(digests) == 1
+    assert len(digests.pop()) == 65
+
+
+# Invalid calls.
+
+
+def test_only_a_nominal_motion_can_be_batched() -> None:
+    assert isinstance(RigidBodyMotion(), Batchable)
+    disturbed = RigidBodyMotion(disturbances=Disturbances(motor_strength=0.5))
+    with pytest.raises(ValueError, match=r"motor_strength=0\.5.*cannot be batched.*nominal"):
+        disturbed.batch([HALL])
+
+
+def test_an_empty_batch_raises() -> None:
+    with pytest.raises(ValueError, match="at least one layout"):
+        RigidBodyMotion().batch([])
+
+
+@pytest.mark.parametrize(
+    ("rows", "cells", "error", "message"),
+    [
+        ([0, 2], [0, 0], ValueError, r"rows\[1\] is 2; allowed: 0\.\.1"),
+        ([-1], [0], ValueError, r"rows\[0\] is -1; allowed: 0\.\.1"),
+        ([1, 0, 1], [0, 0, 0], ValueError, r"rows\[0\] and rows\[2\] are both 1"),
+        ([0, 1], [0], ValueError, r"cells have the shape \(1,\); it must be \(2,\)"),
+        ([0.0], [0], ValueError, "rows are float64; they must be integers"),
+        ([0], [math.nan], ValueError, "cells are float64; they must be integers"),
+        ([0, 1], [1, 2], LayoutError, "row 1 cannot stand on cell 2: row 0, column 2 is wall"),
+        ([0, 1], [1, 3], LayoutError, "row 1 cannot stand on cell 3: row 1, column 0 is off the"),
+    ],
+)
+def test_invalid_places_raise_and_change_nothing(rows, cells, error, message) -> None:
+    batch = batch_in([HALL, Layout(["..#"])])
+    with pytest.raises(error, match=message):
+        batch.place(np.array(rows), np.array(cells))
+    assert advance(batch, WAIT, WAIT).cells.tolist() == [0, 0]
+
+
+@pytest.mark.parametrize(
+    ("actions", "loaded", "message"),
+    [
+        ([EAST], [False], r"actions have the shape \(1,\); it must be \(2,\)"),
+        ([EAST, 8], [False, False], r"action 8 of row 1; allowed: 0\.\.7"),
+        ([EAST, -1], [False, False], r"action -1 of row 1; allowed: 0\.\.7"),
+        ([EAST, math.inf], [False, False], "actions are float64; they must be integers"),
+        ([EAST, EAST], [False], r"loaded have the shape \(1,\); it must be \(2,\)"),
+        ([EAST, EAST], [0, 2], "loaded are int64; they must be bool"),
+    ],
+)
+def test_invalid_actions_raise_and_change_nothing(actions, loaded, message) -> None:
+    batch = batch_in([HALL, HALL])
+    with pytest.raises(ValueError, match=message):
+        batch.advance(np.array(actions), np.array(loaded))
+    assert advance(batch, WAIT, WAIT).cells.tolist() == [0, 0]
+
+
+def test_every_row_must_be_placed_before_the_first_action() -> None:
+    batch = RigidBodyMotion().batch([HALL] * 3)
+    batch.place(np.array([2, 0]), np.array([7, 7]))
+    with pytest.raises(RuntimeError, match="row 1 had none"):
+        advance(batch, EAST, EAST, EAST)
+    batch.place(np.array([1]), np.array([7]))
+    assert advance(batch, EAST, SOUTH, WEST).cells.tolist() == [8, 12, 6]
+
+
+def test_after_a_change_the_walls_are_those_of_the_new_layout() -> None:
+    walled = Layout([".#...", *HALL.rows[1:]])
+    batch = batch_in([walled, HALL])
+    assert advance(batch, EAST, EAST).blocked.tolist() == [True, False]
+    batch.change(np.array([0, 1]), [HALL, walled])
+    with pytest.raises(RuntimeError, match="row 0 had none"):
+        advance(batch, EAST, EAST)
+    batch.place(np.array([1, 0]), np.array([0, 0]))
+    assert advance(batch, EAST, EAST).blocked.tolist() == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("floors", "layouts", "error", "message"),
+    [
+        ([0, 1], [HALL, LEDGE], LayoutError, r"floor 1 is 1 x 1; .* the one before, 4 x 5"),
+        ([0, 1], [HALL], ValueError, "shorter"),
+        ([2], [HALL], ValueError, r"rows\[0\] is 2; allowed: 0\.\.1"),
+        ([1, 1], [HALL, HALL], ValueError, "are both 1"),
+    ],
+)
+def test_invalid_changes_raise_and_change_nothing(floors, layouts, error, message) -> None:
+    batch = batch_in([HALL, HALL])
+    with pytest.raises(error, match=message):
+        batch.change(np.array(floors), layouts)
+    assert advance(batch, EAST, EAST).cells.tolist() == [1, 1]
+
+
+def test_calls_after_close_raise() -> None:
+    batch = batch_in([HALL])
+    batch.close()
+    batch.close()
+    with pytest.raises(RuntimeError, match=r"advance\(\) after close"):
+        advance(batch, EAST)
+    with pytest.raises(RuntimeError, match=r"place\(\) after close"):
+        batch.place(np.array([0]), np.array([0]))
+
+
+# Parts of a batch.
+
+
+def test_bodies_are_read_and_written_in_the_order_in_which_they_were_added() -> None:
+    space = pymunk.Space()
+    space.add(pymunk.Poly(space.static_body, [(9, 9), (10, 9), (10, 10)]))
+    bodies = [pymunk.Body(1, 1), pymunk.Body(body_type=pymunk.Body.KINEMATIC), pymunk.Body(1, 1)]
+    for number, body in enumerate(bodies):
+        body.position, body.velocity = (number, 10 + number), (20 + number, 30 + number)
+    space.add(*bodies)
+    arrays = BodyArrays(space)
+    positions, velocities = arrays.read()
+    assert positions.tolist() == [[0, 10], [1, 11], [2, 12]]
+    assert velocities.tolist() == [[20, 30], [21, 31], [22, 32]]
+    arrays.write_velocities(np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]]))
+    assert [tuple(body.velocity) for body in bodies] == [(1, 2), (3, 4), (5, 6)]
+    assert positions.tolist() == arrays.read()[0].tolist()
+    assert velocities.tolist() == [[20, 30], [21, 31], [22, 32]], (
+        "arrays that were read have changed"
+    )
+    with pytest.raises(ValueError, match="shape"):
+        arrays.write_velocities(np.zeros((4, 2)))
+
+
+ways = st.lists(st.tuples(st.floats(-5, 5), st.floats(-5, 5)), min_size=1, max_size=5)
+paces = st.floats(0.05, 50.0)
+time_steps = st.sampled_from([1 / 240, 1 / 60, 1 / 30, 0.1])
+
+
+@settings(max_examples=40)
+@given(ways, st.floats(0.05, 10.0), st.tuples(paces, paces), time_steps)
+def test_plans_for_a_batch_equal_single_profiles(ways, speed, paces, time_step) -> None:
+    pace = np.resize(paces, len(ways))
+    velocities, go, brake = plan_profiles(np.array(ways), speed, pace, time_step)
+    speeds = np.hypot(*np.array(ways).T)
+    stops = brakings(speeds, pace, time_step)
+    for row, way in enumerate(ways):
+        profile = plan_profile((0.0, 0.0), way, speed, pace[row], time_step)
+        assert velocities[row] == pytest.approx(profile.velocity, rel=1e-9)
+        assert (go[row], brake[row]) == (profile.go, profile.brake)
+        assert stops[row] == braking(speeds[row], pace[row], time_step)

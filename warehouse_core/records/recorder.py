@@ -1,0 +1,329 @@
+"""Recording and replaying episodes of one robot or of a fleet."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import fields
+from typing import Any, Protocol, SupportsIndex
+
+import numpy as np
+
+from warehouse_core.batch.fleet.settings import FleetSettings
+from warehouse_core.fleet.env import Actions, FleetEnv
+from warehouse_core.motion.backends import Backend
+from warehouse_core.motion.grid import GridMotion
+from warehouse_core.records.arrays import END_COLUMNS, FIELD_OF, FRAME_COLUMNS, STEP_COLUMNS
+from warehouse_core.records.episode import Action, Episode
+from warehouse_core.task.state import Observation
+from warehouse_core.warehouse_env import WarehouseEnv
+from warehouse_core.world.actions import INVALID
+
+NO_PATHS = ("grid", GridMotion.__name__)
+"""Backends whose robots drive straight from cell to cell, so that the cells say it all."""
+
+
+class Agent(Protocol):
+    """What ``record_episode`` needs of an agent that directs a lone robot.
+
+    An agent may also have an attribute ``reason``, a string that explains its last action; the
+    record keeps it.
+    """
+
+    def reset(self) -> None:
+        """Forget the last episode."""
+
+    def act(self, observation: Observation) -> str | SupportsIndex:
+        """Return the next action, a word of ``WarehouseEnv.ACTIONS`` or its index."""
+
+
+class FleetAgent(Protocol):
+    """What ``record_episode`` needs of an agent that directs all robots of a fleet.
+
+    An agent may also have an attribute ``reason``, a string that explains its last actions, or one
+    for each robot; the record keeps them.
+    """
+
+    def reset(self) -> None:
+        """Forget the last episode."""
+
+    def act(self, env: FleetEnv) -> Actions:
+        """Return the next action of each robot, as ``FleetEnv.step`` takes them.
+
+        Args:
+            env: Fleet to inspect; the agent must not step it, but may ``assign`` orders.
+        """
+
+
+class EpisodeRecorder:
+    """Steps an environment and records it; for environments that are driven by hand.
+
+    It starts from the present state of the environment, which should be the state after ``reset``.
+
+    Args:
+        env: Environment with any backend.
+        seed: Seed that was given to ``reset``.
+        agent: Name of the agent.
+
+    Attributes:
+        episode: The record so far.
+    """
+
+    def __init__(self, env: WarehouseEnv, *, seed: int | None = None, agent: str = "") -> None:
+        self._env = env
+        self.episode = Episode(env.layout, env.settings, seed, agent)
+        self._is_acting = False
+        self._keep_frame(0.0)
+
+    @property
+    def place(self) -> str:
+        """Where ``run`` is, in words: ``"reset"``, or the step such as ``"step 3"``."""
+        return f"step {self.episode.steps + 1}" if self._is_acting else "reset"
+
+    @property
+    def ended(self) -> bool:
+        """Whether the episode is over."""
+        return bool(self.episode.terminated or self.episode.truncated)
+
+    def step(self, action: str | SupportsIndex, reason: str = "") -> Observation:
+        """Take one step and record it."""
+        observation, reward, terminated, truncated, _ = self._env.step(action)
+        motion = self._env.last_motion
+        assert motion is not None, "a step always leaves a motion"
+        episode = self.episode
+        episode.actions.append(_plain(action))
+        episode.reasons.append(reason)
+        episode.motions.append(motion)
+        episode.terminated, episode.truncated = terminated, truncated
+        self._keep_frame(reward)
+        return observation
+
+    def run(self, agent: Agent, observation: Observation | None = None) -> None:
+        """Reset an agent and let it act until the episode is over.
+
+        Args:
+            agent: Agent that chooses the actions.
+            observation: Present observation; ``None`` asks the environment for it.
+        """
+        agent.reset()
+        self._is_acting = True
+        if observation is None:
+            observation = self._env.observe()
+        while not self.ended:
+            action = agent.act(observation)
+            observation = self.step(action, reason=str(getattr(agent, "reason", "")))
+
+    def _keep_frame(self, reward: float) -> None:
+        state, episode = self._env.state, self.episode
+        episode.cells.append(state.robot_pos)
+        episode.loaded.append(state.has_item)
+        episode.battery.append(state.battery)
+        episode.rewards.append(reward)
+
+
+class FleetRecorder:
+    """Resets a fleet, steps it and records it; for fleets that are driven by hand.
+
+    Args:
+        env: Fleet with any backend.
+        seed: Seed for ``reset``; ``None`` draws one.
+        agent: Name of the agent.
+
+    Attributes:
+        ended: Whether all robots have ended.
+        place: Where ``run`` is, in words: ``"reset"``, or the step such as ``"step 3"``.
+    """
+
+    def __init__(self, env: FleetEnv, *, seed: int | None = None, agent: str = "") -> None:
+        self._env, self._agent = env, agent
+        self._seed = int(np.random.default_rng().integers(2**32)) if seed is None else int(seed)
+        self._settings = FleetSettings.from_json(env.settings.to_json())
+        self._columns: dict[str, list[Any]] = {
+            name: [] for name in (*FRAME_COLUMNS, *STEP_COLUMNS, "motions", "reasons")
+        }
+        self._unknown: dict[tuple[int, int], Action] = {}
+        self._ends: dict[str, Any] = dict.fromkeys(
+            END_COLUMNS, np.zeros(env.settings.robots, np.bool_)
+        )
+        self._has_reasons = False
+        self.ended, self.place = False, "reset"
+        env.reset(seed=self._seed)
+        self._keep_frame()
+
+    def step(self, actions: Actions, reason: str | Sequence[str] = "") -> None:
+        """Take one step and record it.
+
+        Args:
+            actions: Action of each robot, see ``FleetEnv.step``.
+            reason: Reason for all actions, or one for each robot.
+        """
+        step, robots = self._env.steps, self._env.settings.robots
+        chosen = self._env.action_indices(actions)
+        _, rewards, terminated, truncated, info = self._env.step(chosen)
+        for robot in np.flatnonzero(chosen == INVALID).tolist():
+            given = _plain(actions[robot])
+            if given != INVALID:
+                self._unknown[step, robot] = given
+        reasons = (reason,) * robots if isinstance(reason, str) else tuple(map(str, reason))
+        self._has_reasons |= any(reasons)
+        self._keep(actions=chosen, rewards=rewards, **info["motion"], reasons=reasons)
+        if self._env.backend not in NO_PATHS:
+            self._keep(motions=tuple(self._env.last_motion))
+        self._ends = {"terminated": terminated, "truncated": truncated}
+        self.ended = bool((terminated | truncated).all())
+        self._keep_frame()
+
+    def run(self, agent: FleetAgent) -> None:
+        """Reset an agent and let it act until the episode is over."""
+        agent.reset()
+        while not self.ended:
+            self.place = f"step {self._env.steps + 1}"
+            self.step(agent.act(self._env), getattr(agent, "reason", ""))
+
+    @property
+    def episode(self) -> Episode:
+        """The record so far."""
+        env, arrays = self._env, dict[str, Any]()
+        for name, dtype in (FRAME_COLUMNS | STEP_COLUMNS).items():
+            rows = self._columns[name]
+            bodies = len(env.people) if name == "people" else env.settings.robots
+            arrays[FIELD_OF.get(name, name)] = np.array(rows, dtype).reshape(len(rows), bodies)
+        return Episode(
+            env.layout,
+            self._settings,
+            self._seed,
+            self._agent,
+            **arrays,
+            **self._ends,
+            reasons=self._columns["reasons"][:] if self._has_reasons else [],
+            motions=self._columns["motions"][:],
+            backend=env.backend,
+            cell_size=env.cell_size,
+            unknown_actions=dict(self._unknown),
+            orders=env.orders,
+            assignments=list(env.assignments),
+            measures=env.measures,
+            **env.conditions._asdict(),
+        )
+
+    def _keep(self, **values: Any) -> None:
+        for name in self._columns.keys() & values:
+            self._columns[name].append(values[name])
+
+    def _keep_frame(self) -> None:
+        env, width = self._env, self._env.layout.width
+        for name in FRAME_COLUMNS:
+            values = np.array(getattr(env, name))
+            if name in ("cells", "people"):
+                values = values.reshape(-1, 2) @ [width, 1]
+            self._columns[name].append(values)
+
+
+Recorder = EpisodeRecorder | FleetRecorder
+
+
+def start_recording(
+    env: WarehouseEnv | FleetEnv,
+    *,
+    seed: int | None = None,
+    agent: str = "",
+    randomize: bool | str = True,
+) -> Recorder:
+    """Reset an environment and return the recorder of the episode that begins.
+
+    Args:
+        env: Environment of a lone robot or of a fleet, with any backend.
+        seed: Seed for ``env.reset``; a fleet draws one if it is ``None``.
+        agent: Name of the agent.
+        randomize: What a lone robot's ``env.reset`` draws; a fleet's settings say what it draws.
+    """
+    if isinstance(env, FleetEnv):
+        return FleetRecorder(env, seed=seed, agent=agent)
+    env.reset(randomize=randomize, seed=seed)
+    return EpisodeRecorder(env, seed=seed, agent=agent)
+
+
+def record_episode(
+    env: WarehouseEnv | FleetEnv,
+    agent: Agent | FleetAgent,
+    *,
+    seed: int | None = None,
+    randomize: bool | str = True,
+) -> Episode:
+    """Reset an environment and its agent, and run one whole episode.
+
+    Args:
+        env: Environment of a lone robot or of a fleet, with any backend.
+        agent: ``Agent`` of a lone robot, or ``FleetAgent``.
+        seed: Seed for ``env.reset``, not for the agent; a fleet draws one if it is ``None``.
+        randomize: What a lone robot's ``env.reset`` draws.
+
+    Returns:
+        The record, which ends with the delivery or when the steps or the battery run out; a
+        fleet's ends when all robots have.
+    """
+    name = type(agent).__name__
+    recorder: Any = start_recording(env, seed=seed, agent=name, randomize=randomize)
+    recorder.run(agent)
+    episode: Episode = recorder.episode
+    return episode
+
+
+def replay_episode(episode: Episode, backend: Backend | None = None) -> Episode:
+    """Run the actions of a record again in a fresh environment.
+
+    With the same backend the result equals the record bit for bit.
+
+    Args:
+        episode: Record of a lone robot or of a fleet.
+        backend: Backend to use instead of the recorded one.
+
+    Raises:
+        ValueError: the settings of a fleet do not fit the layout, or an assignment the orders.
+    """
+    backend = backend or episode.backend
+    return (_replay_fleet if episode.is_fleet else _replay_alone)(episode, backend)
+
+
+def _replay_alone(episode: Episode, backend: Backend) -> Episode:
+    settings = episode.settings
+    env = WarehouseEnv(
+        episode.layout,
+        settings.start_pos,
+        settings.max_steps,
+        settings.battery,
+        settings.view_radius,
+        backend=backend,
+    )
+    env.reset_to(episode.layout, episode.cells[0], episode.seed)
+    recorder = EpisodeRecorder(env, seed=episode.seed, agent=episode.agent)
+    for action, reason in zip(episode.actions, episode.reasons, strict=True):
+        recorder.step(action, reason)
+    env.close()
+    return recorder.episode
+
+
+def _replay_fleet(episode: Episode, backend: Backend) -> Episode:
+    settings = {name.name: getattr(episode.settings, name.name) for name in fields(FleetSettings)}
+    env = FleetEnv(episode.layout, backend=backend, **settings)
+    recorder = FleetRecorder(env, seed=episode.seed, agent=episode.agent)
+    assigned = defaultdict(list)
+    for step, robot, order in episode.assignments:
+        assigned[step].append((robot, order))
+    reasons = episode.reasons or [""] * episode.steps
+    for step, (actions, reason) in enumerate(zip(episode.words, reasons, strict=True)):
+        for robot, order in assigned[step]:
+            env.assign(robot, order)
+        recorder.step(actions, reason)
+    for robot, order in assigned[episode.steps]:
+        env.assign(robot, order)
+    env.close()
+    return recorder.episode
+
+
+def _plain(action: str | SupportsIndex) -> Action:
+    """Return an action as a word or an index that a file can hold."""
+    return str(action) if isinstance(action, str) else int(action)
+
+
+record_fleet_episode, replay_fleet_episode = record_episode, replay_episode

@@ -1,0 +1,178 @@
+"""The physics backend for a batch: one rigid-body robot in each of ``B`` warehouses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from warehouse_core import Layout, LayoutError
+from warehouse_core.motion.base import centre_of
+from warehouse_core.motion.vector import BatchOutcome, Flags, Integers
+from warehouse_core.world.actions import DISPLACEMENTS
+from warehouse_physics.batch.robots import BatchRobots
+from warehouse_physics.batch.warehouses import Warehouses, corners_of
+from warehouse_physics.energy import joules_of
+from warehouse_physics.exclusive import exclusive
+from warehouse_physics.spec import RobotSpec
+
+ROWS_OF_A_SPACE = 256
+"""Rows whose robots are in one space; with thousands a substep takes longer for each of them."""
+
+_WAYS = np.array([(right, down) for down, right in DISPLACEMENTS], np.float64)
+
+
+class RigidBodyBatch:
+    """Moves one robot in each of ``B`` layouts as a disc with mass; see ``BatchMotion``.
+
+    Up to ``ROWS_OF_A_SPACE`` robots are in one space, too far apart to touch. An action takes as
+    many substeps as the slowest of them needs; each has ``seconds`` and ``joules`` of its own.
+
+    Raises:
+        ValueError: no layouts.
+    """
+
+    is_busy = False
+
+    def __init__(self, spec: RobotSpec, layouts: Sequence[Layout]) -> None:
+        if not layouts:
+            raise ValueError("an empty batch; it needs at least one layout")
+        self.spec = spec
+        self._layouts = list(layouts)
+        self._widths = np.array([layout.width for layout in layouts])
+        self._is_placed = np.zeros(len(layouts), np.bool_)
+        corners = corners_of(self._layouts, spec.cell_size)
+        self._slices = [
+            slice(first, first + ROWS_OF_A_SPACE)
+            for first in range(0, len(layouts), ROWS_OF_A_SPACE)
+        ]
+        self._parts: list[BatchRobots] | None = [
+            BatchRobots(spec, Warehouses(spec, self._layouts[rows], corners[rows]))
+            for rows in self._slices
+        ]
+
+    @exclusive
+    def place(
+        self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
+    ) -> None:
+        """Put some of the robots at rest in a cell; see ``BatchMotion.place``.
+
+        Raises:
+            LayoutError: a cell is a wall or off the grid; nothing has changed.
+            ValueError: not one cell for each row, or a row that does not exist or is given
+                twice; nothing has changed.
+            RuntimeError: after ``close``, or while another call is running.
+        """
+        parts = self._in_use("place")
+        rows = self._checked_rows(rows)
+        cells = _checked_vector("cells", cells, len(rows))
+        starts = [self._start(*each) for each in zip(rows.tolist(), cells.tolist(), strict=True)]
+        for row, start in zip(rows.tolist(), starts, strict=True):
+            part, row_of_part = divmod(row, ROWS_OF_A_SPACE)
+            parts[part].place(row_of_part, start)
+        self._is_placed[rows] = True
+
+    @exclusive
+    def change(self, floors: Integers, layouts: Sequence[Layout]) -> None:
+        """Replace the layouts of some floors; see ``ChangesLayouts``.
+
+        Raises:
+            LayoutError: a layout is not as large as the one it replaces; nothing has changed.
+            ValueError: not one layout for each floor, or a floor that does not exist or is given
+                twice; nothing has changed.
+            RuntimeError: after ``close``, or while another call is running.
+        """
+        parts = self._in_use("change")
+        rows = self._checked_rows(floors).tolist()
+        for row, layout in zip(rows, layouts, strict=True):
+            before = self._layouts[row]
+            if (layout.height, layout.width) != (before.height, before.width):
+                raise LayoutError(
+                    f"the layout of floor {row} is {layout.height} x {layout.width}; it must be as "
+                    f"large as the one before, {before.height} x {before.width}"
+                )
+        for row, layout in zip(rows, layouts, strict=True):
+            part, row_of_part = divmod(row, ROWS_OF_A_SPACE)
+            parts[part].arena.change_walls([row_of_part], [layout])
+            self._layouts[row], self._is_placed[row] = layout, False
+
+    @exclusive
+    def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
+        """Carry out one action for each robot; see ``BatchMotion.advance``.
+
+        Raises:
+            ValueError: not one action and one load for each row, or an action that does not
+                exist; nothing has changed.
+            RuntimeError: before every row has been placed, after ``close``, or while another call
+                is running.
+        """
+        parts = self._in_use("advance")
+        if not self._is_placed.all():
+            missing = int(np.argmin(self._is_placed))
+            raise RuntimeError(f"advance() needs a place() of every row; row {missing} had none")
+        actions = self._checked_actions(actions)
+        loaded = _checked_vector("loaded", loaded, len(self._layouts), kinds="b")
+        for robots, rows in zip(parts, self._slices, strict=True):
+            robots.drive(_WAYS[actions[rows]], loaded[rows])
+        substeps = np.concatenate([robots.substeps for robots in parts])
+        seconds = np.where(substeps > 0, substeps * self.spec.time_step, self.spec.dwell)
+        work = np.concatenate([robots.work for robots in parts])
+        joules = joules_of(self.spec, work, seconds)
+        cols, lines = np.concatenate([robots.cells() for robots in parts]).T
+        gave_up = np.concatenate([robots.gave_up for robots in parts])
+        return BatchOutcome(lines * self._widths + cols, gave_up, seconds, joules)
+
+    def close(self) -> None:
+        """Release the arena; see ``BatchMotion.close``."""
+        self._parts = None
+
+    def _in_use(self, call: str) -> list[BatchRobots]:
+        if self._parts is None:
+            raise RuntimeError(f"{call}() after close()")
+        return self._parts
+
+    def _start(self, row: int, cell: int) -> tuple[float, float]:
+        """Return the position of the middle of a cell in metres."""
+        layout = self._layouts[row]
+        place = divmod(cell, layout.width)
+        if not layout.is_open(place):
+            raise LayoutError(
+                f"the robot of row {row} cannot stand on cell {cell}: {layout.describe(place)}"
+            )
+        return centre_of(place, self.spec.cell_size)
+
+    def _checked_rows(self, rows: Integers) -> Integers:
+        rows, count = _checked_vector("rows", rows), len(self._layouts)
+        seen: dict[int, int] = {}
+        for index, row in enumerate(rows.tolist()):
+            if not 0 <= row < count:
+                raise ValueError(f"rows[{index}] is {row}; allowed: 0..{count - 1}")
+            if row in seen:
+                raise ValueError(f"rows[{seen[row]}] and rows[{index}] are both {row}")
+            seen[row] = index
+        return rows
+
+    def _checked_actions(self, actions: Integers) -> Integers:
+        actions = _checked_vector("actions", actions, len(self._layouts))
+        wrong = (actions < 0) | (actions >= len(_WAYS))
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            raise ValueError(f"action {actions[row]} of row {row}; allowed: 0..{len(_WAYS) - 1}")
+        return actions
+
+
+def _checked_vector(name: str, values: Any, length: int | None = None, kinds: str = "iu") -> Any:
+    """Return ``values`` as an array ``[length]`` of one of the dtype ``kinds``.
+
+    Raises:
+        ValueError: another shape or another kind.
+    """
+    array = np.asarray(values)
+    if array.ndim != 1 or length not in (None, len(array)):
+        wanted = "one for each row" if length is None else f"({length},)"
+        raise ValueError(f"{name} have the shape {array.shape}; it must be {wanted}")
+    if array.dtype.kind not in kinds:
+        allowed = "bool" if kinds == "b" else "integers"
+        raise ValueError(f"{name} are {array.dtype}; they must be {allowed}")
+    return array

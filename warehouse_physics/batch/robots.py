@@ -1,0 +1,204 @@
+"""``B`` robots as arrays: the drive of ``robot.py`` for lone robots on an even floor.
+
+A drive goes, brakes and rests; after a hit that is in the way it brakes and goes back. Nothing
+pushes a lone robot aside, so its way back is straight.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.motion.vector import Flags, Integers, Rows
+from warehouse_physics.arena import Hit, Position
+from warehouse_physics.batch.warehouses import Warehouses
+from warehouse_physics.energy import kinetic, spent
+from warehouse_physics.profile import Floats, Substeps, brakings, lengths_of, plan_profiles
+from warehouse_physics.robot import AT_REST, BRAKE, GO, MAX_SUBSTEPS, NEVER, REST
+from warehouse_physics.spec import ARRIVED, RobotSpec
+
+
+class BatchRobots:
+    """Drives the ``B`` robots of an arena by one action at a time.
+
+    Attributes:
+        gave_up: ``[B]`` bool, true if a wall was in the way.
+        work: ``[B]`` joules, work of each motor in the action.
+        substeps: ``[B]`` substeps until each robot was at rest.
+    """
+
+    def __init__(self, spec: RobotSpec, arena: Warehouses) -> None:
+        self._spec, self.arena = spec, arena
+        robots = len(arena.bodies)
+        loads = (False, True)
+        self._masses = np.array([spec.total_mass(load) for load in loads])
+        self._drags = np.array([spec.drag_force(load) for load in loads])
+        self._lead = spec.time_step / 2
+        self._paces = np.array([spec.attainable_acceleration(load) for load in loads])
+        self._decelerations = np.maximum(self._paces, spec.floor_deceleration)
+        # The floor helps to brake; it brakes alone where its drag exceeds the force needed.
+        self._going_forces = self._masses * self._paces
+        self._braking_forces = np.maximum(self._going_forces, self._drags)
+        self._turning = np.array([spec.turn_substeps(quarters) for quarters in (0, 1, 2, 1)])
+        self._headings = np.zeros(robots, np.intp)  # quarter turns from east
+        self._loaded = np.zeros(robots, np.intp)
+        self._force = np.zeros(robots)
+        self._commands = np.zeros((robots, 2))
+        self._phase = np.full(robots, REST)
+        self._until: Substeps = np.full(robots, NEVER, np.int64)
+        self._braking: Substeps = np.zeros(robots, np.int64)
+        self._start, self._energy = np.zeros((robots, 2)), np.zeros(robots)
+        self.gave_up = np.zeros(robots, np.bool_)
+        self.work = np.zeros(robots)
+        self.substeps: Substeps = np.zeros(robots, np.int64)
+
+    def place(self, row: int, position: Position) -> None:
+        """Put a robot at rest at a position, heading east, for a new episode."""
+        self.arena.place(row, position)
+        self._headings[row] = 0
+
+    def cells(self) -> NDArray[np.intp]:
+        """Return the cells ``[B, 2]`` under the robots, column before row."""
+        self._look()
+        return np.floor(self._positions / self._spec.cell_size).astype(np.intp)
+
+    def drive(self, ways: Floats, loaded: Flags) -> None:
+        """Drive each robot to the middle of a cell, or back if a wall is in the way.
+
+        Args:
+            ways: ``[B, 2]`` cells to go, columns before rows.
+            loaded: ``[B]`` bool, true if the robot carries an item.
+        """
+        self._load(loaded)
+        self._home, self._ways = self.cells(), ways
+        self._target = (self._home + ways + 0.5) * self._spec.cell_size
+        self._commands[:], self.gave_up[:], self.work[:] = 0.0, False, 0.0
+        now = 0
+        self._rest(slice(None), now)
+        moving = np.flatnonzero(ways.any(axis=1))
+        turning = self._turn(moving)
+        self._go(moving[turning == 0], now)
+        self._brake(moving[turning > 0], now, turning[turning > 0])
+        while now < MAX_SUBSTEPS and (until := int(self._until.min())) < NEVER:
+            self.arena.command(self._commands)
+            now, hits = self.arena.stepper.run(now, until)
+            self._look()
+            if hits:
+                self._meet(hits, now)
+            self._next_phase(now)
+        self.substeps[self._until < NEVER] = now
+
+    def _turn(self, rows: Integers) -> Substeps:
+        """Turn robots into their ways; return the substeps that each does so on the spot."""
+        right, down = self._ways[rows].astype(np.intp).T
+        headings = down % 4 + 2 * (right < 0)
+        turning: Substeps = self._turning[(headings - self._headings[rows]) % 4]
+        self._headings[rows] = headings
+        return turning
+
+    def _look(self) -> None:
+        self._positions, self._velocities = self.arena.look()
+
+    def _next_phase(self, now: int) -> None:
+        """Start the phases that are due at substep ``now``."""
+        due = np.flatnonzero(self._until <= now)
+        is_going = self._phase[due] == GO
+        gone, braked = due[is_going], due[~is_going]
+        if len(gone):
+            self._count_work(gone, self._velocities[gone], self._lead)
+            self._brake(gone, now, self._braking[gone])
+        if len(braked):
+            speeds = lengths_of(self._velocities[braked])
+            rolls = speeds > AT_REST
+            if rolls.any():
+                self._brake_from(braked[rolls], now, speeds[rolls])
+                braked = braked[~rolls]
+            off = lengths_of(self._target[braked] - self._positions[braked])
+            arrived = off <= ARRIVED * self._spec.cell_size
+            self._rest(braked[arrived], now)
+            self._go(braked[~arrived], now)
+
+    def _meet(self, hits: Sequence[Hit], now: int) -> None:
+        """Brake and drive back where a hit at substep ``now`` is in the way.
+
+        A robot at rest has ended its action, even while others still drive.
+        """
+        rows = np.array([hit.robot for hit in hits])
+        pushes = np.array([hit.push for hit in hits])
+        velocities = np.array([hit.velocity for hit in hits])
+        is_going = self._phase[rows] == GO
+        self._count_impact(rows[is_going], velocities[is_going])
+        along = (pushes * self._ways[rows]).sum(axis=1)
+        across = (pushes * self._ways[rows][:, ::-1] * (1, -1)).sum(axis=1)
+        is_hindered = (-along > abs(across)) & (self._phase[rows] != REST)
+        rows = rows[is_hindered]
+        self.gave_up[rows] = True
+        self._target[rows] = (self._home[rows] + 0.5) * self._spec.cell_size
+        self._brake_from(rows, now, lengths_of(self._velocities[rows]))
+
+    def _go(self, rows: Integers, now: int) -> None:
+        if not len(rows):
+            return
+        self._start[rows] = start = self._positions[rows]
+        self._energy[rows] = 0.0
+        pace = self._paces[self._loaded[rows]]
+        ways = self._target[rows] - start
+        velocities, go, brake = plan_profiles(ways, *self._spec.limits(pace))
+        self._commands[rows] = velocities
+        self._push(rows, self._going_forces)
+        self._phase[rows], self._until[rows], self._braking[rows] = GO, now + go, brake
+
+    def _brake_from(self, rows: Integers, now: int, speeds: Floats) -> None:
+        decelerations = self._decelerations[self._loaded[rows]]
+        self._brake(rows, now, brakings(speeds, decelerations, self._spec.time_step))
+
+    def _brake(self, rows: Integers, now: int, substeps: Substeps) -> None:
+        self._commands[rows] = 0.0
+        self._push(rows, self._braking_forces)
+        self._phase[rows] = BRAKE
+        self._until[rows] = now + substeps
+
+    def _load(self, loaded: Flags) -> None:
+        for row in np.flatnonzero(loaded != self._loaded).tolist():
+            self.arena.bodies[row].mass = self._masses[int(loaded[row])]
+        self._loaded = loaded.astype(np.intp)
+
+    def _push(self, rows: Integers, forces: Floats) -> None:
+        """Limit the drives to ``forces``, in N for each load."""
+        wanted = forces[self._loaded[rows]]
+        changed = wanted != self._force[rows]
+        if changed.any():
+            self._force[rows] = wanted
+            for row, force in zip(rows[changed].tolist(), wanted[changed].tolist(), strict=True):
+                self.arena.drives[row].max_force = force
+
+    def _count_work(self, rows: Integers, velocities: Floats, lead: float) -> None:
+        """Add the work of the motors since the last count: kinetic energy gained, plus drag."""
+        starts, energies = self._start[rows], self._energy[rows]
+        self._count_from(rows, velocities, lead)
+        drags = self._drags[self._loaded[rows]] * lengths_of(self._start[rows] - starts)
+        self.work[rows] += spent(self._energy[rows] - energies + drags)
+
+    def _count_from(self, rows: Integers, velocities: Floats, lead: float) -> None:
+        """Begin to count work at these positions and ``velocities``."""
+        self._start[rows] = self._positions[rows] + lead * velocities
+        self._energy[rows] = kinetic(self._masses[self._loaded[rows]], *velocities.T)
+
+    def _count_impact(self, rows: Integers, before: Floats) -> None:
+        """Add the work up to hits in this substep, and of the pushes of the motors in them.
+
+        The joint that drives a robot exerts the push of its motor less the drag of the floor.
+        """
+        self._count_work(rows, before, -self._lead)
+        after = self._velocities[rows]
+        joints = np.array([self.arena.drives[row].impulse for row in rows.tolist()])
+        pushes = joints + self._drags[self._loaded[rows]] * self._spec.time_step
+        commands = self._commands[rows]
+        forward = ((before + after) * commands).sum(axis=1) / lengths_of(commands)
+        self.work[rows] += spent(pushes * forward / 2)
+        self._count_from(rows, after, self._lead)
+
+    def _rest(self, rows: Rows, now: int) -> None:
+        self._phase[rows], self._until[rows], self.substeps[rows] = REST, NEVER, now

@@ -1,0 +1,70 @@
+"""What all motions of bodies have: a robot, disturbances, and paths."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping
+from typing import Self, TypeVar
+
+from warehouse_core.arguments import whole_number
+from warehouse_core.motion.base import Conditions
+from warehouse_physics.disturbances import Disturbances
+from warehouse_physics.spec import RobotSpec
+
+Kind = TypeVar("Kind", RobotSpec, Disturbances)
+
+PATH_EVERY = 10
+"""Substeps between rows of a path."""
+
+
+class BodyMotion:
+    """Base of the motions that move bodies; see ``RigidBodyMotion`` for the arguments.
+
+    Attributes:
+        spec: numbers of the robots.
+        disturbances: departure of the physics from the nominal.
+        cell_size: side of a cell in metres.
+        is_busy: true while a call is running that no other may overlap; see ``exclusive``.
+    """
+
+    is_busy = False
+
+    def __init__(
+        self,
+        spec: RobotSpec | None = None,
+        disturbances: Disturbances | None = None,
+        *,
+        record_path: bool = True,
+        path_every: int = PATH_EVERY,
+    ) -> None:
+        self.spec = _instance("spec", spec, RobotSpec)
+        self.disturbances = _instance("disturbances", disturbances, Disturbances)
+        self.cell_size = self.spec.cell_size
+        self._record_path = record_path
+        self._path_every = whole_number("path_every", path_every, minimum=1)
+
+    @classmethod
+    def from_numbers(cls, numbers: Mapping[str, float]) -> Self:
+        """Return a motion of nominal robots; see ``RobotSpec.from_numbers``."""
+        return cls(RobotSpec.from_numbers(numbers))
+
+    @property
+    def conditions(self) -> Conditions:
+        """Floor and motors, for records."""
+        return self.disturbances.conditions
+
+    def _drawn(self, seed: int | None) -> int:
+        """Return the seed for disturbances, which is drawn if none is given and it matters."""
+        if seed is None and self.disturbances.any:
+            # Python's global random numbers, as the chapter does.
+            return random.getrandbits(32)
+        return seed or 0
+
+
+def _instance(name: str, value: Kind | None, kind: type[Kind]) -> Kind:
+    """Return an argument that must be of a kind, or a default one."""
+    if value is None:
+        return kind()
+    if not isinstance(value, kind):
+        raise TypeError(f"{name} is {value!r}; it must be a {kind.__name__}")
+    return value

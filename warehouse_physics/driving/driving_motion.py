@@ -1,0 +1,197 @@
+"""The driving backend: robots of a fleet that drive through the cells of their ways."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from warehouse_core import Cell, Layout, Outcome
+from warehouse_core.arguments import real_number
+from warehouse_core.motion.base import Contact, Ways, centre_of, check_moves, check_starts
+from warehouse_core.motion.traffic import check_joint_step, find_stops
+from warehouse_core.world.tiles import moved
+from warehouse_physics.arena import ITERATIONS
+from warehouse_physics.body_motion import PATH_EVERY, BodyMotion
+from warehouse_physics.disturbances import Disturbances
+from warehouse_physics.driven_arena import DrivenArena
+from warehouse_physics.driving.driver import Driver
+from warehouse_physics.driving.leaders import corner_distance
+from warehouse_physics.energy import joules_of
+from warehouse_physics.exclusive import exclusive
+from warehouse_physics.spec import RobotSpec
+from warehouse_physics.walls import wall_boxes
+
+
+class DrivingMotion(BodyMotion):
+    """Moves ``R`` robots as bodies that drive through the cells of their ways.
+
+    Each robot has a way ahead of it, and a displacement appends a cell to its end, which robots
+    enter in the order in which it was appended to their ways; see ``Dependencies``. A robot stops
+    where its way turns back or ends, or where it has to wait for another one, and with
+    ``turn_seconds`` where its way turns, to turn on the spot. A call lasts ``period`` seconds,
+    whatever the robots do; those that drive at its end drive on in the next. ``extend`` and
+    ``drive`` do the two parts of it for a plan that is known.
+
+    The ``cell`` of an outcome is the one under the body, and its ``contacts`` are hits of the body.
+    ``blocked`` belongs to the plan: it means that the way was not extended by a displacement for
+    which it had room. A body cannot report that. It is a cell or more behind the end of its way, so
+    it meets nothing there at the time of the refusal, and once on the way it is stopped by no wall
+    and keeps clear of its leaders. So the table of ``motion/traffic.py`` decides, for the ends of
+    the ways as if the robots stood there, and nobody can enter a cell that a failed robot closes.
+
+    Args:
+        spec: numbers of the robots; ``None`` is the default robot.
+        disturbances: departure of the physics from the nominal; ``None`` is no departure.
+        period: duration of a call in seconds; ``None`` is the time for a cell at top speed.
+        record_path: record the path of each robot, not only its start and end.
+        path_every: substeps between rows of a path, at least 1.
+
+    Raises:
+        ValueError: ``period`` is not above 0, or the robots are too wide to follow each other.
+        TypeError: ``spec`` is no ``RobotSpec``, or ``disturbances`` no ``Disturbances``.
+    """
+
+    def __init__(
+        self,
+        spec: RobotSpec | None = None,
+        disturbances: Disturbances | None = None,
+        *,
+        period: float | None = None,
+        record_path: bool = True,
+        path_every: int = PATH_EVERY,
+    ) -> None:
+        super().__init__(spec, disturbances, record_path=record_path, path_every=path_every)
+        corner_distance(self.spec)
+        usual = self.cell_size / self.spec.top_speed
+        self._substeps = self._substeps_in("period", usual if period is None else period)
+        self.period = self._substeps * self.spec.time_step
+        # With less ahead of it, a robot would have to brake before the end of the next call.
+        self._room = (self.period + self.spec.top_speed / (2 * self.spec.acceleration)) / usual
+        self._layout: Layout | None = None
+        self._driver: Driver | None = None
+
+    def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
+        """Build a new arena with robots at rest; see ``Motion.reset``.
+
+        Raises:
+            ValueError: a stop of a robot that does not exist.
+        """
+        check_starts(layout, cells)
+        for stop in self.disturbances.stops:
+            if stop.robot >= len(cells):
+                raise ValueError(f"{stop}: its robot must be at most {len(cells) - 1}")
+        self._layout = layout
+        arena = DrivenArena(self.spec, ITERATIONS)
+        arena.add_walls(wall_boxes(layout))
+        arena.add_robots(centre_of(cell, self.cell_size) for cell in cells)
+        self._driver = Driver(arena, self.spec, cells, self.disturbances, self._drawn(seed))
+
+    def ways(self) -> Ways:
+        """Return what each robot has ahead of it; see ``DrivesThrough``."""
+        driver = self._driven()
+        ends = [driver.ways.end(robot) for robot in range(len(driver.work))]
+        return Ways(
+            ends,
+            ((driver.left() <= self._room) & ~driver.stands).tolist(),
+            driver.at_rest().tolist(),
+            driver.failed.tolist(),
+            sorted(driver.closed),
+        )
+
+    def fail(self, robot: int) -> None:
+        """Let a robot stay where it is for good; see ``DrivesThrough``."""
+        self._driven().fail(robot)
+
+    @exclusive
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        """Extend the ways by displacements, and drive for a period; see ``Motion.advance``.
+
+        A way that is long enough has no room and is not extended.
+
+        Raises:
+            RuntimeError: before ``reset``, or while another call is running.
+        """
+        driver = self._driven()
+        assert self._layout is not None
+        check_moves(len(driver.work), displacements, loaded)
+        ends, room, _, _, closed = self.ways()
+        wanted = [
+            moved(end, displacement) if has_room else end
+            for end, displacement, has_room in zip(ends, displacements, room, strict=True)
+        ]
+        open_to = [
+            end if target in closed else target for end, target in zip(ends, wanted, strict=True)
+        ]
+        stops = find_stops(self._layout, ends, open_to)
+        targets = [
+            target if stop is None else end
+            for end, target, stop in zip(ends, open_to, stops, strict=True)
+        ]
+        driver.load(loaded)
+        driver.extend(targets)
+        return [
+            outcome._replace(blocked=target != other)
+            for outcome, target, other in zip(
+                self._drive(self._substeps), targets, wanted, strict=True
+            )
+        ]
+
+    @exclusive
+    def extend(self, cells: Sequence[Cell]) -> None:
+        """Extend the ways by a joint step of a plan, whether they have room or not.
+
+        Args:
+            cells: next cell of each robot, or the end of its way if it waits.
+
+        Raises:
+            ValueError: another number of cells than robots, or robots cannot make this step, as
+                ``check_joint_step`` says; nothing has changed.
+            RuntimeError: as for ``advance``.
+        """
+        ends = self.ways().ends
+        assert self._layout is not None
+        check_joint_step(self._layout, ends, cells)
+        self._driven().extend(cells)
+
+    @exclusive
+    def drive(self, seconds: float) -> list[Outcome]:
+        """Drive for some time, rounded to substeps, and return what each robot did.
+
+        Raises:
+            ValueError: ``seconds`` is not above 0.
+            RuntimeError: as for ``advance``.
+        """
+        return self._drive(self._substeps_in("seconds", seconds))
+
+    def close(self) -> None:
+        """Release the arena; see ``Motion.close``."""
+        self._driver = None
+
+    def _drive(self, substeps: int) -> list[Outcome]:
+        driver, dt = self._driven(), self.spec.time_step
+        before, paths = driver.work.copy(), [driver.rows(0.0)]
+        contacts: list[list[Contact]] = [[] for _ in before]
+        for substep in range(1, substeps + 1):
+            for hit in driver.step():
+                contacts[hit.robot].append(hit.contact(substep * dt))
+            if substep == substeps or (self._record_path and substep % self._path_every == 0):
+                paths.append(driver.rows(substep * dt))
+        seconds, rows = substeps * dt, np.stack(paths, axis=1)
+        rows.flags.writeable = False
+        joules = joules_of(self.spec, driver.work - before, seconds).tolist()
+        columns, lines = np.floor(driver.positions / self.cell_size).astype(int).T.tolist()
+        return [
+            Outcome((row, col), False, seconds, cost, path, tuple(hits))
+            for row, col, cost, path, hits in zip(
+                lines, columns, joules, rows, contacts, strict=True
+            )
+        ]
+
+    def _substeps_in(self, name: str, seconds: float) -> int:
+        return max(1, round(real_number(name, seconds, above=True) / self.spec.time_step))
+
+    def _driven(self) -> Driver:
+        if self._driver is None:
+            raise RuntimeError("the motion needs a reset() before it")
+        return self._driver

@@ -1,0 +1,171 @@
+"""The physics backend: rigid-body robots that carry out grid moves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from warehouse_core import Cell, Layout, Outcome
+from warehouse_core.motion.base import check_moves, check_starts
+from warehouse_physics.batch.rigid_body_batch import RigidBodyBatch
+from warehouse_physics.body_motion import PATH_EVERY, BodyMotion
+from warehouse_physics.disturbances import Disturbances, FloorConditions
+from warehouse_physics.energy import joules_of
+from warehouse_physics.exclusive import exclusive
+from warehouse_physics.giving_way import GivingWay
+from warehouse_physics.robot import MAX_SUBSTEPS, NEVER, REST, Robot
+from warehouse_physics.robot_arena import RobotArena
+from warehouse_physics.spec import MAX_FLEET_RADIUS, MAX_MOVE_SUBSTEPS, RobotSpec
+
+Row = tuple[float, float, float, float]
+"""Time in seconds, x, y and heading; see ``Outcome.path``."""
+
+STAY = (0, 0)
+
+
+class RigidBodyMotion(BodyMotion):
+    """Moves ``R`` robots as discs with mass, driven by finite force, that collide.
+
+    Nothing is looked up in the grid: ``cell`` is the cell under the body, and a robot is blocked
+    because Chipmunk reports that it touched something. It then drives back to the middle of its
+    cell; see ``giving_way.py`` for several that are in each other's way. All robots accelerate like
+    the slowest of them, such as a loaded one. Each has its own ``seconds``, until it is at rest.
+
+    Robots with ``turn_seconds`` first turn on the spot, the shorter way round, and drive back
+    backwards. All that move set off together, after the longest turn of any of them, as a robot
+    that follows another, or goes round with others in a ring, needs them to leave at the same time.
+    Those that have less to turn turn more slowly.
+
+    Args:
+        spec: numbers of the robots; ``None`` is the default robot.
+        disturbances: departure of the physics from the nominal; ``None`` is no departure.
+        record_path: record the path of each robot, not only its start and end.
+        path_every: substeps between rows of a path, at least 1.
+
+    Raises:
+        ValueError: ``path_every`` is below 1, or there are stops, which these robots cannot have.
+        TypeError: ``path_every`` is not an integer, ``spec`` no ``RobotSpec``, or ``disturbances``
+            no ``Disturbances``.
+    """
+
+    def __init__(
+        self,
+        spec: RobotSpec | None = None,
+        disturbances: Disturbances | None = None,
+        *,
+        record_path: bool = True,
+        path_every: int = PATH_EVERY,
+    ) -> None:
+        super().__init__(spec, disturbances, record_path=record_path, path_every=path_every)
+        if self.disturbances.stops:
+            raise ValueError(
+                f"stops is {self.disturbances.stops}; it must be empty for robots that move step "
+                "by step, as only a DrivingMotion carries out stops"
+            )
+        self._paces = [self.spec.attainable_acceleration(loaded) for loaded in (False, True)]
+        self._arena: RobotArena | None = None
+
+    def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
+        """Build a new arena with robots at rest; see ``Motion.reset``.
+
+        Raises:
+            ValueError: several robots with a radius above ``MAX_FLEET_RADIUS`` of a cell.
+        """
+        check_starts(layout, cells)
+        widest = MAX_FLEET_RADIUS * self.cell_size
+        if len(cells) > 1 and self.spec.radius > widest:
+            raise ValueError(
+                f"radius is {self.spec.radius!r}; with cell_size {self.cell_size!r} it must be at "
+                f"most {widest!r} for {len(cells)} robots, which pass each other at corners"
+            )
+        floor = None
+        if self.disturbances.any:
+            floor = FloorConditions(self.disturbances, self._drawn(seed))
+        self._arena = RobotArena(layout, cells, self.spec, floor)
+
+    @exclusive
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        """Carry out one action for each robot; see ``Motion.advance``.
+
+        Raises:
+            RuntimeError: before ``reset``, or while another call is running.
+        """
+        if self._arena is None:
+            raise RuntimeError("advance() needs a reset() before it")
+        robots = self._arena.robots
+        check_moves(len(robots), displacements, loaded)
+        moves = zip(displacements, loaded, strict=True)
+        pace = self._paces[any(load and displacement != STAY for displacement, load in moves)]
+        turning = max(
+            robot.begin(displacement, load, pace)
+            for robot, displacement, load in zip(robots, displacements, loaded, strict=True)
+        )
+        for robot in robots:
+            robot.set_off(turning)
+        paths = [[self._row(0.0, robot)] for robot in robots]
+        substeps = self._drive(self._arena, paths)
+        return [self._outcome(*each, substeps) for each in zip(robots, paths, strict=True)]
+
+    def batch(self, layouts: Sequence[Layout]) -> RigidBodyBatch:
+        """Return a motion for one robot in each of these layouts; see ``Batchable``.
+
+        Raises:
+            ValueError: no layouts, or this motion has disturbances, which a batch cannot have.
+        """
+        if self.disturbances.any:
+            raise ValueError(
+                f"{self.disturbances} cannot be batched; a batch is nominal, without disturbances"
+            )
+        return RigidBodyBatch(self.spec, layouts)
+
+    def close(self) -> None:
+        """Release the arena; see ``Motion.close``."""
+        self._arena = None
+
+    def _drive(self, arena: RobotArena, paths: list[list[Row]]) -> int:
+        """Run until all robots are at rest, and return the number of substeps."""
+        now = 0
+        robots = arena.robots
+        giving_way = GivingWay(robots) if len(robots) > 1 else None
+        # One after the other, in the worst case.
+        limit = MAX_SUBSTEPS + (len(robots) - 1) * MAX_MOVE_SUBSTEPS
+        path_every = self._path_every if self._record_path else limit
+        while now < limit:
+            until = min([robot.until for robot in robots])
+            if until == NEVER:
+                if giving_way is None or not giving_way.move_on(now):
+                    break
+                continue
+            now = arena.run(now, min(until, now + path_every))
+            if self._record_path:
+                seconds = now * self.spec.time_step
+                for robot, path in zip(robots, paths, strict=True):
+                    if robot.phase != REST:
+                        robot.look()
+                        path.append(self._row(seconds, robot))
+            for robot in robots:
+                if robot.until <= now:
+                    robot.next_phase(now)
+        return now
+
+    def _outcome(self, robot: Robot, path: list[Row], substeps: int) -> Outcome:
+        robot.look()
+        action, cut_off = robot.action, robot.phase != REST
+        if cut_off:
+            robot.halt(substeps)
+        seconds = (substeps if cut_off else action.rested) * self.spec.time_step
+        if action.goal == action.home:
+            seconds = max(seconds, self.spec.dwell)
+        if path[-1][0] < seconds:
+            path.append(self._row(seconds, robot))
+        rows = np.array(path)
+        rows.flags.writeable = False
+        joules = joules_of(self.spec, action.work, seconds)
+        cell, blocked, contacts = robot.cell, robot.is_blocked(), tuple(action.contacts)
+        return Outcome(cell, blocked, seconds, joules, rows, contacts, cut_off)
+
+    @staticmethod
+    def _row(seconds: float, robot: Robot) -> Row:
+        x, y = robot.position
+        return seconds, x, y, robot.body.angle

@@ -1,0 +1,189 @@
+"""The numbers of a robot, checked before pymunk sees them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from typing import TypeVar
+
+from warehouse_core.arguments import real_number
+
+Pace = TypeVar("Pace")
+
+GRAVITY = 9.81
+"""Metres per second squared."""
+
+ACCURATE_STEP, FAST_STEP = 1 / 60, 1 / 30
+"""Substeps in seconds; with the fast one a robot sinks deeper into a wall that it hits."""
+
+MAX_VALUE = 1e9
+"""Limit of every value in its unit; products of such values are still finite."""
+
+ARRIVED = 1e-3
+"""Share of a cell within which a robot has arrived at its target."""
+
+MAX_FLEET_RADIUS = 0.4
+"""Share of a cell that the radius ``r`` of one of several robots may have. Two that follow each
+other round a corner come within ``sqrt(1 / 2)`` of a cell on their lines. Wider ones push each
+other outward, up to the walls: then they are ``sqrt(2) * (1 - r)`` apart, which is ``2 * r`` at
+0.414."""
+
+MARGIN = 1e-6
+"""Share by which a body is smaller than its robot; and of a substep, which rounding may add."""
+
+MAX_MOVE_SUBSTEPS = 2_000
+"""Substeps that a free move may take, 33 s at 1/60 s."""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotSpec:
+    """A small warehouse robot, in SI units.
+
+    Attributes:
+        radius: radius of the round body, metres. Two robots that turn the same corner one after the
+            other come within 0.707 of a cell, so with more than 0.35 of a cell they touch; with
+            more than ``MAX_FLEET_RADIUS`` of it they do not get past, and there can be only one.
+        mass: mass without a load, kg; about 70 for a MiR100.
+        payload_mass: mass of an item, kg.
+        top_speed: highest speed, m/s; near people 1 to 1.5 m/s (MiR100: 1.5).
+        acceleration: nominal acceleration, also for braking, m/s².
+        motor_force: force of the motor, N. Where it is too small for a load, the acceleration is
+            lower.
+        floor_drag: rolling force over weight; 0.01 to 0.02 for a hard tyre on concrete. Where
+            it brakes harder than the robot accelerates, robots stop by it alone.
+        drivetrain_efficiency: work at the wheel over energy from the battery, above 0, up to 1.
+        idle_power: power of computer and sensors, W.
+        dwell: duration of waiting, picking and dropping, seconds.
+        turn_seconds: duration of a quarter turn on the spot, seconds. A robot with two driven
+            wheels turns before it drives in another direction; a half turn takes twice as long.
+            With 0 it drives in any direction without turning. A MiR100 takes about 1.6 (1.5 rad/s
+            and 2.5 rad/s², ``diffdrive_controller.yaml`` of github.com/DFKI-NI/mir_robot). A turn
+            costs the idle power only: a disc of 50 kg that turns at 1 rad/s has 1.5 J, at 1 m/s it
+            has 25 J.
+        cell_size: side of a cell, metres.
+        time_step: duration of a physics substep, seconds.
+
+    Raises:
+        ValueError: naming the field, its value and what is allowed.
+    """
+
+    radius: float = 0.35
+    mass: float = 50.0
+    payload_mass: float = 20.0
+    top_speed: float = 1.0
+    acceleration: float = 1.0
+    motor_force: float = 60.0
+    floor_drag: float = 0.015
+    drivetrain_efficiency: float = 0.8
+    idle_power: float = 20.0
+    dwell: float = 1.0
+    turn_seconds: float = 0.0
+    cell_size: float = 1.0
+    time_step: float = ACCURATE_STEP
+
+    def __post_init__(self) -> None:
+        may_be_zero = {"payload_mass", "floor_drag", "idle_power", "turn_seconds"}
+        for each in fields(self):
+            maximum = 1.0 if each.name == "drivetrain_efficiency" else MAX_VALUE
+            above = each.name not in may_be_zero
+            real_number(each.name, getattr(self, each.name), 0.0, maximum, above=above)
+        self._check_together()
+
+    def _check_together(self) -> None:
+        # A robot that has arrived, as far off the middle as ``ARRIVED`` allows, touches no wall.
+        widest = (0.5 - ARRIVED) * self.cell_size
+        if self.radius > widest:
+            raise ValueError(
+                f"radius is {self.radius!r}; with cell_size {self.cell_size!r} it must be at most "
+                f"{widest!r}"
+            )
+        # A body that moves farther than its radius in a substep could pass through a wall.
+        fastest = self.radius / 2 / self.time_step
+        if self.top_speed > fastest:
+            raise ValueError(
+                f"top_speed is {self.top_speed!r}; with time_step {self.time_step!r} and radius "
+                f"{self.radius!r} it must be at most {fastest!r}"
+            )
+        pace = self.attainable_acceleration(loaded=True)
+        if pace <= 0:
+            raise ValueError(
+                f"motor_force is {self.motor_force!r}; to move the loaded robot it must be above "
+                f"{self.drag_force(loaded=True)!r}"
+            )
+        # The longest free move is that of a loaded robot that first turns round.
+        seconds = 2 * self.turn_seconds + self.move_seconds(loaded=True)
+        substeps = seconds / self.time_step
+        if substeps > MAX_MOVE_SUBSTEPS:
+            raise ValueError(
+                f"time_step is {self.time_step!r}; the loaded robot would take {substeps:.4g} of "
+                f"them to the cell behind it and it must be at most {MAX_MOVE_SUBSTEPS}"
+            )
+
+    @classmethod
+    def fast(cls) -> RobotSpec:
+        """Return the default robot with the fast substep."""
+        return replace(cls(), time_step=FAST_STEP)
+
+    @classmethod
+    def from_numbers(cls, numbers: Mapping[str, float]) -> RobotSpec:
+        """Return the default robot with other numbers.
+
+        Raises:
+            ValueError: there is no such number, or it is out of range.
+        """
+        allowed = [each.name for each in fields(cls)]
+        for name in numbers:
+            if name not in allowed:
+                raise ValueError(f"no number is called {name!r}; allowed: {', '.join(allowed)}")
+        return cls(**numbers)
+
+    @property
+    def body_radius(self) -> float:
+        """The radius of the body in the space, in metres: slightly smaller than ``radius``.
+
+        With round numbers a touch would often fall exactly on a substep, and rounding would decide
+        in which one it is noticed.
+        """
+        return self.radius * (1 - MARGIN)
+
+    def total_mass(self, loaded: bool) -> float:
+        """Return the mass in kg with or without an item."""
+        return self.mass + (self.payload_mass if loaded else 0.0)
+
+    def drag_force(self, loaded: bool) -> float:
+        """Return the drag of the floor on a moving robot in N."""
+        return self.floor_drag * self.total_mass(loaded) * GRAVITY
+
+    def turn_substeps(self, quarters: int) -> int:
+        """Return the substeps of so many quarter turns on the spot."""
+        return math.ceil(quarters * self.turn_seconds / self.time_step - MARGIN)
+
+    def move_seconds(self, loaded: bool) -> float:
+        """Return the nominal duration of a free move over one cell in seconds."""
+        pace = self.attainable_acceleration(loaded)
+        brake = max(pace, self.floor_deceleration)
+        speed = min(self.top_speed, math.sqrt(2 * pace * self.cell_size / (1 + pace / brake)))
+        return self.cell_size / speed + speed / pace * (1 + pace / brake) / 2
+
+    def limits(self, pace: Pace, share: float = 1.0) -> tuple[float, Pace, float, float]:
+        """Return what limits a profile: top speed, acceleration, time step and drag.
+
+        The acceleration is ``pace``, one or an array, and the speed a share of the usual one.
+        """
+        return self.top_speed * share, pace, self.time_step, self.floor_deceleration
+
+    @property
+    def floor_deceleration(self) -> float:
+        """How fast a robot that rolls freely slows down, in m/s², loaded or not."""
+        return self.floor_drag * GRAVITY
+
+    def attainable_acceleration(self, loaded: bool) -> float:
+        """Return the nominal acceleration or, if that is less, what the motor can reach, in m/s².
+
+        Top speed is never reached in less than a substep; otherwise the motor could push a robot
+        into a wall harder than the rounds of the solver can correct.
+        """
+        spare = self.motor_force - self.drag_force(loaded)
+        at_once = self.top_speed / self.time_step
+        return min(self.acceleration, spare / self.total_mass(loaded), at_once)
