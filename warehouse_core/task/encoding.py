@@ -29,9 +29,6 @@ from warehouse_core.world.tiles import (
 NOWHERE: Cell = (-1, -1)
 """Cell of a pickup or dropoff that the layout does not have; ``None`` in other forms."""
 
-MAX_STEPS = 2**31 - 1
-"""Limit on the steps of an episode, and on battery units, in int32 arrays."""
-
 CELLS_PER_UNIT, STEPS_PER_UNIT = 10.0, 100.0
 """Units of distances and times in a vector, which make typical values about 1."""
 

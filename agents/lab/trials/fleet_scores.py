@@ -13,7 +13,7 @@ import numpy as np
 from agents.lab.trials.interval import Interval, mean_interval
 from agents.lab.trials.scores import MakeAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, FleetEnv, Layout
-from warehouse_core.batch.shell import SAME_STEP
+from warehouse_core.batch.shell.env import SAME_STEP
 from warehouse_core.fleet import FleetBatch, FleetMeasures
 from warehouse_core.fleet.env import Actions
 from warehouse_core.records.recorder import FleetAgent, FleetRecorder

@@ -33,7 +33,7 @@ from warehouse_core import (
     Observation,
     WarehouseEnv,
 )
-from warehouse_core.batch.shell import SAME_STEP
+from warehouse_core.batch.shell.env import SAME_STEP
 from warehouse_core.records.failure_modes import fewest_steps
 
 MakeAgent = Callable[[int], Agent]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from warehouse_core import Cell, Layout, random_layout
-from warehouse_core.batch.floor import Floor
+from warehouse_core.batch.shell.floor import Floor
 from warehouse_core.task.encoding import MARKED_TILES, marks
 from warehouse_core.task.sight import Sight
 from warehouse_core.world.tables import LayoutSet
@@ -68,7 +68,7 @@ def test_stations_of_the_layout_are_used_unless_they_move() -> None:
 
 
 def test_windows_whose_marks_are_too_large_are_codes(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("warehouse_core.batch.floor.MAX_TABLE_BYTES", 3 * 12 * 9 - 1)
+    monkeypatch.setattr("warehouse_core.batch.shell.floor.MAX_TABLE_BYTES", 3 * 12 * 9 - 1)
     kinds = {}
     for layout in (OPEN, LANE):
         floor = Floor(LayoutSet([layout]), 1, moving_stations=False, tiles=MARKED_TILES)

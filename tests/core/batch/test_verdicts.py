@@ -3,7 +3,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from warehouse_core.batch.verdicts import (
+from warehouse_core.batch.shell.verdicts import (
     STATION_KINDS,
     charging,
     judge_all,

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from warehouse_core.arguments import whole_number
+from warehouse_core.arguments import MAX_STEPS, whole_number
 from warehouse_core.motion.grid import nominal_joules
-from warehouse_core.task.encoding import MAX_STEPS
 from warehouse_core.task.rules import CHARGE
 
 STEPS, JOULES = "steps", "joules"

@@ -17,9 +17,9 @@ from warehouse_core.batch.fleet.people import Crowd
 from warehouse_core.batch.fleet.placing import Placing
 from warehouse_core.batch.fleet.settings import FleetSettings
 from warehouse_core.batch.fleet.tally import FleetMeasures, Tally
-from warehouse_core.batch.robots import Robots
-from warehouse_core.batch.shell import ALL, NO_FLOORS, EngineStep
-from warehouse_core.batch.verdicts import spend_and_charge
+from warehouse_core.batch.shell.env import ALL, NO_FLOORS, EngineStep
+from warehouse_core.batch.shell.robots import Robots
+from warehouse_core.batch.shell.verdicts import spend_and_charge
 from warehouse_core.motion.backends import Backend, make_fleet_motion, make_motion
 from warehouse_core.motion.vector import BatchOutcome, CanFail, FleetBatchMotion
 from warehouse_core.task.encoding import FleetArrays

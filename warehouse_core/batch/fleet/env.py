@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from typing import Any
 
 from warehouse_core.arguments import whole_number
-from warehouse_core.batch.checks import one_layout_each
 from warehouse_core.batch.fleet.engine import FleetEngine
 from warehouse_core.batch.fleet.settings import FleetSettings
 from warehouse_core.batch.fleet.tally import FleetMeasures
-from warehouse_core.batch.shell import NEXT_STEP, ArrayEnv
+from warehouse_core.batch.shell.checks import one_layout_each
+from warehouse_core.batch.shell.env import NEXT_STEP, ArrayEnv
 from warehouse_core.motion.backends import Backend
 from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.world.layout import Layout

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.batch.fleet.settings import FleetSettings
-from warehouse_core.batch.floor import Floor
+from warehouse_core.batch.shell.floor import Floor
 from warehouse_core.errors import LayoutError
 from warehouse_core.task.encoding import NOWHERE, Window
 from warehouse_core.world.distances import nearest

@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from warehouse_core.arguments import as_cell, real_number, whole_number
+from warehouse_core.arguments import MAX_STEPS, as_cell, real_number, whole_number
 from warehouse_core.batch.fleet.battery import Battery
 from warehouse_core.batch.fleet.people import People
 from warehouse_core.orders.order import Order, OrderQueue, Orders, OrderStream
-from warehouse_core.task.encoding import MAX_STEPS
 from warehouse_core.world.tiles import Cell
 
 MAX_BODIES = 100_000

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.batch.floor import Floor
 from warehouse_core.batch.lone.draws import EpisodeDraws
-from warehouse_core.batch.robots import Robots
-from warehouse_core.batch.shell import ALL, NO_FLOORS, EngineStep
-from warehouse_core.batch.verdicts import spend_and_charge
+from warehouse_core.batch.shell.env import ALL, NO_FLOORS, EngineStep
+from warehouse_core.batch.shell.floor import Floor
+from warehouse_core.batch.shell.robots import Robots
+from warehouse_core.batch.shell.verdicts import spend_and_charge
 from warehouse_core.motion.vector import BatchMotion, ChangesLayouts
 from warehouse_core.task.encoding import Arrays
 from warehouse_core.task.state import WarehouseState

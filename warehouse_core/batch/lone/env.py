@@ -6,16 +6,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from warehouse_core.arguments import whole_number
-from warehouse_core.batch.checks import check_pool, one_layout_each
-from warehouse_core.batch.floor import Floor
+from warehouse_core.arguments import MAX_STEPS, whole_number
 from warehouse_core.batch.lone.draws import EpisodeDraws
 from warehouse_core.batch.lone.engine import LoneEngine
-from warehouse_core.batch.shell import NEXT_STEP, ArrayEnv
+from warehouse_core.batch.shell.checks import check_pool, one_layout_each
+from warehouse_core.batch.shell.env import NEXT_STEP, ArrayEnv
+from warehouse_core.batch.shell.floor import Floor
 from warehouse_core.errors import BackendError
 from warehouse_core.motion.backends import Backend, make_batch_motion
 from warehouse_core.motion.vector import ChangesLayouts
-from warehouse_core.task.encoding import MAX_STEPS, Arrays
+from warehouse_core.task.encoding import Arrays
 from warehouse_core.task.starts import what_is_drawn
 from warehouse_core.task.state import WarehouseState
 from warehouse_core.world.layout import Layout

@@ -12,7 +12,7 @@ from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from warehouse_core.batch.checks import Seeds, checked_actions, checked_mask, checked_seeds
+from warehouse_core.batch.shell.checks import Seeds, checked_actions, checked_mask, checked_seeds
 from warehouse_core.errors import EndedError
 from warehouse_core.motion.vector import BatchOutcome
 from warehouse_core.task.encoding import Arrays

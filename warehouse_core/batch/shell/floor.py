@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.batch.verdicts import masks, sides_number, station_numbers
+from warehouse_core.batch.shell.verdicts import masks, sides_number, station_numbers
 from warehouse_core.task.encoding import NOWHERE, Window, marks
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import (
