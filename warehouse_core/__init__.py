@@ -1,6 +1,6 @@
 """A grid warehouse for rational agents, with a motion backend that can be swapped."""
 
-import warehouse_core.notebooks  # noqa: F401 - adds methods that notebooks call
+import warehouse_core.viz.notebooks  # noqa: F401 - says what notebooks show
 from warehouse_core.batch import BatchEnv
 from warehouse_core.errors import (
     BackendError,

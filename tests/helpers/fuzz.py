@@ -29,7 +29,7 @@ from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Episode, Layout, WarehouseEnv, record_episode
 from warehouse_core.errors import WarehouseError
 from warehouse_core.records.failure_modes import diagnose
-from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.world.map_files import load_map, save_map
 from warehouse_core.world.named_layouts import as_layout
 from warehouse_core.world.robot_runners import load_agents, load_tasks
@@ -240,7 +240,7 @@ def _read_episode(path: Path) -> None:
     assert Episode.load(path) == episode
     assert repr(episode)
     diagnose(episode)
-    track_of_episode(episode)
+    track_of_record(episode)
 
 
 def _read_plan(path: Path) -> None:

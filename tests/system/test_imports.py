@@ -45,10 +45,9 @@ MAY_IMPORT = {
     ),
     "warehouse_core/viz/axes": "motion records render wording world",
     "warehouse_core/viz/tracks": "arguments errors motion orders records render wording world",
-    "warehouse_core/viz/player": "arguments files render viz/tracks wording world",
-    "warehouse_core/notebooks": "fleet records render viz/player viz/tracks warehouse_env world",
+    "warehouse_core/viz/player": "arguments files orders render viz/tracks wording world",
     "warehouse_core/viz": (
-        "arguments errors files records render viz/axes viz/export viz/player viz/tracks "
+        "arguments errors files fleet records render viz/axes viz/export viz/player viz/tracks "
         "warehouse_env wording world"
     ),
     "warehouse_core/warehouse_viz": "arguments files records viz viz/export viz/tracks",
@@ -147,9 +146,7 @@ EXPORTS = {
     "warehouse_core.task": """
         Observation Settings WarehouseState encode judge useful_actions vector
     """,
-    "warehouse_core.viz.tracks": """
-        Frame Pose Track track_of_episode track_of_fleet_episode track_of_frames
-    """,
+    "warehouse_core.viz.tracks": "Frame Pose Track track_of_frames track_of_record",
     "warehouse_core.viz.player": "player_frame player_page save_page",
     "warehouse_core.viz.axes": "box_in draw_grid style_chart",
     "warehouse_core.viz.export": "FORMATS ffmpeg progress_bar",

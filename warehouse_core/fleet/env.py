@@ -23,6 +23,7 @@ from warehouse_core.orders.order import Order, OrderArrays, Orders
 from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.wording import brief
 from warehouse_core.world.actions import DROP, INVALID, PICK, WAIT, action_index
+from warehouse_core.world.display import display
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
 from warehouse_core.world.tables import Flags
 from warehouse_core.world.tiles import Cell
@@ -143,6 +144,8 @@ class FleetEnv:
         self.seed = None if seed is None else whole_number("seed", seed, 0)
         self.assignments: list[tuple[int, int, int | None]] = []
         self._started = False
+
+    _repr_png_ = display  # which notebooks call
 
     def __repr__(self) -> str:
         return f"<FleetEnv {self.settings.robots} robots, {self.layout.summary()}>"

@@ -25,6 +25,7 @@ from warehouse_core.records.arrays import SCHEMAS, is_equal, pack, schema_of, un
 from warehouse_core.task.settings import Settings
 from warehouse_core.wording import counted
 from warehouse_core.world.actions import ACTIONS, INVALID
+from warehouse_core.world.display import display
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import (
     PERSON,
@@ -116,6 +117,8 @@ class Episode:
     orders: list[Order] = field(default_factory=list)
     assignments: list[tuple[int, int, int | None]] = field(default_factory=list)
     measures: FleetMeasures = NOT_MEASURED
+
+    _repr_html_ = display  # which notebooks call
 
     def __post_init__(self) -> None:
         settings = self.settings

@@ -14,6 +14,7 @@ from typing import IO, Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.backend_bases import DrawEvent
 from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
 from matplotlib.figure import Figure
@@ -58,6 +59,12 @@ class SceneFigure(Figure):
         # Matplotlib keeps the changes of an animated artist from making the figure stale.
         artist.set_animated(True)
         self._movers.append(artist)
+
+    def add_movers(self, axes: Axes, *artists: Artist) -> None:
+        """Add artists to axes, and declare that they change from frame to frame."""
+        for artist in artists:
+            axes.add_artist(artist)
+            self.add_mover(artist)
 
     def draw(self, renderer: Any) -> None:
         """Draw the movers over the background, which is drawn again only if it has changed."""

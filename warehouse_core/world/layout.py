@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.errors import LayoutError
 from warehouse_core.files.atomic import atomic_path
+from warehouse_core.world.display import display
 from warehouse_core.world.tiles import (
     ALLOWED_TILES,
     CHARGER,
@@ -123,6 +124,8 @@ class Layout:
         """Write the layout as text, atomically."""
         with atomic_path(path) as part:
             part.write_text(f"{self}\n", encoding="utf-8", newline="\n")
+
+    _repr_png_ = display  # which notebooks call
 
     def __str__(self) -> str:
         return "\n".join(self.rows)

@@ -55,7 +55,7 @@ TILES, FINGERPRINT = "tiles", "fingerprint"
 """Keys beside the parameters: the rows of the layout, and the digest of the agent's code."""
 
 FLEET_DEFAULTS: dict[str, Value] = {"layout": DEPOT, "battery": 400, "max_steps": 1000}
-"""Of parameters that lone robots have too, with other defaults."""
+"""Defaults of a fleet's parameters that lone robots have too, with other defaults."""
 
 IMPLIED = {"stations": str(Stations.DRAWN)}
 """Left out of a case as text, as in the files of version 0.1.0, which are read and resumed."""
@@ -169,7 +169,7 @@ def _digest(value: Any) -> str:
 CHECKS: dict[str, Callable[[Any], Value]] = {
     TILES: _tiles, FINGERPRINT: _digest, "backend": text,
 }  # fmt: skip
-"""Of what is in a case and is no parameter, or need not be installed where a case is read."""
+"""Checks of keys that are no parameters, and of the backend, which a reader need not have."""
 
 
 def flags_of(case: Case) -> list[str]:

@@ -42,11 +42,11 @@ class Done(NamedTuple):
     """The outcome of a task.
 
     Attributes:
-        seconds: that it took.
-        rows: of its episodes, up to the one that failed.
-        program: that ran them, see ``program_for``.
-        failure: the message of the error of that one. It is text, because an exception of a user
-            agent may not be picklable.
+        seconds: seconds that it took.
+        rows: rows of its episodes, up to the one that failed.
+        program: program that ran them, see ``program_for``.
+        failure: the message of the error of the one that failed. It is text, because an exception
+            of a user's agent may not be picklable.
     """
 
     seconds: float

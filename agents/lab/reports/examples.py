@@ -12,7 +12,7 @@ from agents.lab.reports.figures.pictures import MAX_CELLS
 from agents.registry import agent_file, is_own_code
 from warehouse_core import BackendError, LayoutError
 from warehouse_core.records.failure_modes import MODES, diagnose
-from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Track
 
 SHORTEST = """
@@ -34,7 +34,7 @@ SELECT mode, case_id, steps, episodes, (
 """Both inner queries follow the order of the table and end with the first row they find."""
 
 MAX_REPLAY_STEPS = 10_000
-"""Of an episode that is run again."""
+"""Most steps of an episode that is run again."""
 
 MAX_WORK, PHYSICS_WORK = 20_000_000, 20_000
 """The cells that an agent may look at in all its steps, and how many a step of physics counts."""
@@ -112,7 +112,7 @@ def replay(found: Found, *, run_own_code: bool) -> Example:
             "results were written."
         )
         return Example(found, sentence)
-    return Example(found, diagnosis.sentence, track_of_episode(episode))
+    return Example(found, diagnosis.sentence, track_of_record(episode))
 
 
 def _too_much(found: Found) -> str | None:

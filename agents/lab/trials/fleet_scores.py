@@ -46,14 +46,14 @@ class FleetScores:
 
 
 class FleetTask(NamedTuple):
-    """What the robots of a fleet have to do.
+    """The task of a fleet in each of its episodes.
 
     Attributes:
-        layout: with pickups and dropoffs.
-        robots: number of them.
-        orders: mean number released in a step.
+        layout: layout with pickups and dropoffs.
+        robots: number of robots.
+        orders: mean number of orders released in a step.
         battery: units of a full battery.
-        max_steps: of an episode.
+        max_steps: steps of an episode.
     """
 
     layout: Layout = DEFAULT_LAYOUT
@@ -94,7 +94,7 @@ class FleetTask(NamedTuple):
 
         Args:
             make_agent: given a seed of its own for each robot.
-            seeds: of the episodes.
+            seeds: seeds of the episodes.
         """
 
         def make_all(seed: int) -> FleetAgent:

@@ -44,16 +44,16 @@ Act = Callable[[EpisodeRecorder, Agent, Observation], None]
 
 
 class Task(NamedTuple):
-    """What an agent has to do.
+    """The task of an agent in each of its episodes.
 
     Attributes:
         layout: the walls, and the stations if they are not drawn; or random ones, another layout
             for each seed.
         battery: units of a full battery.
-        max_steps: of an episode.
+        max_steps: steps of an episode.
         backend: name of a motion backend.
         start_pos: the start if it is not drawn; ``None`` for the usual one.
-        randomize: what is drawn, see ``WarehouseEnv.reset``.
+        randomize: parts to draw, see ``WarehouseEnv.reset``.
     """
 
     layout: Layout | RandomLayouts = DEFAULT_LAYOUT
@@ -99,7 +99,7 @@ class Run(NamedTuple):
     """The outcome of one episode.
 
     Attributes:
-        delivered: whether the item was delivered.
+        delivered: the item was delivered.
         steps: the length of the episode.
         needed: the fewest steps of a delivery; NaN where no path leads there.
         seconds: simulated time.
@@ -119,8 +119,8 @@ class Run(NamedTuple):
 class Scores:
     """The outcomes of an agent's episodes, and what they come to, with 95% intervals.
 
-    Steps, seconds and joules a delivery are those of all episodes divided by the deliveries. Means
-    over the deliveries alone would favour an agent that delivers only what is near.
+    Steps, seconds and joules a delivery are sums over all episodes, divided by the deliveries.
+    Means over the deliveries alone would favour an agent that delivers only what is near.
     """
 
     runs: Sequence[Run]
@@ -182,7 +182,7 @@ class Measure(NamedTuple):
         column: its name in a table.
         title: its name above a chart.
         of: returns its value.
-        is_log: whether its axis is logarithmic, as agents differ by orders of magnitude.
+        is_log: its axis is logarithmic, because agents differ by orders of magnitude.
     """
 
     column: str
@@ -211,7 +211,7 @@ EXPLANATION = (
     f"Ranges are {CONFIDENCE:.0%} intervals; means and ratios of fewer than {MIN_VALUES} "
     "deliveries or episodes have none."
 )
-"""What the measures are, for a reader of a table or a figure."""
+"""Definitions of the measures, for a reader of a table or a figure."""
 
 
 def evaluate(
@@ -221,8 +221,8 @@ def evaluate(
 
     Args:
         make_agent: makes the agent of each episode.
-        task: to be done.
-        seeds: of the episodes.
+        task: task of the agent.
+        seeds: seeds of the episodes.
         act: takes an agent through an episode, from its reset to the end.
     """
     return Scores([_run(make_agent(seed), task, seed, act) for seed in seeds])

@@ -23,10 +23,10 @@ from warehouse_core.render.atlas import (
 )
 from warehouse_core.render.painter import TilePainter, bar, tile_pixels_for
 from warehouse_core.render.palette import BATTERY, COLORS, FAINT, INK, PAPER, UNKNOWN, WARNING
-from warehouse_core.viz import robot_view
+from warehouse_core.viz import view
 from warehouse_core.viz.figure import SceneFigure
-from warehouse_core.viz.grid_view import GridView
 from warehouse_core.viz.tracks.track import Frame, Pose, Track
+from warehouse_core.viz.view import View
 from warehouse_core.world.tables import tile_codes
 from warehouse_core.world.tiles import CELL_CODES
 
@@ -44,7 +44,7 @@ def drawn_by_the_replay(
     axes = figure.add_axes((0, 0, 1, 1))
     pose = Pose((robot[1] + 0.5, robot[0] + 0.5), None, loaded)
     frame = Frame(layout.rows, (pose,), 0.0)
-    GridView(figure, axes, side * 0.72, Track([frame], {})).show_robots([frame], 0)
+    View(figure, axes, side * 0.72, Track([frame], {})).show([frame], 0)
     axes.set(xlim=(0, layout.width), ylim=(layout.height, 0))  # also what is not shown of a border
     return np.asarray(figure.pixels())
 
@@ -176,7 +176,7 @@ def test_a_robot_is_a_disc_on_its_tile(tile: str, robot: str) -> None:
 
 @pytest.mark.parametrize("robot", ["R", "r"])
 def test_a_robot_is_as_large_as_in_the_replay(robot: str) -> None:
-    assert tile_atlas.ROBOT_RADIUS == robot_view.ROBOT_RADIUS
+    assert tile_atlas.ROBOT_RADIUS == view.ROBOT_RADIUS
     image = atlas(100)[CODES[".", robot]]
     row = image[50]
     assert np.flatnonzero(where(row, INK))[0] == pytest.approx(50 - 33, abs=1)

@@ -39,14 +39,13 @@ from warehouse_core.render.palette import (
     WARNING,
 )  # fmt: skip
 from warehouse_core.viz.figure import make_figure
-from warehouse_core.viz.grid_view import GridView
 from warehouse_core.viz.legend import signs_of
 from warehouse_core.viz.replay import Replay
-from warehouse_core.viz.robot_view import TRAIL_STEPS
 from warehouse_core.viz.scene import Scene
-from warehouse_core.viz.tracks.episode_track import track_of_episode
 from warehouse_core.viz.tracks.grid_track import track_of_frames
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import METRICS, Hit, Pose
+from warehouse_core.viz.view import TRAIL_STEPS, View
 
 BARE = ["#####", "#P.D#", "#..R#", "#####"]
 METRIC_TITLES = {
@@ -151,8 +150,8 @@ def test_the_floor_in_the_view_is_tinted_unless_it_is_slippery() -> None:
     env = WarehouseEnv(["...........", "P.........D"], start_pos=(0, 5), view_radius=1)
     recorder = EpisodeRecorder(env)
     recorder.step("E")
-    episode = recorder.episode
-    episode.settings = dataclasses.replace(episode.settings, slippery=((0, 7),))
+    settings = dataclasses.replace(recorder.episode.settings, slippery=((0, 7),))
+    episode = dataclasses.replace(recorder.episode, settings=settings)
     replay = replay_of(episode)
     for frame, seen in ((0, [4, 5, 6]), (1, [5, 6, 7])):
         replay.go_to(frame)
@@ -161,16 +160,16 @@ def test_the_floor_in_the_view_is_tinted_unless_it_is_slippery() -> None:
         assert tinted == seen
         assert is_color(image[point_of(replay, 7.2, 0.1)], ICE)
         assert count_color(patch(replay, image, 7.1, 0.1, 7.9, 0.9), ICE_WAVE) > 5
-    assert {"slippery floor", "what the robot sees"} <= {*signs_of(track_of_episode(episode))}
+    assert {"slippery floor", "what the robot sees"} <= {*signs_of(track_of_record(episode))}
 
 
 def test_weak_motors_are_a_dashed_outline_with_a_sign_in_the_legend() -> None:
-    track = track_of_episode(short_episode())
-    nominal = np.asarray(Scene(track, make_figure, legend=False).root.pixels())
+    track = track_of_record(short_episode())
+    nominal = np.asarray(Scene([track], make_figure, legend=False).root.pixels())
     assert not [words for words in signs_of(track) if "motors" in words]
     track.motor_strength = 0.5
     assert "motors at 50%" in signs_of(track)
-    weak = np.asarray(Scene(track, make_figure, legend=False).root.pixels())
+    weak = np.asarray(Scene([track], make_figure, legend=False).root.pixels())
     assert not np.array_equal(weak, nominal)
 
 
@@ -282,7 +281,7 @@ def test_a_hit_is_shown_in_its_frame_only() -> None:
 def test_the_label_of_a_hit_is_beside_it() -> None:
     figure = make_figure((2.0, 2.0))
     axes = figure.add_axes((0, 0, 1, 1))
-    view = GridView(figure, axes, 50.0, track_of_frames([["...", ".PR"]]))
+    view = View(figure, axes, 50.0, track_of_frames([["...", ".PR"]]))
     for x in (0.1, 1.5, 3.0):
         view.show_hits([Hit((x, 1.5), "2 N·s")])
         [label] = (text for text in axes.texts if text.get_text() == "2 N·s")
@@ -540,8 +539,8 @@ def test_a_low_battery_turns_red() -> None:
 
 def test_a_scene_shows_a_track_that_has_grown() -> None:
     episode = short_episode()
-    whole = track_of_episode(episode)
-    start = track_of_episode(
+    whole = track_of_record(episode)
+    start = track_of_record(
         short_episode(
             cells=episode.cells[:1],
             loaded=[False],
@@ -552,7 +551,7 @@ def test_a_scene_shows_a_track_that_has_grown() -> None:
             motions=[],
         )
     )
-    scene = Scene(start, make_figure, length=31)
+    scene = Scene([start], make_figure, length=31)
     assert "step 0 of 30" in [text.get_text() for text in scene.root.texts]
     before = scene.root.axes[1].get_ylim()
     scene.show(6, whole)
@@ -567,17 +566,17 @@ def test_a_scene_shows_a_track_that_has_grown() -> None:
 
 
 def test_a_picture_may_be_without_its_legend() -> None:
-    track = track_of_episode(short_episode())
-    small, whole = Scene(track, make_figure, legend=False), Scene(track, make_figure)
+    track = track_of_record(short_episode())
+    small, whole = Scene([track], make_figure, legend=False), Scene([track], make_figure)
     assert small.root.legends == []
     assert small.root.get_figwidth() < whole.root.get_figwidth()
 
 
 def test_every_robot_of_a_track_is_drawn_with_its_trail() -> None:
-    track = track_of_episode(short_episode())
+    track = track_of_record(short_episode())
     for frame in track.frames:
         frame.robots = (*frame.robots, Pose((1.5 + 2 * (frame.progress > 0), 2.5), None, True))
-    scene = Scene(track, make_figure)
+    scene = Scene([track], make_figure)
     (left, bottom), (right, top) = scene.root.axes[0].transData.transform([(1, 3), (4, 2)])
     height = round(scene.root.bbox.height)
     row = slice(height - round(top), height - round(bottom)), slice(round(left), round(right))

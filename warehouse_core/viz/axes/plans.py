@@ -7,7 +7,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from numpy.typing import NDArray
 
@@ -28,15 +27,19 @@ Points = NDArray[np.float64]
 
 
 class PlanView:
-    """Draws plans and pushes into axes whose unit is a cell.
+    """Plans and pushes as collections for axes whose unit is a cell.
 
     Args:
-        axes: to draw into.
         cell_points: side of a cell in points, 1/72 inch.
-        zorder: of robots.
+        zorder: drawing order of the robots.
+
+    Attributes:
+        ways: lines of plans.
+        wishes: lines of the shortest ways from the ends of plans to the goals.
+        pushes: arrows from robots to those that they push.
     """
 
-    def __init__(self, axes: Axes, cell_points: float, zorder: float) -> None:
+    def __init__(self, cell_points: float, zorder: float) -> None:
         width = max(2.0, cell_points / 6)
         self.ways, self.wishes = (
             LineCollection(
@@ -48,8 +51,6 @@ class PlanView:
             [], facecolors=[INK], edgecolors=[PAPER], linewidths=min(0.8, cell_points / 24),
             zorder=zorder + 2,
         )  # fmt: skip
-        for collection in (self.ways, self.wishes, self.pushes):
-            axes.add_collection(collection, autolim=False)
 
     def show(self, plans: StepPlans, places: Points, colors: Sequence[Color]) -> None:
         """Draw plans.

@@ -55,9 +55,7 @@ def draw_tiles(
         cell_points: side of a cell in points.
         slippery: cells with slippery floor.
     """
-    walls = [
-        (row, col) for row, line in enumerate(rows) for col, tile in enumerate(line) if tile == WALL
-    ]
+    walls = cells_of(WALL, rows)
     size = len(rows), len(rows[0])
     border = {cell for cell in walls if is_on_border(cell, size)}
     shelves = [cell for cell in walls if cell not in border]
@@ -69,24 +67,21 @@ def draw_tiles(
     ]
     inset = min(INSET, 0.5 - MIN_STATION_POINTS / cell_points / 2)
     for tile in (PICKUP, DROPOFF, CHARGER):
-        cells = [
-            (row, col)
-            for row, line in enumerate(rows)
-            for col, found in enumerate(line)
-            if found == tile
-        ]
+        cells = cells_of(tile, rows)
         drawn.append(_boxes(axes, [_whole(cell, inset) for cell in cells], COLORS[tile]))
         drawn += [_letter(axes, cell_points, tile, cell) for cell in cells]
-    unseen = [
-        (row, col)
-        for row, line in enumerate(rows)
-        for col, found in enumerate(line)
-        if found == UNSEEN
-    ]
+    unseen = cells_of(UNSEEN, rows)
     if unseen:
         stripes = {"edgecolor": UNKNOWN_STRIPE, "hatch": "///"}
         drawn.append(_boxes(axes, [_whole(cell) for cell in unseen], UNKNOWN, **stripes))
     return drawn
+
+
+def cells_of(tile: str, rows: Sequence[str]) -> list[Cell]:
+    """Return the cells of some rows that have a tile."""
+    return [
+        (row, col) for row, line in enumerate(rows) for col, here in enumerate(line) if here == tile
+    ]
 
 
 def is_on_border(cell: Cell, size: tuple[int, int]) -> bool:

@@ -7,21 +7,25 @@ middle of cell ``(row, col)`` is at ``x = col + 0.5``, ``y = row + 0.5``.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import NamedTuple
 
 from warehouse_core.orders.order import Order
 from warehouse_core.records.plans import NO_PLANS, StepPlans
 from warehouse_core.render.palette import Color
-from warehouse_core.world.tiles import (
-    Cell,
-)
+from warehouse_core.world.tiles import Cell
 
 INTERVAL_MS = 150
 """Milliseconds between frames of a replay."""
 
 METRICS = ("rewards", "battery", "dist_pickup", "dist_dropoff")
+"""Names of what the charts of one robot show."""
+
+FLEET_METRICS = ("released", "delivered", "battery_mean", "battery_lowest", "joules")
+"""Names of what the charts of a fleet show: orders released and delivered, and joules used, all so
+far; mean and lowest share of a full battery."""
 
 Rows = tuple[str, ...]
 Point = tuple[float, float]
@@ -64,24 +68,6 @@ class FleetFrame(NamedTuple):
     items: tuple[int | None, ...]
     battery: tuple[float, ...]
     plans: StepPlans = NO_PLANS
-
-
-class Shift(NamedTuple):
-    """What the charts of a fleet show; all but ``lateness`` are lists ``[S]``, see ``Track``.
-
-    That is orders released and items delivered so far, mean and lowest share of a full battery, and
-    energy used so far. ``lateness`` has the step of each delivery and by how many it was late.
-    ``orders`` and ``assignments`` are those of the record.
-    """
-
-    released: list[int]
-    delivered: list[int]
-    lateness: list[tuple[int, int]]
-    battery: list[float]
-    lowest: list[float]
-    joules: list[float]
-    orders: Sequence[Order] = ()
-    assignments: Sequence[tuple[int, int, int | None]] = ()
 
 
 class Marks(NamedTuple):
@@ -140,12 +126,15 @@ class Track:
 
     Attributes:
         frames: at least one; all have the same number of robots.
-        metrics: for some of ``METRICS`` a list ``[S]``; NaN is not drawn.
+        metrics: ``[S]`` what charts show, by ``METRICS`` or, of fleets, ``FLEET_METRICS``; NaN is
+            not drawn.
         is_continuous: whether frames have a speed, and show moments inside a step.
         full_battery: units of a full battery.
         title: shown above the grid.
         ending: how it ended, shown with the last frame.
-        shift: what the charts of a fleet show.
+        lateness: step of each delivery of a fleet, and by how many steps it was late.
+        orders: orders of a fleet, for a page; ``None`` if it does not show them.
+        assignments: step, robot and order of each assignment of these orders.
         view_radius: cells that a robot sees in each direction, ``None`` if unknown.
         slippery: cells with slippery floor.
         motor_strength: actual share of the motor force.
@@ -154,12 +143,14 @@ class Track:
     """
 
     frames: list[Frame]
-    metrics: dict[str, list[float]]
+    metrics: Mapping[str, Sequence[float]]
     is_continuous: bool = False
     full_battery: float = 1.0
     title: str = ""
     ending: str = ""
-    shift: Shift | None = None
+    lateness: Sequence[tuple[int, int]] = ()
+    orders: Sequence[Order] | None = None
+    assignments: Sequence[tuple[int, int, int | None]] = ()
     view_radius: int | None = None
     slippery: tuple[Cell, ...] = ()
     motor_strength: float = 1.0
@@ -172,6 +163,11 @@ class Track:
     def step_at(self, frame: int) -> int:
         """Return how many steps are complete in ``frame``."""
         return math.floor(self.frames[frame].progress)
+
+    def rewards_until(self, step: int) -> tuple[list[float], list[float]]:
+        """Return the rewards of all steps up to one, with NaN as 0, and their running sums."""
+        rewards = [0.0 if math.isnan(r) else r for r in self.metrics["rewards"][: step + 1]]
+        return rewards, [*accumulate(rewards)]
 
     @property
     def steps(self) -> int:
@@ -192,6 +188,11 @@ class Track:
     def is_fleet(self) -> bool:
         """Whether the robots are those of a fleet."""
         return self.frames[0].fleet is not None
+
+    @property
+    def counts_orders(self) -> bool:
+        """Whether the charts are about the orders of a fleet."""
+        return "delivered" in self.metrics
 
     @property
     def has_routes(self) -> bool:

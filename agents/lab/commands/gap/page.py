@@ -19,7 +19,7 @@ from agents.lab.reports.page import Table, write_template
 from agents.lab.trials.interval import CONFIDENCE
 from warehouse_core import FleetEpisode
 from warehouse_core.viz.player import player_frame
-from warehouse_core.viz.tracks import Track, track_of_fleet_episode
+from warehouse_core.viz.tracks import Track, track_of_record
 from warehouse_core.wording import counted, listed
 
 FRAME_SECONDS = 0.5
@@ -107,12 +107,11 @@ def write_gap_page(
 
 def track_of(record: FleetEpisode, world: str) -> Track:
     """Return the track of a record under the name of its world."""
-    track = track_of_fleet_episode(record, FRAME_SECONDS)
+    track = track_of_record(record, FRAME_SECONDS)
     track.title = world
     for frame in track.frames:
         frame.energy = 0.0  # it is that of one robot
-    if track.shift is not None:
-        track.shift = track.shift._replace(lateness=[])  # in steps, which last differently long
+    track.lateness = ()  # in steps, which last differently long
     return track
 
 

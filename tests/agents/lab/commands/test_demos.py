@@ -22,8 +22,8 @@ from agents.lab.commands.demos import (
 from agents.lab.console import output
 from agents.lab.console.main import main
 from warehouse_core.viz.figure import make_figure
-from warehouse_core.viz.replay import replay_of_track
-from warehouse_core.viz.scene import LEGEND
+from warehouse_core.viz.replay import replay_of_tracks
+from warehouse_core.viz.sheet import LEGEND_WIDTH
 
 
 def run(*arguments: str) -> int:
@@ -113,11 +113,11 @@ def test_lanes_deliver_much_more_on_the_crowded_floor():
 
 @pytest.mark.parametrize("make", [bump, head_on, ring])
 def test_a_single_step_is_in_seconds_from_0_beside_a_large_map(make):
-    figure = replay_of_track(make().track, window=False).figure
+    figure = replay_of_tracks(make().track, window=False).figure
     floor, speed, energy = figure.axes
     assert speed.get_xlabel() == "seconds"
     assert speed.get_ylim()[0] == energy.get_ylim()[0] == 0
-    beside_legend = 1 - LEGEND / figure.get_figwidth()
+    beside_legend = 1 - LEGEND_WIDTH / figure.get_figwidth()
     assert floor.get_window_extent().width > 0.55 * beside_legend * figure.bbox.width
     assert figure.get_figwidth() <= 13.66
 

@@ -46,7 +46,7 @@ class FakeReplay:
 
 def fake(monkeypatch: pytest.MonkeyPatch, *, has_display: bool) -> FakeReplay:
     replay = FakeReplay()
-    monkeypatch.setattr("warehouse_core.viz.replay.replay_of_track", replay)
+    monkeypatch.setattr("warehouse_core.viz.replay.replay_of_tracks", replay)
     monkeypatch.setattr(output, "has_display", lambda: has_display)
     return replay
 

@@ -1,27 +1,27 @@
 """What notebooks show for the last value of a cell: players of records, pictures of the others.
 
-The classes stand below what draws them, so their methods are added here. Players and Pillow are
-imported when something is shown.
+Players and Pillow are imported when something is shown.
 """
 
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterable
-from typing import Any
+from collections.abc import Iterable
 
 from warehouse_core.fleet.env import FleetEnv
 from warehouse_core.records.episode import Episode
-from warehouse_core.viz.tracks.record_track import Record, track_of_record
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.warehouse_env import WarehouseEnv
+from warehouse_core.world.display import display
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 
 MAX_BYTES = 3_000_000
-"""Of a player in a notebook, which keeps it in its file."""
+"""Size of the largest player that a notebook shows; its file keeps what it shows."""
 
 
-def record_player(record: Record) -> str:
+@display.register
+def record_player(record: Episode) -> str:
     """Return the player of a record as HTML, or how to save it if it is large."""
     from warehouse_core.viz.player import player_frame
 
@@ -34,16 +34,19 @@ def record_player(record: Record) -> str:
     )
 
 
+@display.register
 def layout_picture(layout: Layout) -> bytes:
     """Return a picture of a layout as PNG."""
     return _picture(layout)
 
 
+@display.register
 def env_picture(env: WarehouseEnv) -> bytes:
     """Return a picture of a warehouse as it is now, as PNG."""
     return _picture(env.layout, [(env.state.robot_pos, env.state.has_item)])
 
 
+@display.register
 def fleet_picture(env: FleetEnv) -> bytes:
     """Return a picture of a fleet as it is now, as PNG; before its reset, of the layout."""
     if not env._started:
@@ -62,15 +65,3 @@ def _picture(
     file = io.BytesIO()
     Image.fromarray(painter.fleet_picture(layout, robots, people)).save(file, "PNG")
     return file.getvalue()
-
-
-SHOWN: dict[tuple[type, str], Callable[[Any], str | bytes]] = {
-    (Episode, "_repr_html_"): record_player,
-    (Layout, "_repr_png_"): layout_picture,
-    (WarehouseEnv, "_repr_png_"): env_picture,
-    (FleetEnv, "_repr_png_"): fleet_picture,
-}
-"""The methods that notebooks call, by class and name."""
-
-for (_kind, _name), _show in SHOWN.items():
-    setattr(_kind, _name, _show)

@@ -12,8 +12,9 @@ from helpers.player import page_in, said_by
 from numpy.typing import NDArray
 from PIL import Image
 
-from warehouse_core import FleetEnv, Layout, WarehouseEnv, notebooks
+from warehouse_core import FleetEnv, Layout, WarehouseEnv
 from warehouse_core.render.palette import COLORS
+from warehouse_core.viz import notebooks
 
 CELLS = (
     "from warehouse_core import WarehouseEnv, record_episode, replay_animation\n"
@@ -51,7 +52,7 @@ def test_a_notebook_shows_pictures_and_players(
 
 
 def test_the_player_of_a_record_is_a_frame_without_rights() -> None:
-    frame = short_episode()._repr_html_()  # type: ignore[attr-defined]
+    frame = short_episode()._repr_html_()
     assert frame.startswith("<iframe srcdoc=")
     assert frame.count("<") == 2, "the page is the value of an attribute"
     assert ' sandbox="allow-scripts" ' in frame
@@ -60,14 +61,14 @@ def test_the_player_of_a_record_is_a_frame_without_rights() -> None:
 
 def test_a_fleet_has_a_player() -> None:
     episode = fleet_episode()
-    frame = episode._repr_html_()  # type: ignore[attr-defined]
+    frame = episode._repr_html_()
     [track] = said_by(page_in(frame))["tracks"]
     assert (track["isFleet"], track["robots"]) == (True, episode.robots)
 
 
 def test_a_player_too_large_for_a_notebook_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(notebooks, "MAX_BYTES", 10_000)
-    shown = short_episode()._repr_html_()  # type: ignore[attr-defined]
+    shown = short_episode()._repr_html_()
     assert "save('replay.html')" in shown
     assert len(shown) < 300
 
