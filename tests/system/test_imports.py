@@ -85,7 +85,7 @@ MAY_IMPORT = {
     "agents/lab/runs": "errors fleet",
     "agents/registry": "errors fleet learning mapf search warehouse_agent_greedy",
     "agents/lab/console": "errors lab/runs",
-    "agents/lab/trials": "errors lab/console",
+    "agents/lab/trials": "errors lab/console lab/runs learning",
     "agents/lab/commands/fleet": "errors fleet lab/console lab/runs lab/trials mapf registry",
     "agents/lab/commands/planners": "errors lab/console lab/trials mapf registry",
     "agents/lab/experiments": "errors fleet lab/console lab/runs lab/trials mapf registry",
@@ -158,9 +158,6 @@ EXPORTS = {
     "warehouse_physics.driving": "DrivingMotion",
     "warehouse_physics.batch": "RigidBodyBatch",
     "agents": "ExploringAgent GreedyAgent PPOAgent QAgent SearchAgent",
-    "agents.lab.trials": """
-        MEASURES Interval Run Scores Task evaluate mean_interval share_interval
-    """,
     "agents.fleet": "PlannedFleet Team",
     "agents.learning": "PPOAgent QAgent QTable load_agent load_table save_table",
     "agents.search": """

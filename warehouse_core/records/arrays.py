@@ -133,7 +133,7 @@ def pack(fields: Fields) -> Arrays:
 
     Raises:
         RecordError: a value has no place in its array.
-        ValueError: the fields are those of no episode; also ``TypeError``, ``AttributeError`` or
+        ValueError: no episode has such fields; also ``TypeError``, ``AttributeError`` or
             ``OverflowError``.
     """
     is_fleet = isinstance(fields["settings"], FleetSettings)

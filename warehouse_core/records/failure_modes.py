@@ -42,10 +42,10 @@ a lone robot or for the record of a fleet only.
 | served           | fleet | none of these                                         | all           |
 
 *Needed* is the minimum number of steps to the delivery, ``PICK`` and ``DROP`` included. *Lost*
-steps did not bring the robot nearer: their number is that of all steps minus those needed at the
-start and no longer needed at the end. Fewer than ``MIN_STEPS`` steps of a kind, or lost, are no
-evidence. Waiting and running into walls change no pattern, because a visit to a cell may be of any
-length. Steps that charged the battery are not lost, and count in no pattern.
+steps did not bring the robot nearer: all steps, less the ones needed at the start and no longer
+needed at the end. Fewer than ``MIN_STEPS`` steps of a kind, or lost, are no evidence. Waiting and
+running into walls change no pattern, because a visit to a cell may be of any length. Steps that
+charged the battery are not lost, and count in no pattern.
 
 A fleet that has delivered everything is late or served.
 """
@@ -166,7 +166,7 @@ class Evidence(NamedTuple):
 
 
 Rule = Callable[[Any], Evidence | None]
-"""What is true of an episode that a mode applies to; ``None`` if it does not apply."""
+"""Function that returns the evidence for a mode, or ``None`` if the mode does not apply."""
 
 
 class Mode(NamedTuple):

@@ -134,8 +134,8 @@ class FleetRecorder:
         agent: Name of the agent.
 
     Attributes:
-        ended: Whether all robots have ended.
-        place: Where ``run`` is, in words: ``"reset"``, or the step such as ``"step 3"``.
+        ended: ``True`` once all robots have ended.
+        place: Place of ``run`` in words: ``"reset"``, or the step such as ``"step 3"``.
     """
 
     def __init__(self, env: FleetEnv, *, seed: int | None = None, agent: str = "") -> None:
@@ -235,7 +235,7 @@ def start_recording(
         env: Environment of a lone robot or of a fleet, with any backend.
         seed: Seed for ``env.reset``; a fleet draws one if it is ``None``.
         agent: Name of the agent.
-        randomize: What a lone robot's ``env.reset`` draws; a fleet's settings say what it draws.
+        randomize: Argument of a lone robot's ``env.reset``; a fleet has settings in its place.
     """
     if isinstance(env, FleetEnv):
         return FleetRecorder(env, seed=seed, agent=agent)
@@ -256,7 +256,7 @@ def record_episode(
         env: Environment of a lone robot or of a fleet, with any backend.
         agent: ``Agent`` of a lone robot, or ``FleetAgent``.
         seed: Seed for ``env.reset``, not for the agent; a fleet draws one if it is ``None``.
-        randomize: What a lone robot's ``env.reset`` draws.
+        randomize: Argument of a lone robot's ``env.reset``.
 
     Returns:
         The record, which ends with the delivery or when the steps or the battery run out; a

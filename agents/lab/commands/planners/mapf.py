@@ -175,7 +175,7 @@ def mapf(
 
 
 class Options(NamedTuple):
-    """Those of all kinds of problems: see the command."""
+    """Options of all kinds of problems: see the command."""
 
     seed: int
     seconds: float

@@ -306,7 +306,7 @@ def test_without_a_display_a_page_is_written(
         ("--planner pibt --show-plans 8", "--show-plans is '8'; it must be numbers of robots, 0.."),
         ("--planner pibt --show-plans 0,", "--show-plans is '0,'; it must be numbers of robots"),
         ("--seed -1", "seed is -1; it must be at least 0"),
-        ("--robots 99999 --people 9", "robots and people is 100008; it must be at most"),
+        ("--people 100000", "robots and people is 100003; it must be at most"),
         ("--agent bfs --planner a.py:A", "--planner directs all robots; leave out --agent"),
         ("--assignment urgent", "--assignment is for a --planner"),
         ("--planner pibt --plan-seconds 0", "--plan-seconds is 0.0; it must be above 0"),
