@@ -87,7 +87,7 @@ class Layout:
         """Set all fields; ``marked`` are the pickups, the dropoffs and the chargers."""
         values = (rows, len(rows), len(rows[0]), *marked, open_cells)
         for name, value in zip(self.__slots__, values, strict=True):
-            object.__setattr__(self, name, value)
+            object.__setattr__(self, name, value)  # a frozen dataclass refuses plain assignment
 
     @classmethod
     def from_text(cls, text: str) -> Layout:
@@ -96,6 +96,7 @@ class Layout:
         Raises:
             LayoutError: as for the class.
         """
+        # In a layout of one column there is a line end for each cell.
         if len(text) > 2 * MAX_CELLS:
             raise LayoutError(f"layout text is longer than MAX_CELLS = {MAX_CELLS} cells allow")
         _check_rows(text.count("\n"))
