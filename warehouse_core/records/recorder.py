@@ -8,8 +8,8 @@ from typing import Any, Protocol, SupportsIndex
 
 import numpy as np
 
+from warehouse_core.batch.fleet.settings import FleetSettings
 from warehouse_core.fleet.env import Actions, FleetEnv
-from warehouse_core.fleet.settings import FleetSettings
 from warehouse_core.motion.backends import Backend
 from warehouse_core.motion.base import Outcome
 from warehouse_core.motion.grid import GridMotion

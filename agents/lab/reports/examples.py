@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from warehouse_core.viz.tracks.episode_track import track_of_episode
-
 from agents.errors import AgentError, EpisodeError, reason_of
 from agents.lab.experiments.case import Case, cells_of
 from agents.lab.experiments.episodes import cause_of, check_fingerprint, run_one
@@ -14,6 +12,7 @@ from agents.lab.reports.figures.pictures import MAX_CELLS
 from agents.registry import agent_file, is_own_code
 from warehouse_core import BackendError, LayoutError
 from warehouse_core.records.failure_modes import MODES, diagnose
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Track
 
 SHORTEST = """
@@ -114,7 +113,7 @@ def replay(found: Found, *, run_own_code: bool) -> Example:
             "results were written."
         )
         return Example(found, sentence)
-    return Example(found, diagnosis.sentence, track_of_episode(episode))
+    return Example(found, diagnosis.sentence, track_of_record(episode))
 
 
 def _too_much(found: Found) -> str | None:
