@@ -25,7 +25,7 @@ from agents.lab.experiments.store import Store
 from agents.lab.trials.rows import AnyRow, FleetRow
 from agents.lab.trials.workers import Check, Pool, deferred_interrupts, process_pool
 from agents.mapf.assignment import ASSIGNMENTS
-from warehouse_core.fleet.settings import MAX_BODIES
+from warehouse_core.batch.fleet.settings import MAX_BODIES
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
 from warehouse_core.world.generators import MAX_DENSITY

@@ -38,7 +38,7 @@ ROOM = 1.4
 def message(scores: Mapping[str, Scores]) -> str:
     """Return which agents deliver most and at what cost in steps, and in a line which is next."""
     delivered = {name: int(each.delivered.sum()) for name, each in scores.items()}
-    total, most = len(next(iter(scores.values())).runs), max(delivered.values())
+    total, most = len(next(iter(scores.values())).rows), max(delivered.values())
     if most == 0:
         return f"No agent delivered in {counted(total, 'episode')}"
     best = [name for name in scores if delivered[name] == most]
@@ -94,8 +94,8 @@ def draw_failures(axes: Axes, scores: Mapping[str, Scores]) -> None:
     beside: dict[str, Any] = {"va": "center", "fontsize": 10, "annotation_clip": False}
     axes.annotate("failed", (1.03, -0.9), **beside, color=GREY)
     for place, each in enumerate(scores.values()):
-        failed = len(each.runs) - int(each.delivered.sum())
-        share = failed / len(each.runs)
+        failed = len(each.rows) - int(each.delivered.sum())
+        share = failed / len(each.rows)
         if failed:
             axes.barh(place, share, BAR, left=1 - share, color=PALE_WARNING, zorder=0.5)
         weight, color = ("bold", INK) if failed else ("normal", GREY)
