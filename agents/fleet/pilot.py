@@ -6,6 +6,7 @@ import random
 
 import numpy as np
 
+from agents.fleet.charging import DETOUR, ENOUGH
 from warehouse_core import Agent, Cell, FleetEnv
 from warehouse_core.fleet.observation import FleetObservation
 from warehouse_core.world.actions import WAIT, action_index
@@ -23,13 +24,12 @@ from warehouse_core.world.tiles import (
 CLOSED = (WALL, OTHER_EMPTY, OTHER_LOADED, PERSON)
 """Tiles of an observation that no robot can drive into."""
 
-NEARLY_FULL, ENOUGH = 0.9, 0.7
-"""Shares of a full battery: with the first a robot leaves its charger, and with the second or more
-none goes there."""
+NEARLY_FULL = 0.9
+"""Share of a full battery with which a robot leaves its charger."""
 
-DETOUR, SPARE_MOVES = 2.0, 10
-"""A robot goes to charge while its battery lasts for ``DETOUR`` times the shortest way and for
-``SPARE_MOVES`` moves more: its agent may know no shortest way, and others are in the way."""
+SPARE_MOVES = 10
+"""Moves beyond ``DETOUR`` times the shortest way for which the battery of a robot still lasts when
+it goes to charge: its agent may know no shortest way, and others are in the way."""
 
 PATIENCE = 3
 """Moves that fail one after another before a robot takes another one."""

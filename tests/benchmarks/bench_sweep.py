@@ -11,7 +11,7 @@ from time import perf_counter
 import pytest
 from helpers.sweeps import nothing
 
-from agents.lab.experiments.case import make_agent_for, make_case, make_env
+from agents.lab.experiments.case import layout_for, make_agent_for, make_case, make_env
 from agents.lab.experiments.plan import Plan
 from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
@@ -82,8 +82,9 @@ def one_and_two(tmp_path: Path, capsys) -> Iterator[tuple[Sweeper, Sweeper]]:
 def bare_loop() -> None:
     """Run the same episodes as they would be run without workers or a file."""
     for seed in range(EPISODES):
-        env = make_env(CASE, seed)
-        diagnose(record_episode(env, make_agent_for(CASE, seed, env.layout), seed=seed))
+        layout = layout_for(CASE, seed)
+        agent = make_agent_for(CASE, seed, layout)
+        diagnose(record_episode(make_env(CASE, layout), agent, seed=seed))
 
 
 def test_two_workers_against_one(one_and_two, times_faster) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.store import Store
 from agents.lab.trials.rows import AnyRow, FleetRow, Row
+from agents.lab.trials.scores import Scores
 
 
 def row(seed: int, mode: str = "delivered", steps: int = 20, **others: Any) -> Row:
@@ -29,6 +30,15 @@ def outcomes(words: str, seed: int = 0, steps: int = 20) -> list[Row]:
     """Return an episode for each letter: ``d`` delivered, ``o`` oscillation, ``w`` wandering."""
     modes = {"d": "delivered", "o": "oscillation", "w": "wandering"}
     return [row(number, modes[each], steps) for number, each in enumerate(words, start=seed)]
+
+
+GOOD = row(0, steps=20, seconds=40.0, joules=900.0)
+BAD = row(0, "oscillation", 200, seconds=400.0, joules=9000.0)
+
+
+def scores_of(rows: Sequence[Row]) -> Scores:
+    """Return the scores of an agent that expands 5 nodes in a delivery and 95 in a failure."""
+    return Scores(rows, [5 if each.mode == "delivered" else 95 for each in rows])
 
 
 def fleet_row(seed: int, mode: str = "served", **others: Any) -> FleetRow:

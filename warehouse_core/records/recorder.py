@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any, Protocol, SupportsIndex
 
 import numpy as np
 
+from warehouse_core.batch.fleet.settings import FleetSettings
 from warehouse_core.fleet.env import Actions, FleetEnv
-from warehouse_core.fleet.settings import FleetSettings
 from warehouse_core.motion.backends import Backend
+from warehouse_core.motion.base import Outcome
 from warehouse_core.motion.grid import GridMotion
-from warehouse_core.records.arrays import END_COLUMNS, FIELD_OF, FRAME_COLUMNS, STEP_COLUMNS
+from warehouse_core.records.arrays import FIELD_OF, FLEET_COLUMNS
 from warehouse_core.records.episode import Action, Episode
 from warehouse_core.task.state import Observation
 from warehouse_core.warehouse_env import WarehouseEnv
@@ -21,6 +21,10 @@ from warehouse_core.world.actions import INVALID
 
 NO_PATHS = ("grid", GridMotion.__name__)
 """Backends whose robots drive straight from cell to cell, so that the cells say it all."""
+
+OF_FRAMES = ("cells", "loaded", "battery", "people")
+OF_STEPS = ("rewards", "actions", "stopped_by", "seconds", "joules")
+"""Arrays of a fleet with a row a frame, and with a row a step."""
 
 
 class Agent(Protocol):
@@ -130,32 +134,29 @@ class FleetRecorder:
         agent: Name of the agent.
 
     Attributes:
-        ended: Whether all robots have ended.
-        place: Where ``run`` is, in words: ``"reset"``, or the step such as ``"step 3"``.
+        ended: ``True`` once all robots have ended.
+        place: Place of ``run`` in words: ``"reset"``, or the step such as ``"step 3"``.
     """
 
     def __init__(self, env: FleetEnv, *, seed: int | None = None, agent: str = "") -> None:
         self._env, self._agent = env, agent
         self._seed = int(np.random.default_rng().integers(2**32)) if seed is None else int(seed)
         self._settings = FleetSettings.from_json(env.settings.to_json())
-        self._columns: dict[str, list[Any]] = {
-            name: [] for name in (*FRAME_COLUMNS, *STEP_COLUMNS, "motions", "reasons")
-        }
+        self._columns: dict[str, list[Any]] = {name: [] for name in (*OF_FRAMES, *OF_STEPS)}
+        self._reasons: list[tuple[str, ...]] = []
+        self._motions: list[tuple[Outcome, ...]] = []
         self._unknown: dict[tuple[int, int], Action] = {}
-        self._ends: dict[str, Any] = dict.fromkeys(
-            END_COLUMNS, np.zeros(env.settings.robots, np.bool_)
-        )
-        self._has_reasons = False
+        self._terminated = self._truncated = np.zeros(env.settings.robots, np.bool_)
         self.ended, self.place = False, "reset"
         env.reset(seed=self._seed)
         self._keep_frame()
 
-    def step(self, actions: Actions, reason: str | Sequence[str] = "") -> None:
+    def step(self, actions: Actions, reason: Any = "") -> None:
         """Take one step and record it.
 
         Args:
             actions: Action of each robot, see ``FleetEnv.step``.
-            reason: Reason for all actions, or one for each robot.
+            reason: Reason for all actions, or a list or tuple with one for each robot.
         """
         step, robots = self._env.steps, self._env.settings.robots
         chosen = self._env.action_indices(actions)
@@ -164,12 +165,14 @@ class FleetRecorder:
             given = _plain(actions[robot])
             if given != INVALID:
                 self._unknown[step, robot] = given
-        reasons = (reason,) * robots if isinstance(reason, str) else tuple(map(str, reason))
-        self._has_reasons |= any(reasons)
-        self._keep(actions=chosen, rewards=rewards, **info["motion"], reasons=reasons)
+        is_each = isinstance(reason, (list, tuple)) and len(reason) == robots
+        self._reasons.append(tuple(map(str, reason if is_each else [reason] * robots)))
+        values = {"actions": chosen, "rewards": rewards, **info["motion"]}
+        for name in OF_STEPS:
+            self._columns[name].append(values[name])
         if self._env.backend not in NO_PATHS:
-            self._keep(motions=tuple(self._env.last_motion))
-        self._ends = {"terminated": terminated, "truncated": truncated}
+            self._motions.append(tuple(self._env.last_motion))
+        self._terminated, self._truncated = terminated, truncated
         self.ended = bool((terminated | truncated).all())
         self._keep_frame()
 
@@ -184,19 +187,20 @@ class FleetRecorder:
     def episode(self) -> Episode:
         """The record so far."""
         env, arrays = self._env, dict[str, Any]()
-        for name, dtype in (FRAME_COLUMNS | STEP_COLUMNS).items():
-            rows = self._columns[name]
+        for name, rows in self._columns.items():
             bodies = len(env.people) if name == "people" else env.settings.robots
-            arrays[FIELD_OF.get(name, name)] = np.array(rows, dtype).reshape(len(rows), bodies)
+            array = np.array(rows, FLEET_COLUMNS[name][0]).reshape(len(rows), bodies)
+            arrays[FIELD_OF.get(name, name)] = array
         return Episode(
             env.layout,
             self._settings,
             self._seed,
             self._agent,
             **arrays,
-            **self._ends,
-            reasons=self._columns["reasons"][:] if self._has_reasons else [],
-            motions=self._columns["motions"][:],
+            terminated=self._terminated,
+            truncated=self._truncated,
+            reasons=self._reasons[:] if any(map(any, self._reasons)) else [],
+            motions=self._motions[:],
             backend=env.backend,
             cell_size=env.cell_size,
             unknown_actions=dict(self._unknown),
@@ -206,13 +210,9 @@ class FleetRecorder:
             **env.conditions._asdict(),
         )
 
-    def _keep(self, **values: Any) -> None:
-        for name in self._columns.keys() & values:
-            self._columns[name].append(values[name])
-
     def _keep_frame(self) -> None:
         env, width = self._env, self._env.layout.width
-        for name in FRAME_COLUMNS:
+        for name in OF_FRAMES:
             values = np.array(getattr(env, name))
             if name in ("cells", "people"):
                 values = values.reshape(-1, 2) @ [width, 1]
@@ -235,7 +235,7 @@ def start_recording(
         env: Environment of a lone robot or of a fleet, with any backend.
         seed: Seed for ``env.reset``; a fleet draws one if it is ``None``.
         agent: Name of the agent.
-        randomize: What a lone robot's ``env.reset`` draws; a fleet's settings say what it draws.
+        randomize: Argument of a lone robot's ``env.reset``; a fleet has settings in its place.
     """
     if isinstance(env, FleetEnv):
         return FleetRecorder(env, seed=seed, agent=agent)
@@ -256,7 +256,7 @@ def record_episode(
         env: Environment of a lone robot or of a fleet, with any backend.
         agent: ``Agent`` of a lone robot, or ``FleetAgent``.
         seed: Seed for ``env.reset``, not for the agent; a fleet draws one if it is ``None``.
-        randomize: What a lone robot's ``env.reset`` draws.
+        randomize: Argument of a lone robot's ``env.reset``.
 
     Returns:
         The record, which ends with the delivery or when the steps or the battery run out; a

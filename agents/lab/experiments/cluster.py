@@ -21,13 +21,13 @@ if TYPE_CHECKING:
     from distributed import Client
 
 CONNECT_SECONDS = 10
-"""In which a scheduler must answer."""
+"""Longest time in which a scheduler must answer."""
 
 PROBE_SECONDS = 10.0
-"""In which a worker must run a call that does nothing."""
+"""Longest time in which a worker must run a call that does nothing."""
 
 SILENT_SECONDS = 10.0
-"""Without any worker before that is reported; and without an answer before a worker is none."""
+"""Time without any worker until that is reported, or without an answer until one counts as gone."""
 
 
 @contextmanager

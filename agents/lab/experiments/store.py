@@ -112,7 +112,7 @@ class Store:
         return int(next(self.query(statement, key_of(case), seeds.start, seeds.stop))[0])
 
     def seeds_done(self, case_id: int, seeds: range) -> set[int]:
-        """Return those of some seeds whose episodes are stored."""
+        """Return the seeds whose episodes are stored, among some seeds."""
         statement = f"SELECT seed FROM ({BOTH}) WHERE case_id = ? AND seed >= ? AND seed < ?"
         return {seed for (seed,) in self.query(statement, case_id, seeds.start, seeds.stop)}
 

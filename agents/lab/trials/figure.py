@@ -17,16 +17,16 @@ from warehouse_core.viz.figure import SceneFigure, make_figure
 from warehouse_core.wording import counted, listed, printable
 
 WIDTH, HEIGHT, ROW_HEIGHT, DPI = 11.5, 2.5, 0.4, 110
-"""In inches, the height without message and agents, of the row of an agent, and dots per inch."""
+"""Inches of the width, of the height without message and rows, and of a row; dots per inch."""
 
 MESSAGE_LETTERS, LINE, MAX_BEST = 76, 0.26, 4
-"""In a line of the message, its height in inches, and the most agents that it names as best."""
+"""Letters of a line of the message, its height in inches, and most agents that it names as best."""
 
 MAX_LETTERS, LETTER = 36, 0.0068
-"""Of an agent's name, whose beginning may be left out, and their share of the width."""
+"""Most letters of an agent's name, whose beginning may go, and a letter's share of the width."""
 
 CAPTION_LETTERS = 165
-"""In a line of the caption."""
+"""Letters in a line of the caption."""
 
 BAR, GREY = 0.62, "0.35"
 """Height of a bar as a share of its row, and the colour of what explains."""
@@ -38,7 +38,7 @@ ROOM = 1.4
 def message(scores: Mapping[str, Scores]) -> str:
     """Return which agents deliver most and at what cost in steps, and in a line which is next."""
     delivered = {name: int(each.delivered.sum()) for name, each in scores.items()}
-    total, most = len(next(iter(scores.values())).runs), max(delivered.values())
+    total, most = len(next(iter(scores.values())).rows), max(delivered.values())
     if most == 0:
         return f"No agent delivered in {counted(total, 'episode')}"
     best = [name for name in scores if delivered[name] == most]
@@ -94,8 +94,8 @@ def draw_failures(axes: Axes, scores: Mapping[str, Scores]) -> None:
     beside: dict[str, Any] = {"va": "center", "fontsize": 10, "annotation_clip": False}
     axes.annotate("failed", (1.03, -0.9), **beside, color=GREY)
     for place, each in enumerate(scores.values()):
-        failed = len(each.runs) - int(each.delivered.sum())
-        share = failed / len(each.runs)
+        failed = len(each.rows) - int(each.delivered.sum())
+        share = failed / len(each.rows)
         if failed:
             axes.barh(place, share, BAR, left=1 - share, color=PALE_WARNING, zorder=0.5)
         weight, color = ("bold", INK) if failed else ("normal", GREY)

@@ -54,7 +54,8 @@ def share_interval(count: int, total: int) -> Interval:
 def ratio_interval(costs: np.ndarray, successes: np.ndarray) -> Interval | None:
     """Return the interval of a sum of costs divided by the number of successes.
 
-    The ratio is linearised: its error is that of the mean of ``(cost - ratio * success) / share``.
+    The ratio is linearised: its error is the error of the mean of
+    ``(cost - ratio * success) / share``.
 
     Args:
         costs: ``[n]`` cost of each trial.

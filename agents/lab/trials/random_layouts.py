@@ -12,7 +12,7 @@ TRAINING_LAYOUTS = 2**40
 """Layouts with seeds from this one on are for training, those with lower ones for evaluation."""
 
 MAX_POOL = 100_000
-"""Limit on the layouts of a pool, so that those of two training seeds have no seed in common."""
+"""Limit on the layouts of a pool, so that the pools of two training seeds share no seed."""
 
 
 @dataclass(frozen=True)
@@ -24,9 +24,9 @@ class RandomLayouts:
         width: columns, border included, at least 4.
         lowest: density of walls, see ``random_layout``. The density of each layout is drawn between
             ``lowest`` and ``highest``, in whole percents.
-        highest: at least ``lowest``.
+        highest: highest density, not below ``lowest``.
         count: layouts of the pool for training, 1 to ``MAX_POOL``.
-        pool_seed: of this pool.
+        pool_seed: seed of this pool.
 
     Raises:
         LayoutError: a size, a density or a count that is not allowed.

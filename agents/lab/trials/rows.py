@@ -7,8 +7,7 @@ from dataclasses import asdict
 from typing import NamedTuple
 
 from warehouse_core import Episode
-from warehouse_core.records.failure_modes import MODES, diagnose
-from warehouse_core.records.fleet_modes import FLEET_MODES, diagnose_fleet
+from warehouse_core.records.failure_modes import FLEET_MODES, MODES, diagnose
 
 
 class Row(NamedTuple):
@@ -46,7 +45,7 @@ class FleetRow(NamedTuple):
 
     Attributes:
         seed: Seed of layout, starts, orders, people and agents.
-        mode: Outcome, see ``warehouse_core/records/fleet_modes.py``.
+        mode: Outcome, see ``warehouse_core/records/failure_modes.py``.
     """
 
     seed: int
@@ -78,15 +77,23 @@ MODES_OF: dict[type[AnyRow], tuple[str, ...]] = {Row: MODES, FleetRow: FLEET_MOD
 
 def row_of(episode: Episode) -> AnyRow:
     """Return the row of an episode that has a seed."""
+    return fleet_row(episode) if episode.is_fleet else lone_row(episode)
+
+
+def lone_row(episode: Episode) -> Row:
+    """Return the row of an episode of a lone robot."""
     assert episode.seed is not None, "every episode here has a seed"
-    if episode.is_fleet:
-        mode, measures = diagnose_fleet(episode).mode, asdict(episode.measures)
-        stored = [measures[name] for name in FleetRow._fields if name in measures]
-        measured = [None if math.isnan(value) else value for value in stored]
-        return FleetRow._make((episode.seed, mode, *measured))
     diagnosis = diagnose(episode)
     cell = diagnosis.cells[0] if diagnosis.cells else episode.cells[-1]
     return Row(
         episode.seed, diagnosis.mode, episode.steps, diagnosis.needed, episode.total_reward,
         episode.battery[-1], episode.seconds, episode.joules, *cell,
     )  # fmt: skip
+
+
+def fleet_row(episode: Episode) -> FleetRow:
+    """Return the row of an episode of a fleet."""
+    mode, measures = diagnose(episode).mode, asdict(episode.measures)
+    stored = [measures[name] for name in FleetRow._fields if name in measures]
+    measured = [None if math.isnan(value) else value for value in stored]
+    return FleetRow._make((episode.seed, mode, *measured))

@@ -1,13 +1,9 @@
-"""How well agents do: whole episodes from random starts, the same ones for every agent.
-
-Each start has a seed, so ``warehouse run --seed`` shows any of the episodes.
-"""
+"""What the rows of an agent's episodes come to, with 95% intervals."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import closing
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -22,118 +18,34 @@ from agents.lab.trials.interval import (
     ratio_interval,
     share_interval,
 )
-from agents.lab.trials.random_layouts import RandomLayouts
-from warehouse_core import (
-    DEFAULT_LAYOUT,
-    Agent,
-    BatchEnv,
-    Cell,
-    EpisodeRecorder,
-    Layout,
-    Observation,
-    WarehouseEnv,
-)
-from warehouse_core.records.failure_modes import fewest_steps
-from warehouse_core.vector.rows import SAME_STEP
-
-MakeAgent = Callable[[int], Agent]
-"""Returns the agent for the episode with a seed."""
-
-Act = Callable[[EpisodeRecorder, Agent, Observation], None]
-"""Takes an agent from its reset through an episode, beginning with the first observation."""
-
-
-class Task(NamedTuple):
-    """What an agent has to do.
-
-    Attributes:
-        layout: the walls, and the stations if they are not drawn; or random ones, another layout
-            for each seed.
-        battery: units of a full battery.
-        max_steps: of an episode.
-        backend: name of a motion backend.
-        start_pos: the start if it is not drawn; ``None`` for the usual one.
-        randomize: what is drawn, see ``WarehouseEnv.reset``.
-    """
-
-    layout: Layout | RandomLayouts = DEFAULT_LAYOUT
-    battery: int = 200
-    max_steps: int = 200
-    backend: str = "grid"
-    start_pos: Cell | None = None
-    randomize: bool | str = True
-
-    def layout_for(self, seed: int) -> Layout:
-        """Return the layout of the episode with a seed."""
-        return self.layout if isinstance(self.layout, Layout) else self.layout.layout(seed)
-
-    def make_env(self, seed: int = 0) -> WarehouseEnv:
-        """Return an environment for the episode with a seed."""
-        layout = self.layout_for(seed)
-        return WarehouseEnv(
-            layout, self.start_pos, self.max_steps, self.battery, backend=self.backend
-        )
-
-    @property
-    def seed_stride(self) -> int:
-        """1: each seed of an evaluation is used."""
-        return 1
-
-    def make_batch(self, rows: int) -> BatchEnv:
-        """Return a batch for training, on the grid backend, with random stations and starts."""
-        return BatchEnv(
-            rows,
-            self.layout if isinstance(self.layout, Layout) else None,
-            pool=None if isinstance(self.layout, Layout) else self.layout.pool(),
-            max_steps=self.max_steps,
-            battery=self.battery,
-            autoreset_mode=SAME_STEP,
-        )
-
-    def evaluate(self, make_agent: MakeAgent, seeds: Iterable[int]) -> Scores:
-        """Run one whole episode for each seed."""
-        return evaluate(make_agent, self, seeds)
-
-
-class Run(NamedTuple):
-    """The outcome of one episode.
-
-    Attributes:
-        delivered: whether the item was delivered.
-        steps: the length of the episode.
-        needed: the fewest steps of a delivery; NaN where no path leads there.
-        seconds: simulated time.
-        joules: energy.
-        expanded: nodes that the agent expanded; 0 for an agent that does not search.
-    """
-
-    delivered: bool
-    steps: int
-    needed: float
-    seconds: float
-    joules: float
-    expanded: int
+from agents.lab.trials.rows import FleetRow, Row
+from warehouse_core.records.episode import DELIVERED
 
 
 @dataclass(frozen=True)
 class Scores:
-    """The outcomes of an agent's episodes, and what they come to, with 95% intervals.
+    """The episodes of an agent of a lone robot, and what they come to.
 
-    Steps, seconds and joules a delivery are those of all episodes divided by the deliveries. Means
+    Steps, seconds and joules a delivery are sums over all episodes divided by the deliveries. Means
     over the deliveries alone would favour an agent that delivers only what is near.
+
+    Attributes:
+        rows: Episodes of the agent.
+        nodes: Nodes that the agent expanded in each episode; 0 without a search.
     """
 
-    runs: Sequence[Run]
+    rows: Sequence[Row]
+    nodes: Sequence[int]
 
     @property
     def delivered(self) -> NDArray[np.bool_]:
         """``[N]`` whether each episode ended with the delivery."""
-        return np.array([run.delivered for run in self.runs], np.bool_)
+        return np.array([row.mode == DELIVERED for row in self.rows], np.bool_)
 
     @property
     def lengths(self) -> NDArray[np.int64]:
         """``[N]`` the steps of each episode."""
-        return np.array([run.steps for run in self.runs], np.int64)
+        return np.array([row.steps for row in self.rows], np.int64)
 
     @property
     def summary(self) -> str:
@@ -143,46 +55,78 @@ class Scores:
     @property
     def success(self) -> Interval:
         """The share of episodes that ended with the delivery."""
-        return share_interval(int(self.delivered.sum()), len(self.runs))
+        return share_interval(int(self.delivered.sum()), len(self.rows))
 
     @property
     def steps(self) -> Interval | None:
         """The steps of all episodes divided by the deliveries; ``None`` without a delivery."""
-        return self._a_delivery(lambda run: run.steps)
+        return ratio_interval(self.lengths, self.delivered)
 
     @property
     def ratio(self) -> Interval | None:
         """The mean, over deliveries, of their steps divided by the fewest; at least 1."""
-        ratios = [run.steps / run.needed for run in self.runs if run.delivered]
+        ratios = [
+            row.steps / row.needed for row in self.rows if row.needed and row.mode == DELIVERED
+        ]
         return mean_interval(np.array(ratios))
 
     @property
     def seconds(self) -> Interval | None:
         """The simulated time of all episodes divided by the deliveries, in s."""
-        return self._a_delivery(lambda run: run.seconds)
+        return ratio_interval(np.array([row.seconds for row in self.rows]), self.delivered)
 
     @property
     def joules(self) -> Interval | None:
         """The energy of all episodes divided by the deliveries, in J."""
-        return self._a_delivery(lambda run: run.joules)
+        return ratio_interval(np.array([row.joules for row in self.rows]), self.delivered)
 
     @property
     def expanded(self) -> Interval | None:
         """The nodes expanded in an episode."""
-        return mean_interval(np.array([run.expanded for run in self.runs], dtype=float))
+        return mean_interval(np.array(self.nodes, dtype=float))
 
-    def _a_delivery(self, value: Callable[[Run], float]) -> Interval | None:
-        return ratio_interval(np.array([value(run) for run in self.runs]), self.delivered)
+
+@dataclass(frozen=True)
+class FleetScores:
+    """The episodes of a fleet, and what they come to.
+
+    Attributes:
+        rows: Episodes of the fleet.
+        robots: Number of robots.
+    """
+
+    rows: Sequence[FleetRow]
+    robots: int
+
+    @property
+    def summary(self) -> str:
+        """The deliveries in an hour, for a line of progress."""
+        return f"{self.per_hour.estimate:.0f} an hour"
+
+    @property
+    def per_hour(self) -> Interval:
+        """The items delivered in an hour, a mean over the episodes."""
+        return _mean([math.nan if row.per_hour is None else row.per_hour for row in self.rows])
+
+    @property
+    def blocked(self) -> Interval:
+        """The share of the robots' steps in which others blocked them, a mean over the episodes."""
+        return _mean([row.blocked_by_robot / (row.steps * self.robots) for row in self.rows])
+
+
+def _mean(values: Sequence[float]) -> Interval:
+    """Return the mean of at least one value."""
+    return mean_interval(np.array(values)) or Interval(math.nan)
 
 
 class Measure(NamedTuple):
     """A number by which agents are compared.
 
     Attributes:
-        column: its name in a table.
-        title: its name above a chart.
-        of: returns its value.
-        is_log: whether its axis is logarithmic, as agents differ by orders of magnitude.
+        column: Name in a table.
+        title: Name above a chart.
+        of: Function that returns its value.
+        is_log: Whether its axis is logarithmic, as agents differ by orders of magnitude.
     """
 
     column: str
@@ -211,36 +155,4 @@ EXPLANATION = (
     f"Ranges are {CONFIDENCE:.0%} intervals; means and ratios of fewer than {MIN_VALUES} "
     "deliveries or episodes have none."
 )
-"""What the measures are, for a reader of a table or a figure."""
-
-
-def evaluate(
-    make_agent: MakeAgent, task: Task, seeds: Iterable[int], act: Act = EpisodeRecorder.run
-) -> Scores:
-    """Run one whole episode for each seed and return the outcomes.
-
-    Args:
-        make_agent: makes the agent of each episode.
-        task: to be done.
-        seeds: of the episodes.
-        act: takes an agent through an episode, from its reset to the end.
-    """
-    return Scores([_run(make_agent(seed), task, seed, act) for seed in seeds])
-
-
-def _run(agent: Agent, task: Task, seed: int, act: Act) -> Run:
-    # Random stations depend on the stations before them, so each episode has its own environment.
-    with closing(task.make_env(seed)) as env:
-        observation = env.reset(task.randomize, seed)
-        [needed] = fewest_steps(env.layout, (env.state.robot_pos, False))
-        recorder = EpisodeRecorder(env, seed=seed)
-        act(recorder, agent, observation)
-        episode = recorder.episode
-        return Run(
-            episode.terminated,
-            episode.steps,
-            math.nan if needed is None else needed,
-            episode.seconds,
-            episode.joules,
-            getattr(agent, "expanded", 0),
-        )
+"""Definition of the measures, for a reader of a table or a figure."""

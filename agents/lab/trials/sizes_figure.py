@@ -31,15 +31,15 @@ LINE, TITLE, ABOVE, BELOW, FOOT = 0.26, 0.3, 0.42, 0.5, 0.55
 of a task, and of the caption."""
 
 RIGHT, GAP = 0.965, 0.055
-"""Where panels end, and between two of them, as shares of the width."""
+"""Right end of the panels, and gap between two of them, as shares of the width."""
 
 
 def sizes_figure(groups: Mapping[str, Mapping[str, Scores]], caption: str = "") -> SceneFigure:
     """Draw the agents' scores in each task, with 95% intervals, under the message they give.
 
     Args:
-        groups: by the title of a task, the scores by the name of the agent; the same agents in all.
-        caption: below all panels.
+        groups: scores by the title of a task and the name of an agent; the same agents in all.
+        caption: text below all panels.
     """
     said = [_lines(message(scores)) for scores in groups.values()]
     agents = len(next(iter(groups.values())))

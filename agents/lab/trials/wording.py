@@ -18,8 +18,8 @@ def mean(interval: Interval, unit: str, also: str = "") -> str:
     """Return a mean with its interval to three digits, ``49.9 steps (47.6 to 52.3)``.
 
     Args:
-        interval: of the mean; its ends are left out if they are unknown.
-        unit: of the mean, or "".
+        interval: interval of the mean; its ends are left out if they are unknown.
+        unit: unit of the mean, or "".
         also: further text in the brackets.
     """
     estimate, low, high = interval

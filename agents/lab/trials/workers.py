@@ -24,10 +24,10 @@ from agents.lab.console.terminal import print_error
 DEFERRED = (signal.SIGINT, signal.SIGTERM)
 
 ENDING_SECONDS = 5.0
-"""For a process whose connection has ended."""
+"""Time in which a process whose connection has ended must end."""
 
 TOPIC = "warehouse sweep"
-"""Of the events that Dask workers send to their client."""
+"""Topic of the events that Dask workers send to their client."""
 
 Check = Callable[[], None]
 """Raises ``KeyboardInterrupt`` if a deferred signal has come."""
@@ -39,7 +39,7 @@ T = TypeVar("T")
 Item = TypeVar("Item")
 
 _parent: Connection[Any, Any] | None = None
-"""In a worker process: to the process that has started it."""
+"""Connection of a worker process to the process that has started it."""
 
 
 @contextmanager
@@ -236,9 +236,9 @@ def run_each(call: Callable[[Item], T], items: Sequence[Item], jobs: int, label:
 
     Args:
         call: a function at the top level of its module.
-        items: to be given to it.
+        items: arguments of its calls.
         jobs: processes at once.
-        label: of the bar.
+        label: label of the bar.
 
     Raises:
         WorkerError: a process ended early.

@@ -104,7 +104,7 @@ def test_the_thresholds() -> None:
 
 def test_a_delivery_is_compared_with_the_shortest_path() -> None:
     sentence = "delivered in 7 steps; the shortest way takes 5"
-    assert named(LINE, (0, 0), "p.EEE.d") == ("delivered", ((0, 3),), 7, 5, sentence)
+    assert named(LINE, (0, 0), "p.EEE.d")[:5] == ("delivered", ((0, 3),), 7, 5, sentence)
 
 
 def test_a_delivery_after_detours_is_a_delivery() -> None:
@@ -146,7 +146,7 @@ def test_unreachable_stations_are_named(
     rows: list[str], loaded: bool, cells: tuple[Cell, ...], sentence: str
 ) -> None:
     found = named(rows, (0, 0), "." * 30, loaded=loaded, max_steps=30)
-    assert found == ("unreachable", cells, 30, None, sentence)
+    assert found[:5] == ("unreachable", cells, 30, None, sentence)
 
 
 @pytest.mark.parametrize(
@@ -171,7 +171,7 @@ def test_a_robot_moved_by_hand_to_the_stations_has_made_no_progress() -> None:
     env.state.robot_pos = (0, 0)
     recorder.step("WAIT")
     sentence = "it was stopped 3 steps short of the delivery"
-    assert diagnose(recorder.episode) == ("unfinished", ((0, 0),), 3, None, sentence)
+    assert diagnose(recorder.episode)[:5] == ("unfinished", ((0, 0),), 3, None, sentence)
     for _ in range(MIN_STEPS):
         recorder.step("WAIT")
     assert diagnose(recorder.episode).mode == "ineffective"
@@ -184,7 +184,7 @@ def test_a_robot_that_mostly_misses_its_target_cell_is_stalled() -> None:
     backend = Missing(range(2, 20))
     found = named(LONG, (0, 20), "W" * 20, max_steps=20, backend=backend)
     sentence = "18 of 20 steps missed their cell with nothing in the way, 18 of them from (0, 18)"
-    assert found == ("stalled", ((0, 18),), 18, 21 + 1 + 40 + 1 - 0, sentence)
+    assert found[:5] == ("stalled", ((0, 18),), 18, 21 + 1 + 40 + 1 - 0, sentence)
 
 
 def test_the_cell_of_most_misses_is_the_evidence() -> None:
@@ -404,7 +404,7 @@ def test_a_loop_is_found_wherever_the_episode_ends(more: int) -> None:
 def test_moves_without_progress_are_wandering() -> None:
     found = named(HALL, (1, 0), "EEEESSWWWWNN" * 2)
     sentence = "came no nearer in 24 moves over 12 cells"
-    assert found == ("wandering", ((1, 0),), 24, 12, sentence)
+    assert found[:5] == ("wandering", ((1, 0),), 24, 12, sentence)
 
 
 @pytest.mark.parametrize(("straight", "mode"), [(13, "wandering"), (14, "unfinished")])
@@ -461,7 +461,7 @@ def test_a_robot_on_its_way_failed_by_the_budget_that_ended_first(
 ) -> None:
     episode = drive(LONG, (0, 20), "W" * 15, **settings)
     sentence = f"{ending} 48 steps short of the delivery; the shortest way takes 63"
-    assert diagnose(episode) == (mode, ((0, 5),), 48, 63, sentence)
+    assert diagnose(episode)[:5] == (mode, ((0, 5),), 48, 63, sentence)
     assert episode.outcome == mode
 
 

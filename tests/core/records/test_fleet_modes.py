@@ -28,7 +28,8 @@ def driven(
 
 
 def mode_of(episode: FleetEpisode) -> tuple[str, tuple[int, ...]]:
-    return diagnose_fleet(episode)[:2]
+    found = diagnose_fleet(episode)
+    return found.mode, found.robots
 
 
 def test_an_order_that_no_way_leads_to_is_named_with_its_robot() -> None:

@@ -50,7 +50,7 @@ from warehouse_core.wording import printable
 MCAP = ".mcap"
 
 POSE_SECONDS = 0.1
-"""Between two poses of a robot inside a motion; tools interpolate."""
+"""Time between two poses of a robot inside a motion; tools interpolate."""
 
 
 class Entry(NamedTuple):

@@ -43,11 +43,11 @@ def grade_folder(
     """Grade the submissions in a folder that have changed, and write the table after each.
 
     Args:
-        folder: of the submissions.
+        folder: folder of the submissions.
         kind: the class of the agents, or ``None``.
-        rubric: what is asked of them.
+        rubric: criteria, cases and limits.
         target: the table.
-        pages: where the page and the results of each go, or ``None``.
+        pages: folder for the page and the results of each, or ``None``.
         user: see ``Sandbox``.
         jobs: processes.
     """

@@ -51,11 +51,11 @@ class Outcome(NamedTuple):
 
 
 class Result(NamedTuple):
-    """Of a planner with a number of robots, over the seeds.
+    """Means of a planner with a number of robots, over the seeds.
 
     Attributes:
         throughput: goals that are reached in a step.
-        milliseconds: of a step, on average.
+        milliseconds: mean time of a step.
         lost: steps that were cut off.
     """
 

@@ -24,9 +24,9 @@ def throughput_figure(curves: Mapping[str, Curve], bound: str, title: str) -> Sc
     """Draw throughput with its 95% intervals, where they are known.
 
     Args:
-        curves: of each planner by name, and of the bound.
+        curves: curves of the planners by name, and of the bound.
         bound: the name of the bound, which is drawn as a dashed line.
-        title: of the picture.
+        title: title of the picture.
     """
     figure = make_figure(SIZE, DPI)
     axes = figure.subplots()

@@ -27,7 +27,7 @@ SIGNIFICANCE = 0.05
 """A difference is reported as one if chance explains it with a smaller probability."""
 
 OTHER_TASKS = {"layout", "size", "density", "stations"}
-"""If one of these differs, equal seeds are different tasks, and are not compared."""
+"""Parameters that make equal seeds different tasks if they differ; such seeds are not compared."""
 
 UNITS = {"steps": "steps", "seconds": "s", "joules": "J"}
 

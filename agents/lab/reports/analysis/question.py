@@ -109,7 +109,7 @@ class Question(NamedTuple):
             words: Function that gives a value of the main measure as text.
             measure: Name of the main measure.
             unit: Unit of the main measure.
-            is_clear: Whether the ends of a trend, or the first two of a ranking, differ seed by
+            is_clear: ``True`` if the ends of a trend, or the first two of a ranking, differ seed by
                 seed; ``None`` if only their intervals tell.
         """
         line = self.line(self.main) if self.is_trend else self.ranked(self.main)

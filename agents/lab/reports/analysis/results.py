@@ -31,7 +31,7 @@ class Measure(NamedTuple):
         unit: Unit; ``"%"`` for a share.
         value: Expression of SQL that gives the value of an episode, ``NULL`` if it has none.
         what: Definition of the number, for the caption.
-        is_physical: Whether only backends that measure time and energy have it.
+        is_physical: Only backends that measure time and energy have it.
     """
 
     name: str
@@ -124,7 +124,7 @@ class Results:
         case_ids: Numbers of the cases.
         modes: Number of episodes with each mode that occurs, in the order of ``MODES_OF``.
         seeds: First seed and last seed.
-        is_measured: Whether seconds and joules are measured; the grid has nominal ones.
+        is_measured: Seconds and joules are measured; the grid has nominal ones.
     """
 
     store: Store

@@ -26,20 +26,18 @@ from agents.lab.reports.figures.panels import (
 from agents.lab.reports.figures.roles import lines_of, roles_of
 from warehouse_core.records.episode import BATTERY_DEPLETED, DELIVERED, OUT_OF_TIME, UNFINISHED
 from warehouse_core.records.failure_modes import (
-    INEFFECTIVE,
-    OSCILLATION,
-    STALLED,
-    UNREACHABLE,
-    WANDERING,
-)
-from warehouse_core.records.fleet_modes import (
     CONGESTED,
     DEADLOCK,
     IDLE,
+    INEFFECTIVE,
     LATE,
+    OSCILLATION,
     SERVED,
+    STALLED,
     STARVATION,
     STRANDED,
+    UNREACHABLE,
+    WANDERING,
 )
 from warehouse_core.render.palette import PAPER
 from warehouse_core.viz.figure import SceneFigure

@@ -85,7 +85,7 @@ def test_an_agent_that_fails_is_a_one_line_error_with_its_seed_and_step(
     line = refusal(capsys, *SMALL, "--seed", 6, "--agent", "mine.py:Mine")
     assert line == "seed 6, step 4, agent mine.py:Mine: ValueError: too far (mine.py, line 9)"
     ran = []
-    monkeypatch.setattr(compare_agents, "evaluate", lambda *_: ran.append(1))
+    monkeypatch.setattr(compare_agents, "evaluate_watched", lambda *_: ran.append(1))
     assert "no class 'Yours'" in refusal(capsys, *SMALL, "--agent", "mine.py:Yours")
     assert not ran
 

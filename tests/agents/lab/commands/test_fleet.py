@@ -17,7 +17,7 @@ from agents.registry import PLANNERS
 from warehouse_core import FleetEpisode, Order, OrderStream
 from warehouse_core.fleet import Battery, FleetMeasures
 from warehouse_core.orders import save_orders
-from warehouse_core.records.fleet_modes import FleetDiagnosis, diagnose_fleet
+from warehouse_core.records.failure_modes import FleetDiagnosis, diagnose_fleet
 
 SMALL = ("fleet", "--robots", 3, "--steps", 60, "--seed", 5)
 TOO_FAR = """
@@ -100,10 +100,10 @@ def test_orders_come_from_a_file(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_several_shifts_are_diagnosed_by_counts() -> None:
     modes = ("late", "stranded", "late")
-    assert diagnosis([FleetDiagnosis(mode, (0,), "why") for mode in modes]) == (
+    assert diagnosis([FleetDiagnosis(mode, (), 0, None, "why") for mode in modes]) == (
         "late (2), stranded (1)"
     )
-    assert diagnosis([FleetDiagnosis("late", (0,), "why")]) == "late: why"
+    assert diagnosis([FleetDiagnosis("late", (), 0, None, "why")]) == "late: why"
 
 
 def test_a_damaged_record_is_told_by_its_kind(capsys: pytest.CaptureFixture[str]) -> None:
@@ -306,7 +306,7 @@ def test_without_a_display_a_page_is_written(
         ("--planner pibt --show-plans 8", "--show-plans is '8'; it must be numbers of robots, 0.."),
         ("--planner pibt --show-plans 0,", "--show-plans is '0,'; it must be numbers of robots"),
         ("--seed -1", "seed is -1; it must be at least 0"),
-        ("--robots 99999 --people 9", "robots and people is 100008; it must be at most"),
+        ("--people 100000", "robots and people is 100003; it must be at most"),
         ("--agent bfs --planner a.py:A", "--planner directs all robots; leave out --agent"),
         ("--assignment urgent", "--assignment is for a --planner"),
         ("--planner pibt --plan-seconds 0", "--plan-seconds is 0.0; it must be above 0"),

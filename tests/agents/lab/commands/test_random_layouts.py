@@ -9,7 +9,7 @@ from PIL import Image
 
 from agents.lab.commands import compare_agents, train
 from agents.lab.trials.random_layouts import TRAINING_LAYOUTS, RandomLayouts
-from agents.lab.trials.scores import Task
+from agents.lab.trials.task import Task
 
 RANDOM = ("--layout", "random")
 COMPARE = ("compare-agents", "-n", 2, "--backend", "grid", "--max-steps", 40, *RANDOM)

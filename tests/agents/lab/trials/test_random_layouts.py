@@ -3,7 +3,7 @@ from dataclasses import replace
 import pytest
 
 from agents.lab.trials.random_layouts import MAX_POOL, TRAINING_LAYOUTS, RandomLayouts
-from agents.lab.trials.scores import Task, evaluate
+from agents.lab.trials.task import Task
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import LayoutError
 from warehouse_core.world.tiles import WALL
@@ -77,7 +77,7 @@ def test_each_episode_of_a_task_is_in_the_layout_of_its_seed() -> None:
     task = Task(SMALL, max_steps=1)
     for seed in (4, 9):
         assert task.make_env(seed).layout == SMALL.layout(seed)
-    needed = [run.needed for run in evaluate(GreedyAgent, task, range(30)).runs]
+    needed = [row.needed for row in task.evaluate(GreedyAgent, range(30)).rows]
     assert len(set(needed)) > 5
 
 

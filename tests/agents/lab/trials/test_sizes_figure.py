@@ -1,10 +1,10 @@
-from agents.lab.trials.scores import Run, Scores
+from helpers.results_files import BAD, GOOD, scores_of
+
 from agents.lab.trials.sizes_figure import PANELS, sizes_figure
 
-GOOD, BAD = Run(True, 20, 10.0, 40.0, 900.0, 5), Run(False, 200, 10.0, 400.0, 9000.0, 95)
 GROUPS = {
-    "small": {"one": Scores([GOOD] * 30), "a" * 60: Scores([GOOD] * 20 + [BAD] * 10)},
-    "large": {"one": Scores([BAD] * 30), "a" * 60: Scores([GOOD] * 30)},
+    "small": {"one": scores_of([GOOD] * 30), "a" * 60: scores_of([GOOD] * 20 + [BAD] * 10)},
+    "large": {"one": scores_of([BAD] * 30), "a" * 60: scores_of([GOOD] * 30)},
 }
 
 

@@ -19,8 +19,7 @@ from agents.lab.reports.figures.measure import measure_chart
 from agents.lab.reports.figures.modes import MODE_COLORS, ink_on, modes_chart
 from agents.lab.reports.figures.panels import MAX_TICKS
 from agents.lab.reports.figures.roles import Roles, roles_of
-from warehouse_core.records.failure_modes import MODES
-from warehouse_core.records.fleet_modes import FLEET_MODES
+from warehouse_core.records.failure_modes import FLEET_MODES, MODES
 from warehouse_core.viz.figure import SceneFigure
 
 
