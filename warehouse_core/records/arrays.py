@@ -16,11 +16,11 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from warehouse_core.batch.fleet.settings import FleetSettings
+from warehouse_core.batch.fleet.tally import FleetMeasures
 from warehouse_core.errors import RecordError
 from warehouse_core.files.header import pack_header, unpack_header
 from warehouse_core.files.npz import Arrays, Schema
-from warehouse_core.fleet.settings import FleetSettings
-from warehouse_core.fleet.tally import FleetMeasures
 from warehouse_core.motion.base import Contact, Outcome
 from warehouse_core.motion.vector import WALL
 from warehouse_core.orders.order import Order

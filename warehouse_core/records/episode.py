@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
+from warehouse_core.batch.fleet.settings import FleetSettings
+from warehouse_core.batch.fleet.tally import FleetMeasures
 from warehouse_core.errors import RecordError
 from warehouse_core.files.npz import read_arrays, write_arrays
-from warehouse_core.fleet.settings import FleetSettings
-from warehouse_core.fleet.tally import FleetMeasures
 from warehouse_core.orders.order import Order
 from warehouse_core.records.arrays import SCHEMAS, is_equal, pack, schema_of, unpack
 from warehouse_core.task.settings import Settings

@@ -15,10 +15,10 @@ from agents.lab.trials.rows import fleet_row, lone_row
 from agents.lab.trials.scores import FleetScores, Scores
 from agents.learning.learner import MakeAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, BatchEnv, Cell, FleetEnv, Layout, WarehouseEnv
+from warehouse_core.batch.shell.env import SAME_STEP
 from warehouse_core.fleet import FleetBatch
 from warehouse_core.fleet.env import Actions
 from warehouse_core.records import FleetAgent
-from warehouse_core.vector.rows import SAME_STEP
 
 MakeWatch = Callable[[object, str], Watch]
 """Makes what watches an agent, given its name, through an episode."""

@@ -16,8 +16,8 @@ from agents.learning.policy_network import PolicyNetwork, network_input
 from agents.learning.ppo_agent import PPOAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Layout
+from warehouse_core.batch import BatchEnv
 from warehouse_core.task.encoding import FLEET_TILES
-from warehouse_core.vector.env import BatchEnv
 
 pytestmark = pytest.mark.learning
 

@@ -1,4 +1,4 @@
-"""Two tracks in one picture."""
+"""Several tracks in one picture."""
 
 import dataclasses
 import math
@@ -198,7 +198,7 @@ def test_nothing_overlaps_nor_leaves_a_picture_of_1366_pixels(
     other = make_other() if make_other else physics
     for frame in (*grid.frames, *other.frames):
         frame.caption = LONG
-    for tracks in ((grid, other), (other, grid)):
+    for tracks in ((grid, other), (other, grid), (grid, other, physics)):
         scene = Scene(tracks, make_figure)
         assert scene.root.bbox.width <= MAX_PIXELS
         assert scene.root.bbox.height <= 800

@@ -10,9 +10,9 @@ import typer
 
 from agents.lab.console.options import number_option
 from agents.lab.parameters import PARAMETERS
+from warehouse_core.arguments import MAX_STEPS
+from warehouse_core.batch.fleet.battery import JOULES, STEPS
 from warehouse_core.fleet import Battery
-from warehouse_core.fleet.battery import JOULES, STEPS
-from warehouse_core.task.encoding import MAX_STEPS
 from warehouse_core.world.named_layouts import NAMES
 
 RobotsOption = Annotated[int, number_option("robots", "-r")]

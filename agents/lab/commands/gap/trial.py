@@ -20,8 +20,8 @@ from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import run
 from agents.registry import make_fleet_agent
 from warehouse_core import FleetEnv, FleetEpisode, Layout
+from warehouse_core.batch.fleet.tally import SECONDS_PER_HOUR
 from warehouse_core.fleet import Battery
-from warehouse_core.fleet.tally import SECONDS_PER_HOUR
 
 TOP_SPEED = 1.0
 """Nominal top speed of the robots of all worlds in m/s."""
@@ -102,7 +102,7 @@ def run_trial(world: str, seed: int, *, setting: Setting, kept: int | None = Non
     Args:
         world: name of the world.
         seed: seed of starts, orders and shocks.
-        setting: what the worlds have in common.
+        setting: fleet, floor and orders that the worlds have in common.
         kept: seed whose record is kept.
 
     Raises:

@@ -37,17 +37,8 @@ def trained(monkeypatch: pytest.MonkeyPatch) -> list[Task]:
 def test_agents_are_compared_in_each_size_in_one_figure(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    words = (
-        "--size",
-        "5x6",
-        "--size",
-        "6x9",
-        "--density",
-        "0.2",
-        "--agent",
-        "ppo:ppo.npz:revisit=4",
-    )
-    result = command(capsys, *COMPARE, *words, "--seed", 3, "--save", "f.png")
+    words = "--size 5x6 --size 6x9 --density 0.2 --agent ppo:ppo.npz:revisit=4 --seed 3"
+    result = command(capsys, *COMPARE, *words.split(), "--save", "f.png")
     assert (result.code, result.err) == (0, "")
     out = " ".join(result.out.split())
     for size in ("5 x 6", "6 x 9"):

@@ -26,8 +26,8 @@ from helpers.batches import (
 )
 
 from warehouse_core import DEFAULT_LAYOUT, Layout
-from warehouse_core.task.encoding import MAX_STEPS
-from warehouse_core.vector.env import BatchEnv
+from warehouse_core.arguments import MAX_STEPS
+from warehouse_core.batch import BatchEnv
 
 
 class Walk:

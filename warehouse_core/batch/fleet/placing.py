@@ -1,4 +1,4 @@
-"""Where the robots and people of a fleet start."""
+"""Places the robots and people of a fleet at the start of an episode."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.arguments import as_cell
+from warehouse_core.batch.fleet.settings import FleetSettings
 from warehouse_core.errors import LayoutError
-from warehouse_core.fleet.settings import FleetSettings
 from warehouse_core.task.starts import empty_cells
 from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.tiles import Cell
 
 
-class FleetStarts:
-    """The starts on a layout: those given, that of a lone robot, or drawn from the empty cells.
+class Placing:
+    """The starts on a layout: given, the usual start of a lone robot, or drawn from empty cells.
 
     If robots and people need more than the empty cells, stations and chargers are drawn too.
 
@@ -45,15 +45,15 @@ class FleetStarts:
 
 
 def _fixed(layout: Layout, settings: FleetSettings) -> list[int]:
-    """Return the starts that are not drawn, as ``row * W + col``."""
+    """Return the numbers of the starts that are not drawn."""
     starts: tuple[Cell, ...] = settings.starts or ()
     if settings.starts is None and settings.robots == 1:
         starts = (layout.usual_start(),)
-    found: dict[Cell, int] = {}
+    robot_in: dict[Cell, int] = {}
     for robot, start in enumerate(starts):
         cell = as_cell(f"the start of robot {robot}", start)
         check_open(layout, cell, f"robot {robot}:")
-        if cell in found:
-            raise LayoutError(f"robots {found[cell]} and {robot} are both given {cell}")
-        found[cell] = robot
-    return [row * layout.width + col for row, col in found]
+        if cell in robot_in:
+            raise LayoutError(f"robots {robot_in[cell]} and {robot} are both given {cell}")
+        robot_in[cell] = robot
+    return list(map(layout.number, robot_in))

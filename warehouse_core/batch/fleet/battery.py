@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from warehouse_core.arguments import whole_number
+from warehouse_core.arguments import MAX_STEPS, whole_number
 from warehouse_core.motion.grid import nominal_joules
-from warehouse_core.task.encoding import MAX_STEPS
 from warehouse_core.task.rules import CHARGE
 
 STEPS, JOULES = "steps", "joules"
@@ -19,7 +18,7 @@ class Battery:
 
     Args:
         capacity: units of a full charge, at least 1.
-        unit: ``"steps"``: every step costs one; ``"joules"``: what its motion cost.
+        unit: ``"steps"``: every step costs one; ``"joules"``: it costs what its motion cost.
         charge: units that a step of waiting on a charger adds; ``None`` is ``CHARGE`` steps, or in
             joules the nominal cost of as many moves.
 

@@ -1,4 +1,4 @@
-"""What environments of many rows share: checks of arguments, and how their episodes restart."""
+"""Checks of what environments in arrays are given: layouts, actions, masks and seeds."""
 
 from __future__ import annotations
 
@@ -10,27 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from warehouse_core.arguments import whole_number
 from warehouse_core.errors import EndedError, LayoutError
-from warehouse_core.motion.vector import Flags, Integers
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
-
-NEXT_STEP, SAME_STEP, DISABLED = "NextStep", "SameStep", "Disabled"
-AUTORESET_MODES = (NEXT_STEP, SAME_STEP, DISABLED)
+from warehouse_core.world.tables import Flags
 
 Seeds = int | Sequence[int | None] | None
-
-
-def checked_mode(autoreset_mode: str) -> str:
-    """Return an autoreset mode if there is such a one.
-
-    Raises:
-        ValueError: listing those allowed.
-    """
-    if autoreset_mode not in AUTORESET_MODES:
-        raise ValueError(
-            f"autoreset_mode is {autoreset_mode!r}; allowed: {', '.join(AUTORESET_MODES)}"
-        )
-    return autoreset_mode
 
 
 def checked_actions(actions: ArrayLike, rows: int) -> NDArray[np.intp]:
@@ -73,43 +57,6 @@ def checked_mask(mask: Flags | None, rows: int, is_first: bool) -> Flags:
     if is_first:
         raise EndedError("the first reset() must be of all rows, without a mask")
     return mask.copy()
-
-
-def check_running(ended: Flags) -> None:
-    """Raise ``EndedError`` if rows have ended, in the disabled mode."""
-    if ended.any():
-        raise EndedError(
-            f"{ended.sum()} rows have ended, row {ended.argmax()} first; they must be reset, by a "
-            "mask, before the next step"
-        )
-
-
-def final_info(
-    info: dict[str, Any], observed: dict[str, Any], masks: NDArray[np.int8], ended: Flags
-) -> dict[str, Any]:
-    """Return what the same-step mode adds to info for rows that have ended.
-
-    Args:
-        info: of the step, with ``motion``.
-        observed: the final observations of these rows only.
-        masks: ``[B, 7]``, before the reset.
-        ended: ``[B]``, which rows they are.
-    """
-    rows = np.flatnonzero(ended)
-    motion = {key: values.copy() for key, values in info["motion"].items()}
-    final = {
-        "motion": motion | {f"_{key}": ended.copy() for key in motion},
-        "_motion": ended.copy(),
-        "action_mask": masks,
-        "_action_mask": ended.copy(),
-    }
-    return {
-        "_motion": info["_motion"] & ~ended,
-        "final_obs": {key: _spread(values, rows, len(ended)) for key, values in observed.items()},
-        "_final_obs": ended.copy(),
-        "final_info": final,
-        "_final_info": ended.copy(),
-    }
 
 
 def one_layout_each(layout: Layout | Sequence[Layout] | None, rows: int) -> Sequence[Layout]:
@@ -166,10 +113,3 @@ def checked_seeds(seed: Seeds, rows: int) -> Sequence[int | None]:
         None if each is None else whole_number(f"the seed of row {row}", each, minimum=0)
         for row, each in enumerate(seed)
     ]
-
-
-def _spread(values: NDArray[Any], rows: Integers, count: int) -> NDArray[Any]:
-    """Return ``count`` rows that are zero except for those given."""
-    spread = np.zeros((count, *values.shape[1:]), values.dtype)
-    spread[rows] = values
-    return spread

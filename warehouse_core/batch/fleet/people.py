@@ -14,26 +14,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.arguments import real_number, whole_number
-from warehouse_core.motion.vector import Integers
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.distances import distances
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tables import LayoutSet, sides_table, size_of
+from warehouse_core.world.tables import Integers, LayoutSet, sides_table, size_of
 from warehouse_core.world.tiles import Cell
 
 STATIONS, AISLES = "stations", "aisles"
 HABITS = (STATIONS, AISLES)
 
-MAX_GOALS, MAX_GOAL_CELLS = 32, 2**26
-"""Stations of a layout between which people walk, and those times its cells, 4 bytes each; more
-are left out evenly.
-"""
+MAX_GOALS = 32
+"""Limit on the stations of a layout between which people walk; more are left out evenly."""
+
+MAX_GOAL_CELLS = 2**26
+"""Limit on the product of these stations and the cells of the layout, 4 bytes each."""
 
 AHEAD, ASIDE, BACK = 8.0, 1.0, 0.05
-"""How often a person takes a direction, relative to the others that are open."""
+"""Weights with which a person draws one of the open directions."""
 
 NUMBERS = WAIT + 2
-"""Random numbers of a person in a step: one for each direction, for a pause, and for a goal."""
+"""Random numbers of a person in a step: one for each direction, one for a pause, one for a goal."""
 
 
 @dataclass(frozen=True)
@@ -66,12 +66,12 @@ class Crowd:
     """The people on ``B`` floors, ``P`` on each; arrays are ``[B, P]``.
 
     Args:
-        people: how many, and their habit.
-        layouts: of the floors.
+        people: number of people on each floor, and their habit.
+        layouts: layouts of the floors.
 
     Attributes:
-        cells: where they are, numbered within their layouts.
-        ends: where their next moves begin, which differ if they drive through cells.
+        cells: cells in which they are, numbered within their layouts.
+        ends: cells in which their next moves begin; others if the motion drives through cells.
     """
 
     def __init__(self, people: People, layouts: LayoutSet) -> None:
@@ -85,7 +85,7 @@ class Crowd:
         self._base = layouts.base[:, None]
         self._sides = sides_table(layouts.kinds)
         if self._walks_to_stations:
-            self._ways = _Ways(layouts)
+            self._ways = _ShortestWays(layouts)
 
     def enter(self, floor: int, cells: Integers, stream: np.random.Generator) -> None:
         """Put the people of a floor in their cells; they draw from ``stream`` from now on."""
@@ -131,7 +131,7 @@ class Crowd:
         return ways.weights(floors, self._goals, self.ends)
 
 
-class _Ways:
+class _ShortestWays:
     """The shortest ways to the stations of each layout; open cells if it has fewer than two.
 
     ``floors``, ``goals`` and ``cells`` are arrays of one shape, or broadcast to one.
@@ -200,6 +200,6 @@ def _is_nearer(field: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 
 _AHEAD = np.full((WAIT + 1, WAIT), ASIDE)
-"""The weights of the directions after each action; after none, all are equal."""
+"""Weights of the directions after each action; all are equal before the first."""
 _AHEAD[range(WAIT), range(WAIT)] = AHEAD
 _AHEAD[range(WAIT), [2, 3, 0, 1]] = BACK

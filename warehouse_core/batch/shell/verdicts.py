@@ -1,4 +1,4 @@
-"""The rules for a batch: all verdicts of ``task/rules.py`` in tables."""
+"""All verdicts of ``task/rules.py`` in tables, for many robots at once."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.motion.vector import Flags, Integers
 from warehouse_core.task.rules import CHARGE, judge, useful_actions
 from warehouse_core.world.actions import ACTIONS
+from warehouse_core.world.tables import Flags, Integers
 from warehouse_core.world.tiles import CELL_CODES, CHARGER, DROPOFF, EMPTY, PICKUP
 
 STATION_KINDS = (EMPTY, PICKUP, DROPOFF, PICKUP + DROPOFF, CHARGER)
-"""What a robot can stand on; a batch uses the index.
+"""Kinds of cells that a robot can stand on; a batch uses the index.
 
-Of a cell that is both, as orders can make it, a robot uses the pickup if it holds no item, and the
-dropoff if it does.
+Orders can make a cell a pickup and a dropoff. A robot uses the pickup if it holds no item, and the
+dropoff if it holds one.
 """
 
 NO_STATION = STATION_KINDS.index(EMPTY)
@@ -38,10 +38,10 @@ _REWARDS = np.array([verdict.reward for verdict in _VERDICTS])
 _HAS_ITEM = np.array([verdict.has_item for verdict in _VERDICTS])
 _DELIVERED = np.array([verdict.delivered for verdict in _VERDICTS])
 _CHARGES = np.array([verdict.charges for verdict in _VERDICTS[::4]])
-"""By action and tile alone."""
+"""``True`` where a robot charges, by its action and the kind of its cell."""
 
 _MASK_BYTES = 8
-"""Size of a mask with padding: looking up eight bytes at once is much faster than seven."""
+"""Bytes of a mask with padding: looking up eight bytes at once is much faster than seven."""
 
 _MASKS = np.array(
     [

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from warehouse_core import Cell, Layout, random_layout
+from warehouse_core.batch.shell.floor import Floor
 from warehouse_core.task.encoding import MARKED_TILES, marks
 from warehouse_core.task.sight import Sight
-from warehouse_core.vector.floor import VectorFloor
 from warehouse_core.world.tables import LayoutSet
 from warehouse_core.world.tiles import CELL_CODES
 
@@ -20,7 +20,7 @@ def codes(window: list[str]) -> list[int]:
     return [CELL_CODES[tile] for line in window for tile in line]
 
 
-def put(floor: VectorFloor, row: int, layout: Layout, *stations: Cell) -> None:
+def put(floor: Floor, row: int, layout: Layout, *stations: Cell) -> None:
     pickups, dropoffs = ([at[0] * layout.width + at[1]] for at in stations)
     floor.put_stations(np.array([row]), np.array(pickups), np.array(dropoffs))
 
@@ -29,7 +29,7 @@ def put(floor: VectorFloor, row: int, layout: Layout, *stations: Cell) -> None:
 def test_windows_show_stations_only_where_they_are(radius: int) -> None:
     """Every place of pickup, dropoff and robot, in layouts narrower and wider than the window."""
     floor, marked = (
-        VectorFloor(LayoutSet(BARE), radius, moving_stations=True, tiles=tiles)
+        Floor(LayoutSet(BARE), radius, moving_stations=True, tiles=tiles)
         for tiles in ((), MARKED_TILES)
     )
     for row, layout in enumerate(BARE):
@@ -54,7 +54,7 @@ def test_windows_show_stations_only_where_they_are(radius: int) -> None:
 def test_stations_of_the_layout_are_used_unless_they_move() -> None:
     shop = Layout(["P.D", "DP."])
     floor, marked = (
-        VectorFloor(LayoutSet([shop] * 2), 1, moving_stations=False, tiles=tiles)
+        Floor(LayoutSet([shop] * 2), 1, moving_stations=False, tiles=tiles)
         for tiles in ((), MARKED_TILES)
     )
     cells, loaded = np.array([1, 5]), np.array([False, True])
@@ -68,10 +68,10 @@ def test_stations_of_the_layout_are_used_unless_they_move() -> None:
 
 
 def test_windows_whose_marks_are_too_large_are_codes(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("warehouse_core.vector.floor.MAX_TABLE_BYTES", 3 * 12 * 9 - 1)
+    monkeypatch.setattr("warehouse_core.batch.shell.floor.MAX_TABLE_BYTES", 3 * 12 * 9 - 1)
     kinds = {}
     for layout in (OPEN, LANE):
-        floor = VectorFloor(LayoutSet([layout]), 1, moving_stations=False, tiles=MARKED_TILES)
+        floor = Floor(LayoutSet([layout]), 1, moving_stations=False, tiles=MARKED_TILES)
         given = np.array([0]), np.array([5]), np.array([False]), np.array([[0, 5]])
         kinds[layout] = floor.windows(*given).dtype
     assert kinds == {OPEN: np.uint8, LANE: np.bool_}
@@ -82,7 +82,7 @@ def test_a_station_very_far_away_is_not_seen() -> None:
     length = 2**16
     layouts = LayoutSet([Layout(["."] * length), Layout(["." * length])])
     ends: list[tuple[Cell, Cell]] = [((0, 0), (length - 1, 0)), ((length - 1, 0), (0, 0))]
-    floor = VectorFloor(layouts, 1, moving_stations=True)
+    floor = Floor(layouts, 1, moving_stations=True)
     for robot, station in ends:
         put(floor, 0, layouts.kinds[0], station, station)
         found = floor.windows(
@@ -92,7 +92,7 @@ def test_a_station_very_far_away_is_not_seen() -> None:
 
 
 def test_windows_are_new_arrays() -> None:
-    floor = VectorFloor(LayoutSet([OPEN]), 1, moving_stations=False)
+    floor = Floor(LayoutSet([OPEN]), 1, moving_stations=False)
     given = np.array([0]), np.array([5]), np.array([False]), np.array([[1, 1]])
     floor.windows(*given)[:] = 9
     assert floor.windows(*given).tolist() == [codes(["...", ".R.", "..."])]

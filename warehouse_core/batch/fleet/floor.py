@@ -5,22 +5,28 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from warehouse_core.batch.fleet.settings import FleetSettings
+from warehouse_core.batch.shell.floor import Floor
 from warehouse_core.errors import LayoutError
-from warehouse_core.fleet.settings import FleetSettings
-from warehouse_core.motion.vector import Flags, Integers, Rows
 from warehouse_core.task.encoding import NOWHERE, Window
-from warehouse_core.vector.floor import VectorFloor
 from warehouse_core.world.distances import nearest
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tables import MAX_TABLE_BYTES, LayoutSet, places_table
+from warehouse_core.world.tables import (
+    MAX_TABLE_BYTES,
+    Flags,
+    Integers,
+    LayoutSet,
+    Rows,
+    places_table,
+)
 from warehouse_core.world.tiles import CELL_CODES, OTHER_EMPTY, OTHER_LOADED, PERSON, PICKUP
 
 NOTHING = 0
-"""No code on top of a tile; it is also that of an empty cell."""
+"""Code of a tile with nothing on top; an empty cell has the same code."""
 
 
-class FleetFloor(VectorFloor):
-    """A ``VectorFloor`` for ``B`` floors with ``R`` robots on each.
+class FleetFloor(Floor):
+    """A ``Floor`` for ``B`` floors with ``R`` robots on each.
 
     What is on top of the tiles stands in one array, in which the floors lie end to end, each with
     a margin of ``radius`` cells. A *spot* is an index in it.
@@ -37,7 +43,8 @@ class FleetFloor(VectorFloor):
     def __init__(self, layouts: LayoutSet, settings: FleetSettings) -> None:
         robots, radius, has_orders = settings.robots, settings.view_radius, settings.has_orders
         _check_windows(len(layouts.kind) * robots, 2 * radius + 1)
-        super().__init__(layouts.repeated(robots), radius, moving_stations=has_orders)
+        repeated = [layout for layout in layouts.rows for _ in range(robots)]
+        super().__init__(LayoutSet(repeated, bare=has_orders), radius, moving_stations=has_orders)
         # Nothing lies on the tiles around a robot that is alone.
         self._is_bare = settings.bodies == 1 and not has_orders
         kinds = layouts.kinds
@@ -69,9 +76,9 @@ class FleetFloor(VectorFloor):
         self._waiting[spot] = self._on_top[spot] = CELL_CODES[PICKUP] if is_waiting else NOTHING
 
     def stations(self, cells: Integers) -> Integers:
-        """Return what the robots stand on; see ``VectorFloor``. Open orders wait for all."""
+        """Return what the robots stand on; see ``Floor``. Open orders wait for all."""
         on = super().stations(cells)
-        if self._moving:
+        if self.moving_stations:
             on = on | (self._waiting.take(self._spots_of(cells)) != NOTHING)
         return on
 
@@ -79,9 +86,9 @@ class FleetFloor(VectorFloor):
         """Put robots and people where they are now.
 
         Args:
-            cells: ``[B * R]``, of the robots.
+            cells: ``[B * R]``, cells of the robots.
             has_item: ``[B * R]``, whether they hold an item.
-            people: ``[B, P]``, their cells.
+            people: ``[B, P]``, cells of the people.
         """
         if self._is_bare:
             return

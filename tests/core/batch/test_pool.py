@@ -9,10 +9,10 @@ import pytest
 from helpers.batches import CORRIDOR, MOTION, ROOM, Single, over_modes, over_starts, same
 
 from warehouse_core import BackendError, Layout, LayoutError, random_layout
+from warehouse_core.batch import BatchEnv
+from warehouse_core.batch.shell.env import DISABLED, NEXT_STEP, SAME_STEP
 from warehouse_core.motion.grid import GridMotion
 from warehouse_core.task.encoding import MARKED_TILES, vector
-from warehouse_core.vector.env import BatchEnv
-from warehouse_core.vector.rows import DISABLED, NEXT_STEP, SAME_STEP
 
 ROWS = 6
 POOL = [random_layout(5, 7, density, seed=seed) for seed, density in enumerate((0.0, 0.2, 0.4))]

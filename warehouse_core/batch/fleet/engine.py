@@ -4,140 +4,91 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple, cast
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.fleet.battery import STEPS
-from warehouse_core.fleet.floor import FleetFloor
-from warehouse_core.fleet.motion import FleetMotion
-from warehouse_core.fleet.observation import FleetArrays
-from warehouse_core.fleet.people import Crowd
-from warehouse_core.fleet.settings import FleetSettings
-from warehouse_core.fleet.starts import FleetStarts
-from warehouse_core.fleet.tally import FleetMeasures, Tally
-from warehouse_core.fleet.vector_orders import VectorOrders
-from warehouse_core.motion.backends import (
-    Backend,
-    make_fleet_motion,
-    make_motion,
-)
-from warehouse_core.motion.vector import (
-    BatchOutcome,
-    CanFail,
-    Flags,
-    FleetBatchMotion,
-    Integers,
-    Rows,
-)
+from warehouse_core.batch.fleet.battery import STEPS
+from warehouse_core.batch.fleet.floor import FleetFloor
+from warehouse_core.batch.fleet.mingling import MingledMotion
+from warehouse_core.batch.fleet.order_books import OrderBooks
+from warehouse_core.batch.fleet.people import Crowd
+from warehouse_core.batch.fleet.placing import Placing
+from warehouse_core.batch.fleet.settings import FleetSettings
+from warehouse_core.batch.fleet.tally import FleetMeasures, Tally
+from warehouse_core.batch.shell.env import ALL, NO_FLOORS, EngineStep
+from warehouse_core.batch.shell.robots import Robots
+from warehouse_core.batch.shell.verdicts import spend_and_charge
+from warehouse_core.motion.backends import Backend, make_fleet_motion, make_motion
+from warehouse_core.motion.vector import BatchOutcome, CanFail, FleetBatchMotion
+from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.task.rules import judge
-from warehouse_core.vector.robots import VectorRobots
-from warehouse_core.vector.rules import spend_and_charge
-from warehouse_core.vector.starts import first_stations
 from warehouse_core.world.actions import PICK, WAIT
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tables import LayoutSet
+from warehouse_core.world.tables import Flags, Integers, LayoutSet, Rows
 from warehouse_core.world.tiles import EMPTY
-
-ALL = slice(None)
 
 TAKEN = judge(PICK, EMPTY, False, False)
 """The verdict on a robot whose item another one has just taken."""
 
 
-class FleetStep(NamedTuple):
-    """One step of ``N`` robots.
-
-    Attributes:
-        outcome: of the motion.
-        rewards: ``[N]`` float64.
-        terminated: ``[N]`` bool, whether the robot's task is done.
-        truncated: ``[N]`` bool, whether its battery or the steps are used up, or it has failed.
-    """
-
-    outcome: BatchOutcome
-    rewards: NDArray[np.float64]
-    terminated: Flags
-    truncated: Flags
-
-
-def make_fleets(layouts: Sequence[Layout], settings: FleetSettings, backend: Backend) -> Fleets:
-    """Return fleets on these layouts, moved by a backend.
-
-    Raises:
-        BackendError: the backend is unknown, or a single instance for several layouts.
-        LayoutError: as for ``Fleets``, as well as ``OrderError``.
-    """
-    motion = make_fleet_motion(backend, layouts, settings.bodies)
-    return Fleets(layouts, settings, motion, make_motion(backend).cell_size)
-
-
-class Fleets:
+class FleetEngine:
     """``B`` fleets, each on a floor of its own; ``N = B * R`` robots, floor by floor.
 
     Args:
-        layouts: ``B``.
-        settings: of all fleets.
-        motion: of ``R + P`` bodies on each floor, see ``BatchMotion``.
-        cell_size: side of a cell in metres, for what a step costs.
+        layouts: ``B`` layouts.
+        settings: settings of all fleets.
+        backend: name, class or instance of the motion that carries out the moves.
 
     Attributes:
-        motion: what moves the robots, and the people among them.
-        orders: ``None`` without orders.
-        robots: their cells and loads.
-        crowd: the people.
-        tally: what has been done.
+        motion: motion of the robots, and of the people among them.
+        orders: books of orders; ``None`` without orders.
+        robots: cells and loads of the robots.
+        crowd: people on the floors.
+        tally: counts of what the robots have done.
         battery: ``[N]`` float64 units left.
-        steps: ``[B]`` taken.
+        steps: ``[B]`` steps taken.
         terminated: ``[N]``, whether the task of the robot is done.
         truncated: ``[N]``, whether its battery or the steps are used up, or it has failed.
         failed: ``[N]``, whether the motion says that it stays where it is for good.
 
     Raises:
+        BackendError: the backend is unknown, or a single instance that several layouts need.
         LayoutError: robots or people that have no room, or stations that are missing.
         OrderError: orders that cannot be carried out.
     """
 
     def __init__(
-        self,
-        layouts: Sequence[Layout],
-        settings: FleetSettings,
-        motion: FleetBatchMotion,
-        cell_size: float,
+        self, layouts: Sequence[Layout], settings: FleetSettings, backend: Backend
     ) -> None:
+        motion: FleetBatchMotion = make_fleet_motion(backend, layouts, settings.bodies)
         self.layouts, self.settings = LayoutSet(layouts), settings
         floors, rows = len(layouts), len(layouts) * settings.robots
         self._floor = floor = FleetFloor(self.layouts, settings)
-        self.orders = VectorOrders(self.layouts, settings, floor) if settings.has_orders else None
-        self._starts = [FleetStarts(kind, settings) for kind in self.layouts.kinds]
+        self.orders = OrderBooks(self.layouts, settings, floor) if settings.has_orders else None
+        self._starts = [Placing(kind, settings) for kind in self.layouts.kinds]
         self.crowd = Crowd(settings.people, self.layouts)
         if settings.people.count:
-            motion = FleetMotion(motion, settings.robots, self.crowd)
+            motion = MingledMotion(motion, settings.robots, self.crowd)
         self.motion = motion
-        self.robots = VectorRobots(self._floor, motion, rows)
+        self.robots = Robots(self._floor, motion, rows)
         self.tally = Tally(floors, settings.robots)
         self._streams = [np.random.default_rng() for _ in layouts]
-        self._charge = settings.battery.step_charge(cell_size)
+        self._charge = settings.battery.step_charge(make_motion(backend).cell_size)
         self.battery = np.zeros(rows)
         self.steps = np.zeros(floors, np.int32)
         self.terminated, self.truncated, self.failed = np.zeros((3, rows), np.bool_)
         if not settings.has_orders:
-            stations = first_stations(self.layouts.repeated(settings.robots))
-            self._floor.put_stations(np.arange(rows), *stations.T)
+            floor.put_own_stations(np.arange(rows))
 
     @property
     def ended(self) -> Flags:
-        """``[N]``, whether the robot has ended: it waits, and stays in the way."""
+        """``[N]``, whether the robot has ended; see ``Engine.ended``."""
         return self.terminated | self.truncated
 
-    def reset(self, floors: Integers, seeds: Sequence[int | None]) -> None:
-        """Start an episode on some floors.
-
-        Args:
-            floors: ``[F]``, all different.
-            seeds: ``F``; a floor without one continues its stream.
-        """
+    def begin(self, floors: Integers, seeds: Sequence[int | None]) -> None:
+        """Start an episode on some floors; see ``Engine.begin``."""
         cells, motion_seeds = [], []
         for floor, seed in zip(floors.tolist(), seeds, strict=True):
             if seed is not None:
@@ -157,12 +108,8 @@ class Fleets:
         self.tally.clear(floors)
         self._release()
 
-    def step(self, actions: Integers) -> FleetStep:
-        """Carry out one action for each robot; those that have ended wait.
-
-        Args:
-            actions: ``[N]`` intp, 0 to 6.
-        """
+    def step(self, actions: NDArray[np.intp], over: Integers = NO_FLOORS) -> EngineStep:
+        """Carry out one action for each robot; see ``Engine.step``."""
         active, had_item = ~self.ended, self.robots.has_item
         chosen = np.where(active, actions, WAIT)
         outcome, rewards, delivered, charging = self.robots.step(chosen)
@@ -180,28 +127,35 @@ class Fleets:
         if self.settings.team_reward:
             teams = rewards.reshape(-1, self.settings.robots)
             teams[:] = teams.mean(axis=1, keepdims=True)
-        return FleetStep(outcome, rewards, self.terminated.copy(), self.truncated.copy())
+        flags = self.terminated.copy(), self.truncated.copy()
+        if over.size:  # after the motion, as people must not walk before the first action
+            self.begin(over, [None] * over.size)
+        return EngineStep(outcome, rewards, *flags)
 
     def observe(self, rows: Rows = ALL) -> FleetArrays:
         """Return fresh arrays of what some of the robots observe."""
         self._floor.show(self.robots.cells, self.robots.has_item, self.crowd.cells)
         steps = np.repeat(self.steps, self.settings.robots)[rows]
         battery = np.floor(self.battery[rows]).astype(np.int32)
-        arrays = self.robots.observe(rows, battery[:, None], steps[:, None])
-        found = cast(FleetArrays, arrays)
+        arrays = cast(FleetArrays, self.robots.observe(rows, battery[:, None], steps[:, None]))
         if self.orders:
-            found["due"] = self.orders.due[rows, None].copy()
+            arrays["due"] = self.orders.due[rows, None].copy()
         if self._floor.has_chargers:
-            found["charger_pos"] = self._floor.nearest_chargers(rows, self.robots.cells[rows])
-        return found
+            arrays["charger_pos"] = self._floor.nearest_chargers(rows, self.robots.cells[rows])
+        return arrays
+
+    def masks(self) -> NDArray[np.int8]:
+        """Return ``[N, 7]`` int8: 1 for each action that does something now."""
+        return self.robots.masks()
 
     def measures(self, floor: int) -> FleetMeasures:
         """Return the measures of the present episode on a floor."""
         rows = self.rows_of(np.array([floor]))
         book = self.orders.books[floor] if self.orders else None
-        found = self.tally.measures(floor, int(self.steps[floor]), book.records() if book else None)
+        records = book.records() if book else None
+        counted = self.tally.measures(floor, int(self.steps[floor]), records)
         stranded = int(self._is_out[rows].sum())
-        return replace(found, stranded=stranded, lost=book.lost if book else 0)
+        return replace(counted, stranded=stranded, lost=book.lost if book else 0)
 
     def rows_of(self, floors: Integers) -> NDArray[np.intp]:
         """Return the rows of all robots on some floors."""
@@ -214,7 +168,7 @@ class Fleets:
 
     def _book(
         self,
-        orders: VectorOrders,
+        orders: OrderBooks,
         had_item: Flags,
         delivered: Flags,
         rewards: NDArray[np.float64],
@@ -257,5 +211,4 @@ class Fleets:
     @property
     def _is_out(self) -> Flags:
         """Whether the battery of each robot is empty, or it has failed, ``[N]``."""
-        found: Flags = (self.battery <= 0) | self.failed
-        return found
+        return np.asarray((self.battery <= 0) | self.failed)

@@ -20,8 +20,8 @@ from helpers.batches import (
 )
 
 from warehouse_core import Layout, random_layout
+from warehouse_core.batch import BatchEnv
 from warehouse_core.gymnasium_env.env import WarehouseGymnasiumEnv
-from warehouse_core.vector.env import BatchEnv
 
 
 @over_starts

@@ -21,8 +21,8 @@ from helpers.batches import (
 )
 
 from warehouse_core import BackendError, Layout, LayoutError
+from warehouse_core.batch import BatchEnv
 from warehouse_core.errors import EndedError
-from warehouse_core.vector.env import BatchEnv
 from warehouse_core.world import tables as floor_tables
 
 

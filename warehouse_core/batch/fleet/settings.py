@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from warehouse_core.arguments import as_cell, real_number, whole_number
-from warehouse_core.fleet.battery import Battery
-from warehouse_core.fleet.people import People
-from warehouse_core.orders.order import Order, OrderQueue, OrderStream
-from warehouse_core.task.encoding import MAX_STEPS
+from warehouse_core.arguments import MAX_STEPS, as_cell, real_number, whole_number
+from warehouse_core.batch.fleet.battery import Battery
+from warehouse_core.batch.fleet.people import People
+from warehouse_core.orders.order import Order, OrderQueue, Orders, OrderStream
 from warehouse_core.world.tiles import Cell
 
 MAX_BODIES = 100_000
-"""Limit on the robots and people of a floor together."""
+"""Limit on the sum of robots and people on a floor."""
 
 
 @dataclass(frozen=True)
 class FleetSettings:
     """The arguments of ``FleetEnv`` that are neither its layout nor its backend; see there.
-
-    ``orders`` are streams, orders, a queue, or ``None``; ``starts`` cells, or ``None``.
 
     Raises:
         ValueError: a value that is not allowed.
@@ -46,6 +44,35 @@ class FleetSettings:
         real_number("late_penalty", self.late_penalty)
         if self.starts is not None and len(self.starts) != self.robots:
             raise ValueError(f"{len(self.starts)} starts for {self.robots} robots; each needs one")
+
+    @classmethod
+    def of(
+        cls,
+        robots: int,
+        *,
+        orders: Orders | None = None,
+        starts: Sequence[Cell] | None = None,
+        max_steps: int = 200,
+        battery: int | Battery = 200,
+        view_radius: int = 2,
+        people: int | People = 0,
+        dispatch: bool = True,
+        late_penalty: float = 0.0,
+        team_reward: bool = False,
+    ) -> FleetSettings:
+        """Return settings given as ``FleetEnv`` takes them, with its defaults."""
+        return cls(
+            robots,
+            as_orders(orders),
+            None if starts is None else tuple(starts),
+            max_steps,
+            battery if isinstance(battery, Battery) else Battery(battery),
+            view_radius,
+            people if isinstance(people, People) else People(people),
+            dispatch,
+            late_penalty,
+            team_reward,
+        )
 
     def to_json(self) -> dict[str, Any]:
         """Return the settings as values that JSON can hold."""
@@ -79,7 +106,7 @@ class FleetSettings:
 
     @property
     def bodies(self) -> int:
-        """Number of robots and people on a floor."""
+        """Sum of robots and people on a floor."""
         return self.robots + self.people.count
 
 
@@ -114,7 +141,7 @@ def _orders(values: Any) -> Any:
     """Return what ``as_orders`` takes, given as ``asdict`` or JSON returns it.
 
     Raises:
-        TypeError: the values are not those of orders.
+        TypeError: the values do not describe orders.
     """
     if values is None:
         return None

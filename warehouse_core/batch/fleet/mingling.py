@@ -1,4 +1,4 @@
-"""The motion of a fleet: its robots, and the people among them."""
+"""The motion of robots and people on the same floors."""
 
 from __future__ import annotations
 
@@ -8,20 +8,21 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.fleet.people import Crowd
+from warehouse_core.batch.fleet.people import Crowd
 from warehouse_core.motion.base import Outcome
-from warehouse_core.motion.vector import BatchOutcome, CanFail, Flags, FleetBatchMotion, Integers
+from warehouse_core.motion.vector import BatchOutcome, CanFail, FleetBatchMotion
+from warehouse_core.world.tables import Flags, Integers
 
 Kind = TypeVar("Kind", bound=np.generic)
 
 
-class FleetMotion:
-    """A ``BatchMotion`` of ``R`` robots on each floor, among ``P`` people.
+class MingledMotion:
+    """Moves ``R`` robots among ``P`` people on each floor; see ``FleetBatchMotion``.
 
     Args:
         motion: moves ``R + P`` bodies on each floor, the robots first.
-        robots: ``R``.
-        crowd: the people, who have entered before the robots are placed.
+        robots: number of robots, ``R``.
+        crowd: people, who have entered before the robots are placed.
     """
 
     def __init__(self, motion: FleetBatchMotion, robots: int, crowd: Crowd) -> None:
@@ -55,7 +56,7 @@ class FleetMotion:
             self._motion.fail(floors * self._bodies + robots)
 
     def outcomes(self, floor: int) -> Sequence[Outcome]:
-        """Return what the robots of a floor, and then its people, did; see ``BatchMotion``."""
+        """Return what the robots of a floor, and then its people, did."""
         return self._motion.outcomes(floor)
 
     def close(self) -> None:
@@ -63,13 +64,13 @@ class FleetMotion:
         self._motion.close()
 
     def _joined(self, robots: NDArray[Any], people: NDArray[Any]) -> NDArray[Any]:
-        """Return values of robots ``[F * R]`` and people ``[F, P]`` as those of all bodies."""
+        """Return the values of all bodies, from robots ``[F * R]`` and people ``[F, P]``."""
         return np.hstack([np.reshape(robots, (len(people), -1)), people]).ravel()
 
     def _of_people(self, bodies: NDArray[Kind]) -> NDArray[Kind]:
-        """Return the values of the people ``[F, P]``, given those of all bodies."""
+        """Return the values of the people ``[F, P]`` from the values of all bodies."""
         return bodies.reshape(-1, self._bodies)[:, self._robots :]
 
     def _of_robots(self, bodies: NDArray[Kind]) -> NDArray[Kind]:
-        """Return the values of the robots ``[N]``, given those of all bodies."""
+        """Return the values of the robots ``[N]`` from the values of all bodies."""
         return bodies.reshape(-1, self._bodies)[:, : self._robots].ravel()

@@ -3,8 +3,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from warehouse_core.task.rules import judge, useful_actions
-from warehouse_core.vector.rules import (
+from warehouse_core.batch.shell.verdicts import (
     STATION_KINDS,
     charging,
     judge_all,
@@ -13,6 +12,7 @@ from warehouse_core.vector.rules import (
     spend_and_charge,
     station_numbers,
 )
+from warehouse_core.task.rules import judge, useful_actions
 
 NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
 EMPTY, PICKUP, DROPOFF, BOTH, CHARGER = range(5)

@@ -1,7 +1,4 @@
-"""Robots as arrays: one step of the rules for all of them, and what they observe.
-
-A batch has one robot on each of its floors, a fleet several on one floor or more.
-"""
+"""Robots as arrays: one step of the rules for all of them, and what they observe."""
 
 from __future__ import annotations
 
@@ -11,19 +8,20 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.motion.vector import BatchMotion, BatchOutcome, Flags, Integers, Rows
+from warehouse_core.batch.shell.floor import Floor
+from warehouse_core.batch.shell.verdicts import NO_STATION, charging, judge_all
+from warehouse_core.motion.vector import BatchMotion, BatchOutcome
 from warehouse_core.task.encoding import Arrays
-from warehouse_core.vector.floor import VectorFloor
-from warehouse_core.vector.rules import NO_STATION, charging, judge_all
+from warehouse_core.world.tables import Flags, Integers, Rows
 
 Counts = NDArray[np.int32]
 
 
-class VectorStep(NamedTuple):
-    """One step of ``N`` robots; the arrays belong to the caller.
+class JudgedStep(NamedTuple):
+    """One step of ``N`` robots as the rules judge it; the arrays belong to the caller.
 
     Attributes:
-        outcome: of the motion.
+        outcome: outcome of the motion.
         rewards: ``[N]`` float64.
         delivered: ``[N]`` bool, whether the robot has delivered its item.
         charging: ``[N]`` bool, whether the robot charges; ``None`` if no floor has a charger.
@@ -35,20 +33,20 @@ class VectorStep(NamedTuple):
     charging: Flags | None
 
 
-class VectorRobots:
+class Robots:
     """``N`` robots, moved together and judged by the rules of ``task/rules.py``.
 
     Args:
-        floor: what they stand on, for ``N`` rows.
-        motion: of ``N`` robots.
-        count: ``N``.
+        floor: floor of ``N`` rows that they stand on.
+        motion: motion of ``N`` robots.
+        count: number of robots, ``N``.
 
     Attributes:
         cells: ``[N]``, numbered within their layouts.
         has_item: ``[N]`` bool.
     """
 
-    def __init__(self, floor: VectorFloor, motion: BatchMotion, count: int) -> None:
+    def __init__(self, floor: Floor, motion: BatchMotion, count: int) -> None:
         self.floor, self.motion = floor, motion
         self.cells = np.zeros(count, np.intp)
         self.has_item = np.zeros(count, np.bool_)
@@ -61,12 +59,8 @@ class VectorRobots:
         self.cells[rows] = cells
         self.has_item[rows] = False
 
-    def step(self, actions: Integers) -> VectorStep:
-        """Carry out one action for each robot.
-
-        Args:
-            actions: ``[N]`` intp, 0 to 6.
-        """
+    def step(self, actions: Integers) -> JudgedStep:
+        """Carry out one action, 0 to 6, for each robot."""
         outcome = self.motion.advance(actions, self.has_item)
         self.cells = outcome.cells
         on = self.floor.stations(self.cells)
@@ -74,7 +68,7 @@ class VectorRobots:
             on = np.where(outcome.driving, NO_STATION, on)
         rewards, self.has_item, delivered = judge_all(actions, on, self.has_item, outcome.blocked)
         charges = charging(actions, on) if self.floor.has_chargers else None
-        return VectorStep(outcome, rewards, delivered, charges)
+        return JudgedStep(outcome, rewards, delivered, charges)
 
     def masks(self) -> NDArray[np.int8]:
         """Return ``[N, 7]`` int8: 1 for each action that does something now."""
@@ -84,8 +78,8 @@ class VectorRobots:
         """Return fresh arrays of what some of the robots observe.
 
         Args:
-            rows: of these robots.
-            battery: ``[N, 1]`` int32, units left of each of them.
+            rows: rows of these robots.
+            battery: ``[N, 1]`` int32, battery units that each of them has left.
             steps: ``[N, 1]`` int32, steps taken.
         """
         floor, cells, has_item = self.floor, self.cells[rows], self.has_item[rows]

@@ -15,8 +15,8 @@ from helpers.batches import (
 )
 
 from warehouse_core import BackendError, Layout
+from warehouse_core.batch import BatchEnv
 from warehouse_core.motion.grid import GridMotion
-from warehouse_core.vector.env import BatchEnv
 
 
 class Sticky(GridMotion):

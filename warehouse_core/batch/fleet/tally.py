@@ -9,15 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.motion.vector import WALL, BatchOutcome, Flags, Integers
+from warehouse_core.motion.vector import WALL, BatchOutcome
 from warehouse_core.orders.order import Order
 from warehouse_core.world.actions import WAIT
+from warehouse_core.world.tables import Flags, Integers
 
 MOVED, WAITED, CHARGED, BY_WALL, BY_ROBOT, BY_PERSON, HANDLED, ENDED = range(8)
-"""What a robot did in a step; a robot that has ended does nothing."""
+"""Kinds of a robot's steps; a robot that has ended does nothing."""
 
 _DONE = np.array([MOVED] * WAIT + [WAITED, HANDLED, HANDLED])
-"""By action, for a robot that is free and does not charge."""
+"""Kind of step that each action counts as, for a robot that is free and does not charge."""
 
 SECONDS_PER_HOUR = 3600.0
 
@@ -32,17 +33,17 @@ class FleetMeasures:
         orders: number of orders released.
         delivered: number of items delivered.
         per_hour: items delivered in an hour of simulated time.
-        mean_lateness: mean of the steps by which deliveries were late, those on time with 0.
-        worst_lateness: the most steps by which one was late.
+        mean_lateness: mean of the steps by which deliveries were late; a delivery on time counts 0.
+        worst_lateness: largest number of steps by which a delivery was late.
         on_time: share of the deliveries that were not late, 0 to 1.
         joules: energy of all motions.
-        joules_per_delivery: of all motions, for each item delivered.
+        joules_per_delivery: energy of all motions for each item delivered.
         blocked_by_wall, blocked_by_robot, blocked_by_person: moves that were blocked.
         waits: steps in which a robot waited, not on a charger.
         charging: steps in which a robot charged.
         distance: cells driven.
         stranded: robots whose battery is empty, or which have failed.
-        lost: items that those robots carry.
+        lost: items that stranded robots carry.
     """
 
     steps: int
@@ -93,7 +94,7 @@ class Tally:
 
         Args:
             actions: ``[N]``, 0 to 6.
-            outcome: of their motion.
+            outcome: outcome of their motion.
             charging: ``[N]``, whether they waited on a charger.
             delivered: ``[N]``, whether they delivered an item.
             active: ``[N]``, whether they had not ended before.
@@ -101,12 +102,8 @@ class Tally:
         did = _DONE.take(actions)
         did[charging] = CHARGED
         blocked = outcome.blocked.nonzero()[0]
-        by = (
-            BY_WALL
-            if outcome.stopped_by is None
-            else _counterpart(outcome.stopped_by[blocked], self._robots)
-        )
-        did[blocked] = by
+        assert outcome.stopped_by is not None, "the motion of a fleet tells it"
+        did[blocked] = _counterpart(outcome.stopped_by[blocked], self._robots)
         did[~active] = ENDED
         self._counts.reshape(-1)[did * len(did) + self._rows] += 1
         self._joules += outcome.joules
@@ -121,9 +118,9 @@ class Tally:
         """Return the measures of a floor, but for ``stranded`` and ``lost``.
 
         Args:
-            floor: its number.
-            steps: taken.
-            orders: those released, or ``None`` for a fleet without orders.
+            floor: number of the floor.
+            steps: steps taken.
+            orders: orders released, or ``None`` for a fleet without orders.
         """
         done = self.counts(floor).sum(axis=1).tolist()
         seconds = float(self._seconds[floor])

@@ -5,12 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.motion.vector import Flags, Integers, Rows
+from warehouse_core.batch.shell.verdicts import masks, sides_number, station_numbers
 from warehouse_core.task.encoding import NOWHERE, Window, marks
-from warehouse_core.vector.rules import masks, sides_number, station_numbers
+from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import (
     MAX_TABLE_BYTES,
+    Flags,
+    Integers,
     LayoutSet,
+    Rows,
     places_table,
     sides_table,
     tiles_table,
@@ -23,23 +26,24 @@ NO_CELL = -1
 """The cell of a pickup or dropoff that a layout does not have."""
 
 
-class VectorFloor:
+class Floor:
     """The layouts of a batch as tables, and the stations of each row.
 
-    ``rows`` are ``[N]`` rows of the batch and ``cells`` the ``[N]`` cells of their robots, numbered
-    within their layouts; without ``rows`` they are those of all ``B``.
+    Methods take ``rows``, ``[N]`` rows of the batch, and ``cells``, the ``[N]`` cells of their
+    robots, numbered within their layouts. A method without ``rows`` takes the cells of all ``B``.
 
     Args:
-        layouts: of the rows.
+        layouts: layouts of the rows.
         radius: cells seen in each direction.
         moving_stations: use the stations of ``put_stations``, one pickup and one dropoff for each
-            row, instead of those of the layouts.
-        tiles: windows are the ``encoding.marks`` of these, with pickup and dropoff but no robot
-            among them; by default, or if the marks would take more than ``MAX_TABLE_BYTES``, they
-            are codes.
+            row; the layouts have none of their own.
+        tiles: tiles whose ``encoding.marks`` the windows are, with pickup and dropoff but no robot
+            among them; by default, or if the marks would take more than ``MAX_TABLE_BYTES``,
+            windows are codes.
 
     Attributes:
-        has_chargers: whether any layout has one.
+        has_chargers: one layout or more has a charger.
+        moving_stations: the argument of this name.
         station_places: ``[2, B, 2]``, row and column of the first pickups and dropoffs.
     """
 
@@ -51,10 +55,9 @@ class VectorFloor:
         moving_stations: bool,
         tiles: tuple[str, ...] = (),
     ) -> None:
-        if moving_stations:
-            layouts = layouts.without_stations()
         kinds, rows = layouts.kinds, len(layouts.kind)
-        self._base, self._moving, self._radius = layouts.base, moving_stations, radius
+        self._layouts, self._first_stations = layouts, np.array([*map(_first_stations, kinds)]).T
+        self._base, self.moving_stations, self._radius = layouts.base, moving_stations, radius
         self.has_chargers = any(kind.chargers for kind in kinds)
         if len(tiles) * windows_bytes(kinds, radius) > MAX_TABLE_BYTES:
             tiles = ()
@@ -87,9 +90,13 @@ class VectorFloor:
             places[cells == NO_CELL] = NOWHERE
             self.station_places[number, rows] = places
 
+    def put_own_stations(self, rows: Integers) -> None:
+        """Set the first pickup and dropoff of some rows as in their layouts."""
+        self.put_stations(rows, *self._first_stations[:, self._layouts.kind[rows]])
+
     def stations(self, cells: Integers) -> Integers:
-        """Return what the robots stand on, ``[B]`` indices into ``rules.STATION_KINDS``."""
-        if not self._moving:
+        """Return what the robots stand on, ``[B]`` indices into ``verdicts.STATION_KINDS``."""
+        if not self.moving_stations:
             return self._stations.take(self._base + cells)
         pickups, dropoffs = self._station_cells
         on: Integers = (cells == pickups) + 2 * (cells == dropoffs)
@@ -98,7 +105,7 @@ class VectorFloor:
         return on
 
     def masks(self, cells: Integers, has_item: Flags) -> NDArray[np.int8]:
-        """Return the masks of actions that do something, ``[B, 7]``; see ``rules.masks``."""
+        """Return the masks of actions that do something, ``[B, 7]``; see ``verdicts.masks``."""
         return masks(self._sides.take(self._base + cells), self.stations(cells), has_item)
 
     def places(self, rows: Rows, cells: Integers) -> NDArray[np.int32]:
@@ -122,7 +129,7 @@ class VectorFloor:
     def _around(self, rows: Rows, cells: Integers, robots: Integers) -> Window:
         """Return the windows without the robots in their middle."""
         windows = self._windows.take(self._base[rows] + cells, axis=0)
-        if self._moving and self._radius:
+        if self.moving_stations and self._radius:
             for tile, stations in zip((PICKUP, DROPOFF), self.station_places, strict=True):
                 self._mark(windows, tile, stations[rows], robots)
         return windows
@@ -137,3 +144,9 @@ class VectorFloor:
         place = self._place_of.take(offset, mode="clip")
         place += np.arange(first, windows.size, windows.shape[1])
         windows.reshape(-1)[place] = value
+
+
+def _first_stations(layout: Layout) -> list[int]:
+    """Return the first pickup and dropoff of a layout, as cells or ``NO_CELL``."""
+    stations = layout.pickups[:1], layout.dropoffs[:1]
+    return [layout.number(cells[0]) if cells else NO_CELL for cells in stations]

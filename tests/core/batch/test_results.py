@@ -15,7 +15,7 @@ from helpers.batches import (
     some_batch,
 )
 
-from warehouse_core.vector.env import BatchEnv
+from warehouse_core.batch import BatchEnv
 
 
 @over_modes
@@ -27,8 +27,8 @@ def test_returned_values_do_not_change_later(mode: str) -> None:
     for actions in moves:
         kept.append(batch.step(actions))
         kept.append(batch.action_masks())
-        if mode == DISABLED and batch._ended.any():
-            kept.append(batch.reset(mask=batch._ended.copy()))
+        if mode == DISABLED and batch._ended().any():
+            kept.append(batch.reset(mask=batch._ended().copy()))
         copies += [pickle.dumps(each) for each in kept[len(copies) :]]
     kept.append(batch.reset())
     assert all(same(each, pickle.loads(copy)) for each, copy in zip(kept, copies, strict=False))
@@ -52,8 +52,8 @@ def test_changing_returned_or_given_values_changes_nothing_else(mode: str) -> No
         check(batch.step(given), twin.step(actions.copy()))
         assert np.array_equal(given, actions), "the given actions have changed"
         check(batch.action_masks(), twin.action_masks())
-        if mode == DISABLED and twin._ended.any():
-            ended, given = (twin._ended.copy() for _ in range(2))
+        if mode == DISABLED and twin._ended().any():
+            ended, given = (twin._ended().copy() for _ in range(2))
             check(batch.reset(mask=given), twin.reset(mask=ended))
             assert np.array_equal(given, ended), "the given mask has changed"
         for row in range(len(MIXED)):

@@ -1,4 +1,4 @@
-"""The orders of ``B`` fleets, and the stations that they make of cells."""
+"""The order books of ``B`` fleets, and the stations that their orders make of cells."""
 
 from __future__ import annotations
 
@@ -7,29 +7,28 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.fleet.floor import FleetFloor
-from warehouse_core.fleet.settings import FleetSettings
-from warehouse_core.motion.vector import Flags, Integers
+from warehouse_core.batch.fleet.floor import FleetFloor
+from warehouse_core.batch.fleet.settings import FleetSettings
+from warehouse_core.batch.shell.floor import NO_CELL
 from warehouse_core.orders.book import NEVER, NONE, OrderBook
 from warehouse_core.orders.order import Order, OrderQueue, OrderStream
 from warehouse_core.orders.sources import DrawnOrders, ListedOrders, QueuedOrders
-from warehouse_core.vector.floor import NO_CELL
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tables import LayoutSet
+from warehouse_core.world.tables import Flags, Integers, LayoutSet
 
 
-class VectorOrders:
+class OrderBooks:
     """An ``OrderBook`` for each of ``B`` floors, and what it means to their ``N`` robots.
 
     A cell is a pickup to a robot where an order waits for it, and a dropoff where its order is due.
 
     Args:
-        layouts: of the floors.
-        settings: with orders.
-        floor: whose stations are set.
+        layouts: layouts of the floors.
+        settings: settings of the fleets, with orders.
+        floor: floor on which the books set the stations.
 
     Attributes:
-        books: ``B``, of the present episodes.
+        books: ``B`` books of the present episodes.
         due: ``[N]`` int32, the step by which the robot's order is due, or ``NONE``.
 
     Raises:
@@ -61,7 +60,7 @@ class VectorOrders:
         """Let orders appear and, if it is so set, assign open orders to robots without one.
 
         Args:
-            steps: ``[B]`` taken.
+            steps: ``[B]`` steps taken.
             cells: ``[N]``, where the robots are.
             able: ``[N]``, whether they have not ended.
         """
@@ -148,10 +147,10 @@ class VectorOrders:
         has_order = orders != NONE
         held, known = orders[has_order], book.orders
         pickups = np.where(book.taken[held] == NONE, known.pickup[held], NO_CELL)
-        found = np.full((3, len(robots)), NO_CELL)
-        found[:, has_order] = known.due[held], pickups, known.dropoff[held]
-        self.due[rows] = np.where(has_order, found[0], NONE)
-        self._floor.put_stations(rows, found[1], found[2])
+        tasks = np.full((3, len(robots)), NO_CELL)
+        tasks[:, has_order] = known.due[held], pickups, known.dropoff[held]
+        self.due[rows] = np.where(has_order, tasks[0], NONE)
+        self._floor.put_stations(rows, tasks[1], tasks[2])
         self._is_idle[floor, robots] = ~has_order
 
 
