@@ -328,13 +328,12 @@ def _replay_fleet(episode: Episode, backend: Backend) -> Episode:
     assigned = defaultdict(list)
     for step, robot, order in episode.assignments:
         assigned[step].append((robot, order))
-    reasons = episode.reasons or [""] * episode.steps
-    for step, (actions, reason) in enumerate(zip(episode.words, reasons, strict=True)):
+    words, reasons = episode.words, episode.reasons or [""] * episode.steps
+    for step in range(episode.steps + 1):
         for robot, order in assigned[step]:
             env.assign(robot, order)
-        recorder.step(actions, reason)
-    for robot, order in assigned[episode.steps]:
-        env.assign(robot, order)
+        if step < episode.steps:
+            recorder.step(words[step], reasons[step])
     env.close()
     return recorder.episode
 
