@@ -46,18 +46,16 @@ def replay_animation(
     right step one frame and pause.
 
     Args:
-        frames: an ``Episode`` or a ``FleetEpisode``, or frames as ``WarehouseEnv.render_grid``
-            returns them.
+        frames: an ``Episode``, or frames as ``WarehouseEnv.render_grid`` returns them.
         metrics: lists ``rewards``, ``battery``, ``dist_pickup`` and ``dist_dropoff``, each
             optional, with one entry a frame; a record has its own.
         interval_ms: milliseconds between frames at speed 1.
         speed: factor on the playing speed.
-        window: whether ``show`` opens a window; ``None`` means if there is a display.
+        window: true if ``show`` opens a window; ``None`` opens one if there is a display.
         beside: a record to be replayed to the right of the first.
         frame_seconds: simulated time between two frames of a continuous motion, three of which
             are shown in ``interval_ms``.
-        plans: of robots of a ``FleetEpisode``, to be drawn ahead of them; see
-            ``track_of_record``.
+        plans: plans of a fleet, to be drawn ahead of its robots; see ``track_of_record``.
 
     Returns:
         A ``matplotlib.animation.FuncAnimation``; ``None`` without frames or without matplotlib.
@@ -81,8 +79,7 @@ def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: fl
     The same frames give the same bytes. Without frames or without matplotlib nothing is written.
 
     Args:
-        frames: an ``Episode`` or a ``FleetEpisode``, or frames as ``WarehouseEnv.render_grid``
-            returns them.
+        frames: an ``Episode``, or frames as ``WarehouseEnv.render_grid`` returns them.
         output_dir: created if it does not exist; files of these names in it are replaced.
         dpi: dots an inch of pixels in the files; none are drawn, so it changes nothing.
 

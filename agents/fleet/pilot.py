@@ -9,6 +9,7 @@ import numpy as np
 from agents.fleet.charging import DETOUR, ENOUGH
 from warehouse_core import Agent, Cell, FleetEnv
 from warehouse_core.fleet.observation import FleetObservation
+from warehouse_core.records.recorder import explanation_of
 from warehouse_core.world.actions import WAIT, action_index
 from warehouse_core.world.distances import distances
 from warehouse_core.world.tiles import (
@@ -147,7 +148,7 @@ class Pilot:
         pickup, dropoff = goal
         seen: FleetObservation = {**observation, "pickup_pos": pickup, "dropoff_pos": dropoff}
         action = action_index(self._agent.act(seen))
-        self.reason = str(getattr(self._agent, "reason", ""))
+        self.reason = str(explanation_of(self._agent))
         return action
 
     def _make_way(self, observation: FleetObservation, here: Cell) -> int:

@@ -43,7 +43,7 @@ class FleetEnv:
 
     ## Description
 
-    Each robot is that of ``WarehouseEnv``, by the same rules and the same backends; several get in
+    Each robot is like the one of ``WarehouseEnv``, by the same rules and backends; several get in
     each other's way by the table of ``motion/traffic.py``. An order only decides what a cell is to
     a robot: a pickup where an order waits for it, a dropoff where its item is due. Without orders
     each robot has the task of the chapter, and a fleet of one equals ``WarehouseEnv``.
@@ -54,7 +54,7 @@ class FleetEnv:
 
     ## Actions
 
-    Those of ``WarehouseEnv`` for each robot.
+    The actions of ``WarehouseEnv`` for each robot.
 
     ## Observations
 
@@ -242,7 +242,7 @@ class FleetEnv:
         return self._engine.observe()
 
     def assign(self, robot: int, order: int | None) -> None:
-        """Let an open order wait for one robot only; ``None`` makes that of the robot open again.
+        """Let an open order wait for one robot only; ``None`` makes the robot's order open again.
 
         Args:
             robot: number of the robot.

@@ -453,11 +453,10 @@ def _stranded(episode: Episode) -> Evidence | None:
     robots, cells = np.flatnonzero(episode.battery[-1] <= 0).tolist(), _ends(episode)
     lost, failed = episode.measures.lost, episode.measures.stranded
     with_them = f", and {counted(lost, 'item')} with them" if lost else ""
-    if not robots and failed:
-        # A record says of each robot when its battery is empty, and of failures how many there are.
-        return Evidence(f"{counted(failed, 'robot')} failed for good{with_them}", (), 0, ())
     if not robots:
-        return None
+        # A record says of each robot when its battery is empty, and of failures how many there are.
+        sentence = f"{counted(failed, 'robot')} failed for good{with_them}"
+        return Evidence(sentence, (), 0, ()) if failed else None
     blocked = int(np.isin(episode.stopped_by, robots).sum())
     in_the_way = f" and stopped {counted(blocked, 'move')} of others" if blocked else ""
     sentence = f"the battery of {_named(robots, cells)} ran out{in_the_way}{with_them}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any, Protocol, SupportsIndex
 
@@ -30,8 +31,7 @@ OF_STEPS = ("rewards", "actions", "stopped_by", "seconds", "joules")
 class Agent(Protocol):
     """What ``record_episode`` needs of an agent that directs a lone robot.
 
-    An agent may also have an attribute ``reason``, a string that explains its last action; the
-    record keeps it.
+    An agent may also be ``Explaining``; the record keeps its reasons.
     """
 
     def reset(self) -> None:
@@ -44,8 +44,7 @@ class Agent(Protocol):
 class FleetAgent(Protocol):
     """What ``record_episode`` needs of an agent that directs all robots of a fleet.
 
-    An agent may also have an attribute ``reason``, a string that explains its last actions, or one
-    for each robot; the record keeps them.
+    An agent may also be ``Explaining``; the record keeps its reasons.
     """
 
     def reset(self) -> None:
@@ -57,6 +56,25 @@ class FleetAgent(Protocol):
         Args:
             env: Fleet to inspect; the agent must not step it, but may ``assign`` orders.
         """
+
+
+class Explaining(Protocol):
+    """An agent that explains its last action, or its last actions, one for each robot.
+
+    Attributes:
+        reason: Words; they may be missing until the agent has some.
+    """
+
+    reason: str | Sequence[str]
+
+
+def explanation_of(agent: Agent | FleetAgent | Explaining) -> str | Sequence[str]:
+    """Return the words of an ``Explaining`` agent, and none of another.
+
+    It is asked at every step, so by name: ``isinstance`` with a protocol takes longer than a step.
+    """
+    reason: str | Sequence[str] = getattr(agent, "reason", "")
+    return reason
 
 
 class EpisodeRecorder:
@@ -115,7 +133,7 @@ class EpisodeRecorder:
             observation = self._env.observe()
         while not self.ended:
             action = agent.act(observation)
-            observation = self.step(action, reason=str(getattr(agent, "reason", "")))
+            observation = self.step(action, reason=str(explanation_of(agent)))
 
     def _keep_frame(self, reward: float) -> None:
         state, episode = self._env.state, self.episode
@@ -181,7 +199,7 @@ class FleetRecorder:
         agent.reset()
         while not self.ended:
             self.place = f"step {self._env.steps + 1}"
-            self.step(agent.act(self._env), getattr(agent, "reason", ""))
+            self.step(agent.act(self._env), explanation_of(agent))
 
     @property
     def episode(self) -> Episode:
@@ -310,13 +328,12 @@ def _replay_fleet(episode: Episode, backend: Backend) -> Episode:
     assigned = defaultdict(list)
     for step, robot, order in episode.assignments:
         assigned[step].append((robot, order))
-    reasons = episode.reasons or [""] * episode.steps
-    for step, (actions, reason) in enumerate(zip(episode.words, reasons, strict=True)):
+    words, reasons = episode.words, episode.reasons or [""] * episode.steps
+    for step in range(episode.steps + 1):
         for robot, order in assigned[step]:
             env.assign(robot, order)
-        recorder.step(actions, reason)
-    for robot, order in assigned[episode.steps]:
-        env.assign(robot, order)
+        if step < episode.steps:
+            recorder.step(words[step], reasons[step])
     env.close()
     return recorder.episode
 

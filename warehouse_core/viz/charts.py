@@ -73,7 +73,7 @@ class Chart:
     Attributes:
         title: words above the axes.
         metrics: names of which a track must have one, to be drawn.
-        changes_within_steps: whether frames within one step look different.
+        changes_within_steps: true if frames within one step look different.
         scales: axes whose vertical ranges charts of this kind share.
     """
 

@@ -39,8 +39,8 @@ class SceneFigure(Figure):
     """A ``Figure`` with movers: artists that are drawn last and do not make it stale.
 
     Attributes:
-        replay: what plays it, if anything does.
-        changed: around what the last drawing has changed.
+        replay: replay that plays the figure, if there is one.
+        changed: box around everything that the last drawing has changed.
     """
 
     def __init__(self, *args: Any, **options: Any) -> None:
@@ -193,7 +193,7 @@ def make_figure(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:
 def make_window(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:
     """Return a figure in a window that ``matplotlib.pyplot.show`` will open.
 
-    Matplotlib's own keys are disabled, because they would clash with those of replays.
+    Matplotlib's own keys are disabled, because they would clash with the keys of replays.
     """
     import matplotlib.pyplot as plt
 

@@ -50,9 +50,9 @@ def draw_legend(figure: SceneFigure, tracks: Sequence[Track], columns: int = 0) 
     """Draw the legend of what tracks show, along the right side of a figure.
 
     Args:
-        figure: to draw into.
-        tracks: whose signs are explained.
-        columns: along the bottom instead, in so many columns.
+        figure: figure to draw into.
+        tracks: tracks whose signs are explained.
+        columns: number of columns along the bottom; 0 is one column along the right side.
     """
     signs: Signs = {}
     for track in tracks:

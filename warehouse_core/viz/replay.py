@@ -25,7 +25,7 @@ CONTINUOUS_FRAMES = 3
 """Frames of continuous motions that are shown in the time of one step of a grid."""
 
 GIF_FRAMES_APART = 2
-"""Of continuous motions a GIF has every second frame, and the last."""
+"""Frames of a continuous motion from one frame of a GIF to the next; the last is always there."""
 
 
 class Playable(Protocol):
@@ -47,11 +47,11 @@ class Replay(FuncAnimation):
     pause, ``q`` closes the window.
 
     Args:
-        scene: to be played.
-        tracks: that the scene shows, to be played by a page.
+        scene: scene to be played.
+        tracks: tracks that the scene shows, which a page plays.
         frame_ms: milliseconds between frames.
-        speed: of a page, a factor.
-        gif_every: a GIF has only every so many frames, each shown as much longer.
+        speed: factor on the playing speed of a page.
+        gif_every: frames from one frame of a GIF to the next.
     """
 
     def __init__(
@@ -216,7 +216,7 @@ def replay_of_tracks(
     """Return the replay of a track, or of several side by side.
 
     Args:
-        tracks: at least one track, each with at least one frame.
+        tracks: tracks, at least one, each with at least one frame.
         interval_ms: milliseconds between frames at speed 1.
         speed: factor on the playing speed.
         window: draw into a window, which ``show`` opens; ``None`` means if there is a display.

@@ -32,10 +32,10 @@ class Timeline:
     shorter one waits at its end.
 
     Args:
-        tracks: at least one track.
+        tracks: tracks, at least one.
 
     Attributes:
-        in_seconds: whether moments are simulated seconds; otherwise they are steps.
+        in_seconds: true if moments are simulated seconds, false if they are steps.
         moments: moments in order; the last one is the end.
     """
 
@@ -81,7 +81,7 @@ class Scene:
     Several tracks are side by side: with one clock, scales that can be compared, and one legend.
 
     Args:
-        tracks: at least one track, each with at least one frame.
+        tracks: tracks, at least one, each with at least one frame.
         make_figure: makes the figure of a width and height in inches.
         length: number of steps plus one to leave room for, where a single track is still growing.
         legend: draw the legend.
@@ -155,7 +155,7 @@ class Panel:
 
     Args:
         page: page to draw into.
-        place: where the parts are on the page.
+        place: places of the parts on the page.
         track: track to show.
         time: horizontal axis of the charts.
         steps: number of steps that the charts have room for.
@@ -172,7 +172,7 @@ class Panel:
             if has_label and not isinstance(chart, BatteryBar):
                 chart.label_time()
         self._lines = [
-            (line.say, page.write(line.left, line.top, **line.style)) for line in place.lines
+            (say, page.write(left, top, **style)) for left, top, say, style in place.lines
         ]
         self._charted: tuple[int, int, int] | None = None
 
@@ -192,7 +192,7 @@ class Panel:
                 text.set(text=words, fontsize=size)
 
     def _first_like(self, frame: int) -> int:
-        """Return the first frame whose charts can be told from those of the frame before it."""
+        """Return the first of the frames whose charts look the same as in a frame."""
         if self._parts is None:
             return frame
         parts, length = self._parts, self._steps + 1

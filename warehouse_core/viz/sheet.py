@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from warehouse_core.viz.charts import (
@@ -18,8 +17,8 @@ from warehouse_core.viz.charts import (
     kinds_of_charts,
 )
 from warehouse_core.viz.tracks.track import Track
-from warehouse_core.viz.view import shown_size
 from warehouse_core.viz.words import (
+    Words,
     caption_in_lines,
     counter_of,
     ending_of,
@@ -73,30 +72,12 @@ Box = tuple[float, float, float, float]
 """Left, top, width and height."""
 
 
-class Line(NamedTuple):
-    """Words that may change from frame to frame.
-
-    Attributes:
-        left: distance from the left.
-        top: distance from the top.
-        say: returns the words in a frame of a track, and their size.
-        style: further properties of the words.
-    """
-
-    left: float
-    top: float
-    say: Callable[[Track, int], tuple[str, float]]
-    style: Mapping[str, Any] = MappingProxyType({})
+Line = tuple[float, float, Callable[[Track, int], Words], Mapping[str, Any]]
+"""Left and top of words, what says them in a frame of a track, and their style."""
 
 
 class Slot(NamedTuple):
-    """Place of a chart or of a battery.
-
-    Attributes:
-        kind: class of the chart.
-        box: box of its axes.
-        has_label: whether the words below say what its horizontal axis counts.
-    """
+    """Place of a chart or of a battery, which may have a label of its axis of time."""
 
     kind: type[Chart | BatteryBar]
     box: Box
@@ -104,14 +85,7 @@ class Slot(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Place of a track.
-
-    Attributes:
-        cell: side of a cell of the map.
-        map: box of the map.
-        slots: places of charts and of the battery.
-        lines: words around the map.
-    """
+    """Place of a track: the side of a cell, the box of the map, and everything around the map."""
 
     cell: float
     map: Box
@@ -120,11 +94,10 @@ class Place(NamedTuple):
 
 
 class Sheet(NamedTuple):
-    """Layout of a picture.
+    """Layout of a picture, with a place for each track.
 
     Attributes:
         size: width and height of the figure.
-        places: place of each track.
         legend_columns: columns of the legend along the bottom; 0 is a legend along the right side.
         motion_parts: parts in which charts of motions grow; ``None`` is one for each frame.
     """
@@ -142,9 +115,9 @@ def sheet_of(tracks: Sequence[Track], steps: int, *, legend: bool) -> Sheet:
     charts are on the right.
 
     Args:
-        tracks: at least one track.
+        tracks: tracks, at least one.
         steps: steps that a single track will have.
-        legend: whether a single track has a legend.
+        legend: leave room for the legend of a single track.
     """
     if len(tracks) == 1:
         return _single(tracks[0], steps, legend=legend)
@@ -161,7 +134,7 @@ def _single(track: Track, steps: int, *, legend: bool) -> Sheet:
     """Return a map with its battery below, and its charts and its legend beside it."""
     kinds = kinds_of_charts([track])
     cell = _cell(track, *(FLEET_GRID if track.is_fleet else GRID))
-    map_width, map_height = (cell * cells for cells in shown_size(track))
+    map_width, map_height = (cell * cells for cells in track.shown_size)
     has_tall_charts = track.is_continuous or track.counts_orders
     least = MIN_TALL_CHARTS if has_tall_charts else MIN_CHARTS if kinds else 0.0
     left_width, height = max(map_width, MIN_LEFT), max(map_height, least)
@@ -185,11 +158,11 @@ def _single(track: Track, steps: int, *, legend: bool) -> Sheet:
     foot = EDGE if has_battery or not legend else CHARTS_FOOT
     beside = EDGE + left_width + (CHARTS_LEFT + CHARTS_WIDTH if kinds else 0.0)
     width = beside + EDGE + (LEGEND_WIDTH if legend else 0.0)
-    lines = [
-        Line(EDGE, 0.2, partial(title_of, 9)),
-        Line(width - EDGE, 0.2, partial(counter_of, steps), {"ha": "right"}),
-        Line(EDGE, 0.56, partial(fitted_caption, width - 2 * EDGE), BOLD),
-        Line(width / 2, 0.2, ending_of, BOLD | {"ha": "center"}),
+    lines: list[Line] = [
+        (EDGE, 0.2, partial(title_of, 9), {}),
+        (width - EDGE, 0.2, partial(counter_of, steps), {"ha": "right"}),
+        (EDGE, 0.56, partial(fitted_caption, width - 2 * EDGE), BOLD),
+        (width / 2, 0.2, ending_of, BOLD | {"ha": "center"}),
     ]
     size = (width, HEAD + height + (BAR + BAR_GAP if has_battery else 0.0) + foot)
     return Sheet(size, [Place(cell, map_box, slots, lines)], 0, MOTION_PARTS)
@@ -200,7 +173,7 @@ def _columns(tracks: Sequence[Track]) -> tuple[list[Place], float]:
     count, kinds = len(tracks), _kinds_in_columns(tracks)
     width = (WIDTH - (count - 1) * GUTTER) / count - 2 * MARGIN / count
     cell = min(_cell(track, width, MAX_MAP) for track in tracks)
-    below = COLUMN_HEAD + cell * max(shown_size(track)[1] for track in tracks)
+    below = COLUMN_HEAD + cell * max(track.shown_size[1] for track in tracks)
     places = []
     for number, track in enumerate(tracks):
         left = MARGIN + number * (width + GUTTER)
@@ -218,8 +191,8 @@ def _leading(first: Track, other: Track) -> tuple[list[Place], float]:
     edge = MARGIN + LEAD_WIDTH + GUTTER
     width = WIDTH - MARGIN - edge
     cell, small = _cell(first, LEAD_WIDTH, MAX_LEAD_MAP), _cell(other, width, MAX_SMALL_MAP)
-    below = COLUMN_HEAD + cell * shown_size(first)[1]
-    right_below = COLUMN_HEAD + small * shown_size(other)[1]
+    below = COLUMN_HEAD + cell * first.shown_size[1]
+    right_below = COLUMN_HEAD + small * other.shown_size[1]
     charts = [
         _chart(kind, edge, right_below, row, width)
         for row, kind in enumerate(_kinds_in_columns([first]))
@@ -234,24 +207,15 @@ def _leading(first: Track, other: Track) -> tuple[list[Place], float]:
 def _column(
     track: Track, cell: float, left: float, width: float, charts: list[Slot], below: float | None
 ) -> Place:
-    """Return a track in a column.
-
-    Args:
-        track: track of the column.
-        cell: side of a cell.
-        left: left edge of the column.
-        width: width of the column.
-        charts: places of its charts.
-        below: lower edge of the map, below which are battery and verdict; ``None`` is no such room.
-    """
-    columns, rows = shown_size(track)
+    """Return the place of a track in a column; battery and verdict are ``below`` its map."""
+    columns, rows = track.shown_size
     map_box = (left, COLUMN_HEAD, cell * columns, cell * rows)
-    lines = [
-        Line(left, 0.62, partial(title_of, 11)),
-        Line(left, 0.77, partial(caption_in_lines, width), BOLD | {"va": "top"}),
+    lines: list[Line] = [
+        (left, 0.62, partial(title_of, 11), {}),
+        (left, 0.77, partial(caption_in_lines, width), BOLD | {"va": "top"}),
     ]
     if below is not None:
-        lines.append(Line(left, below + BELOW - VERDICT / 2, tally_of, BOLD))
+        lines.append((left, below + BELOW - VERDICT / 2, tally_of, BOLD))
         if "battery" in track.metrics:
             bar = Slot(BatteryBar, (left, below + GAP, map_box[2], BAR))
             charts = [bar, *charts]
@@ -273,5 +237,5 @@ def _chart(kind: type[Chart], left: float, top: float, row: int, width: float) -
 
 def _cell(track: Track, width: float, height: float) -> float:
     """Return the side of a cell with which a map fits into a width and a height."""
-    columns, rows = shown_size(track)
+    columns, rows = track.shown_size
     return min(width / columns, height / rows, MAX_CELL)

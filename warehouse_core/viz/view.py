@@ -46,7 +46,7 @@ from warehouse_core.render.palette import (
 from warehouse_core.viz.axes import draw_grid
 from warehouse_core.viz.axes.glyphs import letter_path
 from warehouse_core.viz.axes.plans import PlanView
-from warehouse_core.viz.axes.tiles import cells_of, draw_tiles, outer_of
+from warehouse_core.viz.axes.tiles import cells_of, draw_tiles
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.tracks.history import History
 from warehouse_core.viz.tracks.track import (
@@ -149,7 +149,7 @@ class View:
         every = 1 if largest <= 20 else 5 if largest <= 60 else 10
         lines = 0.6 if width <= MAX_LINED_COLUMNS else 0.0
         draw_grid(axes, (height, width), every, line_width=lines)
-        outer = outer_of_track(track)
+        outer = track.outer
         axes.set(xlim=(outer, width - outer), ylim=(height - outer, outer), aspect="equal")
         axes.xaxis.tick_top()
         self._robots: list[RobotView] | list[FleetView]
@@ -488,17 +488,6 @@ def nose_of(pose: Pose, radius: float, tip: float = TIP) -> NDArray[np.float64]:
     turned = wedge @ np.array([(cos, sin), (-sin, cos)])
     corners: NDArray[np.float64] = radius * turned + np.array(pose.at)
     return corners
-
-
-def outer_of_track(track: Track) -> float:
-    """Return how much of the outermost cells of a track is not shown, in cells."""
-    return outer_of({frame.tiles for frame in track.frames})
-
-
-def shown_size(track: Track) -> tuple[float, float]:
-    """Return the width and height of what is shown of the map of a track, in cells."""
-    rows, outer = track.frames[0].tiles, outer_of_track(track)
-    return len(rows[0]) - 2 * outer, len(rows) - 2 * outer
 
 
 def is_open(rows: Rows, cell: Cell) -> bool:

@@ -1,4 +1,4 @@
-"""The words around maps: each function returns those of a frame of a track, and their size."""
+"""The words around maps: each function returns words for a frame of a track, and their size."""
 
 from __future__ import annotations
 

@@ -233,7 +233,7 @@ def make_env(case: Case, layout: Layout, *, dispatch: bool = True) -> WarehouseE
     Args:
         case: Case of the episode.
         layout: Layout of the episode.
-        dispatch: Whether a fleet gives orders to the nearest robots, see ``FleetEnv``.
+        dispatch: The fleet gives orders to the nearest robots, see ``FleetEnv``.
     """
     shared: dict[str, Any] = {
         name: case[name] for name in ("max_steps", "battery", "view_radius")

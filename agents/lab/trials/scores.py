@@ -126,7 +126,7 @@ class Measure(NamedTuple):
         column: Name in a table.
         title: Name above a chart.
         of: Function that returns its value.
-        is_log: Whether its axis is logarithmic, as agents differ by orders of magnitude.
+        is_log: Its axis is logarithmic, because agents differ by orders of magnitude.
     """
 
     column: str

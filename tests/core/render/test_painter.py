@@ -137,14 +137,11 @@ def test_floor_is_light_with_a_line_along_two_sides(side: int) -> None:
     assert (line < 255 * np.array(COLORS["."]) - 0.5).all()
 
 
-def test_the_lines_of_large_tiles_equal_those_of_the_replay() -> None:
-    assert is_color(pixel(".", NO_ROBOT, 0.0, 0.5), FAINT)
-    assert is_color(pixel(".", NO_ROBOT, 0.5, 0.0), FAINT)
-
-
 def test_smaller_tiles_have_paler_lines() -> None:
     lines = [atlas(side)[CODES[".", NO_ROBOT], 0, 1, 0] for side in (2, 8, 16, 24, 100)]
     assert lines[0] > lines[1] > lines[2] > lines[3] == lines[4]
+    for place in ((0.0, 0.5), (0.5, 0.0)):
+        assert is_color(pixel(".", NO_ROBOT, *place), FAINT), "as in the replay"
 
 
 @pytest.mark.parametrize("tile", ["P", "D", "C"])
@@ -384,13 +381,10 @@ def test_a_robot_on_a_wall_raises() -> None:
         TilePainter(8).picture(YARD, (0, 0), False)
 
 
-def test_the_tiles_are_drawn_once_and_read_only() -> None:
+def test_the_tiles_are_drawn_once_are_read_only_and_have_2_pixels_at_least() -> None:
     assert atlas(12) is atlas(12)
     with pytest.raises(ValueError, match="read-only"):
         atlas(12)[:] = 0
-
-
-def test_a_tile_of_one_pixel_raises() -> None:
     with pytest.raises(ValueError, match="at least 2"):
         TilePainter(1)
 
@@ -449,17 +443,14 @@ def test_a_larger_share_fills_more(one: float, other: float) -> None:
     assert (filled[0] - filled[1]) * (one - other) >= -1e-6
 
 
-def test_shares_are_limited_to_0_and_1() -> None:
-    assert np.array_equal(bar([-1, 2], 10, 4), bar([0, 1], 10, 4))
-
-
-def test_bars_come_in_any_shape_and_colour() -> None:
+def test_bars_come_in_any_shape_and_colour_and_shares_are_limited_to_0_and_1() -> None:
     shares = np.linspace(0, 1, 6).reshape(2, 3)
     bars = bar(shares, 12, 5, WARNING)
     assert bars.shape == (2, 3, 5, 12, 3)
     for index in np.ndindex(2, 3):
         assert np.array_equal(bars[index], bar(float(shares[index]), 12, 5, WARNING))
     assert where(bars[1, 2, 1:-1, 1:-1], WARNING).all()
+    assert np.array_equal(bar([-1, 2], 10, 4), bar([0, 1], 10, 4))
 
 
 # Imports.

@@ -15,6 +15,7 @@ from PIL import Image
 from warehouse_core import FleetEnv, Layout, WarehouseEnv
 from warehouse_core.render.palette import COLORS
 from warehouse_core.viz import notebooks
+from warehouse_core.world.display import display
 
 CELLS = (
     "from warehouse_core import WarehouseEnv, record_episode, replay_animation\n"
@@ -104,3 +105,8 @@ def test_a_fleet_is_a_picture_of_its_robots_and_people() -> None:
         tile = after[40 * row : 40 * row + 40, 40 * col : 40 * col + 40]
         assert count_color(tile, COLORS["R"]) > 100
     assert count_color(after, COLORS["H"]) > 200
+
+
+def test_nothing_else_is_shown() -> None:
+    with pytest.raises(TypeError, match="notebooks show no int"):
+        display(1)

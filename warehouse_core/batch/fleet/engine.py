@@ -42,7 +42,7 @@ class FleetEngine:
         backend: name, class or instance of the motion that carries out the moves.
 
     Attributes:
-        motion: what moves the robots, and the people among them.
+        motion: motion of the robots, and of the people among them.
         orders: books of orders; ``None`` without orders.
         robots: cells and loads of the robots.
         crowd: people on the floors.

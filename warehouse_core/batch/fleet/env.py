@@ -42,7 +42,7 @@ class FleetBatch(ArrayEnv[FleetArrays]):
         layout: one layout for all fleets, or a list of ``B``; ``None`` is the chapter's.
         robots: number of robots of each fleet, ``R``, at least 1.
         backend: name, class or instance of the motion that carries out the moves.
-        autoreset_mode: when a fleet that has ended restarts; see ``BatchEnv``.
+        autoreset_mode: time at which a fleet that has ended restarts; see ``BatchEnv``.
         settings: all other arguments of ``FleetEnv`` but ``seed``.
 
     Raises:

@@ -64,13 +64,13 @@ class MingledMotion:
         self._motion.close()
 
     def _joined(self, robots: NDArray[Any], people: NDArray[Any]) -> NDArray[Any]:
-        """Return values of robots ``[F * R]`` and people ``[F, P]`` as those of all bodies."""
+        """Return the values of all bodies, from robots ``[F * R]`` and people ``[F, P]``."""
         return np.hstack([np.reshape(robots, (len(people), -1)), people]).ravel()
 
     def _of_people(self, bodies: NDArray[Kind]) -> NDArray[Kind]:
-        """Return the values of the people ``[F, P]``, given those of all bodies."""
+        """Return the values of the people ``[F, P]`` from the values of all bodies."""
         return bodies.reshape(-1, self._bodies)[:, self._robots :]
 
     def _of_robots(self, bodies: NDArray[Kind]) -> NDArray[Kind]:
-        """Return the values of the robots ``[N]``, given those of all bodies."""
+        """Return the values of the robots ``[N]`` from the values of all bodies."""
         return bodies.reshape(-1, self._bodies)[:, : self._robots].ravel()

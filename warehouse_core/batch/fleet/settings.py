@@ -141,7 +141,7 @@ def _orders(values: Any) -> Any:
     """Return what ``as_orders`` takes, given as ``asdict`` or JSON returns it.
 
     Raises:
-        TypeError: the values are not those of orders.
+        TypeError: the values do not describe orders.
     """
     if values is None:
         return None

@@ -15,10 +15,10 @@ from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Flags, Integers
 
 MOVED, WAITED, CHARGED, BY_WALL, BY_ROBOT, BY_PERSON, HANDLED, ENDED = range(8)
-"""What a robot did in a step; a robot that has ended does nothing."""
+"""Kinds of a robot's steps; a robot that has ended does nothing."""
 
 _DONE = np.array([MOVED] * WAIT + [WAITED, HANDLED, HANDLED])
-"""What each action counts as, for a robot that is free and does not charge."""
+"""Kind of step that each action counts as, for a robot that is free and does not charge."""
 
 SECONDS_PER_HOUR = 3600.0
 

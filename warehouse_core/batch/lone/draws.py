@@ -29,7 +29,7 @@ class EpisodeDraws:
     Args:
         layouts: layouts of the rows. If there are ``others``, each row draws its layout from them.
         start_pos: start of robots that is not drawn; see ``BatchEnv``.
-        drawn: what is drawn besides the layout.
+        drawn: parts to draw besides the layout.
 
     Raises:
         LayoutError: a start that is not open, or no room for pickup and dropoff.

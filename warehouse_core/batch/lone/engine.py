@@ -25,9 +25,9 @@ class LoneEngine:
 
     Args:
         layouts: layouts of the rows.
-        draws: what each row draws for an episode.
-        floor: what the robots stand on.
-        motion: what moves them.
+        draws: draws of each row for an episode.
+        floor: floors that the robots stand on.
+        motion: motion of the robots.
         max_steps: limit of an episode.
         battery: units of a full charge.
 

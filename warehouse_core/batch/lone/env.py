@@ -54,9 +54,9 @@ class BatchEnv(ArrayEnv[Arrays]):
         view_radius: cells seen in each direction; with 0 a robot sees only itself.
         randomize: ``True`` to draw pickup, dropoff and start for each episode, or ``"stations"`` or
             ``"start"`` for one of the two.
-        autoreset_mode: when a row that has ended restarts: in the next step, which takes no action
-            (``"NextStep"``), in the same step (``"SameStep"``), or only in a ``reset`` with a mask
-            (``"Disabled"``).
+        autoreset_mode: time at which a row that has ended restarts: in the next step, which takes
+            no action (``"NextStep"``), in the same step (``"SameStep"``), or only in a ``reset``
+            with a mask (``"Disabled"``).
         backend: name, class or instance of a motion with a method ``batch``.
         pool: layouts of one size, instead of ``layout``. For each episode a row draws one of them,
             from its stream and before its start.

@@ -82,10 +82,10 @@ class ArrayEnv(Generic[Observed]):
     """``B`` episodes of ``R`` robots each; row ``b * R + r`` is robot ``r`` of episode ``b``.
 
     Args:
-        engine: what the episodes consist of.
+        engine: engine that starts the episodes and carries out their steps.
         episodes: number of episodes, ``B``.
         robots: number of robots in each of them, ``R``.
-        autoreset_mode: when an episode that has ended restarts, one of ``AUTORESET_MODES``.
+        autoreset_mode: time at which an ended episode restarts, one of ``AUTORESET_MODES``.
 
     Attributes:
         num_envs: number of rows, ``B * R``.
@@ -116,7 +116,7 @@ class ArrayEnv(Generic[Observed]):
     def reset(
         self, seed: Seeds = None, mask: Flags | None = None
     ) -> tuple[Observed, dict[str, Any]]:
-        """Start all episodes, or those of a mask.
+        """Start all episodes, or the ones that a mask marks.
 
         Args:
             seed: episode ``b`` draws from ``seed + b``, or from the ``b``-th of ``B`` seeds;

@@ -42,8 +42,8 @@ class Floor:
             windows are codes.
 
     Attributes:
-        has_chargers: whether any layout has a charger.
-        moving_stations: as given.
+        has_chargers: one layout or more has a charger.
+        moving_stations: the argument of this name.
         station_places: ``[2, B, 2]``, row and column of the first pickups and dropoffs.
     """
 
@@ -91,7 +91,7 @@ class Floor:
             self.station_places[number, rows] = places
 
     def put_own_stations(self, rows: Integers) -> None:
-        """Set the first pickup and dropoff of some rows to those of their layouts."""
+        """Set the first pickup and dropoff of some rows as in their layouts."""
         self.put_stations(rows, *self._first_stations[:, self._layouts.kind[rows]])
 
     def stations(self, cells: Integers) -> Integers:

@@ -37,8 +37,8 @@ class Robots:
     """``N`` robots, moved together and judged by the rules of ``task/rules.py``.
 
     Args:
-        floor: what they stand on, for ``N`` rows.
-        motion: what moves ``N`` robots.
+        floor: floor of ``N`` rows that they stand on.
+        motion: motion of ``N`` robots.
         count: number of robots, ``N``.
 
     Attributes:

@@ -14,7 +14,7 @@ from warehouse_core.world.tables import Flags, Integers
 from warehouse_core.world.tiles import CELL_CODES, CHARGER, DROPOFF, EMPTY, PICKUP
 
 STATION_KINDS = (EMPTY, PICKUP, DROPOFF, PICKUP + DROPOFF, CHARGER)
-"""What a robot can stand on; a batch uses the index.
+"""Kinds of cells that a robot can stand on; a batch uses the index.
 
 Orders can make a cell a pickup and a dropoff. A robot uses the pickup if it holds no item, and the
 dropoff if it holds one.
@@ -38,7 +38,7 @@ _REWARDS = np.array([verdict.reward for verdict in _VERDICTS])
 _HAS_ITEM = np.array([verdict.has_item for verdict in _VERDICTS])
 _DELIVERED = np.array([verdict.delivered for verdict in _VERDICTS])
 _CHARGES = np.array([verdict.charges for verdict in _VERDICTS[::4]])
-"""Whether a robot charges, by its action and what it stands on."""
+"""``True`` where a robot charges, by its action and the kind of its cell."""
 
 _MASK_BYTES = 8
 """Bytes of a mask with padding: looking up eight bytes at once is much faster than seven."""

@@ -15,7 +15,7 @@ from warehouse_core.render.palette import COLORS, INK, PAPER, Color, blend
 from warehouse_core.world.tiles import EMPTY
 
 PLAN_STYLE, WISH_STYLE = "-", (0, (0.1, 1.6))
-"""Of a plan, and of the way from its end to the goal that is not planned yet."""
+"""Line styles of a plan, and of the way from its end to the goal, which is not planned yet."""
 
 FADE_STEPS, MAX_FADE = 20, 0.75
 """Steps over which a plan fades, and how much of the floor's colour it then has."""
@@ -56,9 +56,9 @@ class PlanView:
         """Draw plans.
 
         Args:
-            plans: to be drawn.
-            places: ``[R, 2]``, the middles of the robots.
-            colors: ``R``, of the robots.
+            plans: plans to be drawn.
+            places: ``[R, 2]`` middles of the robots.
+            colors: ``[R]`` colours of the robots.
         """
         for lines, ways, is_wish in (
             (self.ways, plans.ways, False), (self.wishes, plans.wishes, True),

@@ -13,7 +13,7 @@ from warehouse_core.world.tiles import DROPOFF, PICKUP
 Kind = Literal["line", "thin", "steps", "bars", "dots"]
 
 INK, WARNING = "ink", "warning"
-"""Names of colours that are not those of a tile."""
+"""Names of colours that no tile has."""
 
 
 @dataclass(frozen=True)
@@ -31,12 +31,12 @@ class Series:
 def packed_charts(
     tracks: Sequence[Track], times: Sequence[Sequence[float]], columns: Columns
 ) -> list[dict[str, Any]]:
-    """Return the charts of some tracks; those of the same title are one chart.
+    """Return the charts of some tracks; series with the same title are one chart.
 
     Args:
-        tracks: to be drawn.
-        times: for each track those of its frames.
-        columns: where the numbers are added.
+        tracks: tracks to be drawn.
+        times: times of the frames of each track.
+        columns: arrays to which the numbers are added.
     """
     charts: dict[str, list[dict[str, Any]]] = {}
     for number, (track, moments) in enumerate(zip(tracks, times, strict=True)):

@@ -38,7 +38,7 @@ DEFAULT_SPEED = 4.0
 """Simulated seconds in a second; a step of the grid takes a second."""
 
 MAX_SECONDS, MIN_SECONDS = 30.0, 6.0
-"""In which a search is shown at the default speed; in which slow motion is shown at least."""
+"""Most seconds in which a search is shown at the default speed; least for slow motion."""
 
 
 MAX_TEXT = 1_000
@@ -49,8 +49,8 @@ def packed(tracks: Sequence[Track], title: str, speed: float) -> str:
     """Return everything that a page says of tracks, as text.
 
     Args:
-        tracks: to be shown side by side on one clock.
-        title: of the page.
+        tracks: tracks to be shown side by side on one clock.
+        title: title of the page.
         speed: factor on the playing speed.
 
     Raises:

@@ -291,7 +291,7 @@ def frames_along(
     Args:
         start: last frame before the action.
         motions: outcome for each body of ``start``.
-        loaded: whether each body holds an item after the action.
+        loaded: true for each body that holds an item after the action.
         cell_size: side of a cell in metres.
         frame_seconds: simulated time between two frames.
         caption: words of each frame.

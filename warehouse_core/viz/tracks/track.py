@@ -14,8 +14,12 @@ from typing import NamedTuple
 
 from warehouse_core.orders.order import Order
 from warehouse_core.records.plans import NO_PLANS, StepPlans
+from warehouse_core.render.atlas import UNSEEN
 from warehouse_core.render.palette import Color
-from warehouse_core.world.tiles import Cell
+from warehouse_core.world.tiles import WALL, Cell
+
+OUTER = 0.7
+"""Share of the cells of a border of walls that is not shown."""
 
 INTERVAL_MS = 150
 """Milliseconds between frames of a replay."""
@@ -77,8 +81,8 @@ class Marks(NamedTuple):
         times: ``[K]``, not decreasing.
         cells: ``[K]``.
         values: ``[K]`` indices into ``colors``.
-        colors: of the floor from then on.
-        names: of the colours, for the legend.
+        colors: colours of the floor from then on.
+        names: names of the colours, for the legend.
         ends: start and goal.
     """
 
@@ -96,13 +100,13 @@ class Frame:
 
     Attributes:
         tiles: rows of tiles without the robots, ``UNSEEN`` where a cell has not been seen.
-        robots: the pose of each robot, ``None`` for one that is not shown; those of a fleet are
-            followed by people.
+        robots: pose of each robot, ``None`` for one that is not shown; in a fleet poses of people
+            follow.
         progress: steps taken, with a fraction inside a continuous motion.
         caption: the action and its reason; in the last frame of an episode its diagnosis.
         hits: the collisions to show.
         clock: simulated seconds; 0 in all frames if the track has no motions.
-        speed: of the first robot, in m/s.
+        speed: speed of the first robot, in m/s.
         energy: used so far by the first robot, in joules.
         route: the planned way of the robot; empty where no plan is shown.
         fleet: orders and batteries of a fleet.
@@ -125,21 +129,21 @@ class Track:
     """Everything a replay shows. ``S`` is the number of steps plus one.
 
     Attributes:
-        frames: at least one; all have the same number of robots.
+        frames: frames, at least one; all have the same number of robots.
         metrics: ``[S]`` what charts show, by ``METRICS`` or, of fleets, ``FLEET_METRICS``; NaN is
             not drawn.
-        is_continuous: whether frames have a speed, and show moments inside a step.
+        is_continuous: true if frames have a speed, and show moments inside a step.
         full_battery: units of a full battery.
         title: shown above the grid.
-        ending: how it ended, shown with the last frame.
+        ending: outcome, shown with the last frame.
         lateness: step of each delivery of a fleet, and by how many steps it was late.
         orders: orders of a fleet, for a page; ``None`` if it does not show them.
         assignments: step, robot and order of each assignment of these orders.
         view_radius: cells that a robot sees in each direction, ``None`` if unknown.
         slippery: cells with slippery floor.
         motor_strength: actual share of the motor force.
-        marks: of a search.
-        tells_next: whether a caption is about the next step, not the one before.
+        marks: cells that a search has coloured.
+        tells_next: true if a caption is about the next step, false if about the last one.
     """
 
     frames: list[Frame]
@@ -186,13 +190,28 @@ class Track:
 
     @property
     def is_fleet(self) -> bool:
-        """Whether the robots are those of a fleet."""
+        """Whether the track shows a fleet."""
         return self.frames[0].fleet is not None
 
     @property
     def counts_orders(self) -> bool:
         """Whether the charts are about the orders of a fleet."""
         return "delivered" in self.metrics
+
+    @property
+    def outer(self) -> float:
+        """Share of the outermost cells that is not shown, where they are walls in all frames."""
+        first, sides = self.frames[0].tiles, set[str]()
+        for rows in {frame.tiles for frame in self.frames}:
+            sides.update(rows[0], rows[-1], *(line[0] + line[-1] for line in rows))
+        is_wide = min(len(first), len(first[0])) > 2
+        return OUTER if is_wide and sides <= {WALL, UNSEEN} else 0.0
+
+    @property
+    def shown_size(self) -> tuple[float, float]:
+        """Width and height of what is shown of the map, in cells."""
+        rows, outer = self.frames[0].tiles, self.outer
+        return len(rows[0]) - 2 * outer, len(rows) - 2 * outer
 
     @property
     def has_routes(self) -> bool:

@@ -1,16 +1,18 @@
 import dataclasses
 import math
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
+from helpers.fleets import fleet_episode
 from helpers.pictures import HOSTILE_NAMES, ROOM, named, short_episode
 
-from warehouse_core import Layout, RecordError, WarehouseEnv
+from warehouse_core import Episode, Layout, RecordError, WarehouseEnv
 from warehouse_core.motion.base import Contact
 from warehouse_core.viz.tracks.grid_track import track_of_frames
 from warehouse_core.viz.tracks.record_track import frames_along, track_of_record
-from warehouse_core.viz.tracks.track import METRICS, Frame, Pose, Rows, Track
+from warehouse_core.viz.tracks.track import METRICS, OUTER, Frame, Pose, Rows, Track
 
 
 def frame(*rows: str) -> list[list[str]]:
@@ -146,23 +148,20 @@ def test_rows_may_be_strings_and_arrays() -> None:
     assert track_of_frames(np.array([[list(row) for row in rows]])) == lists
 
 
-def test_the_tile_under_the_robot_is_seen_in_a_later_frame() -> None:
-    track = track_of_frames([frame("R.D"), frame("PR.")])
-    assert tiles(track)[0] == ("P.D",)
-
-
-def test_the_tile_under_the_robot_is_seen_in_an_earlier_frame() -> None:
-    track = track_of_frames([frame("R.D"), frame(".Rr".replace("r", "D")), frame("..r")])
-    assert tiles(track)[2] == ("..D",)
-
-
-def test_the_tile_under_a_robot_at_rest_is_seen_when_it_leaves() -> None:
-    track = track_of_frames([frame("R."), frame("r."), frame("Pr")])
-    assert tiles(track) == [("P.",)] * 3
-
-
-def test_a_tile_that_is_never_seen_is_empty() -> None:
-    assert tiles(track_of_frames([frame("#R#")])) == [("#.#",)]
+@pytest.mark.parametrize(
+    ("frames", "index", "row"),
+    [
+        (["R.D", "PR."], 0, "P.D"),
+        (["R.D", ".RD", "..r"], 2, "..D"),
+        (["R.", "r.", "Pr"], 0, "P."),
+        (["R.", "r.", "Pr"], 1, "P."),
+        (["#R#"], 0, "#.#"),
+    ],
+)
+def test_the_tile_under_the_robot_is_seen_in_the_nearest_frame_or_empty(
+    frames: list[str], index: int, row: str
+) -> None:
+    assert tiles(track_of_frames([[each] for each in frames]))[index] == (row,)
 
 
 def test_equal_tiles_are_the_same_object() -> None:
@@ -188,45 +187,32 @@ def test_a_frame_is_what_render_grid_gives() -> None:
     assert Layout(tiles(track_of_frames(frames))[0]) == env.layout
 
 
-@pytest.mark.parametrize("wrong", ["?", "ä"])
-def test_an_unknown_character_is_named_with_its_frame_row_and_column(wrong: str) -> None:
-    bad = [["#", "#", "#"], ["#", "R", wrong]]
-    with pytest.raises(ValueError, match=r"frame 1, row 1, column 2: '.' is unknown; allowed: # "):
-        track_of_frames([frame("###", "#R#"), bad])
+TWO = [["R."], [".R"]]
 
 
 @pytest.mark.parametrize(
-    ("frames", "message"),
+    ("frames", "metrics", "message"),
     [
-        ([["##", "#"]], "frame 0 has 2 rows with 1 columns in row 1; frame 0 has 2 rows of 2"),
-        ([["##"], ["#"]], "frame 1 has 1 rows with 1 columns in row 0; frame 0 has 1 rows of 2"),
-        ([["##"], ["##", "##"]], "frame 1 has 2 rows with 2 columns in row 0"),
-        ([["##", "##"], ["##"]], "frame 1 has 1 rows with 2 columns in row 0"),
-        ([["##"], []], "frame 1 has no rows"),
-        ([[]], "frame 0 has no rows"),
-        ([[""]], "frame 0 has 1 rows with 0 columns in row 0"),
+        ([["###", "#R#"], ["###", "#R?"]], {}, "frame 1, row 1, column 2: '.' is unknown; allowed"),
+        ([["###", "#R#"], ["###", "#Rä"]], {}, "frame 1, row 1, column 2: '.' is unknown; allowed"),
+        ([["##", "#"]], {}, "frame 0 has 2 rows with 1 columns in row 1; frame 0 has 2 rows of 2"),
+        ([["##"], ["#"]], {}, "frame 1 has 1 rows with 1 columns in row 0; frame 0 has 1 rows of"),
+        ([["##"], ["##", "##"]], {}, "frame 1 has 2 rows with 2 columns in row 0"),
+        ([["##", "##"], ["##"]], {}, "frame 1 has 1 rows with 2 columns in row 0"),
+        ([["##"], []], {}, "frame 1 has no rows"),
+        ([[]], {}, "frame 0 has no rows"),
+        ([[""]], {}, "frame 0 has 1 rows with 0 columns in row 0"),
+        (TWO, {"battery": [1.0]}, "'battery' has 1 entries for 2 frames"),
+        (TWO, {"battery": [1.0] * 3}, "'battery' has 3 entries for 2 frames"),
+        (TWO, {"reward": [0.0] * 2}, "'reward' is unknown; allowed: rewards, battery, dist_"),
+        (TWO, {"battery": [3.0, -math.inf]}, "metric 'battery', frame 1: .* is no finite number"),
+        (TWO, {"battery": [3.0, "a"]}, "metric 'battery', frame 1: .* is no finite number"),
+        (TWO, {"battery": [3.0, [1]]}, "metric 'battery', frame 1: .* is no finite number"),
     ],
 )
-def test_frames_must_be_of_one_size(frames: list[list[str]], message: str) -> None:
+def test_bad_frames_and_metrics_are_named(frames: Any, metrics: Any, message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        track_of_frames(frames)
-
-
-@pytest.mark.parametrize("values", [[1.0], [1.0, 2.0, 3.0]])
-def test_a_metric_needs_an_entry_for_every_frame(values: list[float]) -> None:
-    with pytest.raises(ValueError, match=rf"'battery' has {len(values)} entries for 2 frames"):
-        track_of_frames([frame("R."), frame(".R")], {"battery": values})
-
-
-def test_an_unknown_metric_is_named() -> None:
-    with pytest.raises(ValueError, match=r"'reward' is unknown; allowed: rewards, battery, dist_"):
-        track_of_frames([frame("R.")], {"reward": [0.0]})
-
-
-@pytest.mark.parametrize("wrong", [-math.inf, "a", [1]])
-def test_an_entry_that_cannot_be_plotted_is_named(wrong: object) -> None:
-    with pytest.raises(ValueError, match=r"metric 'battery', frame 1: .* is no finite number"):
-        track_of_frames([frame("R."), frame(".R")], {"battery": [3.0, wrong]})  # type: ignore[list-item]
+        track_of_frames(frames, metrics)
 
 
 def test_none_and_nan_are_not_plotted() -> None:
@@ -299,10 +285,11 @@ def test_the_robot_is_loaded_after_the_end_of_the_action() -> None:
     assert [pose.loaded for pose in poses(track, 2)] == [False, True]
 
 
-@pytest.mark.parametrize("seconds", [0.0, math.nan])
-def test_the_time_between_frames_must_be_positive(seconds: float) -> None:
-    with pytest.raises(ValueError, match="frame_seconds"):
-        track_of_record(short_episode(), seconds)
+@pytest.mark.parametrize("record", [short_episode(), fleet_episode(max_steps=2)])
+@pytest.mark.parametrize("seconds", [0.0, -1.0, math.nan])
+def test_the_time_between_frames_must_be_positive(record: Episode, seconds: float) -> None:
+    with pytest.raises(ValueError, match="frame_seconds is"):
+        track_of_record(record, seconds)
 
 
 def test_a_track_on_the_grid_has_the_clock_and_energy_of_its_motions() -> None:
@@ -343,3 +330,22 @@ def test_frames_of_two_robots_have_the_poses_of_both_and_a_common_hit_once() -> 
     loaded = [[pose.loaded for pose in frame.robots if pose] for frame in frames]
     assert loaded == [[False, True], [True, False]]
     assert [len(frame.hits) for frame in frames] == [1, 0]
+
+
+# What is shown of the map.
+
+
+@pytest.mark.parametrize(
+    ("rows", "outer"),
+    [
+        (["###", "#.#", "###"], OUTER),
+        (["#?#", "#.#", "??#"], OUTER),
+        (["###", "#.P", "###"], 0.0),
+        (["#.#", "#.#", "###"], 0.0),
+        (["##", "##"], 0.0),
+    ],
+)
+def test_a_border_of_walls_is_not_shown_whole(rows: list[str], outer: float) -> None:
+    frames = [Frame(tuple(each), (), 0.0) for each in (rows, ["###"] * 3)]
+    assert Track(frames[:1], {}).outer == Track(frames, {}).outer == outer
+    assert Track(frames[:1], {}).shown_size == (len(rows[0]) - 2 * outer, len(rows) - 2 * outer)
