@@ -528,7 +528,7 @@ def _congested(episode: Episode) -> Evidence | None:
     if not blocked or blocked < BLOCKED_SHARE * moves:
         return None
     [(worst, times)] = Counter(episode.cells[:-1][by >= 0].tolist()).most_common(1)
-    cell = divmod(worst, episode.layout.width)
+    cell = episode.layout.cell(worst)
     people = int((by >= episode.robots).sum())
     sentence = (
         f"{blocked} of {counted(moves, 'move')} were stopped by robots or people, {people} of them "
@@ -573,7 +573,7 @@ def _all(episode: Episode) -> Sequence[int]:
 
 def _ends(episode: Episode) -> list[Cell]:
     """Return where the robots are at the end."""
-    return [divmod(cell, episode.layout.width) for cell in episode.cells[-1].tolist()]
+    return episode.layout.cells(episode.cells[-1])
 
 
 def _named(robots: Sequence[int], cells: Sequence[Cell]) -> str:

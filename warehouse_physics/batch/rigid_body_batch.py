@@ -135,7 +135,7 @@ class RigidBodyBatch:
     def _start(self, row: int, cell: int) -> tuple[float, float]:
         """Return the position of the middle of a cell in metres."""
         layout = self._layouts[row]
-        place = divmod(cell, layout.width)
+        place = layout.cell(cell)
         if not layout.is_open(place):
             raise LayoutError(
                 f"the robot of row {row} cannot stand on cell {cell}: {layout.describe(place)}"

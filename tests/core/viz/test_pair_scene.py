@@ -218,22 +218,15 @@ def test_bare_frames_have_steps_and_neither_seconds_nor_joules() -> None:
     assert texts(scene).count("1 step") == 2
 
 
-def test_a_reason_is_not_read_as_mathematics(grid: Track) -> None:
+def test_there_is_one_legend_for_all_and_no_mathematics(grid: Track, physics: Track) -> None:
     grid.frames[0].caption = "N ($x_$)"
-    scene = Scene([grid, grid], make_figure)
+    scene = Scene([grid, physics, grid], make_figure)
     scene.root.pixels()
+    assert texts(scene).count("#  wall") == 1
     assert texts(scene).count("N ($x_$)") == 2
-
-
-def test_there_is_one_legend_for_both(grid: Track, physics: Track) -> None:
-    assert texts(Scene([grid, physics], make_figure)).count("#  wall") == 1
-
-
-def test_the_legend_explains_chargers_of_either() -> None:
     tracks = [track_of_frames([[row]]) for row in ("R.", "RC")]
-    for left, right in (tracks, tracks[::-1]):
-        assert "C  charger" in texts(Scene([left, right], make_figure))
-    assert "C  charger" not in texts(Scene(tracks[:1] * 2, make_figure))
+    for shown in (tracks, tracks[::-1], tracks[:1] * 2):
+        assert ("C  charger" in texts(Scene(shown, make_figure))) == (tracks[1] in shown)
 
 
 def test_a_replay_of_two_is_as_fast_as_a_continuous_one(grid: Track, physics: Track) -> None:
