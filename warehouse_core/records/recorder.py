@@ -105,7 +105,8 @@ class EpisodeRecorder:
     @property
     def ended(self) -> bool:
         """Whether the episode is over."""
-        return bool(self.episode.terminated or self.episode.truncated)
+        ended: bool = self.episode.terminated or self.episode.truncated
+        return ended
 
     def step(self, action: str | SupportsIndex, reason: str = "") -> Observation:
         """Take one step and record it."""
@@ -113,7 +114,7 @@ class EpisodeRecorder:
         motion = self._env.last_motion
         assert motion is not None, "a step always leaves a motion"
         episode = self.episode
-        episode.actions.append(_plain(action))
+        episode.actions.append(str(action) if isinstance(action, str) else int(action))
         episode.reasons.append(reason)
         episode.motions.append(motion)
         episode.terminated, episode.truncated = terminated, truncated
@@ -162,6 +163,7 @@ class FleetRecorder:
         self._settings = FleetSettings.from_json(env.settings.to_json())
         self._columns: dict[str, list[Any]] = {name: [] for name in (*OF_FRAMES, *OF_STEPS)}
         self._reasons: list[tuple[str, ...]] = []
+        self._has_reasons = False
         self._motions: list[tuple[Outcome, ...]] = []
         self._unknown: dict[tuple[int, int], Action] = {}
         self._terminated = self._truncated = np.zeros(env.settings.robots, np.bool_)
@@ -180,11 +182,14 @@ class FleetRecorder:
         chosen = self._env.action_indices(actions)
         _, rewards, terminated, truncated, info = self._env.step(chosen)
         for robot in np.flatnonzero(chosen == INVALID).tolist():
-            given = _plain(actions[robot])
-            if given != INVALID:
-                self._unknown[step, robot] = given
+            action = actions[robot]
+            if action != INVALID:
+                is_word = isinstance(action, str)
+                self._unknown[step, robot] = str(action) if is_word else int(action)
         is_each = isinstance(reason, (list, tuple)) and len(reason) == robots
-        self._reasons.append(tuple(map(str, reason if is_each else [reason] * robots)))
+        reasons = tuple(map(str, reason)) if is_each else (str(reason),) * robots
+        self._reasons.append(reasons)
+        self._has_reasons = self._has_reasons or (reason != "" and any(reasons))
         values = {"actions": chosen, "rewards": rewards, **info["motion"]}
         for name in OF_STEPS:
             self._columns[name].append(values[name])
@@ -217,7 +222,7 @@ class FleetRecorder:
             **arrays,
             terminated=self._terminated,
             truncated=self._truncated,
-            reasons=self._reasons[:] if any(map(any, self._reasons)) else [],
+            reasons=self._reasons[:] if self._has_reasons else [],
             motions=self._motions[:],
             backend=env.backend,
             cell_size=env.cell_size,
@@ -336,11 +341,6 @@ def _replay_fleet(episode: Episode, backend: Backend) -> Episode:
             recorder.step(words[step], reasons[step])
     env.close()
     return recorder.episode
-
-
-def _plain(action: str | SupportsIndex) -> Action:
-    """Return an action as a word or an index that a file can hold."""
-    return str(action) if isinstance(action, str) else int(action)
 
 
 record_fleet_episode, replay_fleet_episode = record_episode, replay_episode
