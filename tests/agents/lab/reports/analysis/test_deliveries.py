@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.results_files import fill, outcomes, row
+from helpers.results_files import fill, hall, outcomes, row
 
 from agents.lab.experiments.store import Store
 from agents.lab.parameters import PARAMETERS
@@ -278,10 +278,8 @@ def test_the_p_value_of_the_best_of_many_counts_all_pairs(tmp_path: Path) -> Non
 def test_of_many_values_only_the_best_and_the_worst_are_named(tmp_path: Path) -> None:
     layouts = []
     for number in range(9):
-        file = tmp_path / f"hall{number}.txt"
-        wall = "#" * (number + 4)
-        file.write_text(f"{wall}\n#P{'.' * number}D#\n{wall}")
-        layouts.append(({"layout": str(file)}, outcomes("d" * number + "w" * (9 - number))))
+        file = hall(tmp_path, number)
+        layouts.append(({"layout": file}, outcomes("d" * number + "w" * (9 - number))))
     folder = tmp_path / "results"
     folder.mkdir()
     first = said(folder, layouts).splitlines()[0]
@@ -309,12 +307,10 @@ def test_every_parameter_has_its_own_question() -> None:
 def test_the_hardest_layout_comes_first(tmp_path: Path) -> None:
     cases = []
     for number, outcome in enumerate(("d" * 40, "d" * 10 + "w" * 30, "d" * 25 + "w" * 15)):
-        file = tmp_path / f"hall{number}.txt"
-        wall = "#" * (number + 4)
-        file.write_text(f"{wall}\n#P{'.' * number}D#\n{wall}")
+        file = hall(tmp_path, number)
         cases += [
-            ({"layout": str(file)}, outcomes(outcome)),
-            ({"layout": str(file), "battery": 9}, outcomes("d" * 20)),
+            ({"layout": file}, outcomes(outcome)),
+            ({"layout": file, "battery": 9}, outcomes("d" * 20)),
         ]
     (tmp_path / "results").mkdir()
     answer = next(
