@@ -39,7 +39,7 @@ class EpisodeError(WarehouseError):
     """An episode that could not be run to its end; the message says which and why.
 
     Attributes:
-        episode: the record so far, an ``Episode`` or a ``FleetEpisode``, if there is one.
+        episode: the record so far, if there is one.
     """
 
     def __init__(self, message: str, episode: Any = None) -> None:
@@ -51,7 +51,7 @@ class EpisodeInterrupted(KeyboardInterrupt):
     """An interrupt during an episode; the message says where it was.
 
     Attributes:
-        episode: the record so far, an ``Episode`` or a ``FleetEpisode``.
+        episode: the record so far.
     """
 
     def __init__(self, message: str, episode: Any) -> None:

@@ -7,12 +7,10 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
-import numpy as np
 import pytest
 from hypothesis import settings
 
 from warehouse_core import Episode, WarehouseEnv, record_episode
-from warehouse_core.files.npz import Arrays
 
 settings.register_profile("warehouse", deadline=None, database=None, derandomize=True)
 settings.load_profile("warehouse")
@@ -55,25 +53,6 @@ def saved(episode: Episode, tmp_path: Path) -> Path:
     path = tmp_path / "episode.npz"
     episode.save(path)
     return path
-
-
-@pytest.fixture
-def arrays(saved: Path) -> Arrays:
-    """Return the arrays in that file, which a test may change."""
-    with np.load(saved) as file:
-        return dict(file)
-
-
-@pytest.fixture
-def load_changed(arrays: Arrays, tmp_path: Path) -> Callable[..., Episode]:
-    """Return a function that loads the episode with some of its arrays replaced."""
-
-    def load(**changed: np.ndarray) -> Episode:
-        path = tmp_path / "changed.npz"
-        np.savez_compressed(path, **(arrays | changed))
-        return Episode.load(path)
-
-    return load
 
 
 @pytest.fixture

@@ -1,6 +1,7 @@
 """A grid warehouse for rational agents, with a motion backend that can be swapped."""
 
-import warehouse_core.notebooks  # noqa: F401 - adds methods that notebooks call
+import warehouse_core.viz.notebooks  # noqa: F401 - says what notebooks show
+from warehouse_core.batch import BatchEnv
 from warehouse_core.errors import (
     BackendError,
     LayoutError,
@@ -23,7 +24,6 @@ from warehouse_core.records.recorder import (
 )
 from warehouse_core.task.settings import Settings
 from warehouse_core.task.state import Observation, WarehouseState
-from warehouse_core.vector.env import BatchEnv
 from warehouse_core.warehouse_env import WarehouseEnv
 from warehouse_core.warehouse_viz import replay_animation, save_frames_to_svg
 from warehouse_core.world.generators import random_layout, shelf_layout

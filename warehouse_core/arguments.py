@@ -8,6 +8,9 @@ from typing import SupportsIndex
 
 import numpy as np
 
+MAX_STEPS = 2**31 - 1
+"""Limit on the steps of an episode, and on battery units, in int32 arrays."""
+
 
 def whole_number(
     name: str, value: SupportsIndex, minimum: int | None = None, maximum: int | None = None

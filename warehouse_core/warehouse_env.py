@@ -16,6 +16,7 @@ from warehouse_core.task.sight import Sight
 from warehouse_core.task.starts import check_room, what_is_drawn
 from warehouse_core.task.state import Observation, WarehouseState
 from warehouse_core.world.actions import ACTIONS, DISPLACEMENTS, INVALID, action_index
+from warehouse_core.world.display import display
 from warehouse_core.world.layout import CHAPTER_START, DEFAULT_LAYOUT, Layout, check_open
 from warehouse_core.world.tiles import (
     CHARGER,
@@ -114,6 +115,8 @@ class WarehouseEnv:
         self._placed: Cell = self._start_pos
         self.backend = backend if isinstance(backend, str) else type(self._motion).__name__
         self.reset()
+
+    _repr_png_ = display  # which notebooks call
 
     def __repr__(self) -> str:
         return f"<WarehouseEnv {self.layout.summary()}, backend {self.backend!r}>"

@@ -15,8 +15,7 @@ from warehouse_core.files.atomic import atomic_path
 from warehouse_core.records.episode import Episode
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.viz.tracks.grid_track import track_of_frames
-from warehouse_core.viz.tracks.motion_frames import FRAME_SECONDS
-from warehouse_core.viz.tracks.record_track import Record, track_of_record
+from warehouse_core.viz.tracks.record_track import FRAME_SECONDS, track_of_record
 from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
 
 if TYPE_CHECKING:
@@ -29,13 +28,13 @@ Metrics = Mapping[str, Sequence[float | None]]
 
 
 def replay_animation(
-    frames: Record | Frames,
+    frames: Episode | Frames,
     metrics: Metrics | None = None,
     interval_ms: float = INTERVAL_MS,
     speed: float = 1.0,
     *,
     window: bool | None = None,
-    beside: Record | None = None,
+    beside: Episode | None = None,
     frame_seconds: float = FRAME_SECONDS,
     plans: Sequence[StepPlans] = (),
 ) -> Replay | None:
@@ -47,18 +46,16 @@ def replay_animation(
     right step one frame and pause.
 
     Args:
-        frames: an ``Episode`` or a ``FleetEpisode``, or frames as ``WarehouseEnv.render_grid``
-            returns them.
+        frames: an ``Episode``, or frames as ``WarehouseEnv.render_grid`` returns them.
         metrics: lists ``rewards``, ``battery``, ``dist_pickup`` and ``dist_dropoff``, each
             optional, with one entry a frame; a record has its own.
         interval_ms: milliseconds between frames at speed 1.
         speed: factor on the playing speed.
-        window: whether ``show`` opens a window; ``None`` means if there is a display.
+        window: true if ``show`` opens a window; ``None`` opens one if there is a display.
         beside: a record to be replayed to the right of the first.
         frame_seconds: simulated time between two frames of a continuous motion, three of which
             are shown in ``interval_ms``.
-        plans: of robots of a ``FleetEpisode``, to be drawn ahead of them; see
-            ``track_of_fleet_episode``.
+        plans: plans of a fleet, to be drawn ahead of its robots; see ``track_of_record``.
 
     Returns:
         A ``matplotlib.animation.FuncAnimation``; ``None`` without frames or without matplotlib.
@@ -70,20 +67,19 @@ def replay_animation(
     track = _track_of(frames, metrics, frame_seconds, plans)
     if track is None or not _matplotlib_is_installed():
         return None
-    from warehouse_core.viz.replay import replay_of_track
+    from warehouse_core.viz.replay import replay_of_tracks
 
-    other = None if beside is None else _track_of(beside, None, frame_seconds)
-    return replay_of_track(track, other, interval_ms=interval_ms, speed=speed, window=window)
+    tracks = [track] if beside is None else [track, track_of_record(beside, frame_seconds)]
+    return replay_of_tracks(*tracks, interval_ms=interval_ms, speed=speed, window=window)
 
 
-def save_frames_to_svg(frames: Record | Frames, output_dir: str | Path, dpi: float = 120) -> None:
+def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: float = 120) -> None:
     """Write every frame as ``frame_0000.svg`` and so on, and the legend as ``legend.svg``.
 
     The same frames give the same bytes. Without frames or without matplotlib nothing is written.
 
     Args:
-        frames: an ``Episode`` or a ``FleetEpisode``, or frames as ``WarehouseEnv.render_grid``
-            returns them.
+        frames: an ``Episode``, or frames as ``WarehouseEnv.render_grid`` returns them.
         output_dir: created if it does not exist; files of these names in it are replaced.
         dpi: dots an inch of pixels in the files; none are drawn, so it changes nothing.
 
@@ -102,8 +98,8 @@ def save_frames_to_svg(frames: Record | Frames, output_dir: str | Path, dpi: flo
     real_number("dpi", dpi, above=True)
     folder = Path(output_dir)
     folder.mkdir(parents=True, exist_ok=True)
-    track.metrics, track.is_continuous, track.shift = {}, False, None
-    scene = Scene(track, make_figure, legend=False)
+    track.metrics, track.is_continuous = {}, False
+    scene = Scene([track], make_figure, legend=False)
     with progress_bar(len(track), "Drawing") as report:
         for frame in range(len(track)):
             scene.show(frame)
@@ -117,14 +113,14 @@ def save_frames_to_svg(frames: Record | Frames, output_dir: str | Path, dpi: flo
 
 
 def _track_of(
-    frames: Record | Frames,
+    frames: Episode | Frames,
     metrics: Metrics | None,
     frame_seconds: float,
     plans: Sequence[StepPlans] = (),
 ) -> Track | None:
     if plans and not (isinstance(frames, Episode) and frames.is_fleet):
         raise TypeError("plans are for the record of a fleet")
-    if isinstance(frames, Record):
+    if isinstance(frames, Episode):
         if metrics is not None:
             raise TypeError("a record has its own metrics; metrics must be None")
         return track_of_record(frames, frame_seconds, plans)

@@ -11,12 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.mapf.assignment import NONE, OUT_OF_REACH
 from agents.mapf.graph import MOVES, Costs, Graph, Integers
 from warehouse_core import FleetEnv, Layout
 from warehouse_core.world.actions import DISPLACEMENTS
-
-NONE = -1
-"""No charger, robot or cell."""
 
 DETOUR, SPARE_STEPS = 2.0, 20.0
 """A robot counts on ``DETOUR`` times the shortest way, and keeps ``SPARE_STEPS`` more."""
@@ -28,7 +26,7 @@ GAP = 5.0
 """Steps from the end of a turn at a charger until the next robot charges there."""
 
 ENOUGH = 0.7
-"""Share of a full battery with which every robot may take every order."""
+"""Share of a full battery with which every robot may take every order, and none has to charge."""
 
 NEARBY, PATIENCE = 10.0, 5.0
 """Steps more than to the nearest charger that a robot goes, and that it waits there; one that would
@@ -43,11 +41,11 @@ HALF = 0.5
 QUEUE_DISTANCE = 3
 """Cells from its charger at which the robot that comes next waits."""
 
-OUT_OF_REACH = 1e9
-"""Cost of a pair that is not allowed."""
-
 INTO_CHARGER = 10.0
-"""Cost of a move into a charger, where somebody may charge for long, more than of another."""
+"""Additional cost of a move into a charger, where somebody may charge for long.
+
+Fleets do the same with 5 and with 20; without it, ways lead through chargers that are in use.
+"""
 
 
 def costs_around_chargers(layout: Layout, costs: Costs | None = None) -> Costs | None:

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.fleet.charging import NONE, Chargers, Needs
-from agents.mapf.assignment import ASSIGNMENTS, REASSIGNING, Tasks
+from agents.fleet.charging import Chargers, Needs
+from agents.mapf.assignment import ASSIGNMENTS, NONE, REASSIGNING, Tasks
 from agents.mapf.graph import FAR, Fields, Graph, Integers
 from agents.mapf.planner import Situation
 from warehouse_core import Cell, FleetEnv

@@ -6,8 +6,10 @@ import random
 
 import numpy as np
 
+from agents.fleet.charging import DETOUR, ENOUGH
 from warehouse_core import Agent, Cell, FleetEnv
 from warehouse_core.fleet.observation import FleetObservation
+from warehouse_core.records.recorder import explanation_of
 from warehouse_core.world.actions import WAIT, action_index
 from warehouse_core.world.distances import distances
 from warehouse_core.world.tiles import (
@@ -23,13 +25,12 @@ from warehouse_core.world.tiles import (
 CLOSED = (WALL, OTHER_EMPTY, OTHER_LOADED, PERSON)
 """Tiles of an observation that no robot can drive into."""
 
-NEARLY_FULL, ENOUGH = 0.9, 0.7
-"""Shares of a full battery: with the first a robot leaves its charger, and with the second or more
-none goes there."""
+NEARLY_FULL = 0.9
+"""Share of a full battery with which a robot leaves its charger."""
 
-DETOUR, SPARE_MOVES = 2.0, 10
-"""A robot goes to charge while its battery lasts for ``DETOUR`` times the shortest way and for
-``SPARE_MOVES`` moves more: its agent may know no shortest way, and others are in the way."""
+SPARE_MOVES = 10
+"""Moves beyond ``DETOUR`` times the shortest way for which the battery of a robot still lasts when
+it goes to charge: its agent may know no shortest way, and others are in the way."""
 
 PATIENCE = 3
 """Moves that fail one after another before a robot takes another one."""
@@ -147,7 +148,7 @@ class Pilot:
         pickup, dropoff = goal
         seen: FleetObservation = {**observation, "pickup_pos": pickup, "dropoff_pos": dropoff}
         action = action_index(self._agent.act(seen))
-        self.reason = str(getattr(self._agent, "reason", ""))
+        self.reason = str(explanation_of(self._agent))
         return action
 
     def _make_way(self, observation: FleetObservation, here: Cell) -> int:

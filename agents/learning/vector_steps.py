@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.learning.policy_network import TIMES, Floats, Tiles, network_input
-from warehouse_core.fleet.batch import FleetBatch
+from warehouse_core.batch import BatchEnv
+from warehouse_core.batch.fleet.env import FleetBatch
 from warehouse_core.task.encoding import FLEET_TILES, MARKED_TILES, vector_limits
-from warehouse_core.vector.env import BatchEnv
 
 VectorStep = tuple[Floats, Floats, NDArray[np.bool_], list[dict[str, Any]]]
 """``[B, L]`` observations, ``[B]`` rewards, ``[B]`` whether an episode ended, ``B`` infos."""

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from agents.mapf.graph import Integers
 
 NONE = -1
-"""No order."""
+"""Number in place of an order, robot, charger or cell where there is none."""
 
 OUT_OF_REACH = 1e9
 """Cost in place of an infinite one, which ``linear_sum_assignment`` does not take."""

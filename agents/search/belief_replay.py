@@ -10,7 +10,7 @@ from itertools import accumulate, product
 from agents.search.agents import ExploringAgent
 from warehouse_core import Episode, EpisodeRecorder, Layout, WarehouseEnv
 from warehouse_core.render.atlas import ROBOT_RADIUS, UNSEEN
-from warehouse_core.viz.tracks.episode_track import step_captions, track_of_episode
+from warehouse_core.viz.tracks.record_track import step_captions, track_of_record
 from warehouse_core.viz.tracks.track import Point, Rows, Track
 from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, Cell
 
@@ -96,7 +96,7 @@ def belief_tracks(episode: Episode, history: Sequence[Insight]) -> tuple[Track, 
     """
     if not history or len(history) != episode.steps:
         raise ValueError(f"history has {len(history)} insights for {episode.steps} steps")
-    belief = track_of_episode(episode)
+    belief = track_of_record(episode)
     world = replace(
         belief,
         frames=[replace(frame, caption="", energy=0.0) for frame in belief.frames],

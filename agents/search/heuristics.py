@@ -75,6 +75,7 @@ def _least_cost(
         size: rows and columns of the layout.
     """
     if len(stations) > MAX_COMPARED:
+        # The search would otherwise compare all stations at each of its nodes.
         table = np.full(size, np.inf)
         table[tuple(np.transpose([*stations]))] = [*stations.values()]
         return _spread(table, move).item

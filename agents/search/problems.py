@@ -50,6 +50,7 @@ class MoveTable(dict[Cell, Edges]):
 
     def recompute(self, cell: Cell) -> None:
         """Note that a cell may have become open or closed."""
+        # Only its neighbours have a move to it; the next search asks for theirs again.
         for delta in MOVE_DELTAS.values():
             self.pop(moved(cell, delta), None)
 

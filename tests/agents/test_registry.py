@@ -60,11 +60,6 @@ def test_an_agent_that_takes_a_layout_gets_it(agent_file: Path) -> None:
     assert make_agent(f"{agent_file}:Mine", 7, hall).seed == 7  # type: ignore[attr-defined]
 
 
-def test_an_agent_that_takes_a_seed_gets_it(agent_file: Path) -> None:
-    agent_file.write_text(WITH_SEED)
-    assert make_agent(f"{agent_file}:Mine", 7).seed == 7  # type: ignore[attr-defined]
-
-
 def test_an_agent_may_take_no_seed(agent_file: Path) -> None:
     agent_file.write_text(WITHOUT_SEED)
     agent = make_agent(f"{agent_file}:Mine", 7)
@@ -127,50 +122,41 @@ def test_a_missing_file_is_named(agent_file: Path) -> None:
     assert refusal(f"{agent_file}:Mine") == f"agent file {agent_file}: it is a folder, not a file"
 
 
-@pytest.mark.parametrize("name", ["Other", "", "number"])
-def test_a_missing_class_is_named(agent_file: Path, name: str) -> None:
-    agent_file.write_text(f"{WITHOUT_SEED}\nnumber = 3\n")
-    assert refusal(f"{agent_file}:{name}") == f"{agent_file} has no class {name!r}"
+CLASS = "class Mine:\n    "
 
 
 @pytest.mark.parametrize(
-    ("body", "missing"),
+    ("text", "name", "message"),
     [
-        ("def act(self, observation): pass", "no reset"),
-        ("pass", "no reset and no act"),
-        ("reset = act = 3", "no reset and no act"),
+        (WITHOUT_SEED, "Other", "{file} has no class 'Other'"),
+        (WITHOUT_SEED, "", "{file} has no class ''"),
+        ("number = 3\n", "number", "{file} has no class 'number'"),
+        (
+            f"{CLASS}def act(self, observation): pass",
+            "Mine",
+            "'{file}:Mine' has no reset; need",
+        ),
+        (f"{CLASS}pass", "Mine", "class '{file}:Mine' has no reset and no act; needed: reset and "),
+        (f"{CLASS}reset = act = 3", "Mine", "class '{file}:Mine' has no reset and no act; needed"),
+        (WITH_SEED.replace("seed=None", "speed"), "Mine", "cannot be made: TypeError: "),
+        (WITH_SEED.replace("seed=None", "speed"), "Mine", "'speed'"),
+        ("x = 1\nclass Mine(:\n    pass\n", "Mine", "{file}, line 2: invalid syntax"),
+        ("\xff\xfe\x00", "Mine", "{file}"),
+        ("import no_such_module_anywhere\n", "Mine", "cannot import agent file {file}: "),
+        ("import no_such_module_anywhere\n", "Mine", "no_such_module_anywhere"),
+        ("x = 1\n1 / 0\n", "Mine", "by zero (my_agent.py, line 2)"),
+        (
+            "x = 1\nraise SystemExit(2)\n",
+            "Mine",
+            "agent file {file}: SystemExit: 2 (",
+        ),
     ],
 )
-def test_a_missing_method_is_named(agent_file: Path, body: str, missing: str) -> None:
-    agent_file.write_text(f"class Mine:\n    {body}\n")
-    name = f"{agent_file}:Mine"
-    assert refusal(name) == f"class {name!r} has {missing}; needed: reset and act"
-
-
-def test_a_class_that_needs_arguments_is_an_error(agent_file: Path) -> None:
-    agent_file.write_text(
-        f"class Mine:\n    def __init__(self, speed, seed=None):\n        pass\n{METHODS}"
-    )
-    message = refusal(f"{agent_file}:Mine")
-    assert "cannot be made: TypeError: " in message
-    assert "'speed'" in message
-
-
-def test_a_syntax_error_is_named_with_its_line(agent_file: Path) -> None:
-    agent_file.write_text("x = 1\nclass Mine(:\n    pass\n")
-    assert refusal(f"{agent_file}:Mine") == f"{agent_file}, line 2: invalid syntax"
-
-
-def test_a_file_that_is_not_text_is_an_error(agent_file: Path) -> None:
-    agent_file.write_bytes(b"\xff\xfe\x00")
-    assert str(agent_file) in refusal(f"{agent_file}:Mine")
-
-
-def test_a_failed_import_is_named(agent_file: Path) -> None:
-    agent_file.write_text("import no_such_module_anywhere\n")
-    message = refusal(f"{agent_file}:Mine")
-    assert message.startswith(f"cannot import agent file {agent_file}: ")
-    assert "no_such_module_anywhere" in message
+def test_a_file_without_such_an_agent_is_named(
+    agent_file: Path, text: str, name: str, message: str
+) -> None:
+    agent_file.write_bytes(text.encode("latin-1"))
+    assert message.format(file=agent_file) in refusal(f"{agent_file}:{name}")
 
 
 def test_a_module_that_raises_or_has_too_many_parts_is_named(
@@ -195,14 +181,6 @@ def test_an_invalid_module_name_is_an_error(source: str) -> None:
     assert refusal(f"{source}:Mine") == (
         f"{source!r} is neither a .py file nor the name of a module"
     )
-
-
-@pytest.mark.parametrize("fault", ["1 / 0", "raise SystemExit(2)"])
-def test_a_fault_in_an_agents_own_code_is_named_with_its_line(agent_file: Path, fault: str) -> None:
-    agent_file.write_text(f"x = 1\n{fault}\n")
-    message = refusal(f"{agent_file}:Mine")
-    assert message.startswith(f"cannot import agent file {agent_file}: ")
-    assert message.endswith("(my_agent.py, line 2)")
 
 
 # Arguments, helpers and names.
@@ -268,34 +246,21 @@ def test_a_file_with_the_name_of_this_package_is_named(
 
 
 @pytest.mark.parametrize(
-    ("name", "own"),
+    ("name", "own", "module"),
     [
-        ("greedy", False),
-        ("greedy:memory=3", False),
-        ("q:table.npz", False),
-        ("mine.py:Mine", True),
-        ("mine.py:Mine:speed=2", True),
-        ("greedy:Mine", True),  # a class in a module of that name
+        ("greedy", False, None),
+        ("greedy:memory=3", False, None),
+        ("q:table.npz", False, None),
+        ("folder/mine.py:Mine", True, None),
+        ("mine.py:Mine:speed=2", True, None),
+        ("greedy:Mine", True, "greedy"),  # a class in a module of that name
+        ("robots.slow:Mine:speed=2", True, "robots.slow"),
     ],
 )
-def test_own_code_is_what_is_not_in_this_package(name: str, own: bool) -> None:
-    assert is_own_code(name) is own
-
-
-@pytest.mark.parametrize(
-    ("name", "module"),
-    [
-        ("robots.slow:Mine", "robots.slow"),
-        ("robots.slow:Mine:speed=2", "robots.slow"),
-        ("greedy:Mine", "greedy"),
-        ("greedy", None),
-        ("greedy:memory=3", None),
-        ("q:table.npz", None),
-        ("folder/mine.py:Mine", None),
-    ],
-)
-def test_the_module_of_an_agent_is_that_of_its_name(name: str, module: str | None) -> None:
-    assert agent_module(name) == module
+def test_a_name_says_whether_its_code_is_a_users_and_which_module_has_it(
+    name: str, own: bool, module: str | None
+) -> None:
+    assert (is_own_code(name), agent_module(name)) == (own, module)
 
 
 # Trained agents.

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from agents.lab.evaluation.interval import Interval, mean_interval
+from agents.lab.trials.interval import Interval, mean_interval
 from agents.mapf.assignment import ASSIGNMENTS
 from agents.registry import make_fleet_agent
 from warehouse_core import FleetEnv, Layout, OrderQueue, shelf_layout

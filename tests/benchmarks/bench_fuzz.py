@@ -11,9 +11,9 @@ import pytest
 from helpers.fuzz import MAX_BYTES, MAX_SECONDS, Report
 
 INPUTS = {
-    "layout": 170_000, "map": 120_000, "LoRR map": 80_000, "scen": 120_000, "tasks": 100_000,
+    "layout": 150_000, "map": 120_000, "LoRR map": 80_000, "scen": 120_000, "tasks": 100_000,
     "agents": 80_000, "plan": 80_000, "flags": 80_000, "names": 60_000, "given layout": 60_000,
-    "episode": 20_000, "q-table": 15_000, "ppo": 15_000,
+    "episode": 20_000, "fleet": 20_000, "q-table": 15_000, "ppo": 15_000,
 }  # fmt: skip
 """Together 10^6; ``FUZZ_SHARE=0.1`` runs a tenth of each, and ``FUZZ_SEED`` other ones."""
 

@@ -13,7 +13,7 @@ from contextlib import closing
 from pathlib import Path
 from time import perf_counter
 
-from helpers.results_files import row, shift
+from helpers.results_files import fleet_row, row
 
 from agents.lab.commands.export.table import columns_of, lines_of
 from agents.lab.experiments.case import is_fleet, make_case
@@ -21,8 +21,7 @@ from agents.lab.experiments.episodes import run_task
 from agents.lab.experiments.store import Store
 from agents.lab.reports.analysis.answers import answers
 from agents.lab.reports.analysis.design import make_design
-from agents.lab.reports.analysis.fleet_answers import fleet_answers
-from agents.lab.reports.analysis.results import Deliveries, Experiment, Shifts
+from agents.lab.reports.analysis.results import FLEETS, LONE, Experiment
 from agents.lab.reports.examples import find_examples
 from agents.lab.runs.programs import program_for
 from warehouse_core.errors import WarehouseError
@@ -40,11 +39,10 @@ CASES.append(make_case({"layout": "random", "backend": "physics", "robot.mass": 
 def read(path: Path) -> None:
     """Read all that a report and an export read."""
     with Store(path, read_only=True) as store:
-        experiment = Experiment(store, Deliveries)
         find_examples(store)
-        answers(experiment, make_design(experiment.cases))
-        fleets = Experiment(store, Shifts)
-        fleet_answers(fleets, make_design(fleets.cases))
+        for kind in (LONE, FLEETS):
+            experiment = Experiment(store, kind)
+            answers(experiment, make_design(experiment.cases))
         store.mixed(), store.episodes()
         for _ in lines_of(store, columns_of(store)):
             pass
@@ -58,7 +56,7 @@ def resume(path: Path) -> None:
             number = store.case_id(case)
             store.count(case, range(100))
             store.seeds_done(number, range(100))
-            rows = [shift(99)] if is_fleet(case) else [row(99)]
+            rows = [fleet_row(99)] if is_fleet(case) else [row(99)]
             store.add(number, rows, "another")
         store.mixed()
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from agents import GreedyAgent
-from agents.lab.evaluation.interval import CONFIDENCE, mean_interval, ratio_interval
+from agents.lab.trials.interval import CONFIDENCE, mean_interval, ratio_interval
 from warehouse_core import WarehouseEnv, record_episode
 from warehouse_core.records.episode import DELIVERED
 

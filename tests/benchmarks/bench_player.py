@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from warehouse_core import Layout, Order
 from warehouse_core.viz.player import player_page
 from warehouse_core.viz.tracks import Frame, Pose, Track
-from warehouse_core.viz.tracks.track import FleetFrame, Hit, Shift
+from warehouse_core.viz.tracks.track import FleetFrame, Hit
 from warehouse_core.world.tiles import WALL
 
 Write = Callable[[int], Path]
@@ -94,10 +94,14 @@ def large_fleet(robots: int) -> Track:
         times = released + 100, released + 200
         due = released + 150 + 10 * (order % 10)
         orders.append(Order(released, due, pickup, layout.dropoffs[0], None, order, *times))
-    ramp = list(range(STEPS + 1))
-    level = [1 - step / STEPS for step in ramp]
-    shift = Shift(ramp, ramp, [(step, step % 7 - 3) for step in ramp], level, level, ramp, orders)
-    return Track(frames, {}, title=f"{robots} robots", shift=shift)
+    ramp: list[float] = [*range(STEPS + 1)]
+    level = [1 - step / STEPS for step in range(STEPS + 1)]
+    metrics: dict[str, list[float]] = {
+        "released": ramp, "delivered": ramp, "joules": ramp,
+        "battery_mean": level, "battery_lowest": level,
+    }  # fmt: skip
+    lateness = [(step, step % 7 - 3) for step in range(STEPS + 1)]
+    return Track(frames, metrics, title=f"{robots} robots", lateness=lateness, orders=orders)
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ import numpy as np
 
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import Row
+from agents.lab.trials.rows import Row
 from warehouse_core.records.failure_modes import MODES
 
 EPISODES, BATTERIES = 1_000_000, range(20, 220, 20)

@@ -11,11 +11,11 @@ from time import perf_counter
 import pytest
 from helpers.sweeps import nothing
 
-from agents.lab.experiments.case import make_agent_for, make_case, make_env
+from agents.lab.experiments.case import layout_for, make_agent_for, make_case, make_env
 from agents.lab.experiments.plan import Plan
 from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.workers import process_pool
+from agents.lab.trials.workers import process_pool
 from warehouse_core import record_episode
 from warehouse_core.records.failure_modes import diagnose
 
@@ -31,7 +31,7 @@ import sys
 from agents.lab.experiments.plan import make_plan
 from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.workers import process_pool
+from agents.lab.trials.workers import process_pool
 
 def peak_in_kb():
     with open("/proc/self/status") as file:
@@ -82,8 +82,9 @@ def one_and_two(tmp_path: Path, capsys) -> Iterator[tuple[Sweeper, Sweeper]]:
 def bare_loop() -> None:
     """Run the same episodes as they would be run without workers or a file."""
     for seed in range(EPISODES):
-        env = make_env(CASE, seed)
-        diagnose(record_episode(env, make_agent_for(CASE, seed, env.layout), seed=seed))
+        layout = layout_for(CASE, seed)
+        agent = make_agent_for(CASE, seed, layout)
+        diagnose(record_episode(make_env(CASE, layout), agent, seed=seed))
 
 
 def test_two_workers_against_one(one_and_two, times_faster) -> None:

@@ -25,18 +25,15 @@ FRAME_FILES = [f"frame_{frame:04d}.svg" for frame in range(7)]
 # The chapter's two functions.
 
 
-def test_replay_animation_takes_what_the_chapter_says() -> None:
-    parameters = inspect.signature(replay_animation).parameters
-    assert list(parameters)[:4] == ["frames", "metrics", "interval_ms", "speed"]
-    assert [parameters[name].default for name in list(parameters)[1:4]] == [None, 150, 1.0]
-    others = list(parameters.values())[4:]
-    assert {other.kind for other in others} == {inspect.Parameter.KEYWORD_ONLY}
-
-
-def test_save_frames_to_svg_takes_what_the_chapter_says() -> None:
-    parameters = inspect.signature(save_frames_to_svg).parameters
-    assert list(parameters) == ["frames", "output_dir", "dpi"]
-    assert parameters["dpi"].default == 120
+def test_both_functions_take_what_the_chapter_says() -> None:
+    parameters = [*inspect.signature(replay_animation).parameters.values()]
+    asked = {parameter.name: parameter.default for parameter in parameters[:4]}
+    assert asked == {"frames": inspect.Parameter.empty, "metrics": None, "interval_ms": 150,
+                     "speed": 1.0}  # fmt: skip
+    assert {other.kind for other in parameters[4:]} == {inspect.Parameter.KEYWORD_ONLY}
+    saving = inspect.signature(save_frames_to_svg).parameters
+    assert [*saving] == ["frames", "output_dir", "dpi"]
+    assert saving["dpi"].default == 120
 
 
 def test_the_chapters_loop_can_be_replayed() -> None:

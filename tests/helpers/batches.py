@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, WarehouseEnv, random_layout
+from warehouse_core.batch import AUTORESET_MODES, BatchEnv
 from warehouse_core.task.encoding import encode
 from warehouse_core.task.rules import useful_actions
-from warehouse_core.vector.env import BatchEnv
-from warehouse_core.vector.rows import AUTORESET_MODES
 
 NEXT_STEP, SAME_STEP, DISABLED = AUTORESET_MODES
 NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)

@@ -8,15 +8,14 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from agents.lab.evaluation.figure import scores_figure
-from agents.lab.evaluation.scores import Run, Scores
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.store import Store
 from agents.lab.reports.contents import make_page
 from agents.lab.reports.page import write_page
+from agents.lab.trials.figure import scores_figure
 from helpers.pages import a_page_of
 from helpers.pictures import named, replay_of
-from helpers.results_files import outcomes
+from helpers.results_files import GOOD, outcomes, scores_of
 from warehouse_core.viz.figure import save_svg
 
 SCRIPT_TAGS = {"script", "iframe", "object", "embed", "base", "form", "foreignobject", "math"}
@@ -40,7 +39,7 @@ def write_documents(folder: Path, name: str) -> None:
     )
     for suffix in ("html", "svg"):
         replay_of(episode, beside=episode).save(folder / f"replay.{suffix}")
-    scores = Scores((Run(True, 20, 10.0, 40.0, 900.0, 5),) * 2)
+    scores = scores_of([GOOD] * 2)
     save_svg(scores_figure({name: scores, f"{name}2": scores}, "Agents"), folder / "scores.svg")
 
 

@@ -26,10 +26,11 @@ from agents.learning.q_learning import QTable
 from agents.learning.q_table import load_agent, save_table
 from agents.registry import make_agent
 from agents.warehouse_agent_greedy import GreedyAgent
+from helpers.fleets import fleet_episode
 from warehouse_core import DEFAULT_LAYOUT, Episode, Layout, WarehouseEnv, record_episode
 from warehouse_core.errors import WarehouseError
 from warehouse_core.records.failure_modes import diagnose
-from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.world.map_files import load_map, save_map
 from warehouse_core.world.named_layouts import as_layout
 from warehouse_core.world.robot_runners import load_agents, load_tasks
@@ -176,6 +177,9 @@ def formats() -> dict[str, Format]:
             _network(stream, radius).save(path)
         save_map(DEFAULT_LAYOUT, saved[5])
         grid, physics, q_table, small, large, octile = (path.read_bytes() for path in saved)
+        for path, backend in zip(saved, ("grid", "physics"), strict=False):
+            fleet_episode(backend=backend, max_steps=12).save(path)
+        fleet, bodies = (path.read_bytes() for path in saved[:2])
     plan = (
         b'episodes = 200\nseed = 0\n[settings]\nescape = [true, false]\nagent = "greedy"\n'
         b"battery = { from = 20, to = 200, step = 20 }\n[robot]\nmass = [50, 70.5]\n"
@@ -190,6 +194,7 @@ def formats() -> dict[str, Format]:
         "tasks": Format((b"# t\n3\n13,15\n25\n13,14,25\n",), _read_tasks),
         "agents": Format((b"2\n13\n# r\n14\n",), _read_agents),
         "episode": Format((grid, physics), _read_episode, is_npz=True),
+        "fleet": Format((fleet, bodies), _read_episode, is_npz=True),
         "q-table": Format((q_table,), load_agent, is_npz=True),
         "ppo": Format((small, large), PolicyNetwork.load, is_npz=True),
         "plan": Format((plan, b"[settings]\nlayout = ['a b.txt', \"\"\"c\n\"\"\"]\n"), _read_plan),
@@ -240,7 +245,7 @@ def _read_episode(path: Path) -> None:
     assert Episode.load(path) == episode
     assert repr(episode)
     diagnose(episode)
-    track_of_episode(episode)
+    track_of_record(episode)
 
 
 def _read_plan(path: Path) -> None:

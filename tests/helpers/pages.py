@@ -9,7 +9,7 @@ from agents.lab.reports.examples import Example, Found
 from agents.lab.reports.figures.pictures import Picture
 from agents.lab.reports.page import Page, Table
 from helpers.pictures import named
-from warehouse_core.viz.tracks import track_of_episode
+from warehouse_core.viz.tracks import track_of_record
 
 HOSTILE = (
     "<script>alert(1)</script>",
@@ -91,7 +91,7 @@ def a_page(**changes: Any) -> Page:
                 "A note",
             ),
         ),
-        "examples": (Example(found(), "swung to and fro", track_of_episode(named("A robot"))),),
+        "examples": (Example(found(), "swung to and fro", track_of_record(named("A robot"))),),
         "made_with": (("warehouse-lab", "1.2.3"),),
     }
     return Page(**parts | changes)
@@ -109,7 +109,7 @@ def a_page_of(name: str, svg: bytes = SVG) -> Page:
         settings=((name, name),),
         tables=(Table((name, name), ((name, name),), name),),
         examples=(
-            Example(found(name, case=case), name, track_of_episode(named(name))),
+            Example(found(name, case=case), name, track_of_record(named(name))),
             Example(found(name, case=case), name),
         ),
         made_with=((name, name),),

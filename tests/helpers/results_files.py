@@ -6,7 +6,8 @@ from typing import Any
 
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import AnyRow, Row, Shift
+from agents.lab.trials.rows import AnyRow, FleetRow, Row
+from agents.lab.trials.scores import Scores
 
 
 def row(seed: int, mode: str = "delivered", steps: int = 20, **others: Any) -> Row:
@@ -31,9 +32,18 @@ def outcomes(words: str, seed: int = 0, steps: int = 20) -> list[Row]:
     return [row(number, modes[each], steps) for number, each in enumerate(words, start=seed)]
 
 
-def shift(seed: int, mode: str = "served", **others: Any) -> Shift:
+GOOD = row(0, steps=20, seconds=40.0, joules=900.0)
+BAD = row(0, "oscillation", 200, seconds=400.0, joules=9000.0)
+
+
+def scores_of(rows: Sequence[Row]) -> Scores:
+    """Return the scores of an agent that expands 5 nodes in a delivery and 95 in a failure."""
+    return Scores(rows, [5 if each.mode == "delivered" else 95 for each in rows])
+
+
+def fleet_row(seed: int, mode: str = "served", **others: Any) -> FleetRow:
     """Return the row of an episode of a fleet that ended with ``mode``."""
-    plain = Shift(
+    plain = FleetRow(
         seed, mode, 100, 100.0, 10, 5, 180.0, 4.0, 8.0, 0.5, 5000.0, 1000.0, 0, 10, 0, 3, 4, 90, 0
     )
     return plain._replace(**others)

@@ -16,7 +16,7 @@ from agents.lab.experiments.choices import parse_flags
 from agents.lab.experiments.plan import make_plan
 from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import Row
+from agents.lab.trials.rows import Row
 from helpers.command_line import ROOT
 
 COLUMNS = ", ".join(Row._fields)

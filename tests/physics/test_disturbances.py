@@ -10,7 +10,7 @@ import pytest
 
 from warehouse_core import Cell, EpisodeRecorder, FleetEnv, Layout, Outcome, WarehouseEnv
 from warehouse_core.records.recorder import FleetRecorder
-from warehouse_core.viz.tracks import track_of_episode, track_of_fleet_episode
+from warehouse_core.viz.tracks import track_of_record
 from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
 from warehouse_physics.disturbances import FloorConditions
 
@@ -239,8 +239,8 @@ def test_slippery_cells_and_weak_motors_are_recorded_and_drawn(tmp_path: Path) -
     recorder.step("WAIT")
     fleet_recorder = FleetRecorder(fleet, seed=1)
     for episode, track_of in (
-        (recorder.episode, track_of_episode),
-        (fleet_recorder.episode, track_of_fleet_episode),
+        (recorder.episode, track_of_record),
+        (fleet_recorder.episode, track_of_record),
     ):
         episode.save(tmp_path / "rough.npz")
         track = track_of(type(episode).load(tmp_path / "rough.npz"))

@@ -19,7 +19,7 @@ from helpers.handbook import (
     run_page,
 )
 
-from agents.lab.commands import bench, train
+from agents.lab.commands import train
 from agents.lab.experiments.sweep import PRESETS
 from agents.learning import training
 from warehouse_core.viz.replay import Replay
@@ -52,14 +52,12 @@ def some_frames(replay: Replay) -> Iterator[int]:
 
 @pytest.fixture
 def less_work(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Save some frames of each replay, train for fewer steps and measure fewer steps."""
+    """Save some frames of each replay, and train for fewer steps."""
     monkeypatch.setattr(Replay, "new_saved_frame_seq", some_frames)
     steps, *others = train.train_q.__defaults__ or ()
     monkeypatch.setattr(train.train_q, "__defaults__", (steps // 20, *others))
     monkeypatch.setattr(training, "EXAM_SEEDS", training.EXAM_SEEDS[:5])
     monkeypatch.setattr(train, "FINAL_SEEDS", train.FINAL_SEEDS[:20])
-    for name in ("STEPS", "FRAMES", "BATCH_STEPS", "MAX_STEPS"):
-        monkeypatch.setattr(bench, name, 5)
 
 
 @each_page

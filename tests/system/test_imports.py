@@ -23,25 +23,31 @@ MAY_IMPORT = {
     "warehouse_core/files": "errors wording",
     "warehouse_core/world": "errors files wording",
     "warehouse_core/motion": "arguments errors extras world",
+    "warehouse_core/orders": "arguments errors files world",
     "warehouse_core/task": "errors world",
+    "warehouse_core/batch/shell": "arguments errors motion task world",
     "warehouse_core/conformance": "errors motion world",
-    "warehouse_core/orders": "arguments errors files motion task world",
     "warehouse_core/render": "arguments errors task world",
-    "warehouse_core/vector": "arguments errors motion task world",
     "warehouse_core/warehouse_env": "arguments errors motion task world",
-    "warehouse_core/fleet": "arguments errors motion orders task vector wording world",
-    "warehouse_core/gymnasium_env": (
-        "arguments errors motion render task vector warehouse_env world"
-    ),
+    "warehouse_core/batch/fleet": "arguments batch/shell errors motion orders task world",
+    "warehouse_core/batch/lone": "arguments batch/shell errors motion task world",
     "warehouse_core/viz/export": "errors extras render",
-    "warehouse_core/pettingzoo_env": "errors extras fleet gymnasium_env render task world",
-    "warehouse_core/records": "errors files fleet motion orders task warehouse_env wording world",
+    "warehouse_core/batch": "batch/lone batch/shell",
+    "warehouse_core/fleet": "arguments batch/fleet errors motion orders task wording world",
+    "warehouse_core/gymnasium_env": (
+        "arguments batch batch/shell errors motion render task warehouse_env world"
+    ),
+    "warehouse_core/records": (
+        "batch/fleet errors files fleet motion orders task warehouse_env wording world"
+    ),
+    "warehouse_core/pettingzoo_env": (
+        "arguments errors extras fleet gymnasium_env render task world"
+    ),
     "warehouse_core/viz/axes": "motion records render wording world",
     "warehouse_core/viz/tracks": "arguments errors motion orders records render wording world",
-    "warehouse_core/viz/player": "arguments files render viz/tracks wording world",
-    "warehouse_core/notebooks": "fleet records render viz/player viz/tracks warehouse_env world",
+    "warehouse_core/viz/player": "arguments files orders render viz/tracks wording world",
     "warehouse_core/viz": (
-        "arguments errors files records render viz/axes viz/export viz/player viz/tracks "
+        "arguments errors files fleet records render viz/axes viz/export viz/player viz/tracks "
         "warehouse_env wording world"
     ),
     "warehouse_core/warehouse_viz": "arguments files records viz viz/export viz/tracks",
@@ -71,40 +77,36 @@ MAY_IMPORT = {
     "agents/errors": "",
     "agents/handbook": "",
     "agents/lab": "",
-    "agents/lab/evaluation": "",
     "agents/search": "",
     "agents/warehouse_agent_greedy": "",
     "agents/learning": "errors warehouse_agent_greedy",
     "agents/mapf": "errors",
     "agents/fleet": "errors mapf",
-    "agents/lab/training": "lab/evaluation learning",
     "agents/lab/runs": "errors fleet",
     "agents/registry": "errors fleet learning mapf search warehouse_agent_greedy",
     "agents/lab/console": "errors lab/runs",
-    "agents/lab/commands/fleet": "errors fleet lab/console lab/evaluation lab/runs mapf registry",
-    "agents/lab/experiments": "errors fleet lab/console lab/runs mapf registry",
-    "agents/lab/grading": (
-        "errors lab/console lab/evaluation lab/runs registry warehouse_agent_greedy"
-    ),
-    "agents/lab/commands/export": "errors lab/console lab/experiments",
-    "agents/lab/commands/planners": (
-        "errors lab/console lab/evaluation lab/experiments mapf registry"
-    ),
-    "agents/lab/reports/analysis": "lab/evaluation lab/experiments",
-    "agents/lab/reports/figures": "errors lab/evaluation lab/experiments lab/reports/analysis",
+    "agents/lab/trials": "errors lab/console lab/runs learning",
+    "agents/lab/commands/fleet": "errors fleet lab/console lab/runs lab/trials mapf registry",
+    "agents/lab/commands/planners": "errors lab/console lab/trials mapf registry",
+    "agents/lab/experiments": "errors fleet lab/console lab/runs lab/trials mapf registry",
+    "agents/lab/grading": "errors lab/console lab/runs lab/trials registry warehouse_agent_greedy",
+    "agents/lab/training": "lab/trials learning",
+    "agents/lab/commands/export": "errors lab/console lab/experiments lab/trials",
+    "agents/lab/reports/analysis": "lab/experiments lab/trials",
+    "agents/lab/reports/figures": "errors lab/experiments lab/reports/analysis lab/trials",
     "agents/lab/reports": (
-        "errors lab/console lab/evaluation lab/experiments lab/reports/analysis "
-        "lab/reports/figures registry"
+        "errors lab/console lab/experiments lab/reports/analysis lab/reports/figures lab/trials "
+        "registry"
     ),
     "agents/lab/commands/gap": (
-        "errors fleet lab/commands/fleet lab/commands/planners lab/console lab/evaluation "
-        "lab/experiments lab/reports lab/runs registry"
+        "errors fleet lab/commands/fleet lab/commands/planners lab/console lab/reports lab/runs "
+        "lab/trials registry"
     ),
-    "agents/lab/commands/grade": "errors lab/console lab/experiments lab/grading lab/reports",
+    "agents/lab/commands/grade": "errors lab/console lab/grading lab/reports lab/trials",
     "agents/lab/commands": (
         "errors fleet lab/commands/export lab/commands/fleet lab/commands/gap lab/commands/grade "
-        "lab/commands/planners lab/console lab/evaluation lab/experiments lab/reports lab/runs "
-        "lab/training learning mapf registry search warehouse_agent_greedy"
+        "lab/commands/planners lab/console lab/experiments lab/reports lab/runs lab/training "
+        "lab/trials learning mapf registry search warehouse_agent_greedy"
     ),
     "agents/__main__": "lab/commands",
     "agents/run_episode": "lab/commands lab/console",
@@ -120,6 +122,7 @@ EXPORTS = {
         replay_animation replay_episode replay_fleet_episode save_frames_to_svg
         shelf_layout
     """,
+    "warehouse_core.batch": "AUTORESET_MODES BatchEnv",
     "warehouse_core.conformance": "Report run_conformance",
     "warehouse_core.fleet": "Battery FleetBatch FleetEnv FleetMeasures FleetObservation People",
     "warehouse_core.files": "atomic_path read_arrays write_arrays",
@@ -143,10 +146,7 @@ EXPORTS = {
     "warehouse_core.task": """
         Observation Settings WarehouseState encode judge useful_actions vector
     """,
-    "warehouse_core.vector": "AUTORESET_MODES BatchEnv",
-    "warehouse_core.viz.tracks": """
-        Frame Pose Track track_of_episode track_of_fleet_episode track_of_frames
-    """,
+    "warehouse_core.viz.tracks": "Frame Pose Track track_of_frames track_of_record",
     "warehouse_core.viz.player": "player_frame player_page save_page",
     "warehouse_core.viz.axes": "box_in draw_grid style_chart",
     "warehouse_core.viz.export": "FORMATS ffmpeg progress_bar",
@@ -158,9 +158,6 @@ EXPORTS = {
     "warehouse_physics.driving": "DrivingMotion",
     "warehouse_physics.batch": "RigidBodyBatch",
     "agents": "ExploringAgent GreedyAgent PPOAgent QAgent SearchAgent",
-    "agents.lab.evaluation": """
-        MEASURES Interval Run Scores Task evaluate mean_interval share_interval
-    """,
     "agents.fleet": "PlannedFleet Team",
     "agents.learning": "PPOAgent QAgent QTable load_agent load_table save_table",
     "agents.search": """

@@ -11,7 +11,7 @@ from helpers.fleets import fleet_episode
 from helpers.player_pages import Files, Shown, wait_until
 
 from agents.run_episode import run_episode
-from warehouse_core.viz.tracks import Track, track_of_episode, track_of_fleet_episode
+from warehouse_core.viz.tracks import Track, track_of_record
 
 pytestmark = pytest.mark.browser
 
@@ -21,12 +21,12 @@ Open = Callable[..., Shown]
 @pytest.fixture(scope="module")
 def track() -> Track:
     """Return an episode on the grid with a pick and a drop."""
-    return track_of_episode(run_episode("greedy", "grid", seed=12))
+    return track_of_record(run_episode("greedy", "grid", seed=12))
 
 
 @pytest.fixture(scope="module")
 def fleet() -> Track:
-    return track_of_fleet_episode(fleet_episode())
+    return track_of_record(fleet_episode())
 
 
 @pytest.fixture
@@ -358,7 +358,7 @@ def test_what_was_played_and_what_was_scrubbed_are_the_same_pictures(
     opened: Open, files: Files, track: Track, fleet: Track
 ) -> None:
     def tracks() -> list[Track]:
-        return [track, track_of_episode(run_episode("greedy", "physics", seed=12))]
+        return [track, track_of_record(run_episode("greedy", "physics", seed=12))]
 
     for path, prepare in (
         (files("pair", tracks), ""),

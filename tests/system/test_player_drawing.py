@@ -9,7 +9,7 @@ from matplotlib.colors import to_hex
 
 from agents.run_episode import run_episode
 from warehouse_core.render.palette import COLORS, HIT, ORDER_COLORS
-from warehouse_core.viz.tracks import Frame, Pose, Track, track_of_episode
+from warehouse_core.viz.tracks import Frame, Pose, Track, track_of_record
 from warehouse_core.viz.tracks.track import FleetFrame, Hit, Marks
 from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, WALL
 
@@ -29,7 +29,7 @@ def cell(row: float, col: float) -> tuple[float, float, float, float]:
 
 @pytest.fixture(scope="module")
 def track() -> Track:
-    return track_of_episode(run_episode("greedy", "grid", seed=12))
+    return track_of_record(run_episode("greedy", "grid", seed=12))
 
 
 @pytest.mark.parametrize(("density", "scheme"), LOOKS)

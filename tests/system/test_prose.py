@@ -39,7 +39,9 @@ class Robot:
         To stop is not possible.
 
         Returns:
-            In which cell it is.
+            In which cell it is,
+            of those beside it, and
+            whether it rests.
         """
 '''
 
@@ -55,5 +57,5 @@ def test_descriptions_that_lean_on_a_name_are_listed(tmp_path: Path) -> None:
         f"{file}:16: where it is.",
         f"{file}:22: What it carries.",
         f"{file}:29: to avoid.",
-        f"{file}:34: In which cell it is.",
+        f"{file}:34: In which cell it is,",
     ]

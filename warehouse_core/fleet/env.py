@@ -10,24 +10,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.arguments import whole_number
+from warehouse_core.batch.fleet.battery import Battery
+from warehouse_core.batch.fleet.engine import FleetEngine
+from warehouse_core.batch.fleet.people import People
+from warehouse_core.batch.fleet.settings import FleetSettings
+from warehouse_core.batch.fleet.tally import FleetMeasures
 from warehouse_core.errors import EndedError, OrderError
-from warehouse_core.fleet.battery import Battery
-from warehouse_core.fleet.fleets import make_fleets
-from warehouse_core.fleet.observation import FleetArrays, FleetObservation, observation_of
-from warehouse_core.fleet.people import People
-from warehouse_core.fleet.settings import FleetSettings, as_orders
-from warehouse_core.fleet.tally import FleetMeasures
+from warehouse_core.fleet.observation import FleetObservation, observation_of
 from warehouse_core.motion.backends import Backend, make_motion
 from warehouse_core.motion.base import DrivesThrough, Outcome, Ways, conditions_of
-from warehouse_core.motion.vector import Flags
 from warehouse_core.orders.order import Order, OrderArrays, Orders
+from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.wording import brief
 from warehouse_core.world.actions import DROP, INVALID, PICK, WAIT, action_index
+from warehouse_core.world.display import display
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
+from warehouse_core.world.tables import Flags
 from warehouse_core.world.tiles import Cell
 
 FIRST = np.zeros(1, np.intp)
-"""The only floor."""
+"""Number of the only floor."""
 
 Action = str | SupportsIndex
 Actions = Sequence[Action] | NDArray[Any] | Mapping[int, Action]
@@ -41,7 +43,7 @@ class FleetEnv:
 
     ## Description
 
-    Each robot is that of ``WarehouseEnv``, by the same rules and the same backends; several get in
+    Each robot is like the one of ``WarehouseEnv``, by the same rules and backends; several get in
     each other's way by the table of ``motion/traffic.py``. An order only decides what a cell is to
     a robot: a pickup where an order waits for it, a dropoff where its item is due. Without orders
     each robot has the task of the chapter, and a fleet of one equals ``WarehouseEnv``.
@@ -52,7 +54,7 @@ class FleetEnv:
 
     ## Actions
 
-    Those of ``WarehouseEnv`` for each robot.
+    The actions of ``WarehouseEnv`` for each robot.
 
     ## Observations
 
@@ -71,7 +73,7 @@ class FleetEnv:
 
     Args:
         layout: ``None`` is the chapter's.
-        robots: ``R``, at least 1.
+        robots: number of robots, ``R``, at least 1.
         backend: name, class or instance of the motion that carries out the moves.
         orders: a rate of orders a step, an ``OrderStream`` or several, an ``OrderQueue``, or a list
             of ``Order``; see ``load_orders`` for files. ``None``: each robot delivers one item, as
@@ -81,20 +83,20 @@ class FleetEnv:
         max_steps: limit of an episode, at least 1.
         battery: units of a full charge, of which a step costs one; or a ``Battery``.
         view_radius: cells seen in each direction, at least 0.
-        people: how many walk on the floor; or ``People``.
+        people: number of people who walk on the floor; or ``People``.
         dispatch: assign each open order, the oldest first, to the nearest robot without one. If
             not, open orders are for whoever picks them first, or for ``assign``.
         late_penalty: reward lost for each step by which a delivery is late, at least 0.
         team_reward: give each robot the mean of all rewards.
-        seed: of the first reset without one.
+        seed: seed of the first reset without one.
 
     Attributes:
-        layout: as given.
-        settings: the arguments that follow it.
-        backend: its name, or that of its class if it was given as a class or instance.
+        layout: layout of the warehouse.
+        settings: all arguments but layout, backend and seed.
+        backend: name of the backend, or of its class if it was given as a class or instance.
         cell_size: side of a cell in metres.
-        conditions: of floor and motors, as the backend gives them.
-        assignments: the calls of ``assign`` in this episode: steps taken, robot and order.
+        conditions: conditions of floor and motors, as the backend gives them.
+        assignments: calls of ``assign`` in this episode: steps taken, robot and order.
 
     Raises:
         ValueError: an invalid argument; also as ``LayoutError``, ``OrderError``, ``BackendError``.
@@ -121,14 +123,14 @@ class FleetEnv:
         if layout is None:
             layout = DEFAULT_LAYOUT
         self.layout = layout if isinstance(layout, Layout) else Layout(layout)
-        self.settings = FleetSettings(
-            robots=robots,
-            orders=as_orders(orders),
-            starts=None if starts is None else tuple(starts),
+        self.settings = FleetSettings.of(
+            robots,
+            orders=orders,
+            starts=starts,
             max_steps=max_steps,
-            battery=battery if isinstance(battery, Battery) else Battery(battery),
+            battery=battery,
             view_radius=view_radius,
-            people=people if isinstance(people, People) else People(people),
+            people=people,
             dispatch=dispatch,
             late_penalty=late_penalty,
             team_reward=team_reward,
@@ -137,11 +139,13 @@ class FleetEnv:
         self.cell_size, self.conditions = motion.cell_size, conditions_of(motion, self.layout)
         self.backend = backend if isinstance(backend, str) else type(motion).__name__
         self._ways = motion.ways if isinstance(motion, DrivesThrough) else None
-        self._fleets = make_fleets([self.layout], self.settings, motion)
+        self._engine = FleetEngine([self.layout], self.settings, motion)
         self._warn_of_supply(self.cell_size)
         self.seed = None if seed is None else whole_number("seed", seed, 0)
         self.assignments: list[tuple[int, int, int | None]] = []
         self._started = False
+
+    _repr_png_ = display  # which notebooks call
 
     def __repr__(self) -> str:
         return f"<FleetEnv {self.settings.robots} robots, {self.layout.summary()}>"
@@ -150,8 +154,8 @@ class FleetEnv:
         """Start an episode.
 
         Args:
-            seed: for all random numbers: starts, orders, people and the motion; without one they
-                continue.
+            seed: seed of all random numbers: starts, orders, people and the motion; without one
+                they continue.
 
         Returns:
             The observations, and info with ``action_mask``, see ``step``.
@@ -164,10 +168,10 @@ class FleetEnv:
             seed, self.seed = self.seed, None
         else:
             seed, self.seed = whole_number("seed", seed, 0), None
-        self._fleets.reset(FIRST, [seed])
+        self._engine.begin(FIRST, [seed])
         self.assignments = []
         self._started = True
-        return self._fleets.observe(), {"action_mask": self._fleets.robots.masks()}
+        return self._engine.observe(), {"action_mask": self._engine.masks()}
 
     def step(self, actions: Actions) -> FleetStepResult:
         """Carry out one action for each robot.
@@ -189,23 +193,23 @@ class FleetEnv:
             TypeError: an action that is neither a word nor an integer.
             EndedError: before the first reset, or when all robots have ended.
         """
-        if not self._started or self._fleets.ended.all():
+        if not self._started or self._engine.ended.all():
             problem = "all robots have ended" if self._started else "there is no episode yet"
             raise EndedError(f"step() needs a reset() before it: {problem}")
         chosen = self.action_indices(actions)
         is_invalid = chosen == INVALID
         if is_invalid.any():
             # The same verdict: the mistake that the robot cannot help making.
-            mistakes = np.where(self._fleets.robots.has_item, PICK, DROP)
+            mistakes = np.where(self._engine.robots.has_item, PICK, DROP)
             chosen = np.where(is_invalid, mistakes, chosen)
-        outcome, rewards, terminated, truncated = self._fleets.step(chosen)
+        outcome, rewards, terminated, truncated = self._engine.step(chosen)
         motion = {name: getattr(outcome, name) for name in MOTION_KEYS}
         info = {
-            "action_mask": self._fleets.robots.masks(),
+            "action_mask": self._engine.masks(),
             "invalid_action": is_invalid,
             "motion": motion,
         }
-        return self._fleets.observe(), rewards, terminated, truncated, info
+        return self._engine.observe(), rewards, terminated, truncated, info
 
     def observe(self, robot: int) -> FleetObservation:
         """Return what one robot observes now, as a new dictionary.
@@ -216,7 +220,7 @@ class FleetEnv:
         """
         self._check_started("observe")
         row = whole_number("robot", robot, 0, self.settings.robots - 1)
-        return observation_of(self._fleets.observe(np.array([row])), 0)
+        return observation_of(self._engine.observe(np.array([row])), 0)
 
     def observations(self) -> list[FleetObservation]:
         """Return what each robot observes now, faster than ``observe`` of one after the other.
@@ -225,7 +229,7 @@ class FleetEnv:
             EndedError: before the first reset.
         """
         self._check_started("observations")
-        arrays = self._fleets.observe()
+        arrays = self._engine.observe()
         return [observation_of(arrays, row) for row in range(self.settings.robots)]
 
     def arrays(self) -> FleetArrays:
@@ -235,14 +239,14 @@ class FleetEnv:
             EndedError: before the first reset.
         """
         self._check_started("arrays")
-        return self._fleets.observe()
+        return self._engine.observe()
 
     def assign(self, robot: int, order: int | None) -> None:
-        """Let an open order wait for one robot only; ``None`` makes that of the robot open again.
+        """Let an open order wait for one robot only; ``None`` makes the robot's order open again.
 
         Args:
-            robot: its number.
-            order: its index in ``orders``.
+            robot: number of the robot.
+            order: index of the order in ``orders``.
 
         Raises:
             OrderError: the robot has ended or carries an item, or the order does not wait for it
@@ -252,18 +256,18 @@ class FleetEnv:
         """
         self._check_started("assign")
         robot = whole_number("robot", robot, 0, self.settings.robots - 1)
-        if self._fleets.orders is None:
+        if self._engine.orders is None:
             raise ValueError(f"order {order} for robot {robot}: this fleet has no orders")
-        if self._fleets.ended[robot]:
+        if self._engine.ended[robot]:
             raise OrderError(f"order {order} for robot {robot}: this robot has ended")
         order = None if order is None else whole_number("order", order)
-        self._fleets.orders.assign(0, robot, order)
+        self._engine.orders.assign(0, robot, order)
         self.assignments.append((self.steps, robot, order))
 
     @property
     def orders(self) -> list[Order]:
         """The orders released so far in this episode, and what has become of them."""
-        orders = self._fleets.orders
+        orders = self._engine.orders
         return orders.books[0].records() if orders else []
 
     @property
@@ -273,20 +277,20 @@ class FleetEnv:
         Raises:
             ValueError: the fleet has no orders.
         """
-        if self._fleets.orders is None:
+        if self._engine.orders is None:
             raise ValueError("this fleet has no orders")
-        return self._fleets.orders.books[0].released_orders
+        return self._engine.orders.books[0].released_orders
 
     @property
     def open_orders(self) -> list[int]:
         """The indices of the orders that wait for any robot, in order of release."""
-        orders = self._fleets.orders
+        orders = self._engine.orders
         return orders.books[0].open_orders if orders else []
 
     @property
     def order_of(self) -> list[int | None]:
         """For each robot the index of the order that it is to take or carries, or ``None``."""
-        orders = self._fleets.orders
+        orders = self._engine.orders
         if orders is None:
             return [None] * self.settings.robots
         return [None if order < 0 else order for order in orders.books[0].order_of.tolist()]
@@ -294,7 +298,7 @@ class FleetEnv:
     @property
     def cells(self) -> list[Cell]:
         """Where each robot is."""
-        return [divmod(cell, self.layout.width) for cell in self._fleets.robots.cells.tolist()]
+        return self.layout.cells(self._engine.robots.cells)
 
     @property
     def ways(self) -> Ways:
@@ -305,29 +309,29 @@ class FleetEnv:
     @property
     def loaded(self) -> list[bool]:
         """Whether each robot holds an item."""
-        return list(self._fleets.robots.has_item.tolist())
+        return list(self._engine.robots.has_item.tolist())
 
     @property
     def battery(self) -> list[float]:
         """Battery units that each robot has left."""
-        units: list[float] = self._fleets.battery.tolist()
+        units: list[float] = self._engine.battery.tolist()
         return units
 
     @property
     def ended(self) -> list[bool]:
         """Whether each robot has ended: it waits, and stays in the way."""
-        ended: list[bool] = self._fleets.ended.tolist()
+        ended: list[bool] = self._engine.ended.tolist()
         return ended
 
     @property
     def people(self) -> list[Cell]:
         """Where each person is."""
-        return [divmod(cell, self.layout.width) for cell in self._fleets.crowd.cells[0].tolist()]
+        return self.layout.cells(self._engine.crowd.cells[0])
 
     @property
     def steps(self) -> int:
         """Joint steps taken in this episode."""
-        return int(self._fleets.steps[0])
+        return int(self._engine.steps[0])
 
     @property
     def last_motion(self) -> Sequence[Outcome]:
@@ -336,16 +340,16 @@ class FleetEnv:
         Raises:
             RuntimeError: no step has been taken since the reset.
         """
-        return self._fleets.motion.outcomes(0)
+        return self._engine.motion.outcomes(0)
 
     @property
     def measures(self) -> FleetMeasures:
         """How well the fleet has done in this episode."""
-        return self._fleets.measures(0)
+        return self._engine.measures(0)
 
     def close(self) -> None:
         """Close the motion backend."""
-        self._fleets.close()
+        self._engine.close()
 
     def _check_started(self, method: str) -> None:
         if not self._started:
@@ -375,7 +379,7 @@ class FleetEnv:
 
     def _listed(self, actions: Mapping[int, Action]) -> list[Action]:
         """Return the actions of all robots in order; those that have ended may be left out."""
-        robots, ended = self.settings.robots, self._fleets.ended
+        robots, ended = self.settings.robots, self._engine.ended
         unknown = [robot for robot in actions if robot not in range(robots)]
         if unknown:
             raise ValueError(f"an action for robot {unknown[0]!r}; allowed: 0..{robots - 1}")

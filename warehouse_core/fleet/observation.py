@@ -1,4 +1,4 @@
-"""What a robot of a fleet observes, as arrays and as a dictionary."""
+"""What a robot of a fleet observes, as a dictionary."""
 
 from __future__ import annotations
 
@@ -7,25 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.task.encoding import Arrays
+from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.task.state import Observation
 from warehouse_core.world.tiles import CELL_CODES, Cell
 
 
-class FleetArrays(Arrays, total=False):
-    """The observations of ``N`` robots: ``Arrays``, and two keys more.
-
-    Attributes:
-        due: ``[N, 1]`` int32, the step by which the robot's order is due, or -1; with orders only.
-        charger_pos: ``[N, 2]`` int32, the nearest charger; with chargers only.
-    """
-
-    due: NDArray[np.int32]
-    charger_pos: NDArray[np.int32]
-
-
 class FleetObservation(Observation, total=False):
-    """The observation of a robot of a fleet: that of the chapter, and two keys more.
+    """The observation of a robot of a fleet: the keys of the chapter, and two more.
 
     ``pickup_pos`` is where the robot's order waits for it, and ``dropoff_pos`` where it is due. In
     ``local_grid``, ``O`` and ``o`` are other robots without and with an item, ``H`` is a person,
@@ -47,7 +35,7 @@ def observation_of(arrays: FleetArrays, row: int) -> FleetObservation:
     """Return one row of the arrays as a new dictionary."""
     window = arrays["local_grid"][row].tobytes().translate(_CHARACTERS).decode("ascii")
     side = round(len(window) ** 0.5)
-    found: FleetObservation = {
+    observation: FleetObservation = {
         "local_grid": [window[first : first + side] for first in range(0, len(window), side)],
         "robot_pos": _cell(arrays["robot_pos"][row]) or (-1, -1),
         "has_item": bool(np.asarray(arrays["has_item"])[row]),
@@ -58,10 +46,10 @@ def observation_of(arrays: FleetArrays, row: int) -> FleetObservation:
     }
     if "due" in arrays:
         due = int(arrays["due"][row, 0])
-        found["due"] = None if due < 0 else due
+        observation["due"] = None if due < 0 else due
     if "charger_pos" in arrays:
-        found["charger_pos"] = _cell(arrays["charger_pos"][row])
-    return found
+        observation["charger_pos"] = _cell(arrays["charger_pos"][row])
+    return observation
 
 
 def _cell(place: NDArray[Any]) -> Cell | None:

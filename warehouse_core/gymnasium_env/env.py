@@ -172,6 +172,7 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
             check_options(options, {"layout", "randomize", "start_pos"})
         )
         super().reset(seed=seed)
+        # As many numbers whatever is drawn, so that later episodes do not depend on the options.
         uniforms = self.np_random.random(DRAWS)
         layout, random_start = draw_episode(layout, uniforms, drawn)
         start = start or random_start

@@ -11,9 +11,9 @@ from gymnasium import spaces
 from gymnasium.envs.registration import EnvSpec
 from numpy.typing import ArrayLike
 
-from warehouse_core.arguments import whole_number
+from warehouse_core.arguments import MAX_STEPS, whole_number
 from warehouse_core.render.observation_image import ObservationImage
-from warehouse_core.task.encoding import MARKED_TILES, MAX_STEPS, Arrays, vector, vector_limits
+from warehouse_core.task.encoding import MARKED_TILES, Arrays, vector, vector_limits
 from warehouse_core.world.tiles import CELL_CODES
 
 FORMS = ("dict", "vector", "image")

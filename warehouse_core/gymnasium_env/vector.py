@@ -13,7 +13,10 @@ from gymnasium.error import ResetNeeded
 from gymnasium.vector.utils import batch_space, iterate
 from numpy.typing import ArrayLike, NDArray
 
-from warehouse_core.arguments import whole_number
+from warehouse_core.arguments import MAX_STEPS, whole_number
+from warehouse_core.batch import BatchEnv
+from warehouse_core.batch.shell.checks import Seeds
+from warehouse_core.batch.shell.env import NEXT_STEP
 from warehouse_core.errors import EndedError
 from warehouse_core.gymnasium_env.spaces import (
     MARKED,
@@ -26,9 +29,6 @@ from warehouse_core.gymnasium_env.spaces import (
 )
 from warehouse_core.motion.backends import Backend
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
-from warehouse_core.task.encoding import MAX_STEPS
-from warehouse_core.vector.env import BatchEnv
-from warehouse_core.vector.rows import NEXT_STEP, Seeds
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.named_layouts import GivenLayout, as_layout

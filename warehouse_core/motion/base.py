@@ -109,6 +109,7 @@ class Outcome(NamedTuple):
         return self._replace(path=self.path.copy())
 
     def __eq__(self, other: object) -> bool:
+        # A tuple would ask the arrays of the paths for one truth value, which they do not have.
         if not isinstance(other, Outcome):
             return NotImplemented
         return np.array_equal(self.path, other.path) and all(
@@ -118,8 +119,7 @@ class Outcome(NamedTuple):
         )
 
     def __ne__(self, other: object) -> bool:
-        # The __ne__ of a tuple would compare the paths as arrays.
-        return not self == other
+        return not self == other  # a tuple has a __ne__ of its own
 
     def __hash__(self) -> int:
         return hash(

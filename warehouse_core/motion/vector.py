@@ -26,7 +26,7 @@ Rows = Integers | slice
 """Rows of a batch: an array of indices, or a slice."""
 
 NOTHING, WALL = -1, -2
-"""What stops a robot, if not the robot with a number from 0 on its floor."""
+"""Values of ``stopped_by`` besides the robots of the floor, which have numbers from 0."""
 
 
 class BatchOutcome(NamedTuple):
@@ -65,7 +65,7 @@ class BatchMotion(Protocol):
         """Put the robots of some floors at rest in the middle of their cells, heading east.
 
         Args:
-            rows: ``[F * R]``, all robots of ``F`` different floors, those of a floor in order.
+            rows: ``[F * R]``, all robots of ``F`` different floors, in order on each floor.
             cells: ``[F * R]``, for each of them an open cell of its layout, on a floor all
                 different. A backend need not check either.
             seeds: ``F``, for the backend's random numbers on each of these floors; ``None`` lets

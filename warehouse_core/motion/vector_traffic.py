@@ -21,9 +21,9 @@ class VectorTraffic:
     """Finds what stops each of ``N`` robots; equal to ``find_stops`` on each floor.
 
     Args:
-        cells: of all floors together.
+        cells: number of cells of all floors together.
         floors: ``B``.
-        robots: on each floor, ``N / B``.
+        robots: number of robots on each floor, ``N / B``.
     """
 
     def __init__(self, cells: int, floors: int, robots: int) -> None:
@@ -73,9 +73,9 @@ def _stop_queues(stops: Numbers, is_still: Flags, followers: Numbers, ahead: Num
 
     Args:
         stops: ``[N]``, changed in place.
-        is_still: ``[N]``, whether the robot stays.
+        is_still: ``[N]`` bool, the robots that stay.
         followers: robots that would move into the cell of another.
-        ahead: for each of them that other; no two have the same.
+        ahead: the other robot for each of ``followers``; no two have the same.
     """
     behind = np.full(len(stops), NOTHING, np.intp)
     behind[ahead] = followers

@@ -9,8 +9,8 @@ from heapq import heappop, heappush
 import numpy as np
 
 from warehouse_core.errors import OrderError
-from warehouse_core.motion.vector import Integers
 from warehouse_core.orders.order import OPEN, Order, OrderArrays
+from warehouse_core.world.tables import Integers
 
 NONE = -1
 """No order, robot or step."""

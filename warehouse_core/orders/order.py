@@ -11,9 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from warehouse_core.arguments import as_cell, real_number, whole_number
-from warehouse_core.motion.vector import Integers
-from warehouse_core.task.encoding import MAX_STEPS
+from warehouse_core.arguments import MAX_STEPS, as_cell, real_number, whole_number
+from warehouse_core.world.tables import Integers
 from warehouse_core.world.tiles import Cell
 
 MAX_ORDERS = 1_000_000

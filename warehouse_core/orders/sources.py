@@ -8,9 +8,8 @@ from operator import itemgetter
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.arguments import as_cell, whole_number
+from warehouse_core.arguments import MAX_STEPS, as_cell, whole_number
 from warehouse_core.errors import LayoutError, OrderError
-from warehouse_core.motion.vector import Integers
 from warehouse_core.orders.order import (
     MAX_ORDERS,
     OPEN,
@@ -19,8 +18,8 @@ from warehouse_core.orders.order import (
     OrderQueue,
     OrderStream,
 )
-from warehouse_core.task.encoding import MAX_STEPS
 from warehouse_core.world.layout import Layout, check_open
+from warehouse_core.world.tables import Integers
 from warehouse_core.world.tiles import CHARGER, Cell
 
 

@@ -13,11 +13,11 @@ from pettingzoo import ParallelEnv
 
 from warehouse_core.errors import EndedError
 from warehouse_core.fleet.env import FleetEnv
-from warehouse_core.fleet.observation import FleetArrays
 from warehouse_core.gymnasium_env.spaces import RENDER_FPS, Extent, check_render_mode
 from warehouse_core.pettingzoo_env.spaces import make_fleet_form, state_of, state_space
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
 from warehouse_core.render.window import PictureWindow
+from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.world.actions import ACTIONS, WAIT, valid_action
 from warehouse_core.world.named_layouts import GivenLayout, as_layout
 from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED

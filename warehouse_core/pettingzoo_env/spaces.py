@@ -11,9 +11,10 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from warehouse_core.arguments import MAX_STEPS
 from warehouse_core.fleet.env import FleetEnv
 from warehouse_core.gymnasium_env.spaces import Extent, Form, make_form
-from warehouse_core.task.encoding import FLEET_TILES, MAX_STEPS, Arrays, vector, vector_limits
+from warehouse_core.task.encoding import FLEET_TILES, Arrays, vector, vector_limits
 from warehouse_core.world.actions import ACTIONS
 
 FLEET_FORMS = ("dict", "vector")

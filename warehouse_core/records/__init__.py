@@ -1,8 +1,14 @@
 """Records of episodes, their files, and failure modes."""
 
 from warehouse_core.records.episode import Episode, FleetEpisode
-from warehouse_core.records.failure_modes import MODES, Diagnosis, diagnose
-from warehouse_core.records.fleet_modes import FLEET_MODES, FleetDiagnosis, diagnose_fleet
+from warehouse_core.records.failure_modes import (
+    FLEET_MODES,
+    MODES,
+    Diagnosis,
+    FleetDiagnosis,
+    diagnose,
+    diagnose_fleet,
+)
 from warehouse_core.records.recorder import (
     Agent,
     EpisodeRecorder,

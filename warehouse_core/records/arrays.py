@@ -1,18 +1,14 @@
 """The fields of an ``Episode`` as arrays, and back: the content of a ``.npz`` file.
 
-``T`` is the number of steps and ``F = T + 1`` of frames, ``R`` of robots, ``P`` of people and ``K``
-of orders. Words are stored as codes; the words themselves and all other values are in ``header``,
-which is JSON text. The outcomes of all bodies are concatenated, step by step, and so are their
-paths and contacts. The record of a lone robot has no axis for the robots.
-
-A file is not trusted: nothing is read before its size is known, and what does not fit together is
-refused.
+Words are stored as codes; the words themselves and all other values are in ``header``, which is
+JSON text. The outcomes of all bodies are concatenated, step by step, and so are their paths and
+contacts. A file is not trusted: what does not fit together is refused.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Hashable, Iterable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import asdict, astuple
 from itertools import chain
 from typing import Any, TypeVar
@@ -20,19 +16,18 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from warehouse_core.batch.fleet.settings import FleetSettings
+from warehouse_core.batch.fleet.tally import FleetMeasures
 from warehouse_core.errors import RecordError
 from warehouse_core.files.header import pack_header, unpack_header
 from warehouse_core.files.npz import Arrays, Schema
-from warehouse_core.fleet.settings import FleetSettings
-from warehouse_core.fleet.tally import FleetMeasures
 from warehouse_core.motion.base import Contact, Outcome
 from warehouse_core.motion.vector import WALL
 from warehouse_core.orders.order import Order
 from warehouse_core.task.settings import Settings, conditions_in
 from warehouse_core.world.actions import INVALID
 from warehouse_core.world.layout import MAX_CELLS, Layout, check_size
-
-LONE_FORMAT, FLEET_FORMAT = "warehouse-lab episode 1", "warehouse-lab fleet episode 1"
+from warehouse_core.world.tiles import Cell
 
 MAX_NUMBER = 1e12
 """Limit on the size of a reward, time, energy, impulse or coordinate, so that sums are finite."""
@@ -40,63 +35,63 @@ MAX_NUMBER = 1e12
 NONE = -1
 """Number that stands for ``None`` in the arrays of orders and assignments."""
 
-ORDER_COLUMNS = 10
-"""Number of columns of an order: the fields of ``Order``, with two for each of its cells."""
+Columns = dict[str, tuple[str, str]]
+"""Type of each array, and its axes: a letter each, see ``LENGTHS`` and ``_lengths``."""
 
-MOTION_SCHEMA: Schema = {
-    "motion_cells": ("<i4", 2),
-    "motion_blocked": ("|b1", 1),
-    "motion_seconds": ("<f8", 1),
-    "motion_joules": ("<f8", 1),
-    "path": ("<f8", 2),
-    "path_lengths": ("<i4", 1),
-    "contacts": ("<f8", 2),
-    "contact_counts": ("<i4", 1),
-    "contact_counterparts": ("<i4", 1),
+LENGTHS = {"2": 2, "3": 3, "4": 4, "O": 10}
+"""Lengths of axes that all records share. ``O`` is an order: the fields of ``Order``, with two
+numbers for each of its cells."""
+
+MOTION_COLUMNS: Columns = {
+    "motion_cells": ("<i4", "M2"),
+    "motion_blocked": ("|b1", "M"),
+    "motion_seconds": ("<f8", "M"),
+    "motion_joules": ("<f8", "M"),
+    "path": ("<f8", "L4"),
+    "path_lengths": ("<i4", "M"),
+    "contacts": ("<f8", "C4"),
+    "contact_counts": ("<i4", "M"),
+    "contact_counterparts": ("<i4", "C"),
 }
 
-LONE_SCHEMA: Schema = {
-    "header": ("|u1", 1),
-    "layout": ("|u1", 2),
-    "cells": ("<i4", 2),
-    "loaded": ("|b1", 1),
-    "battery": ("<i8", 1),
-    "rewards": ("<f8", 1),
-    "actions": ("<i4", 1),
-    "reasons": ("<i4", 1),
-    **MOTION_SCHEMA,
+LONE_COLUMNS: Columns = {
+    "header": ("|u1", "*"),
+    "layout": ("|u1", "**"),
+    "cells": ("<i4", "F2"),
+    "loaded": ("|b1", "F"),
+    "battery": ("<i8", "F"),
+    "rewards": ("<f8", "F"),
+    "actions": ("<i4", "T"),
+    "reasons": ("<i4", "T"),
+    **MOTION_COLUMNS,
 }
 
-FRAME_COLUMNS = {"cells": "<i4", "loaded": "|b1", "battery": "<f8", "people": "<i4"}
-"""Arrays ``[F, R]`` of a fleet; people are ``[F, P]``."""
-
-STEP_COLUMNS = {
-    "rewards": "<f8", "actions": "|i1", "stopped_by": "<i4", "seconds": "<f8", "joules": "<f8",
-}  # fmt: skip
-"""Arrays ``[T, R]`` of a fleet."""
-
-END_COLUMNS = {"terminated": "|b1", "truncated": "|b1"}
-"""Arrays ``[R]`` of a fleet."""
-
-FLEET_SCHEMA: Schema = {
-    "header": ("|u1", 1),
-    "layout": ("|u1", 2),
-    "orders": ("<i4", 2),
-    "assignments": ("<i4", 2),
-    **{name: (dtype, 2) for name, dtype in (FRAME_COLUMNS | STEP_COLUMNS).items()},
-    **{name: (dtype, 1) for name, dtype in END_COLUMNS.items()},
-    **MOTION_SCHEMA,
+FLEET_COLUMNS: Columns = {
+    "header": ("|u1", "*"),
+    "layout": ("|u1", "**"),
+    "orders": ("<i4", "*O"),
+    "assignments": ("<i4", "*3"),
+    "cells": ("<i4", "FR"),
+    "loaded": ("|b1", "FR"),
+    "battery": ("<f8", "FR"),
+    "people": ("<i4", "FP"),
+    "rewards": ("<f8", "TR"),
+    "actions": ("|i1", "TR"),
+    "stopped_by": ("<i4", "TR"),
+    "seconds": ("<f8", "TR"),
+    "joules": ("<f8", "TR"),
+    "terminated": ("|b1", "R"),
+    "truncated": ("|b1", "R"),
+    **MOTION_COLUMNS,
 }
 
-SCHEMAS: tuple[Schema, ...] = (
-    LONE_SCHEMA,
-    FLEET_SCHEMA,
-    {**FLEET_SCHEMA, "reasons": ("<i4", 2)},
-)
-"""Schemas of files: a lone robot, and a fleet without and with the reasons of its agent."""
+REASONED_COLUMNS: Columns = FLEET_COLUMNS | {"reasons": ("<i4", "TR")}
+"""Columns of a fleet whose agent gave reasons."""
 
 FIELD_OF = {"seconds": "step_seconds", "joules": "step_joules"}
 """Fields of ``Episode`` whose arrays have another name."""
+
+LONE_FORMAT, FLEET_FORMAT = "warehouse-lab episode 1", "warehouse-lab fleet episode 1"
 
 SCALARS: dict[str, dict[str, tuple[type, ...]]] = {
     LONE_FORMAT: {
@@ -106,13 +101,22 @@ SCALARS: dict[str, dict[str, tuple[type, ...]]] = {
 }  # fmt: skip
 """Types of fields that are in the header, by format."""
 
-WORDS: dict[str, set[type]] = {"actions": {str, int}, "reasons": {str}, "counterparts": {str}}
-"""Types of words in the vocabularies of the header; a fleet has no vocabulary of actions."""
-
 Fields = dict[str, Any]
 """Fields of an ``Episode`` by name."""
 
 Word = TypeVar("Word", bound=Hashable)
+
+
+def _schema(columns: Columns) -> Schema:
+    return {name: (dtype, len(axes)) for name, (dtype, axes) in columns.items()}
+
+
+SCHEMAS = tuple(map(_schema, (LONE_COLUMNS, FLEET_COLUMNS, REASONED_COLUMNS)))
+
+
+def schema_of(arrays: Arrays) -> Schema:
+    """Return the schema that has these arrays."""
+    return next(schema for schema in SCHEMAS if schema.keys() == arrays.keys())
 
 
 def is_equal(one: object, other: object) -> bool:
@@ -124,25 +128,30 @@ def is_equal(one: object, other: object) -> bool:
     return one == other
 
 
-def schema_of(arrays: Arrays) -> Schema:
-    """Return the schema that has these arrays."""
-    return next(schema for schema in SCHEMAS if schema.keys() == arrays.keys())
-
-
 def pack(fields: Fields) -> Arrays:
     """Return the arrays of an episode, in the types of their schema.
 
     Raises:
         RecordError: a value has no place in its array.
-        ValueError: the fields are those of no episode; also ``TypeError``, ``AttributeError`` or
+        ValueError: no episode has such fields; also ``TypeError``, ``AttributeError`` or
             ``OverflowError``.
     """
-    pack_rest = _pack_fleet if isinstance(fields["settings"], FleetSettings) else _pack_lone
-    packed = {"layout": pack_layout(fields["layout"]), **pack_rest(fields)}
-    return {
-        name: _typed(name, packed[name], dtype, dimensions)
-        for name, (dtype, dimensions) in schema_of(packed).items()
+    is_fleet = isinstance(fields["settings"], FleetSettings)
+    motions = [*chain.from_iterable(fields["motions"])] if is_fleet else fields["motions"]
+    arrays, counterparts = pack_motions(motions)
+    header = {
+        "format": FLEET_FORMAT if is_fleet else LONE_FORMAT,
+        "settings": asdict(fields["settings"]),
     }
+    (_pack_fleet if is_fleet else _pack_lone)(fields, arrays, header, counterparts)
+    cut_off = [number for number, motion in enumerate(motions) if motion.cut_off]
+    arrays["layout"] = pack_layout(fields["layout"])
+    arrays["header"] = pack_header(header | ({"cut_off": cut_off} if cut_off else {}))
+    for name in FLEET_COLUMNS if is_fleet else LONE_COLUMNS:
+        if name not in arrays:
+            arrays[name] = np.asarray(fields[FIELD_OF.get(name, name)])
+    schema = schema_of(arrays)
+    return {name: _typed(name, arrays[name], *schema[name]) for name in schema}
 
 
 def unpack(arrays: Arrays) -> Fields:
@@ -151,7 +160,20 @@ def unpack(arrays: Arrays) -> Fields:
     Raises:
         ValueError: they do not; it may be a ``RecordError`` or a ``LayoutError``.
     """
-    return (_unpack_fleet if "orders" in arrays else _unpack_lone)(arrays)
+    is_fleet = "orders" in arrays
+    form = FLEET_FORMAT if is_fleet else LONE_FORMAT
+    header = unpack_header(arrays["header"], form)
+    for name, types in SCALARS[form].items():
+        if type(header.get(name, Any)) not in types:
+            raise RecordError(f"{name} is {header.get(name)!r}; it must be {types[0].__name__}")
+    fields = {name: header[name] for name in SCALARS[form]}
+    fields["layout"] = unpack_layout(arrays["layout"])
+    kind = FleetSettings if is_fleet else Settings
+    fields["settings"] = kind.from_json(header.get("settings"))
+    _check_arrays(arrays, REASONED_COLUMNS if is_fleet else LONE_COLUMNS, fields["settings"])
+    fields["motions"] = unpack_motions(arrays, header)
+    (_unpack_fleet if is_fleet else _unpack_lone)(arrays, header, fields)
+    return fields
 
 
 def _typed(name: str, array: NDArray[Any], dtype: str, dimensions: int) -> NDArray[Any]:
@@ -164,219 +186,134 @@ def _typed(name: str, array: NDArray[Any], dtype: str, dimensions: int) -> NDArr
     raise RecordError(f"{name} cannot be stored as {np.dtype(dtype)} with {dimensions} dimensions")
 
 
-def _pack_lone(fields: Fields) -> Arrays:
-    action_words, actions = encode_words(fields["actions"])
-    reason_words, reasons = encode_words(fields["reasons"])
-    motion_arrays, about_motions = pack_motions(fields["motions"])
-    header = {
-        "format": LONE_FORMAT,
-        "settings": asdict(fields["settings"]),
-        "actions": action_words,
-        "reasons": reason_words,
-        **about_motions,
-        **{name: fields[name] for name in SCALARS[LONE_FORMAT]},
-    }
-    return {
-        "header": pack_header(header),
-        "actions": actions,
-        "reasons": reasons,
-        **{name: np.array(fields[name]) for name in ("cells", "loaded", "battery", "rewards")},
-        **motion_arrays,
-    }
+def _pack_lone(fields: Fields, arrays: Arrays, header: Fields, counterparts: list[str]) -> None:
+    for name in ("actions", "reasons"):
+        header[name], arrays[name] = encode_words(fields[name])
+    header["counterparts"] = counterparts
+    header |= {name: fields[name] for name in SCALARS[LONE_FORMAT]}
 
 
-def _unpack_lone(arrays: Arrays) -> Fields:
-    steps = len(arrays["actions"])
-    header, layout = _read_header(arrays, LONE_FORMAT), unpack_layout(arrays["layout"])
-    settings = Settings.from_json(header["settings"])
-    expected = dict.fromkeys(("loaded", "battery", "rewards"), (steps + 1,))
-    _check_shapes(arrays, {"cells": (steps + 1, 2), **expected, "reasons": (steps,)})
-    check_numbers(arrays, "rewards")
+def _unpack_lone(arrays: Arrays, header: Fields, fields: Fields) -> None:
+    layout, settings = fields["layout"], fields["settings"]
     cells = [(row, col) for row, col in arrays["cells"].tolist()]
-    for cell in (settings.start_pos, *cells):
-        if not layout.is_open(cell):
-            raise RecordError(f"no robot can be where {layout.describe(cell)}")
-    check_slippery(layout, settings.slippery)
-    motions = unpack_motions(arrays, header, steps)
-    if [motion.cell for motion in motions] != cells[1:]:
-        raise RecordError("the motions end in other cells than the robot was in")
-    return {
-        "layout": layout,
-        "settings": settings,
-        "cells": cells,
-        "actions": decode_words(header["actions"], arrays["actions"], "actions"),
-        "reasons": decode_words(header["reasons"], arrays["reasons"], "reasons"),
-        "motions": motions,
-        **{name: arrays[name].tolist() for name in expected},
-        **{name: header[name] for name in SCALARS[LONE_FORMAT]},
-    }
+    _check_open("start_pos", [settings.start_pos], layout)
+    _check_open("cells", cells, layout)
+    _check_open("slippery", settings.slippery, layout)
+    _check_ends(arrays, arrays["cells"][1:])
+    fields["cells"] = cells
+    fields["actions"] = decode_words(header, "actions", arrays["actions"], {str, int})
+    fields["reasons"] = decode_words(header, "reasons", arrays["reasons"])
+    fields |= {name: arrays[name].tolist() for name in ("loaded", "battery", "rewards")}
 
 
-def _pack_fleet(fields: Fields) -> Arrays:
+def _pack_fleet(fields: Fields, arrays: Arrays, header: Fields, counterparts: list[str]) -> None:
     measures = vars(fields["measures"])
-    motion_arrays, about_motions = pack_motions([*chain.from_iterable(fields["motions"])])
-    header = {
-        "format": FLEET_FORMAT,
-        "settings": fields["settings"].to_json(),
-        "measures": {name: None if math.isnan(x) else x for name, x in measures.items()},
-        **about_motions,
-        **{name: fields[name] for name in SCALARS[FLEET_FORMAT]},
-        "slippery": fields["slippery"],
-        "motor_strength": fields["motor_strength"],
-    }
-    columns = (*FRAME_COLUMNS, *STEP_COLUMNS, *END_COLUMNS)
-    arrays = {
-        "orders": np.array([*map(_numbers, fields["orders"])]).reshape(-1, ORDER_COLUMNS),
-        "assignments": np.array([*map(_without_none, fields["assignments"])]).reshape(-1, 3),
-        **{name: fields[FIELD_OF.get(name, name)] for name in columns},
-        **motion_arrays,
+    header["measures"] = {name: None if math.isnan(x) else x for name, x in measures.items()}
+    header["counterparts"] = counterparts
+    header |= {
+        name: fields[name] for name in (*SCALARS[FLEET_FORMAT], "slippery", "motor_strength")
     }
     if fields["unknown_actions"]:
         given = fields["unknown_actions"].items()
         header["unknown_actions"] = [(*place, action) for place, action in given]
     if fields["reasons"]:
-        header["reasons"], codes = encode_words([*chain.from_iterable(fields["reasons"])])
+        header["reasons"], codes = encode_words(chain.from_iterable(fields["reasons"]))
         arrays["reasons"] = codes.reshape(len(fields["reasons"]), -1)
-    return arrays | {"header": pack_header(header)}
+    arrays["orders"] = np.array([*map(_numbers, fields["orders"])]).reshape(-1, LENGTHS["O"])
+    arrays["assignments"] = np.array([*map(_without_none, fields["assignments"])]).reshape(-1, 3)
 
 
-def _unpack_fleet(arrays: Arrays) -> Fields:
-    header, layout = _read_header(arrays, FLEET_FORMAT), unpack_layout(arrays["layout"])
-    if header["seed"] < 0 or not 0 < header["cell_size"] < np.inf:
+def _unpack_fleet(arrays: Arrays, header: Fields, fields: Fields) -> None:
+    layout, settings = fields["layout"], fields["settings"]
+    if fields["seed"] < 0 or not 0 < fields["cell_size"] < np.inf:
         raise RecordError(
-            f"seed is {header['seed']} and cell_size {header['cell_size']}; the first must be at "
+            f"seed is {fields['seed']} and cell_size {fields['cell_size']}; the first must be at "
             "least 0, the second positive and finite"
         )
-    settings = FleetSettings.from_json(header["settings"])
-    _check_fleet_shapes(arrays, settings)
-    _check_values(arrays, layout, settings)
+    fields |= conditions_in(header)
+    _check_open("slippery", fields["slippery"], layout)
+    for name in ("cells", "people"):
+        places = np.unique(arrays[name]).tolist()
+        _check_open(name, [divmod(place, layout.width) for place in places], layout)
+    bodies = np.hstack([arrays["cells"], arrays["people"]])[1:].ravel()
+    _check_ends(arrays, np.stack(np.divmod(bodies, layout.width), axis=1))
+    _check_numbers(arrays, settings)
     _check_orders(arrays["orders"], layout, settings.robots, len(arrays["actions"]))
-    conditions = conditions_in(header)
-    check_slippery(layout, conditions["slippery"])
-    columns = (*FRAME_COLUMNS, *STEP_COLUMNS, *END_COLUMNS)
-    return {
-        "layout": layout,
-        "settings": settings,
-        "orders": [_order(numbers) for numbers in arrays["orders"].tolist()],
-        "assignments": [tuple(_with_none(each)) for each in arrays["assignments"].tolist()],
-        "reasons": _read_reasons(arrays, header),
-        "unknown_actions": _read_unknown_actions(arrays, header),
-        "motions": _read_fleet_motions(arrays, header, layout, settings.bodies),
-        "measures": _read_measures(header.get("measures")),
-        **conditions,
-        **{FIELD_OF.get(name, name): arrays[name] for name in columns},
-        **{name: header[name] for name in SCALARS[FLEET_FORMAT]},
-    }
+    for name in FLEET_COLUMNS.keys() - MOTION_COLUMNS.keys() - {"header", "layout"}:
+        fields[FIELD_OF.get(name, name)] = arrays[name]
+    fields["orders"] = [_order(numbers) for numbers in arrays["orders"].tolist()]
+    fields["assignments"] = [tuple(_with_none(each)) for each in arrays["assignments"].tolist()]
+    fields["motions"] = _rows(fields["motions"], settings.bodies)
+    fields["measures"] = _read_measures(header.get("measures"))
+    fields["unknown_actions"] = _read_unknown_actions(header, arrays["actions"] == INVALID)
+    if "reasons" in arrays:
+        words = decode_words(header, "reasons", arrays["reasons"].ravel())
+        fields["reasons"] = _rows(words, settings.robots)
 
 
-def _read_header(arrays: Arrays, form: str) -> dict[str, Any]:
-    header = unpack_header(arrays["header"], form)
-    for name, types in SCALARS[form].items():
-        if type(header.get(name, Any)) not in types:
-            raise RecordError(f"{name} is {header.get(name)!r}; it must be {types[0].__name__}")
-    unused = {"actions"} if form == FLEET_FORMAT else set()
-    for name in (WORDS.keys() & {"counterparts", *arrays}) - unused:
-        words = header.get(name)
-        if not isinstance(words, list) or not {type(word) for word in words} <= WORDS[name]:
-            raise RecordError(f"{name} must be a list of words")
-    return {"settings": None} | header
+def _check_arrays(arrays: Arrays, columns: Columns, settings: Any) -> None:
+    """Raise if an array has another shape than the others allow, or an impossible number."""
+    lengths = _lengths(arrays, settings)
+    for name, array in arrays.items():
+        shape, (dtype, axes) = array.shape, columns[name]
+        expected = tuple(map(lengths.get, axes, shape))
+        if shape != expected:
+            raise RecordError(f"{name} has the shape {shape}; it must be {expected}")
+        if dtype == "<f8" and not (np.abs(array) <= MAX_NUMBER).all():  # NaN neither
+            raise RecordError(f"{name} has a number outside {-MAX_NUMBER:g}..{MAX_NUMBER:g}")
+    if arrays["path_lengths"].min(initial=2) < 2 or arrays["contact_counts"].min(initial=0) < 0:
+        raise RecordError("a path has fewer than two rows, or a count is negative")
+    seconds, joules = (
+        [arrays[name].min(initial=1) for name in (unit, f"motion_{unit}") if name in arrays]
+        for unit in ("seconds", "joules")
+    )
+    if min(seconds) <= 0 or min(joules) < 0:
+        raise RecordError("a motion took no time, or less than no energy")
 
 
-def _read_reasons(arrays: Arrays, header: dict[str, Any]) -> list[tuple[str, ...]]:
-    """Return the reasons of each step; older records have none."""
-    if "reasons" not in arrays:
-        return []
-    codes = arrays["reasons"]
-    words = decode_words(header["reasons"], codes.ravel(), "reasons")
-    robots = codes.shape[1]
-    return [tuple(words[first : first + robots]) for first in range(0, len(words), robots)]
+def _lengths(arrays: Arrays, settings: Any) -> dict[str, int]:
+    """Return the length of each axis that has to have one."""
+    steps = len(arrays["actions"])
+    lengths = {"T": steps, "F": steps + 1, "M": steps}
+    if isinstance(settings, FleetSettings):
+        lengths |= {"R": settings.robots, "P": settings.people.count}
+        lengths["M"] = steps * settings.bodies if len(arrays["motion_cells"]) else 0
+    sums = {"L": "path_lengths", "C": "contact_counts"}
+    totals = {axis: int(arrays[name].sum(dtype=np.int64)) for axis, name in sums.items()}
+    return LENGTHS | lengths | totals
 
 
-def _read_unknown_actions(
-    arrays: Arrays, header: dict[str, Any]
-) -> dict[tuple[int, int], str | int]:
-    """Return the actions that are not allowed, as given; older records have none."""
-    entries, unknown = header.get("unknown_actions", []), arrays["actions"] == INVALID
-    steps, robots = unknown.shape
-    if not isinstance(entries, list) or not all(
-        isinstance(entry, list)
-        and [type(part) for part in entry] in ([int, int, str], [int, int, int])
-        and 0 <= entry[0] < steps
-        and 0 <= entry[1] < robots
-        and unknown[entry[0], entry[1]]
-        for entry in entries
-    ):
-        raise RecordError("unknown_actions must be lists of a step, a robot and its action")
-    return {(step, robot): action for step, robot, action in entries}
+def _check_open(name: str, cells: Sequence[Cell], layout: Layout) -> None:
+    for cell in cells:
+        if not layout.is_open(cell):
+            raise RecordError(f"{name}: {layout.describe(cell)}")
 
 
-def _read_measures(values: Any) -> FleetMeasures:
-    kinds = FleetMeasures.__annotations__
-    if isinstance(values, dict):  # older records have no lost items
-        values = {"lost": 0} | values
-    if not isinstance(values, dict) or values.keys() != kinds.keys():
-        raise RecordError(f"measures must have the keys {', '.join(kinds)}")
-    for name, value in values.items():
-        is_whole = kinds[name] == "int"
-        if not (type(value) is int if is_whole else type(value) is float or value is None):
-            raise RecordError(f"{name} is {value!r}; it must be {kinds[name]}")
-    numbers: dict[str, Any] = {name: math.nan if x is None else x for name, x in values.items()}
-    return FleetMeasures(**numbers)
+def _check_ends(arrays: Arrays, cells: NDArray[Any]) -> None:
+    """Raise unless the motions, if there are any, end in these cells."""
+    ends = arrays["motion_cells"]
+    if not np.array_equal(ends, cells[: len(ends)]):
+        raise RecordError("the motions end in other cells than robots and people were in")
 
 
-def _check_fleet_shapes(arrays: Arrays, settings: FleetSettings) -> None:
-    steps, robots = len(arrays["actions"]), settings.robots
-    expected: dict[str, tuple[int, ...]] = {
-        **dict.fromkeys(FRAME_COLUMNS, (steps + 1, robots)),
-        "people": (steps + 1, settings.people.count),
-        **dict.fromkeys(STEP_COLUMNS, (steps, robots)),
-        **dict.fromkeys(END_COLUMNS, (robots,)),
-        "orders": (len(arrays["orders"]), ORDER_COLUMNS),
-        "assignments": (len(arrays["assignments"]), 3),
-    }
-    _check_shapes(arrays, expected | ({"reasons": (steps, robots)} if "reasons" in arrays else {}))
-
-
-def _check_shapes(arrays: Arrays, expected: dict[str, tuple[int, ...]]) -> None:
-    for name, shape in expected.items():
-        if arrays[name].shape != shape:
-            raise RecordError(f"{name} has the shape {arrays[name].shape}; it must be {shape}")
-
-
-def _check_values(arrays: Arrays, layout: Layout, settings: FleetSettings) -> None:
-    check_numbers(arrays, "rewards", "battery", "seconds", "joules")
-    _check_costs(arrays["seconds"], arrays["joules"])
-    last = layout.height * layout.width - 1
-    assigned = arrays["assignments"]
+def _check_numbers(arrays: Arrays, settings: FleetSettings) -> None:
+    steps, robots, orders = arrays["assignments"].T
     for name, numbers, low, high in (
-        ("cells", arrays["cells"], 0, last),
-        ("people", arrays["people"], 0, last),
         ("actions", arrays["actions"], 0, INVALID),
         ("stopped_by", arrays["stopped_by"], WALL, settings.bodies - 1),
-        ("steps of assignments", assigned[:, 0], 0, len(arrays["actions"])),
-        ("robots of assignments", assigned[:, 1], 0, settings.robots - 1),
-        ("orders of assignments", assigned[:, 2], NONE, len(arrays["orders"]) - 1),
+        ("steps of assignments", steps, 0, len(arrays["actions"])),
+        ("robots of assignments", robots, 0, settings.robots - 1),
+        ("orders of assignments", orders, NONE, len(arrays["orders"]) - 1),
     ):
         if not ((numbers >= low) & (numbers <= high)).all():
             raise RecordError(f"{name}: a number is outside {low}..{high}")
-    for name in ("cells", "people"):
-        _check_open(name, arrays[name], layout)
-
-
-def _check_open(name: str, cells: NDArray[Any], layout: Layout) -> None:
-    """Raise if one of the cells is a wall."""
-    closed = np.setdiff1d(cells, layout.open_cells)
-    if len(closed):
-        raise RecordError(f"{name}: {layout.describe(divmod(int(closed[0]), layout.width))}")
 
 
 def _check_orders(orders: NDArray[Any], layout: Layout, robots: int, steps: int) -> None:
     released, due, *cells, robot, taken_by, taken, delivered = orders.T
-    for name, (rows, cols) in (("pickup", cells[:2]), ("dropoff", cells[2:])):
-        inside = (rows >= 0) & (rows < layout.height) & (cols >= 0) & (cols < layout.width)
-        if not inside.all():
-            raise RecordError(f"an order has a {name} off the grid")
-        _check_open(f"an order's {name}", rows * layout.width + cols, layout)
+    for name, places in (("pickup", cells[:2]), ("dropoff", cells[2:])):
+        pairs = set(zip(*(place.tolist() for place in places), strict=True))
+        _check_open(f"the {name} of an order", [*pairs], layout)
     was_taken, was_delivered = taken != NONE, delivered != NONE
     rules = {
         "released before step 0 or after the last, or due before": (
@@ -398,11 +335,33 @@ def _check_orders(orders: NDArray[Any], layout: Layout, robots: int, steps: int)
             raise RecordError(f"order {int(np.argmin(is_right))} is {problem}")
 
 
-def check_slippery(layout: Layout, cells: Iterable[tuple[int, int]]) -> None:
-    """Raise ``RecordError`` unless these cells are open."""
-    for cell in cells:
-        if not layout.is_open(cell):
-            raise RecordError(f"no floor is slippery where {layout.describe(cell)}")
+def _read_measures(values: Any) -> FleetMeasures:
+    kinds = FleetMeasures.__annotations__
+    if isinstance(values, dict):  # older records have no lost items
+        values = {"lost": 0} | values
+    if not isinstance(values, dict) or values.keys() != kinds.keys():
+        raise RecordError(f"measures must have the keys {', '.join(kinds)}")
+    for name, value in values.items():
+        is_whole = kinds[name] == "int"
+        if not (type(value) is int if is_whole else type(value) is float or value is None):
+            raise RecordError(f"{name} is {value!r}; it must be {kinds[name]}")
+    numbers: dict[str, Any] = {name: math.nan if x is None else x for name, x in values.items()}
+    return FleetMeasures(**numbers)
+
+
+def _read_unknown_actions(header: Fields, is_unknown: NDArray[np.bool_]) -> dict[Any, Any]:
+    """Return the actions that are not allowed, as given, by step and robot."""
+    entries, (steps, robots) = header.get("unknown_actions", []), is_unknown.shape
+    if not isinstance(entries, list) or not all(
+        isinstance(entry, list)
+        and [type(part) for part in entry] in ([int, int, str], [int, int, int])
+        and 0 <= entry[0] < steps
+        and 0 <= entry[1] < robots
+        and is_unknown[entry[0], entry[1]]
+        for entry in entries
+    ):
+        raise RecordError("unknown_actions must be lists of a step, a robot and its action")
+    return {(step, robot): action for step, robot, action in entries}
 
 
 def pack_layout(layout: Layout) -> NDArray[np.uint8]:
@@ -424,18 +383,6 @@ def unpack_layout(tiles: NDArray[np.uint8]) -> Layout:
     return Layout([row.tobytes().decode("ascii") for row in tiles])
 
 
-def check_numbers(arrays: Arrays, *names: str) -> None:
-    """Raise if one of these arrays has a number beyond ``MAX_NUMBER``, or NaN."""
-    for name in names:
-        if not (np.abs(arrays[name]) <= MAX_NUMBER).all():  # NaN neither
-            raise RecordError(f"{name} has a number outside {-MAX_NUMBER:g}..{MAX_NUMBER:g}")
-
-
-def _check_costs(seconds: NDArray[Any], joules: NDArray[Any]) -> None:
-    if seconds.min(initial=1) <= 0 or joules.min(initial=0) < 0:
-        raise RecordError("a motion took no time, or less than no energy")
-
-
 def encode_words(words: Iterable[Word]) -> tuple[list[Word], NDArray[np.int32]]:
     """Return the different words and, for each of ``words``, its index among them."""
     codes: dict[Word, int] = {}
@@ -443,19 +390,24 @@ def encode_words(words: Iterable[Word]) -> tuple[list[Word], NDArray[np.int32]]:
     return list(codes), np.array(indices, dtype=np.int32)
 
 
-def decode_words(vocabulary: Sequence[Word], codes: NDArray[Any], name: str) -> list[Word]:
-    """Undo ``encode_words``.
+def decode_words(
+    header: Fields, name: str, codes: NDArray[Any], kinds: Iterable[type] = (str,)
+) -> list[Any]:
+    """Undo ``encode_words``, with the different words in the header.
 
     Raises:
-        RecordError: a code beyond the vocabulary.
+        RecordError: the words are none, or a code is beyond them.
     """
-    if codes.size and not (codes.min() >= 0 and codes.max() < len(vocabulary)):
-        raise RecordError(f"{name} has a code outside 0..{len(vocabulary) - 1}")
-    return [vocabulary[code] for code in codes.tolist()]
+    words = header.get(name)
+    if not isinstance(words, list) or not {type(word) for word in words} <= set(kinds):
+        raise RecordError(f"{name} must be a list of words")
+    if codes.size and not (codes.min() >= 0 and codes.max() < len(words)):
+        raise RecordError(f"{name} has a code outside 0..{len(words) - 1}")
+    return [words[code] for code in codes.tolist()]
 
 
-def pack_motions(motions: Collection[Outcome]) -> tuple[Arrays, dict[str, Any]]:
-    """Return the arrays of ``MOTION_SCHEMA``, and what the header says about them."""
+def pack_motions(motions: Sequence[Outcome]) -> tuple[Arrays, list[str]]:
+    """Return the arrays of ``MOTION_COLUMNS``, and the words of their contacts."""
     contacts = [contact for motion in motions for contact in motion.contacts]
     counterparts, codes = encode_words(contact.counterpart for contact in contacts)
     arrays: Arrays = {
@@ -471,36 +423,30 @@ def pack_motions(motions: Collection[Outcome]) -> tuple[Arrays, dict[str, Any]]:
         "contact_counts": np.array([len(motion.contacts) for motion in motions]),
         "contact_counterparts": codes,
     }
-    cut_off = [number for number, motion in enumerate(motions) if motion.cut_off]
-    return arrays, {"counterparts": counterparts} | ({"cut_off": cut_off} if cut_off else {})
+    return arrays, counterparts
 
 
-def unpack_motions(arrays: Arrays, header: dict[str, Any], count: int) -> list[Outcome]:
-    """Undo ``pack_motions``, checking that the arrays fit together.
+def unpack_motions(arrays: Arrays, header: Fields) -> list[Outcome]:
+    """Undo ``pack_motions``; the arrays fit together.
 
     Raises:
-        RecordError: they do not, or a value is impossible.
+        RecordError: the header does not fit to them.
     """
-    _check_motions(arrays, count)
-    cut_off = header.get("cut_off", [])
+    count, cut_off = len(arrays["motion_cells"]), header.get("cut_off", [])
     if not isinstance(cut_off, list) or not all(
         type(number) is int and 0 <= number < count for number in cut_off
     ):
         raise RecordError(f"cut_off must be a list of motions from 0 to {count - 1}")
-    codes = arrays["contact_counterparts"]
-    names = decode_words(header["counterparts"], codes, "contact_counterparts")
+    names = decode_words(header, "counterparts", arrays["contact_counterparts"])
     contacts = [
         Contact(seconds, impulse, (x, y), name)
         for (seconds, impulse, x, y), name in zip(arrays["contacts"].tolist(), names, strict=True)
     ]
-    paths = np.split(arrays["path"], np.cumsum(arrays["path_lengths"])[:-1]) if count else []
     ends = np.cumsum(arrays["contact_counts"]).tolist()
+    columns = ("motion_cells", "motion_blocked", "motion_seconds", "motion_joules")
     rows = zip(
-        arrays["motion_cells"].tolist(),
-        arrays["motion_blocked"].tolist(),
-        arrays["motion_seconds"].tolist(),
-        arrays["motion_joules"].tolist(),
-        paths,
+        *(arrays[name].tolist() for name in columns),
+        np.split(arrays["path"], np.cumsum(arrays["path_lengths"])[:-1]),
         [0, *ends],
         ends,
         strict=False,
@@ -514,39 +460,8 @@ def unpack_motions(arrays: Arrays, header: dict[str, Any], count: int) -> list[O
     return motions
 
 
-def _check_motions(arrays: Arrays, count: int) -> None:
-    contacts = int(arrays["contact_counts"].sum(dtype=np.int64))
-    each_motion = (
-        "motion_cells", "motion_blocked", "motion_seconds", "motion_joules",
-        "path_lengths", "contact_counts",
-    )  # fmt: skip
-    columns = {"path": 4, "contacts": 4, "motion_cells": 2}
-    sizes = {
-        **{name: (len(arrays[name]), count) for name in each_motion},
-        **{f"{name} columns": (arrays[name].shape[1], width) for name, width in columns.items()},
-        "path": (len(arrays["path"]), int(arrays["path_lengths"].sum(dtype=np.int64))),
-        "contacts": (len(arrays["contacts"]), contacts),
-        "contact_counterparts": (len(arrays["contact_counterparts"]), contacts),
-    }
-    for name, (size, expected) in sizes.items():
-        if size != expected:
-            raise RecordError(f"{name}: {size}; there must be {expected}")
-    if count and (arrays["path_lengths"].min() < 2 or arrays["contact_counts"].min() < 0):
-        raise RecordError("a path has fewer than two rows, or a count is negative")
-    check_numbers(arrays, "motion_seconds", "motion_joules", "path", "contacts")
-    _check_costs(arrays["motion_seconds"], arrays["motion_joules"])
-
-
-def _read_fleet_motions(
-    arrays: Arrays, header: dict[str, Any], layout: Layout, bodies: int
-) -> list[tuple[Any, ...]]:
-    steps = len(arrays["actions"]) if len(arrays["motion_cells"]) else 0
-    motions = unpack_motions(arrays, header, steps * bodies)
-    ends = np.hstack([arrays["cells"], arrays["people"]])[1 : steps + 1]
-    cells = arrays["motion_cells"].astype(np.int64) @ [layout.width, 1]
-    if not np.array_equal(cells, ends.ravel()):
-        raise RecordError("the motions end in other cells than robots and people were in")
-    return [tuple(motions[first : first + bodies]) for first in range(0, len(motions), bodies)]
+def _rows(values: list[Any], width: int) -> list[tuple[Any, ...]]:
+    return [tuple(values[first : first + width]) for first in range(0, len(values), width)]
 
 
 def _numbers(order: Order) -> list[int]:

@@ -16,15 +16,16 @@ from typing import Any
 
 import numpy as np
 
+from warehouse_core.batch.fleet.settings import FleetSettings
+from warehouse_core.batch.fleet.tally import FleetMeasures
 from warehouse_core.errors import RecordError
 from warehouse_core.files.npz import read_arrays, write_arrays
-from warehouse_core.fleet.settings import FleetSettings
-from warehouse_core.fleet.tally import FleetMeasures
 from warehouse_core.orders.order import Order
 from warehouse_core.records.arrays import SCHEMAS, is_equal, pack, schema_of, unpack
 from warehouse_core.task.settings import Settings
 from warehouse_core.wording import counted
 from warehouse_core.world.actions import ACTIONS, INVALID
+from warehouse_core.world.display import display
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import (
     PERSON,
@@ -74,8 +75,8 @@ class Episode:
         motions: ``[T]`` outcomes of the motion backend; for a fleet tuples of the outcomes of the
             robots and then the people, and no entries if the robots drive straight from cell to
             cell.
-        terminated: Whether the task is done; or ``[R]`` bool.
-        truncated: Whether the battery or the steps are used up; or ``[R]`` bool.
+        terminated: ``True`` if the task is done; or ``[R]`` bool.
+        truncated: ``True`` if the battery or the steps are used up; or ``[R]`` bool.
         backend: Name of the motion backend, or of its class.
         cell_size: Side of a cell in metres.
         slippery: Open cells whose floor the backend says is slippery.
@@ -116,6 +117,8 @@ class Episode:
     orders: list[Order] = field(default_factory=list)
     assignments: list[tuple[int, int, int | None]] = field(default_factory=list)
     measures: FleetMeasures = NOT_MEASURED
+
+    _repr_html_ = display  # which notebooks call
 
     def __post_init__(self) -> None:
         settings = self.settings

@@ -13,10 +13,10 @@ class StepPlans(NamedTuple):
     """The plans of some robots before a joint step.
 
     Attributes:
-        ways: by robot, the cells of its plan from where it is, one for each step.
-        wishes: by robot, the cells from the end of its plan to its goal that it would take if
-            nobody were in its way.
-        pushers: by robot, who made it choose its next cell before its turn, see ``PIBT``.
+        ways: cells of each robot's plan from its own cell on, one for each step.
+        wishes: cells from the end of each robot's plan to its goal that it would take if nobody
+            were in its way.
+        pushers: robot that made each robot choose its next cell before its turn, see ``PIBT``.
     """
 
     ways: Mapping[int, Sequence[Cell]] = {}
@@ -28,7 +28,7 @@ NO_PLANS = StepPlans()
 
 
 def check_plans(plans: Sequence[StepPlans], episode: FleetEpisode) -> None:
-    """Raise unless plans are those of an episode.
+    """Raise unless plans fit an episode.
 
     Raises:
         ValueError: more plans than frames, or a robot or a cell that does not exist.

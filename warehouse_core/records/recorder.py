@@ -9,11 +9,12 @@ from typing import Any, Protocol, SupportsIndex
 
 import numpy as np
 
+from warehouse_core.batch.fleet.settings import FleetSettings
 from warehouse_core.fleet.env import Actions, FleetEnv
-from warehouse_core.fleet.settings import FleetSettings
 from warehouse_core.motion.backends import Backend
+from warehouse_core.motion.base import Outcome
 from warehouse_core.motion.grid import GridMotion
-from warehouse_core.records.arrays import END_COLUMNS, FIELD_OF, FRAME_COLUMNS, STEP_COLUMNS
+from warehouse_core.records.arrays import FIELD_OF, FLEET_COLUMNS
 from warehouse_core.records.episode import Action, Episode
 from warehouse_core.task.state import Observation
 from warehouse_core.warehouse_env import WarehouseEnv
@@ -22,12 +23,15 @@ from warehouse_core.world.actions import INVALID
 NO_PATHS = ("grid", GridMotion.__name__)
 """Backends whose robots drive straight from cell to cell, so that the cells say it all."""
 
+OF_FRAMES = ("cells", "loaded", "battery", "people")
+OF_STEPS = ("rewards", "actions", "stopped_by", "seconds", "joules")
+"""Arrays of a fleet with a row a frame, and with a row a step."""
+
 
 class Agent(Protocol):
     """What ``record_episode`` needs of an agent that directs a lone robot.
 
-    An agent may also have an attribute ``reason``, a string that explains its last action; the
-    record keeps it.
+    An agent may also be ``Explaining``; the record keeps its reasons.
     """
 
     def reset(self) -> None:
@@ -40,8 +44,7 @@ class Agent(Protocol):
 class FleetAgent(Protocol):
     """What ``record_episode`` needs of an agent that directs all robots of a fleet.
 
-    An agent may also have an attribute ``reason``, a string that explains its last actions, or one
-    for each robot; the record keeps them.
+    An agent may also be ``Explaining``; the record keeps its reasons.
     """
 
     def reset(self) -> None:
@@ -53,6 +56,25 @@ class FleetAgent(Protocol):
         Args:
             env: Fleet to inspect; the agent must not step it, but may ``assign`` orders.
         """
+
+
+class Explaining(Protocol):
+    """An agent that explains its last action, or its last actions, one for each robot.
+
+    Attributes:
+        reason: Words; they may be missing until the agent has some.
+    """
+
+    reason: str | Sequence[str]
+
+
+def explanation_of(agent: Agent | FleetAgent | Explaining) -> str | Sequence[str]:
+    """Return the words of an ``Explaining`` agent, and none of another.
+
+    It is asked at every step, so by name: ``isinstance`` with a protocol takes longer than a step.
+    """
+    reason: str | Sequence[str] = getattr(agent, "reason", "")
+    return reason
 
 
 class EpisodeRecorder:
@@ -111,7 +133,7 @@ class EpisodeRecorder:
             observation = self._env.observe()
         while not self.ended:
             action = agent.act(observation)
-            observation = self.step(action, reason=str(getattr(agent, "reason", "")))
+            observation = self.step(action, reason=str(explanation_of(agent)))
 
     def _keep_frame(self, reward: float) -> None:
         state, episode = self._env.state, self.episode
@@ -130,32 +152,29 @@ class FleetRecorder:
         agent: Name of the agent.
 
     Attributes:
-        ended: Whether all robots have ended.
-        place: Where ``run`` is, in words: ``"reset"``, or the step such as ``"step 3"``.
+        ended: ``True`` once all robots have ended.
+        place: Place of ``run`` in words: ``"reset"``, or the step such as ``"step 3"``.
     """
 
     def __init__(self, env: FleetEnv, *, seed: int | None = None, agent: str = "") -> None:
         self._env, self._agent = env, agent
         self._seed = int(np.random.default_rng().integers(2**32)) if seed is None else int(seed)
         self._settings = FleetSettings.from_json(env.settings.to_json())
-        self._columns: dict[str, list[Any]] = {
-            name: [] for name in (*FRAME_COLUMNS, *STEP_COLUMNS, "motions", "reasons")
-        }
+        self._columns: dict[str, list[Any]] = {name: [] for name in (*OF_FRAMES, *OF_STEPS)}
+        self._reasons: list[tuple[str, ...]] = []
+        self._motions: list[tuple[Outcome, ...]] = []
         self._unknown: dict[tuple[int, int], Action] = {}
-        self._ends: dict[str, Any] = dict.fromkeys(
-            END_COLUMNS, np.zeros(env.settings.robots, np.bool_)
-        )
-        self._has_reasons = False
+        self._terminated = self._truncated = np.zeros(env.settings.robots, np.bool_)
         self.ended, self.place = False, "reset"
         env.reset(seed=self._seed)
         self._keep_frame()
 
-    def step(self, actions: Actions, reason: str | Sequence[str] = "") -> None:
+    def step(self, actions: Actions, reason: Any = "") -> None:
         """Take one step and record it.
 
         Args:
             actions: Action of each robot, see ``FleetEnv.step``.
-            reason: Reason for all actions, or one for each robot.
+            reason: Reason for all actions, or a list or tuple with one for each robot.
         """
         step, robots = self._env.steps, self._env.settings.robots
         chosen = self._env.action_indices(actions)
@@ -164,12 +183,14 @@ class FleetRecorder:
             given = _plain(actions[robot])
             if given != INVALID:
                 self._unknown[step, robot] = given
-        reasons = (reason,) * robots if isinstance(reason, str) else tuple(map(str, reason))
-        self._has_reasons |= any(reasons)
-        self._keep(actions=chosen, rewards=rewards, **info["motion"], reasons=reasons)
+        is_each = isinstance(reason, (list, tuple)) and len(reason) == robots
+        self._reasons.append(tuple(map(str, reason if is_each else [reason] * robots)))
+        values = {"actions": chosen, "rewards": rewards, **info["motion"]}
+        for name in OF_STEPS:
+            self._columns[name].append(values[name])
         if self._env.backend not in NO_PATHS:
-            self._keep(motions=tuple(self._env.last_motion))
-        self._ends = {"terminated": terminated, "truncated": truncated}
+            self._motions.append(tuple(self._env.last_motion))
+        self._terminated, self._truncated = terminated, truncated
         self.ended = bool((terminated | truncated).all())
         self._keep_frame()
 
@@ -178,25 +199,26 @@ class FleetRecorder:
         agent.reset()
         while not self.ended:
             self.place = f"step {self._env.steps + 1}"
-            self.step(agent.act(self._env), getattr(agent, "reason", ""))
+            self.step(agent.act(self._env), explanation_of(agent))
 
     @property
     def episode(self) -> Episode:
         """The record so far."""
         env, arrays = self._env, dict[str, Any]()
-        for name, dtype in (FRAME_COLUMNS | STEP_COLUMNS).items():
-            rows = self._columns[name]
+        for name, rows in self._columns.items():
             bodies = len(env.people) if name == "people" else env.settings.robots
-            arrays[FIELD_OF.get(name, name)] = np.array(rows, dtype).reshape(len(rows), bodies)
+            array = np.array(rows, FLEET_COLUMNS[name][0]).reshape(len(rows), bodies)
+            arrays[FIELD_OF.get(name, name)] = array
         return Episode(
             env.layout,
             self._settings,
             self._seed,
             self._agent,
             **arrays,
-            **self._ends,
-            reasons=self._columns["reasons"][:] if self._has_reasons else [],
-            motions=self._columns["motions"][:],
+            terminated=self._terminated,
+            truncated=self._truncated,
+            reasons=self._reasons[:] if any(map(any, self._reasons)) else [],
+            motions=self._motions[:],
             backend=env.backend,
             cell_size=env.cell_size,
             unknown_actions=dict(self._unknown),
@@ -206,13 +228,9 @@ class FleetRecorder:
             **env.conditions._asdict(),
         )
 
-    def _keep(self, **values: Any) -> None:
-        for name in self._columns.keys() & values:
-            self._columns[name].append(values[name])
-
     def _keep_frame(self) -> None:
         env, width = self._env, self._env.layout.width
-        for name in FRAME_COLUMNS:
+        for name in OF_FRAMES:
             values = np.array(getattr(env, name))
             if name in ("cells", "people"):
                 values = values.reshape(-1, 2) @ [width, 1]
@@ -235,7 +253,7 @@ def start_recording(
         env: Environment of a lone robot or of a fleet, with any backend.
         seed: Seed for ``env.reset``; a fleet draws one if it is ``None``.
         agent: Name of the agent.
-        randomize: What a lone robot's ``env.reset`` draws; a fleet's settings say what it draws.
+        randomize: Argument of a lone robot's ``env.reset``; a fleet has settings in its place.
     """
     if isinstance(env, FleetEnv):
         return FleetRecorder(env, seed=seed, agent=agent)
@@ -256,7 +274,7 @@ def record_episode(
         env: Environment of a lone robot or of a fleet, with any backend.
         agent: ``Agent`` of a lone robot, or ``FleetAgent``.
         seed: Seed for ``env.reset``, not for the agent; a fleet draws one if it is ``None``.
-        randomize: What a lone robot's ``env.reset`` draws.
+        randomize: Argument of a lone robot's ``env.reset``.
 
     Returns:
         The record, which ends with the delivery or when the steps or the battery run out; a
@@ -310,13 +328,12 @@ def _replay_fleet(episode: Episode, backend: Backend) -> Episode:
     assigned = defaultdict(list)
     for step, robot, order in episode.assignments:
         assigned[step].append((robot, order))
-    reasons = episode.reasons or [""] * episode.steps
-    for step, (actions, reason) in enumerate(zip(episode.words, reasons, strict=True)):
+    words, reasons = episode.words, episode.reasons or [""] * episode.steps
+    for step in range(episode.steps + 1):
         for robot, order in assigned[step]:
             env.assign(robot, order)
-        recorder.step(actions, reason)
-    for robot, order in assigned[episode.steps]:
-        env.assign(robot, order)
+        if step < episode.steps:
+            recorder.step(words[step], reasons[step])
     env.close()
     return recorder.episode
 

@@ -29,9 +29,6 @@ from warehouse_core.world.tiles import (
 NOWHERE: Cell = (-1, -1)
 """Cell of a pickup or dropoff that the layout does not have; ``None`` in other forms."""
 
-MAX_STEPS = 2**31 - 1
-"""Limit on the steps of an episode, and on battery units, in int32 arrays."""
-
 CELLS_PER_UNIT, STEPS_PER_UNIT = 10.0, 100.0
 """Units of distances and times in a vector, which make typical values about 1."""
 
@@ -74,6 +71,18 @@ class Arrays(TypedDict):
     steps: NDArray[np.int32]
     pickup_pos: NDArray[np.int32]
     dropoff_pos: NDArray[np.int32]
+
+
+class FleetArrays(Arrays, total=False):
+    """The observations of ``N`` robots: ``Arrays`` with two more keys.
+
+    Attributes:
+        due: ``[N, 1]`` int32, the step by which the robot's order is due, or -1; with orders only.
+        charger_pos: ``[N, 2]`` int32, the nearest charger; with chargers only.
+    """
+
+    due: NDArray[np.int32]
+    charger_pos: NDArray[np.int32]
 
 
 def encode(observation: Observation) -> Arrays:

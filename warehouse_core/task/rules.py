@@ -47,6 +47,7 @@ class Verdict(NamedTuple):
     charges: bool = False
 
 
+# Eight actions, five tiles and two flags: the cache holds the whole table.
 @cache
 def judge(action: int, tile: str, has_item: bool, blocked: bool) -> Verdict:
     """Return the reward and effect of one step, by the table at the top of this file.

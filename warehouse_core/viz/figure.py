@@ -14,6 +14,7 @@ from typing import IO, Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.backend_bases import DrawEvent
 from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
 from matplotlib.figure import Figure
@@ -38,8 +39,8 @@ class SceneFigure(Figure):
     """A ``Figure`` with movers: artists that are drawn last and do not make it stale.
 
     Attributes:
-        replay: what plays it, if anything does.
-        changed: around what the last drawing has changed.
+        replay: replay that plays the figure, if there is one.
+        changed: box around everything that the last drawing has changed.
     """
 
     def __init__(self, *args: Any, **options: Any) -> None:
@@ -58,6 +59,12 @@ class SceneFigure(Figure):
         # Matplotlib keeps the changes of an animated artist from making the figure stale.
         artist.set_animated(True)
         self._movers.append(artist)
+
+    def add_movers(self, axes: Axes, *artists: Artist) -> None:
+        """Add artists to axes, and declare that they change from frame to frame."""
+        for artist in artists:
+            axes.add_artist(artist)
+            self.add_mover(artist)
 
     def draw(self, renderer: Any) -> None:
         """Draw the movers over the background, which is drawn again only if it has changed."""
@@ -186,7 +193,7 @@ def make_figure(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:
 def make_window(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:
     """Return a figure in a window that ``matplotlib.pyplot.show`` will open.
 
-    Matplotlib's own keys are disabled, because they would clash with those of replays.
+    Matplotlib's own keys are disabled, because they would clash with the keys of replays.
     """
     import matplotlib.pyplot as plt
 

@@ -31,12 +31,11 @@ from warehouse_core.render.palette import (
     WARNING,
 )
 from warehouse_core.viz.axes.plans import WISH_STYLE
-from warehouse_core.viz.axes.tiles import is_on_border
+from warehouse_core.viz.axes.tiles import cells_of, is_on_border
 from warehouse_core.viz.figure import SceneFigure
-from warehouse_core.viz.fleet_view import LOW_BATTERY
-from warehouse_core.viz.grid_view import ROUTE_STYLE, is_open
-from warehouse_core.viz.robot_view import WEAK_MOTOR, History
+from warehouse_core.viz.tracks.history import History
 from warehouse_core.viz.tracks.track import Track
+from warehouse_core.viz.view import LOW_BATTERY, ROUTE_STYLE, WEAK_MOTOR, is_open
 from warehouse_core.warehouse_env import LEGEND
 from warehouse_core.world.tiles import PERSON, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, TILES, WALL
 
@@ -51,9 +50,9 @@ def draw_legend(figure: SceneFigure, tracks: Sequence[Track], columns: int = 0) 
     """Draw the legend of what tracks show, along the right side of a figure.
 
     Args:
-        figure: to draw into.
-        tracks: whose signs are explained.
-        columns: along the bottom instead, in so many columns.
+        figure: figure to draw into.
+        tracks: tracks whose signs are explained.
+        columns: number of columns along the bottom; 0 is one column along the right side.
     """
     signs: Signs = {}
     for track in tracks:
@@ -93,16 +92,14 @@ def _tile_signs(track: Track) -> Signs:
     boards: dict[str, Any] = {"facecolor": SHELF, "edgecolor": COLORS[WALL], "hatch": "---"}
     all_rows = {frame.tiles for frame in track.frames}
     for tile in TILES:
-        cells = {
-            (is_on_border((row, col), (len(rows), len(rows[0]))))
+        on_border = {
+            is_on_border(cell, (len(rows), len(rows[0])))
             for rows in all_rows
-            for row, line in enumerate(rows)
-            for col, found in enumerate(line)
-            if found == tile
+            for cell in cells_of(tile, rows)
         }
-        if tile == WALL and False in cells:
+        if tile == WALL and False in on_border:
             signs[f"{tile}  shelf"] = Rectangle((0, 0), 1, 1, **boards)
-        if cells and (tile != WALL or True in cells):
+        if on_border and (tile != WALL or True in on_border):
             signs[f"{tile}  {TILES[tile]}"] = _marker("s", COLORS[tile])
     if any(is_open(rows, cell) for rows in all_rows for cell in track.slippery):
         signs["slippery floor"] = Rectangle(

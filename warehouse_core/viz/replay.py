@@ -17,7 +17,6 @@ from warehouse_core.render.window import has_display
 from warehouse_core.viz.export import FORMATS, ffmpeg, progress_bar
 from warehouse_core.viz.export.gif_writer import GifWriter
 from warehouse_core.viz.figure import SceneFigure, make_figure, make_window, save_svg
-from warehouse_core.viz.pair_scene import PairScene
 from warehouse_core.viz.player import player_frame, save_page
 from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
@@ -26,7 +25,7 @@ CONTINUOUS_FRAMES = 3
 """Frames of continuous motions that are shown in the time of one step of a grid."""
 
 GIF_FRAMES_APART = 2
-"""Of continuous motions a GIF has every second frame, and the last."""
+"""Frames of a continuous motion from one frame of a GIF to the next; the last is always there."""
 
 
 class Playable(Protocol):
@@ -48,11 +47,11 @@ class Replay(FuncAnimation):
     pause, ``q`` closes the window.
 
     Args:
-        scene: to be played.
-        tracks: that the scene shows, to be played by a page.
+        scene: scene to be played.
+        tracks: tracks that the scene shows, which a page plays.
         frame_ms: milliseconds between frames.
-        speed: of a page, a factor.
-        gif_every: a GIF has only every so many frames, each shown as much longer.
+        speed: factor on the playing speed of a page.
+        gif_every: frames from one frame of a GIF to the next.
     """
 
     def __init__(
@@ -208,19 +207,16 @@ class Replay(FuncAnimation):
             plt.close(self.figure)
 
 
-def replay_of_track(
-    track: Track,
-    beside: Track | None = None,
-    *,
+def replay_of_tracks(
+    *tracks: Track,
     interval_ms: float = INTERVAL_MS,
     speed: float = 1.0,
     window: bool | None = None,
 ) -> Replay:
-    """Return the replay of a track, or of two side by side.
+    """Return the replay of a track, or of several side by side.
 
     Args:
-        track: with at least one frame.
-        beside: drawn to the right of the first.
+        tracks: tracks, at least one, each with at least one frame.
         interval_ms: milliseconds between frames at speed 1.
         speed: factor on the playing speed.
         window: draw into a window, which ``show`` opens; ``None`` means if there is a display.
@@ -231,11 +227,9 @@ def replay_of_track(
     real_number("interval_ms", interval_ms, above=True)
     real_number("speed", speed, above=True)
     window = has_display() if window is None else window
-    make = make_window if window else make_figure
-    scene = PairScene(track, beside, make) if beside else Scene(track, make)
-    is_continuous = track.is_continuous or (beside is not None and beside.is_continuous)
+    scene = Scene(tracks, make_window if window else make_figure)
+    is_continuous = any(track.is_continuous for track in tracks)
     frame_ms = interval_ms / speed / (CONTINUOUS_FRAMES if is_continuous else 1)
-    tracks = (track, beside) if beside else (track,)
     page_speed = speed * INTERVAL_MS / interval_ms
     every = GIF_FRAMES_APART if is_continuous else 1
     return Replay(scene, tracks, frame_ms, speed=page_speed, gif_every=every)

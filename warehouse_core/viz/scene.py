@@ -1,219 +1,206 @@
-"""A whole picture: the warehouse, the charts beside it, the battery and the legend.
-
-The layout of pictures is here, for windows, files and notebooks alike.
-"""
+"""A whole picture: warehouses with their charts, batteries and words, and one legend."""
 
 from __future__ import annotations
 
 import math
-import textwrap
-from collections.abc import Callable
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from matplotlib.axes import Axes
+from matplotlib.text import Text
 
 from warehouse_core.render.palette import INK
 from warehouse_core.viz.axes import box_in
-from warehouse_core.viz.charts import BatteryBar, DistanceChart, MotionChart, RewardChart, TimeAxis
-from warehouse_core.viz.figure import SceneFigure
-from warehouse_core.viz.fleet_charts import (
-    FLEET_CHARTS,
-    DeliveryChart,
-    EnergyChart,
-    LatenessChart,
-)
-from warehouse_core.viz.grid_view import GridView, shown_size
+from warehouse_core.viz.charts import BatteryBar, Chart, TimeAxis, share_scales
+from warehouse_core.viz.figure import POINTS, SceneFigure
 from warehouse_core.viz.legend import draw_legend
+from warehouse_core.viz.sheet import BOLD, WIDTH, Box, Place, Sheet, sheet_of
 from warehouse_core.viz.tracks.track import Track
-
-StepChart = RewardChart | DistanceChart | MotionChart | DeliveryChart | LatenessChart | EnergyChart
-Chart = StepChart | BatteryBar
+from warehouse_core.viz.view import View
+from warehouse_core.viz.words import seconds_of
 
 MakeFigure = Callable[[tuple[float, float]], SceneFigure]
 """Makes a figure of a width and height in inches."""
 
-GRID_INCHES, FLEET_INCHES = (6.4, 4.6), (10.0, 6.4)
-"""Maximum width and height of the grid; that of a fleet has room for numbers on robots."""
-MAX_CELL_INCHES = 1.05
-CHART_INCHES = 3.3
-MARGIN = 0.3
-HEAD, BAR, LEGEND = 1.0, 0.2, 1.75
 
-MAX_CAPTION, MIN_CAPTION = 18.0, 10.0
-"""Sizes of the action and its reason in points; of those too long for a line, two are smaller."""
-LETTER_WIDTH = 0.66
-"""Mean width of a letter, as a share of its size."""
+class Timeline:
+    """The moments that a picture of some tracks shows.
 
-LONG_SECONDS = 100
-"""Longer episodes show whole seconds."""
-
-MOTION_PARTS = 100
-"""The chart of a motion grows in so many parts, or with each step if there are more steps."""
-
-
-class Plan:
-    """Sizes of the parts of a picture, in inches.
+    A single track is shown frame by frame. If a motion of several tracks is continuous and all have
+    clocks, they are shown at the same simulated time, else after the same number of steps; the
+    shorter one waits at its end.
 
     Args:
-        track: to be drawn.
-        foot: height below the grid.
-        beside: width of the legend.
+        tracks: tracks, at least one.
+
+    Attributes:
+        in_seconds: true if moments are simulated seconds, false if they are steps.
+        moments: moments in order; the last one is the end.
     """
 
-    def __init__(self, track: Track, foot: float, beside: float) -> None:
-        width, height = shown_size(track)
-        widest, highest = FLEET_INCHES if track.frames[0].fleet else GRID_INCHES
-        self.cell = min(widest / width, highest / height, MAX_CELL_INCHES)
-        self.grid_width, self.grid_height = self.cell * width, self.cell * height
-        metrics = track.metrics.keys() - {"battery"}
-        has_charts = bool(metrics or track.is_continuous or track.shift)
-        self.has_battery = "battery" in track.metrics
-        least = 4.2 if track.is_continuous or track.shift else 3.2 if has_charts else 0.0
-        self.left_width = max(self.grid_width, 4.8)
-        self.body_height = max(self.grid_height, least)
-        charts = 0.75 + CHART_INCHES if has_charts else 0.0
-        battery = BAR + 0.12 if self.has_battery else 0.0
-        self.size = (
-            MARGIN + self.left_width + charts + MARGIN + beside,
-            HEAD + self.body_height + battery + foot,
+    def __init__(self, tracks: Sequence[Track]) -> None:
+        has_bodies = any(track.is_continuous for track in tracks)
+        self.in_seconds = has_bodies and all(track.frames[-1].clock for track in tracks)
+        self._times = [
+            [frame.clock if self.in_seconds else frame.progress for frame in track.frames]
+            for track in tracks
+        ]
+        self.moments = self._times[0] if len(tracks) == 1 else self._find_moments(tracks)
+
+    def frames_at(self, number: int) -> list[int]:
+        """Return the frame of each track at a moment."""
+        if len(self._times) == 1:
+            return [number]
+        moment = self.moments[number]
+        return [bisect_right(times, moment + 1e-9) - 1 for times in self._times]
+
+    def axis(self, track: Track) -> TimeAxis:
+        """Return the horizontal axis of the charts of a track."""
+        return TimeAxis(self.moments[-1], track.clocks if self.in_seconds else None)
+
+    def words(self, number: int) -> str:
+        """Return a moment in words."""
+        moment = self.moments[number]
+        return seconds_of(moment) if self.in_seconds else f"step {moment:g}"
+
+    def _find_moments(self, tracks: Sequence[Track]) -> list[float]:
+        """Return each step, or times as close as the frames of a motion."""
+        end = max(times[-1] for times in self._times)
+        if not self.in_seconds:
+            return sorted({moment for times in self._times for moment in times})
+        apart = min(
+            track.frames[-1].clock / (len(track) - 1) for track in tracks if track.is_continuous
         )
+        return [*(apart * number for number in range(math.ceil(end / apart - 1e-6))), end]
 
 
 class Scene:
-    """A track drawn into a figure, one frame at a time.
+    """Tracks drawn into one figure, one moment at a time.
+
+    Several tracks are side by side: with one clock, scales that can be compared, and one legend.
 
     Args:
-        track: with at least one frame.
+        tracks: tracks, at least one, each with at least one frame.
         make_figure: makes the figure of a width and height in inches.
-        length: number of steps plus one to leave room for, where the track is still growing.
-        legend: draw the legend along the right side.
+        length: number of steps plus one to leave room for, where a single track is still growing.
+        legend: draw the legend.
     """
 
     def __init__(
         self,
-        track: Track,
+        tracks: Sequence[Track],
         make_figure: MakeFigure,
         *,
         length: int | None = None,
         legend: bool = True,
     ) -> None:
-        self._track = track
-        self._length = length or track.steps + 1
-        self._time = TimeAxis(length - 1) if length else TimeAxis.of(track)
-        # Without a battery there are only the words below charts.
-        foot = MARGIN if "battery" in track.metrics or not legend else 0.5
-        plan = Plan(track, foot, LEGEND if legend else 0.0)
-        self.root = make_figure(plan.size)
-        self._width, self._height = plan.size
-        grid_left = MARGIN + (plan.left_width - plan.grid_width) / 2
-        grid_top = HEAD + (plan.body_height - plan.grid_height) / 2
-        axes = self._axes(grid_left, grid_top, plan.grid_width, plan.grid_height)
-        self._grid = GridView(self.root, axes, plan.cell * 72, track)
-        self._charts = self._make_charts(plan)
-        if plan.has_battery:
-            top = HEAD + plan.body_height + 0.12
-            axes = self._axes(MARGIN, top, plan.left_width, BAR)
-            self._charts.append(BatteryBar(self.root, axes))
-        self._charted: tuple[int, int, int] | None = None
-        self._make_texts()
+        self._timeline = timeline = Timeline(tracks)
+        steps = length - 1 if length else tracks[0].steps
+        sheet = sheet_of(tracks, steps, legend=legend)
+        self.root = make_figure(sheet.size)
+        page = Page(self.root, sheet)
+        self._panels = [
+            Panel(page, place, track, TimeAxis(steps) if length else timeline.axis(track), steps)
+            for place, track in zip(sheet.places, tracks, strict=True)
+        ]
+        self._clock: Text | None = None
+        if len(tracks) > 1:
+            share_scales([chart for panel in self._panels for chart in panel.charts])
+            self._clock = page.write(WIDTH / 2, 0.28, fontsize=18, ha="center", **BOLD)
         if legend:
-            draw_legend(self.root, [track])
+            draw_legend(self.root, tracks, columns=sheet.legend_columns)
         self.show(0)
 
     def __len__(self) -> int:
-        return len(self._track)
+        return len(self._timeline.moments)
 
-    def show(self, frame: int, track: Track | None = None) -> None:
-        """Move everything that moves to its place in a frame.
+    def show(self, number: int, grown: Track | None = None) -> None:
+        """Move everything that moves to its place at a moment.
 
         Args:
-            frame: its number.
-            track: shown from now on, if given: the same one, grown by more frames.
+            number: number of the moment.
+            grown: a single track, grown by more frames, which is shown from now on.
         """
-        track = self._track = track or self._track
-        now = track.frames[frame]
-        self._grid.show_tiles(now.tiles)
-        self._grid.show_robots(track.frames, frame)
-        self._grid.show_route(now.route)
-        self._grid.show_hits(now.hits)
-        charted = self._charted_frame(track, frame)
-        for chart in self._charts:
-            if self._has_grown(chart, charted, track):
+        if grown is not None:
+            self._timeline = Timeline([grown])
+            self._panels[0].track = grown
+        for panel, frame in zip(self._panels, self._timeline.frames_at(number), strict=True):
+            panel.show(frame)
+        if self._clock is not None:
+            self._clock.set_text(self._timeline.words(number))
+
+
+class Page:
+    """A figure into which axes and words are put by their places on a sheet."""
+
+    def __init__(self, figure: SceneFigure, sheet: Sheet) -> None:
+        self.figure, self.sheet = figure, sheet
+
+    def axes(self, box: Box) -> Axes:
+        """Add axes."""
+        return self.figure.add_axes(box_in(self.sheet.size, *box))
+
+    def write(self, left: float, top: float, **style: Any) -> Text:
+        """Add words, none so far."""
+        width, height = self.sheet.size
+        style = {"color": INK, "va": "center"} | style
+        text = self.figure.text(left / width, 1 - top / height, "", parse_math=False, **style)
+        self.figure.add_mover(text)
+        return text
+
+
+class Panel:
+    """One of the tracks of a picture: its map, charts, battery and words.
+
+    Args:
+        page: page to draw into.
+        place: places of the parts on the page.
+        track: track to show.
+        time: horizontal axis of the charts.
+        steps: number of steps that the charts have room for.
+    """
+
+    def __init__(self, page: Page, place: Place, track: Track, time: TimeAxis, steps: int) -> None:
+        self.track, self._steps = track, steps
+        self._parts = page.sheet.motion_parts
+        self._view = View(page.figure, page.axes(place.map), place.cell * POINTS, track)
+        self.charts: list[Chart | BatteryBar] = []
+        for kind, box, has_label in place.slots:
+            chart = kind(page.figure, page.axes(box), track, time)
+            self.charts.append(chart)
+            if has_label and not isinstance(chart, BatteryBar):
+                chart.label_time()
+        self._lines = [
+            (say, page.write(left, top, **style)) for left, top, say, style in place.lines
+        ]
+        self._charted: tuple[int, int, int] | None = None
+
+    def show(self, frame: int) -> None:
+        """Show a frame of the track."""
+        track = self.track
+        self._view.show(track.frames, frame)
+        charted = self._first_like(frame)
+        before, self._charted = self._charted, (track.step_at(frame), len(track), charted)
+        for chart in self.charts:
+            depth = 3 if chart.changes_within_steps else 2
+            if before is None or before[:depth] != self._charted[:depth]:
                 chart.show(track, charted)
-        self._charted = charted, track.step_at(frame), len(track)
-        self._title.set_text(track.title)
-        digits = 0 if track.frames[-1].clock > LONG_SECONDS else 1
-        clock = f"   {now.clock:.{digits}f} s" if track.is_continuous else ""
-        self._counter.set_text(f"step {math.ceil(now.progress)} of {self._length - 1}{clock}")
-        words, size = self._fitted(now.caption)
-        if words != self._caption.get_text():
-            self._caption.set(text=words, fontsize=size)
-        self._ending.set_text(track.ending.upper() if frame == len(track) - 1 else "")
+        for say, text in self._lines:
+            words, size = say(track, frame)
+            if words != text.get_text():
+                text.set(text=words, fontsize=size)
 
-    def _has_grown(self, chart: Chart, frame: int, track: Track) -> bool:
-        """Return whether a chart differs from the one that is drawn."""
-        now = frame, track.step_at(frame), len(track)
-        if self._charted is None or isinstance(chart, MotionChart):
-            return now != self._charted
-        return now[1:] != self._charted[1:]
-
-    def _charted_frame(self, track: Track, frame: int) -> int:
-        """Return the first frame whose charts can be told from those of the frame before it."""
+    def _first_like(self, frame: int) -> int:
+        """Return the first of the frames whose charts look the same as in a frame."""
+        if self._parts is None:
+            return frame
+        parts, length = self._parts, self._steps + 1
 
         def place(number: int) -> tuple[int, int]:
-            progress = track.frames[number].progress
-            return math.floor(progress), math.floor(progress * MOTION_PARTS / self._length)
+            progress = self.track.frames[number].progress
+            return math.floor(progress), math.floor(progress * parts / length)
 
         while frame and place(frame - 1) == place(frame):
             frame -= 1
         return frame
-
-    def _fitted(self, caption: str) -> tuple[str, float]:
-        """Return a caption in one or two lines, and the size at which it fits."""
-        points = 72 * (self._width - 2 * MARGIN) / LETTER_WIDTH
-        size = points / max(len(caption), 1)
-        if size < MIN_CAPTION:
-            lines = textwrap.wrap(caption, max(len(caption) * 6 // 11, 1), max_lines=2)
-            caption = "\n".join(lines)
-            size = points / max(map(len, lines), default=1)
-        most = MAX_CAPTION * (0.7 if "\n" in caption else 1)
-        return caption, min(size, most)
-
-    def _make_charts(self, plan: Plan) -> list[Chart]:
-        metrics = self._track.metrics.keys()
-        is_shift = self._track.shift is not None
-        is_shown: dict[type[StepChart], bool] = {
-            RewardChart: "rewards" in metrics,
-            DistanceChart: not metrics.isdisjoint(DistanceChart.NAMES.values()),
-            MotionChart: self._track.is_continuous and not is_shift,
-            **dict.fromkeys(FLEET_CHARTS, is_shift),
-        }
-        kinds = [kind for kind, shown in is_shown.items() if shown]
-        gap = 0.55
-        height = (plan.body_height - gap * (len(kinds) - 1)) / max(len(kinds), 1)
-        charts: list[Chart] = []
-        for kind in kinds:
-            top = HEAD + len(charts) * (height + gap)
-            axes = self._axes(MARGIN + plan.left_width + 0.75, top, CHART_INCHES, height)
-            charts.append(kind(self.root, axes, self._track, self._time))
-            if kind is kinds[-1]:
-                axes.set_xlabel(self._time.label, fontsize=8, labelpad=1)
-        return charts
-
-    def _make_texts(self) -> None:
-        left, right = MARGIN / self._width, 1 - MARGIN / self._width
-        title, line = 1 - 0.2 / self._height, 1 - 0.56 / self._height
-        common: dict[str, Any] = {"parse_math": False, "va": "center", "color": INK}
-        self._title = self.root.text(left, title, "", fontsize=9, **common)
-        self._counter = self.root.text(right, title, "", fontsize=9, ha="right", **common)
-        self._caption = self.root.text(left, line, "", fontweight="bold", **common)
-        self._ending = self.root.text(
-            0.5, title, "", fontsize=11, fontweight="bold", ha="center", **common
-        )
-        for text in (self._title, self._counter, self._caption, self._ending):
-            self.root.add_mover(text)
-
-    def _axes(self, left: float, top: float, width: float, height: float) -> Axes:
-        """Add axes at a place in inches from the top left corner."""
-        size = self._width, self._height
-        return self.root.add_axes(box_in(size, left, top, width, height))

@@ -10,12 +10,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from textwrap import dedent
+from typing import SupportsIndex
 
 import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.errors import LayoutError
 from warehouse_core.files.atomic import atomic_path
+from warehouse_core.world.display import display
 from warehouse_core.world.tiles import (
     ALLOWED_TILES,
     CHARGER,
@@ -63,7 +65,7 @@ class Layout:
     dropoffs: tuple[Cell, ...] = field(init=False, compare=False)
     chargers: tuple[Cell, ...] = field(init=False, compare=False)
     open_cells: NDArray[np.intp] = field(init=False, compare=False)
-    """Every cell that is not a wall, as ``row * W + col`` in ascending order, read-only."""
+    """Numbers of all cells that are not walls, in ascending order, read-only."""
 
     def __init__(self, rows: Sequence[str]) -> None:
         checked = _checked_rows(rows)
@@ -72,7 +74,7 @@ class Layout:
         open_cells.setflags(write=False)
         width = len(checked[0])
         marked = (
-            tuple(divmod(index, width) for index in np.flatnonzero(tiles == ord(tile)).tolist())
+            tuple(divmod(number, width) for number in np.flatnonzero(tiles == ord(tile)).tolist())
             for tile in (PICKUP, DROPOFF, CHARGER)
         )
         self._fill(checked, marked, open_cells)
@@ -86,7 +88,7 @@ class Layout:
         """Set all fields; ``marked`` are the pickups, the dropoffs and the chargers."""
         values = (rows, len(rows), len(rows[0]), *marked, open_cells)
         for name, value in zip(self.__slots__, values, strict=True):
-            object.__setattr__(self, name, value)
+            object.__setattr__(self, name, value)  # a frozen dataclass refuses plain assignment
 
     @classmethod
     def from_text(cls, text: str) -> Layout:
@@ -95,6 +97,7 @@ class Layout:
         Raises:
             LayoutError: as for the class.
         """
+        # In a layout of one column there is a line end for each cell.
         if len(text) > 2 * MAX_CELLS:
             raise LayoutError(f"layout text is longer than MAX_CELLS = {MAX_CELLS} cells allow")
         _check_rows(text.count("\n"))
@@ -122,6 +125,8 @@ class Layout:
         """Write the layout as text, atomically."""
         with atomic_path(path) as part:
             part.write_text(f"{self}\n", encoding="utf-8", newline="\n")
+
+    _repr_png_ = display  # which notebooks call
 
     def __str__(self) -> str:
         return "\n".join(self.rows)
@@ -153,10 +158,26 @@ class Layout:
         """Return whether the neighbours of ``cell`` to the N, E, S and W are open."""
         return tuple(self.is_open(moved(cell, delta)) for delta in MOVE_DELTAS.values())
 
-    def open_cell(self, index: int) -> Cell:
-        """Return the ``index``-th open cell in row-major order."""
-        row, col = divmod(int(self.open_cells[index]), self.width)
-        return row, col
+    def open_cell(self, rank: int) -> Cell:
+        """Return the open cell with a rank, counted from 0 in row-major order."""
+        return self.cell(self.open_cells[rank])
+
+    def number(self, cell: Cell) -> int:
+        """Return the number of a cell, ``row * W + col``."""
+        row, col = cell
+        return row * self.width + col
+
+    def cell(self, number: SupportsIndex) -> Cell:
+        """Return the cell with a number."""
+        return divmod(int(number), self.width)
+
+    def numbers(self, cells: Iterable[Cell]) -> NDArray[np.intp]:
+        """Return the numbers of cells as a new array."""
+        return np.array([self.number(cell) for cell in cells], np.intp)
+
+    def cells(self, numbers: NDArray[np.integer]) -> list[Cell]:
+        """Return the cells with the numbers in an array ``[N]``."""
+        return [divmod(number, self.width) for number in numbers.tolist()]
 
     def usual_start(self) -> Cell:
         """Return the chapter's start if it is open, otherwise the first open cell.
@@ -172,8 +193,8 @@ class Layout:
 
     def ranks(self, cells: Iterable[Cell]) -> list[int]:
         """Return the indices of open cells among the open cells."""
-        flat = [row * self.width + col for row, col in cells]
-        return np.searchsorted(self.open_cells, flat).tolist() if flat else []
+        ranks: list[int] = np.searchsorted(self.open_cells, self.numbers(cells)).tolist()
+        return ranks
 
     def describe(self, cell: Cell) -> str:
         """Describe what is at ``cell``, on or off the grid, for an error message."""

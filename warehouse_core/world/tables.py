@@ -17,6 +17,9 @@ from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import CELL_CODES, CODE_OF_BYTE, MOVE_DELTAS, WALL
 
 Integers = NDArray[np.integer]
+Flags = NDArray[np.bool_]
+Rows = Integers | slice
+"""Rows of a batch: an array of indices, or a slice."""
 
 MAX_TABLE_BYTES = 2**30
 """Limit on the windows of a batch, checked before they are allocated."""
@@ -28,6 +31,7 @@ class LayoutSet:
     Args:
         layouts: layout of each row.
         others: layouts that rows may change to; any other layout can be added later.
+        bare: remove pickups and dropoffs from all layouts.
 
     Attributes:
         kinds: the different layouts.
@@ -37,9 +41,13 @@ class LayoutSet:
         width: ``[B]`` intp, columns of each row's layout.
     """
 
-    def __init__(self, layouts: Sequence[Layout], others: Sequence[Layout] = ()) -> None:
+    def __init__(
+        self, layouts: Sequence[Layout], others: Sequence[Layout] = (), *, bare: bool = False
+    ) -> None:
         self._numbers: dict[Layout, int] = {}
         self.kinds: tuple[Layout, ...] = ()
+        if bare:
+            layouts, others = _without_stations(layouts), _without_stations(others)
         self.others = tuple(others)
         self.kind = self._numbers_of([*layouts, *others])[: len(layouts)]
         self.base, self.width = self.of_rows(self._bases), self.of_rows(self._widths)
@@ -54,20 +62,6 @@ class LayoutSet:
         kinds = self._numbers_of(layouts)
         self.kind[rows] = kinds
         self.base[rows], self.width[rows] = self._bases[kinds], self._widths[kinds]
-
-    def without_stations(self) -> LayoutSet:
-        """Return the same rows, their layouts without pickup and dropoff.
-
-        It is this object if they have none already.
-        """
-        if not any(kind.pickups or kind.dropoffs for kind in self.kinds):
-            return self
-        bare = {kind: kind.with_stations(None, None) for kind in self.kinds}
-        return LayoutSet([bare[row] for row in self.rows], [bare[each] for each in self.others])
-
-    def repeated(self, times: int) -> LayoutSet:
-        """Return each row that many times, one after the other."""
-        return LayoutSet([row for row in self.rows for _ in range(times)])
 
     def of_rows(self, values: ArrayLike) -> NDArray[np.intp]:
         """Return for each row the value of its layout."""
@@ -84,6 +78,13 @@ class LayoutSet:
             self._bases = np.cumsum([0, *map(size_of, self.kinds)])[:-1]
             self._widths = np.array([layout.width for layout in self.kinds])
         return np.array([known[id(layout)] for layout in layouts], np.intp)
+
+
+def _without_stations(layouts: Sequence[Layout]) -> list[Layout]:
+    """Return the layouts without pickups and dropoffs; what was one object stays one."""
+    bare = {id(layout): layout for layout in layouts}
+    bare = {key: layout.with_stations(None, None) for key, layout in bare.items()}
+    return [bare[id(layout)] for layout in layouts]
 
 
 def size_of(layout: Layout) -> int:

@@ -8,7 +8,6 @@ from typing import Annotated
 import typer
 
 from agents.lab.commands import layout as layout_commands
-from agents.lab.commands.bench import bench
 from agents.lab.commands.compare_agents import compare_agents
 from agents.lab.commands.compare_backends import compare
 from agents.lab.commands.demos import demo
@@ -50,7 +49,6 @@ app.command()(grade)
 app.command()(demo)
 app.command()(search)
 app.command()(explore)
-app.command()(bench)
 app.command()(sweep)
 app.command()(report)
 app.command()(export)

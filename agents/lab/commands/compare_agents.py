@@ -30,11 +30,12 @@ from agents.lab.console.output import PICTURES, save_picture
 from agents.lab.console.place import Stations, what_to_draw
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import say
-from agents.lab.console.watch import run_watched
-from agents.lab.evaluation.scores import EXPLANATION, MEASURES, Measure, Scores, Task, evaluate
-from agents.lab.evaluation.wording import mean, share
+from agents.lab.console.watch import slow_steps_told
+from agents.lab.trials.scores import EXPLANATION, MEASURES, Measure, Scores
+from agents.lab.trials.task import Task
+from agents.lab.trials.wording import mean, share
 from agents.registry import make_agent
-from warehouse_core import Layout
+from warehouse_core import Agent, Layout
 from warehouse_core.files.atomic import check_suffix, check_target
 from warehouse_core.task.starts import STATIONS
 from warehouse_core.wording import counted
@@ -114,8 +115,8 @@ def compare_agents(
     }
     # The figure first, because the reader of standard output may leave, as ``head`` does.
     if save is not None:
-        from agents.lab.evaluation.figure import scores_figure
-        from agents.lab.evaluation.sizes_figure import sizes_figure
+        from agents.lab.trials.figure import scores_figure
+        from agents.lab.trials.sizes_figure import sizes_figure
 
         [(title, scores), *more] = groups.items()
         figure = scores_figure(scores, title, EXPLANATION)
@@ -170,13 +171,11 @@ def evaluate_watched(name: str, shown: str, task: Task, seeds: Sequence[int]) ->
     """
     from agents.lab.console.progress import track
 
+    def make(seed: int) -> Agent:
+        return make_agent(name, seed, task.layout_for(seed))
+
     try:
-        return evaluate(
-            lambda seed: make_agent(name, seed, task.layout_for(seed)),
-            task,
-            track(seeds, shown),
-            lambda recorder, agent, first: run_watched(recorder, agent, name, first),
-        )
+        return task.evaluate(make, track(seeds, shown), name, slow_steps_told)
     except EpisodeInterrupted as error:
         raise typer.Abort from error
 

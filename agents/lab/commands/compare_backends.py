@@ -24,7 +24,7 @@ from agents.lab.console.output import Film, show_or_save
 from agents.lab.console.table import Table, print_table
 from agents.lab.runs.run import draw_seed
 from warehouse_core import Episode
-from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.tracks.record_track import track_of_record
 
 ROWS: dict[str, Callable[[Episode], str]] = {
     "outcome": lambda episode: episode.outcome,
@@ -90,5 +90,5 @@ def compare(
         for backend in (left, right)
     )
     print_table(comparison_table(one, other))
-    film = Film(lambda: [track_of_episode(one), track_of_episode(other)])
+    film = Film(lambda: [track_of_record(one), track_of_record(other)])
     show_or_save(film, save, show, f"compare-{one.agent}-{left}-{right}-{seed}.gif")

@@ -26,7 +26,6 @@ from warehouse_core import (
     Episode,
     EpisodeRecorder,
     FleetEnv,
-    FleetEpisode,
     Layout,
     OrderStream,
     WarehouseEnv,
@@ -35,8 +34,7 @@ from warehouse_core import (
 from warehouse_core.files.atomic import check_suffix
 from warehouse_core.motion.backends import load_backend
 from warehouse_core.records import FleetRecorder
-from warehouse_core.viz.tracks.episode_track import track_of_episode
-from warehouse_core.viz.tracks.fleet_track import track_of_fleet_episode
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Track
 from warehouse_core.wording import counted
 from warehouse_core.world.named_layouts import DEPOT, find_layout
@@ -77,7 +75,7 @@ def delivery() -> Demo:
         f"{episode.outcome} in {episode.steps} steps, "
         f"{episode.seconds:.0f} s and {episode.joules:.0f} J"
     )
-    return Demo(said, _titled(track_of_episode(episode), "A delivery"))
+    return Demo(said, _titled(track_of_record(episode), "A delivery"))
 
 
 def bump() -> Demo:
@@ -94,7 +92,7 @@ def bump() -> Demo:
         f"the {1000 * step:.1f} ms of the substep"
     )
     title = f"A bump in slow motion: {contact.impulse:.0f} N·s, {force:.0f} N"
-    track = track_of_episode(episode, frame_seconds=SLOW_MOTION)
+    track = track_of_record(episode, frame_seconds=SLOW_MOTION)
     track.metrics, track.ending = {}, ""
     return Demo(said, _titled(track, title))
 
@@ -109,7 +107,7 @@ def load() -> Demo:
         f"empty {empty.seconds:.1f} s and {empty.joules:.0f} J, "
         f"loaded {loaded.seconds:.1f} s and {loaded.joules:.0f} J"
     )
-    tracks = [_titled(track_of_episode(e), e.agent.title()) for e in (empty, loaded)]
+    tracks = [_titled(track_of_record(e), e.agent.title()) for e in (empty, loaded)]
     return Demo(said, tracks[0], tracks[1])
 
 
@@ -122,14 +120,14 @@ def slip() -> Demo:
     env = WarehouseEnv(CORRIDOR, backend=RigidBodyMotion(disturbances=disturbances))
     plan = [str(action) for action in planned.actions]
     slipped = drive(env, plan, "the same actions", seed=0)
-    beside = track_of_episode(slipped)
+    beside = track_of_record(slipped)
     ended = slipped.outcome if slipped.terminated else f"the item is at {slipped.cells[-1]}"
     beside.ending = slipped.outcome if slipped.terminated else "not delivered"
     beside.frames[-1].caption = ended
     said = f"the plan delivers in {planned.steps} steps on the grid; on the slippery floor {ended}"
     return Demo(
         said,
-        _titled(track_of_episode(planned), "The plan, on the grid"),
+        _titled(track_of_record(planned), "The plan, on the grid"),
         _titled(beside, "The same actions, columns 3 and 4 slippery"),
     )
 
@@ -162,8 +160,8 @@ def pibt() -> Demo:
     episode = run(env, fleet, 1, slow_steps_told(fleet, "PIBT"), name="PIBT")
     pushes = sum(len(plans.pushers) for plans in log.plans)
     said = f"{counted(episode.robots, 'robot')} push {pushes} times in {episode.steps} steps"
-    track = track_of_fleet_episode(episode, plans=log.plans)
-    track.shift = None
+    track = track_of_record(episode, plans=log.plans)
+    track.metrics, track.orders = {}, None
     return Demo(said, _titled(track, f"PIBT: {said}; arrows show who pushes whom"))
 
 
@@ -241,7 +239,7 @@ def drive(
     return recorder.episode
 
 
-def drive_together(moves: Mapping[Cell, str]) -> FleetEpisode:
+def drive_together(moves: Mapping[Cell, str]) -> Episode:
     """Carry out one action of each robot, given by its start, in the hall."""
     from warehouse_physics import RigidBodyMotion
 
@@ -287,9 +285,9 @@ def demo(
     show_or_save(Film(lambda: tracks), save, show, f"demo-{name}.gif")
 
 
-def _together(episode: FleetEpisode, title: str, ending: str) -> Track:
-    track = track_of_fleet_episode(episode, frame_seconds=SLOW_MOTION)
-    track.shift, track.ending = None, ending
+def _together(episode: Episode, title: str, ending: str) -> Track:
+    track = track_of_record(episode, frame_seconds=SLOW_MOTION)
+    track.metrics, track.orders, track.ending = {}, None, ending
     return _titled(track, title)
 
 

@@ -24,7 +24,7 @@ from agents.lab.runs.run import draw_seed
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.render.window import has_display
-from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.tracks.record_track import track_of_record
 
 KEYS = {
     "up": "N", "n": "N",
@@ -62,7 +62,7 @@ class Driver:
         self._env, self._place = env, place
         self.games: list[Episode] = []
         self._begin(seed)
-        self._scene = Scene(track_of_episode(self.episode), make_window, length=env.max_steps + 1)
+        self._scene = Scene([track_of_record(self.episode)], make_window, length=env.max_steps + 1)
         self.figure = self._scene.root
         self.figure.canvas.mpl_connect("key_press_event", self._on_key)
         self._timer = self.figure.canvas.new_timer(interval=FRAME_MS)
@@ -98,7 +98,7 @@ class Driver:
 
     def _show(self) -> None:
         """Show the latest step: at once on the grid, frame by frame if the motion is continuous."""
-        track = self._track = track_of_episode(self.episode)
+        track = self._track = track_of_record(self.episode)
         track.frames[0].caption = HELP
         if self._recorder.ended:
             track.frames[-1].caption += f", Enter starts seed {self._next_seed}"

@@ -10,7 +10,7 @@ import typer
 
 from agents.lab.console.options import LAYOUT_HELP
 from agents.lab.console.place import RANDOM
-from agents.lab.evaluation.random_layouts import MAX_POOL, RandomLayouts
+from agents.lab.trials.random_layouts import MAX_POOL, RandomLayouts
 
 DEFAULTS = RandomLayouts()
 

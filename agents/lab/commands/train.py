@@ -37,11 +37,11 @@ from agents.lab.console.options import (
 )
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import say
-from agents.lab.evaluation.fleet_scores import FleetScores, FleetTask
-from agents.lab.evaluation.random_layouts import RandomLayouts
-from agents.lab.evaluation.scores import Scores, Task
-from agents.lab.evaluation.wording import mean, share
 from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS, Examiner, Point
+from agents.lab.trials.random_layouts import RandomLayouts
+from agents.lab.trials.scores import FleetScores, Scores
+from agents.lab.trials.task import FleetTask, Task
+from agents.lab.trials.wording import mean, share
 from agents.learning.learner import RECENT_EPISODES, MakeAgent, Watch
 from agents.learning.q_learning import QAgent, QTable, learn
 from agents.learning.q_table import save_table
@@ -288,7 +288,7 @@ def comparison_table(scores: Mapping[str, Scores | FleetScores]) -> Table:
                 ("delivered an hour", *(mean(one.per_hour, "") for one in fleets)),
                 ("steps blocked by others", *(share(one.blocked) for one in fleets)),
             ],
-            f"{len(fleets[0].runs):,} episodes of {fleets[0].robots} robots, the same for each",
+            f"{len(fleets[0].rows):,} episodes of {fleets[0].robots} robots, the same for each",
         )
     each = [one for one in scores.values() if isinstance(one, Scores)]
     by_all = np.all([one.delivered for one in each], axis=0)
@@ -299,7 +299,7 @@ def comparison_table(scores: Mapping[str, Scores | FleetScores]) -> Table:
             ("steps to deliver", *(_mean_length(one, one.delivered) for one in each)),
             ("  where all deliver", *(_mean_length(one, by_all) for one in each)),
         ],
-        f"{len(each[0].runs):,} random starts, the same for each",
+        f"{len(each[0].rows):,} random starts, the same for each",
     )
 
 

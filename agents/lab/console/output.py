@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 from agents.lab.console.options import RECORD_SUFFIX
 from agents.lab.console.terminal import say
+from warehouse_core import Episode
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.window import has_display
 from warehouse_core.viz.player import save_page
-from warehouse_core.viz.tracks.record_track import Record, track_of_record
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ class Film:
 
     tracks: Callable[[], Sequence[Track]]
     title: str = ""
-    record: Record | None = None
+    record: Episode | None = None
     speed: float = 1.0
     draw: Callable[[bool], Replay] | None = None
 
@@ -52,9 +53,9 @@ class Film:
         """Return the replay, with a window or without one."""
         if self.draw is not None:
             return self.draw(window)
-        from warehouse_core.viz.replay import replay_of_track
+        from warehouse_core.viz.replay import replay_of_tracks
 
-        return replay_of_track(*self.tracks(), speed=self.speed, window=window)
+        return replay_of_tracks(*self.tracks(), speed=self.speed, window=window)
 
     def save(self, target: Path) -> None:
         """Write the record, a page or a picture, by the suffix, whole or not at all."""
@@ -69,7 +70,7 @@ class Film:
 
 
 def replay_or_save(
-    episode: Record,
+    episode: Episode,
     targets: Sequence[Path],
     show: bool | None,
     interval_ms: float = INTERVAL_MS,

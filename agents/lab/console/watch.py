@@ -12,37 +12,10 @@ from time import monotonic
 
 from agents.errors import file_of
 from agents.lab.console.terminal import print_error
-from agents.lab.runs.run import Place, Watch, failures_named, own_code
-from warehouse_core import Agent, EpisodeRecorder, Observation
+from agents.lab.runs.run import Place, Watch, own_code
 
 SLOW_SECONDS, LOOK_SECONDS = 5.0, 0.5
 """Seconds of a step before it is reported, and seconds between the checks."""
-
-
-def run_watched(
-    recorder: EpisodeRecorder, agent: Agent, name: str, observation: Observation
-) -> None:
-    """Reset an agent and let it act until the episode is over.
-
-    A step that takes long is reported on standard error.
-
-    Args:
-        recorder: recorder of the episode.
-        agent: agent to watch.
-        name: name of the agent.
-        observation: first observation.
-
-    Raises:
-        EpisodeError: the agent raised an exception, or returned something that is no action.
-        EpisodeInterrupted: Ctrl-C was pressed.
-    """
-
-    def place() -> str:
-        return recorder.place
-
-    named = failures_named(place, name, agent, lambda: recorder.episode)
-    with named, slow_steps_told(agent, name)(place):
-        recorder.run(agent, observation)
 
 
 def slow_steps_told(agent: object, name: str) -> Watch:

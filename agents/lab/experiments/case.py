@@ -13,12 +13,17 @@ import math
 import re
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing
 from functools import lru_cache
 from typing import Any
 
 from agents.fleet.planned import DEFAULT_ASSIGNMENT
-from agents.lab.console.place import RANDOM, Stations, check_stations, usual_stations
+from agents.lab.console.place import (
+    RANDOM,
+    Stations,
+    check_stations,
+    usual_stations,
+    what_to_draw,
+)
 from agents.lab.experiments.parameters import (
     FLEET,
     NO_PLANNER,
@@ -32,8 +37,8 @@ from agents.lab.experiments.parameters import (
     shown,
     text,
 )
-from agents.lab.experiments.tables import AnyRow, Row, Shift
 from agents.lab.runs.programs import fingerprint
+from agents.lab.trials.rows import AnyRow, FleetRow, Row
 from agents.registry import agent_file, agent_module, make_agent, make_fleet_agent, make_team
 from warehouse_core import (
     Agent,
@@ -55,10 +60,10 @@ TILES, FINGERPRINT = "tiles", "fingerprint"
 """Keys beside the parameters: the rows of the layout, and the digest of the agent's code."""
 
 FLEET_DEFAULTS: dict[str, Value] = {"layout": DEPOT, "battery": 400, "max_steps": 1000}
-"""Of parameters that lone robots have too, with other defaults."""
+"""Defaults of a fleet for parameters that lone robots have too."""
 
 IMPLIED = {"stations": str(Stations.DRAWN)}
-"""Left out of a case as text, as in the files of version 0.1.0, which are read and resumed."""
+"""Values that a case as text leaves out; the files that exist do so."""
 
 MAX_BRACKETS, MAX_KEYS = 1000, 100
 """Limits on the text of a case; a name may have brackets."""
@@ -89,13 +94,9 @@ def make_case(values: Mapping[str, Value]) -> dict[str, Any]:
     if TILES in case and not is_fleet(case):  # a random layout has its stations
         kept_or_drawn = Stations(case["stations"])
         check_stations(layout_of(case), kept_or_drawn, layout_name, "stations=drawn")
-    if is_fleet(case):
-        layout = fleet_layout(case, seed=0)
-        make_fleet(case, layout).close()
-        make_fleet_agent_for(case, 0, layout)
-    else:
-        with closing(make_env(case, seed=0)) as env:
-            make_agent_for(case, 0, env.layout)
+    layout = layout_for(case, seed=0)
+    make_env(case, layout).close()
+    make_agent_for(case, 0, layout)
     digest = agent_fingerprint(case)
     if digest is not None:
         case[FINGERPRINT] = digest
@@ -109,7 +110,7 @@ def is_fleet(case: Case) -> bool:
 
 def row_type(case: Case) -> type[AnyRow]:
     """Return the kind of the rows of a case."""
-    return Shift if is_fleet(case) else Row
+    return FleetRow if is_fleet(case) else Row
 
 
 def default_of(name: str, case: Case) -> Value | None:
@@ -169,7 +170,7 @@ def _digest(value: Any) -> str:
 CHECKS: dict[str, Callable[[Any], Value]] = {
     TILES: _tiles, FINGERPRINT: _digest, "backend": text,
 }  # fmt: skip
-"""Of what is in a case and is no parameter, or need not be installed where a case is read."""
+"""Checks of the keys of a case that are not parameters, or need not be installed to be read."""
 
 
 def flags_of(case: Case) -> list[str]:
@@ -211,58 +212,61 @@ def cells_of(case: Case) -> int:
     return math.prod(_size(case))
 
 
-def make_env(case: Case, seed: int) -> WarehouseEnv:
-    """Return a new environment for one episode of a lone robot."""
-    return WarehouseEnv(
-        _layout_for(case, seed),
-        None,
-        case["max_steps"],
-        case["battery"],
-        case["view_radius"],
-        backend=_backend(case),
-    )
-
-
-def fleet_layout(case: Case, seed: int) -> Layout:
-    """Return the layout of one episode of a fleet, with as many chargers as the case has.
+def layout_for(case: Case, seed: int) -> Layout:
+    """Return the layout of one episode; a fleet's has as many chargers as the case.
 
     Raises:
-        LayoutError: there are fewer.
+        LayoutError: there are fewer chargers.
     """
-    layout = _layout_for(case, seed)
+    if TILES in case:
+        layout = layout_of(case)
+    else:
+        layout = random_layout(*_size(case), case["density"], seed)
+    if not is_fleet(case):
+        return layout
     return layout.with_chargers(_some(layout.chargers, case["chargers"]))
 
 
-def make_fleet(case: Case, layout: Layout, *, dispatch: bool = True) -> FleetEnv:
-    """Return a new fleet of a case; see ``FleetEnv`` for ``dispatch``."""
+def make_env(case: Case, layout: Layout, *, dispatch: bool = True) -> WarehouseEnv | FleetEnv:
+    """Return a new environment for one episode.
+
+    Args:
+        case: Case of the episode.
+        layout: Layout of the episode.
+        dispatch: The fleet gives orders to the nearest robots, see ``FleetEnv``.
+    """
+    shared: dict[str, Any] = {
+        name: case[name] for name in ("max_steps", "battery", "view_radius")
+    } | {"backend": _backend(case)}
+    if not is_fleet(case):
+        return WarehouseEnv(layout, start_pos=None, **shared)
     with warnings.catch_warnings():
-        # Of chargers that supply too little, which an experiment may be about.
+        # An experiment may be about chargers that supply too little.
         warnings.simplefilter("ignore")
         return FleetEnv(
             layout,
             case[FLEET],
-            backend=_backend(case),
             orders=OrderStream(case["order_rate"], _due(case)),
-            max_steps=case["max_steps"],
-            battery=case["battery"],
-            view_radius=case["view_radius"],
             people=case["people"],
             dispatch=dispatch,
+            **shared,
         )
 
 
-def make_fleet_agent_for(case: Case, seed: int, layout: Layout) -> FleetAgent:
-    """Return what directs the robots of a fleet: a planner, or an agent for each."""
+def randomize_for(case: Case) -> bool | str:
+    """Return what the reset of a lone robot draws; a fleet draws its starts by itself."""
+    return is_fleet(case) or what_to_draw(Stations(case["stations"]))
+
+
+def make_agent_for(case: Case, seed: int, layout: Layout) -> Agent | FleetAgent:
+    """Return what directs the robots of a case: a planner, a team of agents, or one agent."""
+    if not is_fleet(case):
+        return make_agent(_agent_name(case), seed, layout)
     if case[PLANNER] == NO_PLANNER:
         return make_team(_agent_name(case), case[FLEET], seed, layout)
     # A planner that assigns orders itself takes no assignment, not even the default.
     chosen = None if case["assignment"] == DEFAULT_ASSIGNMENT else case["assignment"]
     return make_fleet_agent(case[PLANNER], chosen, seed, layout, case[FLEET])
-
-
-def make_agent_for(case: Case, seed: int, layout: Layout) -> Agent:
-    """Return the agent of a case, with the seed and the layout if it takes them."""
-    return make_agent(_agent_name(case), seed, layout)
 
 
 def _agent_name(case: Case) -> str:
@@ -271,12 +275,6 @@ def _agent_name(case: Case) -> str:
     if name == "greedy":
         name += f":memory={case['memory']}" if case["escape"] else ":escape_steps=0"
     return name
-
-
-def _layout_for(case: Case, seed: int) -> Layout:
-    if TILES in case:
-        return layout_of(case)
-    return random_layout(*_size(case), case["density"], seed)
 
 
 def _some(chargers: Sequence[Cell], count: int) -> list[Cell]:

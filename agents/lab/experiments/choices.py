@@ -47,9 +47,9 @@ class PlanFile(NamedTuple):
     """The content of a plan file.
 
     Attributes:
-        choices: for each parameter a value, a list of values or a range.
-        episodes: of each combination, or ``None``.
-        seed: the first, or ``None``.
+        choices: value, list of values or range of each parameter.
+        episodes: number of episodes of each combination, or ``None``.
+        seed: the first seed, or ``None``.
     """
 
     choices: dict[str, Any]

@@ -14,20 +14,20 @@ from typing import TYPE_CHECKING, Any
 
 from agents.errors import ClusterError
 from agents.lab.console.terminal import print_error
-from agents.lab.experiments.workers import TOPIC
+from agents.lab.trials.workers import TOPIC
 from warehouse_core.extras import install_command
 
 if TYPE_CHECKING:
     from distributed import Client
 
 CONNECT_SECONDS = 10
-"""In which a scheduler must answer."""
+"""Longest time in which a scheduler must answer."""
 
 PROBE_SECONDS = 10.0
-"""In which a worker must run a call that does nothing."""
+"""Longest time in which a worker must run a call that does nothing."""
 
 SILENT_SECONDS = 10.0
-"""Without any worker before that is reported; and without an answer before a worker is none."""
+"""Time without any worker until that is reported, or without an answer until one counts as gone."""
 
 
 @contextmanager

@@ -2,73 +2,52 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
-from contextlib import closing
-from dataclasses import asdict
-from functools import partial
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, closing, nullcontext
 from time import perf_counter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from agents.errors import AgentError, EpisodeError, reason_of
+from agents.errors import AgentError, EpisodeError, EpisodeInterrupted, reason_of
 from agents.fleet.director import wants_dispatch
-from agents.lab.console.place import Stations, what_to_draw
 from agents.lab.console.watch import slow_reported
 from agents.lab.experiments.case import (
     FINGERPRINT,
     Case,
     agent_fingerprint,
     director_of,
-    fleet_layout,
     in_words,
     is_fleet,
+    layout_for,
     make_agent_for,
     make_env,
-    make_fleet,
-    make_fleet_agent_for,
+    randomize_for,
 )
-from agents.lab.experiments.tables import AnyRow, Row, Shift
-from agents.lab.experiments.workers import teller
 from agents.lab.runs.programs import program_for
+from agents.lab.runs.run import Place, Watch, run
+from agents.lab.trials.rows import AnyRow, row_of
+from agents.lab.trials.workers import teller
 from agents.registry import agent_file
-from warehouse_core import Episode, EpisodeRecorder
-from warehouse_core.records.failure_modes import diagnose
-from warehouse_core.records.fleet_modes import diagnose_fleet
-from warehouse_core.records.recorder import FleetRecorder
-
-Recorder = EpisodeRecorder | FleetRecorder
+from warehouse_core import Episode
 
 SLOW_SECONDS = 10.0
-"""Seconds of an episode before it is reported."""
+"""Seconds that an episode may take before it is reported."""
 
 
 class Done(NamedTuple):
     """The outcome of a task.
 
     Attributes:
-        seconds: that it took.
-        rows: of its episodes, up to the one that failed.
-        program: that ran them, see ``program_for``.
-        failure: the message of the error of that one. It is text, because an exception of a user
-            agent may not be picklable.
+        seconds: Time that it took.
+        rows: Episodes up to the one that failed.
+        program: Name of the program that ran them, see ``program_for``.
+        failure: Message of the error that ended the last one. It is text, because an exception of
+            a user agent may not be picklable.
     """
 
     seconds: float
     rows: list[AnyRow]
     program: str
     failure: str | None = None
-
-
-class _Present:
-    """The episode that a task is running, in words."""
-
-    def __init__(self, case: Case, seed: int) -> None:
-        self._case, self.seed = case, seed
-        self.recorder: Recorder | None = None
-
-    def __str__(self) -> str:
-        place = "" if self.recorder is None else self.recorder.place
-        return about(self._case, self.seed, place)
 
 
 def run_task(case: Case, seeds: Sequence[int]) -> Done:
@@ -82,21 +61,35 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
         check_fingerprint(case)
     except EpisodeError as error:
         return Done(perf_counter() - start, rows, program, str(error))
-    present, file, tell = _Present(case, seeds[0]), agent_file(director_of(case)), teller()
+    file, tell = agent_file(director_of(case)), teller()
+    seed, place = seeds[0], _nowhere
+
+    def present() -> str:
+        return about(case, seed, place())
 
     def tell_slow(seconds: float, line: str) -> None:
-        tell(f"{present} has run for {seconds:g} s{line}")
+        tell(f"{present()} has run for {seconds:g} s{line}")
+
+    def watch(begun: Place) -> AbstractContextManager[None]:
+        nonlocal place
+        place = begun
+        return nullcontext()
 
     try:
-        with slow_reported(lambda: present.seed, SLOW_SECONDS, file, tell_slow):
+        with slow_reported(lambda: seed, SLOW_SECONDS, file, tell_slow):
             for seed in seeds:
-                present.seed, present.recorder = seed, None
-                rows.append(row_of(run_one(case, seed, partial(setattr, present, "recorder"))))
+                place = _nowhere
+                rows.append(row_of(run_one(case, seed, watch)))
     # User agents may raise anything, even SystemExit.
     except BaseException as error:
-        own = isinstance(error, AgentError)  # its message says all
-        failure = f"{present}: {error if own else reason_of(error, file)}"
+        cause = cause_of(error)
+        is_clear = isinstance(cause, AgentError)  # its message says all
+        failure = f"{present()}: {cause if is_clear else reason_of(cause, file)}"
     return Done(perf_counter() - start, rows, program, failure)
+
+
+def _nowhere() -> str:
+    return ""
 
 
 def about(case: Case, seed: int, place: str = "") -> str:
@@ -104,61 +97,27 @@ def about(case: Case, seed: int, place: str = "") -> str:
     return f"seed {seed}{place and f', {place},'} with {in_words(case)}"
 
 
-def run_one(
-    case: Case, seed: int, watch: Callable[[Recorder], object] = lambda recorder: None
-) -> Episode:
-    """Run one episode of a case and return its record; ``watch`` is given its recorder."""
-    return (run_fleet if is_fleet(case) else run_alone)(case, seed, watch)
+def run_one(case: Case, seed: int, watch: Watch = nullcontext) -> Episode:
+    """Run one episode of a case and return its record.
+
+    Raises:
+        EpisodeError: the agent failed, see ``cause_of``.
+        EpisodeInterrupted: Ctrl-C was pressed, or the agent raised ``KeyboardInterrupt``.
+    """
+    layout = layout_for(case, seed)
+    agent: Any = make_agent_for(case, seed, layout)
+    made: Any = make_env(case, layout, dispatch=is_fleet(case) and wants_dispatch(agent))
+    with closing(made) as env:
+        name, randomize = director_of(case), randomize_for(case)
+        episode: Episode = run(env, agent, seed, watch, name=name, randomize=randomize)
+        return episode
 
 
-def run_fleet(
-    case: Case, seed: int, watch: Callable[[Recorder], object] = lambda recorder: None
-) -> Episode:
-    """Run one episode of a fleet; see ``run_one``."""
-    layout = fleet_layout(case, seed)
-    agent = make_fleet_agent_for(case, seed, layout)
-    with closing(make_fleet(case, layout, dispatch=wants_dispatch(agent))) as env:
-        recorder = FleetRecorder(env, seed=seed, agent=director_of(case))
-        watch(recorder)
-        recorder.run(agent)
-        return recorder.episode
-
-
-def run_alone(
-    case: Case, seed: int, watch: Callable[[Recorder], object] = lambda recorder: None
-) -> Episode:
-    """Run one episode of a lone robot; see ``run_one``."""
-    randomize = what_to_draw(Stations(case["stations"]))
-    with closing(make_env(case, seed)) as env:
-        agent = make_agent_for(case, seed, env.layout)
-        observation = env.reset(randomize, seed)
-        recorder = EpisodeRecorder(env, seed=seed, agent=type(agent).__name__)
-        watch(recorder)
-        recorder.run(agent, observation)
-        return recorder.episode
-
-
-def row_of(episode: Episode) -> AnyRow:
-    """Return the row that is stored for an episode."""
-    if episode.is_fleet:
-        mode, measures = diagnose_fleet(episode).mode, asdict(episode.measures)
-        stored = [measures[name] for name in Shift._fields if name in measures]
-        measured = [None if math.isnan(value) else value for value in stored]
-        return Shift._make((episode.seed, mode, *measured))
-    assert episode.seed is not None, "every episode here has a seed"
-    diagnosis = diagnose(episode)
-    cell = diagnosis.cells[0] if diagnosis.cells else episode.cells[-1]
-    return Row(
-        episode.seed,
-        diagnosis.mode,
-        episode.steps,
-        diagnosis.needed,
-        episode.total_reward,
-        episode.battery[-1],
-        episode.seconds,
-        episode.joules,
-        *cell,
-    )
+def cause_of(error: BaseException) -> BaseException:
+    """Return what an agent has raised, if ``run`` has named where it did."""
+    if isinstance(error, EpisodeError | EpisodeInterrupted) and error.episode is not None:
+        return error.__cause__ or error
+    return error
 
 
 def check_fingerprint(case: Case) -> None:

@@ -17,7 +17,7 @@ from agents.errors import ParameterError
 from agents.fleet.planned import DEFAULT_ASSIGNMENT
 from agents.lab.console.place import RANDOM, Stations
 from agents.mapf.assignment import ASSIGNMENTS
-from warehouse_core.fleet.settings import MAX_BODIES
+from warehouse_core.batch.fleet.settings import MAX_BODIES
 from warehouse_core.motion import backends
 from warehouse_core.wording import printable
 from warehouse_core.world.generators import MAX_DENSITY
@@ -36,10 +36,10 @@ MAX_VALUE = 1_000_000_000
 MAX_NUMBER = sys.float_info.max
 
 MAX_TEXT = 10_000
-"""Characters of a name."""
+"""Most characters of a name."""
 
 MAX_VIEW_RADIUS = 1000
-"""In cells: a view takes memory even where there is nothing to see."""
+"""Largest view radius in cells: a view takes memory even where there is nothing to see."""
 
 
 class Parameter(NamedTuple):
@@ -50,9 +50,10 @@ class Parameter(NamedTuple):
         check: returns a value as it is stored, or raises ``ValueError`` with what is allowed.
         needs: the values of parameters before it without which it has no effect.
         question: the question that varying it answers; the chapter asks some of them.
-        of_fleets: whether it has an effect only on fleets, or only on lone robots; ``None`` is on
-            both.
-        is_planned: whether it has an effect only with a planner, or only without one.
+        of_fleets: ``True`` if it has an effect only on fleets, ``False`` only on lone robots,
+            ``None`` on both.
+        is_planned: ``True`` if it has an effect only with a planner, ``False`` only without one,
+            ``None`` with and without.
     """
 
     default: Value | None
@@ -253,9 +254,9 @@ def checked(name: str, value: Any, check: Callable[[Any], Value] | None = None) 
     """Return a value of a parameter as it is stored.
 
     Args:
-        name: of the parameter.
-        value: to be checked.
-        check: used instead of that of the parameter.
+        name: name of the parameter.
+        value: value to check.
+        check: used instead of the parameter's own check.
 
     Raises:
         ParameterError: the value is not allowed; the message says what is.

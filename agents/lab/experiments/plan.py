@@ -27,9 +27,9 @@ class Plan:
     """The episodes to run.
 
     Attributes:
-        cases: all different.
-        episodes: of each case; their seeds are ``seed``, ``seed + 1``, ...
-        seed: the first.
+        cases: different cases.
+        episodes: number of episodes of each case; their seeds are ``seed``, ``seed + 1``, ...
+        seed: the first seed.
     """
 
     cases: tuple[Case, ...]
@@ -51,9 +51,9 @@ def make_plan(choices: Mapping[str, Any], episodes: int, seed: int) -> Plan:
     """Return the plan of every combination of choices.
 
     Args:
-        choices: for each parameter a value, a list of values, or ``{from, to, step}``.
-        episodes: of each combination.
-        seed: of the first episode of each combination.
+        choices: value, list of values, or ``{from, to, step}`` of each parameter.
+        episodes: number of episodes of each combination.
+        seed: seed of the first episode of each combination.
 
     Raises:
         ParameterError: a value, layout or robot that cannot be used, or too many of them.

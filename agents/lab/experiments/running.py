@@ -21,8 +21,8 @@ from agents.lab.experiments.case import Case
 from agents.lab.experiments.episodes import Done, about, run_task
 from agents.lab.experiments.plan import Plan
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import AnyRow
-from agents.lab.experiments.workers import ending_of
+from agents.lab.trials.rows import AnyRow
+from agents.lab.trials.workers import ending_of
 
 TASK_SECONDS = 0.5
 MAX_TASK_EPISODES = 10_000
@@ -79,7 +79,7 @@ class Queue:
     """The tasks of a plan that are to be run.
 
     Attributes:
-        failed: how many episodes have failed, by the number of their case.
+        failed: number of episodes that have failed, by the number of their case.
     """
 
     def __init__(self, plan: Plan, store: Store) -> None:
@@ -138,7 +138,7 @@ def run_missing(
     """Run every episode of a plan that is not in the store.
 
     Returns:
-        How many episodes have failed, by the number of their case.
+        The number of episodes that have failed, by the number of their case.
 
     Raises:
         StoreError: rows cannot be written; those written before stay.

@@ -26,26 +26,26 @@ from agents.lab.experiments.tables import (
     PROGRAM,
     TABLE_OF,
     TABLES,
-    UNKNOWN,
-    VERSION,
-    AnyRow,
-    Row,
-    version_of,
+    has_tables,
 )
+from agents.lab.trials.rows import AnyRow, Row
 from warehouse_core.files.kinds import not_a_file
 
 TIMEOUT, BUSY_SECONDS = 30.0, 0.1
 """Seconds to wait for another program that writes to the same file, and between two checks."""
+
+UNKNOWN = "an unknown program"
+"""Name of the program of a row if the file names none."""
 
 
 class Store:
     """A file of results, created if there is none. It is a context manager.
 
     Args:
-        path: of the file.
-        read_only: create no file and write to none; one without write permission can be read.
-        mix: add episodes to cases that have those of another program.
-        check: is called while another program holds a lock; what it raises ends the wait.
+        path: Path of the file.
+        read_only: Create no file and write to none; one without write permission can be read.
+        mix: Add episodes to cases that another program has begun.
+        check: Function to call while another program holds a lock; what it raises ends the wait.
 
     Raises:
         StoreError: it cannot be opened, is damaged, or is something else.
@@ -112,7 +112,7 @@ class Store:
         return int(next(self.query(statement, key_of(case), seeds.start, seeds.stop))[0])
 
     def seeds_done(self, case_id: int, seeds: range) -> set[int]:
-        """Return those of some seeds whose episodes are stored."""
+        """Return the seeds whose episodes are stored, among some seeds."""
         statement = f"SELECT seed FROM ({BOTH}) WHERE case_id = ? AND seed >= ? AND seed < ?"
         return {seed for (seed,) in self.query(statement, case_id, seeds.start, seeds.stop)}
 
@@ -120,9 +120,9 @@ class Store:
         """Write the episodes of a case, all or none; those that are stored already stay unchanged.
 
         Args:
-            case_id: the number of the case.
-            rows: the episodes.
-            program: that ran them, see ``program_for``.
+            case_id: Number of the case.
+            rows: Episodes of the case.
+            program: Name of the program that ran them, see ``program_for``.
 
         Raises:
             StoreError: the disk is full, the file cannot be written or is no longer there, or the
@@ -160,9 +160,6 @@ class Store:
 
     def programs(self, case_id: int) -> list[str]:
         """Return the programs that have written episodes of a case, in the order of their first."""
-        if self._version == 1:
-            found = self.query("SELECT 1 FROM episodes WHERE case_id = ? LIMIT 1", case_id)
-            return [UNKNOWN for _ in found]
         statement = (
             f"SELECT {PROGRAM} FROM writers JOIN programs ON id = program_id "
             f"WHERE case_id = ? ORDER BY id LIMIT {MAX_NAMED}"
@@ -172,18 +169,14 @@ class Store:
     def mixed(self) -> list[int]:
         """Return the numbers of the cases that have episodes of several programs."""
         statement = "SELECT case_id FROM writers GROUP BY case_id HAVING count(*) > 1"
-        return [] if self._version == 1 else [number for (number,) in self.query(statement)]
+        return [number for (number,) in self.query(statement)]
 
     def episodes(self) -> list[tuple[str, int]]:
         """Return programs and how many episodes are of each, most first."""
-        if self._version == 1:
-            statement = f"SELECT '{UNKNOWN}', count(*) FROM episodes HAVING count(*)"
-        else:
-            rows = "episodes" if self._version == 2 else f"({BOTH})"
-            statement = (
-                f"SELECT (SELECT {PROGRAM} FROM programs WHERE id = program_id), count(*) AS number"
-                f" FROM {rows} GROUP BY program_id ORDER BY number DESC LIMIT {MAX_NAMED}"
-            )
+        statement = (
+            f"SELECT (SELECT {PROGRAM} FROM programs WHERE id = program_id), count(*) AS number "
+            f"FROM ({BOTH}) GROUP BY program_id ORDER BY number DESC LIMIT {MAX_NAMED}"
+        )
         return [(name or UNKNOWN, count) for name, count in self.query(statement)]
 
     def cases(self) -> dict[int, Case]:
@@ -193,38 +186,28 @@ class Store:
             StoreError: a case that no sweep has written.
         """
         self._check_count()
-        found, layouts = dict[int, Case](), dict[tuple[str, ...], list[str]]()
+        cases, layouts = dict[int, Case](), dict[tuple[str, ...], list[str]]()
         for number, text in self.query("SELECT id, settings FROM cases ORDER BY id"):
             case = self._case(number, text)
             if TILES in case:  # kept once, because layouts may be large
                 case = {**case, TILES: layouts.setdefault(tuple(case[TILES]), case[TILES])}
-            found[number] = case
-        return found
+            cases[number] = case
+        return cases
 
     def rows(self, case_id: int, kind: type[AnyRow] = Row) -> Iterator[tuple[AnyRow, str]]:
         """Yield the episodes of a case and their programs in the order of their seeds.
 
         Args:
-            case_id: the number of the case.
-            kind: of its rows; those of fleets are ``Shift``.
+            case_id: Number of the case.
+            kind: Kind of its rows.
         """
-        if kind not in self.kinds:
-            return
-        names = ", ".join(kind._fields)
-        if self._version == 1:
-            statement = f"SELECT {names}, '{UNKNOWN}' FROM episodes WHERE case_id = ?"
-        else:
-            statement = (
-                f"SELECT {names}, (SELECT {PROGRAM} FROM programs WHERE id = program_id) "
-                f"FROM {TABLE_OF[kind]} WHERE case_id = ?"
-            )
-        for *values, program in self.query(f"{statement} ORDER BY seed", case_id):
+        statement = (
+            f"SELECT {', '.join(kind._fields)}, "
+            f"(SELECT {PROGRAM} FROM programs WHERE id = program_id) "
+            f"FROM {TABLE_OF[kind]} WHERE case_id = ? ORDER BY seed"
+        )
+        for *values, program in self.query(statement, case_id):
             yield kind._make(values), program or UNKNOWN
-
-    @property
-    def kinds(self) -> list[type[AnyRow]]:
-        """The kinds of rows that the file has tables for."""
-        return [Row] if self._version < 3 else [*TABLE_OF]
 
     def check_rows(self) -> None:
         """Raise if there are rows that no sweep has written; reports rely on this.
@@ -234,8 +217,8 @@ class Store:
         """
         if self._is_checked:
             return
-        for kind in self.kinds:
-            for case_id, seed in self.query(DAMAGED[kind]):
+        for statement in DAMAGED.values():
+            for case_id, seed in self.query(statement):
                 raise StoreError(
                     f"{self.path}: the row of case {case_id!r}, seed {seed!r} is damaged"
                 )
@@ -283,13 +266,12 @@ class Store:
         connection = self._connection
         # In one transaction: another sweep may be creating the tables at this moment.
         with self._transaction("DEFERRED" if read_only else "IMMEDIATE"):
-            self._version = version_of(connection, self.path)
-            if not read_only:
-                for statement in "".join(TABLES[self._version :]).split(";"):
+            is_empty = not has_tables(connection, self.path)
+            if is_empty and not read_only:
+                for statement in TABLES.split(";"):
                     connection.execute(statement)
-                self._version = VERSION
         if read_only:
-            if not self._version:
+            if is_empty:
                 raise StoreError(f"{self.path}: there are no results in it")
             connection.execute("PRAGMA query_only = ON")
             # One view of the file, whatever a sweep adds meanwhile.
@@ -336,7 +318,7 @@ class Store:
 def _identity(path: Path) -> tuple[int, int] | None:
     """Return what distinguishes a file from one that has replaced it."""
     try:
-        found = path.stat()
+        status = path.stat()
     except FileNotFoundError:
         return None
-    return found.st_dev, found.st_ino
+    return status.st_dev, status.st_ino

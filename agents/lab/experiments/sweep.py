@@ -22,10 +22,10 @@ from agents.lab.experiments.parameters import MAX_VALUE, MAX_VIEW_RADIUS
 from agents.lab.experiments.plan import MAX_EPISODES, Plan, make_plan
 from agents.lab.experiments.running import Report, run_missing
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import AnyRow, Shift
-from agents.lab.experiments.workers import Check, Pool, deferred_interrupts, process_pool
+from agents.lab.trials.rows import AnyRow, FleetRow
+from agents.lab.trials.workers import Check, Pool, deferred_interrupts, process_pool
 from agents.mapf.assignment import ASSIGNMENTS
-from warehouse_core.fleet.settings import MAX_BODIES
+from warehouse_core.batch.fleet.settings import MAX_BODIES
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
 from warehouse_core.world.generators import MAX_DENSITY
@@ -43,7 +43,7 @@ def sweep_bar(episodes: int) -> Iterator[Report]:
         def report(rows: Sequence[AnyRow], failures: Sequence[str] = ()) -> None:
             nonlocal delivered, wanted, done
             for row in rows:
-                if isinstance(row, Shift):
+                if isinstance(row, FleetRow):
                     delivered, wanted = delivered + row.delivered, wanted + row.orders
                 else:
                     delivered, wanted = delivered + (row.mode == DELIVERED), wanted + 1
@@ -64,7 +64,7 @@ PRESETS = {
 """Plan files of the chapter's questions and one of fleets, each under a minute on two cores."""
 
 EPISODES = 100
-"""Of each combination, by default."""
+"""Default number of episodes of each combination."""
 
 VALUES = {
     "robots": f"1..{MAX_BODIES}, makes it a fleet with orders",
@@ -87,7 +87,7 @@ VALUES = {
     "backend": "grid, physics, driving of a fleet, or one of your own",
     "robot.NUMBER, disturbances.NUMBER": "a number of the backend physics, such as robot.mass",
 }
-"""What each parameter takes, in words."""
+"""Values that each parameter takes, in words."""
 
 SETTINGS = f"Names: {'; '.join(f'{name} ({values})' for name, values in VALUES.items())}."
 

@@ -20,18 +20,18 @@ class Case:
     """Episodes that differ by their seed alone.
 
     Attributes:
-        name: of the table in the rubric.
+        name: name of the table in the rubric.
         layout: a name, the path of a file, or ``RANDOM``.
         size: height and width of random layouts.
         density: share of walls of random layouts.
-        first_seed: of the first episode; the others follow.
-        episodes: their number.
-        stations: where pickup and dropoff come from; ``None`` for what ``warehouse run`` does.
-        start: the cell, or ``None`` to draw it.
-        battery: units of a full one.
-        max_steps: of an episode.
+        first_seed: seed of the first episode; the others follow.
+        episodes: number of episodes.
+        stations: source of pickup and dropoff; ``None`` leaves it to the rule of ``warehouse run``.
+        start: start cell, or ``None`` to draw it.
+        battery: units of a full battery.
+        max_steps: steps after which an episode is truncated.
         view_radius: cells seen in each direction.
-        visible: whether the report may tell the seeds and what happened.
+        visible: the report may tell the seeds and what happened.
     """
 
     name: str
@@ -55,8 +55,8 @@ class Case:
     def agent_seed(self, seed: int) -> int:
         """Return the seed that the agent of an episode is given.
 
-        That of the episode, as ``warehouse run`` does; but if it is hidden the number of the
-        episode, because an agent could draw the same layout from the seed.
+        It is the seed of the episode, as for ``warehouse run``; if that is hidden it is the number
+        of the episode, because an agent could draw the same layout from the seed.
         """
         return seed if self.visible else seed - self.first_seed
 

@@ -139,7 +139,7 @@ def play(questions: int, answers: int) -> None:
 
 
 def limit(limits: dict[str, int], user: list[int] | None) -> None:
-    """Set the user and the limits of this process, which are those of all that it may start."""
+    """Set the user and the limits of this process, which all that it starts inherits."""
     import resource  # which Windows does not have
 
     os.setsid()

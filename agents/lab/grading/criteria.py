@@ -7,9 +7,9 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from agents.lab.evaluation.wording import percent
 from agents.lab.grading.runs import Run, greedy_steps
 from agents.lab.grading.sandbox import SLOW
+from agents.lab.trials.wording import percent
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
 
@@ -27,12 +27,12 @@ class Measure(NamedTuple):
         shown: returns a number as text.
         value: returns the number, from episodes.
         badness: the worst episode is the first that has the largest.
-        counts: whether an episode counts.
-        counted: which episodes count, in words.
+        counts: returns ``True`` for an episode that counts.
+        counted: the episodes that count, in words.
         seen: says what was seen, beside the number.
-        more_is_better: whether a larger number is.
-        is_secret: whether the number is not told, because it is different each time; such a
-            measure gives all points or none.
+        more_is_better: a larger number is better.
+        is_secret: the number is not told, because it is different each time; such a measure gives
+            all points or none.
     """
 
     asked: str
@@ -56,15 +56,15 @@ class Criterion(NamedTuple):
     """A measure of some episodes, and its points.
 
     Attributes:
-        name: of the criterion.
-        points: for ``full`` or better.
+        name: name of the criterion.
+        points: points for ``full`` or better.
         kind: the name of its measure.
-        cases: names of those of its episodes.
+        cases: names of the cases whose episodes it judges.
         full: the number that gives all points.
         zero: the number that gives none; between the two they grow evenly. If it is ``full``,
             there are all points or none.
         needs: an earlier criterion; without any points there are none here either.
-        visibility: when Gradescope shows it.
+        visibility: time at which Gradescope shows it, one of ``VISIBILITIES``.
     """
 
     name: str
@@ -78,12 +78,12 @@ class Criterion(NamedTuple):
 
     @property
     def measure(self) -> Measure:
-        """What its episodes are judged by."""
+        """The measure by which its episodes are judged."""
         return MEASURES[self.kind]
 
     @property
     def asked(self) -> str:
-        """What is asked for all points, and what gives none."""
+        """The demand for all points, and the number that gives none."""
         measure = self.measure
         asked = measure.asked.format(measure.shown(self.full))
         return (

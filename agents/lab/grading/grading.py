@@ -6,11 +6,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from agents.errors import GradeError
-from agents.lab.evaluation.wording import percent
 from agents.lab.grading.criteria import Criterion, Runs
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.runs import Run, run_cases
 from agents.lab.grading.submissions import Submission
+from agents.lab.trials.wording import percent
 from warehouse_core.wording import counted, printable
 
 
@@ -18,11 +18,11 @@ class Grade(NamedTuple):
     """The points for a criterion.
 
     Attributes:
-        criterion: what was asked.
-        points: for it.
-        seen: what was seen, in words.
-        worst: what happened in the worst episode, or "" if all points were given.
-        command: that shows the worst episode, or "" if there is none or it is hidden.
+        criterion: the criterion that was judged.
+        points: points for it.
+        seen: evidence, in words.
+        worst: course of the worst episode in words, or "" if all points were given.
+        command: command that shows the worst episode, or "" if there is none or it is hidden.
     """
 
     criterion: Criterion
@@ -41,13 +41,13 @@ class Report(NamedTuple):
     """The grade of an agent.
 
     Attributes:
-        agent: its name, with that of its class.
-        title: of the rubric.
+        agent: name of the agent and of its class.
+        title: title of the rubric.
         rubric: the digest of the rubric.
         code: the digest of the code of the agent.
         grades: one for each criterion.
-        failure: if no episode could begin, the reason.
-        episodes: their number.
+        failure: reason why no episode could begin, or "".
+        episodes: number of episodes.
     """
 
     agent: str
@@ -82,7 +82,7 @@ def grade(
 
     Args:
         submission: the agent.
-        rubric: what is asked of it.
+        rubric: criteria, cases and limits.
         user: runs the agent as this user, see ``Sandbox``.
         advance: called after each episode.
 

@@ -25,7 +25,7 @@ MAX_BYTES = 1_000_000
 MAX_EPISODES, MAX_COUNT, MAX_SEED = 10_000, 1_000_000, 2**31 - 1
 
 VISIBILITIES = ("visible", "hidden", "after_due_date", "after_published")
-"""When Gradescope shows a test."""
+"""Times at which Gradescope shows a test."""
 
 Check = Callable[[Any], Any]
 """Returns a value as it is used, or raises ``ValueError`` with what is allowed."""
@@ -33,14 +33,14 @@ Check = Callable[[Any], Any]
 
 @dataclass(frozen=True, slots=True)
 class Rubric:
-    """What is asked of an agent.
+    """The criteria by which an agent is graded, and the episodes that it has to run.
 
     Attributes:
-        title: of the report.
-        limits: on the agent.
-        cases: by name.
-        criteria: in the order of the file.
-        digest: of the file and of the layouts that it names.
+        title: title of the report.
+        limits: limits on the agent.
+        cases: cases by name.
+        criteria: criteria in the order of the file.
+        digest: digest of the file and of the layouts that it names.
     """
 
     title: str

@@ -23,17 +23,17 @@ class Run(NamedTuple):
     """The outcome of one episode.
 
     Attributes:
-        case: of the episode.
-        seed: of the episode.
+        case: case of the episode.
+        seed: seed of the episode.
         needed: the fewest steps of a delivery, ``None`` without a way.
-        delivered: whether the item was delivered.
+        delivered: the item was delivered.
         steps: the length of the episode.
         useless: actions that had no effect, waits not counted.
         unknown: unknown actions.
         mode: the failure mode, or ``"delivered"``.
         sentence: the evidence for it.
-        failure: of the agent, or ``None``.
-        step: at which it failed; 0 is before the first.
+        failure: failure of the agent, or ``None``.
+        step: step at which it failed; 0 is before the first.
         slowest: seconds of the slowest answer.
         agent: the name of its class, if it was loaded.
     """
@@ -64,7 +64,7 @@ class Run(NamedTuple):
 
     @property
     def told(self) -> str:
-        """What happened, as far as the case may be told."""
+        """The course of the episode in words, as far as the case may be told."""
         if self.failure is None:
             counts = {"useless action": self.useless * (self.needed is None),
                       "unknown action": self.unknown}  # fmt: skip
@@ -89,30 +89,30 @@ def run_cases(
 
     Args:
         submission: the agent.
-        cases: of which it runs each seed.
-        limits: on the agent.
+        cases: cases to run, with each of their seeds.
+        limits: limits on the agent.
         user: see ``Sandbox``.
         advance: called after each episode.
     """
-    found, hopeless = list[Run](), 0
+    runs, hopeless = list[Run](), 0
     with Sandbox(submission, limits, user) as sandbox:
         for case in cases:
-            if found and found[-1].agent:  # it was loaded, so another case may be another matter
+            if runs and runs[-1].agent:  # it was loaded, so another case may be another matter
                 hopeless = 0
             for seed in case.seeds:
                 if hopeless < limits.give_up_after:
                     run = run_case(sandbox, submission, case, seed)
                 else:
-                    run = _unrun(found[-1], case, seed)
+                    run = _unrun(runs[-1], case, seed)
                 is_hopeless = run.failure is not None and run.failure.kind != FAILS
                 hopeless = hopeless + 1 if is_hopeless else 0
-                found.append(run)
+                runs.append(run)
                 advance()
-    return found
+    return runs
 
 
 def _unrun(last: Run, case: Case, seed: int) -> Run:
-    """Return the outcome of an episode if it is that of the last one."""
+    """Return the outcome of an episode that is not run, because it would end like the last one."""
     env, _ = case.begin(seed)
     with closing(env):
         return last._replace(case=case, seed=seed, needed=needed_steps(env))

@@ -1,6 +1,6 @@
 """Run an agent in processes of its own, a fresh one for each episode, and ask it for actions.
 
-Limits are those of the operating system, and what an agent starts is killed with it. An agent can
+The operating system enforces the limits, and what an agent starts is killed with it. An agent can
 still use the network, and all files that its user can. macOS does not limit memory, nor find what
 has left the session of the agent.
 """
@@ -30,7 +30,7 @@ from warehouse_core import Observation
 from warehouse_core.wording import printable
 
 OWN = str(Path(__file__).parents[3])
-"""Where the packages of this program are."""
+"""Folder of the packages of this program."""
 
 VARIABLES = {
     "PYTHONHASHSEED": "0", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1",
@@ -39,19 +39,19 @@ VARIABLES = {
 """All environment variables of an agent; no others, which may have secrets."""
 
 MAX_LINE = 65_536
-"""Bytes of an answer."""
+"""Most bytes of an answer."""
 
 MAX_FILES = 256
-"""That an agent may have open."""
+"""Most files that an agent may have open."""
 
 MAX_TEXT = 200
-"""Characters of a name or a message of an agent."""
+"""Most characters of a name or a message of an agent."""
 
 IMPORT_SECONDS = 60.0
-"""For the process that starts those of the agent, to import what is imported once."""
+"""Longest time in which the fork server imports the modules that all agent processes share."""
 
 ENDING_SECONDS = 5.0
-"""For that process to end one, and then to end itself."""
+"""Longest time in which the fork server ends an agent process, and then itself."""
 
 MEBI = 1024 * 1024
 
@@ -63,13 +63,13 @@ class Limits(NamedTuple):
     """Limits on an agent.
 
     Attributes:
-        start_seconds: to load it, to make it, and for its ``reset``.
-        answer_seconds: for an action.
-        episode_seconds: for all actions of an episode together.
+        start_seconds: time to load it, to make it, and for its ``reset``.
+        answer_seconds: time for an action.
+        episode_seconds: time for all actions of an episode together.
         memory_mb: address space in MiB.
         file_mb: the size of a file that it writes, in MiB.
-        give_up_after: so many episodes of a case one after the other in which it takes too long
-            or ends its process; further ones of the case count as those, unrun. If it cannot be
+        give_up_after: number of successive episodes of a case in which it takes too long or ends
+            its process; further ones of the case count as the last one, unrun. If it cannot be
             loaded, further cases do too.
     """
 
@@ -100,8 +100,9 @@ class AgentFailureError(Exception):
 
     Attributes:
         kind: ``"cannot be loaded"``, ``"fails"``, ``"takes too long"`` or ``"ends its process"``.
-        text: what happened.
-        public: what does not come from the agent, which may tell what it has observed.
+        text: message for who may see the case.
+        public: part of the message that does not come from the agent, whose own words may tell
+            what it has observed.
     """
 
     def __init__(self, kind: str, text: str, public: str = "") -> None:
@@ -117,7 +118,7 @@ class AgentProcess:
     """An agent in the process of one episode.
 
     Attributes:
-        name: of its class, after ``start``.
+        name: name of its class, after ``start``.
         slowest: seconds of the slowest answer.
     """
 
@@ -223,7 +224,7 @@ class Sandbox:
 
     Args:
         submission: the agent.
-        limits: on it.
+        limits: limits on the agent.
         user: runs the agent as this user, which only root may; ``None`` for this one.
     """
 

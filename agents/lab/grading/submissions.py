@@ -25,13 +25,13 @@ class Submission(NamedTuple):
     """An agent to be graded.
 
     Attributes:
-        name: as it was given, or in a folder the name of its file or folder.
+        name: name as it was given, or in a folder the name of its file or folder.
         shown: its file or module as it was given, for commands.
-        file: of the agent, or ``None`` if it is imported.
-        module: the name of the file without a suffix, or that of the module.
+        file: file of the agent, or ``None`` if it is imported.
+        module: the name of the file without a suffix, or of the module.
         kind: the name of the class; ``None`` for the only one with ``reset`` and ``act``.
-        folder: where its process runs, and where its imports are looked up first.
-        imports: modules to be imported once; none has code of the submission.
+        folder: folder in which its process runs, and looks up imports first.
+        imports: modules that are imported once; none has code of the submission.
     """
 
     name: str
@@ -111,7 +111,7 @@ def in_folder(folder: Path, kind: str | None) -> Iterator[Submission | str]:
     """Yield the submissions in a folder by name: each ``.py`` file, and each folder with one.
 
     Args:
-        folder: of all submissions.
+        folder: folder of all submissions.
         kind: the name of the class in each.
 
     Yields:

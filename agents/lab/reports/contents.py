@@ -3,29 +3,35 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from importlib.metadata import version
-from typing import Generic, NamedTuple
+from typing import NamedTuple
 
 from agents.errors import StoreError
-from agents.lab.evaluation.interval import CONFIDENCE, MIN_VALUES
-from agents.lab.evaluation.wording import mean, share
 from agents.lab.experiments.parameters import shown
 from agents.lab.experiments.store import Store
 from agents.lab.reports.analysis.answers import Answer, answers
 from agents.lab.reports.analysis.design import Design, described, make_design
-from agents.lab.reports.analysis.fleet_answers import fleet_answers
-from agents.lab.reports.analysis.results import AnyResults, Deliveries, Experiment, Results, Shifts
+from agents.lab.reports.analysis.results import (
+    FLEETS,
+    LONE,
+    Experiment,
+    Kind,
+    Measure,
+    Results,
+)
 from agents.lab.reports.examples import Example
-from agents.lab.reports.figures.pictures import Picture, fleet_pictures, pictures
+from agents.lab.reports.figures.pictures import Picture, pictures
 from agents.lab.reports.page import Page, Table
+from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES
+from agents.lab.trials.rows import MODES_OF
 from warehouse_core.wording import counted
 
 MAX_CASES = 200
-"""In the table; the others are only in the file."""
+"""Cases in the table at most; the others are only in the file."""
 
 MAX_MIXED = 4
-"""Combinations that are named where their episodes are of several programs."""
+"""Combinations with episodes of several programs that are named at most."""
 
 METHODS = (
     f"Ranges in brackets, whiskers and bands are {CONFIDENCE:.0%} intervals, Wilson's of shares "
@@ -34,26 +40,6 @@ METHODS = (
 )
 
 MADE_WITH = ("warehouse-lab", "numpy", "scipy", "matplotlib")
-
-
-class Kind(NamedTuple, Generic[AnyResults]):
-    """What the report on episodes of lone robots, or on those of fleets, is made of.
-
-    Attributes:
-        name: of them.
-        results: their type.
-        answers: returns the answers to what differs.
-        pictures: yields the figures.
-        columns: of the table, after the seeds.
-        cells: yields a line of these columns.
-    """
-
-    name: str
-    results: type[AnyResults]
-    answers: Callable[[Experiment[AnyResults], Design], tuple[Answer, ...]]
-    pictures: Callable[[Experiment[AnyResults]], Iterator[Picture]]
-    columns: Callable[[Sequence[AnyResults]], tuple[str, ...]]
-    cells: Callable[[AnyResults], Iterator[tuple[str, str]]]
 
 
 class Part(NamedTuple):
@@ -72,7 +58,7 @@ def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
     Raises:
         StoreError: there is no episode in it, or it cannot be read.
     """
-    parts = [*_parts(store, ALONE), *_parts(store, FLEETS)]
+    parts = [*_parts(store, LONE), *_parts(store, FLEETS)]
     if not parts:
         raise StoreError(f"{store.path}: there is no episode in it")
     return Page(
@@ -92,27 +78,27 @@ def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
     )
 
 
-def _parts(store: Store, kind: Kind[AnyResults]) -> Iterator[Part]:
+def _parts(store: Store, kind: Kind) -> Iterator[Part]:
     """Yield the part about the episodes of a kind, if there are any."""
-    experiment = Experiment(store, kind.results)
+    experiment = Experiment(store, kind)
     if experiment.cases:
         design = make_design(experiment.cases)
         yield Part(
-            _summary(experiment, design, kind.name),
-            kind.answers(experiment, design),
-            tuple(kind.pictures(experiment)),
+            _summary(experiment, design),
+            answers(experiment, design),
+            tuple(pictures(experiment)),
             tuple(_settings(design)),
-            _table(experiment, design, kind),
+            _table(experiment, design),
         )
 
 
-def _summary(experiment: Experiment[AnyResults], design: Design, name: str) -> str:
+def _summary(experiment: Experiment, design: Design) -> str:
     """Return the number of episodes, their seeds, and what is still missing."""
     everything = experiment.results(*experiment.cases)
     first, last = everything.seeds
     counts = [experiment.results(case_id).episodes for case_id in experiment.cases]
     parts = [
-        f"{counted(everything.episodes, 'episode')}{name} in "
+        f"{counted(everything.episodes, 'episode')}{experiment.kind.name} in "
         f"{counted(len(experiment.cases), 'combination')} of settings",
         f"seeds from {first} to {last}",
     ]
@@ -151,69 +137,43 @@ def _settings(design: Design) -> Iterator[tuple[str, str]]:
         yield name, shown(value)
 
 
-def _table(experiment: Experiment[AnyResults], design: Design, kind: Kind[AnyResults]) -> Table:
+def _table(experiment: Experiment, design: Design) -> Table:
     """Return a line for each case: what differs, the number of episodes, and their results."""
     chosen = list(design.labels)[:MAX_CASES]
     results = {case_id: experiment.results(case_id) for case_id in chosen}
     modes = [
         mode
-        for mode in kind.results.all_modes
+        for mode in MODES_OF[experiment.kind.row]
         if any(mode in each.modes for each in results.values())
     ]
-    columns = kind.columns(list(results.values()))
+    is_measured = any(each.is_measured for each in results.values())
+    measures = [each for each in experiment.kind.measures if is_measured or not each.is_physical]
     names = [factor.name for factor in design.factors]
     rows = []
     for case_id, each in results.items():
-        cells = dict(kind.cells(each))
         rows.append(
             (
                 *(shown(design.labels[case_id][name]) for name in names),
                 f"{each.episodes:,}",
                 _seeds(each),
-                *(cells.get(column, shown(None)) for column in columns),
+                *(_cell(each, measure) for measure in measures),
                 *(f"{each.modes.get(mode, 0):,}" for mode in modes),
             )
         )
     left = len(design.labels) - len(chosen)
     note = f"{counted(left, 'further combination')} in the file." if left else ""
+    columns = (measure.column for measure in measures)
     return Table((*names, "episodes", "seeds", *columns, *modes), tuple(rows), note)
+
+
+def _cell(results: Results, measure: Measure) -> str:
+    interval = results.interval(measure)
+    if interval is None or (measure.is_physical and not results.is_measured):
+        return shown(None)
+    return measure.words(interval)
 
 
 def _seeds(results: Results) -> str:
     first, last = results.seeds
     has_gaps = results.episodes < last - first + 1
     return f"{first} to {last}{' with gaps' if has_gaps else ''}"
-
-
-def _columns(results: Sequence[Deliveries]) -> tuple[str, ...]:
-    costs = ("seconds", "joules") if any(each.is_measured for each in results) else ()
-    return ("success", "steps", *costs)
-
-
-def _cells(results: Deliveries) -> Iterator[tuple[str, str]]:
-    yield "success", share(results.success)
-    if results.steps:
-        yield "steps", mean(results.steps, "")
-    if results.is_measured and results.seconds and results.joules:
-        yield "seconds", mean(results.seconds, "")
-        yield "joules", mean(results.joules, "")
-
-
-def _fleet_columns(results: Sequence[Shifts]) -> tuple[str, ...]:
-    return ("items an hour", "on time", "lateness", "kJ each", "blocked")
-
-
-def _fleet_cells(results: Shifts) -> Iterator[tuple[str, str]]:
-    yield "items an hour", mean(results.per_hour, "")
-    if results.on_time:
-        yield "on time", share(results.on_time)
-    if results.lateness:
-        yield "lateness", mean(results.lateness, "")
-    if results.energy:
-        yield "kJ each", mean(results.energy, "")
-    if results.blocked:
-        yield "blocked", share(results.blocked)
-
-
-ALONE = Kind("", Deliveries, answers, pictures, _columns, _cells)
-FLEETS = Kind(" of fleets", Shifts, fleet_answers, fleet_pictures, _fleet_columns, _fleet_cells)

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 from agents.errors import AgentError, EpisodeError, reason_of
 from agents.lab.experiments.case import Case, cells_of
-from agents.lab.experiments.episodes import check_fingerprint, run_alone
+from agents.lab.experiments.episodes import cause_of, check_fingerprint, run_one
 from agents.lab.experiments.store import Store
 from agents.lab.reports.figures.pictures import MAX_CELLS
 from agents.registry import agent_file, is_own_code
 from warehouse_core import BackendError, LayoutError
 from warehouse_core.records.failure_modes import MODES, diagnose
-from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Track
 
 SHORTEST = """
@@ -34,10 +34,10 @@ SELECT mode, case_id, steps, episodes, (
 """Both inner queries follow the order of the table and end with the first row they find."""
 
 MAX_REPLAY_STEPS = 10_000
-"""Of an episode that is run again."""
+"""Steps of an episode that is run again, at most."""
 
 MAX_WORK, PHYSICS_WORK = 20_000_000, 20_000
-"""The cells that an agent may look at in all its steps, and how many a step of physics counts."""
+"""Cells that an agent may look at in all its steps; number that a step of physics counts as."""
 
 CLEAR_ERRORS = (AgentError, BackendError, EpisodeError, LayoutError, OSError)
 """Errors whose message is enough; of others the class and the place are shown too."""
@@ -95,10 +95,11 @@ def replay(found: Found, *, run_own_code: bool) -> Example:
     case = {**found.case, "max_steps": min(found.case["max_steps"], found.steps + 1)}
     try:
         check_fingerprint(case)
-        episode = run_alone(case, found.seed)
+        episode = run_one(case, found.seed)
     except (Exception, SystemExit) as error:
-        is_clear = isinstance(error, CLEAR_ERRORS)
-        words = str(error) if is_clear else reason_of(error, agent_file(found.case["agent"]))
+        cause = cause_of(error)
+        is_clear = isinstance(cause, CLEAR_ERRORS)
+        words = str(cause) if is_clear else reason_of(cause, agent_file(found.case["agent"]))
         why = " ".join(words.split()).rstrip(".")
         return Example(found, f"It cannot be run again: {why}.")
     diagnosis = diagnose(episode)
@@ -112,7 +113,7 @@ def replay(found: Found, *, run_own_code: bool) -> Example:
             "results were written."
         )
         return Example(found, sentence)
-    return Example(found, diagnosis.sentence, track_of_episode(episode))
+    return Example(found, diagnosis.sentence, track_of_record(episode))
 
 
 def _too_much(found: Found) -> str | None:

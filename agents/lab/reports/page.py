@@ -1,6 +1,6 @@
 """The report as one page of HTML, without anything loaded from elsewhere.
 
-The only script is that of the players. Names given by users, such as those of agents and layouts,
+The only script is the one of the players. Names given by users, of agents and layouts for example,
 are always escaped text.
 """
 
@@ -50,8 +50,8 @@ class Page:
         summary: the number of episodes and their seeds.
         methods: the meaning of brackets and whiskers.
         settings: the name of each parameter and its value or values.
-        tables: of all cases, one for each kind.
-        examples: of the failure modes.
+        tables: tables of all cases, one for each kind.
+        examples: examples of the failure modes.
         made_with: programs and their versions.
     """
 
@@ -82,11 +82,11 @@ def write_template(
     """Write a page by a template of this folder; the file is complete or not there.
 
     Args:
-        path: of the file.
-        template: its name.
-        title: of the page.
-        has_players: whether players are in it, whose script its policy is to allow.
-        values: that the template names.
+        path: path of the file.
+        template: name of the template.
+        title: title of the page.
+        has_players: the page has players, whose script its policy has to allow.
+        values: values that the template names.
 
     Raises:
         OSError: the file cannot be written.

@@ -56,7 +56,7 @@ def run(
         robot = agent.robot if isinstance(agent, Team) else None
         return recorder.place if robot is None else f"{recorder.place}, robot {robot}"
 
-    with failures_named(place, name, agent, lambda: recorder.episode), watch(place):
+    with _failures_named(place, name, agent, lambda: recorder.episode), watch(place):
         recorder.run(agent)
     episode: Episode = recorder.episode
     return episode
@@ -68,7 +68,7 @@ def draw_seed() -> int:
 
 
 @contextmanager
-def failures_named(
+def _failures_named(
     place: Place, name: str, agent: object, record: Callable[[], Episode]
 ) -> Iterator[None]:
     """Name where an agent fails or is interrupted in a block.

@@ -11,10 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import EngFormatter, MaxNLocator, PercentFormatter
 
-from agents.lab.evaluation.fleet_scores import FleetScores
-from agents.lab.evaluation.interval import Interval
-from agents.lab.evaluation.scores import Scores
 from agents.lab.training.exams import Point
+from agents.lab.trials.interval import Interval
+from agents.lab.trials.scores import FleetScores, Scores
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.render.palette import COLORS, INK, PAPER, WARNING
 from warehouse_core.viz.axes import style_chart
@@ -53,10 +52,10 @@ def save_learning_curve(
     else:
         _draw_success(left, name, points, greedy)
         _draw_lengths(right, name, points, greedy)
-    count = len(points[0].scores.runs)
+    count = len(points[0].scores.rows)
     caption = (
         f"each point: {count:,} random starts, the same ones every time, band: 95% ({method});  "
-        f"greedy: {len(greedy.runs):,} random starts"
+        f"greedy: {len(greedy.rows):,} random starts"
     )
     figure.text(0.065, 0.03, caption, fontsize=8, color="0.4")
     with atomic_path(path) as part:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from agents.lab.evaluation.fleet_scores import FleetScores, FleetTask
-from agents.lab.evaluation.scores import Scores, Task
+from agents.lab.trials.scores import FleetScores, Scores
+from agents.lab.trials.task import FleetTask, Task
 from agents.learning.learner import MakeAgent
 from agents.learning.q_learning import TRAINING_SEEDS
 

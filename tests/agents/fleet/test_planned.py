@@ -149,7 +149,7 @@ def test_a_robot_that_goes_to_charge_gives_its_order_to_another() -> None:
     env.step(agent.act(env))
     assert env.order_of == [0, None]  # both wait
     while env.order_of[0] == 0:
-        env._fleets.battery[1] = 55
+        env._engine.battery[1] = 55
         env.step(agent.act(env))
     assert 20 < env.battery[0] < 30
     assert env.order_of == [None, 0]
@@ -164,8 +164,8 @@ def test_an_item_is_delivered_before_charging_if_the_battery_lasts(battery: int,
     env.reset(seed=1)
     env.step(agent.act(env))
     assert env.loaded == [True]
-    env._fleets.battery[0] = battery
-    env._fleets.robots.cells[0] = 1
+    env._engine.battery[0] = battery
+    env._engine.robots.cells[0] = 1
     agent._dispatcher.chargers._low = lambda holder, until, needs: np.ones(1, np.bool_)  # type: ignore
     agent.act(env)
     assert planner.seen[-1].goals.tolist() == [goal]
@@ -185,7 +185,7 @@ def test_a_robot_takes_no_order_for_which_its_battery_does_not_last() -> None:
     for battery, order in (65, None), (67, 0):  # 8 + 9 steps, and 6 to the charger
         env.reset(seed=1)
         agent.reset()
-        env._fleets.battery[0] = battery
+        env._engine.battery[0] = battery
         agent.act(env)
         assert env.order_of == [order]
 
@@ -296,7 +296,7 @@ def test_of_robots_that_share_a_cell_the_first_leaves_it_if_it_can() -> None:
     planner = Waits()
     env = fleet_of(ROOM, 2, orders=[Order(0, 50, (1, 1), (3, 6))], starts=[(1, 1), (1, 2)])
     env.reset(seed=1)
-    env._fleets.robots.cells[1] = env._fleets.robots.cells[0]
+    env._engine.robots.cells[1] = env._engine.robots.cells[0]
     agent = PlannedFleet(planner)
     agent.reset()
     assert agent.act(env).tolist() == [PICK, WAIT]

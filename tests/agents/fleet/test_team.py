@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from agents.errors import AgentError, EpisodeError, EpisodeInterrupted
+from agents.errors import AgentError
 from agents.fleet import Team
-from agents.lab.runs.run import run
 from agents.registry import make_planner, make_team
 from agents.search.agents import SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
@@ -122,32 +121,6 @@ def test_a_planner_is_a_class_of_the_user() -> None:
     assert (planner.seed, planner.step, planner.layout) == (7, 3, ROOM)  # type: ignore[attr-defined]
     with pytest.raises(AgentError, match="no planner is called 'greedy'; allowed: pibt, "):
         make_planner("greedy")
-
-
-def test_errors_name_the_seed_the_step_the_robot_and_the_line() -> None:
-    name = "mine.py:Mine:step=3,error=v"
-    team = make_team("greedy", 2, 1, ROOM)
-    team.agents = [Fixed(), *make_team(name, 1, 1, ROOM).agents]
-    with pytest.raises(EpisodeError) as caught:
-        run(make_env(2), team, 9, name=name)
-    assert "seed 9, step " in str(caught.value)
-    assert f", robot 1, agent {name}: ValueError: too far" in str(caught.value)
-    step = int(str(caught.value).split("step ")[1].split(",")[0])
-    assert caught.value.episode.steps == step - 1
-
-
-def test_errors_of_a_planner_name_the_step() -> None:
-    planner = make_planner("mine.py:All:step=3,error=v", 1, ROOM)
-    message = r"^seed 9, step 3, agent All: ValueError: too far \(mine.py, line 19\)$"
-    with pytest.raises(EpisodeError, match=message):
-        run(make_env(), planner, 9, name="All")
-
-
-def test_an_interrupt_keeps_the_record_so_far() -> None:
-    planner = make_planner("mine.py:All:step=3,error=k", 1, ROOM)
-    with pytest.raises(EpisodeInterrupted, match="in step 3, agent All") as caught:
-        run(make_env(), planner, 9, name="All")
-    assert (caught.value.episode.steps, caught.value.episode.seed) == (2, 9)
 
 
 class Checked(GreedyAgent):

@@ -8,9 +8,9 @@ from agents.errors import AgentError
 from agents.learning.policy_network import PolicyNetwork, input_size, network_input
 from agents.learning.ppo_agent import PPOAgent, useful_now
 from warehouse_core import Layout, WarehouseEnv, record_episode
+from warehouse_core.batch import BatchEnv
 from warehouse_core.task.encoding import FLEET_TILES, encode
 from warehouse_core.task.rules import useful_actions
-from warehouse_core.vector.env import BatchEnv
 
 ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
 

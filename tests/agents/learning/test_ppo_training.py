@@ -10,15 +10,14 @@ from helpers.command_line import command
 
 from agents.lab.commands import train
 from agents.lab.commands.train import make_learner
-from agents.lab.evaluation.fleet_scores import FleetTask
-from agents.lab.evaluation.random_layouts import RandomLayouts
-from agents.lab.evaluation.scores import Task, evaluate
+from agents.lab.trials.random_layouts import RandomLayouts
+from agents.lab.trials.task import FleetTask, Task
 from agents.learning.policy_network import PolicyNetwork, network_input
 from agents.learning.ppo_agent import PPOAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Layout
+from warehouse_core.batch import BatchEnv
 from warehouse_core.task.encoding import FLEET_TILES
-from warehouse_core.vector.env import BatchEnv
 
 pytestmark = pytest.mark.learning
 
@@ -140,7 +139,7 @@ def test_watch_is_called_at_every_round_and_at_the_end() -> None:
 
 def test_deliveries_in_a_room_are_learned() -> None:
     make_agent = learner(rounds=25).learn(ignore)
-    scores = evaluate(make_agent, Task(ROOM, 30, 30), range(100))
+    scores = Task(ROOM, 30, 30).evaluate(make_agent, range(100))
     assert scores.delivered.all()
     assert scores.lengths.mean() < 6
 
@@ -155,7 +154,7 @@ def test_a_policy_delivers_in_layouts_that_it_has_not_seen() -> None:
     learning.learn(ignore)
     network = learning.network()
     assert network.layers[0][0].shape[0] == 128
-    scores = evaluate(lambda seed: PPOAgent(network, revisit=4), task, range(100))
+    scores = task.evaluate(lambda seed: PPOAgent(network, revisit=4), range(100))
     assert scores.delivered.mean() > 0.95
     assert scores.ratio is not None
     assert scores.ratio.high < 2, "without training it is above 4"

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from agents.lab.evaluation.scores import Task, evaluate
+from agents.lab.trials.task import Task
 from agents.learning import q_learning
 from agents.learning.q_learning import ALPHA, GAMMA, QAgent, QTable, best_action, learn, state_of
 from warehouse_core import Layout, Observation, WarehouseEnv
@@ -156,8 +156,8 @@ def learned(steps: int, seed: int = 1) -> QTable:
 
 def test_the_shortest_paths_are_learned() -> None:
     table = learned(20_000)
-    runs = evaluate(lambda seed: QAgent(table, seed), Task(ROOM), range(20)).runs
-    assert [run.steps for run in runs] == [run.needed for run in runs]
+    rows = Task(ROOM).evaluate(lambda seed: QAgent(table, seed), range(20)).rows
+    assert [row.steps for row in rows] == [row.needed for row in rows]
 
 
 def test_a_seed_repeats_the_table() -> None:

@@ -5,9 +5,9 @@ from numpy.typing import NDArray
 from agents.learning.policy_network import network_input
 from agents.learning.vector_steps import input_limits, vector_step
 from warehouse_core import Layout, WarehouseEnv
+from warehouse_core.batch import BatchEnv
 from warehouse_core.fleet import FleetBatch
 from warehouse_core.task.encoding import FLEET_TILES, encode
-from warehouse_core.vector.env import BatchEnv
 from warehouse_core.world.actions import ACTIONS
 
 ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
@@ -91,7 +91,7 @@ def test_each_robot_of_a_fleet_is_a_row_until_the_fleet_restarts() -> None:
         assert ended.tolist() == [step == 2] * 4
     assert all(info.pop("terminal_observation").shape == low.shape for info in infos)
     assert infos == [{"TimeLimit.truncated": True}] * 4
-    assert np.array_equal(observations, network_input(batch._fleets.observe(), FLEET_TILES))
+    assert np.array_equal(observations, network_input(batch._engine.observe(), FLEET_TILES))
     assert observations.shape == (4, 7 * 25 + 9)
 
 

@@ -17,8 +17,8 @@ from agents.search.belief_replay import (
 )
 from warehouse_core import DEFAULT_LAYOUT, Episode, Layout, WarehouseEnv, record_episode
 from warehouse_core.render.palette import INK, UNKNOWN
-from warehouse_core.viz.replay import Replay, replay_of_track
-from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.replay import Replay, replay_of_tracks
+from warehouse_core.viz.tracks.record_track import track_of_record
 
 DETOUR = Layout(["#########", "#.......#", "#.#####.#", "#P....#D#", "#.....#.#", "#########"])
 
@@ -33,7 +33,7 @@ def explored(
 
 
 def replay(**options: Any) -> Replay:
-    return replay_of_track(*belief_tracks(*explored(**options)), window=False)
+    return replay_of_tracks(*belief_tracks(*explored(**options)), window=False)
 
 
 def unknown_share(image: NDArray[np.int64]) -> tuple[float, float]:
@@ -139,7 +139,7 @@ def test_a_second_station_that_has_not_been_seen_is_unknown() -> None:
 def test_both_tracks_have_the_same_frames(backend: str) -> None:
     episode, history = explored(backend=backend)
     belief, world = belief_tracks(episode, history)
-    plain = track_of_episode(episode)
+    plain = track_of_record(episode)
     for one, other, alone in zip(world.frames, belief.frames, plain.frames, strict=True):
         assert one.robots == other.robots == alone.robots
         assert one.progress == other.progress

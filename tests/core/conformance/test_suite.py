@@ -377,20 +377,17 @@ class AlteredBatch(GridMotion):
         return self._altered(super().fleet_batch(layouts, robots))
 
 
-class LateBatch(AlteredBatch):
-    changed: ClassVar = {"seconds": lambda seconds: seconds * 1.001}
+def altering(name: str, **changed: Callable[[Any], Any]) -> type[AlteredBatch]:
+    return type(name, (AlteredBatch,), {"changed": changed})
 
 
-class DearBatch(AlteredBatch):
-    changed: ClassVar = {"joules": lambda joules: joules * 1.001}
-
-
-class SmoothBatch(AlteredBatch):
-    changed: ClassVar = {"blocked": np.zeros_like}
-
-
-class BlamesTheFirst(AlteredBatch):
-    changed: ClassVar = {"stopped_by": lambda stops: None if stops is None else stops.clip(max=0)}
+LateBatch = altering("LateBatch", seconds=lambda seconds: seconds * 1.001)
+DearBatch = altering("DearBatch", joules=lambda joules: joules * 1.001)
+SmoothBatch = altering("SmoothBatch", blocked=np.zeros_like)
+MixedUpBatch = altering("MixedUpBatch", cells=lambda cells: cells[::-1])
+BlamesTheFirst = altering(
+    "BlamesTheFirst", stopped_by=lambda stops: None if stops is None else stops.clip(max=0)
+)
 
 
 class ForgetsItsOutcomes(GridMotion):
@@ -439,10 +436,6 @@ class WakefulBatch(GridMotion):
 
         batch.place, batch.advance, batch.close = note, advance_if_placed, lambda: None
         return batch
-
-
-class MixedUpBatch(AlteredBatch):
-    changed: ClassVar = {"cells": lambda cells: cells[::-1]}
 
 
 BROKEN: dict[type[GridMotion], set[str]] = {

@@ -104,7 +104,7 @@ def test_a_fleet_restarts_when_its_last_robot_has_ended() -> None:
 def test_fleets_on_the_grid_are_moved_by_arrays(robots: int) -> None:
     """A motion for each floor would be a hundred times slower for thousands of lone robots."""
     many = FleetBatch(3, YARD, robots, orders=0.3)
-    assert isinstance(many._fleets.motion, GridFleetBatch)
+    assert isinstance(many._engine.motion, GridFleetBatch)
 
 
 def test_a_mask_resets_some_fleets_only() -> None:

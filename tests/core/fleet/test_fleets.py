@@ -11,10 +11,9 @@ import pytest
 from helpers.fleet_truth import charged_layout, plain
 
 from warehouse_core import FleetEnv, OrderStream
+from warehouse_core.batch.fleet.engine import FleetEngine
+from warehouse_core.batch.fleet.settings import FleetSettings, as_orders
 from warehouse_core.fleet import Battery, People
-from warehouse_core.fleet.fleets import Fleets
-from warehouse_core.fleet.settings import FleetSettings, as_orders
-from warehouse_core.motion.backends import make_fleet_motion
 from warehouse_core.orders.order import OrderQueue
 from warehouse_core.world.layout import Layout
 
@@ -49,21 +48,18 @@ def helpful_actions(found: Any, stream: np.random.Generator) -> np.ndarray:
 def test_fleets_together_equal_separate_ones(kind: str) -> None:
     settings = FleetSettings(robots=ROBOTS, starts=None, **settings_of(kind))
     groups = [LAYOUTS, *([layout] for layout in LAYOUTS)]
-    together, *apart = (
-        Fleets(group, settings, make_fleet_motion("grid", group, settings.bodies), 1.0)
-        for group in groups
-    )
+    together, *apart = (FleetEngine(group, settings, "grid") for group in groups)
     stream, rows = np.random.default_rng(1), np.arange(len(LAYOUTS))
-    together.reset(rows, [3, 4, 5, 6])
+    together.begin(rows, [3, 4, 5, 6])
     for seed, fleets in enumerate(apart, 3):
-        fleets.reset(rows[:1], [seed])
+        fleets.begin(rows[:1], [seed])
     picked = 0
     for number in range(STEPS):
         if number in (25, 40):  # some of them start again, with a seed and without
             some = np.array([2, 0])
-            together.reset(some, [None, 9])
-            apart[2].reset(rows[:1], [None])
-            apart[0].reset(rows[:1], [9])
+            together.begin(some, [None, 9])
+            apart[2].begin(rows[:1], [None])
+            apart[0].begin(rows[:1], [9])
         masks = together.robots.masks()
         actions = helpful_actions({"action_mask": masks}, stream)
         step = together.step(actions)

@@ -39,7 +39,7 @@ def test_an_episode_of_three_robots() -> None:
     assert measures.blocked_by_person == 0
     assert measures.joules == pytest.approx(7 * MOVE + 8 * IDLE)
     assert measures.joules_per_delivery == measures.joules / 2
-    counts = fleet._fleets.tally.counts(0)
+    counts = fleet._engine.tally.counts(0)
     assert counts.sum(axis=0).tolist() == [5, 5, 5]
     assert counts.tolist()[:3] == [[1, 1, 1], [1, 0, 0], [0, 0, 2]]
 
@@ -73,4 +73,4 @@ def test_robots_that_have_ended_count_for_nothing_and_a_reset_clears_all() -> No
     fleet.reset()
     assert fleet.measures != first
     assert (fleet.measures.steps, fleet.measures.seconds, fleet.measures.joules) == (0, 0.0, 0.0)
-    assert fleet._fleets.tally.counts(0).sum() == 0
+    assert fleet._engine.tally.counts(0).sum() == 0

@@ -7,7 +7,8 @@ import pytest
 from helpers.fleet_truth import EAST, WAIT, state_of
 
 from warehouse_core import FleetEnv, Layout, random_layout, shelf_layout
-from warehouse_core.fleet import People, people
+from warehouse_core.batch.fleet import people
+from warehouse_core.fleet import People
 from warehouse_core.motion.backends import Backend
 
 CORRIDOR = Layout(["....."])

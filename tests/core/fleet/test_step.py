@@ -117,7 +117,7 @@ def test_a_robot_with_an_empty_battery_stays_in_the_way() -> None:
 def test_who_has_ended_is_seen() -> None:
     fleet = FleetEnv(["...."], 2, starts=[(0, 1), (0, 2)], battery=2, max_steps=9)
     fleet.reset(seed=1)
-    fleet._fleets.battery[0] = 1
+    fleet._engine.battery[0] = 1
     assert fleet.ended == [False, False]
     fleet.step([WAIT, WAIT])
     assert fleet.ended == [True, False]
@@ -263,7 +263,7 @@ def test_a_stranded_robot_gives_its_order_back_in_the_same_step(dispatch: bool) 
     settings: Any = {"battery": Battery(25, "joules"), "dispatch": False}
     fleet = shop(order(), order(pickup=(0, 2)), **settings)
     fleet.assign(1, 0)
-    fleet._fleets.orders._dispatches = dispatch  # type: ignore[union-attr]
+    fleet._engine.orders._dispatches = dispatch  # type: ignore[union-attr]
     # Robot 1 moves, which empties its battery; robot 0 waits, and has 5 J left.
     truncated = fleet.step([WAIT, EAST])[3]
     assert truncated.tolist() == [False, True]

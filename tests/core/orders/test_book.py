@@ -142,3 +142,21 @@ def test_what_has_changed_is_kept_until_it_is_read() -> None:
         each.clear()
     book.assign(2, 1)
     assert book.changed == ({2}, {AT_B})
+
+
+def test_a_queue_keeps_as_many_orders_as_it_began_with() -> None:
+    draws = iter(range(100))
+
+    def more() -> Any:
+        source = ListedOrders([order(due=next(draws)), order(B, due=next(draws))], HALL, 1)
+        return source.draw(np.random.default_rng(0))
+
+    book = OrderBook(more(), 1, HALL.width, more)
+    for step in range(6):
+        book.release(step)
+        assert len(book.open_orders) == 2
+        assert book.next_release == NEVER
+        cell = AT_A if book.waiting_at[AT_A] else AT_B
+        assert book.take(0, cell, step)
+        assert book.next_release == NEVER, "an order that is carried is not delivered"
+        book.deliver(0, step)

@@ -134,3 +134,7 @@ def test_there_are_limits_and_stations(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sources, "MAX_ORDERS", 1)
     with pytest.raises(OrderError, match=r"^2 orders are more than MAX_ORDERS = 1$"):
         ListedOrders([GOOD, GOOD], HALL, 1)
+    assert len(ListedOrders([GOOD], HALL, 1).draw(np.random.default_rng(0)).released) == 1
+    DrawnOrders([OrderStream(0.125)], HALL, 8)
+    with pytest.raises(OrderError, match="MAX_ORDERS = 1"):
+        DrawnOrders([OrderStream(0.125)], HALL, 9)

@@ -1,23 +1,28 @@
+"""Records of a lone robot and of fleets: what they hold, how they load, and how they replay."""
+
 import copy
 import dataclasses
 import math
 import re
-import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from helpers.fleets import LINE as LANE
+from helpers.fleets import SHELVES, Choosers, Couriers, fleet_episode
 
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (
     Episode,
     EpisodeRecorder,
+    FleetEnv,
     Layout,
+    Order,
+    OrderQueue,
+    OrderStream,
     RecordError,
     Settings,
     WarehouseEnv,
@@ -25,9 +30,13 @@ from warehouse_core import (
     replay_episode,
 )
 from warehouse_core.files import npz as safe_npz_module
+from warehouse_core.fleet import Battery, People
 from warehouse_core.motion.base import Outcome
 from warehouse_core.motion.grid import GridMotion
-from warehouse_core.world.actions import ACTIONS
+from warehouse_core.records import FleetRecorder
+from warehouse_core.world.actions import INVALID
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*chargers supply")
 
 LINE = Layout(["P..D"])
 
@@ -50,8 +59,9 @@ def on_line(*actions: Any, **limits: int) -> Episode:
     return record_episode(env, Script(*actions), seed=5, randomize=False)
 
 
+HUGE = 10**5000
 ABSURD = (
-    10**5000, 2**63, -(2**31) - 1, 2**53 + 1, 1.5, 1e300, math.nan, math.inf, True, None, "",
+    HUGE, 2**63, -(2**31) - 1, 2**53 + 1, 1.5, 1e300, math.nan, math.inf, True, None, "",
     "\udcff", "x" * 10_000, b"N", [], [1], {}, (), (0, 0), (0.5, 0), (0, 0, 0), object(),
     np.int64(1), np.float32(0.1), np.bool_(True), np.zeros((2, 4)), np.longdouble("0.1"),
 )  # fmt: skip
@@ -70,6 +80,15 @@ def with_absurd(name: str, value: Any) -> Iterator[Episode]:
         whole = [changed, *original.motions[1:]] if name == "motions" else changed
         yield dataclasses.replace(original, **{name: whole})
     yield dataclasses.replace(original, **{name: value})
+
+
+class Talkers(Couriers):
+    """Couriers who say why, sometimes all together."""
+
+    def act(self, env: FleetEnv) -> list[str]:
+        actions = super().act(env)
+        self.reason = "all wait" if set(actions) == {"WAIT"} else [f"to {a}" for a in actions]
+        return actions
 
 
 DELIVERY = ("PICK", "E", "e", 1, np.int64(1), "DROP")
@@ -125,12 +144,13 @@ def test_a_record_is_not_changed_by_what_the_environment_does_next() -> None:
 def test_a_recorder_is_driven_by_hand() -> None:
     env = WarehouseEnv(LINE, start_pos=(0, 0))
     recorder = EpisodeRecorder(env, agent="me")
+    assert recorder.place == "reset"
     assert recorder.step("PICK", reason="here it is")["has_item"]
     assert not recorder.ended
     assert recorder.episode.outcome == "unfinished"
-    for action in ("E", "E", "E", "DROP"):
-        recorder.step(action)
+    recorder.run(Script("E", "E", "E", "DROP"), env.observe())
     assert recorder.ended
+    assert recorder.place == "step 6"
     assert (recorder.episode.agent, recorder.episode.seed) == ("me", None)
     assert recorder.episode.reasons == ["here it is", "", "", "", ""]
 
@@ -169,30 +189,43 @@ def test_the_repr_is_one_line() -> None:
     assert repr(on_line("E", max_steps=1)).startswith("<Episode out of time, 1 step, reward -0.10,")
     empty = Episode(LINE, WarehouseEnv(LINE, None).settings, None, "")
     assert repr(empty) == "<Episode unfinished, 0 steps, reward 0.00, seed None, agent ''>"
+    fleet = fleet_episode(agent=Talkers(), max_steps=9, orders=[Order(3, 40, (1, 1), (1, 5))])
+    reward = round(math.fsum(fleet.rewards.flat), 2)
+    assert repr(fleet) == (
+        "<Episode 4 robots, 0 of 1 order delivered, 9 steps, "
+        f"reward {reward:.2f}, seed 5, agent 'Talkers'>"
+    )
+    alone = fleet_episode(robots=1, people=0, orders=None)
+    assert repr(alone).startswith("<Episode 1 robot, 0 of 1 item delivered, ")
 
 
-def test_frames_equal_render_grid() -> None:
-    env = WarehouseEnv()
-    env.reset(randomize=True, seed=2)
+@pytest.mark.parametrize("actions", [DELIVERY, ("N", "E", "fly")])
+def test_frames_equal_render_grid(actions: tuple[Any]) -> None:
+    env = WarehouseEnv(LINE, start_pos=(0, 0))
     recorder, frames = EpisodeRecorder(env), [env.render_grid()]
-    for action in ("E", "E", "S", "PICK", "fly"):
+    for action in actions:
         recorder.step(action)
         frames.append(env.render_grid())
     assert recorder.episode.frames == frames
+    recorder.episode.frames[0][0][0] = "?"
+    assert recorder.episode.frames == frames
 
 
-def test_frames_show_a_loaded_robot() -> None:
-    assert [frame[0] for frame in on_line(*DELIVERY).frames[:3]] == [
-        ["R", ".", ".", "D"],
-        ["r", ".", ".", "D"],
-        ["P", "r", ".", "D"],
-    ]
-
-
-def test_frames_are_new_lists() -> None:
-    episode = on_line(*DELIVERY)
-    episode.frames[0][0][0] = "?"
-    assert episode.frames[0][0][0] == "R"
+def test_frames_of_a_fleet_show_all_robots_and_people() -> None:
+    episode = fleet_episode()
+    assert episode.loaded.any()
+    for step, frame in enumerate(episode.frames):
+        shown = {
+            (row, col): tile
+            for row, line in enumerate(frame)
+            for col, tile in enumerate(line)
+            if tile in "RrH"
+        }
+        width = SHELVES.width
+        robots = zip(episode.cells[step].tolist(), episode.loaded[step].tolist(), strict=True)
+        expected = {divmod(cell, width): "r" if loaded else "R" for cell, loaded in robots}
+        expected |= {divmod(cell, width): "H" for cell in episode.people[step].tolist()}
+        assert shown == expected
 
 
 def test_metrics_are_the_four_lists_of_the_chapter() -> None:
@@ -209,6 +242,21 @@ def test_a_distance_to_no_station_is_nan() -> None:
     metrics = record_episode(env, Script("E"), randomize=False).metrics
     assert all(math.isnan(distance) for distance in metrics["dist_pickup"])
     assert metrics["dist_dropoff"] == [2, 1]
+
+
+def test_metrics_of_a_fleet_of_one_equal_those_of_a_lone_robot() -> None:
+    lone = on_line(*DELIVERY)
+    env = FleetEnv(LINE, 1, orders=None, starts=[(0, 0)])
+    recorder = FleetRecorder(env, seed=5)
+    for action in DELIVERY:
+        recorder.step([action])
+    fleet = recorder.episode
+    assert fleet.metrics == lone.metrics
+    assert fleet.total_reward == lone.total_reward
+    assert (fleet.seconds[:, 0].sum(), fleet.joules[:, 0].sum()) == (lone.seconds, lone.joules)
+    with_orders = fleet_episode(robots=1, people=0)
+    assert with_orders.metrics.keys() == {"rewards", "battery"}
+    assert fleet_episode(max_steps=3).metrics == {}
 
 
 # Files.
@@ -236,22 +284,6 @@ def test_records_that_differ_in_one_value_are_not_equal(episode: Episode) -> Non
     assert twin != episode
 
 
-@settings(max_examples=15)
-@given(
-    st.lists(st.sampled_from(ACTIONS) | st.integers() | st.text(max_size=3), max_size=12),
-    st.none() | st.integers(),
-)
-def test_any_actions_load_as_they_were_saved(actions: list[str | int], seed: int | None) -> None:
-    env = WarehouseEnv()
-    env.reset(seed=seed)
-    recorder = EpisodeRecorder(env, seed=seed, agent="any")
-    for action in actions:
-        recorder.step(action, reason=str(action))
-    with tempfile.TemporaryDirectory() as folder:
-        recorder.episode.save(Path(folder) / "any.npz")
-        assert Episode.load(Path(folder) / "any.npz") == recorder.episode
-
-
 FROM_SETTINGS = {"layout", "backend", "cell_size", "slippery", "motor_strength"}
 
 
@@ -271,14 +303,10 @@ def test_a_record_of_any_values_loads_as_it_was_saved_or_raises(tmp_path: Path, 
     assert refused
 
 
-def test_an_action_that_cannot_be_written_is_named(tmp_path: Path) -> None:
-    with pytest.raises(RecordError, match=r"any\.npz: actions cannot be written as JSON: Exceeds"):
-        next(with_absurd("actions", 10**5000)).save(tmp_path / "any.npz")
-
-
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [
+        pytest.param("actions", HUGE, "actions cannot be written as JSON: Exceeds", id="huge"),
         ("cells", (2**31, 0), "cells cannot be stored as int32 with 2 dimensions"),
         ("loaded", 2, "loaded cannot be stored as bool with 1 dimensions"),
         ("battery", 2**63, "battery cannot be stored as int64"),
@@ -308,14 +336,6 @@ def test_a_record_without_a_step_loads_as_it_was_saved(tmp_path: Path) -> None:
     assert Episode.load(tmp_path / "empty.npz") == episode
 
 
-def test_saving_twice_gives_the_same_arrays(episode: Episode, tmp_path: Path) -> None:
-    for name in ("one.npz", "two.npz"):
-        episode.save(tmp_path / name)
-    with np.load(tmp_path / "one.npz") as one, np.load(tmp_path / "two.npz") as two:
-        assert one.files == two.files
-        assert all(np.array_equal(one[name], two[name]) for name in one.files)
-
-
 def test_a_record_that_is_too_large_raises_before_a_file_is_created(
     episode: Episode, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -325,58 +345,81 @@ def test_a_record_that_is_too_large_raises_before_a_file_is_created(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_save_that_fails_does_not_change_the_existing_file(
-    episode: Episode, saved: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    before = saved.read_bytes()
-
-    def half(file: Any, **arrays: Any) -> None:
-        file.write(b"half of a record")
-        raise OSError("no space left on device")
-
-    monkeypatch.setattr(np, "savez_compressed", half)
-    with pytest.raises(OSError, match="no space left"):
-        episode.save(saved)
-    assert saved.read_bytes() == before
-    assert list(saved.parent.iterdir()) == [saved]
+def test_values_of_a_fleet_that_would_load_as_others_are_not_saved(tmp_path: Path) -> None:
+    episode = fleet_episode()
+    for changes in (
+        {"rewards": episode.rewards + np.inf},
+        {"cells": episode.cells[:-1]},
+        {"seed": -1},
+        {"agent": None},
+        {"orders": [Order("now", 3, (1, 1), (1, 2))]},  # type: ignore[arg-type]
+        {"reasons": [("one",)]},
+        {"unknown_actions": {(0, 9): "fly"}},
+    ):
+        with pytest.raises(RecordError, match=r"fleet\.npz: "):
+            dataclasses.replace(episode, **changes).save(tmp_path / "fleet.npz")
+    assert not [*tmp_path.iterdir()]
 
 
 # Replays.
 
 
-def test_a_replay_is_equal_bit_for_bit(episode: Episode) -> None:
-    assert replay_episode(episode) == episode
-
-
-def test_a_loaded_record_replays_equally(episode: Episode, saved: Path) -> None:
-    assert replay_episode(Episode.load(saved)) == episode
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_episodes_replay_from_a_random_start(seed: int) -> None:
-    env = WarehouseEnv(battery=60, view_radius=1)
-    episode = record_episode(env, GreedyAgent(seed=seed), seed=seed)
-    assert replay_episode(episode) == episode
-
-
-@pytest.mark.parametrize("backend", ["grid", "physics"])
-def test_a_record_with_charging_is_saved_and_replayed(tmp_path: Path, backend: str) -> None:
+def on_charger(backend: str) -> Episode:
     env = WarehouseEnv(["PCD"], (0, 0), battery=14, backend=backend)
     script = ("PICK", "E", "E", "W", "WAIT", "WAIT", "WAIT", "E", "DROP")
     episode = record_episode(env, Script(*script), randomize=False)
     assert episode.battery == [14, 13, 12, 11, 10, 14, 14, 14, 13, 12]
-    assert episode.outcome == "delivered"
-    episode.save(tmp_path / "charged.npz")
-    loaded = Episode.load(tmp_path / "charged.npz")
+    assert (episode.outcome, episode.layout.chargers) == ("delivered", ((0, 1),))
+    return episode
+
+
+def greedy(seed: int) -> Episode:
+    env = WarehouseEnv(battery=60, view_radius=1)
+    return record_episode(env, GreedyAgent(seed=seed), seed=seed)
+
+
+KINDS: dict[str, Callable[[], Episode]] = {
+    "random starts": lambda: greedy(1),
+    "a drop at the end": lambda: greedy(4),
+    "limits": lambda: record_episode(WarehouseEnv(LINE, (0, 1), 7, 9, 1), Script(*"EWWEWWW")),
+    "a charger": lambda: on_charger("grid"),
+    "a charger and a body": lambda: on_charger("physics"),
+    "orders": fleet_episode,
+    "reasons": lambda: fleet_episode(agent=Talkers(), max_steps=20),
+    "assigned by the agent": lambda: fleet_episode(agent=Choosers(), dispatch=False),
+    "assigned by the agent and the fleet": lambda: fleet_episode(agent=Choosers(), orders=0.6),
+    "a list": lambda: fleet_episode(
+        orders=[Order(0, 40, (1, 1), (1, 5)), Order(3, 4, (1, 5), (1, 1), 2)]
+    ),
+    "streams": lambda: fleet_episode(
+        orders=[OrderStream(0.1), OrderStream(0.5, pickup_weights=[1, 0], start=9)]
+    ),
+    "a queue": lambda: fleet_episode(orders=OrderQueue(3, (9, 30), pickup_weights=[1, 2])),
+    "no orders": lambda: fleet_episode(orders=None, people=0, layout=LANE, robots=2, battery=20),
+    "joules": lambda: fleet_episode(
+        battery=Battery(3000, "joules"), people=People(1, "aisles", 0.5)
+    ),
+    "bodies": lambda: fleet_episode(backend="physics", max_steps=12),
+    "one robot": lambda: fleet_episode(robots=1, people=0, orders=None),
+}
+
+
+@pytest.mark.parametrize("record", KINDS.values(), ids=KINDS.keys())
+def test_a_record_loads_and_replays_bit_for_bit(
+    record: Callable[[], Episode], tmp_path: Path
+) -> None:
+    episode = record()
+    assert episode.steps > 5
+    episode.save(tmp_path / "any.npz")
+    loaded, before = Episode.load(tmp_path / "any.npz"), copy.deepcopy(episode)
     assert loaded == episode == replay_episode(loaded)
-    assert loaded.layout.chargers == ((0, 1),)
-
-
-def test_a_replay_uses_the_radius_and_budgets_of_the_record() -> None:
-    env = WarehouseEnv(LINE, (0, 1), 7, 3, 1)
-    episode = record_episode(env, Script("E", "E", "E"), randomize=False)
-    assert replay_episode(episode).settings == episode.settings
-    assert replay_episode(episode) == episode
+    assert episode == before
+    again = replay_episode(loaded)
+    if episode.is_fleet:
+        again.battery[-1, 0] += 1
+    else:
+        again.battery[-1] += 1
+    assert again != episode
 
 
 def test_a_replay_on_another_backend_keeps_the_rules_and_names_the_backend(
@@ -388,12 +431,11 @@ def test_a_replay_on_another_backend_keeps_the_rules_and_names_the_backend(
     assert replayed.settings.backend == "GridMotion"
     assert replayed.settings.cell_size == 0.5
     assert replayed.motions != episode.motions
-
-
-def test_a_replay_does_not_change_the_record(episode: Episode) -> None:
-    before = copy.deepcopy(episode)
-    replay_episode(episode)
-    assert episode == before
+    fleet = fleet_episode(max_steps=8)
+    other = replay_episode(fleet, "physics")
+    assert other.backend == "physics"
+    assert np.array_equal(other.cells, fleet.cells)
+    assert not np.array_equal(other.joules, fleet.joules)
 
 
 def test_a_replay_resets_the_motion_to_the_start_and_seed_of_the_record(episode: Episode) -> None:
@@ -406,3 +448,95 @@ def test_a_replay_resets_the_motion_to_the_start_and_seed_of_the_record(episode:
 
     replay_episode(episode, backend=Recording())
     assert resets[-1] == (episode.layout, [episode.cells[0]], 3)
+
+
+# Fleets.
+
+
+def test_agents_assign_differently_in_the_tests_of_replays() -> None:
+    for kind in ("assigned by the agent", "assigned by the agent and the fleet"):
+        episode = KINDS[kind]()
+        assert episode.measures.delivered
+        assert None in [order for _, _, order in episode.assignments]
+        unassigned = dataclasses.replace(episode, assignments=[])
+        assert replay_episode(unassigned).orders != episode.orders
+
+
+def test_a_record_holds_what_the_fleet_did() -> None:
+    env = FleetEnv(SHELVES, 3, orders=0.3, people=2, max_steps=9)
+    recorder = FleetRecorder(env, seed=3, agent="hand")
+    frames, rewards = [], []
+    first = recorder.episode
+    assert (first.steps, first.actions.shape, first.cells.shape) == (0, (0, 3), (1, 3))
+    moves = [["N", 1, "fly"], np.array([9, 3, 0]), {0: "W", 1: "wait", 2: "pick"}]
+    for actions in (*moves, *moves, *moves):
+        assert not recorder.ended
+        frames.append((env.cells, env.people, env.loaded, env.battery))
+        recorder.step(actions)
+        rewards.append(env.measures.joules)
+    frames.append((env.cells, env.people, env.loaded, env.battery))
+    assert recorder.ended
+    episode = recorder.episode
+    width = SHELVES.width
+    assert (episode.seed, episode.agent, episode.backend) == (3, "hand", "grid")
+    assert episode.actions[:3].tolist() == [[0, 1, INVALID], [INVALID, 3, 0], [3, 4, 5]]
+    for frame, (cells, people, loaded, battery) in enumerate(frames):
+        assert [divmod(cell, width) for cell in episode.cells[frame].tolist()] == cells
+        assert [divmod(cell, width) for cell in episode.people[frame].tolist()] == people
+        assert episode.loaded[frame].tolist() == loaded
+        assert episode.battery[frame].tolist() == battery
+    assert np.cumsum(episode.joules.sum(axis=1)).tolist() == pytest.approx(rewards)
+    assert (episode.orders, episode.measures) == (env.orders, env.measures)
+    assert (episode.truncated.tolist(), episode.terminated.tolist()) == ([True] * 3, [False] * 3)
+    assert episode.motions == []
+
+
+def test_a_move_that_was_blocked_is_recorded_with_what_blocked_it() -> None:
+    env = FleetEnv(LANE, 2, orders=None, starts=[(0, 0), (0, 1)], people=0, max_steps=9)
+    recorder = FleetRecorder(env, seed=1)
+    recorder.step(["E", "W"])
+    recorder.step(["N", "E"])
+    assert recorder.episode.stopped_by.tolist() == [[1, 0], [-2, -1]]
+
+
+def test_bodies_have_paths_in_metres() -> None:
+    episode = fleet_episode(backend="physics", max_steps=5)
+    assert [len(motions) for motions in episode.motions] == [6] * 5
+    assert any(len(motion.path) > 2 for motion in episode.motions[0])
+    ends = [[row * SHELVES.width + col for row, col in (m.cell for m in each)]
+            for each in episode.motions]  # fmt: skip
+    assert ends == np.hstack([episode.cells, episode.people])[1:].tolist()
+    assert dataclasses.replace(episode, motions=[]) != episode
+
+
+def test_a_seed_is_drawn_and_kept() -> None:
+    one, other = (fleet_episode(seed=None) for _ in range(2))  # type: ignore[arg-type]
+    assert one.seed != other.seed
+    assert replay_episode(one) == one
+
+
+def test_reasons_and_words_of_a_fleet_are_kept() -> None:
+    episode = fleet_episode(agent=Talkers(), orders=[Order(3, 40, (1, 1), (1, 5))], max_steps=20)
+    assert len(episode.reasons) == len(episode.words) == episode.steps
+    for words, reasons, actions in zip(
+        episode.words, episode.reasons, episode.actions, strict=True
+    ):
+        is_waiting = set(words) == {"WAIT"}
+        assert reasons == tuple("all wait" if is_waiting else f"to {word}" for word in words)
+        assert [word == "FLY" for word in words] == (actions == INVALID).tolist()
+    assert "FLY" in episode.unknown_actions.values()
+    assert on_line(*DELIVERY).words == list(DELIVERY)
+
+
+@pytest.mark.parametrize("reason", [None, 5, ["one"], "all"])
+def test_any_reason_of_a_fleet_is_kept_as_text(reason: object) -> None:
+    recorder = FleetRecorder(FleetEnv(LANE, 2, orders=None), seed=1)
+    recorder.step([INVALID, "WAIT"], reason)
+    assert recorder.episode.reasons == [(str(reason),) * 2]
+    assert recorder.episode.words == [(INVALID, "WAIT")]
+    assert recorder.episode.unknown_actions == {}
+
+
+def test_a_fleet_and_a_lone_robot_have_different_records() -> None:
+    assert fleet_episode(robots=1, people=0) != on_line(*DELIVERY)
+    assert on_line(*DELIVERY) != "a record"

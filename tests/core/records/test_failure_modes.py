@@ -12,12 +12,8 @@ from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Cell, Episode, EpisodeRecorder, Layout, WarehouseEnv, record_episode
 from warehouse_core.motion.grid import GridMotion
 from warehouse_core.records.failure_modes import (
-    CAUSE_SHARE,
-    LOST_SHARE,
-    MAX_SWING_CELLS,
     MIN_STEPS,
     MODES,
-    ROUNDS,
     Diagnosis,
     diagnose,
     fewest_steps,
@@ -73,6 +69,8 @@ class Missing(GridMotion):
         return super().advance([self.instead] if self.step in self.steps else displacements, loaded)
 
 
+CHARGED = ["C" + "." * 30 + "PD"]
+
 EXAMPLES = {
     "delivered": drive(LINE, (0, 0), "pEEEd"),
     "unreachable": drive(["P#.D"], (0, 2), "EW" * 20, max_steps=40),
@@ -87,74 +85,278 @@ EXAMPLES = {
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_every_mode_has_an_example(mode: str) -> None:
-    assert diagnose(EXAMPLES[mode]).mode == mode
-
-
-def test_the_examples_are_all_modes() -> None:
+def test_every_mode_has_an_example_which_loads_with_it(mode: str, tmp_path: Path) -> None:
     assert tuple(EXAMPLES) == MODES
+    found = diagnose(EXAMPLES[mode])
+    assert found.mode == mode
+    EXAMPLES[mode].save(tmp_path / "episode.npz")
+    assert diagnose(Episode.load(tmp_path / "episode.npz")) == found
 
 
-def test_the_thresholds() -> None:
-    assert (MIN_STEPS, MAX_SWING_CELLS, ROUNDS, CAUSE_SHARE, LOST_SHARE) == (8, 4, 3, 0.4, 0.5)
+def check(why: str, episode: Episode, **expected: Any) -> Any:
+    """Return a row of the tables below: an episode, and parts of its diagnosis."""
+    return pytest.param(episode, expected, id=why)
 
 
-# Delivered.
+def missing(
+    rows: Sequence[str], start: Cell, actions: str, steps: Iterable[int],
+    instead: Cell = (0, 0), **more: Any,
+) -> Episode:  # fmt: skip
+    """Return an episode in which some steps miss their cell."""
+    return drive(rows, start, actions, backend=Missing(steps, instead), **more)
 
 
-def test_a_delivery_is_compared_with_the_shortest_path() -> None:
-    sentence = "delivered in 7 steps; the shortest way takes 5"
-    assert named(LINE, (0, 0), "p.EEE.d") == ("delivered", ((0, 3),), 7, 5, sentence)
+def blocked(rows: Sequence[str], *, loaded: bool = False) -> Episode:
+    return drive(rows, (0, 0), "." * 30, loaded=loaded, max_steps=30)
 
 
-def test_a_delivery_after_detours_is_a_delivery() -> None:
-    assert named(LINE, (0, 0), "EW" * 50 + "." * 50 + "pEEEd").mode == "delivered"
+NO_WAY = "no way leads from (0, 0) to the"
+MISSED = "steps missed their cell with nothing in the way"
+PATTERNS = [
+    # Delivered.
+    check(
+        "compared with the shortest path", drive(LINE, (0, 0), "p.EEE.d"), mode="delivered",
+        cells=((0, 3),), steps=7, needed=5, robots=(0,),
+        sentence="delivered in 7 steps; the shortest way takes 5",
+    ),
+    check("after detours", drive(LINE, (0, 0), "EW" * 50 + "." * 50 + "pEEEd"), mode="delivered"),
+    check(
+        "with the last unit", drive(LINE, (0, 0), "pEEEd", battery=5, max_steps=5),
+        mode="delivered",
+    ),
+    check(
+        "starts loaded", drive(["..D"], (0, 0), "EEd", loaded=True), mode="delivered",
+        cells=((0, 2),), steps=3, needed=3,
+    ),
+    # Unreachable.
+    *(
+        check(
+            f"{rows} {loaded}", blocked(rows, loaded=loaded), mode="unreachable", cells=cells,
+            steps=30, needed=None, sentence=sentence,
+        )
+        for rows, loaded, cells, sentence in (
+            (["...."], False, (), "there is no pickup"),
+            (["D..."], False, (), "there is no pickup"),
+            (["P..."], False, (), "there is no dropoff"),
+            (["P..."], True, (), "there is no dropoff"),
+            ([".D#P"], False, ((0, 3),), f"{NO_WAY} pickup at (0, 3)"),
+            ([".P#D"], False, ((0, 3),), f"{NO_WAY} dropoff at (0, 3)"),
+            ([".P#D"], True, ((0, 3),), f"{NO_WAY} dropoff at (0, 3)"),
+            ([".#PD"], False, ((0, 2),), f"{NO_WAY} pickup at (0, 2)"),
+            ([".#PD"], True, ((0, 3),), f"{NO_WAY} dropoff at (0, 3)"),
+            ([".#PP", ".#PD"], False, ((0, 2), (0, 3), (1, 2)),
+             f"{NO_WAY} pickup at (0, 2), (0, 3) or (1, 2)"),
+        )
+    ),
+    *(
+        check(f"reachable {rows}", drive(rows, (0, 0), "", loaded=loaded), mode="unfinished")
+        for rows, loaded in (
+            ([".D#P"], True), ([".PD#P"], False), ([".PD#D"], False), ([".PD#PD"], False),
+        )
+    ),
+    # Stalled.
+    check(
+        "mostly misses", missing(LONG, (0, 20), "W" * 20, range(2, 20), max_steps=20),
+        mode="stalled", cells=((0, 18),), steps=18, needed=63,
+        sentence=f"18 of 20 {MISSED}, 18 of them from (0, 18)",
+    ),
+    check(
+        "cell of most misses",
+        missing(LONG, (0, 20), "W" * 18, [0, 1, 2, *range(4, 12), *range(14, 18)]),
+        mode="stalled", cells=((0, 19),), steps=15,
+        sentence=f"15 of 18 {MISSED}, 8 of them from (0, 19)",
+    ),
+    check(
+        "a wait that slides", missing(HALL, (1, 3), ".E" * 10, range(0, 20, 2), instead=(0, -1)),
+        mode="stalled", steps=10,
+    ),
+    check("7 misses", missing(LONG, (0, 40), "W" * 20, range(7)), mode="unfinished"),
+    check("8 misses", missing(LONG, (0, 40), "W" * 20, range(8)), mode="stalled"),
+    check(
+        "12 of 30 lost", missing(LONG, (0, 40), "W" * 12 + "N" * 18, range(12)), mode="stalled"
+    ),
+    check(
+        "12 of 31 lost", missing(LONG, (0, 40), "W" * 12 + "N" * 19, range(12)),
+        mode="ineffective",
+    ),
+    check(
+        "misses that lose nothing",
+        missing(LONG, (0, 40), ".W" * 18, range(0, 36, 2), instead=(0, -1)), mode="unfinished",
+    ),
+    check(
+        "a wait that moves is no wait",
+        missing(HALL, (1, 3), ".W" * 20, range(0, 40, 2), instead=(0, 1)), mode="stalled",
+    ),
+    # Ineffective.
+    check("a bump is no miss", drive(LINE, (0, 1), "N" * 40), mode="ineffective"),
+    *(
+        check(
+            f"{waits} of 20 without effect",
+            drive(
+                HALL, (1, 0),
+                "".join(f"{move}." for move in "EEEESSWWWW"[:waits]) + "EEEESSWWWW"[waits:],
+            ),
+            mode=mode,
+        )
+        for waits, mode in ((9, "wandering"), (10, "ineffective"))
+    ),
+    # Oscillation.
+    *(
+        check(
+            actions, drive(HALL, (1, 3), actions), mode="oscillation", cells=cells, steps=steps,
+            sentence=f"{what} for the last {steps} steps",
+        )
+        for actions, cells, what, steps in (
+            ("EW" * 20, ((1, 3), (1, 4)), "swung between (1, 3) and (1, 4)", 40),
+            ("EWWE" * 10, ((1, 3), (1, 4), (1, 2)), "swung between (1, 3), (1, 4) and (1, 2)", 40),
+            ("ESWN" * 10, ((1, 3), (1, 4), (2, 4), (2, 3)),
+             "swung between (1, 3), (1, 4), (2, 4) and (2, 3)", 40),
+            (".NS" * 9, ((1, 3), (0, 3)), "swung between (1, 3) and (0, 3)", 27),
+            ("WWE" + "NS" * 9, ((1, 2), (0, 2)), "swung between (1, 2) and (0, 2)", 18),
+            ("WNSE" * 5 + "." * 18, ((1, 3),), "stood on (1, 3)", 18),
+        )
+    ),
+    check("came from", drive(HALL, (1, 0), "EE" + "EW" * 20), cells=((1, 2), (1, 3))),
+    check(
+        "fewer cells", drive(HALL, (1, 3), "ESWN" * 5 + "EW" * 20), cells=((1, 3), (1, 4)),
+        steps=40,
+    ),
+    check(
+        "fewer cells, too short", drive(HALL, (1, 3), "ESWN" * 20 + "EW" * 5),
+        cells=((1, 3), (1, 4), (2, 4), (2, 3)), steps=90,
+    ),
+    check(
+        "ends with the item", drive(["DP..."], (0, 1), "EW" * 6 + "p" + "EW" * 6, max_steps=25),
+        mode="oscillation", steps=12,
+    ),
+    # The last step of the path to it belongs to it.
+    check("7 steps", drive(LONG, (0, 40), "W" * 20 + "EWEWEW"), mode="unfinished"),
+    check("8 in any order", drive(LONG, (0, 40), "W" * 20 + "EWWEEWE"), mode="oscillation"),
+    check("8 steps", drive(LONG, (0, 40), "W" * 20 + "EWEWEWE"), mode="oscillation"),
+    check("15 of 39", drive(HALL, (1, 0), "EEEESSWWWWNN" * 2 + "W" * 15), mode="wandering"),
+    check("16 of 40", drive(HALL, (1, 0), "EEEESSWWWWNN" * 2 + "W" * 16), mode="oscillation"),
+    check(
+        "the last of two", drive(HALL, (1, 0), "EW" * 13 + "SEEEES" + "EW" * 12),
+        mode="oscillation", cells=((3, 4), (3, 5)), steps=24,
+    ),
+    check(
+        "ended early", drive(HALL, (1, 0), "EW" * 20 + "EESSWWNN" * 2 + "ESEESW"),
+        mode="wandering",
+    ),
+    *(
+        check(
+            f"{cells} cells",
+            drive(
+                HALL, (1, 0),
+                "".join("E" * (cells - 2) + "WE" * k + "E" + "W" * (cells - 1)
+                        for k in range(1, 5)),
+            ),
+            mode=mode,
+        )
+        for cells, mode in ((4, "oscillation"), (5, "wandering"))
+    ),
+    check("three rounds", drive(RING, (0, 0), (ROUND * 3)[:-1]), mode="oscillation"),
+    check("not quite three rounds", drive(RING, (0, 0), (ROUND * 3)[:-2]), mode="wandering"),
+    check(
+        "a loop", drive(RING, (0, 0), "E.N" + ROUND[1:] + ROUND * 4), mode="oscillation", steps=72,
+        sentence="went round and round over 14 cells, (0, 0) among them, for the last 72 steps",
+    ),
+    check(
+        "a loop that starts late", drive(RING, (3, 4), "NNNWWWW" + ROUND * 4), mode="oscillation",
+        steps=56,
+    ),
+    check(
+        "a figure of eight", drive(HALL, (1, 3), "EESSWWNNWWSSEENN" * 4), mode="oscillation",
+        steps=64,
+    ),
+    *(
+        check(
+            f"a loop and {more}", drive(HALL, (1, 3), ("WEWEESWN" * 6)[: 40 + more]),
+            mode="oscillation", steps=40 + more,
+        )
+        for more in range(8)
+    ),
+    # Wandering.
+    check(
+        "no progress", drive(HALL, (1, 0), "EEEESSWWWWNN" * 2), mode="wandering",
+        cells=((1, 0),), steps=24, needed=12,
+        sentence="came no nearer in 24 moves over 12 cells",
+    ),
+    check(
+        "half of the moves lost", drive(LONG, (0, 40), "WWE" * 13 + "W" * 13), mode="wandering",
+        steps=26,
+        sentence="came 26 steps nearer to the delivery in 52 moves over 27 cells",
+    ),
+    check("26 of 53 lost", drive(LONG, (0, 40), "WWE" * 13 + "W" * 14), mode="unfinished"),
+    check("7 moves", drive(HALL, (1, 0), "EESSWWN"), mode="unfinished"),
+    check("8 moves", drive(HALL, (1, 0), "EESSWWNN"), mode="wandering"),
+    check("waits on the way", drive(LONG, (0, 40), "W." * 30), mode="ineffective"),
+    check("few waits", drive(LONG, (0, 40), "W" * 15 + "." * 7), mode="unfinished"),
+    *(
+        check(
+            f"{mode} with misses", missing(HALL, (1, 0), "WW" + actions, range(2)), mode=mode,
+            sentence=f"{sentence}; 2 steps missed their cell",
+        )
+        for mode, actions, sentence in (
+            ("oscillation", "EW" * 6, "swung between (1, 0) and (1, 1) for the last 14 steps"),
+            ("wandering", "EEESSWWWNN" * 2, "came no nearer in 20 moves over 10 cells"),
+        )
+    ),
+    check(
+        "straight into a dead end",
+        drive(["...........", ".#########.", ".........#P", ".#########.", "D.........."],
+              (2, 0), "EEEEEEEE"),
+        mode="wandering", steps=8,
+    ),
+    # Budgets.
+    *(
+        check(
+            f"{mode} {limits}", drive(LONG, (0, 20), "W" * 15, **limits), mode=mode,
+            cells=((0, 5),), steps=48, needed=63,
+            sentence=f"{ending} 48 steps short of the delivery; the shortest way takes 63",
+        )
+        for limits, mode, ending in (
+            ({"battery": 15}, "battery depleted", "the battery ran out"),
+            ({"max_steps": 15}, "out of time", "the time ran out"),
+            ({"battery": 15, "max_steps": 15}, "battery depleted", "the battery ran out"),
+            ({}, "unfinished", "it was stopped"),
+        )
+    ),
+    check(
+        "one step short", drive(LINE, (0, 0), "pEEE", max_steps=4), steps=1,
+        sentence="the time ran out 1 step short of the delivery; the shortest way takes 5",
+    ),
+    check(
+        "no step", drive(LINE, (0, 1), ""), mode="unfinished", cells=((0, 1),), steps=6, needed=6
+    ),
+    # Charging.
+    check(
+        "charging is not lost",
+        drive(CHARGED, (0, 0), "." * 25 + "E" * 10, units=5, battery=300, max_steps=35),
+        mode="out of time", steps=24,
+    ),
+    check(
+        "a full battery", drive(CHARGED, (0, 0), "." * 25, units=15, battery=20, max_steps=25),
+        mode="ineffective", steps=24, sentence="24 waits: at (0, 0)",
+    ),
+    check(
+        "charging at the end",
+        drive(CHARGED, (0, 12), "W" * 12 + "." * 20, units=20, battery=300, max_steps=32),
+        mode="wandering", steps=12,
+    ),
+    check(
+        "a charger in a loop", drive(CHARGED, (0, 0), "EW." * 8, battery=300, units=20),
+        mode="oscillation", steps=16,
+    ),
+]  # fmt: skip
 
 
-def test_a_delivery_with_the_last_battery_unit_is_a_delivery() -> None:
-    assert named(LINE, (0, 0), "pEEEd", battery=5, max_steps=5).mode == "delivered"
-
-
-def test_a_robot_that_starts_loaded_needs_no_pickup() -> None:
-    assert named(["..D"], (0, 0), "EEd", loaded=True)[:4] == ("delivered", ((0, 2),), 3, 3)
-
-
-# Unreachable.
-
-
-@pytest.mark.parametrize(
-    ("rows", "loaded", "cells", "sentence"),
-    [
-        (["...."], False, (), "there is no pickup"),
-        (["D..."], False, (), "there is no pickup"),
-        (["P..."], False, (), "there is no dropoff"),
-        (["P..."], True, (), "there is no dropoff"),
-        ([".D#P"], False, ((0, 3),), "no way leads from (0, 0) to the pickup at (0, 3)"),
-        ([".P#D"], False, ((0, 3),), "no way leads from (0, 0) to the dropoff at (0, 3)"),
-        ([".P#D"], True, ((0, 3),), "no way leads from (0, 0) to the dropoff at (0, 3)"),
-        ([".#PD"], False, ((0, 2),), "no way leads from (0, 0) to the pickup at (0, 2)"),
-        ([".#PD"], True, ((0, 3),), "no way leads from (0, 0) to the dropoff at (0, 3)"),
-        (
-            [".#PP", ".#PD"],
-            False,
-            ((0, 2), (0, 3), (1, 2)),
-            "no way leads from (0, 0) to the pickup at (0, 2), (0, 3) or (1, 2)",
-        ),
-    ],
-)
-def test_unreachable_stations_are_named(
-    rows: list[str], loaded: bool, cells: tuple[Cell, ...], sentence: str
-) -> None:
-    found = named(rows, (0, 0), "." * 30, loaded=loaded, max_steps=30)
-    assert found == ("unreachable", cells, 30, None, sentence)
-
-
-@pytest.mark.parametrize(
-    ("rows", "loaded"),
-    [([".D#P"], True), ([".PD#P"], False), ([".PD#D"], False), ([".PD#PD"], False)],
-)
-def test_one_reachable_station_is_enough(rows: list[str], loaded: bool) -> None:
-    assert named(rows, (0, 0), "", loaded=loaded).mode == "unfinished"
+@pytest.mark.parametrize(("episode", "expected"), PATTERNS)
+def test_the_pattern_of_an_episode_is_named(episode: Episode, expected: dict[str, Any]) -> None:
+    found = diagnose(episode)._asdict()
+    assert {name: found[name] for name in expected} == expected
+    if found["mode"] == "oscillation":
+        assert len(set(found["cells"])) == len(found["cells"])
 
 
 def test_a_robot_moved_by_hand_to_a_closed_cell_cannot_reach_the_stations() -> None:
@@ -171,54 +373,10 @@ def test_a_robot_moved_by_hand_to_the_stations_has_made_no_progress() -> None:
     env.state.robot_pos = (0, 0)
     recorder.step("WAIT")
     sentence = "it was stopped 3 steps short of the delivery"
-    assert diagnose(recorder.episode) == ("unfinished", ((0, 0),), 3, None, sentence)
+    assert diagnose(recorder.episode)[:5] == ("unfinished", ((0, 0),), 3, None, sentence)
     for _ in range(MIN_STEPS):
         recorder.step("WAIT")
     assert diagnose(recorder.episode).mode == "ineffective"
-
-
-# Stalled.
-
-
-def test_a_robot_that_mostly_misses_its_target_cell_is_stalled() -> None:
-    backend = Missing(range(2, 20))
-    found = named(LONG, (0, 20), "W" * 20, max_steps=20, backend=backend)
-    sentence = "18 of 20 steps missed their cell with nothing in the way, 18 of them from (0, 18)"
-    assert found == ("stalled", ((0, 18),), 18, 21 + 1 + 40 + 1 - 0, sentence)
-
-
-def test_the_cell_of_most_misses_is_the_evidence() -> None:
-    backend = Missing([0, 1, 2, *range(4, 12), *range(14, 18)])
-    found = named(LONG, (0, 20), "W" * 18, max_steps=18, backend=backend)
-    assert (found.mode, found.cells, found.steps) == ("stalled", ((0, 19),), 15)
-    assert "8 of them from (0, 19)" in found.sentence
-
-
-def test_a_wait_that_ends_in_another_cell_is_a_miss() -> None:
-    found = named(HALL, (1, 3), ".E" * 10, backend=Missing(range(0, 20, 2), instead=(0, -1)))
-    assert (found.mode, found.steps) == ("stalled", 10)
-
-
-@pytest.mark.parametrize(
-    ("misses", "mode"), [(MIN_STEPS - 1, "unfinished"), (MIN_STEPS, "stalled")]
-)
-def test_a_stall_needs_a_minimum_of_misses(misses: int, mode: str) -> None:
-    assert named(LONG, (0, 40), "W" * 20, backend=Missing(range(misses))).mode == mode
-
-
-@pytest.mark.parametrize(("bumps", "mode"), [(18, "stalled"), (19, "ineffective")])
-def test_a_stall_needs_a_minimum_share_of_the_lost_steps(bumps: int, mode: str) -> None:
-    actions = "W" * 12 + "N" * bumps
-    assert named(LONG, (0, 40), actions, backend=Missing(range(12))).mode == mode
-
-
-def test_misses_that_lose_no_steps_are_not_a_stall() -> None:
-    slides_on = Missing(range(0, 36, 2), instead=(0, -1))
-    assert named(LONG, (0, 40), ".W" * 18, backend=slides_on).mode == "unfinished"
-
-
-def test_a_bump_is_not_a_miss() -> None:
-    assert named(LINE, (0, 1), "N" * 40).mode == "ineffective"
 
 
 @pytest.mark.parametrize(
@@ -234,9 +392,6 @@ def test_a_robot_without_force_or_grip_is_stalled(disturbances: Disturbances, ce
     env = WarehouseEnv(["P.........D"], (0, 9), max_steps=40, backend=backend)
     found = diagnose(record_episode(env, GreedyAgent(seed=0), seed=0, randomize=False))
     assert (found.mode, found.cells) == ("stalled", (cell,))
-
-
-# Ineffective.
 
 
 @pytest.mark.parametrize(
@@ -265,121 +420,6 @@ def test_steps_without_effect_are_counted_by_kind(actions: list[Any], sentence: 
     )
 
 
-@pytest.mark.parametrize(("waits", "mode"), [(9, "wandering"), (10, "ineffective")])
-def test_half_of_the_lost_steps_without_effect_explain_the_failure(waits: int, mode: str) -> None:
-    actions = "".join(f"{move}." for move in "EEEESSWWWW"[:waits]) + "EEEESSWWWW"[waits:]
-    assert named(HALL, (1, 0), actions).mode == mode
-
-
-def test_steps_with_an_effect_are_not_counted() -> None:
-    moved = Missing(range(0, 40, 2), instead=(0, 1))
-    assert named(HALL, (1, 3), ".W" * 20, backend=moved).mode == "stalled"
-
-
-# Oscillation.
-
-
-@pytest.mark.parametrize(
-    ("actions", "cells", "sentence"),
-    [
-        ("EW" * 20, ((1, 3), (1, 4)), "swung between (1, 3) and (1, 4) for the last 40 steps"),
-        (
-            "EWWE" * 10,
-            ((1, 3), (1, 4), (1, 2)),
-            "swung between (1, 3), (1, 4) and (1, 2) for the last 40 steps",
-        ),
-        (
-            "ESWN" * 10,
-            ((1, 3), (1, 4), (2, 4), (2, 3)),
-            "swung between (1, 3), (1, 4), (2, 4) and (2, 3) for the last 40 steps",
-        ),
-        (".NS" * 9, ((1, 3), (0, 3)), "swung between (1, 3) and (0, 3) for the last 27 steps"),
-        (
-            "WWE" + "NS" * 9,
-            ((1, 2), (0, 2)),
-            "swung between (1, 2) and (0, 2) for the last 18 steps",
-        ),
-        ("WNSE" * 5 + "." * 18, ((1, 3),), "stood on (1, 3) for the last 18 steps"),
-    ],
-)
-def test_the_cells_of_an_oscillation_are_named(
-    actions: str, cells: tuple[Cell, ...], sentence: str
-) -> None:
-    found = named(HALL, (1, 3), actions)
-    assert (found.mode, found.cells, found.sentence) == ("oscillation", cells, sentence)
-    assert f" {found.steps} steps" in sentence
-
-
-def test_a_cell_visited_before_the_oscillation_is_not_named() -> None:
-    assert named(HALL, (1, 0), "EE" + "EW" * 20).cells == ((1, 2), (1, 3))
-
-
-def test_a_pattern_of_fewer_cells_is_preferred_unless_it_is_short() -> None:
-    found = named(HALL, (1, 3), "ESWN" * 5 + "EW" * 20)
-    assert (found.cells, found.steps) == (((1, 3), (1, 4)), 40)
-    found = named(HALL, (1, 3), "ESWN" * 20 + "EW" * 5)
-    assert (len(found.cells), found.steps) == (4, 90)
-
-
-def test_an_oscillation_ends_when_the_item_is_taken() -> None:
-    found = named(["DP..."], (0, 1), "EW" * 6 + "p" + "EW" * 6, max_steps=25)
-    assert (found.mode, found.steps) == ("oscillation", 12)
-
-
-@pytest.mark.parametrize(
-    ("swings", "mode"), [(MIN_STEPS - 2, "unfinished"), (MIN_STEPS - 1, "oscillation")]
-)
-def test_an_oscillation_needs_a_minimum_of_steps(swings: int, mode: str) -> None:
-    # The last step of the path to it belongs to it.
-    assert named(LONG, (0, 40), "W" * 20 + ("EW" * MIN_STEPS)[:swings]).mode == mode
-
-
-@pytest.mark.parametrize(("bumps", "mode"), [(15, "wandering"), (16, "oscillation")])
-def test_an_oscillation_needs_a_minimum_share_of_the_lost_steps(bumps: int, mode: str) -> None:
-    assert named(HALL, (1, 0), "EEEESSWWWWNN" * 2 + "W" * bumps).mode == mode
-
-
-def test_the_last_of_two_oscillations_is_named() -> None:
-    found = named(HALL, (1, 0), "EW" * 13 + "SEEEES" + "EW" * 12)
-    assert (found.mode, found.cells, found.steps) == ("oscillation", ((3, 4), (3, 5)), 24)
-
-
-def test_an_oscillation_that_ended_early_is_not_the_mode() -> None:
-    assert named(HALL, (1, 0), "EW" * 20 + "EESSWWNN" * 2 + "ESEESW").mode == "wandering"
-
-
-@pytest.mark.parametrize(
-    ("cells", "mode"), [(MAX_SWING_CELLS, "oscillation"), (MAX_SWING_CELLS + 1, "wandering")]
-)
-def test_few_cells_in_any_order_are_an_oscillation(cells: int, mode: str) -> None:
-    ways = ["E" * (cells - 2) + "WE" * k + "E" + "W" * (cells - 1) for k in range(1, 5)]
-    assert named(HALL, (1, 0), "".join(ways)).mode == mode
-
-
-@pytest.mark.parametrize(("visits", "mode"), [(0, "oscillation"), (-1, "wandering")])
-def test_more_cells_are_an_oscillation_if_they_recur_in_order(visits: int, mode: str) -> None:
-    moves = ROUNDS * len(ROUND) - 1 + visits
-    assert named(RING, (0, 0), (ROUND * ROUNDS)[:moves]).mode == mode
-
-
-def test_a_loop_is_named_with_all_its_cells() -> None:
-    found = named(RING, (0, 0), "E.N" + ROUND[1:] + ROUND * 4)
-    sentence = "went round and round over 14 cells, (0, 0) among them, for the last 72 steps"
-    assert (found.mode, found.steps, found.sentence) == ("oscillation", 72, sentence)
-    assert found.cells[:3] == ((0, 0), (0, 1), (0, 2))
-    assert len(set(found.cells)) == len(found.cells) == 14
-
-
-def test_a_loop_may_start_late() -> None:
-    found = named(RING, (3, 4), "NNNWWWW" + ROUND * 4)
-    assert (found.mode, found.steps) == ("oscillation", 56)
-
-
-def test_a_figure_of_eight_is_a_loop() -> None:
-    found = named(HALL, (1, 3), "EESSWWNNWWSSEENN" * 4)
-    assert (found.mode, len(found.cells), found.steps) == ("oscillation", 13, 64)
-
-
 @pytest.mark.parametrize("seed", range(4))
 def test_in_a_dead_end_the_greedy_agent_oscillates_unless_it_escapes(seed: int) -> None:
     def diagnosis(escape_steps: int) -> Diagnosis:
@@ -389,117 +429,6 @@ def test_in_a_dead_end_the_greedy_agent_oscillates_unless_it_escapes(seed: int) 
 
     assert diagnosis(0)[:3] == ("oscillation", ((2, 1), (2, 2)), 59)
     assert diagnosis(3).mode in ("wandering", "delivered")
-
-
-@pytest.mark.parametrize("more", range(8))
-def test_a_loop_is_found_wherever_the_episode_ends(more: int) -> None:
-    actions = ("WEWEESWN" * 6)[: 40 + more]
-    found = named(HALL, (1, 3), actions)
-    assert (found.mode, len(found.cells), found.steps) == ("oscillation", 5, len(actions))
-
-
-# Wandering.
-
-
-def test_moves_without_progress_are_wandering() -> None:
-    found = named(HALL, (1, 0), "EEEESSWWWWNN" * 2)
-    sentence = "came no nearer in 24 moves over 12 cells"
-    assert found == ("wandering", ((1, 0),), 24, 12, sentence)
-
-
-@pytest.mark.parametrize(("straight", "mode"), [(13, "wandering"), (14, "unfinished")])
-def test_wandering_starts_when_half_of_the_moves_are_lost(straight: int, mode: str) -> None:
-    found = named(LONG, (0, 40), "WWE" * 13 + "W" * straight)
-    assert found.mode == mode
-    if mode == "wandering":
-        assert found.steps == 26
-        assert found.sentence == "came 26 steps nearer to the delivery in 52 moves over 27 cells"
-
-
-@pytest.mark.parametrize(
-    ("moves", "mode"), [(MIN_STEPS - 1, "unfinished"), (MIN_STEPS, "wandering")]
-)
-def test_wandering_needs_a_minimum_of_moves(moves: int, mode: str) -> None:
-    assert named(HALL, (1, 0), "EESSWWNN"[:moves]).mode == mode
-
-
-def test_waits_on_a_straight_path_are_not_wandering() -> None:
-    assert named(LONG, (0, 40), "W." * 30).mode == "ineffective"
-    assert named(LONG, (0, 40), "W" * 15 + "." * (MIN_STEPS - 1)).mode == "unfinished"
-
-
-@pytest.mark.parametrize(
-    ("actions", "mode"), [("EW" * 6, "oscillation"), ("EEESSWWWNN" * 2, "wandering")]
-)
-def test_the_sentence_counts_other_misses(actions: str, mode: str) -> None:
-    found = named(HALL, (1, 0), "WW" + actions, backend=Missing(range(2)))
-    assert found.mode == mode
-    assert found.sentence.endswith("; 2 steps missed their cell")
-
-
-def test_progress_is_measured_along_paths() -> None:
-    # Straight towards the pickup, into a dead end: every step makes the path longer.
-    rows = ["...........", ".#########.", ".........#P", ".#########.", "D.........."]
-    found = named(rows, (2, 0), "EEEEEEEE")
-    assert (found.mode, found.steps) == ("wandering", 8)
-
-
-# Budgets.
-
-
-@pytest.mark.parametrize(
-    ("settings", "mode", "ending"),
-    [
-        ({"battery": 15}, "battery depleted", "the battery ran out"),
-        ({"max_steps": 15}, "out of time", "the time ran out"),
-        ({"battery": 15, "max_steps": 15}, "battery depleted", "the battery ran out"),
-        ({}, "unfinished", "it was stopped"),
-    ],
-)
-def test_a_robot_on_its_way_failed_by_the_budget_that_ended_first(
-    settings: dict[str, int], mode: str, ending: str
-) -> None:
-    episode = drive(LONG, (0, 20), "W" * 15, **settings)
-    sentence = f"{ending} 48 steps short of the delivery; the shortest way takes 63"
-    assert diagnose(episode) == (mode, ((0, 5),), 48, 63, sentence)
-    assert episode.outcome == mode
-
-
-def test_the_sentence_for_one_step_short_is_singular() -> None:
-    found = named(LINE, (0, 0), "pEEE", max_steps=4)
-    assert (
-        found.sentence == "the time ran out 1 step short of the delivery; the shortest way takes 5"
-    )
-
-
-def test_an_episode_without_a_step_is_unfinished() -> None:
-    assert named(LINE, (0, 1), "")[:4] == ("unfinished", ((0, 1),), 6, 6)
-
-
-# Charging.
-
-CHARGED = ["C" + "." * 30 + "PD"]
-
-
-def test_waiting_that_charges_is_not_lost() -> None:
-    found = named(CHARGED, (0, 0), "." * 25 + "E" * 10, units=5, battery=300, max_steps=35)
-    assert (found.mode, found.steps) == ("out of time", 24)
-
-
-def test_waiting_on_a_charger_with_a_full_battery_is_ineffective() -> None:
-    found = named(CHARGED, (0, 0), "." * 25, units=15, battery=20, max_steps=25)
-    assert (found.mode, found.steps) == ("ineffective", 24)
-    assert found.sentence == "24 waits: at (0, 0)"
-
-
-def test_charging_at_the_end_is_no_oscillation() -> None:
-    found = named(CHARGED, (0, 12), "W" * 12 + "." * 20, units=20, battery=300, max_steps=32)
-    assert (found.mode, found.steps) == ("wandering", 12)
-
-
-def test_a_loop_with_a_charger_in_it_is_an_oscillation() -> None:
-    found = named(CHARGED, (0, 0), "EW." * 8, battery=300, units=20)
-    assert (found.mode, found.steps) == ("oscillation", 16)
 
 
 # The fewest steps.
@@ -569,8 +498,7 @@ def test_the_diagnosis_of_any_episode_is_consistent(layout: Layout, data: Any) -
     check_evidence(episode, found)
 
 
-@pytest.mark.parametrize("seed", range(10))
-@pytest.mark.parametrize("battery", [12, 200])
+@pytest.mark.parametrize(("seed", "battery"), [(0, 12), (1, 200), (2, 12), (3, 200), (6, 60)])
 def test_the_diagnosis_of_any_agent_is_consistent(
     seed: int, battery: int, clumsy_agent: Any
 ) -> None:
@@ -649,12 +577,6 @@ def test_agent_seed_and_reasons_do_not_change_the_diagnosis() -> None:
         twin = copy.deepcopy(example)
         twin.agent, twin.seed, twin.reasons = "somebody", 7, ["why not"] * example.steps
         assert diagnose(twin) == diagnose(example)
-
-
-@pytest.mark.parametrize("mode", MODES)
-def test_a_loaded_record_has_the_same_mode(mode: str, tmp_path: Path) -> None:
-    EXAMPLES[mode].save(tmp_path / "episode.npz")
-    assert diagnose(Episode.load(tmp_path / "episode.npz")) == diagnose(EXAMPLES[mode])
 
 
 @pytest.mark.parametrize("seed", range(2))

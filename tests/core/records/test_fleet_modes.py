@@ -1,13 +1,15 @@
 """Each failure mode of a fleet, in an episode that shows it."""
 
+import dataclasses
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+import numpy as np
 import pytest
 
 from warehouse_core import FleetEnv, Order
 from warehouse_core.fleet import Battery
-from warehouse_core.records import FleetEpisode, FleetRecorder, diagnose_fleet
+from warehouse_core.records import FleetEpisode, FleetRecorder, diagnose
 
 HALL = ["#######", "#P...D#", "#.....#", "#######"]
 CORRIDOR = ["#######", "#P...D#", "#######"]
@@ -28,7 +30,8 @@ def driven(
 
 
 def mode_of(episode: FleetEpisode) -> tuple[str, tuple[int, ...]]:
-    return diagnose_fleet(episode)[:2]
+    found = diagnose(episode)
+    return found.mode, found.robots
 
 
 def test_an_order_that_no_way_leads_to_is_named_with_its_robot() -> None:
@@ -37,18 +40,18 @@ def test_an_order_that_no_way_leads_to_is_named_with_its_robot() -> None:
     episode = driven(rows, [(0, 2), (0, 3)], [["PICK", "WAIT"]], orders=orders)
     assert mode_of(episode) == ("unreachable", (1,))
     expected = "no way leads from robot 1 at (0, 3) to the pickup of order 1 at (0, 0)"
-    assert diagnose_fleet(episode).sentence == expected
+    assert diagnose(episode).sentence == expected
     open_order = [Order(0, 9, (0, 0), (0, 4))]
     episode = driven(rows, [(0, 2), (0, 3)], [["WAIT", "WAIT"]], orders=open_order)
     assert mode_of(episode) == ("unreachable", (0, 1))
-    assert "from any robot to the pickup" in diagnose_fleet(episode).sentence
+    assert "from any robot to the pickup" in diagnose(episode).sentence
 
 
 def test_an_item_that_cannot_be_delivered_is_unreachable_for_its_taker() -> None:
     orders = [Order(0, 9, (0, 0), (0, 3))]
     episode = driven(["P.#D"], [(0, 0), (0, 1)], [["PICK", "WAIT"]], orders=orders)
     assert mode_of(episode) == ("unreachable", (0,))
-    assert "to the dropoff of order 0 at (0, 3)" in diagnose_fleet(episode).sentence
+    assert "to the dropoff of order 0 at (0, 3)" in diagnose(episode).sentence
 
 
 def test_robots_without_battery_are_stranded_with_the_moves_that_they_stop() -> None:
@@ -56,7 +59,7 @@ def test_robots_without_battery_are_stranded_with_the_moves_that_they_stop() -> 
     episode = driven(CORRIDOR, [(1, 2), (1, 3)], steps, battery=Battery(104, "joules"))
     assert mode_of(episode) == ("stranded", (0,))
     expected = "the battery of robot 0 at (1, 2) ran out and stopped 1 move of others"
-    assert diagnose_fleet(episode).sentence == expected
+    assert diagnose(episode).sentence == expected
 
 
 def test_robots_that_stop_each_other_are_a_ring_and_others_queue_behind_it() -> None:
@@ -64,7 +67,7 @@ def test_robots_that_stop_each_other_are_a_ring_and_others_queue_behind_it() -> 
     steps = [["W", "E", "E", "E"]] * 12
     episode = driven(CORRIDOR, [(1, 5), (1, 4), (1, 3), (1, 2)], steps)
     assert mode_of(episode) == ("deadlock", (0, 2))
-    assert diagnose_fleet(episode).sentence == (
+    assert diagnose(episode).sentence == (
         "robot 0 at (1, 5) and robot 2 at (1, 3) stop each other, for the last 12 steps; behind "
         "them robot 1 at (1, 4) and robot 3 at (1, 2)"
     )
@@ -74,51 +77,136 @@ def test_robots_behind_one_that_waits_are_a_queue() -> None:
     steps = [["WAIT", "W", "W"]] * 12
     episode = driven(CORRIDOR, [(1, 2), (1, 3), (1, 5)], steps)
     assert mode_of(episode) == ("deadlock", (2, 1, 0))
-    assert diagnose_fleet(episode).sentence == (
+    assert diagnose(episode).sentence == (
         "robot 2 at (1, 4) and robot 1 at (1, 3) are stopped by robot 0 at (1, 2), which stays, "
         "for the last 11 steps"
     )
 
 
-def test_short_stops_are_no_deadlock() -> None:
-    assert mode_of(driven(CORRIDOR, [(1, 2), (1, 3)], [["WAIT", "W"]] * 9))[0] != "deadlock"
+def corridor(first: str, second: str) -> str:
+    """Return the mode of two robots side by side that carry out these actions, a letter each."""
+    words = {".": "WAIT"}
+    steps = [[words.get(a, a), words.get(b, b)] for a, b in zip(first, second, strict=True)]
+    return mode_of(driven(CORRIDOR, [(1, 2), (1, 3)], steps))[0]
 
 
-def test_an_order_that_ten_later_ones_overtake_starves() -> None:
-    rows = ["P..", "PD."]
-    early = Order(0, 99, (0, 0), (1, 1))
-    later = [Order(1, 99, (1, 0), (1, 1), robot=0) for _ in range(10)]
-    steps = [["WAIT", "WAIT"]] + [[action, "WAIT"] for action in ROUND * 10]
-    episode = driven(rows, [(1, 0), (0, 2)], steps, orders=[early, *later])
-    assert mode_of(episode) == ("starvation", ())
-    assert "order 0 at (0, 0) waited for 41 steps, while 10" in diagnose_fleet(episode).sentence
-    episode = driven(rows, [(1, 0), (0, 2)], steps, orders=[early, *later[:9]])
-    assert mode_of(episode)[0] != "starvation"
+@pytest.mark.parametrize(("steps", "is_deadlock"), [(9, False), (10, True)])
+def test_a_deadlock_takes_ten_steps(steps: int, is_deadlock: bool) -> None:
+    assert (corridor("." * steps, "W" * steps) == "deadlock") == is_deadlock
+    # The second robot stands for longer, the first one is in its way for these steps only.
+    came = corridor("WE" + "." * steps, ".." + "W" * steps)
+    assert (came == "deadlock") == is_deadlock
 
 
-def test_moves_stopped_by_robots_are_congestion() -> None:
-    steps = [["E", "W"], ["W", "E"], ["E", "W"]] * 5
-    episode = driven(HALL, [(2, 2), (2, 3)], steps)
-    assert mode_of(episode) == ("congested", (0, 1))
-    assert diagnose_fleet(episode).sentence == (
-        "10 of 30 moves were stopped by robots or people, 0 of them by people; most, 5, from (2, 2)"
+@pytest.mark.parametrize(("stops", "is_deadlock"), [(8, False), (9, False), (10, True)])
+def test_a_robot_that_is_stopped_in_half_of_the_steps_is_in_a_queue(
+    stops: int, is_deadlock: bool
+) -> None:
+    # The other half is shared by waits and bumps into a wall, so that the stops are most frequent.
+    waits, bumps = (20 - stops) // 2, 20 - stops - (20 - stops) // 2
+    assert (
+        corridor("." * 20, "W" * stops + "." * waits + "N" * bumps) == "deadlock"
+    ) == is_deadlock
+
+
+def test_a_robot_behind_a_person_is_in_no_queue() -> None:
+    episode = driven(CORRIDOR, [(1, 2), (1, 3)], [["WAIT", "W"]] * 12)
+    assert mode_of(episode) == ("deadlock", (1, 0))
+    people = np.where(episode.stopped_by == 0, 2, episode.stopped_by)
+    behind = dataclasses.replace(episode, stopped_by=people)
+    assert mode_of(behind)[0] == "congested"
+    assert "12 of 12 moves were stopped by robots or people, 12 of them by people" in (
+        diagnose(behind).sentence
     )
 
 
-@pytest.mark.parametrize(("waits", "mode"), [(6, "idle"), (4, "served")])
+def starved(later: int, released: int = 1, pick_at: int | None = None) -> tuple[str, Any]:
+    """Return mode and robots where an order waits, later ones do not, and ``pick_at`` ends it."""
+    rows = ["P..", "PD."]
+    early = Order(0, 99, (0, 0), (1, 1))
+    others = [Order(released, 99, (1, 0), (1, 1), robot=0) for _ in range(later)]
+    steps = [["WAIT", "WAIT"]] + [[action, "WAIT"] for action in ROUND * 10]
+    if pick_at is not None:
+        steps[pick_at][1] = "PICK"
+    return mode_of(driven(rows, [(1, 0), (0, 0)], steps, orders=[early, *others]))
+
+
+def test_an_order_that_ten_later_ones_overtake_starves() -> None:
+    assert starved(10) == ("starvation", ())
+    assert starved(9)[0] != "starvation"
+    assert starved(10, released=0)[0] != "starvation"
+    tenth = 1 + 4 * 9
+    assert starved(10, pick_at=tenth)[0] != "starvation"
+    assert starved(10, pick_at=tenth + 1) == ("starvation", (1,))
+
+
+def test_the_order_that_starves_is_named() -> None:
+    rows, early = ["P..", "PD."], Order(0, 99, (0, 0), (1, 1))
+    later = [Order(1, 99, (1, 0), (1, 1), robot=0) for _ in range(10)]
+    steps = [["WAIT", "WAIT"]] + [[action, "WAIT"] for action in ROUND * 10]
+    found = diagnose(driven(rows, [(1, 0), (0, 2)], steps, orders=[early, *later]))
+    assert "order 0 at (0, 0) waited for 41 steps, while 10" in found.sentence
+    assert (found.cells, found.steps) == (((0, 0),), 41)
+
+
+@pytest.mark.parametrize(("free_moves", "mode"), [(3, "congested"), (4, "served")])
+def test_a_quarter_of_the_moves_stopped_by_robots_is_congestion(free_moves: int, mode: str) -> None:
+    steps = [["E", "W"], ["W", "E"], ["E", "W"], ["W", "E"], ["E", "W"]]
+    episode = driven(HALL, [(2, 2), (2, 3)], steps[: free_moves + 1])
+    assert mode_of(episode) == (mode, (0, 1))
+    if mode == "congested":
+        assert diagnose(episode).sentence == (
+            "2 of 8 moves were stopped by robots or people, 0 of them by people; most, 1, from "
+            "(2, 2)"
+        )
+
+
+@pytest.mark.parametrize(("waits", "mode"), [(10, "idle"), (9, "served")])
 def test_a_fleet_that_waits_half_of_the_time_is_idle(waits: int, mode: str) -> None:
-    steps = [["WAIT", "WAIT"]] * waits + [["E", "E"], ["W", "W"]] * (5 - waits // 2)
+    steps = ([["WAIT", "WAIT"]] * waits + [["E", "E"], ["W", "W"]] * 6)[:20]
     episode = driven(HALL, [(1, 2), (2, 2)], steps)
     assert mode_of(episode) == (mode, (0, 1))
+    if mode == "idle":
+        assert diagnose(episode).sentence == (
+            "the robots waited in 20 of 40 steps, with 0 orders for 2 robots"
+        )
 
 
-@pytest.mark.parametrize(("due", "mode"), [(2, "late"), (3, "served")])
-def test_deliveries_after_their_due_time_are_late(due: int, mode: str) -> None:
-    orders = [Order(0, due, (0, 0), (0, 1))]
-    episode = driven(["PD"], [(0, 0)], [[action] for action in ROUND], orders=orders)
-    assert mode_of(episode) == (mode, (0,))
-    expected = {
-        "late": "1 of 1 deliveries were late; the mean over all is 1 steps",
-        "served": "1 of 1 order delivered in 3 steps",
-    }
-    assert diagnose_fleet(episode).sentence == expected[mode]
+@pytest.mark.parametrize(
+    ("dues", "sentence"),
+    [
+        ([2], "1 of 1 deliveries were late; the mean over all is 1 steps"),
+        ([2, 6], "2 of 2 deliveries were late; the mean over all is 1 steps"),
+        ([2, 7], "2 of 2 orders delivered in 7 steps"),
+        ([3], "1 of 1 order delivered in 3 steps"),
+    ],
+)
+def test_a_fleet_is_late_if_more_than_half_of_its_deliveries_are(
+    dues: list[int], sentence: str
+) -> None:
+    orders = [Order(0, due, (0, 0), (0, 1)) for due in dues]
+    steps = [[action] for action in ROUND * 2]
+    episode = driven(["PD"], [(0, 0)], steps, orders=orders)
+    assert mode_of(episode) == ("late" if "late" in sentence else "served", (0,))
+    assert diagnose(episode).sentence == sentence
+
+
+def test_a_battery_that_is_just_empty_strands_its_robot() -> None:
+    steps = [["E", "E"], ["W", "W"]] * 2
+    assert mode_of(driven(HALL, [(1, 2), (2, 2)], steps, battery=4)) == ("stranded", (0, 1))
+    assert mode_of(driven(HALL, [(1, 2), (2, 2)], steps, battery=5)) == ("served", (0, 1))
+
+
+def test_robots_that_failed_are_counted() -> None:
+    episode = driven(HALL, [(1, 2), (2, 2)], [["E", "E"], ["W", "W"]])
+    measures = dataclasses.replace(episode.measures, stranded=2, lost=1)
+    failed = diagnose(dataclasses.replace(episode, measures=measures))
+    assert (failed.mode, failed.robots) == ("stranded", ())
+    assert failed.sentence == "2 robots failed for good, and 1 item with them"
+
+
+def test_a_fleet_that_has_delivered_everything_was_not_idle() -> None:
+    steps = [["WAIT"]] * 6 + [[action] for action in ROUND]
+    episode = driven(["PD"], [(0, 0)], steps, orders=[Order(0, 99, (0, 0), (0, 1))])
+    assert mode_of(episode) == ("served", (0,))
+    assert mode_of(driven(["PD"], [(0, 0)], steps[:-2], orders=episode.orders[:1]))[0] == "idle"

@@ -23,10 +23,10 @@ from warehouse_core.render.atlas import (
 )
 from warehouse_core.render.painter import TilePainter, bar, tile_pixels_for
 from warehouse_core.render.palette import BATTERY, COLORS, FAINT, INK, PAPER, UNKNOWN, WARNING
-from warehouse_core.viz import robot_view
+from warehouse_core.viz import view
 from warehouse_core.viz.figure import SceneFigure
-from warehouse_core.viz.grid_view import GridView
 from warehouse_core.viz.tracks.track import Frame, Pose, Track
+from warehouse_core.viz.view import View
 from warehouse_core.world.tables import tile_codes
 from warehouse_core.world.tiles import CELL_CODES
 
@@ -44,7 +44,7 @@ def drawn_by_the_replay(
     axes = figure.add_axes((0, 0, 1, 1))
     pose = Pose((robot[1] + 0.5, robot[0] + 0.5), None, loaded)
     frame = Frame(layout.rows, (pose,), 0.0)
-    GridView(figure, axes, side * 0.72, Track([frame], {})).show_robots([frame], 0)
+    View(figure, axes, side * 0.72, Track([frame], {})).show([frame], 0)
     axes.set(xlim=(0, layout.width), ylim=(layout.height, 0))  # also what is not shown of a border
     return np.asarray(figure.pixels())
 
@@ -137,14 +137,11 @@ def test_floor_is_light_with_a_line_along_two_sides(side: int) -> None:
     assert (line < 255 * np.array(COLORS["."]) - 0.5).all()
 
 
-def test_the_lines_of_large_tiles_equal_those_of_the_replay() -> None:
-    assert is_color(pixel(".", NO_ROBOT, 0.0, 0.5), FAINT)
-    assert is_color(pixel(".", NO_ROBOT, 0.5, 0.0), FAINT)
-
-
 def test_smaller_tiles_have_paler_lines() -> None:
     lines = [atlas(side)[CODES[".", NO_ROBOT], 0, 1, 0] for side in (2, 8, 16, 24, 100)]
     assert lines[0] > lines[1] > lines[2] > lines[3] == lines[4]
+    for place in ((0.0, 0.5), (0.5, 0.0)):
+        assert is_color(pixel(".", NO_ROBOT, *place), FAINT), "as in the replay"
 
 
 @pytest.mark.parametrize("tile", ["P", "D", "C"])
@@ -176,7 +173,7 @@ def test_a_robot_is_a_disc_on_its_tile(tile: str, robot: str) -> None:
 
 @pytest.mark.parametrize("robot", ["R", "r"])
 def test_a_robot_is_as_large_as_in_the_replay(robot: str) -> None:
-    assert tile_atlas.ROBOT_RADIUS == robot_view.ROBOT_RADIUS
+    assert tile_atlas.ROBOT_RADIUS == view.ROBOT_RADIUS
     image = atlas(100)[CODES[".", robot]]
     row = image[50]
     assert np.flatnonzero(where(row, INK))[0] == pytest.approx(50 - 33, abs=1)
@@ -384,13 +381,10 @@ def test_a_robot_on_a_wall_raises() -> None:
         TilePainter(8).picture(YARD, (0, 0), False)
 
 
-def test_the_tiles_are_drawn_once_and_read_only() -> None:
+def test_the_tiles_are_drawn_once_are_read_only_and_have_2_pixels_at_least() -> None:
     assert atlas(12) is atlas(12)
     with pytest.raises(ValueError, match="read-only"):
         atlas(12)[:] = 0
-
-
-def test_a_tile_of_one_pixel_raises() -> None:
     with pytest.raises(ValueError, match="at least 2"):
         TilePainter(1)
 
@@ -449,17 +443,14 @@ def test_a_larger_share_fills_more(one: float, other: float) -> None:
     assert (filled[0] - filled[1]) * (one - other) >= -1e-6
 
 
-def test_shares_are_limited_to_0_and_1() -> None:
-    assert np.array_equal(bar([-1, 2], 10, 4), bar([0, 1], 10, 4))
-
-
-def test_bars_come_in_any_shape_and_colour() -> None:
+def test_bars_come_in_any_shape_and_colour_and_shares_are_limited_to_0_and_1() -> None:
     shares = np.linspace(0, 1, 6).reshape(2, 3)
     bars = bar(shares, 12, 5, WARNING)
     assert bars.shape == (2, 3, 5, 12, 3)
     for index in np.ndindex(2, 3):
         assert np.array_equal(bars[index], bar(float(shares[index]), 12, 5, WARNING))
     assert where(bars[1, 2, 1:-1, 1:-1], WARNING).all()
+    assert np.array_equal(bar([-1, 2], 10, 4), bar([0, 1], 10, 4))
 
 
 # Imports.

@@ -54,6 +54,12 @@ def test_the_error_of_an_invalid_value_names_it(name: str, value: object) -> Non
         Settings.from_json(as_json(SETTINGS) | {name: value})
 
 
+@pytest.mark.parametrize("strength", [0.0, 1.0])
+def test_a_motor_may_have_no_strength_or_all_of_it(strength: float) -> None:
+    values = as_json(SETTINGS) | {"motor_strength": strength}
+    assert Settings.from_json(values).motor_strength == strength
+
+
 @pytest.mark.parametrize("values", [None, {"battery": 5}])
 def test_missing_keys_raise(values: object) -> None:
     with pytest.raises(ValueError, match="must have the keys backend, cell_size"):

@@ -20,10 +20,10 @@ from warehouse_core.render.palette import (
     STRANDED,
     WARNING,
 )
-from warehouse_core.viz.fleet_view import FEW
-from warehouse_core.viz.replay import Replay, replay_of_track
-from warehouse_core.viz.tracks.fleet_track import track_of_fleet_episode
+from warehouse_core.viz.replay import Replay, replay_of_tracks
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import FleetFrame, Frame, Pose, Track, Waiting
+from warehouse_core.viz.view import FEW
 
 FLOOR = Layout(["......", ".P....", "......", "......"])
 
@@ -48,7 +48,7 @@ def drawn(episode: FleetEpisode) -> Callable[..., tuple[Replay, Any]]:
         count = len(robots)
         fleet = FleetFrame(waiting, items or (None,) * count, battery or (1.0,) * count)
         frame = Frame(rows, (*robots, *people), 0.0, fleet=fleet)
-        replay = replay_of_track(Track([frame], {}), window=False)
+        replay = replay_of_tracks(Track([frame], {}), window=False)
         return replay, pixels(replay)
 
     return draw
@@ -106,7 +106,7 @@ def test_boxes_come_and_go_with_the_orders() -> None:
         )
         for step, each in enumerate(counts)
     ]
-    replay = replay_of_track(Track(frames, {}), window=False)
+    replay = replay_of_tracks(Track(frames, {}), window=False)
     for step in (0, 1, 2, 3, 0):
         replay.go_to(step)
         shown = [text for text in replay.figure.axes[0].texts if text.get_visible()]
@@ -216,7 +216,7 @@ def test_the_legend_is_a_file_of_its_own(episode: FleetEpisode, tmp_path: Path) 
     from warehouse_core.warehouse_viz import FLEET_LEGEND_INCHES
 
     figure = make_figure(FLEET_LEGEND_INCHES)
-    draw_legend(figure, [track_of_fleet_episode(episode)], columns=6)
+    draw_legend(figure, [track_of_record(episode)], columns=6)
     figure.pixels()
     box = figure.legends[0].get_window_extent()
     assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1

@@ -1,4 +1,4 @@
-"""Two tracks in one picture."""
+"""Several tracks in one picture."""
 
 import dataclasses
 import math
@@ -14,10 +14,10 @@ from agents.run_episode import run_episode
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Episode, Layout, WarehouseEnv, record_episode
 from warehouse_core.viz.figure import make_figure
-from warehouse_core.viz.pair_scene import PairScene
-from warehouse_core.viz.replay import replay_of_track
-from warehouse_core.viz.tracks.episode_track import track_of_episode
+from warehouse_core.viz.replay import replay_of_tracks
+from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.tracks.grid_track import track_of_frames
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Track
 
 MAX_PIXELS = 1366
@@ -30,29 +30,29 @@ def episodes() -> tuple[Episode, Episode]:
 
 @pytest.fixture
 def grid(episodes: tuple[Episode, Episode]) -> Track:
-    return track_of_episode(episodes[0])
+    return track_of_record(episodes[0])
 
 
 @pytest.fixture
 def physics(episodes: tuple[Episode, Episode]) -> Track:
-    return track_of_episode(episodes[1])
+    return track_of_record(episodes[1])
 
 
-def texts(scene: PairScene) -> list[str]:
+def texts(scene: Scene) -> list[str]:
     """Return all visible texts in the figure."""
     return [text.get_text() for text in scene.root.findobj(Text) if text.get_visible()]
 
 
-def tallies(scene: PairScene) -> list[str]:
+def tallies(scene: Scene) -> list[str]:
     """Return the lines that count the steps of both tracks."""
     return [text for text in texts(scene) if " steps, " in text or text.startswith("1 step, ")]
 
 
-def maps(scene: PairScene) -> list[Axes]:
+def maps(scene: Scene) -> list[Axes]:
     return [axes for axes in scene.root.axes if axes.get_aspect() == 1]
 
 
-def charts(scene: PairScene, title: str) -> list[Axes]:
+def charts(scene: Scene, title: str) -> list[Axes]:
     return [axes for axes in scene.root.axes if title in axes.get_title(loc="left")]
 
 
@@ -69,18 +69,18 @@ def twin(axes: Axes) -> Axes:
 def test_a_grid_and_a_continuous_track_have_one_clock_in_seconds(
     grid: Track, physics: Track
 ) -> None:
-    scene = PairScene(grid, physics, make_figure)
-    at = next(n for n, moment in enumerate(scene._moments) if moment >= 10)
+    scene = Scene([grid, physics], make_figure)
+    at = next(n for n, moment in enumerate(scene._timeline.moments) if moment >= 10)
     scene.show(at)
     left, right = tallies(scene)
     assert left.startswith("10 steps, 10.0 s, ")
     assert right.split(" ")[0] in ("5", "6")
-    assert f"{scene._moments[at]:.1f} s" in texts(scene)
+    assert f"{scene._timeline.moments[at]:.1f} s" in texts(scene)
 
 
 def test_the_faster_one_waits_at_its_end_with_its_verdict(grid: Track, physics: Track) -> None:
-    scene = PairScene(grid, physics, make_figure)
-    at = next(n for n, moment in enumerate(scene._moments) if moment >= 30)
+    scene = Scene([grid, physics], make_figure)
+    at = next(n for n, moment in enumerate(scene._timeline.moments) if moment >= 30)
     scene.show(at)
     assert tallies(scene)[0] == "Delivered: 23 steps, 23.0 s, 1,140 J"
     assert not tallies(scene)[1].startswith("Delivered")
@@ -89,7 +89,7 @@ def test_the_faster_one_waits_at_its_end_with_its_verdict(grid: Track, physics: 
 
 
 def test_moments_are_equally_far_apart(grid: Track, physics: Track) -> None:
-    moments = PairScene(grid, physics, make_figure)._moments
+    moments = Scene([grid, physics], make_figure)._timeline.moments
     gaps = [after - before for before, after in pairwise(moments)]
     assert max(gaps) == pytest.approx(physics.frames[-1].clock / (len(physics) - 1))
     assert gaps[:-1] == pytest.approx([gaps[0]] * (len(gaps) - 1))
@@ -98,8 +98,8 @@ def test_moments_are_equally_far_apart(grid: Track, physics: Track) -> None:
 
 
 def test_two_tracks_on_the_grid_advance_by_steps(grid: Track) -> None:
-    short = track_of_episode(run_episode(seed=12, max_steps=4))
-    scene = PairScene(grid, short, make_figure)
+    short = track_of_record(run_episode(seed=12, max_steps=4))
+    scene = Scene([grid, short], make_figure)
     assert len(scene) == len(grid)
     scene.show(len(scene) - 1)
     assert [text.split(":")[0] for text in tallies(scene)] == ["Delivered", "Out of time"]
@@ -108,18 +108,18 @@ def test_two_tracks_on_the_grid_advance_by_steps(grid: Track) -> None:
 
 def test_two_continuous_tracks_advance_by_time(physics: Track) -> None:
     frames = [dataclasses.replace(frame, clock=2 * frame.clock) for frame in physics.frames]
-    scene = PairScene(physics, dataclasses.replace(physics, frames=frames), make_figure)
+    scene = Scene([physics, dataclasses.replace(physics, frames=frames)], make_figure)
     end = physics.frames[-1].clock
-    scene.show(next(n for n, moment in enumerate(scene._moments) if moment >= end))
+    scene.show(next(n for n, moment in enumerate(scene._timeline.moments) if moment >= end))
     assert tallies(scene)[0].startswith("Delivered: 23 steps")
     assert not tallies(scene)[1].startswith("Delivered")
 
 
 def test_frames_without_a_clock_advance_by_steps_beside_a_continuous_track(physics: Track) -> None:
-    scene = PairScene(bare(), physics, make_figure)
+    scene = Scene([bare(), physics], make_figure)
     scene.show(0)
     assert "0 steps" in texts(scene)
-    scene.show(scene._moments.index(1.0))
+    scene.show(scene._timeline.moments.index(1.0))
     assert "1 step" in texts(scene)
 
 
@@ -129,7 +129,7 @@ def test_maps_have_one_cell_size_and_their_upper_edges_in_line(
 ) -> None:
     room = track_of_frames([["R....", "....."], [".R...", "....."]], {"battery": [1, 1]})
     for tracks in ([grid, physics][::order], [grid, room][::order]):
-        one, other = maps(PairScene(*tracks, make_figure))
+        one, other = maps(Scene(tracks, make_figure))
         sides = [
             axes.get_window_extent().width / (axes.get_xlim()[1] - axes.get_xlim()[0])
             for axes in (one, other)
@@ -142,7 +142,7 @@ def test_charts_have_the_same_scales_in_seconds_and_energy_has_a_unit(
     grid: Track, physics: Track
 ) -> None:
     for tracks in ((grid, physics), (physics, grid)):
-        scene = PairScene(*tracks, make_figure)
+        scene = Scene(tracks, make_figure)
         scene.show(len(scene) - 1)
         scene.root.pixels()
         rewards, energies = charts(scene, "reward"), charts(scene, "energy")
@@ -163,12 +163,12 @@ def test_charts_have_the_same_scales_in_seconds_and_energy_has_a_unit(
 def test_the_scale_of_rewards_shows_those_of_both_tracks(grid: Track) -> None:
     worse = dataclasses.replace(grid, metrics=grid.metrics | {"rewards": [-2.0] * len(grid)})
     for tracks in ((grid, worse), (worse, grid)):
-        for axes in charts(PairScene(*tracks, make_figure), "reward"):
+        for axes in charts(Scene(tracks, make_figure), "reward"):
             assert axes.get_ylim()[0] < -2.0 * len(grid)
             assert axes.get_ylim()[1] > 12.7
 
 
-def boxes(scene: PairScene) -> Iterator[Any]:
+def boxes(scene: Scene) -> Iterator[Any]:
     """Yield the boxes of everything that must not overlap."""
     scene.root.canvas.draw()
     words = [text for text in scene.root.texts if text.get_text() and text.get_visible()]
@@ -188,7 +188,7 @@ def bare() -> Track:
 
 def corridor() -> Track:
     env = WarehouseEnv(Layout(["P" + "." * 60 + "D"]), (0, 5), max_steps=3)
-    return track_of_episode(record_episode(env, GreedyAgent(seed=0), randomize=False))
+    return track_of_record(record_episode(env, GreedyAgent(seed=0), randomize=False))
 
 
 @pytest.mark.parametrize("make_other", [bare, corridor, None])
@@ -198,8 +198,8 @@ def test_nothing_overlaps_nor_leaves_a_picture_of_1366_pixels(
     other = make_other() if make_other else physics
     for frame in (*grid.frames, *other.frames):
         frame.caption = LONG
-    for tracks in ((grid, other), (other, grid)):
-        scene = PairScene(*tracks, make_figure)
+    for tracks in ((grid, other), (other, grid), (grid, other, physics)):
+        scene = Scene(tracks, make_figure)
         assert scene.root.bbox.width <= MAX_PIXELS
         assert scene.root.bbox.height <= 800
         scene.show(len(scene) - 1)
@@ -213,30 +213,23 @@ def test_nothing_overlaps_nor_leaves_a_picture_of_1366_pixels(
 
 
 def test_bare_frames_have_steps_and_neither_seconds_nor_joules() -> None:
-    scene = PairScene(bare(), bare(), make_figure)
+    scene = Scene([bare(), bare()], make_figure)
     scene.show(1)
     assert texts(scene).count("1 step") == 2
 
 
-def test_a_reason_is_not_read_as_mathematics(grid: Track) -> None:
+def test_there_is_one_legend_for_all_and_no_mathematics(grid: Track, physics: Track) -> None:
     grid.frames[0].caption = "N ($x_$)"
-    scene = PairScene(grid, grid, make_figure)
+    scene = Scene([grid, physics, grid], make_figure)
     scene.root.pixels()
+    assert texts(scene).count("#  wall") == 1
     assert texts(scene).count("N ($x_$)") == 2
-
-
-def test_there_is_one_legend_for_both(grid: Track, physics: Track) -> None:
-    assert texts(PairScene(grid, physics, make_figure)).count("#  wall") == 1
-
-
-def test_the_legend_explains_chargers_of_either() -> None:
     tracks = [track_of_frames([[row]]) for row in ("R.", "RC")]
-    for left, right in (tracks, tracks[::-1]):
-        assert "C  charger" in texts(PairScene(left, right, make_figure))
-    assert "C  charger" not in texts(PairScene(*tracks[:1] * 2, make_figure))
+    for shown in (tracks, tracks[::-1], tracks[:1] * 2):
+        assert ("C  charger" in texts(Scene(shown, make_figure))) == (tracks[1] in shown)
 
 
 def test_a_replay_of_two_is_as_fast_as_a_continuous_one(grid: Track, physics: Track) -> None:
-    replay = replay_of_track(grid, physics, window=False)
+    replay = replay_of_tracks(grid, physics, window=False)
     assert replay.frame_ms == 50
     assert math.isclose(len([*replay.new_saved_frame_seq()]), len(physics), abs_tol=2)

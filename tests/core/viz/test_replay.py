@@ -66,65 +66,32 @@ def test_the_counter_matches_the_drawn_frame(replay: Replay) -> None:
     assert np.array_equal(pixels(replay), pixels(fresh))
 
 
-def test_a_replay_pauses_on_space(replay: Replay) -> None:
-    tick(replay, 3)
-    press(replay, " ")
-    assert not replay.playing
-    assert played(replay, 3) == [2, 2, 2]
-
-
-def test_space_resumes_where_it_paused(replay: Replay) -> None:
-    tick(replay, 3)
-    press(replay, " ", " ")
-    assert replay.playing
-    assert played(replay, 2) == [3, 4]
-
-
-@pytest.mark.parametrize(("key", "step"), [("left", -1), ("right", 1)])
-def test_an_arrow_steps_one_frame_and_pauses(replay: Replay, key: str, step: int) -> None:
-    tick(replay, 4)
-    before = shown(replay)
-    press(replay, key)
-    assert shown(replay) == before + step
-    assert not replay.playing
-    assert played(replay, 2) == [before + step] * 2
-    press(replay, key)
-    assert shown(replay) == before + 2 * step
-
-
-def test_space_resumes_at_the_frame_of_the_arrows(replay: Replay) -> None:
-    tick(replay, 5)
-    press(replay, "left", "left", " ")
-    assert played(replay, 3) == [3, 4, 5]
-
-
-def test_the_left_arrow_stops_at_the_first_frame(replay: Replay) -> None:
-    press(replay, "left", "left")
-    assert shown(replay) == replay.frame == 0
-    press(replay, "right")
-    assert shown(replay) == 1
-
-
-def test_the_right_arrow_stops_at_the_last_frame(replay: Replay) -> None:
-    press(replay, *["right"] * 9)
-    assert shown(replay) == replay.frame == LAST
-    press(replay, "left")
-    assert shown(replay) == LAST - 1
-
-
-def test_space_at_the_end_starts_again(replay: Replay) -> None:
-    tick(replay, 9)
-    press(replay, " ")
-    assert shown(replay) == 0
-    assert replay.playing
-    assert played(replay, 3) == [1, 2, 3]
-
-
-def test_other_keys_do_nothing(replay: Replay) -> None:
-    tick(replay, 3)
-    press(replay, "q", "p", "up", "shift+left", "home", "x", "escape")
-    assert shown(replay) == 2
-    assert replay.playing
+@pytest.mark.parametrize(
+    ("ticks", "keys", "frame", "next_frames"),
+    [
+        (3, [" "], 2, [2, 2, 2]),
+        (3, [" ", " "], 2, [3, 4]),
+        (4, ["left"], 2, [2, 2]),
+        (4, ["left", "left"], 1, [1]),
+        (4, ["right"], 4, [4, 4]),
+        (4, ["right", "right"], 5, [5]),
+        (5, ["left", "left", " "], 2, [3, 4, 5]),
+        (0, ["left", "left"], 0, [0]),
+        (0, ["left", "left", "right"], 1, [1]),
+        (0, ["right"] * 9, 6, [6]),
+        (0, [*["right"] * 9, "left"], 5, [5]),
+        (9, [" "], 0, [1, 2, 3]),
+        (3, ["q", "p", "up", "shift+left", "home", "x", "escape"], 2, [3, 4]),
+    ],
+)
+def test_space_pauses_and_resumes_and_arrows_step(
+    replay: Replay, ticks: int, keys: list[str], frame: int, next_frames: list[int]
+) -> None:
+    tick(replay, ticks)
+    press(replay, *keys)
+    assert shown(replay) == frame
+    assert replay.playing == (next_frames[0] > frame)
+    assert played(replay, len(next_frames)) == next_frames
 
 
 def test_a_replay_of_one_frame_can_be_paused_and_stepped() -> None:
@@ -153,20 +120,17 @@ def test_intervals_and_speeds_must_be_positive_and_finite(name: str, value: floa
 
 
 @pytest.mark.parametrize(
-    ("interval_ms", "speed", "frame_ms"), [(150, 1, 150), (150, 2, 75), (100, 0.5, 200)]
+    ("interval_ms", "speed", "frame_ms", "ticks_ms"),
+    [(150, 1, 150, 150), (150, 2, 75, 75), (100, 0.5, 200, 200), (1, 50, 0.02, 1)],
 )
-def test_speed_divides_the_interval(interval_ms: float, speed: float, frame_ms: float) -> None:
+def test_speed_divides_the_interval_and_ticks_are_a_millisecond_apart_at_least(
+    interval_ms: float, speed: float, frame_ms: float, ticks_ms: float
+) -> None:
     replay = replay_of([["R."]], interval_ms=interval_ms, speed=speed)
     assert replay.frame_ms == frame_ms
     assert replay.fps == 1000 / frame_ms
     assert replay.event_source is not None
-    assert replay.event_source.interval == frame_ms
-
-
-def test_a_fast_replay_ticks_once_a_millisecond_at_most() -> None:
-    replay = replay_of([["R."]], interval_ms=1, speed=50)
-    assert replay.event_source is not None
-    assert replay.event_source.interval == 1
+    assert replay.event_source.interval == ticks_ms
 
 
 def test_show_without_a_window_raises(replay: Replay) -> None:

@@ -29,11 +29,12 @@ def test_equal_layouts_are_stored_once() -> None:
     assert layouts.of_rows([7, 9]).tolist() == [7, 9, 7, 9, 7]
 
 
-def test_rows_keep_their_walls_without_stations() -> None:
+def test_bare_layouts_keep_their_walls_but_no_stations() -> None:
     other = Layout(["..#", "PD."])
-    bare = LayoutSet([SHOP, other, SHOP]).without_stations()
+    bare = LayoutSet([SHOP, other, SHOP], [LANE, SHOP], bare=True)
     assert [layout.rows for layout in bare.rows] == [("..#", "...")] * 3
     assert bare.base.tolist() == [0, 0, 0], "layouts that are now equal are stored once"
+    assert [layout.rows for layout in bare.others] == [(".#..",), ("..#", "...")]
 
 
 def test_rows_change_to_layouts_that_are_known_and_to_new_ones() -> None:
@@ -46,12 +47,6 @@ def test_rows_change_to_layouts_that_are_known_and_to_new_ones() -> None:
     assert layouts.rows == [SHOP, LANE, new]
     assert base.tolist() == [4, 0, 10], "in place, as others read it"
     assert layouts.width.tolist() == [3, 4, 5]
-
-
-def test_without_stations_the_layouts_to_change_to_have_none_either() -> None:
-    bare = LayoutSet([LANE], [SHOP, LANE]).without_stations()
-    assert [other.rows for other in bare.others] == [("..#", "..."), (".#..",)]
-    assert bare.without_stations() is bare
 
 
 def test_tiles_are_codes_in_order_of_layouts_and_rows() -> None:

@@ -17,7 +17,7 @@ from warehouse_core.viz.axes.look import box_in
 from warehouse_core.world.actions import WAIT
 
 PANEL, MAX_CELL, SPACE = 6.2, 0.4, 0.55
-"""Width of a panel, of a cell and between panels, in inches."""
+"""Width of a panel, most width of a cell, and room between panels, in inches."""
 
 HEAD, PANEL_HEAD, FOOT, BAR = 0.95, 0.6, 1.35, 0.22
 TITLE, WORDS, SMALL = 23, 25, 15
@@ -49,8 +49,8 @@ def congestion_picture(
     """Return heat maps of where robots were held up, with one scale, and what was delivered.
 
     Args:
-        episodes: by the titles of their panels, on layouts of one size.
-        title: of the picture.
+        episodes: records on layouts of one size, by the titles of their panels.
+        title: words above the panels.
         make_figure: makes the figure of a width and height in inches.
     """
     found = {name: held_up_cells(episode) for name, episode in episodes.items()}

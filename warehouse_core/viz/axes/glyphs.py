@@ -24,10 +24,10 @@ def letter_path(
     """Return the outline of bold text in axes whose y axis points down.
 
     Args:
-        text: to be drawn.
-        size: of the font, in the unit of the axes.
-        at: where the anchor is.
-        anchor: share of its width from the left, and of its height from the top.
+        text: letters to be drawn.
+        size: font size, in the unit of the axes.
+        at: place of the anchor.
+        anchor: share of the width left of the anchor, and share of the height above it.
     """
     path = _outline(text)
     (left, bottom), (right, top) = path.get_extents().get_points()

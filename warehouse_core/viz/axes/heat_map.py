@@ -31,23 +31,23 @@ Counts = NDArray[np.int64]
 """``[H, W]`` numbers of what happened in each cell."""
 
 WIDTH = 9.6
-"""Of a figure, in inches."""
+"""Width of a figure, in inches."""
 
 MAX_COLUMNS = 2
-"""Of panels; three would leave no room for the counts."""
+"""Most panels side by side; three would leave no room for the counts."""
 
 MAX_GRID_HEIGHT, MAX_CELL = 4.6, 0.5
 LEFT, RIGHT, TOP, BOTTOM = 0.36, 0.72, 0.5, 0.34
-"""Around the grid of each panel, in inches, for its numbers, its colour bar and its title."""
+"""Room around the grid of a panel, in inches, for its numbers, its colour bar and its title."""
 MIN_PANEL = 3.3
 """Enough for the longest title with the largest numbers."""
 BAR, BAR_GAP = 0.11, 0.09
 
 POINTS = 72
-"""Per inch."""
+"""Points in an inch."""
 
 TITLE_SIZE, MIN_SIZE = 11.0, 9.0
-"""Of text, in points; 9 are 12 CSS pixels. Smaller counts are not written."""
+"""Sizes of words in points; 9 points are 12 CSS pixels. Smaller counts are not written."""
 
 STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1_000, 5_000, 10_000, 100_000, 1_000_000)
 """Rows and columns from one number to the next."""
@@ -56,18 +56,18 @@ TICK_ROOM = 21.0
 """Points from one number of a row or column to the next."""
 
 STATIONS = (PICKUP, DROPOFF)
-"""Whose cells are marked with their letters."""
+"""Tiles whose cells are marked with their letters."""
 
 HEAT = LinearSegmentedColormap.from_list(
     "heat", mpl.colormaps["YlOrRd"](np.linspace(0.12, 1, 64)), N=32
 )
-"""It begins darker than the floor."""
+"""Colours of counts, all darker than the floor."""
 
 MAX_LIGHT_HEAT = 0.6
-"""On which a dark number is legible."""
+"""Share of the highest count above which numbers are light."""
 
 BLOCKED = ("wall", "robot", "person")
-"""What blocks a move."""
+"""Names of what can block a move."""
 
 
 def blocked_cells(episode: FleetEpisode) -> dict[str, Counts]:
@@ -99,7 +99,7 @@ def heat_map(
     """Return the heat maps of a layout.
 
     Args:
-        rows: of tiles.
+        rows: tiles of the layout.
         panels: ``[H, W]`` counts by title; at least one.
         with_stations: mark the pickup and the dropoff of the layout.
     """
@@ -137,8 +137,8 @@ def draw_heat(
     """Draw floor, heat and walls, and return the heat.
 
     Args:
-        axes: to draw into.
-        rows: of tiles.
+        axes: axes to draw into.
+        rows: tiles of the layout.
         counts: ``[H, W]``.
         cell_points: side of a cell in points.
         highest: the count of the hottest colour.

@@ -24,13 +24,13 @@ def draw_grid(
     """Prepare axes for a layout, in units of cells, row 0 on top.
 
     Args:
-        axes: to draw into.
+        axes: axes to draw into.
         size: rows and columns of the layout.
         every: number every so many rows and columns.
-        line_width: of the lines between cells, in points; 0 draws none.
-        zorder: of these lines.
-        label_size: of the numbers, in points.
-        pad: between the numbers and the grid, in points.
+        line_width: width of the lines between cells, in points; 0 draws none.
+        zorder: drawing order of these lines.
+        label_size: size of the numbers, in points.
+        pad: room between the numbers and the grid, in points.
     """
     height, width = size
     axes.set(xlim=(0, width), ylim=(height, 0), facecolor=COLORS[EMPTY])
@@ -61,12 +61,7 @@ def box_in(
 
 
 def style_chart(axes: Axes, lines: Literal["both", "x", "y"] | None = "both") -> None:
-    """Give a chart its look: no frame, small numbers, faint lines behind everything else.
-
-    Args:
-        axes: of the chart.
-        lines: along which axes there are grid lines.
-    """
+    """Give a chart its look: no frame, small numbers, and faint grid lines behind the rest."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(labelsize=8)
     if lines:

@@ -7,7 +7,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from numpy.typing import NDArray
 
@@ -16,7 +15,7 @@ from warehouse_core.render.palette import COLORS, INK, PAPER, Color, blend
 from warehouse_core.world.tiles import EMPTY
 
 PLAN_STYLE, WISH_STYLE = "-", (0, (0.1, 1.6))
-"""Of a plan, and of the way from its end to the goal that is not planned yet."""
+"""Line styles of a plan, and of the way from its end to the goal, which is not planned yet."""
 
 FADE_STEPS, MAX_FADE = 20, 0.75
 """Steps over which a plan fades, and how much of the floor's colour it then has."""
@@ -28,15 +27,19 @@ Points = NDArray[np.float64]
 
 
 class PlanView:
-    """Draws plans and pushes into axes whose unit is a cell.
+    """Plans and pushes as collections for axes whose unit is a cell.
 
     Args:
-        axes: to draw into.
         cell_points: side of a cell in points, 1/72 inch.
-        zorder: of robots.
+        zorder: drawing order of the robots.
+
+    Attributes:
+        ways: lines of plans.
+        wishes: lines of the shortest ways from the ends of plans to the goals.
+        pushes: arrows from robots to those that they push.
     """
 
-    def __init__(self, axes: Axes, cell_points: float, zorder: float) -> None:
+    def __init__(self, cell_points: float, zorder: float) -> None:
         width = max(2.0, cell_points / 6)
         self.ways, self.wishes = (
             LineCollection(
@@ -48,16 +51,14 @@ class PlanView:
             [], facecolors=[INK], edgecolors=[PAPER], linewidths=min(0.8, cell_points / 24),
             zorder=zorder + 2,
         )  # fmt: skip
-        for collection in (self.ways, self.wishes, self.pushes):
-            axes.add_collection(collection, autolim=False)
 
     def show(self, plans: StepPlans, places: Points, colors: Sequence[Color]) -> None:
         """Draw plans.
 
         Args:
-            plans: to be drawn.
-            places: ``[R, 2]``, the middles of the robots.
-            colors: ``R``, of the robots.
+            plans: plans to be drawn.
+            places: ``[R, 2]`` middles of the robots.
+            colors: ``[R]`` colours of the robots.
         """
         for lines, ways, is_wish in (
             (self.ways, plans.ways, False), (self.wishes, plans.wishes, True),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -28,14 +28,11 @@ from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, WALL, Cell
 BAND = 0.22
 """Thickness of walls along the border, in cells; the rest of their cells is left blank."""
 
-OUTER = 0.7
-"""How much of the cells of a border of walls is not shown."""
-
 INSET, MIN_STATION_POINTS = 0.06, 6.5
-"""Of the square of a station in its cell, and its minimum side."""
+"""Room around the square of a station in its cell, and least side of the square in points."""
 
 MIN_BOARDS, MIN_WAVES = 7.0, 9.0
-"""Minimum sides of cells, in points, with the boards of shelves and with waves."""
+"""Least sides of cells, in points, that show the boards of shelves and waves."""
 
 LETTER, MIN_LETTER_POINTS = 0.24, 6.0
 """Size of the letter of a station, in cells, and its minimum."""
@@ -50,14 +47,12 @@ def draw_tiles(
     """Draw what does not move into axes whose unit is a cell, and return it.
 
     Args:
-        axes: to draw into.
-        rows: of tiles.
+        axes: axes to draw into.
+        rows: tiles of the layout.
         cell_points: side of a cell in points.
         slippery: cells with slippery floor.
     """
-    walls = [
-        (row, col) for row, line in enumerate(rows) for col, tile in enumerate(line) if tile == WALL
-    ]
+    walls = cells_of(WALL, rows)
     size = len(rows), len(rows[0])
     border = {cell for cell in walls if is_on_border(cell, size)}
     shelves = [cell for cell in walls if cell not in border]
@@ -69,42 +64,26 @@ def draw_tiles(
     ]
     inset = min(INSET, 0.5 - MIN_STATION_POINTS / cell_points / 2)
     for tile in (PICKUP, DROPOFF, CHARGER):
-        cells = [
-            (row, col)
-            for row, line in enumerate(rows)
-            for col, found in enumerate(line)
-            if found == tile
-        ]
+        cells = cells_of(tile, rows)
         drawn.append(_boxes(axes, [_whole(cell, inset) for cell in cells], COLORS[tile]))
         drawn += [_letter(axes, cell_points, tile, cell) for cell in cells]
-    unseen = [
-        (row, col)
-        for row, line in enumerate(rows)
-        for col, found in enumerate(line)
-        if found == UNSEEN
-    ]
+    unseen = cells_of(UNSEEN, rows)
     if unseen:
         stripes = {"edgecolor": UNKNOWN_STRIPE, "hatch": "///"}
         drawn.append(_boxes(axes, [_whole(cell) for cell in unseen], UNKNOWN, **stripes))
     return drawn
 
 
+def cells_of(tile: str, rows: Sequence[str]) -> list[Cell]:
+    """Return the cells of some rows that have a tile."""
+    return [
+        (row, col) for row, line in enumerate(rows) for col, here in enumerate(line) if here == tile
+    ]
+
+
 def is_on_border(cell: Cell, size: tuple[int, int]) -> bool:
     """Return whether a cell is in the outermost ring of a layout of ``size`` rows and columns."""
     return any(place in (0, length - 1) for place, length in zip(cell, size, strict=True))
-
-
-def outer_of(all_rows: Iterable[Sequence[str]]) -> float:
-    """Return how much of the outermost cells of a layout needs not be shown.
-
-    Args:
-        all_rows: its tiles, and perhaps what is known of them at other times.
-    """
-    sides = set[str]()
-    for rows in all_rows:
-        sides.update(rows[0], rows[-1], *(line[0] + line[-1] for line in rows))
-    is_wide = min(len(rows), len(rows[0])) > 2
-    return OUTER if is_wide and sides <= {WALL, UNSEEN} else 0.0
 
 
 def _whole(cell: Cell, inset: float = 0.0) -> Box:

@@ -12,7 +12,7 @@ from PIL import GifImagePlugin, Image
 from warehouse_core.render.palette import indexed_palette
 
 LAST_FRAME_MS = 2000
-"""How long a GIF shows its last frame before it starts again."""
+"""Milliseconds for which a GIF shows its last frame before it starts again."""
 
 MIN_FRAME_MS, MAX_FRAME_MS = 20, 655_350
 """Viewers play shorter frames slowly; the file has 16 bits for hundredths of a second."""
@@ -32,7 +32,7 @@ class GifWriter:
     """Writes each frame when the next one comes, so that a long replay fits into memory.
 
     Args:
-        file: to write to.
+        file: binary file to write to.
         frame_ms: milliseconds between frames.
     """
 

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 ALIGNMENT = 4
 LEVEL = 6
-"""Of compression; the highest takes ten times as long for pages of fleets, 7% smaller."""
+"""Level of compression; the highest takes ten times as long and makes pages 7% smaller."""
 
 KINDS = {"i1": 2**7, "i2": 2**15, "i4": 2**31}
 """Types of whole numbers, and what their absolute values are below."""

@@ -35,15 +35,15 @@ EXPORT = re.compile(r"^export ", re.MULTILINE)
 MAX_TITLE = 200
 
 FRAME_HEIGHT = 640
-"""Of a page inside another page, in pixels."""
+"""Height of a page inside another page, in pixels."""
 
 
 def player_page(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0) -> str:
     """Return a page that plays tracks side by side on one clock, as HTML.
 
     Args:
-        tracks: at least one, each with at least one frame.
-        title: of the page; by default those of the tracks.
+        tracks: tracks, at least one, each with at least one frame.
+        title: title of the page; by default the titles of the tracks.
         speed: factor on the playing speed.
 
     Raises:

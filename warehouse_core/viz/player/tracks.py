@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from warehouse_core.orders.order import Order
 from warehouse_core.render.palette import (
     BATTERY,
     COLORS,
@@ -19,7 +20,7 @@ from warehouse_core.render.palette import (
 )
 from warehouse_core.viz.player.charts import packed_charts
 from warehouse_core.viz.player.columns import Columns
-from warehouse_core.viz.tracks.track import Frame, Shift, Track
+from warehouse_core.viz.tracks.track import Frame, Track
 from warehouse_core.world.tiles import Cell
 
 FINE, HALF = 1 / 1024, 1 / 2
@@ -37,7 +38,7 @@ DEFAULT_SPEED = 4.0
 """Simulated seconds in a second; a step of the grid takes a second."""
 
 MAX_SECONDS, MIN_SECONDS = 30.0, 6.0
-"""In which a search is shown at the default speed; in which slow motion is shown at least."""
+"""Most seconds in which a search is shown at the default speed; least for slow motion."""
 
 
 MAX_TEXT = 1_000
@@ -48,8 +49,8 @@ def packed(tracks: Sequence[Track], title: str, speed: float) -> str:
     """Return everything that a page says of tracks, as text.
 
     Args:
-        tracks: to be shown side by side on one clock.
-        title: of the page.
+        tracks: tracks to be shown side by side on one clock.
+        title: title of the page.
         speed: factor on the playing speed.
 
     Raises:
@@ -199,12 +200,11 @@ def _fleet(track: Track, robots: int, columns: Columns) -> dict[str, Any]:
         "plans": columns.whole(np.array(lines, np.int64).reshape(-1, 4).T, is_delta=True),
         "ways": columns.whole(_numbers(ways, track), is_delta=True),
         "pushes": columns.whole(np.array(pushes, np.int64).reshape(-1, 3).T, is_delta=True),
-        **({} if track.shift is None else _orders(track, track.shift, columns)),
+        **({} if track.orders is None else _orders(track, track.orders, columns)),
     }
 
 
-def _orders(track: Track, shift: Shift, columns: Columns) -> dict[str, Any]:
-    orders = shift.orders
+def _orders(track: Track, orders: Sequence[Order], columns: Columns) -> dict[str, Any]:
     fields = {
         "released": [order.released for order in orders],
         "due": [order.due for order in orders],
@@ -214,7 +214,7 @@ def _orders(track: Track, shift: Shift, columns: Columns) -> dict[str, Any]:
         "pickup": _numbers([order.pickup for order in orders], track),
         "dropoff": _numbers([order.dropoff for order in orders], track),
     }
-    assigned = [(step, robot, _or_never(order)) for step, robot, order in shift.assignments]
+    assigned = [(step, robot, _or_never(order)) for step, robot, order in track.assignments]
     return {
         "orders": {name: columns.whole(values, is_delta=True) for name, values in fields.items()},
         "assigned": columns.whole(np.array(assigned, np.int64).reshape(-1, 3).T, is_delta=True),

@@ -1,15 +1,7 @@
 """What replays draw: tracks, read from records or from bare frames. Nothing heavy is imported."""
 
-from warehouse_core.viz.tracks.episode_track import track_of_episode
-from warehouse_core.viz.tracks.fleet_track import track_of_fleet_episode
 from warehouse_core.viz.tracks.grid_track import track_of_frames
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Frame, Pose, Track
 
-__all__ = [
-    "Frame",
-    "Pose",
-    "Track",
-    "track_of_episode",
-    "track_of_fleet_episode",
-    "track_of_frames",
-]
+__all__ = ["Frame", "Pose", "Track", "track_of_frames", "track_of_record"]

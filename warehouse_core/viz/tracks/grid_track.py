@@ -25,8 +25,8 @@ def track_of_frames(
     the robot elsewhere.
 
     Raises:
-        ValueError: frames of different sizes, an unknown character, an unknown metric, one whose
-            number of entries is not that of the frames, or an entry that cannot be plotted.
+        ValueError: frames of different sizes, an unknown character, an unknown metric, a metric
+            with more or fewer entries than frames, or an entry that cannot be plotted.
     """
     grids = [["".join(row) for row in frame] for frame in frames]
     _check_grids(grids)

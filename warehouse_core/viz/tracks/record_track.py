@@ -1,25 +1,354 @@
-"""What a replay of a record draws, of one robot or of a fleet."""
+"""The track of a record: what its replay shows, of one robot or of a fleet."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
+from functools import cache
 
-from warehouse_core.records.episode import Episode, FleetEpisode
-from warehouse_core.records.plans import StepPlans
-from warehouse_core.viz.tracks.episode_track import track_of_episode
-from warehouse_core.viz.tracks.fleet_track import track_of_fleet_episode
-from warehouse_core.viz.tracks.motion_frames import FRAME_SECONDS
-from warehouse_core.viz.tracks.track import Track
+import numpy as np
+from numpy.typing import NDArray
 
-Record = Episode | FleetEpisode
+from warehouse_core.arguments import real_number
+from warehouse_core.errors import RecordError
+from warehouse_core.motion.base import Contact, Outcome
+from warehouse_core.motion.vector import NOTHING
+from warehouse_core.records.episode import UNFINISHED, Episode
+from warehouse_core.records.failure_modes import diagnose
+from warehouse_core.records.plans import NO_PLANS, StepPlans, check_plans
+from warehouse_core.render.palette import ORDER_COLORS
+from warehouse_core.viz.tracks.track import FleetFrame, Frame, Hit, Pose, Track, Waiting, middle
+from warehouse_core.wording import counted, printable
+from warehouse_core.world.actions import DISPLACEMENTS, WAIT
+
+FRAME_SECONDS = 0.2
+"""Simulated seconds from one frame of a continuous motion to the next."""
+
+FLASH_SECONDS = 0.6
+"""Simulated seconds for which a hit is shown."""
+
+MAX_FRAMES = 100_000
+"""Limit on the frames of continuous motions, whose number follows from their duration."""
+
+LATE = len(ORDER_COLORS) - 1
+"""Age of an order that is late."""
+
+NOTHING_CARRIED = -1
 
 
 def track_of_record(
-    record: Record,
+    record: Episode,
     frame_seconds: float | None = FRAME_SECONDS,
     plans: Sequence[StepPlans] = (),
 ) -> Track:
-    """Return what ``track_of_episode`` or, with ``plans``, ``track_of_fleet_episode`` returns."""
+    """Return the track of a record.
+
+    Args:
+        record: record of one robot or of a fleet.
+        frame_seconds: simulated time between two frames of continuous motions; ``None`` gives
+            one frame a step, as for motions that are not continuous.
+        plans: plans of a fleet to be drawn, the one before the first step first; there may be fewer
+            plans than steps.
+
+    Raises:
+        ValueError: ``frame_seconds`` is not a positive finite number, or a plan does not fit the
+            record.
+        RecordError: continuous motions take more than ``MAX_FRAMES`` frames.
+    """
+    seconds, has_paths = record.seconds, bool(record.motions)
     if record.is_fleet:
-        return track_of_fleet_episode(record, frame_seconds, plans)
-    return track_of_episode(record, frame_seconds)
+        check_plans(plans, record)
+        seconds = float(seconds.max(axis=1).sum())
+    else:
+        has_paths = any(len(motion.path) > 2 for motion in record.motions)
+    is_continuous = has_paths and frame_seconds is not None
+    if frame_seconds is not None:
+        check_frame_seconds(frame_seconds, seconds if has_paths else 0.0)
+    apart = frame_seconds if is_continuous else None
+    frames = [*(_fleet_frames(record, apart, plans) if record.is_fleet else _frames(record, apart))]
+    settings = record.settings
+    track = Track(
+        frames, record.metrics, is_continuous, title=title_of(record), slippery=record.slippery,
+        view_radius=settings.view_radius, motor_strength=record.motor_strength,
+    )  # fmt: skip
+    if record.is_fleet:
+        track.full_battery, track.ending = settings.battery.capacity, _ending(record)
+    else:
+        track.full_battery = settings.battery
+        if record.outcome != UNFINISHED:
+            diagnosis = diagnose(record)
+            track.ending, frames[-1].caption = diagnosis.mode, printable(diagnosis.sentence)
+    if record.robots > 1:
+        track.metrics, track.lateness = _fleet_metrics(record), _lateness(record)
+        track.orders, track.assignments = record.orders, record.assignments
+    return track
+
+
+def title_of(record: Episode) -> str:
+    """Return the agent, the backend and the seed of a record, and how many robots a fleet has."""
+    agent = record.agent or ("Fleet" if record.is_fleet else "Warehouse")
+    robots = f", {counted(record.robots, 'robot')}" if record.is_fleet else ""
+    seed = "" if record.seed is None else f", seed {record.seed}"
+    return printable(f"{agent}{robots} on the {record.backend} backend{seed}")
+
+
+def step_captions(record: Episode) -> list[str]:
+    """Return for each step of a lone robot the action and its reason."""
+    return [
+        printable(f"{action} ({reason})" if reason else str(action))
+        for action, reason in zip(record.actions, record.reasons, strict=True)
+    ]
+
+
+def _frames(record: Episode, frame_seconds: float | None) -> Iterator[Frame]:
+    """Yield the frames of a lone robot, one a step or one every ``frame_seconds``."""
+    rows, size = record.layout.rows, record.cell_size
+    last = Frame(rows, (Pose(middle(record.cells[0]), None, record.loaded[0]),), 0.0)
+    yield last
+    for step, (motion, caption) in enumerate(
+        zip(record.motions, step_captions(record), strict=True), start=1
+    ):
+        loaded = record.loaded[step]
+        if frame_seconds is not None:
+            along = frames_along(last, [motion], [loaded], size, frame_seconds, caption)
+            for last in along:
+                yield last
+            continue
+        pose = Pose(middle(record.cells[step]), float(motion.path[-1, 3]), loaded)
+        hits = tuple(hit_of(contact, size, "") for contact in motion.contacts)
+        clock, energy = last.clock + motion.seconds, last.energy + motion.joules
+        last = Frame(rows, (pose,), float(step), caption, hits, clock, energy=energy)
+        yield last
+
+
+def _fleet_frames(
+    episode: Episode, frame_seconds: float | None, plans: Sequence[StepPlans]
+) -> Iterator[Frame]:
+    """Yield the frames of a fleet, one a step or one every ``frame_seconds``."""
+    orders, bodies = _Orders(episode), np.hstack([episode.cells, episode.people])
+    loaded = np.hstack([episode.loaded, np.zeros_like(episode.people, np.bool_)]).tolist()
+    rows, width, size = episode.layout.rows, episode.layout.width, episode.cell_size
+    headings = _headings(episode)
+
+    @cache
+    def pose_of(cell: int, heading: float | None, is_loaded: bool) -> Pose:
+        return Pose(middle(divmod(cell, width)), heading, is_loaded)
+
+    last = Frame(rows, (), 0.0)
+    for step in range(episode.steps + 1):
+        now = plans[step] if step < len(plans) else NO_PLANS
+        fleet, caption = orders.at(step)._replace(plans=now), orders.caption(step)
+        if step and frame_seconds is not None:
+            motions, before = episode.motions[step - 1], last.fleet
+            along = frames_along(last, motions, loaded[step], size, frame_seconds, caption)
+            for last in along:
+                last.hits = tuple(Hit(hit.at, "", hit.robot) for hit in last.hits)
+                last.fleet = fleet if last.progress == step else before
+                yield last
+        else:
+            keys = zip(bodies[step].tolist(), headings[step], loaded[step], strict=True)
+            poses = tuple([pose_of(*key) for key in keys])
+            hits = _hits(episode, step - 1) if step else ()
+            clock = last.clock + float(episode.seconds[step - 1].max()) if step else 0.0
+            last = Frame(rows, poses, float(step), caption, hits, clock, fleet=fleet)
+            yield last
+
+
+def _headings(episode: Episode) -> list[list[float | None]]:
+    """Return for each frame the direction in which each body moved last, as an angle."""
+    bodies = episode.settings.bodies
+    headings: list[list[float | None]] = [[None] * bodies]
+    width = episode.layout.width
+    angle_of = {1: 0.0, width: math.pi / 2, -1: math.pi, -width: -math.pi / 2}
+    moved = np.diff(np.hstack([episode.cells, episode.people]), axis=0)
+    for row in moved.tolist():
+        headings.append(
+            [angle_of.get(by, before) for by, before in zip(row, headings[-1], strict=True)]
+        )
+    return headings
+
+
+def _hits(episode: Episode, step: int) -> tuple[Hit, ...]:
+    """Return where robots were blocked in a step: half way to the cell that they did not reach."""
+    hits = []
+    for robot in np.flatnonzero(episode.stopped_by[step] != NOTHING).tolist():
+        row, col = divmod(int(episode.cells[step, robot]), episode.layout.width)
+        action = int(episode.actions[step, robot])
+        down, right = DISPLACEMENTS[action] if action < WAIT else (0, 0)
+        hits.append(Hit((col + 0.5 + right / 2, row + 0.5 + down / 2), "", robot))
+    return tuple(hits)
+
+
+class _Orders:
+    """The orders of an episode, as they are after any number of steps."""
+
+    def __init__(self, episode: Episode) -> None:
+        self._episode, never = episode, episode.steps + 1
+        orders = episode.orders
+        self._released, self._due, self._taken, self._delivered = np.array(
+            [
+                (
+                    order.released,
+                    order.due,
+                    never if order.taken is None else order.taken,
+                    never if order.delivered is None else order.delivered,
+                )
+                for order in orders
+            ],
+            np.int64,
+        ).reshape(-1, 4).T  # fmt: skip
+        self._robot = np.array([-1 if o.taken_by is None else o.taken_by for o in orders], np.intp)
+        self._pickups = sorted({order.pickup for order in orders})
+        number = {cell: index for index, cell in enumerate(self._pickups)}
+        self._pickup = np.array([number[order.pickup] for order in orders], np.intp)
+        self._full = episode.settings.battery.capacity
+
+    def at(self, step: int) -> FleetFrame:
+        """Return what a frame shows of orders, and of batteries."""
+        age = self._ages(step)
+        waits = (self._released <= step) & (step < self._taken)
+        counts = np.bincount(self._pickup[waits], minlength=len(self._pickups)).tolist()
+        oldest = np.zeros(len(self._pickups), np.intp)
+        np.maximum.at(oldest, self._pickup[waits], age[waits])
+        items = np.where(self._episode.loaded[step], 0, NOTHING_CARRIED)
+        carried = (self._taken <= step) & (step < self._delivered)
+        items[self._robot[carried]] = age[carried]
+        return FleetFrame(
+            tuple(
+                Waiting(middle(cell), count, int(oldest[place]))
+                for place, (cell, count) in enumerate(zip(self._pickups, counts, strict=True))
+                if count
+            ),
+            tuple(None if item == NOTHING_CARRIED else item for item in items.tolist()),
+            tuple(np.clip(self._episode.battery[step] / self._full, 0, 1).tolist()),
+        )
+
+    def caption(self, step: int) -> str:
+        """Return how many orders have been delivered, are carried and wait, in words."""
+        if not len(self._released):
+            return ""
+        delivered = self._delivered <= step
+        late = int((delivered & (self._delivered > self._due)).sum())
+        carried = int(((self._taken <= step) & ~delivered).sum())
+        waiting = int(((self._released <= step) & (step < self._taken)).sum())
+        late_ones = f" ({late:,} late)" if late else ""
+        return f"{delivered.sum():,} delivered{late_ones}, {carried:,} carried, {waiting:,} waiting"
+
+    def _ages(self, step: int) -> NDArray[np.intp]:
+        """Return the age of each order: the third of its time that it is in, or ``LATE``."""
+        time = np.maximum(self._due - self._released, 1)
+        third = np.clip(LATE * (step - self._released) // time, 0, LATE - 1)
+        ages: NDArray[np.intp] = np.where(step > self._due, LATE, third)
+        return ages
+
+
+def _fleet_metrics(episode: Episode) -> dict[str, Sequence[float]]:
+    """Return what ``FLEET_METRICS`` names."""
+    steps = episode.steps
+    if episode.settings.orders is None:
+        gone = episode.loaded[:-1] & ~episode.loaded[1:]
+        delivered = np.concatenate([[0], gone.sum(axis=1)])
+    else:
+        delivered = np.bincount([step for step, _ in _lateness(episode)], minlength=steps + 1)
+    released = np.array([order.released for order in episode.orders], np.intp)
+    shares = np.clip(episode.battery / episode.settings.battery.capacity, 0, 1)
+    return {
+        "released": np.bincount(released, minlength=steps + 1).cumsum().tolist(),
+        "delivered": delivered.cumsum().tolist(),
+        "battery_mean": shares.mean(axis=1).tolist(),
+        "battery_lowest": shares.min(axis=1).tolist(),
+        "joules": [0.0, *episode.joules.sum(axis=1).cumsum().tolist()],
+    }
+
+
+def _lateness(episode: Episode) -> list[tuple[int, int]]:
+    """Return the step of each delivery, and by how many steps it was late."""
+    return sorted(
+        (order.delivered, order.delivered - order.due)
+        for order in episode.orders
+        if order.delivered is not None
+    )
+
+
+def _ending(episode: Episode) -> str:
+    if episode.terminated.all():
+        return "all delivered"
+    if (episode.battery[-1] <= 0).all():
+        return "batteries empty"
+    return "time is up" if episode.truncated.any() else ""
+
+
+def frames_along(
+    start: Frame,
+    motions: Sequence[Outcome],
+    loaded: Sequence[bool],
+    cell_size: float,
+    frame_seconds: float,
+    caption: str,
+) -> Iterator[Frame]:
+    """Yield the frames along the paths of one action of each robot, the last where they end.
+
+    Args:
+        start: last frame before the action.
+        motions: outcome for each body of ``start``.
+        loaded: true for each body that holds an item after the action.
+        cell_size: side of a cell in metres.
+        frame_seconds: simulated time between two frames.
+        caption: words of each frame.
+    """
+    seconds, joules = max(motion.seconds for motion in motions), motions[0].joules
+    count = max(1, round(seconds / frame_seconds))
+    times = [seconds * frame / count for frame in range(count + 1)]
+    paths = [
+        [np.interp(times, motion.path[:, 0], motion.path[:, axis]).tolist() for axis in (1, 2, 3)]
+        for motion in motions
+    ]
+    (xs, ys, _), *_ = paths
+    for k in range(1, count + 1):
+        is_last = k == count
+        poses = [
+            Pose(
+                (x[k] / cell_size, y[k] / cell_size),
+                angle[k],
+                after if is_last else before is not None and before.loaded,
+            )
+            for (x, y, angle), before, after in zip(paths, start.robots, loaded, strict=True)
+        ]
+        hits = [
+            hit_of(contact, cell_size, f"{contact.impulse:.0f} N·s", robot)
+            for robot, motion in enumerate(motions)
+            for contact in motion.contacts
+            if contact.seconds <= times[k] <= contact.seconds + FLASH_SECONDS
+        ]
+        moved = math.dist((xs[k - 1], ys[k - 1]), (xs[k], ys[k]))
+        yield Frame(
+            start.tiles,
+            tuple(poses),
+            start.progress + k / count,
+            caption,
+            tuple({hit.at: hit for hit in hits}.values()),  # both robots of a collision report it
+            start.clock + (seconds if is_last else times[k]),
+            moved / (times[k] - times[k - 1]),
+            start.energy + joules * k / count,
+        )
+
+
+def hit_of(contact: Contact, cell_size: float, label: str, robot: int = 0) -> Hit:
+    """Return what is shown of a contact, whose point is in metres."""
+    x, y = contact.point
+    return Hit((x / cell_size, y / cell_size), label, robot)
+
+
+def check_frame_seconds(frame_seconds: float, seconds: float) -> None:
+    """Raise unless motions of so many seconds can have a frame every ``frame_seconds``.
+
+    Raises:
+        ValueError: ``frame_seconds`` is not a positive finite number.
+        RecordError: they would take more than ``MAX_FRAMES`` frames.
+    """
+    real_number("frame_seconds", frame_seconds, above=True)
+    if seconds > MAX_FRAMES * frame_seconds:
+        raise RecordError(
+            f"the motions take {seconds:g} s; with a frame every {frame_seconds:g} s "
+            f"that is more than MAX_FRAMES = {MAX_FRAMES}"
+        )

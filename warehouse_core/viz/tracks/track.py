@@ -7,21 +7,29 @@ middle of cell ``(row, col)`` is at ``x = col + 0.5``, ``y = row + 0.5``.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import NamedTuple
 
 from warehouse_core.orders.order import Order
 from warehouse_core.records.plans import NO_PLANS, StepPlans
+from warehouse_core.render.atlas import UNSEEN
 from warehouse_core.render.palette import Color
-from warehouse_core.world.tiles import (
-    Cell,
-)
+from warehouse_core.world.tiles import WALL, Cell
+
+OUTER = 0.7
+"""Share of the cells of a border of walls that is not shown."""
 
 INTERVAL_MS = 150
 """Milliseconds between frames of a replay."""
 
 METRICS = ("rewards", "battery", "dist_pickup", "dist_dropoff")
+"""Names of what the charts of one robot show."""
+
+FLEET_METRICS = ("released", "delivered", "battery_mean", "battery_lowest", "joules")
+"""Names of what the charts of a fleet show: orders released and delivered, and joules used, all so
+far; mean and lowest share of a full battery."""
 
 Rows = tuple[str, ...]
 Point = tuple[float, float]
@@ -66,24 +74,6 @@ class FleetFrame(NamedTuple):
     plans: StepPlans = NO_PLANS
 
 
-class Shift(NamedTuple):
-    """What the charts of a fleet show; all but ``lateness`` are lists ``[S]``, see ``Track``.
-
-    That is orders released and items delivered so far, mean and lowest share of a full battery, and
-    energy used so far. ``lateness`` has the step of each delivery and by how many it was late.
-    ``orders`` and ``assignments`` are those of the record.
-    """
-
-    released: list[int]
-    delivered: list[int]
-    lateness: list[tuple[int, int]]
-    battery: list[float]
-    lowest: list[float]
-    joules: list[float]
-    orders: Sequence[Order] = ()
-    assignments: Sequence[tuple[int, int, int | None]] = ()
-
-
 class Marks(NamedTuple):
     """Cells that change their colour, such as those that a search expands.
 
@@ -91,8 +81,8 @@ class Marks(NamedTuple):
         times: ``[K]``, not decreasing.
         cells: ``[K]``.
         values: ``[K]`` indices into ``colors``.
-        colors: of the floor from then on.
-        names: of the colours, for the legend.
+        colors: colours of the floor from then on.
+        names: names of the colours, for the legend.
         ends: start and goal.
     """
 
@@ -110,13 +100,13 @@ class Frame:
 
     Attributes:
         tiles: rows of tiles without the robots, ``UNSEEN`` where a cell has not been seen.
-        robots: the pose of each robot, ``None`` for one that is not shown; those of a fleet are
-            followed by people.
+        robots: pose of each robot, ``None`` for one that is not shown; in a fleet poses of people
+            follow.
         progress: steps taken, with a fraction inside a continuous motion.
         caption: the action and its reason; in the last frame of an episode its diagnosis.
         hits: the collisions to show.
         clock: simulated seconds; 0 in all frames if the track has no motions.
-        speed: of the first robot, in m/s.
+        speed: speed of the first robot, in m/s.
         energy: used so far by the first robot, in joules.
         route: the planned way of the robot; empty where no plan is shown.
         fleet: orders and batteries of a fleet.
@@ -139,27 +129,32 @@ class Track:
     """Everything a replay shows. ``S`` is the number of steps plus one.
 
     Attributes:
-        frames: at least one; all have the same number of robots.
-        metrics: for some of ``METRICS`` a list ``[S]``; NaN is not drawn.
-        is_continuous: whether frames have a speed, and show moments inside a step.
+        frames: frames, at least one; all have the same number of robots.
+        metrics: ``[S]`` what charts show, by ``METRICS`` or, of fleets, ``FLEET_METRICS``; NaN is
+            not drawn.
+        is_continuous: true if frames have a speed, and show moments inside a step.
         full_battery: units of a full battery.
         title: shown above the grid.
-        ending: how it ended, shown with the last frame.
-        shift: what the charts of a fleet show.
+        ending: outcome, shown with the last frame.
+        lateness: step of each delivery of a fleet, and by how many steps it was late.
+        orders: orders of a fleet, for a page; ``None`` if it does not show them.
+        assignments: step, robot and order of each assignment of these orders.
         view_radius: cells that a robot sees in each direction, ``None`` if unknown.
         slippery: cells with slippery floor.
         motor_strength: actual share of the motor force.
-        marks: of a search.
-        tells_next: whether a caption is about the next step, not the one before.
+        marks: cells that a search has coloured.
+        tells_next: true if a caption is about the next step, false if about the last one.
     """
 
     frames: list[Frame]
-    metrics: dict[str, list[float]]
+    metrics: Mapping[str, Sequence[float]]
     is_continuous: bool = False
     full_battery: float = 1.0
     title: str = ""
     ending: str = ""
-    shift: Shift | None = None
+    lateness: Sequence[tuple[int, int]] = ()
+    orders: Sequence[Order] | None = None
+    assignments: Sequence[tuple[int, int, int | None]] = ()
     view_radius: int | None = None
     slippery: tuple[Cell, ...] = ()
     motor_strength: float = 1.0
@@ -172,6 +167,11 @@ class Track:
     def step_at(self, frame: int) -> int:
         """Return how many steps are complete in ``frame``."""
         return math.floor(self.frames[frame].progress)
+
+    def rewards_until(self, step: int) -> tuple[list[float], list[float]]:
+        """Return the rewards of all steps up to one, with NaN as 0, and their running sums."""
+        rewards = [0.0 if math.isnan(r) else r for r in self.metrics["rewards"][: step + 1]]
+        return rewards, [*accumulate(rewards)]
 
     @property
     def steps(self) -> int:
@@ -190,8 +190,28 @@ class Track:
 
     @property
     def is_fleet(self) -> bool:
-        """Whether the robots are those of a fleet."""
+        """Whether the track shows a fleet."""
         return self.frames[0].fleet is not None
+
+    @property
+    def counts_orders(self) -> bool:
+        """Whether the charts are about the orders of a fleet."""
+        return "delivered" in self.metrics
+
+    @property
+    def outer(self) -> float:
+        """Share of the outermost cells that is not shown, where they are walls in all frames."""
+        first, sides = self.frames[0].tiles, set[str]()
+        for rows in {frame.tiles for frame in self.frames}:
+            sides.update(rows[0], rows[-1], *(line[0] + line[-1] for line in rows))
+        is_wide = min(len(first), len(first[0])) > 2
+        return OUTER if is_wide and sides <= {WALL, UNSEEN} else 0.0
+
+    @property
+    def shown_size(self) -> tuple[float, float]:
+        """Width and height of what is shown of the map, in cells."""
+        rows, outer = self.frames[0].tiles, self.outer
+        return len(rows[0]) - 2 * outer, len(rows) - 2 * outer
 
     @property
     def has_routes(self) -> bool:

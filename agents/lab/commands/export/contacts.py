@@ -10,11 +10,11 @@ from warehouse_core import FleetEpisode
 from warehouse_core.motion.base import WALL_CONTACT, Contact, centre_of, robot_contact
 from warehouse_core.motion.grid import NOMINAL_KG, NOMINAL_SECONDS
 from warehouse_core.motion.vector import NOTHING, WALL
-from warehouse_core.viz.tracks.record_track import Record
+from warehouse_core.records.episode import Episode
 from warehouse_core.world.actions import DISPLACEMENTS
 
 
-def contacts_of(record: Record, step: int) -> Iterator[tuple[int, Contact]]:
+def contacts_of(record: Episode, step: int) -> Iterator[tuple[int, Contact]]:
     """Yield the contacts in a step, and for each the body that it is of; step 0 has none.
 
     Bodies are the robots and then the people, which are numbered on as counterparts too.

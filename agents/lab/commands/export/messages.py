@@ -34,12 +34,12 @@ Message = dict[str, Any]
 FRAME = "warehouse"
 
 HEIGHTS = {WALL: 0.5, PICKUP: 0.02, DROPOFF: 0.02, CHARGER: 0.02}
-"""Of the tiles that are drawn on the floor, in cells; so are all sizes here."""
+"""Heights of the tiles that are drawn on the floor, in cells; so are all sizes here."""
 
 FLOOR = 0.02
 DIAMETER, BODY, NOSE, HIT_SIZE = 0.62, 0.3, 0.25, 0.2
 HIT_SECONDS = 0.6
-"""For which a hit is shown."""
+"""Time for which a hit is shown."""
 
 
 def stamp(nanoseconds: int) -> Message:

@@ -37,19 +37,20 @@ from agents.lab.commands.export.schemas import (
     SCHEMA_OF,
     SCHEMAS,
 )
+from warehouse_core import Episode
 from warehouse_core.errors import FormatError
 from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.motion.base import robot_contact
 from warehouse_core.viz.export import progress_bar
-from warehouse_core.viz.tracks.record_track import Record, track_of_record
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Frame
 from warehouse_core.wording import printable
 
 MCAP = ".mcap"
 
 POSE_SECONDS = 0.1
-"""Between two poses of a robot inside a motion; tools interpolate."""
+"""Time between two poses of a robot inside a motion; tools interpolate."""
 
 
 class Entry(NamedTuple):
@@ -60,7 +61,7 @@ class Entry(NamedTuple):
     message: Message
 
 
-def save_recording(target: Path, record: Record) -> None:
+def save_recording(target: Path, record: Episode) -> None:
     """Write a record as MCAP, whole or not at all.
 
     Raises:
@@ -89,7 +90,7 @@ def save_recording(target: Path, record: Record) -> None:
         writer.finish()
 
 
-def entries(record: Record) -> Iterator[Entry]:
+def entries(record: Episode) -> Iterator[Entry]:
     """Yield the messages of a record in order of time.
 
     Raises:
@@ -111,7 +112,7 @@ def entries(record: Record) -> Iterator[Entry]:
 class _Recording:
     """The messages of a record, step by step."""
 
-    def __init__(self, record: Record) -> None:
+    def __init__(self, record: Episode) -> None:
         self._record = record
         self.size, robots = record.cell_size, record.robots
         if not record.is_fleet:
@@ -159,7 +160,7 @@ class _Recording:
             yield Entry(time, BODIES, bodies_scene(time, loads, self.size))
 
 
-def _about(record: Record) -> dict[str, str]:
+def _about(record: Episode) -> dict[str, str]:
     """Return what the recording says of the episode as a whole."""
     backend = record.backend
     about = {

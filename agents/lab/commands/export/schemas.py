@@ -92,7 +92,7 @@ SCHEMAS: dict[str, Schema] = {
     "warehouse.Contact": _CONTACT,
     "warehouse.Energy": _ENERGY,
 }
-"""By name; each is one of an object."""
+"""JSON schemas of messages, by name; each message is an object."""
 
 LAYOUT, BODIES, POSES, HITS = "/layout", "/bodies", "/tf", "/hits"
 CONTACTS, ENERGY = "/contacts", "/energy"

@@ -14,18 +14,18 @@ from typing import Any, get_type_hints
 from agents.errors import StoreError
 from agents.lab.experiments.case import TILES, Case, row_type
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import Row
+from agents.lab.trials.rows import Row
 from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.wording import spreadsheet_text
 
 ROWS_END = "/"
-"""Between the rows of a layout, so that an episode is one line of text."""
+"""Sign between the rows of a layout, so that an episode is one line of text."""
 
 CSV, PARQUET = ".csv", ".parquet"
 
 LINES_AT_ONCE = 50_000
-"""Of a Parquet file, so that a large table takes little memory."""
+"""Lines that a Parquet file is written by, so that a large table takes little memory."""
 
 TYPES = {int: "int", float: "float", str: "str", int | None: "int", float | None: "float"}
 
@@ -53,7 +53,7 @@ def save_table(target: Path, results: Path, suffix: str) -> None:
 def columns_of(store: Store) -> dict[str, str]:
     """Return the columns of the table and their types: settings, results and program.
 
-    They are those of any case; they are empty in the lines of cases that have none. Types are
+    Each column belongs to one case or more; it is empty in the lines of the others. Types are
     ``"str"``, ``"bool"``, ``"int"`` or ``"float"``.
 
     Raises:

@@ -44,7 +44,7 @@ from agents.lab.runs.run import draw_seed, run
 from agents.registry import PLANNERS, make_fleet_agent, make_team
 from warehouse_core import Episode, FleetEnv, OrderStream, WarehouseError
 from warehouse_core.arguments import whole_number
-from warehouse_core.fleet.settings import MAX_BODIES
+from warehouse_core.batch.fleet.settings import MAX_BODIES
 from warehouse_core.orders import load_orders
 from warehouse_core.orders.order import Orders
 from warehouse_core.records.recorder import FleetAgent

@@ -10,10 +10,10 @@ import typer
 
 from agents.fleet.planned import DEFAULT_ASSIGNMENT
 from agents.mapf.assignment import ASSIGNMENTS
+from warehouse_core.arguments import MAX_STEPS
+from warehouse_core.batch.fleet.battery import JOULES, STEPS
+from warehouse_core.batch.fleet.settings import MAX_BODIES
 from warehouse_core.fleet import Battery
-from warehouse_core.fleet.battery import JOULES, STEPS
-from warehouse_core.fleet.settings import MAX_BODIES
-from warehouse_core.task.encoding import MAX_STEPS
 from warehouse_core.world.named_layouts import NAMES
 
 RobotsOption = Annotated[

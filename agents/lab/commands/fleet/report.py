@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import say
-from agents.lab.evaluation.interval import CONFIDENCE, MIN_VALUES, mean_interval
-from agents.lab.evaluation.wording import mean, percent
+from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES, mean_interval
+from agents.lab.trials.wording import mean, percent
 from warehouse_core import Episode
 from warehouse_core.fleet import FleetMeasures
-from warehouse_core.records.fleet_modes import FleetDiagnosis, diagnose_fleet
+from warehouse_core.records.failure_modes import FleetDiagnosis, diagnose_fleet
 from warehouse_core.wording import counted
 
 FEW_WAITING = 2

@@ -27,8 +27,8 @@ from agents.lab.commands.planners.compare_planners import MAX_SEEDS
 from agents.lab.console.options import JobsOption, save_option
 from agents.lab.console.table import print_table
 from agents.lab.console.terminal import print_error, say
-from agents.lab.evaluation.interval import MIN_VALUES
-from agents.lab.experiments.workers import run_each
+from agents.lab.trials.interval import MIN_VALUES
+from agents.lab.trials.workers import run_each
 from agents.registry import PLANNERS, make_fleet_agent
 from warehouse_core import FleetEpisode, WarehouseError
 from warehouse_core.files.atomic import atomic_path

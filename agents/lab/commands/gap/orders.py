@@ -26,11 +26,11 @@ def draw_orders(
     """Return the first orders of a Poisson process, in order of release.
 
     Args:
-        layout: with the stations, each of which is drawn equally often.
+        layout: layout with the stations, each of which is drawn equally often.
         rate: mean number of orders released in a second, above 0.
         count: number of orders.
         due: fewest and most seconds from release to due time, drawn uniformly.
-        seed: of all that is drawn.
+        seed: seed of all that is drawn.
 
     Raises:
         LayoutError: the layout has no pickup or no dropoff.

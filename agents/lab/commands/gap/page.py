@@ -15,11 +15,11 @@ from agents.lab.commands.gap.summary import Scores, message
 from agents.lab.commands.gap.trial import Setting
 from agents.lab.commands.gap.worlds import DRIVING, PLAN, STOPPING
 from agents.lab.console import table as console
-from agents.lab.evaluation.interval import CONFIDENCE
 from agents.lab.reports.page import Table, write_template
+from agents.lab.trials.interval import CONFIDENCE
 from warehouse_core import FleetEpisode
 from warehouse_core.viz.player import player_frame
-from warehouse_core.viz.tracks import Track, track_of_fleet_episode
+from warehouse_core.viz.tracks import Track, track_of_record
 from warehouse_core.wording import counted, listed
 
 FRAME_SECONDS = 0.5
@@ -29,7 +29,7 @@ SPEED = 2.0
 """Factor on the playing speed."""
 
 HEIGHT = 860
-"""Of the replay in pixels."""
+"""Height of the replay in pixels."""
 
 NOTE = (
     f"Means over the seeds; brackets are {CONFIDENCE:.0%} intervals, the studentised bootstrap's. "
@@ -38,7 +38,7 @@ NOTE = (
 )
 
 MIN_SHARE = 0.04
-"""Of the longest bar that a part has whose number is written on it."""
+"""Least share of the longest bar that a part must have for its number to be written on it."""
 
 
 class Part(NamedTuple):
@@ -49,11 +49,11 @@ class Part(NamedTuple):
 
 
 class Bar(NamedTuple):
-    """What the robots of a world spend their time on.
+    """The time of the robots of a world, by what they spend it on.
 
     Attributes:
-        world: its name.
-        width: in percent of the longest bar.
+        world: name of the world.
+        width: width in percent of the longest bar.
         total: seconds a delivery.
         parts: one for each of ``KINDS``.
         words: the same as text.
@@ -76,11 +76,11 @@ def write_gap_page(
     """Write the page, whole or not at all.
 
     Args:
-        path: of the file.
-        setting: of all runs.
-        scores: of all worlds.
-        table: of the measures.
-        records: of the first seed, by world.
+        path: path of the file.
+        setting: setting of all runs.
+        scores: scores of all worlds.
+        table: table of the measures.
+        records: records of the first seed, by world.
 
     Raises:
         OSError: the file cannot be written.
@@ -107,12 +107,11 @@ def write_gap_page(
 
 def track_of(record: FleetEpisode, world: str) -> Track:
     """Return the track of a record under the name of its world."""
-    track = track_of_fleet_episode(record, FRAME_SECONDS)
+    track = track_of_record(record, FRAME_SECONDS)
     track.title = world
     for frame in track.frames:
         frame.energy = 0.0  # it is that of one robot
-    if track.shift is not None:
-        track.shift = track.shift._replace(lateness=[])  # in steps, which last differently long
+    track.lateness = ()  # in steps, which last differently long
     return track
 
 

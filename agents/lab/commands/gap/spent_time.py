@@ -15,8 +15,8 @@ KINDS = (
     "picking, dropping, charging",
     "idle without an order",
 )
-"""What time is spent on. The first is the time that the distance would take at top speed, the
-second what moving takes beyond that. Waiting is for other robots, for the end of a joint step, or
+"""Kinds of spent time. The first is the time that the distance would take at top speed, the second
+the time that moving takes beyond it. Waiting is for other robots, for the end of a joint step, or
 for a stop to end."""
 
 AT_REST = 1e-4, 1e-3
@@ -32,7 +32,7 @@ def time_spent(episode: FleetEpisode, top_speed: float) -> Times:
 
     Args:
         episode: the record; of its orders those are known that an agent has assigned.
-        top_speed: of the robots in m/s.
+        top_speed: top speed of the robots in m/s.
     """
     steps = episode.seconds.max(axis=1, initial=0.0)[:, None]
     moving, metres = _motion(episode)

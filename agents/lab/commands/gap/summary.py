@@ -11,8 +11,8 @@ import numpy as np
 from agents.lab.commands.gap.trial import Score
 from agents.lab.commands.gap.worlds import DISTURBED, DRIVING, PLAN, STOPPING, Shocks
 from agents.lab.console.table import Table
-from agents.lab.evaluation.interval import MIN_VALUES, Interval, mean_interval
-from agents.lab.evaluation.wording import mean, percent
+from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
+from agents.lab.trials.wording import mean, percent
 from warehouse_core.wording import counted
 
 Scores = Mapping[str, Sequence[Score]]
@@ -23,8 +23,8 @@ class Measure(NamedTuple):
     """A column of the table; its values are means over the seeds.
 
     Attributes:
-        title: of the column.
-        value: of a run and of that on the grid with the same seed.
+        title: title of the column.
+        value: returns the value from a run and from the run on the grid with the same seed.
     """
 
     title: str
@@ -44,15 +44,15 @@ MEASURES = (
 
 
 def ratio(score: Score, plan: Score) -> float:
-    """Return the deliveries an hour as a share of those of the plan."""
+    """Return deliveries per hour relative to the plan."""
     return score.per_hour / plan.per_hour if plan.per_hour else math.nan
 
 
 def measured(scores: Scores, world: str, measure: Measure) -> Interval:
-    """Return the mean of a measure of a world; its interval is of the values of the seeds."""
+    """Return the mean of a measure of a world, with the interval from the values of the seeds."""
     pairs = zip(scores[world], scores[PLAN], strict=True)
-    found = mean_interval(np.array([measure.value(score, plan) for score, plan in pairs]))
-    return found or Interval(math.nan)
+    interval = mean_interval(np.array([measure.value(score, plan) for score, plan in pairs]))
+    return interval or Interval(math.nan)
 
 
 def gap_table(scores: Scores, title: str) -> Table:
@@ -100,8 +100,8 @@ def losses(scores: Scores, orders: int) -> list[str]:
     """Return a warning for each world that lost robots, orders or steps.
 
     Args:
-        scores: of the worlds.
-        orders: of each run.
+        scores: scores of the worlds.
+        orders: number of orders of each run.
     """
     found = []
     for world, runs in scores.items():

@@ -20,31 +20,31 @@ from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import run
 from agents.registry import make_fleet_agent
 from warehouse_core import FleetEnv, FleetEpisode, Layout
+from warehouse_core.batch.fleet.tally import SECONDS_PER_HOUR
 from warehouse_core.fleet import Battery
-from warehouse_core.fleet.tally import SECONDS_PER_HOUR
 
 TOP_SPEED = 1.0
-"""Of the robots of all worlds in m/s, nominally."""
+"""Nominal top speed of the robots of all worlds in m/s."""
 
 MAX_SECONDS = 600.0
-"""For each order of a robot; a run ends if all orders together take longer, after the last due."""
+"""Time allowed for each order of a robot beyond the last due time; a longer run is ended."""
 
 
 @dataclass(frozen=True)
 class Setting:
-    """What the worlds have in common.
+    """The fleet, floor and orders that the worlds have in common.
 
     Attributes:
-        layout: with stations, and perhaps chargers.
-        robots: their number.
-        planner: its name, see ``make_fleet_agent``.
-        assignment: its name, or ``None`` for the default.
-        plan_seconds: after which the plan of a step is cut off.
-        battery: of each robot.
+        layout: layout with stations, and perhaps chargers.
+        robots: number of robots.
+        planner: name of the planner, see ``make_fleet_agent``.
+        assignment: name of the assignment, or ``None`` for the default.
+        plan_seconds: time after which the plan of a step is cut off.
+        battery: battery of each robot.
         rate: mean number of orders released in a second.
         count: number of orders.
         due: fewest and most seconds from release to due time.
-        shocks: in the disturbed world.
+        shocks: shocks in the disturbed world.
     """
 
     layout: Layout
@@ -160,8 +160,8 @@ def score_of(record: FleetEpisode, orders: list[TimedOrder], late_plans: int) ->
     """Return the measures of a record.
 
     Args:
-        record: of the run.
-        orders: from which those of the record were made, in the same order.
+        record: record of the run.
+        orders: orders in seconds, from which the orders of the record were made, one by one.
         late_plans: see ``Score``.
     """
     clock = np.concatenate([[0.0], record.seconds.max(axis=1).cumsum()])

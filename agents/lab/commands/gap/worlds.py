@@ -34,8 +34,8 @@ class World(NamedTuple):
     """A motion that carries out the moves of a fleet.
 
     Attributes:
-        motion: returns it, new.
-        step_seconds: that a step lasts, nominally.
+        motion: returns a new motion.
+        step_seconds: nominal seconds of a step.
     """
 
     motion: Callable[[], Motion]
@@ -49,11 +49,11 @@ def make_world(name: str, shocks: Shocks, robots: int, busy_seconds: float, seed
     Where all robots stop in each cell, it lasts until the slowest is at rest: a loaded one.
 
     Args:
-        name: of ``WORLDS``.
-        shocks: in ``DISTURBED``.
-        robots: their number; which one stops is drawn.
-        busy_seconds: in which orders come; in the first half of this time it stops.
-        seed: of what is drawn.
+        name: one of ``WORLDS``.
+        shocks: shocks in ``DISTURBED``.
+        robots: number of robots; the one that stops is drawn.
+        busy_seconds: time in which orders come; in the first half of it the robot stops.
+        seed: seed of all that is drawn.
 
     Raises:
         BackendError: pymunk is not installed.

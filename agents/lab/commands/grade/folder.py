@@ -10,7 +10,6 @@ from agents.errors import GradeError, WorkerError
 from agents.lab.commands.grade.files import PAGE, RESULTS, write_report
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import print_error, say
-from agents.lab.experiments.workers import process_pool
 from agents.lab.grading.grades import (
     CODE,
     FAILURE,
@@ -28,6 +27,7 @@ from agents.lab.grading.grades import (
 from agents.lab.grading.grading import Report, grade
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.submissions import Submission, in_folder
+from agents.lab.trials.workers import process_pool
 from warehouse_core.wording import counted
 
 
@@ -43,11 +43,11 @@ def grade_folder(
     """Grade the submissions in a folder that have changed, and write the table after each.
 
     Args:
-        folder: of the submissions.
+        folder: folder of the submissions.
         kind: the class of the agents, or ``None``.
-        rubric: what is asked of them.
+        rubric: criteria, cases and limits.
         target: the table.
-        pages: where the page and the results of each go, or ``None``.
+        pages: folder for the page and the results of each, or ``None``.
         user: see ``Sandbox``.
         jobs: processes.
     """

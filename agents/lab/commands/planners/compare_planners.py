@@ -18,9 +18,9 @@ from agents.lab.console.options import MAX_COUNT, JobsOption
 from agents.lab.console.output import PICTURES, save_picture
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import print_error, say
-from agents.lab.evaluation.interval import MIN_VALUES, Interval, mean_interval
-from agents.lab.evaluation.wording import mean
-from agents.lab.experiments.workers import run_each
+from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
+from agents.lab.trials.wording import mean
+from agents.lab.trials.workers import run_each
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.planner import Planner
@@ -51,11 +51,11 @@ class Outcome(NamedTuple):
 
 
 class Result(NamedTuple):
-    """Of a planner with a number of robots, over the seeds.
+    """Means of a planner with a number of robots, over the seeds.
 
     Attributes:
         throughput: goals that are reached in a step.
-        milliseconds: of a step, on average.
+        milliseconds: mean time of a step.
         lost: steps that were cut off.
     """
 

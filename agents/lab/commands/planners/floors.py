@@ -96,8 +96,8 @@ def scenario_problem(path: Path, layout_file: str | None, robots: int | None) ->
     """Return the problem of the first scenarios of a ``.scen``, one for each robot.
 
     Args:
-        path: of the file.
-        layout_file: of its map; ``None`` is the file that it names, beside it.
+        path: path of the file.
+        layout_file: path of its map; ``None`` is the file that it names, beside it.
         robots: ``None`` is one for each scenario.
 
     Raises:

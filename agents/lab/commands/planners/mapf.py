@@ -38,8 +38,8 @@ from agents.mapf.planner import Planner
 from agents.mapf.problem import Problem
 from agents.registry import PLANNERS
 from warehouse_core import Layout
+from warehouse_core.batch.fleet.settings import MAX_BODIES
 from warehouse_core.files.atomic import check_suffix, check_target
-from warehouse_core.fleet.settings import MAX_BODIES
 from warehouse_core.wording import counted
 from warehouse_core.world.robot_runners import League, load_league
 
@@ -175,7 +175,7 @@ def mapf(
 
 
 class Options(NamedTuple):
-    """Those of all kinds of problems: see the command."""
+    """Options of all kinds of problems: see the command."""
 
     seed: int
     seconds: float

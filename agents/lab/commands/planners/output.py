@@ -29,12 +29,12 @@ TIMEOUT = "the planner took too long; all robots waited"
 
 
 class Record(NamedTuple):
-    """What became of tasks.
+    """The course of tasks, from their release to their end.
 
     Attributes:
-        tasks: for each when it was revealed, and its cells.
-        given: when each robot got which task.
-        errands: in the order of their steps.
+        tasks: step at which each was revealed, and its cells.
+        given: steps at which each robot got a task, with the number of the task.
+        errands: errands in the order of their steps.
         finished: the number of tasks that were finished.
     """
 
@@ -79,12 +79,12 @@ def write_result(
     """Write a result, whole or not at all.
 
     Args:
-        path: of the file.
-        graph: of the floor.
-        cells: ``[T + 1, R]``, where the robots were.
-        record: of their tasks.
-        sum_of_costs: of the robots.
-        seconds: of each time that the planner was asked.
+        path: path of the file.
+        graph: graph of the floor.
+        cells: ``[T + 1, R]``, the cells of the robots.
+        record: record of their tasks.
+        sum_of_costs: sum of the costs of the robots.
+        seconds: time of each call of the planner.
         lost: the steps in which it took too long, from 0.
 
     Raises:

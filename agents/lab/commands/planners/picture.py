@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import matplotlib as mpl
 from matplotlib.ticker import MaxNLocator
 
-from agents.lab.evaluation.interval import Interval
+from agents.lab.trials.interval import Interval
 from warehouse_core.render.palette import INK
 from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.figure import SceneFigure, make_figure
@@ -24,9 +24,9 @@ def throughput_figure(curves: Mapping[str, Curve], bound: str, title: str) -> Sc
     """Draw throughput with its 95% intervals, where they are known.
 
     Args:
-        curves: of each planner by name, and of the bound.
+        curves: curves of the planners by name, and of the bound.
         bound: the name of the bound, which is drawn as a dashed line.
-        title: of the picture.
+        title: title of the picture.
     """
     figure = make_figure(SIZE, DPI)
     axes = figure.subplots()

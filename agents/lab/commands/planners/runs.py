@@ -128,10 +128,10 @@ class Errand(NamedTuple):
     """A place of a task that a robot has been at.
 
     Attributes:
-        step: after which it was there, from 1.
-        robot: its number.
-        task: the number of the task.
-        place: how many of the task's places it has been at then.
+        step: step after which it was there, from 1.
+        robot: number of the robot.
+        task: number of the task.
+        place: number of the task's places that it has been at then.
     """
 
     step: int
@@ -147,15 +147,15 @@ class TaskPool:
     begins nearest to it, by Manhattan distance. The tasks begin again after the last.
 
     Args:
-        tasks: the cells of each.
-        cells: ``[R]``, where the robots are.
-        width: of the layout.
-        revealed: how many unfinished tasks are known at a time, at least 1.
+        tasks: the cells of each task.
+        cells: ``[R]``, the cells of the robots.
+        width: columns of the layout.
+        revealed: number of unfinished tasks that are known at a time, at least 1.
 
     Attributes:
-        tasks: of those known so far, when they were revealed and their cells.
-        given: when each robot got which task, ``[R]`` lists.
-        errands: that were done.
+        tasks: step at which each of the known tasks was revealed, and its cells.
+        given: ``[R]`` lists of the steps at which a robot got a task, with the task's number.
+        errands: errands that were done.
         finished: the number of tasks that were finished.
     """
 

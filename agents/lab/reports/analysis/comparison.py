@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.lab.evaluation.interval import Interval, mean_interval
 from agents.lab.experiments.store import Store
+from agents.lab.trials.interval import Interval, mean_interval
 from warehouse_core.records.episode import DELIVERED
 
 COLUMNS = ("steps", "seconds", "joules")
@@ -30,12 +30,12 @@ class Comparison(NamedTuple):
 
     Attributes:
         changes: the number of seeds with each pair of modes, of the first case and of the second.
-        only_first: how many were delivered by the first case and not by the second.
-        only_second: how many were delivered by the second and not by the first.
+        only_first: number of seeds delivered by the first case and not by the second.
+        only_second: number of seeds delivered by the second and not by the first.
         chance: the probability of a split at least as uneven if neither were better; McNemar's
             exact test, times the number of pairs to choose from (Bonferroni).
-        both: how many both delivered.
-        costs: of these, by column; empty if there are none.
+        both: number of seeds that both delivered.
+        costs: costs of the seeds that both delivered, by column; empty if there are none.
     """
 
     changes: dict[tuple[str, str], int]
@@ -47,7 +47,7 @@ class Comparison(NamedTuple):
 
     @property
     def seeds(self) -> int:
-        """How many seeds both cases have."""
+        """The number of seeds that both cases have."""
         return sum(self.changes.values())
 
 
@@ -57,7 +57,7 @@ def compare(store: Store, first: int, second: int, pairs_to_choose: int = 1) -> 
     Args:
         store: the results.
         first: the number of a case.
-        second: that of the other.
+        second: the number of the other case.
         pairs_to_choose: the number of pairs from which this one was chosen by its results.
 
     Source: McNemar (1947), Note on the sampling error of the difference between correlated

@@ -23,7 +23,7 @@ Labels = dict[str, Value | None]
 """The values of a case as they are shown; ``None`` where a parameter does not apply."""
 
 FOLDERS = re.compile(r"(\b[A-Za-z]:)?[^:]*[/\\]")
-"""Of a file, whose path may follow a word and a colon."""
+"""Folders of a file, whose path may follow a word and a colon."""
 
 Combination = tuple[Value | None, ...]
 """Values of some factors, in their order."""
@@ -37,7 +37,7 @@ class Factor:
     """A parameter that differs.
 
     Attributes:
-        name: of the parameter.
+        name: name of the parameter.
         values: all but ``None``, in the order in which they are shown.
     """
 
@@ -72,8 +72,8 @@ class Design:
     """The cases of an experiment by what differs between them.
 
     Attributes:
-        labels: of each case by its number.
-        factors: what differs, in the order of ``PARAMETERS``.
+        labels: labels of each case by its number.
+        factors: parameters that differ, in the order of ``PARAMETERS``.
         fixed: the parameters that are the same in all cases.
     """
 
@@ -147,11 +147,11 @@ def _labels(cases: Mapping[int, Case]) -> dict[int, Labels]:
 def _name_stations_with_layouts(labels: Collection[Labels]) -> None:
     """Make stations a part of the layout where they differ, but in no layout: one factor, not two.
 
-    By default those of a file are kept and others drawn.
+    By default the stations of a file are kept and others drawn.
     """
-    found = {(each["layout"], each.get("stations")) for each in labels}
-    layouts, stations = ({each[place] for each in found} for place in (0, 1))
-    if len(found) == len(layouts) and len(stations) > 1:
+    pairs = {(each["layout"], each.get("stations")) for each in labels}
+    layouts, stations = ({each[place] for each in pairs} for place in (0, 1))
+    if len(pairs) == len(layouts) and len(stations) > 1:
         for each in labels:
             each["layout"] = f"{each['layout']} (stations {each.pop('stations')})"
 

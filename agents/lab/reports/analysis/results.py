@@ -1,23 +1,108 @@
-"""Counts, shares and means of the episodes of some cases, with their intervals."""
+"""What reports measure of the episodes of some cases, each with its interval."""
 
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar, Generic, NamedTuple, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 
-from agents.lab.evaluation.interval import Interval, mean_interval, share_interval
 from agents.lab.experiments.case import Case, row_type
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import TABLE_OF, AnyRow, Row, Shift
+from agents.lab.experiments.tables import TABLE_OF
+from agents.lab.trials.interval import Interval, mean_interval, share_interval
+from agents.lab.trials.rows import MODES_OF, AnyRow, FleetRow, Row
+from agents.lab.trials.wording import mean, share
 from warehouse_core.records.episode import DELIVERED
-from warehouse_core.records.failure_modes import MODES
-from warehouse_core.records.fleet_modes import FLEET_MODES
 
 CaseIds = tuple[int, ...]
+
+
+class Measure(NamedTuple):
+    """A number that reports give: in the table, in a chart, and in sentences.
+
+    Attributes:
+        name: Name of its picture.
+        column: Title of its column in the table of all cases.
+        title: Title of its chart.
+        unit: Unit; ``"%"`` for a share.
+        value: Expression of SQL that gives the value of an episode, ``NULL`` if it has none.
+        what: Definition of the number, for the caption.
+        is_physical: Only backends that measure time and energy have it.
+    """
+
+    name: str
+    column: str
+    title: str
+    unit: str
+    value: str
+    what: str = "mean of what was delivered, hard or easy"
+    is_physical: bool = False
+
+    @property
+    def words(self) -> Callable[[Interval], str]:
+        """The function that gives a value with its interval as text."""
+        return share if self.unit == "%" else lambda interval: mean(interval, "")
+
+
+SUCCESS = Measure(
+    "success", "success", "Delivered", "%", f"mode = '{DELIVERED}'", "share of all episodes"
+)
+STEPS = Measure("steps", "steps", "Steps of a delivery", "steps", "steps")
+SECONDS = Measure("seconds", "seconds", "Time of a delivery", "s", "seconds", is_physical=True)
+JOULES = Measure("joules", "joules", "Energy of a delivery", "J", "joules", is_physical=True)
+
+MEAN = "mean of all episodes"
+STOPPED = "blocked_by_wall + blocked_by_robot + blocked_by_person"
+PER_HOUR = Measure("per_hour", "items an hour", "Delivered in an hour", "items", "per_hour", MEAN)
+ON_TIME = Measure(
+    "on_time", "on time", "Delivered on time", "%", "on_time", f"share of the deliveries, {MEAN}"
+)
+LATENESS = Measure(
+    "lateness", "lateness", "Lateness of a delivery", "steps", "mean_lateness",
+    f"0 if it is on time, {MEAN}",
+)  # fmt: skip
+ENERGY = Measure(
+    "energy", "kJ each", "Energy of a delivery", "kJ", "joules_per_delivery / 1000",
+    f"that of all robots, {MEAN}",
+)  # fmt: skip
+BLOCKED = Measure(
+    "blocked", "blocked", "Moves that other robots blocked", "%",
+    f"blocked_by_robot * 1.0 / nullif(distance + {STOPPED}, 0)", MEAN,
+)  # fmt: skip
+
+
+class Kind(NamedTuple):
+    """What reports on lone robots, or on fleets, are made of.
+
+    Attributes:
+        name: Words for the episodes.
+        row: Kind of the rows.
+        measures: Measures of the report; values are compared by the first.
+        counted: Condition of SQL on the episodes that a mean is taken over.
+        counts: The same condition in words.
+        modes: Name and title of the picture of the outcomes.
+    """
+
+    name: str
+    row: type[AnyRow]
+    measures: tuple[Measure, ...]
+    counted: str
+    counts: str
+    modes: tuple[str, str]
+
+
+LONE = Kind(
+    "", Row, (SUCCESS, STEPS, SECONDS, JOULES), f"mode = '{DELIVERED}'", "were delivered",
+    ("modes", "What became of the episodes"),
+)  # fmt: skip
+FLEETS = Kind(
+    " of fleets", FleetRow, (PER_HOUR, ON_TIME, LATENESS, ENERGY, BLOCKED), "TRUE", "were run",
+    ("fleet-modes", "What became of the fleets"),
+)  # fmt: skip
 
 
 class Tally(NamedTuple):
@@ -34,25 +119,21 @@ class Results:
     """The episodes of some cases, read when they are needed.
 
     Attributes:
-        kind: of the rows.
-        all_modes: that an episode can have, in order.
-        counts: what a mean is taken over, in words.
-        store: where they are.
-        case_ids: of the cases.
-        modes: the number of episodes with each mode that occurs, in the order of ``all_modes``.
-        seeds: the first and the last.
-        is_measured: whether seconds and joules are measured; those of the grid are nominal.
+        store: File with the episodes.
+        kind: Kind of the episodes.
+        case_ids: Numbers of the cases.
+        modes: Number of episodes with each mode that occurs, in the order of ``MODES_OF``.
+        seeds: First seed and last seed.
+        is_measured: Seconds and joules are measured; the grid has nominal ones.
     """
 
-    kind: ClassVar[type[AnyRow]]
-    all_modes: ClassVar[tuple[str, ...]]
-    counts: ClassVar[str]
-
     store: Store
+    kind: Kind
     case_ids: CaseIds
     modes: dict[str, int]
     seeds: tuple[int, int]
     is_measured: bool
+    _intervals: dict[Measure, Interval | None] = field(default_factory=dict)
 
     @cached_property
     def episodes(self) -> int:
@@ -61,151 +142,90 @@ class Results:
 
     @property
     def count(self) -> int:
-        """What a mean is taken over, their number."""
-        return self.episodes
+        """The number of episodes that a mean is taken over."""
+        return self.modes.get(DELIVERED, 0) if self.kind is LONE else self.episodes
 
-    def _values(self, column: str, condition: str) -> np.ndarray:
-        """Return a column of the rows that meet a condition, ``[n]``."""
-        statement = f"SELECT {column} FROM {TABLE_OF[self.kind]} WHERE case_id = ? AND {condition}"
-        found = [
-            np.fromiter((value for (value,) in self.store.query(statement, case_id)), dtype=float)
-            for case_id in self.case_ids
-        ]
-        return np.concatenate(found)
+    def interval(self, measure: Measure) -> Interval | None:
+        """Return the mean or the share of a measure; ``None`` if there is nothing to measure."""
+        if measure not in self._intervals:
+            self._intervals[measure] = self._measured(measure)
+        return self._intervals[measure]
 
-
-class Deliveries(Results):
-    """The episodes of lone robots."""
-
-    kind, all_modes, counts = Row, MODES, "were delivered"
+    def _measured(self, measure: Measure) -> Interval | None:
+        if measure is SUCCESS:
+            return share_interval(self.count, self.episodes)
+        interval = mean_interval(self.values(measure.value))
+        return interval or (Interval(0.0) if measure is PER_HOUR else None)
 
     @property
-    def delivered(self) -> int:
-        """The number of deliveries."""
-        return self.modes.get(DELIVERED, 0)
-
-    @property
-    def count(self) -> int:
-        """The number of deliveries."""
-        return self.delivered
-
-    @property
-    def share(self) -> float:
-        """The share that was delivered."""
-        return self.delivered / self.episodes
-
-    @cached_property
-    def success(self) -> Interval:
-        """The share that was delivered, with its interval."""
-        return share_interval(self.delivered, self.episodes)
-
-    @cached_property
-    def steps(self) -> Interval | None:
-        """The mean steps of a delivery."""
-        return mean_interval(self._delivered("steps"))
+    def main(self) -> Interval:
+        """The measure by which values are compared."""
+        interval = self.interval(self.kind.measures[0])
+        assert interval is not None, "every case with episodes has it"
+        return interval
 
     @cached_property
     def needed(self) -> float | None:
-        """The mean steps of the shortest ways of the deliveries."""
-        values = self._delivered("needed")
+        """The mean steps of the shortest ways of the deliveries of lone robots."""
+        values = self.values("needed")
         return float(values.mean()) if len(values) else None
 
-    @cached_property
-    def seconds(self) -> Interval | None:
-        """The mean simulated time of a delivery, in s."""
-        return mean_interval(self._delivered("seconds"))
-
-    @cached_property
-    def joules(self) -> Interval | None:
-        """The mean energy of a delivery, in J."""
-        return mean_interval(self._delivered("joules"))
-
-    def _delivered(self, column: str) -> np.ndarray:
-        return self._values(column, f"mode = '{DELIVERED}'")
-
-
-class Shifts(Results):
-    """The episodes of fleets; a measure is a mean over those that have it."""
-
-    kind, all_modes, counts = Shift, FLEET_MODES, "were run"
-
-    @cached_property
-    def per_hour(self) -> Interval:
-        """The mean number of items delivered in an hour."""
-        return self._mean("per_hour") or Interval(0.0)
-
-    @cached_property
-    def on_time(self) -> Interval | None:
-        """The mean share of the deliveries that were on time."""
-        return self._mean("on_time")
-
-    @cached_property
-    def lateness(self) -> Interval | None:
-        """The mean of the mean lateness, in steps."""
-        return self._mean("mean_lateness")
-
-    @cached_property
-    def energy(self) -> Interval | None:
-        """The mean energy of a delivery, in kJ."""
-        return self._mean("joules_per_delivery / 1000")
-
-    @cached_property
-    def blocked(self) -> Interval | None:
-        """The mean share of the moves that other robots blocked."""
-        blocked = "blocked_by_wall + blocked_by_robot + blocked_by_person"
-        return self._mean(f"blocked_by_robot * 1.0 / nullif(distance + {blocked}, 0)")
-
-    def _mean(self, column: str) -> Interval | None:
-        return mean_interval(self._values(column, f"{column} IS NOT NULL"))
+    def values(self, value: str) -> np.ndarray:
+        """Return an expression for the episodes that count and have a value, ``[n]``."""
+        statement = (
+            f"SELECT {value} FROM {TABLE_OF[self.kind.row]} "
+            f"WHERE case_id = ? AND {self.kind.counted} AND {value} IS NOT NULL"
+        )
+        parts = [
+            np.fromiter((value for (value,) in self.store.query(statement, case_id)), dtype=float)
+            for case_id in self.case_ids
+        ]
+        return np.concatenate(parts)
 
 
-AnyResults = TypeVar("AnyResults", bound=Results)
-
-
-class Experiment(Generic[AnyResults]):
+class Experiment:
     """The cases of a file of results with episodes of one kind, and their results, computed once.
 
     Args:
-        store: the file.
-        results_type: ``Deliveries`` or ``Shifts``.
+        store: File of results.
+        kind: Kind of the episodes.
 
     Attributes:
-        cases: those with episodes, by their numbers.
-        unbegun: how many cases of this kind have no episode yet.
+        cases: Cases with episodes, by their numbers.
+        unbegun: Number of cases of this kind without an episode.
 
     Raises:
         StoreError: it is damaged, or it cannot be read.
     """
 
-    def __init__(self, store: Store, results_type: type[AnyResults]) -> None:
-        self.store, self._type = store, results_type
+    def __init__(self, store: Store, kind: Kind) -> None:
+        self.store, self.kind = store, kind
         store.check_rows()
         self._tallies: dict[int, list[Tally]] = {}
-        if results_type.kind in store.kinds:
-            for case_id, *tally in store.query(
-                "SELECT case_id, mode, count(*), min(seed), max(seed) "
-                f"FROM {TABLE_OF[results_type.kind]} GROUP BY case_id, mode"
-            ):
-                self._tallies.setdefault(case_id, []).append(Tally(*tally))
+        for case_id, *tally in store.query(
+            "SELECT case_id, mode, count(*), min(seed), max(seed) "
+            f"FROM {TABLE_OF[kind.row]} GROUP BY case_id, mode"
+        ):
+            self._tallies.setdefault(case_id, []).append(Tally(*tally))
         cases = store.cases()
         self.cases: dict[int, Case] = {case_id: cases[case_id] for case_id in self._tallies}
-        kind = results_type.kind
-        self.unbegun = sum(row_type(case) is kind for case in cases.values()) - len(self.cases)
-        self._results: dict[CaseIds, AnyResults] = {}
+        self.unbegun = sum(row_type(case) is kind.row for case in cases.values()) - len(self.cases)
+        self._results: dict[CaseIds, Results] = {}
 
-    def results(self, *case_ids: int) -> AnyResults:
+    def results(self, *case_ids: int) -> Results:
         """Return the results of some cases, pooled."""
-        found = [tally for case_id in case_ids for tally in self._tallies[case_id]]
+        tallies = [tally for case_id in case_ids for tally in self._tallies[case_id]]
         modes = Counter[str]()
-        for tally in found:
+        for tally in tallies:
             modes[tally.mode] += tally.episodes
-        seeds = min(each.first_seed for each in found), max(each.last_seed for each in found)
+        seeds = min(each.first_seed for each in tallies), max(each.last_seed for each in tallies)
         return self._results.setdefault(
             case_ids,
-            self._type(
+            Results(
                 self.store,
+                self.kind,
                 case_ids,
-                {mode: modes[mode] for mode in self._type.all_modes if mode in modes},
+                {mode: modes[mode] for mode in MODES_OF[self.kind.row] if mode in modes},
                 seeds,
                 all(self.cases[case_id]["backend"] != "grid" for case_id in case_ids),
             ),

@@ -9,14 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from agents.lab.evaluation.interval import Interval
+from agents.lab.trials.interval import Interval
 from warehouse_core.wording import counted, listed
 
 BEST, HARDEST = ("does best", "do best"), ("is hardest", "are hardest")
-"""What the first of a ranking does, and what several first ones do."""
+"""Verbs of the first of a ranking, and of several first ones."""
 
 MAX_FIRST = 3
-"""That are named if they cannot be told apart."""
+"""Most first ones that are named if they cannot be told apart."""
 
 
 class Place(NamedTuple):
@@ -24,8 +24,8 @@ class Place(NamedTuple):
 
     Attributes:
         name: the factor and its value, ``battery 20``.
-        result: that values are compared by.
-        words: for the estimate, ``70%``.
+        result: interval by which values are compared.
+        words: the estimate as text, ``70%``.
     """
 
     name: str
@@ -39,10 +39,10 @@ def ranking(
     """Return which value is the first, or which ones cannot be told apart.
 
     Args:
-        ranked: at least two places, the first in question first.
+        ranked: two places or more, in order of rank.
         verbs: ``BEST`` or ``HARDEST``.
-        unit: of the results, said with the first.
-        is_clear: whether the first two differ; ``None`` if only their intervals tell.
+        unit: unit of the results, said with the first.
+        is_clear: ``True`` if the first two differ; ``None`` if only their intervals tell.
     """
     if not all(place.result.is_known for place in ranked):
         return f"too few episodes to tell: {_ends(ranked, unit)}"
@@ -72,7 +72,7 @@ def trend(measure: str, line: Sequence[Place], *, is_clear: bool | None = None) 
     Args:
         measure: its name, singular.
         line: a place for each value, in order.
-        is_clear: whether the ends differ; ``None`` if only their intervals tell.
+        is_clear: ``True`` if the ends differ; ``None`` if only their intervals tell.
     """
     first, last = line[0], line[-1]
     if not all(place.result.is_known for place in line):

@@ -1,7 +1,7 @@
 """Figures as SVG that are dark on a dark page.
 
-The colours of a figure are those of a light page, which every program can draw. A style sheet that
-is added to the file replaces them where dark colours are preferred.
+A figure has the colours of a light page, which every program can draw. A style sheet that is added
+to the file replaces them where dark colours are preferred.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from warehouse_core.viz.figure import save_svg
 from warehouse_core.world.tiles import EMPTY, WALL
 
 DARK_HEAT = mpl.colormaps["inferno"](np.linspace(0.27, 0.82, HEAT.N))
-"""The hottest is the lightest; numbers are legible on both these and on those of ``HEAT``."""
+"""Colours of heat, the hottest the lightest; numbers are legible on these and on ``HEAT``."""
 
 DARK = {
     to_hex(PAPER): "#17181c",
@@ -31,7 +31,7 @@ DARK = {
     "#0072b2": "#3f9be0",
     **{to_hex(HEAT(level)): to_hex(DARK_HEAT[level]) for level in range(HEAT.N)},
 }
-"""The colours of a dark page, by those of a light one; others are the same on both."""
+"""Colours of a dark page by the colours of a light one; others are the same on both."""
 
 SVG_START = re.compile(rb"<svg [^>]*>")
 

@@ -28,9 +28,9 @@ def stuck_cells(store: Store, rows: Sequence[str], case_ids: Sequence[int]) -> d
     """Count for each failure mode the cells where its episodes ended or were stuck.
 
     Args:
-        store: of the results.
-        rows: of tiles, the layout of the cases.
-        case_ids: of the cases.
+        store: store of the results.
+        rows: rows of tiles, the layout of the cases.
+        case_ids: numbers of the cases.
 
     Returns:
         ``[H, W]`` counts by failure mode, in the order of ``MODES``.
@@ -38,13 +38,13 @@ def stuck_cells(store: Store, rows: Sequence[str], case_ids: Sequence[int]) -> d
     Raises:
         StoreError: an episode was stuck where there is no cell.
     """
-    found: dict[str, Counts] = {}
+    stuck: dict[str, Counts] = {}
     for mode, row, col, count in store.query(STUCK, json.dumps(list(case_ids))):
-        counts = found.setdefault(mode, np.zeros((len(rows), len(rows[0])), dtype=np.int64))
+        counts = stuck.setdefault(mode, np.zeros((len(rows), len(rows[0])), dtype=np.int64))
         if not (0 <= row < len(rows) and 0 <= col < len(rows[0])):
             raise StoreError(f"{store.path}: row {row}, column {col} is off the layout")
         counts[row, col] = count
-    return {mode: found[mode] for mode in MODES if mode in found}
+    return {mode: stuck[mode] for mode in MODES if mode in stuck}
 
 
 def stuck_heat_map(
@@ -57,8 +57,8 @@ def stuck_heat_map(
     """Return the heat maps of a layout, one panel per mode.
 
     Args:
-        rows: of tiles.
-        stuck: for each mode ``[H, W]`` counts, as ``stuck_cells`` gives them; at least one.
+        rows: rows of tiles.
+        stuck: ``[H, W]`` counts of each mode, as ``stuck_cells`` gives them; one mode or more.
         episodes: the number of all episodes, deliveries included.
         with_stations: mark the pickup and the dropoff of the layout.
     """

@@ -6,7 +6,7 @@ the episodes are pooled.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import matplotlib as mpl
@@ -14,10 +14,9 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.ticker import PercentFormatter
 
-from agents.lab.evaluation.interval import Interval
 from agents.lab.experiments.parameters import Value, shown
 from agents.lab.reports.analysis.design import Design, Factor
-from agents.lab.reports.analysis.results import AnyResults, Experiment
+from agents.lab.reports.analysis.results import Experiment, Measure, Results
 from agents.lab.reports.figures.panels import (
     PANELS_A_ROW,
     SMALL,
@@ -29,37 +28,31 @@ from agents.lab.reports.figures.panels import (
     prepare_axis,
 )
 from agents.lab.reports.figures.roles import lines_of, roles_of
+from agents.lab.trials.interval import Interval
 from warehouse_core.render.palette import FAINT, INK
 from warehouse_core.viz.figure import SceneFigure
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", to_hex(INK),
           "#888888")  # fmt: skip
-"""Of the lines. Source: Okabe and Ito (2008), Color universal design, without the yellow."""
+"""Colours of the lines. Source: Okabe and Ito (2008), Color universal design, without yellow."""
 
 MARKERS = "os^Dv*PX"
 
 DODGE = 0.012
 """Distance between lines as a share of the width, so that no interval hides another."""
 
-Measure = Callable[[AnyResults], Interval | None]
-
 
 @mpl.rc_context({"text.parse_math": False})
 def measure_chart(
-    experiment: Experiment[AnyResults],
-    design: Design,
-    title: str,
-    unit: str,
-    measure: Measure[AnyResults],
+    experiment: Experiment, design: Design, title: str, measure: Measure
 ) -> SceneFigure | None:
     """Draw a measure with its intervals.
 
     Args:
-        experiment: the results.
-        design: of the cases that are drawn.
-        title: of the picture.
-        unit: of the measure; ``"%"`` for shares.
-        measure: returns ``None`` if there is nothing to measure.
+        experiment: Results of the cases.
+        design: Design of the cases that are drawn.
+        title: Title of the chart.
+        measure: Measure to draw.
 
     Returns:
         ``None`` if nothing differs or there is nothing to measure.
@@ -92,22 +85,24 @@ def measure_chart(
         prepare_axis(each, roles.axis, places, min(len(panels), PANELS_A_ROW))
         name_panel(each, (roles.panel, panel))
         each.grid(axis="y", color=FAINT, linewidth=0.5)
-        if unit == "%":
+        if measure.unit == "%":
             each.yaxis.set_major_formatter(PercentFormatter(1))
             each.set_ylim(-0.02, 1.02)
         else:
             each.set_ylim(bottom=0)
-    if unit != "%":
-        axes[0].set_ylabel(unit, **SMALL)
+    if measure.unit != "%":
+        axes[0].set_ylabel(measure.unit, **SMALL)
     if roles.color:
         draw_legend(figure, [(labels[each], keys[each]) for each in colors if each in keys])
     return figure
 
 
-def measured(measure: Measure[AnyResults], results: AnyResults) -> Interval | None:
+def measured(measure: Measure, results: Results) -> Interval | None:
     """Return a measure, without its interval if cases are pooled: they share their seeds."""
-    found = measure(results)
-    return found if found is None or len(results.case_ids) == 1 else Interval(found.estimate)
+    interval = results.interval(measure)
+    if interval is None or len(results.case_ids) == 1:
+        return interval
+    return Interval(interval.estimate)
 
 
 def _draw_line(

@@ -12,7 +12,7 @@ from matplotlib.ticker import PercentFormatter
 
 from agents.lab.experiments.parameters import shown
 from agents.lab.reports.analysis.design import Design
-from agents.lab.reports.analysis.results import AnyResults, Experiment
+from agents.lab.reports.analysis.results import Experiment, Results
 from agents.lab.reports.figures.panels import (
     MAX_TICKS,
     PANELS_A_ROW,
@@ -26,20 +26,18 @@ from agents.lab.reports.figures.panels import (
 from agents.lab.reports.figures.roles import lines_of, roles_of
 from warehouse_core.records.episode import BATTERY_DEPLETED, DELIVERED, OUT_OF_TIME, UNFINISHED
 from warehouse_core.records.failure_modes import (
-    INEFFECTIVE,
-    OSCILLATION,
-    STALLED,
-    UNREACHABLE,
-    WANDERING,
-)
-from warehouse_core.records.fleet_modes import (
     CONGESTED,
     DEADLOCK,
     IDLE,
+    INEFFECTIVE,
     LATE,
+    OSCILLATION,
     SERVED,
+    STALLED,
     STARVATION,
     STRANDED,
+    UNREACHABLE,
+    WANDERING,
 )
 from warehouse_core.render.palette import PAPER
 from warehouse_core.viz.figure import SceneFigure
@@ -74,7 +72,7 @@ MAX_NUMBERED = 15
 
 
 @mpl.rc_context({"text.parse_math": False})
-def modes_chart(experiment: Experiment[AnyResults], design: Design, title: str) -> SceneFigure:
+def modes_chart(experiment: Experiment, design: Design, title: str) -> SceneFigure:
     """Draw the shares of the outcomes as stacked bars."""
     roles = roles_of(design)
     lines = lines_of(experiment, design, roles)
@@ -98,7 +96,7 @@ def modes_chart(experiment: Experiment[AnyResults], design: Design, title: str) 
     return figure
 
 
-def _draw_bar(axes: Axes, place: int, results: AnyResults, bars: int) -> None:
+def _draw_bar(axes: Axes, place: int, results: Results, bars: int) -> None:
     bottom = 0.0
     for mode, count in results.modes.items():
         share = count / results.episodes

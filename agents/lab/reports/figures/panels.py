@@ -16,22 +16,22 @@ from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.figure import SceneFigure, make_figure
 
 WIDTH, PANEL_HEIGHT, HEAD, FOOT, DPI = 9.0, 3.4, 1.0, 0.42, 100
-"""In inches, and dots per inch."""
+"""Width of a figure and heights of its parts in inches, and dots per inch."""
 
 MAX_LEGEND_COLUMNS, LEGEND_ROW, LEGEND_LETTERS = 4, 0.23, 92
-"""The last is the letters of a row; each key takes four more."""
+"""Most columns of a legend, height of a row in inches, and its letters; a key takes four more."""
 
 MAX_TICKS = 12
 
 PANELS_A_ROW = 3
 
 MAX_LETTERS = 80
-"""Along the axes of all panels of a row."""
+"""Most letters along the axes of all panels of a row."""
 
 Text = dict[str, Any]
 
 TITLE_SIZE, TEXT_SIZE = 14.0, 10.5
-"""In points; the smallest text of a chart is 14 CSS pixels high."""
+"""Sizes in points; the smallest text of a chart is 14 CSS pixels high."""
 
 SMALL: Text = {"fontsize": TEXT_SIZE, "color": INK}
 

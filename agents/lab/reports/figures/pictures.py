@@ -4,26 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from operator import attrgetter
-from typing import NamedTuple
 
-from agents.lab.evaluation.interval import CONFIDENCE, MIN_VALUES
 from agents.lab.experiments.case import TILES, cells_of
 from agents.lab.experiments.parameters import shown
 from agents.lab.reports.analysis.design import Design, make_design
-from agents.lab.reports.analysis.results import AnyResults, Deliveries, Experiment, Shifts
+from agents.lab.reports.analysis.results import LONE, SUCCESS, Experiment, Measure, Results
 from agents.lab.reports.figures.dark import themed_svg
 from agents.lab.reports.figures.heat_map import stuck_cells, stuck_heat_map
-from agents.lab.reports.figures.measure import Measure, measure_chart, measured
+from agents.lab.reports.figures.measure import measure_chart, measured
 from agents.lab.reports.figures.modes import modes_chart
 from agents.lab.reports.figures.roles import lines_of, roles_of
+from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES
 from warehouse_core.wording import counted, listed
 
 MAX_MAPS = 4
-"""Heat maps, of the layouts with most episodes."""
+"""Heat maps at most; the layouts with most episodes have them."""
 
 MAX_CELLS = 300_000
-"""Of a layout that has a heat map or a replay; in a larger one no cell could be seen."""
+"""Cells of a layout that has a heat map or a replay; in a larger one no cell could be seen."""
 
 STATIONS = {
     "drawn": "Pickup and dropoff are random in each episode",
@@ -40,105 +38,61 @@ class Picture:
     svg: bytes
 
 
-class Chart(NamedTuple):
-    """A measure that is drawn with its intervals.
-
-    Attributes:
-        name: of the picture, and of the attribute of results that is the measure.
-        title: of the picture.
-        unit: of the measure; ``"%"`` for shares.
-        what: the measure is, for the caption.
-        method: that the intervals are of.
-    """
-
-    name: str
-    title: str
-    unit: str
-    what: str = "mean of what was delivered, hard or easy"
-    method: str = "bootstrap"
-
-
-DELIVERY_CHARTS = (
-    Chart("success", "Delivered", "%", "share of all episodes", "Wilson's"),
-    Chart("steps", "Steps of a delivery", "steps"),
-)
-
-PHYSICS_CHARTS = (
-    Chart("seconds", "Time of a delivery", "s"),
-    Chart("joules", "Energy of a delivery", "J"),
-)
-
-MEAN = "mean of all episodes"
-
-FLEET_CHARTS = (
-    Chart("per_hour", "Delivered in an hour", "items", MEAN),
-    Chart("on_time", "Delivered on time", "%", f"share of the deliveries, {MEAN}"),
-    Chart("lateness", "Lateness of a delivery", "steps", f"0 if it is on time, {MEAN}"),
-    Chart("energy", "Energy of a delivery", "kJ", f"that of all robots, {MEAN}"),
-    Chart("blocked", "Moves that other robots blocked", "%", MEAN),
-)
-
-
-def pictures(experiment: Experiment[Deliveries]) -> Iterator[Picture]:
-    """Yield the figures of lone robots that are not empty."""
-    design = make_design(experiment.cases)
+def pictures(experiment: Experiment) -> Iterator[Picture]:
+    """Yield the figures that are not empty."""
+    design, kind = make_design(experiment.cases), experiment.kind
     physical = make_design(
         {n: case for n, case in experiment.cases.items() if case["backend"] != "grid"}
     )
     backends = sorted({shown(labels["backend"]) for labels in physical.labels.values()})
     on = f", backend {listed(backends)}" if backends else ""
-    yield from _charts(experiment, design, DELIVERY_CHARTS)
-    yield from _charts(experiment, physical, PHYSICS_CHARTS, on)
-    yield _modes(experiment, design, "modes", "What became of the episodes")
-    yield from _maps(experiment)
-
-
-def fleet_pictures(experiment: Experiment[Shifts]) -> Iterator[Picture]:
-    """Yield the figures of fleets that are not empty."""
-    design = make_design(experiment.cases)
-    yield from _charts(experiment, design, FLEET_CHARTS)
-    yield _modes(experiment, design, "fleet-modes", "What became of the fleets")
-
-
-def _charts(
-    experiment: Experiment[AnyResults], design: Design, charts: Sequence[Chart], on: str = ""
-) -> Iterator[Picture]:
-    """Yield the charts that have something to show; ``on`` is added to their titles."""
-    for name, title, unit, what, method in charts:
-        measure = attrgetter(name)
-        chart = measure_chart(experiment, design, title + on, unit, measure)
-        if chart is not None:
-            points = _points(experiment, design)
-            intervals = _intervals(points, measure, method)
-            left_out = _left_out(experiment, design, points)
-            yield Picture(name, f"{title}{on}: {what}, {intervals}{left_out}.", themed_svg(chart))
-
-
-def _modes(experiment: Experiment[AnyResults], design: Design, name: str, title: str) -> Picture:
+    for measure in kind.measures:
+        if measure.is_physical:
+            yield from _chart(experiment, physical, measure, measure.title + on)
+        else:
+            yield from _chart(experiment, design, measure, measure.title)
+    name, title = kind.modes
     left_out = _left_out(experiment, design, _points(experiment, design))
     chart = modes_chart(experiment, design, title)
-    return Picture(name, f"{title}, as shares{left_out}.", themed_svg(chart))
+    yield Picture(name, f"{title}, as shares{left_out}.", themed_svg(chart))
+    if kind is LONE:
+        yield from _maps(experiment)
 
 
-def _points(experiment: Experiment[AnyResults], design: Design) -> list[AnyResults]:
+def _chart(
+    experiment: Experiment, design: Design, measure: Measure, title: str
+) -> Iterator[Picture]:
+    """Yield the chart of a measure if it has something to show."""
+    chart = measure_chart(experiment, design, title, measure)
+    if chart is not None:
+        points = _points(experiment, design)
+        caption = (
+            f"{title}: {measure.what}, {_intervals(points, measure)}"
+            f"{_left_out(experiment, design, points)}."
+        )
+        yield Picture(measure.name, caption, themed_svg(chart))
+
+
+def _points(experiment: Experiment, design: Design) -> list[Results]:
     lines = lines_of(experiment, design, roles_of(design)).values()
     return [results for line in lines for results in line.values()]
 
 
-def _intervals(points: Sequence[AnyResults], measure: Measure[AnyResults], method: str) -> str:
+def _intervals(points: Sequence[Results], measure: Measure) -> str:
     """Return which intervals a chart shows, and why some points have none."""
-    found = [(each, interval) for each in points if (interval := measured(measure, each))]
-    known = any(interval.is_known for _, interval in found)
+    drawn = [(each, interval) for each in points if (interval := measured(measure, each))]
+    known = any(interval.is_known for _, interval in drawn)
+    method = "Wilson's" if measure is SUCCESS else "bootstrap"
     words = f"with {method} {CONFIDENCE:.0%} intervals" if known else "without intervals"
     pooled = "several combinations are pooled, which share their seeds"
     equal = "nearly all values are equal"
     why = dict.fromkeys(
         pooled
         if len(each.case_ids) > 1
-        else f"fewer than {MIN_VALUES} {each.counts}"
+        else f"fewer than {MIN_VALUES} {each.kind.counts}"
         if each.count < MIN_VALUES
         else equal
-        for each, interval in found
+        for each, interval in drawn
         if not interval.is_known
     )
     if not why:
@@ -146,9 +100,7 @@ def _intervals(points: Sequence[AnyResults], measure: Measure[AnyResults], metho
     return f"{words}{', but none where ' if known else ': '}{' or '.join(why)}"
 
 
-def _left_out(
-    experiment: Experiment[AnyResults], design: Design, points: Sequence[AnyResults]
-) -> str:
+def _left_out(experiment: Experiment, design: Design, points: Sequence[Results]) -> str:
     """Return the end of a caption: what a chart does not show of a design."""
     roles = roles_of(design)
     words = ""
@@ -161,14 +113,14 @@ def _left_out(
     return words + _numbers(experiment, [number for each in points for number in each.case_ids])
 
 
-def _numbers(experiment: Experiment[AnyResults], case_ids: Sequence[int]) -> str:
+def _numbers(experiment: Experiment, case_ids: Sequence[int]) -> str:
     """Return the end of a caption: how many episodes the combinations have, if that differs."""
     counts = [experiment.results(case_id).episodes for case_id in case_ids]
     fewest, most = min(counts), max(counts)
     return f"; {fewest:,} to {most:,} episodes a combination" if fewest < most else ""
 
 
-def _maps(experiment: Experiment[Deliveries]) -> Iterator[Picture]:
+def _maps(experiment: Experiment) -> Iterator[Picture]:
     """Yield a heat map for each layout and its stations, the one with most episodes first."""
     layouts: dict[tuple[tuple[str, ...], str], list[int]] = {}
     for case_id, case in experiment.cases.items():

@@ -8,22 +8,22 @@ from typing import NamedTuple
 
 from agents.lab.experiments.parameters import Value
 from agents.lab.reports.analysis.design import Design, Factor
-from agents.lab.reports.analysis.results import AnyResults, Experiment
+from agents.lab.reports.analysis.results import Experiment, Results
 
 MAX_COLORS, MAX_PANELS = 8, 6
 
 MAX_POINTS = 400
-"""In a chart; each takes a bootstrap, and more could not be distinguished."""
+"""Most points of a chart; each takes a bootstrap, and more could not be distinguished."""
 
 
 class Roles(NamedTuple):
     """The factors of a chart.
 
     Attributes:
-        axis: along the axis, with the values that are drawn; ``None`` if nothing differs.
-        color: ``None`` if there is one line in a panel.
-        panel: ``None`` if there is one panel.
-        pooled: those that are not shown.
+        axis: factor along the axis, with the values that are drawn; ``None`` if nothing differs.
+        color: factor of the lines; ``None`` if there is one line in a panel.
+        panel: factor of the panels; ``None`` if there is one panel.
+        pooled: factors that are not shown.
         values: the number of all values of the factor along the axis.
     """
 
@@ -55,8 +55,8 @@ Where = tuple[Value | None, Value | None]
 
 
 def lines_of(
-    experiment: Experiment[AnyResults], design: Design, roles: Roles
-) -> dict[Where, dict[Value | None, AnyResults]]:
+    experiment: Experiment, design: Design, roles: Roles
+) -> dict[Where, dict[Value | None, Results]]:
     """Return the results of each point; the one at ``None`` is the same along the whole axis."""
     found: dict[Where, dict[Value | None, list[int]]] = {}
     for case_id, labels in design.labels.items():

@@ -8,7 +8,7 @@ from PIL import Image
 
 from agents.lab.commands import compare_agents
 from agents.lab.commands.compare_agents import AGENTS
-from agents.lab.evaluation.scores import EXPLANATION
+from agents.lab.trials.scores import EXPLANATION
 
 SMALL = ("compare-agents", "-n", 2, "--backend", "grid", "--max-steps", 40)
 
@@ -85,7 +85,7 @@ def test_an_agent_that_fails_is_a_one_line_error_with_its_seed_and_step(
     line = refusal(capsys, *SMALL, "--seed", 6, "--agent", "mine.py:Mine")
     assert line == "seed 6, step 4, agent mine.py:Mine: ValueError: too far (mine.py, line 9)"
     ran = []
-    monkeypatch.setattr(compare_agents, "evaluate", lambda *_: ran.append(1))
+    monkeypatch.setattr(compare_agents, "evaluate_watched", lambda *_: ran.append(1))
     assert "no class 'Yours'" in refusal(capsys, *SMALL, "--agent", "mine.py:Yours")
     assert not ran
 

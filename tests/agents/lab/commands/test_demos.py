@@ -1,11 +1,10 @@
 import re
 
 import pytest
-from helpers.command_line import without_display
+from helpers.command_line import command, refusal, without_display
 from matplotlib.backend_bases import KeyEvent
 from PIL import Image
 
-from agents.lab.commands import cli
 from agents.lab.commands.demos import (
     DEMOS,
     STILLS,
@@ -20,16 +19,9 @@ from agents.lab.commands.demos import (
     slip,
 )
 from agents.lab.console import output
-from agents.lab.console.main import main
 from warehouse_core.viz.figure import make_figure
-from warehouse_core.viz.replay import replay_of_track
-from warehouse_core.viz.scene import LEGEND
-
-
-def run(*arguments: str) -> int:
-    with pytest.raises(SystemExit) as ended:
-        main(cli.app, arguments)
-    return ended.value.code or 0
+from warehouse_core.viz.replay import replay_of_tracks
+from warehouse_core.viz.sheet import LEGEND_WIDTH
 
 
 def places_of(track, robot=0):
@@ -113,11 +105,11 @@ def test_lanes_deliver_much_more_on_the_crowded_floor():
 
 @pytest.mark.parametrize("make", [bump, head_on, ring])
 def test_a_single_step_is_in_seconds_from_0_beside_a_large_map(make):
-    figure = replay_of_track(make().track, window=False).figure
+    figure = replay_of_tracks(make().track, window=False).figure
     floor, speed, energy = figure.axes
     assert speed.get_xlabel() == "seconds"
     assert speed.get_ylim()[0] == energy.get_ylim()[0] == 0
-    beside_legend = 1 - LEGEND / figure.get_figwidth()
+    beside_legend = 1 - LEGEND_WIDTH / figure.get_figwidth()
     assert floor.get_window_extent().width > 0.55 * beside_legend * figure.bbox.width
     assert figure.get_figwidth() <= 13.66
 
@@ -125,8 +117,8 @@ def test_a_single_step_is_in_seconds_from_0_beside_a_large_map(make):
 @pytest.mark.parametrize("name", ["load", "head-on", "cbs"])
 def test_every_demo_is_one_command_and_one_picture(name, tmp_path, capsys):
     target = tmp_path / f"{name}.png"
-    assert run("demo", name, "--save", str(target)) == 0
-    assert "saved" in capsys.readouterr().out
+    result = command(capsys, "demo", name, "--save", target)
+    assert (result.code, "saved" in result.out) == (0, True)
     with Image.open(target) as image:
         assert len(image.convert("RGB").getcolors(1 << 20)) > 10
 
@@ -135,18 +127,15 @@ def test_without_a_display_the_animation_goes_to_a_file(tmp_path, monkeypatch, c
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.setenv("MPLBACKEND", "agg")
-    assert run("demo", "bump") == 0
+    assert "demo-bump.gif" in command(capsys, "demo", "bump").out
     with Image.open(tmp_path / "demo-bump.gif") as image:
         assert image.n_frames > 20
-    assert "demo-bump.gif" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("name", ["demo-cbs.gif", "demo-cbs.html", "demo-cbs"])
 def test_a_picture_has_no_frames_to_save(name, tmp_path, monkeypatch, capsys):
     monkeypatch.setitem(STILLS, "cbs", lambda: pytest.fail("computed before the check"))
-    assert run("demo", "cbs", "--save", str(tmp_path / name)) == 1
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
+    error = refusal(capsys, "demo", "cbs", "--save", tmp_path / name)
     assert name in error
     assert ".svg" in error
 
@@ -154,7 +143,7 @@ def test_a_picture_has_no_frames_to_save(name, tmp_path, monkeypatch, capsys):
 def test_a_picture_is_saved_as_svg_and_opens_no_window(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(output, "has_display", lambda: pytest.fail("a window was asked for"))
     target = tmp_path / "tree.svg"
-    assert run("demo", "cbs", "--save", str(target)) == 0
+    assert command(capsys, "demo", "cbs", "--save", target).code == 0
     assert target.read_text(encoding="utf-8").startswith("<?xml")
 
 
@@ -175,35 +164,26 @@ def test_a_picture_is_shown_in_a_window_that_q_closes(monkeypatch, capsys):
     monkeypatch.setattr(output, "has_display", lambda: True)
     monkeypatch.setattr(plt, "show", show)
     plt.switch_backend("agg")
-    assert run("demo", "cbs") == 0
+    assert "q closes the window" in command(capsys, "demo", "cbs").out
     assert len(figures) == 1
     assert plt.get_fignums() == []
-    assert "q closes the window" in capsys.readouterr().out
 
 
 def test_without_a_display_a_picture_goes_to_a_file(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     without_display(monkeypatch)
-    assert run("demo", "cbs") == 0
+    out = command(capsys, "demo", "cbs").out
+    assert "so the picture goes to a file\nsaved demo-cbs.png" in out
     assert (tmp_path / "demo-cbs.png").exists()
-    assert "so the picture goes to a file\nsaved demo-cbs.png" in capsys.readouterr().out
 
 
 def test_without_a_name_the_demos_are_listed(capsys):
-    assert run("demo") == 0
-    lines = capsys.readouterr().out.splitlines()
+    lines = command(capsys, "demo").out.splitlines()
     assert [line.split()[0] for line in lines] == [*DEMOS, *STILLS]
     assert "A robot runs into a wall" in lines[1]
 
 
-def test_a_file_for_no_demo_is_an_error(capsys, tmp_path):
-    assert run("demo", "--save", str(tmp_path / "a.gif")) == 2
-    assert "--save is of a demo" in capsys.readouterr().err
-
-
-def test_an_unknown_demo_is_one_line_with_the_names(capsys):
-    assert run("demo", "ballet") == 2
-    error = capsys.readouterr().err
-    assert "ballet" in error
-    assert "head-on" in error
-    assert error.count("\n") == 1
+def test_no_demo_to_save_and_an_unknown_one_are_named(capsys, tmp_path):
+    words = ("demo", "--save", tmp_path / "a.gif")
+    assert "--save is of a demo; allowed: delivery" in refusal(capsys, *words, code=2)
+    assert "no demo is called 'ballet'; allowed: " in refusal(capsys, "demo", "ballet", code=2)

@@ -8,8 +8,8 @@ from helpers.networks import random_network
 from PIL import Image
 
 from agents.lab.commands import compare_agents, train
-from agents.lab.evaluation.random_layouts import TRAINING_LAYOUTS, RandomLayouts
-from agents.lab.evaluation.scores import Task
+from agents.lab.trials.random_layouts import TRAINING_LAYOUTS, RandomLayouts
+from agents.lab.trials.task import Task
 
 RANDOM = ("--layout", "random")
 COMPARE = ("compare-agents", "-n", 2, "--backend", "grid", "--max-steps", 40, *RANDOM)
@@ -37,17 +37,8 @@ def trained(monkeypatch: pytest.MonkeyPatch) -> list[Task]:
 def test_agents_are_compared_in_each_size_in_one_figure(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    words = (
-        "--size",
-        "5x6",
-        "--size",
-        "6x9",
-        "--density",
-        "0.2",
-        "--agent",
-        "ppo:ppo.npz:revisit=4",
-    )
-    result = command(capsys, *COMPARE, *words, "--seed", 3, "--save", "f.png")
+    words = "--size 5x6 --size 6x9 --density 0.2 --agent ppo:ppo.npz:revisit=4 --seed 3"
+    result = command(capsys, *COMPARE, *words.split(), "--save", "f.png")
     assert (result.code, result.err) == (0, "")
     out = " ".join(result.out.split())
     for size in ("5 x 6", "6 x 9"):

@@ -8,7 +8,6 @@ from helpers.command_line import ROOT, command, in_a_process
 from agents.errors import AgentError
 from agents.lab.commands import run as module
 from agents.lab.commands.run import report_episode, run, run_episode
-from agents.lab.runs.run import MAX_SEED, draw_seed
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import BackendError, Layout, WarehouseEnv, record_episode, replay_episode
 
@@ -46,16 +45,6 @@ def test_a_random_seed_is_kept_and_repeats_the_episode() -> None:
     assert run_episode(seed=episode.seed) == episode
     assert {run_episode(battery=1).seed for _ in range(5)} != {episode.seed}
     assert run_episode(seed=0, battery=1).seed == 0
-
-
-def test_a_random_seed_is_short_and_independent_of_the_random_module() -> None:
-    import random
-
-    random.seed(1)
-    first = [draw_seed() for _ in range(20)]
-    random.seed(1)
-    assert first != [draw_seed() for _ in range(20)]
-    assert all(0 <= seed <= MAX_SEED for seed in first)
 
 
 def test_battery_and_steps_limit_the_episode() -> None:

@@ -114,17 +114,8 @@ def test_a_goal_that_cannot_be_reached_is_reported_and_drawn(
     Path("split.txt").write_text(SPLIT)
     # The true distance shows at the start that there is no path.
     for name, expanded in (("manhattan", 4), ("true", 1)):
-        words = (
-            "--layout",
-            "split.txt",
-            "--start",
-            "1,1",
-            "--heuristic",
-            name,
-            "--weights",
-            "1,inf",
-        )
-        out = search(capsys, *words, "--save", "path.png")
+        words = f"--layout split.txt --start 1,1 --heuristic {name} --weights 1,inf"
+        out = search(capsys, *words.split(), "--save", "path.png")
         assert [row[2:4] for row in rows(out)] == [["none", str(expanded)]] * 2
         assert "no path leads from (1, 1) to (2, 5)\n" in out
         with Image.open("path.png") as image:

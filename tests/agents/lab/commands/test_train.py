@@ -8,15 +8,17 @@ from typing import Any
 
 import pytest
 from helpers.command_line import command, in_a_process, refusal
+from helpers.results_files import row, scores_of
 from PIL import Image
 
 from agents.lab.commands import train
 from agents.lab.commands.train import LIBRARIES, Training, comparison_table, fill_table
-from agents.lab.evaluation.random_layouts import RandomLayouts
-from agents.lab.evaluation.scores import MakeAgent, Run, Scores, Task
 from agents.lab.training import curve, exams
 from agents.lab.training.exams import Point
-from agents.learning.learner import Watch
+from agents.lab.trials.random_layouts import RandomLayouts
+from agents.lab.trials.scores import Scores
+from agents.lab.trials.task import Task
+from agents.learning.learner import MakeAgent, Watch
 from agents.learning.q_learning import QTable
 from agents.learning.q_table import load_table
 from warehouse_core import Layout, Observation
@@ -42,7 +44,7 @@ def curves(monkeypatch: pytest.MonkeyPatch) -> list[list[Point]]:
     drawn: list[list[Point]] = []
 
     def draw(path: Path, name: str, title: str, points: list[Point], greedy: Scores) -> None:
-        assert len(greedy.runs) == 4
+        assert len(greedy.rows) == 4
         drawn.append(points)
         path.write_text(f"{name}: {title}")
 
@@ -175,7 +177,9 @@ def test_the_table_also_compares_on_the_starts_where_all_deliver(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     def scores(*steps: int) -> Scores:
-        return Scores([Run(taken < 200, taken, 5.0, 0.0, 0.0, 0) for taken in steps])
+        return scores_of(
+            [row(0, "delivered" if taken < 200 else "stalled", taken) for taken in steps]
+        )
 
     table = comparison_table({"one": scores(10, 20, 30, 200), "other": scores(12, 200, 40, 80)})
     assert table.rows == [

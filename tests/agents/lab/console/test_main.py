@@ -26,57 +26,32 @@ def outcome_of(capsys: pytest.CaptureFixture[str], error: BaseException | None) 
     return command(capsys, app=app)
 
 
-def test_a_command_that_succeeds_ends_with_0(capsys: pytest.CaptureFixture[str]) -> None:
-    assert outcome_of(capsys, None) == (0, "working\n", "")
-
-
-@pytest.mark.parametrize("kind", [AgentError, LayoutError])
-def test_an_expected_error_is_one_line_and_ends_with_1(
-    capsys: pytest.CaptureFixture[str], kind: type[Exception]
-) -> None:
-    message = "warehouse: not like this\n"
-    assert outcome_of(capsys, kind("not\nlike\n   this")) == (1, "working\n", message)
+ESCAPED = r"\x1b[2Jclean\x07 \udcff \u202e Müller"
 
 
 @pytest.mark.parametrize(
-    ("error", "message"),
+    ("error", "code", "message"),
     [
-        (
-            PermissionError(errno.EACCES, "Permission denied", "here.txt"),
-            "here.txt: Permission denied",
-        ),
-        (OSError(errno.ENOSPC, "No space left on device"), "No space left on device"),
-        (OSError("something else"), "something else"),
+        (None, 0, ""),
+        (typer.Exit(), 0, ""),
+        (typer.Exit(3), 3, ""),
+        (AgentError("not\nlike\n   this"), 1, "not like this"),
+        (LayoutError("not\nlike\n   this"), 1, "not like this"),
+        (LayoutError("\x1b[2Jclean\a \udcff \u202e Müller"), 1, ESCAPED),
+        (LayoutError(10**6 * "x"), 1, f"{MAX_LENGTH * 'x'}..."),
+        (PermissionError(errno.EACCES, "Denied", "here.txt"), 1, "here.txt: Denied"),
+        (OSError(errno.ENOSPC, "No space left on device"), 1, "No space left on device"),
+        (OSError("something else"), 1, "something else"),
+        (KeyboardInterrupt(), 130, "interrupted"),
+        (typer.Abort(), 130, "interrupted"),
     ],
+    ids=lambda value: type(value).__name__ if isinstance(value, BaseException) else "",
 )
-def test_a_file_error_names_the_file_if_there_is_one(
-    capsys: pytest.CaptureFixture[str], error: OSError, message: str
+def test_an_error_that_a_user_may_cause_is_a_code_and_one_line(
+    capsys: pytest.CaptureFixture[str], error: BaseException | None, code: int, message: str
 ) -> None:
-    assert outcome_of(capsys, error).err == f"warehouse: {message}\n"
-
-
-def test_unprintable_characters_are_escaped(capsys: pytest.CaptureFixture[str]) -> None:
-    error = LayoutError("\x1b[2Jclean\a \udcff \u202e Müller")
-    line = r"warehouse: \x1b[2Jclean\x07 \udcff \u202e Müller"
-    assert outcome_of(capsys, error).err == f"{line}\n"
-
-
-def test_a_long_message_is_cut(capsys: pytest.CaptureFixture[str]) -> None:
-    line = outcome_of(capsys, LayoutError(10**6 * "x")).err
-    assert line == f"warehouse: {MAX_LENGTH * 'x'}...\n"
-
-
-@pytest.mark.parametrize("interrupt", [KeyboardInterrupt, typer.Abort])
-def test_an_interrupt_ends_with_130(
-    capsys: pytest.CaptureFixture[str], interrupt: type[BaseException]
-) -> None:
-    result = outcome_of(capsys, interrupt())
-    assert (result.code, result.err) == (130, "warehouse: interrupted\n")
-
-
-def test_a_command_may_end_with_its_own_code(capsys: pytest.CaptureFixture[str]) -> None:
-    assert outcome_of(capsys, typer.Exit(3)).code == 3
-    assert outcome_of(capsys, typer.Exit()).code == 0
+    line = f"warehouse: {message}\n" if message else ""
+    assert outcome_of(capsys, error) == (code, "working\n", line)
 
 
 @pytest.mark.parametrize("kind", [ValueError, RuntimeError])

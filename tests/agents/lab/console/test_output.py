@@ -14,6 +14,7 @@ from warehouse_core import Episode
 from warehouse_core.viz.tracks.track import Track
 
 NO_DISPLAY = "there is no display to open a window on"
+TO_FILE = f"{NO_DISPLAY}, so the replay goes to a file"
 
 
 @pytest.fixture(autouse=True)
@@ -46,7 +47,7 @@ class FakeReplay:
 
 def fake(monkeypatch: pytest.MonkeyPatch, *, has_display: bool) -> FakeReplay:
     replay = FakeReplay()
-    monkeypatch.setattr("warehouse_core.viz.replay.replay_of_track", replay)
+    monkeypatch.setattr("warehouse_core.viz.replay.replay_of_tracks", replay)
     monkeypatch.setattr(output, "has_display", lambda: has_display)
     return replay
 
@@ -107,21 +108,8 @@ def test_a_window_opens_if_requested_or_if_nothing_is_saved(
 @pytest.mark.parametrize(
     ("files", "show", "seed", "lines"),
     [
-        (
-            [],
-            None,
-            4,
-            [f"{NO_DISPLAY}, so the replay goes to a file", "saved replay-Tester-grid-4.gif"],
-        ),
-        (
-            [],
-            True,
-            None,
-            [
-                f"{NO_DISPLAY}, so the replay goes to a file",
-                "saved replay-Tester-grid-unseeded.gif",
-            ],
-        ),
+        ([], None, 4, [TO_FILE, "saved replay-Tester-grid-4.gif"]),
+        ([], True, None, [TO_FILE, "saved replay-Tester-grid-unseeded.gif"]),
         ([], False, 4, []),
         (["a.npz"], None, 4, ["saved a.npz"]),
         (["a.npz"], True, 4, ["saved a.npz", NO_DISPLAY]),

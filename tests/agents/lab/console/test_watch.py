@@ -8,7 +8,6 @@ import pytest
 from helpers.command_line import command
 from PIL import Image
 
-from agents.errors import EpisodeError
 from agents.lab.commands.run import run_episode
 from agents.lab.console import watch
 from warehouse_core import Episode
@@ -48,33 +47,6 @@ class NeverStarts(Base):
 def agent_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, small_pictures: None) -> None:
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(AGENTS)
-
-
-@pytest.mark.parametrize(
-    ("name", "place", "reason"),
-    [
-        ("Fails", "step 3", "ValueError: too far (mine.py, line 12)"),
-        ("Leaves", "step 3", "SystemExit: 3 (mine.py, line 16)"),
-        (
-            "Silent",
-            "step 3",
-            "TypeError: action None is NoneType; allowed: one of N, E, S, W, WAIT",
-        ),
-        (
-            "NeverStarts",
-            "reset",
-            "AttributeError: 'NeverStarts' object has no attribute 'missing' (m",
-        ),
-    ],
-)
-def test_a_failure_names_seed_place_agent_and_line_and_keeps_the_record(
-    name: str, place: str, reason: str
-) -> None:
-    with pytest.raises(EpisodeError) as failed:
-        run_episode(f"mine.py:{name}", seed=4)
-    assert str(failed.value).startswith(f"seed 4, {place}, agent mine.py:{name}: {reason}")
-    assert failed.value.episode is not None
-    assert failed.value.episode.actions == ["N"] * (2 if place == "step 3" else 0)
 
 
 @pytest.mark.parametrize(

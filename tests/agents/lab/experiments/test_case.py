@@ -11,19 +11,17 @@ from agents.errors import AgentError, EpisodeError, ParameterError
 from agents.fleet.planned import DEFAULT_ASSIGNMENT
 from agents.lab.experiments.case import (
     flags_of,
-    fleet_layout,
     key_of,
+    layout_for,
     make_agent_for,
     make_case,
-    make_env,
-    make_fleet_agent_for,
     read_case,
 )
-from agents.lab.experiments.episodes import check_fingerprint, row_of, run_fleet, run_one
+from agents.lab.experiments.episodes import check_fingerprint, row_of, run_one
 from agents.lab.experiments.parameters import PARAMETERS
 from agents.lab.experiments.plan import make_plan
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import Shift
+from agents.lab.trials.rows import FleetRow
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, LayoutError, OrderStream
 from warehouse_core.fleet import Battery, FleetMeasures
@@ -165,8 +163,8 @@ def test_an_agent_that_cannot_be_made_is_a_one_line_error_and_no_file_is_written
 
 def test_random_layouts_and_agents_depend_on_the_seed() -> None:
     random = make_case({"layout": "random"})
-    assert make_env(random, 1).grid != make_env(random, 2).grid
-    assert make_env(random, 1).grid == make_env(random, 1).grid
+    assert layout_for(random, 1) != layout_for(random, 2)
+    assert layout_for(random, 1) == layout_for(random, 1)
     for escape in (True, False):
         case = make_case({"escape": escape})
         agents = [make_agent_for(case, seed, DEFAULT_LAYOUT) for seed in (1, 2)]
@@ -217,7 +215,7 @@ def test_each_episode_keeps_the_stations_or_draws_them(
     Path("hall.txt").write_text("##########\n#P......D#\n##########\n")
     case = make_case({"layout": layout, "stations": stations, "max_steps": 3})
     for seed in range(3):
-        before = make_env(case, seed).layout
+        before = layout_for(case, seed)
         [episode, again] = [run_one(case, seed) for _ in range(2)]
         assert (episode.layout == before) is (stations == "kept")
         assert episode == again
@@ -262,20 +260,20 @@ def test_a_setting_of_fleets_makes_it_a_fleet_with_the_defaults_of_fleets() -> N
 
 def test_the_settings_of_a_fleet_reach_it() -> None:
     case = make_case({**FLEET_CASE, "due": "3:9", "people": 1, "chargers": 1, "battery": 77})
-    episode = run_fleet(case, 5)
+    episode = run_one(case, 5)
     settings = episode.settings
     assert (settings.robots, settings.max_steps, settings.battery) == (3, 40, Battery(77))
     assert settings.people.count == 1
     assert settings.orders == (OrderStream(0.3, (3, 9)),)
     assert len(episode.layout.chargers) == 1
-    assert episode == run_fleet(case, 5)
-    assert episode != run_fleet(case, 6)
+    assert episode == run_one(case, 5)
+    assert episode != run_one(case, 6)
 
 
 def test_the_agents_of_a_fleet_are_those_of_the_case() -> None:
     cases = [make_case({**FLEET_CASE, **agent}) for agent in
              ({}, {"escape": False}, {"memory": 2}, {"agent": "astar"})]  # fmt: skip
-    teams = [make_fleet_agent_for(case, 0, find_layout("depot")).agents for case in cases]
+    teams = [make_agent_for(case, 0, find_layout("depot")).agents for case in cases]
     assert [len(team) for team in teams] == [3] * 4
     assert [type(team[0]).__name__ for team in teams] == [*["GreedyAgent"] * 3, "SearchAgent"]
     found = [(team[0].memory, team[0].escape_steps) for team in teams[:3]]
@@ -286,22 +284,22 @@ def test_the_agents_of_a_fleet_are_those_of_the_case() -> None:
 def test_chargers_are_taken_from_all_parts_of_the_layout() -> None:
     chargers = find_layout("depot").chargers
     for count in range(len(chargers) + 1):
-        found = fleet_layout(make_case({"chargers": count}), 0).chargers
+        found = layout_for(make_case({"chargers": count}), 0).chargers
         assert len(found) == count
         assert {*found} <= {*chargers}
-    two = fleet_layout(make_case({"chargers": 2}), 0).chargers
+    two = layout_for(make_case({"chargers": 2}), 0).chargers
     assert two == (chargers[0], chargers[len(chargers) // 2])
     with pytest.raises(LayoutError, match=f"chargers is 99; the layout has {len(chargers)}"):
         make_case({"chargers": 99})
 
 
 def test_the_row_of_a_fleet_has_its_measures() -> None:
-    episode = run_fleet(make_case({**FLEET_CASE, "max_steps": 2, "order_rate": 0}), 0)
+    episode = run_one(make_case({**FLEET_CASE, "max_steps": 2, "order_rate": 0}), 0)
     row = row_of(episode)
-    assert isinstance(row, Shift)
+    assert isinstance(row, FleetRow)
     assert (row.seed, row.mode, row.steps, row.orders, row.on_time) == (0, "idle", 2, 0, None)
     measured = [each.name for each in fields(FleetMeasures) if each.name != "lost"]
-    assert list(Shift._fields[2:]) == measured
+    assert list(FleetRow._fields[2:]) == measured
     assert row.distance == episode.measures.distance
 
 
@@ -314,11 +312,11 @@ def test_a_planner_takes_the_place_of_the_agents(tmp_path: Path) -> None:
     case = make_case({**FLEET_CASE, "planner": f"{file}:Still", "agent": "astar"})
     assert not {"agent", "escape", "memory"} & case.keys()
     assert case["assignment"] == DEFAULT_ASSIGNMENT
-    assert run_fleet(case, 0).measures.distance == 0
+    assert run_one(case, 0).measures.distance == 0
     file.write_text(file.read_text() + "# changed")
     with pytest.raises(EpisodeError, match=r"mine\.py:Still', or what it imports, has changed"):
         check_fingerprint(case)
-    pibt = [run_fleet(make_case({**FLEET_CASE, "planner": "pibt", "assignment": name}), 0)
+    pibt = [run_one(make_case({**FLEET_CASE, "planner": "pibt", "assignment": name}), 0)
             for name in ("urgent", "fifo")]  # fmt: skip
     assert pibt[0].measures.delivered > 0
     assert pibt[0] != pibt[1]

@@ -21,9 +21,9 @@ from agents.lab.experiments.running import (
     run_missing,
 )
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import Row
-from agents.lab.experiments.workers import process_pool
 from agents.lab.runs.programs import program_for
+from agents.lab.trials.rows import Row
+from agents.lab.trials.workers import process_pool
 
 GLOBAL_STREAMS = """
 import random

@@ -13,12 +13,13 @@ from tempfile import TemporaryDirectory
 
 import pytest
 from helpers.command_line import ROOT, in_a_process
-from helpers.results_files import shift
+from helpers.results_files import fleet_row
 
 from agents.errors import StoreError
 from agents.lab.experiments.case import key_of, make_case
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import APPLICATION, TABLES, UNKNOWN, VERSION, Row, Shift
+from agents.lab.experiments.tables import APPLICATION, VERSION
+from agents.lab.trials.rows import FleetRow, Row
 
 CASE, OTHER = make_case({"battery": 20}), make_case({"battery": 30})
 EVERY = range(2**63 - 1)
@@ -145,15 +146,13 @@ def test_the_file_of_another_program_is_an_error(path: Path) -> None:
     assert [each.name for each in path.parent.iterdir()] == [path.name]
 
 
-def test_a_newer_version_is_an_error(path: Path) -> None:
+@pytest.mark.parametrize("version", [VERSION - 1, VERSION + 1])
+def test_another_version_is_an_error(path: Path, version: int) -> None:
     Store(path).close()
-    connection = sqlite3.connect(path)
-    connection.execute(f"PRAGMA user_version = {VERSION + 1}")
-    connection.close()
+    change(path, f"PRAGMA user_version = {version}")
     with pytest.raises(StoreError) as caught:
         Store(path)
-    line = f"{path}: its version is {VERSION + 1}; only 1 to {VERSION} can be read"
-    assert str(caught.value) == line
+    assert str(caught.value) == f"{path}: its version is {version}; only {VERSION} can be read"
 
 
 def test_the_file_has_its_application_id_and_version(path: Path) -> None:
@@ -194,7 +193,7 @@ def test_a_path_that_cannot_be_opened_is_an_error_with_its_name(tmp_path: Path, 
 AS_NOBODY = """
 import os, sys, urllib.parse  # imported before the user changes
 from agents.lab.experiments.store import Store, StoreError
-from agents.lab.experiments.tables import Row
+from agents.lab.trials.rows import Row
 if os.geteuid() == 0:  # root may write anywhere
     os.setgid(65534)
     os.setuid(65534)
@@ -497,20 +496,6 @@ def test_a_name_that_sqlite_keeps_for_itself_is_a_file(
 OLD, NEW = "warehouse-lab 1 (a), numpy 2", "warehouse-lab 1 (b), numpy 2"
 
 
-def version_1(path: Path) -> Path:
-    """Write a file as version 0.1.0 of this program did, with three episodes of a case."""
-    connection = sqlite3.connect(path)
-    connection.executescript(TABLES[0])
-    connection.execute("INSERT INTO cases (settings) VALUES (?)", (key_of(CASE),))
-    connection.execute("INSERT INTO cases (settings) VALUES (?)", (key_of(OTHER),))
-    places = ", ".join("?" * (1 + len(Row._fields)))
-    for seed in range(3):
-        connection.execute(f"INSERT INTO episodes VALUES ({places})", (1, *row(seed)))
-    connection.commit()
-    connection.close()
-    return path
-
-
 @pytest.mark.parametrize("mix", [False, True])
 def test_episodes_of_another_program_are_only_added_to_a_case_if_asked(
     path: Path, mix: bool
@@ -539,56 +524,29 @@ def test_episodes_of_another_program_are_only_added_to_a_case_if_asked(
         assert written == ({1: OLD, 2: NEW, 3: NEW} if mix else {1: OLD, 3: OLD})
 
 
-def test_a_file_of_version_1_is_read_unchanged(path: Path) -> None:
-    before = version_1(path).read_bytes()
-    with Store(path, read_only=True) as store:
-        assert store.cases() == {1: CASE, 2: OTHER}
-        assert list(store.rows(1)) == [(row(seed), UNKNOWN) for seed in range(3)]
-        assert (store.programs(1), store.programs(2)) == ([UNKNOWN], [])
-        assert (store.mixed(), store.episodes()) == ([], [(UNKNOWN, 3)])
-        store.check_rows()
-    assert path.read_bytes() == before
-
-
-def test_a_file_of_version_1_is_resumed_and_its_episodes_are_of_an_unknown_program(
-    path: Path,
-) -> None:
-    with Store(version_1(path)) as store:
-        assert store.seeds_done(store.case_id(CASE), EVERY) == {0, 1, 2}
-        with pytest.raises(StoreError, match=f"battery=20 are of {UNKNOWN}, and new ones"):
-            store.add(1, [row(3)], NEW)
-        store.add(2, [row(3)], NEW)
-        assert store.episodes() == [(UNKNOWN, 3), (NEW, 1)]
-    with Store(path, mix=True) as store:
-        store.add(1, [row(3)], NEW)
-        assert [program for _, program in store.rows(1)] == [UNKNOWN, UNKNOWN, UNKNOWN, NEW]
-    with Store(path, read_only=True) as store:
-        assert store.mixed() == [1]
-
-
-def test_the_shifts_of_fleets_are_rows_of_their_own(path: Path) -> None:
-    fleet, shifts = make_case({"robots": 2}), [shift(3, per_hour=None), shift(5)]
+def test_the_rows_of_fleets_have_a_table_of_their_own(path: Path) -> None:
+    fleet, shifts = make_case({"robots": 2}), [fleet_row(3, per_hour=None), fleet_row(5)]
     with Store(path) as store:
         number, alone = store.case_id(fleet), store.case_id(CASE)
         store.add(number, shifts, "one")
         store.add(alone, [row(3)], "one")
-        store.add(number, [shift(5, "late")], "one")
-        assert [found for found, _ in store.rows(number, Shift)] == shifts
+        store.add(number, [fleet_row(5, "late")], "one")
+        assert [found for found, _ in store.rows(number, FleetRow)] == shifts
         assert [*store.rows(number)] == []
         assert store.seeds_done(number, range(4)) == {3}
         assert (store.count(fleet, range(9)), store.count(CASE, range(9))) == (2, 1)
         assert store.episodes() == [("one", 3)]
         with pytest.raises(StoreError, match="are of one, and new ones would be of other"):
-            store.add(number, [shift(9)], "other")
+            store.add(number, [fleet_row(9)], "other")
 
 
 @pytest.mark.parametrize("change", [
     "mode = 'delivered'", "seed = -1", "orders = 1.5", "seconds = 'x'", "per_hour = 1e31",
     "on_time = 'x'", "case_id = 9",
 ])  # fmt: skip
-def test_a_shift_that_no_sweep_has_written_is_damage(path: Path, change: str) -> None:
+def test_a_row_of_a_fleet_that_no_sweep_has_written_is_damage(path: Path, change: str) -> None:
     with Store(path) as store:
-        store.add(store.case_id(make_case({"robots": 2})), [shift(0)])
+        store.add(store.case_id(make_case({"robots": 2})), [fleet_row(0)])
         store.check_rows()
     with closing(sqlite3.connect(path)) as connection:
         connection.execute(f"UPDATE shifts SET {change}")

@@ -19,8 +19,8 @@ from agents.lab.experiments import sweep as sweep_command
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.parameters import PARAMETERS
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import Shift
 from agents.lab.runs.programs import program_for
+from agents.lab.trials.rows import FleetRow
 
 
 @pytest.fixture
@@ -262,11 +262,11 @@ def test_a_sweep_of_fleets_is_resumed_and_reported(
              "--workers", 1, "-o", path]  # fmt: skip
     command(capsys, *words, "-n", 2)
     with Store(path, read_only=True) as store:
-        before = [[*store.rows(number, Shift)] for number in store.cases()]
+        before = [[*store.rows(number, FleetRow)] for number in store.cases()]
     printed = command(capsys, *words, "-n", 3).out
     assert printed.startswith("2 combinations, 3 episodes each, 4 done\n")
     with Store(path, read_only=True) as store:
-        after = [[*store.rows(number, Shift)] for number in store.cases()]
+        after = [[*store.rows(number, FleetRow)] for number in store.cases()]
     assert [rows[:2] for rows in after] == before
     printed = command(capsys, "report", path, "--figures", tmp_path / "figures").out
     assert "6 episodes of fleets in 2 combinations of settings, seeds from 0 to 2" in printed

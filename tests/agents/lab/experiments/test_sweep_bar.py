@@ -6,11 +6,11 @@ import sys
 import time
 
 import pytest
-from helpers.results_files import shift
+from helpers.results_files import fleet_row
 from helpers.terminal import Terminal
 
 from agents.lab.experiments.sweep import sweep_bar
-from agents.lab.experiments.tables import Row
+from agents.lab.trials.rows import Row
 
 
 def rows(*modes: str) -> list[Row]:
@@ -62,7 +62,7 @@ def test_nothing_is_written_if_the_output_is_not_a_terminal(
 
 
 def test_orders_of_fleets_count_as_deliveries_do(monkeypatch: pytest.MonkeyPatch) -> None:
-    line = last_line(shown(monkeypatch, Terminal(), [shift(0), shift(1, delivered=1)]))
+    line = last_line(shown(monkeypatch, Terminal(), [fleet_row(0), fleet_row(1, delivered=1)]))
     assert " 2/8 " in line
     assert line.rstrip().endswith("30% delivered")
 

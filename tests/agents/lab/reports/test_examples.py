@@ -12,9 +12,9 @@ from agents.lab.experiments.case import FINGERPRINT, Case, make_case
 from agents.lab.experiments.episodes import run_one as run_whole
 from agents.lab.experiments.episodes import run_task
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import Row
 from agents.lab.reports import examples
 from agents.lab.reports.examples import Found, find_examples, replay
+from agents.lab.trials.rows import Row
 from warehouse_core import Episode
 from warehouse_core.records.failure_modes import MODES
 
@@ -157,7 +157,7 @@ def test_an_episode_that_is_too_much_work_is_not_run(
     monkeypatch: pytest.MonkeyPatch, change: dict[str, object], steps: int, why: str
 ) -> None:
     case = {k: v for k, v in {**make_case({}), **change}.items() if v is not None}
-    monkeypatch.delattr(examples, "run_alone")
+    monkeypatch.delattr(examples, "run_one")
     example = replay(Found("stalled", case, 0, steps, 1), run_own_code=True)
     assert (example.sentence, example.track) == (f"It is not run again: {why}.", None)
 
@@ -167,11 +167,11 @@ def test_an_episode_that_goes_on_for_longer_than_the_results_say_is_stopped(
 ) -> None:
     episodes = []
 
-    def run_alone(case: Case, seed: int) -> Episode:
+    def run_one(case: Case, seed: int) -> Episode:
         episodes.append(run_whole(case, seed))
         return episodes[-1]
 
-    monkeypatch.setattr(examples, "run_alone", run_alone)
+    monkeypatch.setattr(examples, "run_one", run_one)
     case = {
         **make_case({}),
         "max_steps": 10**9,

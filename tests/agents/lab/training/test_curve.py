@@ -2,10 +2,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.results_files import BAD, row, scores_of
 from numpy.typing import NDArray
 from PIL import Image
 
-from agents.lab.evaluation.scores import Run, Scores
 from agents.lab.training import curve as learning_curve
 from agents.lab.training.curve import (
     DPI,
@@ -16,15 +16,13 @@ from agents.lab.training.curve import (
     save_learning_curve,
 )
 from agents.lab.training.exams import Point
+from agents.lab.trials.scores import Scores
 from warehouse_core.viz.figure import SceneFigure, make_figure
 
 
 def scores(success: float, count: int = 200) -> Scores:
     good = round(success * count)
-    return Scores(
-        [Run(True, 14, 14.0, 0.0, 0.0, 0)] * good
-        + [Run(False, 200, 14.0, 0.0, 0.0, 0)] * (count - good)
-    )
+    return scores_of([row(0, steps=14)] * good + [BAD] * (count - good))
 
 
 POINTS = [Point(60_000 * (n + 1), scores(s)) for n, s in enumerate((0, 0.1, 0.5, 0.98, 1))]

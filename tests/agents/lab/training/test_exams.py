@@ -1,8 +1,8 @@
 import pytest
 
-from agents.lab.evaluation.scores import Task
 from agents.lab.training import exams
 from agents.lab.training.exams import EXAM_SEEDS, EXAMS, FINAL_SEEDS, Examiner
+from agents.lab.trials.task import Task
 from agents.learning.q_learning import TRAINING_SEEDS
 from agents.warehouse_agent_greedy import GreedyAgent
 
@@ -24,7 +24,7 @@ def test_examinations_are_evenly_spaced_and_the_last_is_at_the_end() -> None:
     examiner = examined(1000, range(0, 1011, 10))
     assert [point.steps for point in examiner.points] == [*range(40, 1001, 40), 1010]
     assert len(examiner.points) == EXAMS + 1
-    assert all(len(point.scores.runs) == 3 for point in examiner.points)
+    assert all(len(point.scores.rows) == 3 for point in examiner.points)
     assert examiner.summary == examiner.points[-1].scores.summary
 
 

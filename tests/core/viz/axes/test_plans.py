@@ -8,12 +8,11 @@ import pytest
 from helpers.fleets import fleet_episode
 from helpers.pictures import replay_of, short_episode
 from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 
 from warehouse_core.records.plans import NO_PLANS, StepPlans
 from warehouse_core.render.palette import COLORS
 from warehouse_core.viz.axes.plans import FADE_STEPS, PlanView
-from warehouse_core.viz.tracks.fleet_track import track_of_fleet_episode
+from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.world.tiles import EMPTY
 
 RED, BLUE = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
@@ -21,7 +20,7 @@ PLACES = np.array([(0.5, 0.5), (1.5, 0.5), (1.5, 1.5)])
 
 
 def shown(plans: StepPlans) -> PlanView:
-    view = PlanView(Figure().add_subplot(), 30.0, 3)
+    view = PlanView(30.0, 3)
     view.show(plans, PLACES, [RED, BLUE, RED])
     return view
 
@@ -66,7 +65,7 @@ def test_arrows_go_from_who_pushes_to_who_is_pushed(pushed: int, pusher: int) ->
 def test_each_frame_has_the_plans_of_its_step() -> None:
     episode = fleet_episode(max_steps=6)
     plans = [StepPlans({0: [(1, 1 + step)]}) for step in range(4)]
-    frames = track_of_fleet_episode(episode, plans=plans).frames
+    frames = track_of_record(episode, plans=plans).frames
     assert [frame.fleet.plans for frame in frames if frame.fleet] == [*plans, *[NO_PLANS] * 3]
 
 

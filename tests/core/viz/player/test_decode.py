@@ -15,7 +15,7 @@ from helpers.pages import HOSTILE
 from warehouse_core import Episode, FleetEpisode, WarehouseEnv, record_episode
 from warehouse_core.viz.player.columns import Columns
 from warehouse_core.viz.player.tracks import packed
-from warehouse_core.viz.tracks import Track, track_of_episode, track_of_fleet_episode
+from warehouse_core.viz.tracks import Track, track_of_record
 from warehouse_core.viz.tracks.track import Frame
 
 pytestmark = pytest.mark.browser
@@ -117,7 +117,7 @@ def check_fleet(found: dict[str, Any], frame: Frame, width: int) -> None:
 
 def test_the_page_knows_each_frame_of_an_episode(episode: Episode, clumsy_agent: Any) -> None:
     bodies = record_episode(WarehouseEnv(backend="physics", max_steps=20), clumsy_agent, seed=3)
-    tracks = [track_of_episode(episode), track_of_episode(bodies)]
+    tracks = [track_of_record(episode), track_of_record(bodies)]
     assert any(frame.hits for frame in tracks[1].frames)
     for found, track in zip(said("told.mjs", packed(tracks, "", 1.0)), tracks, strict=True):
         assert len(found) == len(track)
@@ -128,7 +128,7 @@ def test_the_page_knows_each_frame_of_an_episode(episode: Episode, clumsy_agent:
 @pytest.mark.parametrize("backend", ["grid", "physics"])
 def test_the_page_knows_each_frame_of_a_fleet(backend: str) -> None:
     record: FleetEpisode = fleet_episode(backend=backend, max_steps=60, battery=30)
-    track: Track = track_of_fleet_episode(record)
+    track: Track = track_of_record(record)
     [found] = said("told.mjs", packed([track], "", 1.0))
     for index, (each, frame) in enumerate(zip(found, track.frames, strict=True)):
         check_frame(each, frame, index, 1 / 1024)

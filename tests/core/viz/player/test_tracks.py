@@ -3,7 +3,7 @@ from helpers.player import said_by
 
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.viz.player import player_page
-from warehouse_core.viz.tracks import track_of_fleet_episode
+from warehouse_core.viz.tracks import track_of_record
 
 
 def test_a_page_has_the_plans_of_each_frame() -> None:
@@ -11,7 +11,7 @@ def test_a_page_has_the_plans_of_each_frame() -> None:
     width = episode.layout.width
     way, wish = [(1, 1), (1, 2)], [(1, 2), (2, 2), (2, 3)]
     plans = [StepPlans({0: way}), StepPlans({1: way}, {1: wish}, {2: 3})]
-    page = player_page([track_of_fleet_episode(episode, plans=plans)])
+    page = player_page([track_of_record(episode, plans=plans)])
     fleet = said_by(page)["tracks"][0]["fleet"]
     # Frames, robots, whether they are ways or wishes, and lengths; then frame, robot and pusher.
     assert fleet["plans"] == [0, 1, 1, 0, 1, 1, 0, 0, 1, 2, 2, 3]

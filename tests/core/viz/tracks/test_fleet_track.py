@@ -8,9 +8,8 @@ from helpers.fleets import LINE, SHELVES, Couriers, fleet_episode
 
 from warehouse_core import FleetEnv, FleetEpisode, Layout, Order, RecordError, WarehouseEnv
 from warehouse_core.records import FleetRecorder, record_episode
-from warehouse_core.viz.tracks import track_of_fleet_episode
-from warehouse_core.viz.tracks.episode_track import track_of_episode
-from warehouse_core.viz.tracks.track import Waiting
+from warehouse_core.viz.tracks import track_of_record
+from warehouse_core.viz.tracks.track import FLEET_METRICS, Waiting
 
 LATE = 3
 
@@ -44,7 +43,7 @@ def age_at(step: int, order: Order) -> int:
 
 
 def test_robots_and_then_people_are_where_the_record_has_them(episode: FleetEpisode) -> None:
-    track = track_of_fleet_episode(episode)
+    track = track_of_record(episode)
     assert (len(track), track.steps, track.is_continuous) == (81, 80, False)
     cells = np.hstack([episode.cells, episode.people])
     for frame, row in zip(track.frames, cells.tolist(), strict=True):
@@ -58,7 +57,7 @@ def test_robots_and_then_people_are_where_the_record_has_them(episode: FleetEpis
 
 def test_orders_wait_at_their_pickups_and_age(episode: FleetEpisode) -> None:
     ages = set()
-    for step, frame in enumerate(track_of_fleet_episode(episode).frames):
+    for step, frame in enumerate(track_of_record(episode).frames):
         waiting: dict[tuple[int, int], list[int]] = {}
         items: dict[int | None, int] = {}
         for order in episode.orders:
@@ -86,25 +85,22 @@ def test_orders_wait_at_their_pickups_and_age(episode: FleetEpisode) -> None:
 def test_an_order_is_late_from_the_step_after_its_due_time() -> None:
     order = Order(0, 3, (0, 0), (0, 8))
     episode = driven([["PICK"], ["E"], ["E"], ["E"], ["E"]], orders=[order], starts=[(0, 0)])
-    frames = track_of_fleet_episode(episode).frames
+    frames = track_of_record(episode).frames
     assert [frame.fleet and frame.fleet.items[0] for frame in frames] == [None, 1, 2, 2, 3, 3]
     carried = driven([["PICK"], *[["E"]] * 8, ["DROP"]], orders=[order], starts=[(0, 0)])
-    assert track_of_fleet_episode(carried).frames[-1].caption == (
+    assert track_of_record(carried).frames[-1].caption == (
         "1 delivered (1 late), 0 carried, 0 waiting"
     )
-    assert track_of_fleet_episode(carried).ending == "all delivered"
+    assert track_of_record(carried).ending == "all delivered"
 
 
 def test_robots_head_where_they_moved_last() -> None:
     episode = driven([["E"], ["WAIT"], ["W"], ["N"]], orders=None, starts=[(0, 3)])
-    poses = [frame.robots[0] for frame in track_of_fleet_episode(episode).frames]
+    poses = [frame.robots[0] for frame in track_of_record(episode).frames]
     assert [pose and pose.heading for pose in poses] == [None, 0.0, 0.0, math.pi, math.pi]
     shelves = fleet_episode(people=0)
     headings = {
-        pose.heading
-        for frame in track_of_fleet_episode(shelves).frames
-        for pose in frame.robots
-        if pose
+        pose.heading for frame in track_of_record(shelves).frames for pose in frame.robots if pose
     }
     assert headings == {None, 0.0, math.pi / 2, math.pi, -math.pi / 2}
 
@@ -112,7 +108,7 @@ def test_robots_head_where_they_moved_last() -> None:
 def test_a_blocked_move_hits_the_edge_of_the_cell() -> None:
     actions = [["E", "W"], ["WAIT", "N"], ["E", "WAIT"]]
     episode = driven(actions, orders=None, starts=[(0, 3), (0, 4)])
-    frames = track_of_fleet_episode(episode).frames
+    frames = track_of_record(episode).frames
     assert [[hit.at for hit in frame.hits] for frame in frames] == [
         [],
         [(4.0, 0.5), (4.0, 0.5)],
@@ -122,7 +118,7 @@ def test_a_blocked_move_hits_the_edge_of_the_cell() -> None:
 
 
 def test_bodies_are_drawn_along_their_paths(bodies: FleetEpisode) -> None:
-    track = track_of_fleet_episode(bodies, 0.2)
+    track = track_of_record(bodies, 0.2)
     assert track.is_continuous
     assert track.steps == 20
     seconds = sum(max(motion.seconds for motion in motions) for motions in bodies.motions)
@@ -141,46 +137,38 @@ def test_bodies_are_drawn_along_their_paths(bodies: FleetEpisode) -> None:
 
 
 def test_within_a_motion_orders_stay_as_they_were_before_it(bodies: FleetEpisode) -> None:
-    frames = track_of_fleet_episode(bodies, 0.2).frames
-    by_step = track_of_fleet_episode(bodies, None).frames
+    frames = track_of_record(bodies, 0.2).frames
+    by_step = track_of_record(bodies, None).frames
     assert len(by_step) == 21
     for frame in frames:
         assert frame.fleet == by_step[math.floor(frame.progress)].fleet
 
 
-@pytest.mark.parametrize("frame_seconds", [0.0, -1.0, math.nan])
-def test_a_time_between_frames_must_be_positive(bodies: FleetEpisode, frame_seconds: float) -> None:
-    with pytest.raises(ValueError, match="frame_seconds is"):
-        track_of_fleet_episode(bodies, frame_seconds)
-
-
 def test_motions_that_take_too_many_frames_raise(bodies: FleetEpisode) -> None:
     with pytest.raises(RecordError, match="more than MAX_FRAMES"):
-        track_of_fleet_episode(bodies, 1e-6)
+        track_of_record(bodies, 1e-6)
 
 
 def test_charts_show_what_the_measures_count(episode: FleetEpisode) -> None:
-    shift, measures = track_of_fleet_episode(episode).shift, episode.measures
-    assert shift
-    assert {len(values) for values in (shift.released, shift.delivered, shift.battery,
-                                       shift.lowest, shift.joules)} == {81}  # fmt: skip
-    assert (shift.released[-1], shift.delivered[-1]) == (measures.orders, measures.delivered)
-    assert shift.joules[-1] == pytest.approx(measures.joules)
-    late = [max(late, 0) for _, late in shift.lateness]
+    track, measures = track_of_record(episode), episode.measures
+    shown = track.metrics
+    assert {name: len(values) for name, values in shown.items()} == dict.fromkeys(FLEET_METRICS, 81)
+    assert (shown["released"][-1], shown["delivered"][-1]) == (measures.orders, measures.delivered)
+    assert shown["joules"][-1] == pytest.approx(measures.joules)
+    late = [max(late, 0) for _, late in track.lateness]
     assert sum(late) / len(late) == pytest.approx(measures.mean_lateness)
     for step in (0, 40, 80):
-        assert shift.battery[step] == pytest.approx(episode.battery[step].mean() / 100)
-        assert shift.lowest[step] == pytest.approx(episode.battery[step].min() / 100)
-        assert shift.released[step] == sum(order.released <= step for order in episode.orders)
+        assert shown["battery_mean"][step] == pytest.approx(episode.battery[step].mean() / 100)
+        assert shown["battery_lowest"][step] == pytest.approx(episode.battery[step].min() / 100)
+        assert shown["released"][step] == sum(order.released <= step for order in episode.orders)
 
 
 def test_without_orders_the_items_delivered_are_counted() -> None:
     actions = [["PICK", "E"], ["E", "WAIT"], ["E", "N"], ["DROP", "W"]]
     episode = driven(actions, orders=None, starts=[(0, 0), (1, 0)], layout=Layout(["P.D", "..."]))
-    track = track_of_fleet_episode(episode)
-    assert track.shift
-    assert track.shift.delivered == [0, 0, 0, 0, 1]
-    assert (track.shift.released, track.shift.lateness) == ([0] * 5, [])
+    track = track_of_record(episode)
+    assert track.metrics["delivered"] == [0, 0, 0, 0, 1]
+    assert (track.metrics["released"], track.lateness) == ([0] * 5, [])
     assert [frame.caption for frame in track.frames] == [""] * 5
     items = [frame.fleet and frame.fleet.items[0] for frame in track.frames]
     assert items == [None, 0, 0, 0, None]
@@ -188,8 +176,8 @@ def test_without_orders_the_items_delivered_are_counted() -> None:
 
 def test_a_lone_robot_has_the_charts_of_the_chapter() -> None:
     episode = fleet_episode(robots=1, people=0, orders=None, layout=SHELVES, max_steps=30)
-    track = track_of_fleet_episode(episode)
-    assert track.shift is None
+    track = track_of_record(episode)
+    assert not track.counts_orders
     env = WarehouseEnv(SHELVES, max_steps=30, battery=100)
 
     class Again:
@@ -199,24 +187,22 @@ def test_a_lone_robot_has_the_charts_of_the_chapter() -> None:
         def act(self, observation: object) -> int:
             return int(next(self._actions))
 
-    alone = track_of_episode(record_episode(env, Again(), randomize=False))
+    alone = track_of_record(record_episode(env, Again(), randomize=False))
     assert track.metrics == alone.metrics
     assert [frame.robots[0] and frame.robots[0].at for frame in track.frames] == [
         frame.robots[0] and frame.robots[0].at for frame in alone.frames
     ]
     with_orders = fleet_episode(robots=1, people=0)
-    assert track_of_fleet_episode(with_orders).metrics.keys() == {"rewards", "battery"}
+    assert track_of_record(with_orders).metrics.keys() == {"rewards", "battery"}
     bare = fleet_episode(robots=1, people=0, orders=None, layout=SHELVES.with_tiles([], [], []))
-    assert all(math.isnan(each) for each in track_of_fleet_episode(bare).metrics["dist_pickup"])
+    assert all(math.isnan(each) for each in track_of_record(bare).metrics["dist_pickup"])
 
 
 def test_the_ending_says_how_it_ended(episode: FleetEpisode) -> None:
-    assert track_of_fleet_episode(episode).ending == "time is up"
+    assert track_of_record(episode).ending == "time is up"
     empty = dataclasses.replace(episode, battery=episode.battery * 0)
-    assert track_of_fleet_episode(empty).ending == "batteries empty"
+    assert track_of_record(empty).ending == "batteries empty"
     going_on = dataclasses.replace(episode, truncated=~episode.truncated)
-    assert track_of_fleet_episode(going_on).ending == ""
-    assert track_of_fleet_episode(episode).title == (
-        "Couriers, 4 robots on the grid backend, seed 5"
-    )
+    assert track_of_record(going_on).ending == ""
+    assert track_of_record(episode).title == ("Couriers, 4 robots on the grid backend, seed 5")
     assert Couriers.__name__ == episode.agent

@@ -1,17 +1,18 @@
 import dataclasses
 import math
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
+from helpers.fleets import fleet_episode
 from helpers.pictures import HOSTILE_NAMES, ROOM, named, short_episode
 
-from warehouse_core import Layout, RecordError, WarehouseEnv
+from warehouse_core import Episode, Layout, RecordError, WarehouseEnv
 from warehouse_core.motion.base import Contact
-from warehouse_core.viz.tracks.episode_track import track_of_episode
 from warehouse_core.viz.tracks.grid_track import track_of_frames
-from warehouse_core.viz.tracks.motion_frames import frames_along
-from warehouse_core.viz.tracks.track import METRICS, Frame, Pose, Rows, Track
+from warehouse_core.viz.tracks.record_track import frames_along, track_of_record
+from warehouse_core.viz.tracks.track import METRICS, OUTER, Frame, Pose, Rows, Track
 
 
 def frame(*rows: str) -> list[list[str]]:
@@ -37,14 +38,14 @@ def captions(track: Track) -> list[str]:
 
 def test_a_track_has_an_entry_for_every_frame() -> None:
     episode = short_episode()
-    track = track_of_episode(episode)
+    track = track_of_record(episode)
     assert len(track) == len(episode.cells) == 7
     assert [len(track.metrics[name]) for name in METRICS] == [7] * 4
     assert all(frame.tiles == ROOM.rows for frame in track.frames)
 
 
 def test_poses_are_the_middles_of_the_cells() -> None:
-    track = track_of_episode(short_episode())
+    track = track_of_record(short_episode())
     assert [pose.at for pose in poses(track)] == [
         (2.5, 1.5),
         (2.5, 1.5),
@@ -58,7 +59,7 @@ def test_poses_are_the_middles_of_the_cells() -> None:
 
 
 def test_headings_are_those_that_the_motions_ended_with() -> None:
-    track = track_of_episode(short_episode())
+    track = track_of_record(short_episode())
     first, *others = [pose.heading for pose in poses(track)]
     assert first is None
     north, west, east = -math.pi / 2, math.pi, 0.0
@@ -73,48 +74,47 @@ def test_hits_are_in_cells_whatever_the_size_of_a_cell() -> None:
     contact = Contact(0.1, 2.0, (5.0, 2.0), "robot 3")
     motions = [episode.motions[0]._replace(contacts=(contact,)), *episode.motions[1:]]
     settings = dataclasses.replace(episode.settings, cell_size=2.0)
-    track = track_of_episode(dataclasses.replace(episode, motions=motions, settings=settings))
+    track = track_of_record(dataclasses.replace(episode, motions=motions, settings=settings))
     assert [[hit.at for hit in each.hits] for each in track.frames] == [[], [(2.5, 1.0)], *[[]] * 5]
 
 
 def test_captions_give_actions_and_reasons_and_last_the_diagnosis() -> None:
-    track = track_of_episode(short_episode())
+    track = track_of_record(short_episode())
     done = ["", "N (why not)", "W", "PICK", "E", "E"]
     assert captions(track) == [*done, "delivered in 6 steps; the shortest way takes 5"]
-    unfinished = track_of_episode(short_episode(terminated=False))
+    unfinished = track_of_record(short_episode(terminated=False))
     assert captions(unfinished) == [*done, "DROP"]
 
 
 def test_the_title_names_agent_backend_and_seed() -> None:
-    assert track_of_episode(short_episode()).title == "Tester on the grid backend, seed 4"
+    assert track_of_record(short_episode()).title == "Tester on the grid backend, seed 4"
     assert (
-        track_of_episode(short_episode(agent="", seed=None)).title
-        == "Warehouse on the grid backend"
+        track_of_record(short_episode(agent="", seed=None)).title == "Warehouse on the grid backend"
     )
 
 
 def test_the_ending_is_the_outcome_of_a_finished_episode() -> None:
-    assert track_of_episode(short_episode()).ending == "delivered"
-    assert track_of_episode(short_episode(terminated=False)).ending == ""
-    assert track_of_episode(short_episode(terminated=False, truncated=True)).ending == "out of time"
+    assert track_of_record(short_episode()).ending == "delivered"
+    assert track_of_record(short_episode(terminated=False)).ending == ""
+    assert track_of_record(short_episode(terminated=False, truncated=True)).ending == "out of time"
 
 
 def test_the_battery_is_compared_with_a_full_one() -> None:
-    track = track_of_episode(short_episode())
+    track = track_of_record(short_episode())
     assert track.full_battery == 10
     assert track.metrics["battery"] == [10, 9, 8, 7, 6, 5, 4]
 
 
 @pytest.mark.parametrize("name", HOSTILE_NAMES)
 def test_titles_and_captions_can_be_printed(name: str) -> None:
-    track = track_of_episode(named(name))
+    track = track_of_record(named(name))
     assert track.title.isprintable()
     assert all(caption.isprintable() for caption in captions(track))
 
 
 def test_printable_text_is_not_changed() -> None:
     name = "Größe $x$ <b> 日本 & \"'"
-    assert track_of_episode(named(name)).frames[1].caption == f"{name} ({name})"
+    assert track_of_record(named(name)).frames[1].caption == f"{name} ({name})"
 
 
 def test_motions_of_too_many_frames_raise() -> None:
@@ -122,8 +122,8 @@ def test_motions_of_too_many_frames_raise() -> None:
     path = np.linspace((0, 1.5, 1.5, 0), (1e12, 1.5, 1.5, 0), 3)
     episode.motions[0] = episode.motions[0]._replace(seconds=1e12, path=path)
     with pytest.raises(RecordError, match="more than MAX_FRAMES = 100000"):
-        track_of_episode(episode)
-    assert len(track_of_episode(episode, frame_seconds=1e12)) == 7
+        track_of_record(episode)
+    assert len(track_of_record(episode, frame_seconds=1e12)) == 7
 
 
 # Tracks of frames.
@@ -131,7 +131,7 @@ def test_motions_of_too_many_frames_raise() -> None:
 
 def test_frames_of_an_environment_give_the_track_of_its_episode() -> None:
     episode = short_episode()
-    bare, whole = track_of_frames(episode.frames, episode.metrics), track_of_episode(episode)
+    bare, whole = track_of_frames(episode.frames, episode.metrics), track_of_record(episode)
     assert tiles(bare) == tiles(whole)
     assert [(pose.at, pose.loaded) for pose in poses(bare)] == [
         (pose.at, pose.loaded) for pose in poses(whole)
@@ -148,23 +148,20 @@ def test_rows_may_be_strings_and_arrays() -> None:
     assert track_of_frames(np.array([[list(row) for row in rows]])) == lists
 
 
-def test_the_tile_under_the_robot_is_seen_in_a_later_frame() -> None:
-    track = track_of_frames([frame("R.D"), frame("PR.")])
-    assert tiles(track)[0] == ("P.D",)
-
-
-def test_the_tile_under_the_robot_is_seen_in_an_earlier_frame() -> None:
-    track = track_of_frames([frame("R.D"), frame(".Rr".replace("r", "D")), frame("..r")])
-    assert tiles(track)[2] == ("..D",)
-
-
-def test_the_tile_under_a_robot_at_rest_is_seen_when_it_leaves() -> None:
-    track = track_of_frames([frame("R."), frame("r."), frame("Pr")])
-    assert tiles(track) == [("P.",)] * 3
-
-
-def test_a_tile_that_is_never_seen_is_empty() -> None:
-    assert tiles(track_of_frames([frame("#R#")])) == [("#.#",)]
+@pytest.mark.parametrize(
+    ("frames", "index", "row"),
+    [
+        (["R.D", "PR."], 0, "P.D"),
+        (["R.D", ".RD", "..r"], 2, "..D"),
+        (["R.", "r.", "Pr"], 0, "P."),
+        (["R.", "r.", "Pr"], 1, "P."),
+        (["#R#"], 0, "#.#"),
+    ],
+)
+def test_the_tile_under_the_robot_is_seen_in_the_nearest_frame_or_empty(
+    frames: list[str], index: int, row: str
+) -> None:
+    assert tiles(track_of_frames([[each] for each in frames]))[index] == (row,)
 
 
 def test_equal_tiles_are_the_same_object() -> None:
@@ -190,45 +187,32 @@ def test_a_frame_is_what_render_grid_gives() -> None:
     assert Layout(tiles(track_of_frames(frames))[0]) == env.layout
 
 
-@pytest.mark.parametrize("wrong", ["?", "ä"])
-def test_an_unknown_character_is_named_with_its_frame_row_and_column(wrong: str) -> None:
-    bad = [["#", "#", "#"], ["#", "R", wrong]]
-    with pytest.raises(ValueError, match=r"frame 1, row 1, column 2: '.' is unknown; allowed: # "):
-        track_of_frames([frame("###", "#R#"), bad])
+TWO = [["R."], [".R"]]
 
 
 @pytest.mark.parametrize(
-    ("frames", "message"),
+    ("frames", "metrics", "message"),
     [
-        ([["##", "#"]], "frame 0 has 2 rows with 1 columns in row 1; frame 0 has 2 rows of 2"),
-        ([["##"], ["#"]], "frame 1 has 1 rows with 1 columns in row 0; frame 0 has 1 rows of 2"),
-        ([["##"], ["##", "##"]], "frame 1 has 2 rows with 2 columns in row 0"),
-        ([["##", "##"], ["##"]], "frame 1 has 1 rows with 2 columns in row 0"),
-        ([["##"], []], "frame 1 has no rows"),
-        ([[]], "frame 0 has no rows"),
-        ([[""]], "frame 0 has 1 rows with 0 columns in row 0"),
+        ([["###", "#R#"], ["###", "#R?"]], {}, "frame 1, row 1, column 2: '.' is unknown; allowed"),
+        ([["###", "#R#"], ["###", "#Rä"]], {}, "frame 1, row 1, column 2: '.' is unknown; allowed"),
+        ([["##", "#"]], {}, "frame 0 has 2 rows with 1 columns in row 1; frame 0 has 2 rows of 2"),
+        ([["##"], ["#"]], {}, "frame 1 has 1 rows with 1 columns in row 0; frame 0 has 1 rows of"),
+        ([["##"], ["##", "##"]], {}, "frame 1 has 2 rows with 2 columns in row 0"),
+        ([["##", "##"], ["##"]], {}, "frame 1 has 1 rows with 2 columns in row 0"),
+        ([["##"], []], {}, "frame 1 has no rows"),
+        ([[]], {}, "frame 0 has no rows"),
+        ([[""]], {}, "frame 0 has 1 rows with 0 columns in row 0"),
+        (TWO, {"battery": [1.0]}, "'battery' has 1 entries for 2 frames"),
+        (TWO, {"battery": [1.0] * 3}, "'battery' has 3 entries for 2 frames"),
+        (TWO, {"reward": [0.0] * 2}, "'reward' is unknown; allowed: rewards, battery, dist_"),
+        (TWO, {"battery": [3.0, -math.inf]}, "metric 'battery', frame 1: .* is no finite number"),
+        (TWO, {"battery": [3.0, "a"]}, "metric 'battery', frame 1: .* is no finite number"),
+        (TWO, {"battery": [3.0, [1]]}, "metric 'battery', frame 1: .* is no finite number"),
     ],
 )
-def test_frames_must_be_of_one_size(frames: list[list[str]], message: str) -> None:
+def test_bad_frames_and_metrics_are_named(frames: Any, metrics: Any, message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        track_of_frames(frames)
-
-
-@pytest.mark.parametrize("values", [[1.0], [1.0, 2.0, 3.0]])
-def test_a_metric_needs_an_entry_for_every_frame(values: list[float]) -> None:
-    with pytest.raises(ValueError, match=rf"'battery' has {len(values)} entries for 2 frames"):
-        track_of_frames([frame("R."), frame(".R")], {"battery": values})
-
-
-def test_an_unknown_metric_is_named() -> None:
-    with pytest.raises(ValueError, match=r"'reward' is unknown; allowed: rewards, battery, dist_"):
-        track_of_frames([frame("R.")], {"reward": [0.0]})
-
-
-@pytest.mark.parametrize("wrong", [-math.inf, "a", [1]])
-def test_an_entry_that_cannot_be_plotted_is_named(wrong: object) -> None:
-    with pytest.raises(ValueError, match=r"metric 'battery', frame 1: .* is no finite number"):
-        track_of_frames([frame("R."), frame(".R")], {"battery": [3.0, wrong]})  # type: ignore[list-item]
+        track_of_frames(frames, metrics)
 
 
 def test_none_and_nan_are_not_plotted() -> None:
@@ -264,7 +248,7 @@ def continuous_track(frame_seconds: float | None = 0.5):
         seconds=2.0, joules=100.0, path=straight_on(), contacts=(contact,)
     )
     motions = [*episode.motions[:3], moving, *episode.motions[4:]]
-    return track_of_episode(dataclasses.replace(episode, motions=motions), frame_seconds)
+    return track_of_record(dataclasses.replace(episode, motions=motions), frame_seconds)
 
 
 def test_a_continuous_motion_has_a_frame_for_each_interval() -> None:
@@ -301,17 +285,18 @@ def test_the_robot_is_loaded_after_the_end_of_the_action() -> None:
     assert [pose.loaded for pose in poses(track, 2)] == [False, True]
 
 
-@pytest.mark.parametrize("seconds", [0.0, math.nan])
-def test_the_time_between_frames_must_be_positive(seconds: float) -> None:
-    with pytest.raises(ValueError, match="frame_seconds"):
-        track_of_episode(short_episode(), seconds)
+@pytest.mark.parametrize("record", [short_episode(), fleet_episode(max_steps=2)])
+@pytest.mark.parametrize("seconds", [0.0, -1.0, math.nan])
+def test_the_time_between_frames_must_be_positive(record: Episode, seconds: float) -> None:
+    with pytest.raises(ValueError, match="frame_seconds is"):
+        track_of_record(record, seconds)
 
 
 def test_a_track_on_the_grid_has_the_clock_and_energy_of_its_motions() -> None:
     episode = short_episode()
     slow = episode.motions[2]._replace(seconds=4.0, joules=70.0)
     motions = [*episode.motions[:2], slow, *episode.motions[3:]]
-    track = track_of_episode(dataclasses.replace(episode, motions=motions))
+    track = track_of_record(dataclasses.replace(episode, motions=motions))
     assert track.clocks == [0, 1, 2, 6, 7, 8, 9]
     energy = [frame.energy for frame in track.frames]
     assert energy[3] - energy[2] == pytest.approx(70)
@@ -326,7 +311,7 @@ def test_a_continuous_episode_can_have_one_frame_a_step() -> None:
     track = continuous_track(None)
     assert (len(track), track.is_continuous) == (7, False)
     assert [pose.at for pose in poses(track)] == [
-        pose.at for pose in poses(track_of_episode(short_episode()))
+        pose.at for pose in poses(track_of_record(short_episode()))
     ]
 
 
@@ -345,3 +330,22 @@ def test_frames_of_two_robots_have_the_poses_of_both_and_a_common_hit_once() -> 
     loaded = [[pose.loaded for pose in frame.robots if pose] for frame in frames]
     assert loaded == [[False, True], [True, False]]
     assert [len(frame.hits) for frame in frames] == [1, 0]
+
+
+# What is shown of the map.
+
+
+@pytest.mark.parametrize(
+    ("rows", "outer"),
+    [
+        (["###", "#.#", "###"], OUTER),
+        (["#?#", "#.#", "??#"], OUTER),
+        (["###", "#.P", "###"], 0.0),
+        (["#.#", "#.#", "###"], 0.0),
+        (["##", "##"], 0.0),
+    ],
+)
+def test_a_border_of_walls_is_not_shown_whole(rows: list[str], outer: float) -> None:
+    frames = [Frame(tuple(each), (), 0.0) for each in (rows, ["###"] * 3)]
+    assert Track(frames[:1], {}).outer == Track(frames, {}).outer == outer
+    assert Track(frames[:1], {}).shown_size == (len(rows[0]) - 2 * outer, len(rows) - 2 * outer)

@@ -10,7 +10,7 @@ from typing import Any
 import pyarrow as pa
 import pytest
 from helpers.command_line import command, refusal
-from helpers.results_files import shift
+from helpers.results_files import fleet_row
 from pyarrow import parquet
 
 from agents.lab.commands.export import table as table_export
@@ -18,7 +18,7 @@ from agents.lab.commands.export.export import export
 from agents.lab.commands.export.table import columns_of, lines_of
 from agents.lab.experiments.case import TILES, make_case
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import Row
+from agents.lab.trials.rows import Row
 from warehouse_core import DEFAULT_LAYOUT
 
 HEAVY = make_case({"backend": "physics", "robot.mass": 70.0})
@@ -245,7 +245,7 @@ def test_an_invalid_result_in_the_file_is_a_one_line_error(
 def test_lone_robots_and_fleets_share_a_table(tmp_path: Path) -> None:
     path = stored(tmp_path / "r.sqlite", make_case({}))
     with Store(path) as store:
-        store.add(store.case_id(make_case({"robots": 2})), [shift(4, on_time=None)], "p")
+        store.add(store.case_id(make_case({"robots": 2})), [fleet_row(4, on_time=None)], "p")
     *_, alone, fleet = table_of(path)
     assert (fleet["robots"], fleet["seed"], fleet["per_hour"]) == (2, 4, 180.0)
     assert fleet["on_time"] is fleet["reward"] is fleet["stations"] is None

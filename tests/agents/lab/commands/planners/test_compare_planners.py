@@ -16,7 +16,7 @@ from agents.lab.commands.planners.compare_planners import (
 )
 from agents.lab.commands.planners.floors import find_floor
 from agents.lab.commands.planners.picture import throughput_figure
-from agents.lab.evaluation.interval import Interval
+from agents.lab.trials.interval import Interval
 
 SMALL = ("compare-planners", "--layout", "hall", "--robots", "4,2", "--steps", 30, "--jobs", 1)
 

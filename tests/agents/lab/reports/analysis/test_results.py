@@ -4,12 +4,19 @@ import sqlite3
 from pathlib import Path
 
 import pytest
-from helpers.results_files import fill, outcomes, row
+from helpers.results_files import fill, fleet_row, outcomes, row
 
 from agents.errors import StoreError
-from agents.lab.evaluation.interval import Interval, share_interval
 from agents.lab.experiments.store import Store
-from agents.lab.reports.analysis.results import Deliveries, Experiment
+from agents.lab.reports.analysis.results import (
+    FLEETS,
+    JOULES,
+    LONE,
+    PER_HOUR,
+    Experiment,
+    Results,
+)
+from agents.lab.trials.interval import Interval, share_interval
 
 ON, OFF = {"escape": True}, {"escape": False}
 
@@ -19,57 +26,72 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "r.sqlite"
 
 
+def estimates(results: Results) -> list[float | None]:
+    intervals = [results.interval(each) for each in results.kind.measures]
+    return [interval and interval.estimate for interval in intervals]
+
+
 def test_counts_shares_and_means_are_those_of_the_selected_cases(path: Path) -> None:
-    fill(
-        path,
-        [
-            (ON, [row(0, steps=10, needed=8), row(1, steps=30, needed=12), row(2, "wandering")]),
-            (OFF, [row(0, "oscillation"), row(1, "oscillation")]),
-            ({"battery": 30}, [row(0, steps=99)]),
-        ],
-    )
-    with Store(path, read_only=True) as store:
-        first, both = (
-            Experiment(store, Deliveries).results(1),
-            Experiment(store, Deliveries).results(1, 2),
+    cases = [
+        (ON, [row(0, steps=10, needed=8), row(1, steps=30, needed=12), row(2, "wandering")]),
+        (OFF, [row(0, "oscillation"), row(1, "oscillation")]),
+        ({"battery": 30}, [row(0, steps=99)]),
+    ]
+    with Store(fill(path, cases), read_only=True) as store:
+        first, second, both = (
+            Experiment(store, LONE).results(*case_ids) for case_ids in ((1,), (2,), (1, 2))
         )
         assert first.modes == {"delivered": 2, "wandering": 1}
-        assert first.episodes == 3
-        assert first.success == share_interval(2, 3)
-        assert first.steps is not None
-        assert first.steps.estimate == 20
-        assert not first.steps.is_known
-        assert first.needed == 10
+        assert (first.episodes, first.count, first.needed) == (3, 2, 10)
+        assert first.main == share_interval(2, 3)
+        assert estimates(first) == [2 / 3, 20, 20, 40]
         assert list(both.modes.items()) == [("delivered", 2), ("oscillation", 2), ("wandering", 1)]
-        assert both.success.estimate == 0.4
-        assert both.steps == first.steps
-        assert Experiment(store, Deliveries).results(2).steps is None
-        assert Experiment(store, Deliveries).results(2).needed is None
+        assert estimates(both) == [0.4, 20, 20, 40]
+        assert estimates(second) == [0, None, None, None]
+        assert second.needed is None
 
 
 def test_time_and_energy_are_those_of_deliveries(path: Path) -> None:
     rows = [row(n, seconds=10.0 * n, joules=7.0) for n in range(1, 40)]
     fill(path, [({"backend": "physics"}, [*rows, row(99, "stalled", seconds=1e9, joules=1e9)])])
     with Store(path, read_only=True) as store:
-        results = Experiment(store, Deliveries).results(1)
-        assert results.seconds is not None
-        assert results.seconds.estimate == 200
-        assert results.joules == Interval(7.0, 7.0, 7.0)
+        results = Experiment(store, LONE).results(1)
+        assert estimates(results)[2:] == [200, 7]
+        assert results.interval(JOULES) == Interval(7.0, 7.0, 7.0)
         assert results.is_measured
+
+
+def test_the_measures_of_a_fleet_are_means_of_the_episodes_that_have_them(path: Path) -> None:
+    rows = [
+        fleet_row(0, distance=100, blocked_by_robot=60, blocked_by_wall=30, blocked_by_person=10),
+        fleet_row(1, distance=0, blocked_by_robot=0, on_time=None, mean_lateness=None,
+                  joules_per_delivery=None, per_hour=60.0),
+    ]  # fmt: skip
+    with Store(fill(path, [({"robots": 2}, rows)]), read_only=True) as store:
+        results = Experiment(store, FLEETS).results(1)
+        assert estimates(results) == [120, 0.5, 4, 1, 0.3]
+        assert results.main == results.interval(PER_HOUR)
+        assert (results.episodes, results.count) == (2, 2)
+
+
+def test_a_fleet_without_any_measure_delivers_nothing(path: Path) -> None:
+    rows = [fleet_row(0, per_hour=None, on_time=None)]
+    with Store(fill(path, [({"robots": 2}, rows)]), read_only=True) as store:
+        assert estimates(Experiment(store, FLEETS).results(1))[:2] == [0, None]
 
 
 @pytest.mark.parametrize("backends", [["grid"], ["grid", "physics"]])
 def test_time_and_energy_of_the_grid_are_not_measured(path: Path, backends: list[str]) -> None:
     fill(path, [({"backend": backend}, [row(0)]) for backend in backends])
     with Store(path, read_only=True) as store:
-        assert not Experiment(store, Deliveries).results(*store.cases()).is_measured
+        assert not Experiment(store, LONE).results(*store.cases()).is_measured
 
 
 def test_the_seeds_are_from_the_first_to_the_last_of_all_cases(path: Path) -> None:
     fill(path, [(ON, outcomes("dd", seed=7)), (OFF, outcomes("ddd", seed=5))])
     with Store(path, read_only=True) as store:
-        assert Experiment(store, Deliveries).results(1, 2).seeds == (5, 8)
-        assert Experiment(store, Deliveries).results(1).seeds == (7, 8)
+        assert Experiment(store, LONE).results(1, 2).seeds == (5, 8)
+        assert Experiment(store, LONE).results(1).seeds == (7, 8)
 
 
 @pytest.mark.parametrize(
@@ -89,7 +111,7 @@ def test_invalid_rows_are_errors(path: Path, change: str) -> None:
     connection.commit()
     connection.close()
     with Store(path, read_only=True) as store, pytest.raises(StoreError) as caught:
-        Experiment(store, Deliveries)
+        Experiment(store, LONE)
     assert str(caught.value).startswith(f"{path}: the row of case ")
     assert "seed 1 is damaged" in str(caught.value)
 
@@ -97,8 +119,7 @@ def test_invalid_rows_are_errors(path: Path, change: str) -> None:
 def test_rows_that_a_sweep_adds_later_are_not_counted(path: Path) -> None:
     fill(path, [(ON, outcomes("dd"))])
     with Store(path, read_only=True) as store, Store(path) as writer:
-        experiment = Experiment(store, Deliveries)
+        experiment = Experiment(store, LONE)
         writer.add(1, outcomes("dd", seed=50, steps=99))
         results = experiment.results(1)
-        assert results.steps is not None
-        assert (results.episodes, results.steps.estimate) == (2, 20)
+        assert (results.episodes, estimates(results)[1]) == (2, 20)

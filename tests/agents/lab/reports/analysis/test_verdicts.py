@@ -2,8 +2,8 @@
 
 import pytest
 
-from agents.lab.evaluation.interval import Interval
 from agents.lab.reports.analysis.verdicts import BEST, HARDEST, Place, ranking
+from agents.lab.trials.interval import Interval
 
 
 def places(*ends: tuple[int, int]) -> list[Place]:

@@ -10,27 +10,17 @@ import pytest
 from helpers.results_files import fill, outcomes, row
 from matplotlib.axes import Axes
 
-from agents.lab.evaluation.interval import Interval
 from agents.lab.experiments.plan import make_plan
 from agents.lab.experiments.store import Store
 from agents.lab.reports.analysis.design import make_design
-from agents.lab.reports.analysis.results import Deliveries, Experiment, Results
+from agents.lab.reports.analysis.results import LONE, STEPS, SUCCESS, Experiment
 from agents.lab.reports.figures import roles as roles_module
 from agents.lab.reports.figures.measure import measure_chart
 from agents.lab.reports.figures.modes import MODE_COLORS, ink_on, modes_chart
 from agents.lab.reports.figures.panels import MAX_TICKS
 from agents.lab.reports.figures.roles import Roles, roles_of
-from warehouse_core.records.failure_modes import MODES
-from warehouse_core.records.fleet_modes import FLEET_MODES
+from warehouse_core.records.failure_modes import FLEET_MODES, MODES
 from warehouse_core.viz.figure import SceneFigure
-
-
-def success(results: Results) -> Interval:
-    return results.success
-
-
-def steps(results: Results) -> Interval | None:
-    return results.steps
 
 
 def roles(**choices: Any) -> list[Any]:
@@ -57,8 +47,8 @@ def store(tmp_path: Path) -> Iterator[Store]:
 def draw(store: Store, *, modes: bool = False) -> SceneFigure:
     design = make_design(store.cases())
     if modes:
-        return modes_chart(Experiment(store, Deliveries), design, "Modes")
-    figure = measure_chart(Experiment(store, Deliveries), design, "Success", "%", success)
+        return modes_chart(Experiment(store, LONE), design, "Modes")
+    figure = measure_chart(Experiment(store, LONE), design, "Success", SUCCESS)
     assert figure is not None
     return figure
 
@@ -96,8 +86,8 @@ def test_points_and_their_intervals_are_at_the_values_of_the_data(store: Store) 
     assert second_x == pytest.approx([0, 180], abs=2)
     assert first_x[0] < second_x[0]  # so that neither interval hides the other
     bars = axes.containers[0].lines[2][0].get_segments()
-    results = Experiment(store, Deliveries).results(1)
-    assert bars[0][:, 1].tolist() == pytest.approx([results.success.low, results.success.high])
+    results = Experiment(store, LONE).results(1)
+    assert bars[0][:, 1].tolist() == pytest.approx(results.main[1:])
 
 
 def test_the_legend_names_each_line_in_order(store: Store) -> None:
@@ -124,14 +114,14 @@ def test_without_deliveries_there_is_no_chart_of_steps(tmp_path: Path) -> None:
     cases = [({"battery": battery}, outcomes("ww")) for battery in (1, 2)]
     with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
         design = make_design(store.cases())
-        assert measure_chart(Experiment(store, Deliveries), design, "", "steps", steps) is None
+        assert measure_chart(Experiment(store, LONE), design, "", STEPS) is None
 
 
 def test_a_single_case_has_bars_but_no_chart_of_a_measure(tmp_path: Path) -> None:
     with Store(fill(tmp_path / "r.sqlite", [({}, outcomes("dw"))]), read_only=True) as store:
         design = make_design(store.cases())
-        assert measure_chart(Experiment(store, Deliveries), design, "", "%", success) is None
-        [axes] = modes_chart(Experiment(store, Deliveries), design, "").axes
+        assert measure_chart(Experiment(store, LONE), design, "", SUCCESS) is None
+        [axes] = modes_chart(Experiment(store, LONE), design, "").axes
         assert [label.get_text() for label in axes.get_xticklabels()] == ["all episodes"]
 
 
@@ -252,9 +242,7 @@ def test_roles_are_none_where_nothing_differs() -> None:
 def test_means_of_few_deliveries_have_no_whiskers(tmp_path: Path) -> None:
     cases = [({"battery": battery}, [row(0, steps=battery)]) for battery in (10, 20)]
     with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
-        figure = measure_chart(
-            Experiment(store, Deliveries), make_design(store.cases()), "", "steps", steps
-        )
+        figure = measure_chart(Experiment(store, LONE), make_design(store.cases()), "", STEPS)
     assert figure is not None
     [(_, means)] = middles(figure.axes[0])
     assert means == [10, 20]

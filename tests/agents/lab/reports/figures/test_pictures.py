@@ -1,7 +1,6 @@
 """The figures of a report: which are drawn, and their captions."""
 
 import xml.etree.ElementTree as ElementTree
-from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ from matplotlib.text import Text
 
 from agents.lab.experiments.store import Store
 from agents.lab.reports.analysis.design import make_design
-from agents.lab.reports.analysis.results import Deliveries, Experiment
+from agents.lab.reports.analysis.results import LONE, STEPS, Experiment
 from agents.lab.reports.figures import pictures as picture_module
 from agents.lab.reports.figures import roles
 from agents.lab.reports.figures.measure import measure_chart
@@ -23,7 +22,7 @@ ON, OFF = {"escape": True}, {"escape": False}
 
 def drawn(path: Path, cases: list[Any]) -> dict[str, Picture]:
     with Store(fill(path / "r.sqlite", cases), read_only=True) as store:
-        found = list(pictures(Experiment(store, Deliveries)))
+        found = list(pictures(Experiment(store, LONE)))
     for picture in found:
         assert ElementTree.fromstring(picture.svg).tag.endswith("svg")
         assert picture.caption.endswith(".")
@@ -123,9 +122,9 @@ def test_the_caption_states_which_intervals_are_drawn(
     lines = [[row(n, steps=30 + n) for n in range(count)] for count in counts]
     path = fill(tmp_path / "r.sqlite", list(zip((ON, OFF), lines, strict=True)))
     with Store(path, read_only=True) as store:
-        experiment = Experiment(store, Deliveries)
+        experiment = Experiment(store, LONE)
         design = make_design(experiment.cases)
-        chart = measure_chart(experiment, design, "", "steps", attrgetter("steps"))
+        chart = measure_chart(experiment, design, "", STEPS)
         [steps] = [each.caption for each in pictures(experiment) if each.name == "steps"]
     assert chart is not None
     whiskers = [
@@ -155,9 +154,7 @@ def test_the_caption_states_how_many_values_are_drawn(
 def test_the_same_results_make_the_same_bytes(tmp_path: Path) -> None:
     cases = [(ON, outcomes("ddww")), (OFF, outcomes("ddoo"))]
     with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
-        assert list(pictures(Experiment(store, Deliveries))) == list(
-            pictures(Experiment(store, Deliveries))
-        )
+        assert list(pictures(Experiment(store, LONE))) == list(pictures(Experiment(store, LONE)))
 
 
 def test_each_text_of_a_figure_is_at_least_12_pixels_high_on_a_page(

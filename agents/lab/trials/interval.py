@@ -1,0 +1,125 @@
+"""Estimates with their 95% intervals."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+CONFIDENCE = 0.95
+
+RESAMPLES = 999
+"""Resamples of a bootstrap."""
+
+BATCH_VALUES = 2_000_000
+"""Values that a bootstrap draws at once; it limits the memory."""
+
+MIN_VALUES = 20
+"""Values that a bootstrap needs; from fewer its intervals are far too narrow."""
+
+
+class Interval(NamedTuple):
+    """An estimate and the ends of its interval, NaN if they are unknown."""
+
+    estimate: float
+    low: float = math.nan
+    high: float = math.nan
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the ends are known."""
+        return not math.isnan(self.low)
+
+    def __abs__(self) -> Interval:
+        """The interval of the absolute value, if all of it is on one side of 0."""
+        return Interval(abs(self.estimate), *sorted((abs(self.low), abs(self.high))))
+
+
+def share_interval(count: int, total: int) -> Interval:
+    """Return the Wilson interval of a share.
+
+    Args:
+        count: Number of successes.
+        total: Number of trials, at least one.
+
+    Source: Wilson (1927), Probable inference, the law of succession, and statistical inference.
+    """
+    from scipy.stats import binomtest
+
+    ends = binomtest(count, total).proportion_ci(CONFIDENCE, method="wilson")
+    return Interval(count / total, float(ends.low), float(ends.high))
+
+
+def ratio_interval(costs: np.ndarray, successes: np.ndarray) -> Interval | None:
+    """Return the interval of a sum of costs divided by the number of successes.
+
+    The ratio is linearised: its error is the error of the mean of
+    ``(cost - ratio * success) / share``.
+
+    Args:
+        costs: ``[n]`` cost of each trial.
+        successes: ``[n]`` success of each trial; fewer than ``MIN_VALUES`` successes have no
+            interval, as the linearisation is then poor.
+
+    Returns:
+        The interval, or ``None`` without a success.
+
+    Source: Cochran (1977), Sampling techniques, 3rd ed., chapter 6.
+    """
+    count = np.count_nonzero(successes)
+    if not count:
+        return None
+    ratio = float(costs.sum()) / count
+    if count < MIN_VALUES:
+        return Interval(ratio)
+    return mean_interval(ratio + (costs - ratio * successes) / np.mean(successes))
+
+
+def mean_interval(values: np.ndarray) -> Interval | None:
+    """Return the interval of a mean by the studentised bootstrap; equal values give an equal one.
+
+    Of skewed values, as counts of steps are, it contains the mean more often than the percentile
+    bootstrap does; ``tests/benchmarks/bench_intervals.py`` measures how often.
+
+    Args:
+        values: ``[n]`` values; fewer than ``MIN_VALUES`` have a mean and no interval, nor have
+            values of which nearly all are equal.
+
+    Returns:
+        The interval, or ``None`` if there are no values.
+
+    Source: Efron and Tibshirani (1993), An introduction to the bootstrap, section 12.5.
+    """
+    if not len(values):
+        return None
+    values = values.astype(float)
+    mean = float(values.mean())
+    if len(values) < MIN_VALUES:
+        return Interval(mean)
+    if np.ptp(values) == 0:
+        return Interval(mean, mean, mean)
+    # Without their mean, so that large values lose no digits.
+    errors = _studentised(values - mean)
+    tail = (1 - CONFIDENCE) / 2
+    low, high = np.quantile(errors, [tail, 1 - tail], method="nearest")
+    unit = values.std(ddof=1) / math.sqrt(len(values))
+    ends = mean - max(high, 0.0) * unit, mean - min(low, 0.0) * unit
+    return Interval(mean, *map(float, ends)) if np.isfinite(ends).all() else Interval(mean)
+
+
+def _studentised(values: np.ndarray) -> np.ndarray:
+    """Return the mean of each resample of values ``[n]`` of mean 0, in its own standard errors.
+
+    It is infinite for a resample of equal values.
+    """
+    stream = np.random.default_rng(0)
+    count, means = len(values), list[np.ndarray]()
+    at_once = max(1, BATCH_VALUES // count)
+    for start in range(0, RESAMPLES, at_once):
+        drawn = values[stream.integers(0, count, (min(at_once, RESAMPLES - start), count))]
+        errors = drawn.std(axis=1, ddof=1) / math.sqrt(count)
+        errors[np.ptp(drawn, axis=1) == 0] = 0.0  # it may have been rounded up
+        with np.errstate(divide="ignore"):
+            means.append(drawn.mean(axis=1) / errors)
+    return np.concatenate(means)

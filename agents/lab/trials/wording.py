@@ -1,0 +1,52 @@
+"""Numbers and lists in sentences."""
+
+from __future__ import annotations
+
+import math
+
+from agents.lab.trials.interval import Interval
+
+
+def share(interval: Interval) -> str:
+    """Return a share with its interval, ``87.4% (85.2 to 89.3)``, unless that is unknown."""
+    if not interval.is_known:
+        return f"{interval.estimate:.1%}"
+    return f"{interval.estimate:.1%} ({interval.low * 100:.1f} to {interval.high * 100:.1f})"
+
+
+def mean(interval: Interval, unit: str, also: str = "") -> str:
+    """Return a mean with its interval to three digits, ``49.9 steps (47.6 to 52.3)``.
+
+    Args:
+        interval: interval of the mean; its ends are left out if they are unknown.
+        unit: unit of the mean, or "".
+        also: further text in the brackets.
+    """
+    estimate, low, high = interval
+    digits = max(0, 2 - int(math.log10(max(abs(estimate), 1))))
+    ends = f"{low:,.{digits}f} to {high:,.{digits}f}" if interval.is_known else ""
+    brackets = "; ".join(filter(None, (ends, also)))
+    words = (f"{estimate:,.{digits}f}", unit, f"({brackets})" if brackets else "")
+    return " ".join(filter(None, words))
+
+
+def percent(part: float) -> str:
+    """Return a share in whole percents; ``<1%`` and ``>99%`` instead of a rounded 0% or 100%."""
+    if 0 < part < 0.005:
+        return "<1%"
+    return ">99%" if 0.995 <= part < 1 else f"{part:.0%}"
+
+
+def points(change: float) -> str:
+    """Return a change of a share in percentage points, ``+4.2 points``."""
+    return f"{change * 100:+.1f} points"
+
+
+def chance(probability: float) -> str:
+    """Return a p-value, ``p = 0.050`` or ``p < 0.001``."""
+    return "p < 0.001" if probability < 0.001 else f"p = {probability:.3f}"
+
+
+def sentence(words: str) -> str:
+    """Return words with a capital letter and a full stop."""
+    return f"{words[0].upper()}{words[1:]}."

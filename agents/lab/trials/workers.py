@@ -1,0 +1,275 @@
+"""Processes of this machine that run episodes, and interrupts."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import sys
+import threading
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
+from contextlib import AbstractContextManager, contextmanager, suppress
+from functools import partial
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+from queue import SimpleQueue
+from types import FrameType
+from typing import Any, TypeVar
+
+from agents.errors import WorkerError
+from agents.lab.console.terminal import print_error
+
+DEFERRED = (signal.SIGINT, signal.SIGTERM)
+
+ENDING_SECONDS = 5.0
+"""Time in which a process whose connection has ended must end."""
+
+TOPIC = "warehouse sweep"
+"""Topic of the events that Dask workers send to their client."""
+
+Check = Callable[[], None]
+"""Raises ``KeyboardInterrupt`` if a deferred signal has come."""
+
+Pool = AbstractContextManager[tuple[Executor, int]]
+"""Gives an executor, and how many calls it runs at once."""
+
+T = TypeVar("T")
+Item = TypeVar("Item")
+
+_parent: Connection[Any, Any] | None = None
+"""Connection of a worker process to the process that has started it."""
+
+
+@contextmanager
+def deferred_interrupts() -> Iterator[Check]:
+    """Defer SIGINT and SIGTERM to the calls of the function that is yielded."""
+    came = False
+
+    def remember(number: int, frame: FrameType | None) -> None:
+        nonlocal came
+        came = True
+
+    def check() -> None:
+        if came:
+            raise KeyboardInterrupt
+
+    before = {number: signal.signal(number, remember) for number in DEFERRED}
+    try:
+        yield check
+    finally:
+        # After the first one the program is ending; further ones must not disturb that.
+        for number, handler in before.items():
+            signal.signal(number, signal.SIG_IGN if came else handler)
+
+
+@contextmanager
+def blocked_interrupts() -> Iterator[None]:
+    """Block SIGINT in this thread, so that processes started meanwhile inherit that.
+
+    Ctrl-C goes to every process of a terminal, also to those that cannot ignore it yet. One that
+    comes to this thread meanwhile is delivered at the end.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # Windows: workers ignore it once they have started
+        yield
+        return
+    from multiprocessing import resource_tracker
+
+    # Started later, it would unblock the signal.
+    resource_tracker.ensure_running()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+class Processes(ThreadPoolExecutor):
+    """Run each call in one of ``count`` processes of this machine, which start when needed.
+
+    A thread for each process waits for its answers. A process that ends is an error of its own
+    call alone, and is replaced; in a ``ProcessPoolExecutor`` it is an error of every call.
+    """
+
+    def __init__(self, count: int) -> None:
+        super().__init__(count)
+        self._processes = [_Process() for _ in range(count)]
+        self._idle = SimpleQueue[_Process]()
+        for process in self._processes:
+            self._idle.put(process)
+
+    def submit(self, call: Callable[..., T], /, *args: Any, **named: Any) -> Future[T]:
+        """Run a call; its future has a ``WorkerError`` if the process ends meanwhile."""
+        return super().submit(self._run, partial(call, *args, **named))
+
+    def close(self) -> None:
+        """Cancel the calls that wait, and kill the processes, whatever they have left running."""
+        self.shutdown(wait=False, cancel_futures=True)
+        for process in self._processes:
+            process.close()
+        self.shutdown()
+
+    def _run(self, call: Callable[[], T]) -> T:
+        process = self._idle.get()
+        try:
+            result: T = process.run(call)
+            return result
+        finally:
+            self._idle.put(process)
+
+
+class _Process:
+    """A process that runs calls, and is started again for the next call when it has ended."""
+
+    def __init__(self) -> None:
+        self._lock, self._is_closed = threading.Lock(), False
+        self._process: BaseProcess | None = None
+
+    def run(self, call: Callable[[], Any]) -> Any:
+        """Return what a call returns, and print what it tells."""
+        if self._process is None:
+            self._start()
+        try:
+            self._connection.send(call)
+            while isinstance(answer := self._connection.recv(), str):
+                print_error(answer)
+        except (EOFError, OSError):
+            raise WorkerError(self._reason()) from None
+        result, error = answer
+        if error is not None:
+            raise error
+        return result
+
+    def close(self) -> None:
+        """Kill the process, and start no other."""
+        with self._lock:
+            self._is_closed = True
+            if self._process is not None:
+                self._process.kill()
+                self._process.join()
+
+    def _start(self) -> None:
+        # Spawned on every system: a fork of a process that has threads may hang.
+        context = multiprocessing.get_context("spawn")
+        with self._lock, blocked_interrupts():
+            if self._is_closed:
+                raise WorkerError("the sweep has ended")
+            self._connection, theirs = context.Pipe()
+            process = context.Process(target=_work, args=(theirs,))
+            process.start()
+            self._process = process
+            theirs.close()  # the end of the process is then the end of the connection
+
+    def _reason(self) -> str:
+        """Return how the process has ended."""
+        with self._lock:
+            assert self._process is not None, "it has run a call"
+            self._process.join(ENDING_SECONDS)
+            self._process.kill()  # if an agent has only closed its files
+            self._process.join()
+            code, self._process = self._process.exitcode, None
+        assert code is not None, "it has ended"
+        if code >= 0:
+            return f"its process ended with exit code {code}"
+        why = ", perhaps because memory ran out" if code == -signal.SIGKILL else ""
+        return f"its process was ended by signal {-code} ({signal.strsignal(-code)}){why}"
+
+
+def _work(parent: Connection[Any, Any]) -> None:
+    """Run the calls that come from the parent process, and end with it in whatever way it ends."""
+    global _parent
+    _parent = parent
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    with suppress(EOFError, OSError):
+        while True:
+            call = parent.recv()
+            result, error = None, None
+            try:
+                result = call()
+            except Exception as raised:
+                error = raised
+            parent.send((result, error))
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    assert parent is not None, "a worker is started by another process"
+    parent.join()
+    os._exit(1)
+
+
+def teller() -> Callable[[str], None]:
+    """Return a function that prints a line on standard error of the process that waits for a call.
+
+    It is to be called in the thread of that call.
+    """
+    if _parent is not None:
+        return _parent.send
+    if "distributed" in sys.modules:
+        from distributed import get_worker
+
+        with suppress(ValueError):  # this is no Dask worker
+            worker = get_worker()
+            return partial(worker.log_event, TOPIC)
+    return print_error
+
+
+@contextmanager
+def process_pool(count: int) -> Iterator[tuple[Executor, int]]:
+    """Yield an executor of ``count`` processes of this machine, and their number.
+
+    At the end of the block they are killed at once, whatever their calls have left running.
+    """
+    pool = Processes(count)
+    try:
+        yield pool, count
+    finally:
+        pool.close()
+
+
+def run_each(call: Callable[[Item], T], items: Sequence[Item], jobs: int, label: str) -> list[T]:
+    """Return what a call returns for each item, run in so many processes; one is this process.
+
+    A progress bar is shown. The first error of a call is raised.
+
+    Args:
+        call: a function at the top level of its module.
+        items: arguments of its calls.
+        jobs: processes at once.
+        label: label of the bar.
+
+    Raises:
+        WorkerError: a process ended early.
+    """
+    from agents.lab.console.progress import progress_bar, track
+
+    if jobs == 1:
+        return [call(item) for item in track(items, label)]
+    with process_pool(jobs) as (pool, _), progress_bar(len(items), label) as advance:
+        futures = [pool.submit(call, item) for item in items]
+        for number, future in enumerate(as_completed(futures), 1):
+            future.result()
+            advance(number)
+    return [future.result() for future in futures]
+
+
+def ending_of(error: BaseException | None) -> str | None:
+    """Return how the worker of a call has ended, if that is the error of the call."""
+    if isinstance(error, WorkerError):
+        return str(error)
+    if type(error).__name__ == "KilledWorker":  # of Dask, which may not be installed
+        return "the Dask workers that ran it have ended"
+    if isinstance(error, ValueError) and _is_of_dask(error):
+        return "the Dask worker that ran it has ended"
+    return None
+
+
+def _is_of_dask(error: ValueError) -> bool:
+    """Return whether an error comes from how Dask waits for a result.
+
+    It takes a result for an error if the worker that has it ends at that moment.
+    """
+    frames = traceback.extract_tb(error.__traceback__)
+    return bool(frames) and frames[-1].name == "_cascade_future"

@@ -1,0 +1,90 @@
+from dataclasses import replace
+
+import pytest
+
+from agents.lab.trials.random_layouts import MAX_POOL, TRAINING_LAYOUTS, RandomLayouts
+from agents.lab.trials.task import Task
+from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core import LayoutError
+from warehouse_core.world.tiles import WALL
+
+SMALL = RandomLayouts(5, 6, 0.1, 0.3, count=20)
+
+
+def walls(layouts: RandomLayouts, seed: int) -> int:
+    return sum(row[1:-1].count(WALL) for row in layouts.layout(seed).rows[1:-1])
+
+
+def test_a_seed_gives_the_same_layout_and_others_give_others() -> None:
+    layouts = RandomLayouts()
+    assert layouts.layout(3) == RandomLayouts().layout(3)
+    assert len({layouts.layout(seed) for seed in range(100)}) == 100
+    assert (layouts.layout(3).height, layouts.layout(3).width) == (7, 12)
+
+
+def test_densities_are_spread_over_their_range() -> None:
+    counts = [walls(RandomLayouts(12, 12, 0.1, 0.4), seed) for seed in range(200)]
+    assert (min(counts), max(counts)) == (10, 40)
+    assert 80 < sum(count < 25 for count in counts) < 120
+    assert {walls(RandomLayouts(12, 12, 0.2, 0.2), seed) for seed in range(20)} == {20}
+
+
+def test_every_open_cell_can_be_reached() -> None:
+    for seed in range(50):
+        layout = RandomLayouts(highest=0.4).layout(seed)
+        assert len(layout.reachable_from(layout.open_cell(0))) == len(layout.open_cells)
+
+
+def test_no_layout_of_a_pool_is_one_of_another_pool_or_of_an_episode() -> None:
+    pools = [replace(RandomLayouts(count=300), pool_seed=seed).pool() for seed in (1, 2)]
+    episodes = [RandomLayouts().layout(seed) for seed in range(300)]
+    assert len({*pools[0], *pools[1], *episodes}) == 900
+    assert pools[0] == RandomLayouts(count=300, pool_seed=1).pool()
+    RandomLayouts(count=300).check_unseen(range(300))
+
+
+def test_a_layout_that_is_also_in_the_pool_is_an_error() -> None:
+    tiny = RandomLayouts(4, 4, 0.1, 0.2, count=50)
+    with pytest.raises(LayoutError, match=r"of 4 x 4 .* seed 0 is one of the 50 of"):
+        tiny.check_unseen(range(10))
+
+
+def test_a_layout_of_the_training_cannot_be_that_of_an_episode() -> None:
+    last = SMALL.layout(TRAINING_LAYOUTS - 1)
+    assert last.height == 5
+    with pytest.raises(LayoutError, match=rf"layout is {TRAINING_LAYOUTS}; allowed: 0\.\."):
+        SMALL.layout(TRAINING_LAYOUTS)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"height": 3}, r"the size is 3 x 6; it must be at least 4 x 4"),
+        ({"width": 10**9}, r"cells are more than"),
+        ({"highest": 0.5}, r"density is 0\.5; it must be 0\.\.0\.4"),
+        ({"lowest": -0.1}, r"density is -0\.1"),
+        ({"lowest": float("nan")}, r"density is nan"),
+        ({"lowest": 0.3, "highest": 0.2}, r"density is from 0\.3 to 0\.2; the first must be"),
+        ({"count": 0}, rf"layouts of the pool are 0; allowed: 1\.\.{MAX_POOL}"),
+    ],
+)
+def test_values_that_are_not_allowed_raise(changes: dict[str, float], message: str) -> None:
+    with pytest.raises(LayoutError, match=message):
+        replace(SMALL, **changes)  # type: ignore[arg-type]
+
+
+def test_each_episode_of_a_task_is_in_the_layout_of_its_seed() -> None:
+    task = Task(SMALL, max_steps=1)
+    for seed in (4, 9):
+        assert task.make_env(seed).layout == SMALL.layout(seed)
+    needed = [row.needed for row in task.evaluate(GreedyAgent, range(30)).rows]
+    assert len(set(needed)) > 5
+
+
+def test_rows_for_training_are_in_layouts_of_the_pool() -> None:
+    batch = Task(SMALL).make_batch(60)
+    batch.reset(seed=1)
+    pool = {layout.with_stations(None, None) for layout in SMALL.pool()}
+    drawn = {batch.row(row)[0].with_stations(None, None) for row in range(60)}
+    assert drawn <= pool
+    assert len(drawn) > 10

@@ -1,0 +1,149 @@
+"""Worker processes end with their parent, and one that ends is an error of its call alone."""
+
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import Executor
+from functools import partial
+
+import pytest
+from helpers.command_line import ROOT
+
+from agents.errors import WorkerError
+from agents.lab.trials.workers import ending_of, process_pool, teller
+
+ORPHAN_MAKER = """
+import os, time
+from agents.lab.trials.workers import process_pool
+if __name__ == "__main__":
+    with process_pool(2) as (executor, count):
+        print(executor.submit(os.getpid).result(), flush=True)
+        time.sleep(60)
+"""
+
+
+def pid() -> int:
+    time.sleep(0.5)
+    return os.getpid()
+
+
+def pids(executor: Executor) -> set[int]:
+    futures = [executor.submit(pid) for _ in range(2)]
+    return {future.result() for future in futures}
+
+
+def wait_until_gone(numbers: set[int]) -> None:
+    end = time.monotonic() + 20
+    while any(is_running(number) for number in numbers):
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def is_running(number: int) -> bool:
+    try:
+        with open(f"/proc/{number}/stat") as file:
+            return file.read().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def test_workers_are_other_processes_that_ignore_interrupts_and_end_with_the_block() -> None:
+    with process_pool(2) as (executor, count):
+        assert count == 2
+        found = pids(executor)
+        assert len(found) == 2
+        assert found == {each.pid for each in multiprocessing.active_children()}
+        for number in found:
+            os.kill(number, signal.SIGINT)
+        assert pids(executor) == found
+    assert not any(map(is_running, found))
+
+
+def test_an_error_in_the_block_kills_the_workers() -> None:
+    with pytest.raises(ArithmeticError), process_pool(2) as (executor, _):  # noqa: PT012
+        found = pids(executor)
+        waiting = [executor.submit(time.sleep, 60) for _ in range(5)]
+        raise ArithmeticError
+    assert not any(map(is_running, found))
+    assert all(future.done() for future in waiting)
+
+
+@pytest.mark.parametrize(
+    ("end", "reason"),
+    [
+        (partial(os._exit, 3), "its process ended with exit code 3"),
+        (os.abort, "its process was ended by signal 6 (Aborted)"),
+    ],
+    ids=["an exit", "a fault"],
+)
+def test_a_worker_that_ends_is_an_error_of_its_call_alone(
+    end: Callable[[], None], reason: str
+) -> None:
+    with process_pool(2) as (executor, _):
+        before = pids(executor)
+        other, ending = executor.submit(pid), executor.submit(end)
+        with pytest.raises(WorkerError) as caught:
+            ending.result()
+        assert str(caught.value) == reason
+        assert other.result() in before
+        after = pids(executor)
+        assert len(after) == 2
+        assert len(after & before) == 1
+
+
+def leave_a_thread() -> int:
+    threading.Thread(target=time.sleep, args=(60,)).start()
+    return os.getpid()
+
+
+def test_workers_end_with_the_block_whatever_threads_they_have() -> None:
+    with process_pool(1) as (executor, _):
+        found = executor.submit(leave_a_thread).result()
+    assert not is_running(found)
+
+
+def tell(text: str) -> None:
+    teller()(text)
+
+
+def test_what_a_call_tells_is_printed_by_the_process_that_waits(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with process_pool(1) as (executor, _):
+        executor.submit(tell, "it takes\nlong").result()
+    assert capsys.readouterr().err == "warehouse: it takes long\n"
+
+
+def test_an_exception_of_a_call_is_raised_and_the_worker_goes_on() -> None:
+    with process_pool(1) as (executor, _):
+        before = executor.submit(os.getpid).result()
+        with pytest.raises(ZeroDivisionError):
+            executor.submit(divmod, 1, 0).result()
+        assert executor.submit(os.getpid).result() == before
+
+
+def test_workers_end_when_their_parent_is_killed() -> None:
+    with subprocess.Popen(
+        [sys.executable, "-c", ORPHAN_MAKER], cwd=ROOT, stdout=subprocess.PIPE, text=True
+    ) as parent:
+        assert parent.stdout is not None
+        found = {int(word) for word in parent.stdout.readline().split()}
+        assert found
+        parent.kill()
+    wait_until_gone(found)
+
+
+def test_a_result_that_dask_takes_for_an_error_is_the_end_of_a_worker() -> None:
+    def _cascade_future(result: tuple[object, ...]) -> None:  # as in distributed/cfexecutor.py
+        _kind, _error, _traceback = result
+
+    with pytest.raises(ValueError, match="too many values") as raised:
+        _cascade_future((1.0, [], "a program", None))
+    assert ending_of(raised.value) == "the Dask worker that ran it has ended"
+    assert ending_of(ValueError("of an agent")) is None
+    assert ending_of(None) is None

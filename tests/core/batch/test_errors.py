@@ -1,0 +1,197 @@
+"""Invalid arguments and calls raise, and change nothing."""
+
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.batches import (
+    CORRIDOR,
+    DISABLED,
+    EAST,
+    MIXED,
+    ROOM,
+    SHOP,
+    SOUTH,
+    WAIT,
+    WEST,
+    over_modes,
+    over_starts,
+    some_batch,
+)
+
+from warehouse_core import BackendError, Layout, LayoutError
+from warehouse_core.batch import BatchEnv
+from warehouse_core.errors import EndedError
+from warehouse_core.world import tables as floor_tables
+
+
+@pytest.mark.parametrize(
+    ("actions", "error", "message"),
+    [
+        ([0, 1, 7], ValueError, r"the action of row 2 is 7; allowed: 0\.\.6"),
+        ([0, -1, 9], ValueError, r"the action of row 1 is -1; allowed: 0\.\.6"),
+        (np.array([2**64 - 1, 0, 0], np.uint64), ValueError, f"of row 0 is {2**64 - 1}"),
+        (np.array([0, 0, 2**63 + 1], np.uint64), ValueError, f"of row 2 is {2**63 + 1}"),
+        (np.array([0, -128, 0], np.int8), ValueError, "of row 1 is -128"),
+        ([1.0, 2, 3], TypeError, "the actions are float64; they must be integers"),
+        ([1, np.nan, 3], TypeError, "float64"),
+        (np.ones(3, bool), TypeError, "the actions are bool"),
+        (["N", "E", "S"], TypeError, "<U1"),
+        ([1, 2, None], TypeError, "object"),
+        (None, TypeError, "object"),
+        ([1, 2], ValueError, r"the actions have the shape \(2,\); it must be \(3,\)"),
+        (3, ValueError, r"\(\)"),
+        ([[1, 2, 3]], ValueError, r"\(1, 3\)"),
+        (np.ones((3, 1), int), ValueError, r"\(3, 1\)"),
+    ],
+    ids=repr,
+)
+@over_modes
+def test_invalid_actions_raise_and_change_nothing(
+    mode: str, actions: Any, error: type, message: str
+) -> None:
+    batch = BatchEnv(3, max_steps=2, autoreset_mode=mode)
+    batch.reset(seed=0)
+    for _ in range(1 if mode == DISABLED else 2):
+        batch.step([EAST, SOUTH, WEST])
+    before = pickle.dumps(batch)
+    with pytest.raises(error, match=message):
+        batch.step(actions)
+    assert pickle.dumps(batch) == before
+
+
+@pytest.mark.parametrize(
+    ("seed", "error", "message"),
+    [
+        (-1, ValueError, "seed is -1; it must be at least 0"),
+        (1.5, TypeError, "seed is 1.5; it must be an integer or one for each row"),
+        ({1, 2, 3}, TypeError, "seed is {1, 2, 3}"),
+        ("abc", TypeError, "seed is 'abc'; it must be an integer or one for each row"),
+        (np.array(3), TypeError, "seed is array"),
+        ([1, 2], ValueError, "2 seeds for 3 rows"),
+        ([], ValueError, "0 seeds for 3 rows"),
+        ([1, None, -2], ValueError, "the seed of row 2 is -2; it must be at least 0"),
+        ([1, 2.0, 3], TypeError, "the seed of row 1 is 2.0"),
+        (np.array([1.0, 2.0, 3.0]), TypeError, "the seed of row 0 is"),
+    ],
+    ids=repr,
+)
+@pytest.mark.parametrize("mask", [None, np.array([True, False, False])], ids=["all", "mask"])
+def test_invalid_seeds_raise_and_change_nothing(
+    seed: Any, mask: Any, error: type, message: str
+) -> None:
+    batch = BatchEnv(3)
+    batch.reset(seed=0)
+    batch.step([EAST, SOUTH, WEST])
+    before = pickle.dumps(batch)
+    with pytest.raises(error, match=message):
+        batch.reset(seed, mask)
+    assert pickle.dumps(batch) == before
+
+
+@pytest.mark.parametrize(
+    ("mask", "error", "message"),
+    [
+        ([True] * 3, TypeError, r"the mask is \[True, True, True\]; it must be an array of bool"),
+        (np.ones(3, np.int8), TypeError, r"array of bool"),
+        (np.ones(2, bool), ValueError, r"the mask has the shape \(2,\) and 2 rows set; the shape"),
+        (np.ones((3, 1), bool), ValueError, r"\(3, 1\)"),
+        (np.zeros(3, bool), ValueError, "and 0 rows set; .* at least one row set"),
+    ],
+    ids=repr,
+)
+def test_invalid_masks_raise_and_change_nothing(mask: Any, error: type, message: str) -> None:
+    batch = BatchEnv(3)
+    batch.reset(seed=0)
+    before = pickle.dumps(batch)
+    with pytest.raises(error, match=message):
+        batch.reset(5, mask)
+    assert pickle.dumps(batch) == before
+
+
+@over_starts
+@over_modes
+def test_calls_before_the_first_reset_raise(mode: str, randomize: bool | str) -> None:
+    batch = some_batch(mode, randomize=randomize)
+    before = pickle.dumps(batch)
+    with pytest.raises(EndedError, match=r"step\(\) needs a reset\(\) before it"):
+        batch.step(np.zeros(len(MIXED), int))
+    with pytest.raises(EndedError, match=r"the first reset\(\) must be of all rows"):
+        batch.reset(mask=np.ones(len(MIXED), bool))
+    with pytest.raises(EndedError, match=r"action_masks\(\) needs a reset\(\) before it"):
+        batch.action_masks()
+    with pytest.raises(EndedError, match=r"row\(\) needs a reset\(\) before it"):
+        batch.row(0)
+    assert pickle.dumps(batch) == before
+
+
+def test_without_autoreset_a_step_raises_until_ended_rows_are_reset() -> None:
+    batch = BatchEnv(4, CORRIDOR, randomize=False, max_steps=5, autoreset_mode=DISABLED)
+    batch.reset()
+    batch.step([WAIT] * 4)
+    batch.reset(mask=np.array([True, False, False, True]))
+    for _ in range(4):
+        *_, truncated, info = batch.step([EAST] * 4)
+    assert truncated.tolist() == [False, True, True, False]
+    assert set(info) == {"motion", "_motion", "action_mask", "_action_mask"}
+    before = pickle.dumps(batch)
+    with pytest.raises(EndedError, match="2 rows have ended, row 1 first; they must be reset"):
+        batch.step([EAST] * 4)
+    assert pickle.dumps(batch) == before
+    batch.reset(mask=np.array([False, True, False, False]))
+    with pytest.raises(EndedError, match="1 rows have ended, row 2 first"):
+        batch.step([EAST] * 4)
+    batch.reset(mask=np.array([False, False, True, False]))
+    arrays, *_ = batch.step([EAST] * 4)
+    assert arrays["steps"].tolist() == [[5], [1], [1], [5]]
+
+
+@pytest.mark.parametrize(
+    ("settings", "error", "message"),
+    [
+        ({"num_envs": 0}, ValueError, "num_envs is 0; it must be at least 1"),
+        ({"num_envs": "3"}, TypeError, "num_envs is '3'"),
+        ({"max_steps": 0}, ValueError, "max_steps is 0; it must be at least 1"),
+        ({"battery": 0}, ValueError, "battery is 0; it must be at least 1"),
+        ({"view_radius": -1}, ValueError, "view_radius is -1; it must be at least 0"),
+        ({"autoreset_mode": "Never"}, ValueError, "is 'Never'; allowed: NextStep, SameStep, Dis"),
+        (
+            {"randomize": "all"},
+            ValueError,
+            "randomize is 'all'; allowed: False, True, ",
+        ),
+        ({"layout": [ROOM, ROOM]}, ValueError, "2 layouts for 3 rows"),
+        ({"layout": [ROOM, ROOM, "..."]}, TypeError, "the layout of row 2 is str, not a Layout"),
+        ({"layout": [ROOM, Layout(["#."]), ROOM]}, LayoutError, "two open cells .*; .* has 1"),
+        ({"layout": Layout(["#"]), "randomize": False}, LayoutError, "no open cell"),
+        ({"start_pos": (0, 0)}, LayoutError, "start_pos row 0, column 0 is wall"),
+        (
+            {"start_pos": [(1, 1), (1, 1), (1, 99)]},
+            LayoutError,
+            r"start_pos\[2\] .* column 99",
+        ),
+        ({"start_pos": [(1, 1), (2, 1)]}, ValueError, r"start_pos has the shape \(2, 2\); allowed"),
+        (
+            {"start_pos": [(1, 1), (1,), (1,)]},
+            ValueError,
+            r"start_pos has the shape \(3,\); allowed",
+        ),
+        ({"layout": {"rows": ROOM}}, TypeError, "layout is .*; it must be a Layout, or one for"),
+        ({"start_pos": (1.0, 1.0)}, TypeError, r"start_pos is .* two integers"),
+        ({"backend": "boat"}, BackendError, "no backend is called 'boat'"),
+    ],
+    ids=repr,
+)
+def test_invalid_arguments_raise(settings: dict[str, Any], error: type, message: str) -> None:
+    with pytest.raises(error, match=message):
+        BatchEnv(**({"num_envs": 3} | settings))
+
+
+def test_windows_above_the_limit_of_memory_raise(monkeypatch: pytest.MonkeyPatch) -> None:
+    needed = 9 * (9 + 6)
+    monkeypatch.setattr(floor_tables, "MAX_TABLE_BYTES", needed - 1)
+    with pytest.raises(LayoutError, match=f"3 x 3 for 2 layouts take {needed} bytes; MAX_TABLE_BY"):
+        BatchEnv(3, [SHOP, CORRIDOR, SHOP], view_radius=1)
+    monkeypatch.setattr(floor_tables, "MAX_TABLE_BYTES", needed)
+    assert BatchEnv(3, [SHOP, CORRIDOR, SHOP], view_radius=1).num_envs == 3

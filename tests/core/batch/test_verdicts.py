@@ -1,0 +1,100 @@
+from itertools import product
+
+import numpy as np
+import pytest
+
+from warehouse_core.batch.shell.verdicts import (
+    STATION_KINDS,
+    charging,
+    judge_all,
+    masks,
+    sides_number,
+    spend_and_charge,
+    station_numbers,
+)
+from warehouse_core.task.rules import judge, useful_actions
+
+NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
+EMPTY, PICKUP, DROPOFF, BOTH, CHARGER = range(5)
+NO, YES = False, True
+
+
+def tile(station: int, has_item: bool) -> str:
+    """Return what a station is to a robot."""
+    return (
+        "D" if station == BOTH and has_item else "P" if station == BOTH else STATION_KINDS[station]
+    )
+
+
+def test_verdicts_equal_those_of_the_rules() -> None:
+    cases = list(product(range(7), range(5), (NO, YES), (NO, YES)))
+    actions, stations, has_item, blocked = (np.array(column) for column in zip(*cases, strict=True))
+    rewards, holds, delivered = judge_all(actions, stations, has_item, blocked)
+    assert (rewards.dtype, holds.dtype, delivered.dtype) == (float, bool, bool)
+    for row, (action, station, has, stopped) in enumerate(cases):
+        expected = judge(action, tile(station, has), has, stopped)
+        assert (rewards[row], holds[row], delivered[row]) == expected[:3]
+
+
+def test_batteries_change_like_a_single_one() -> None:
+    cases = list(product(range(7), range(5), (-4, 0, 1, 6, 11, 12)))
+    actions, stations, units = (np.array(column) for column in zip(*cases, strict=True))
+    battery = units.astype(np.int32)
+    spend_and_charge(battery, 12, charging(actions, stations))
+    for found, (action, station, before) in zip(battery.tolist(), cases, strict=True):
+        charges = (action, station) == (WAIT, CHARGER)
+        assert found == (min(12, before + 9) if charges else before - 1)
+
+
+def test_some_verdicts() -> None:
+    steps = [
+        (EAST, EMPTY, NO, NO, -0.1, NO, NO),
+        (EAST, PICKUP, YES, YES, -1.1, YES, NO),
+        (PICK, PICKUP, NO, NO, 4.9, YES, NO),
+        (PICK, PICKUP, YES, NO, -0.6, YES, NO),
+        (PICK, DROPOFF, NO, NO, -0.6, NO, NO),
+        (DROP, DROPOFF, YES, NO, 9.9, NO, YES),
+        (DROP, PICKUP, YES, NO, -0.6, YES, NO),
+    ]
+    *given, rewards, holds, delivered = (np.array(column) for column in zip(*steps, strict=True))
+    found = judge_all(*given)
+    assert found[0] == pytest.approx(rewards)
+    assert found[1].tolist() == holds.tolist()
+    assert found[2].tolist() == delivered.tolist()
+
+
+def test_sides_are_numbered_north_first() -> None:
+    sides = np.array(
+        [[YES, NO, NO, NO], [NO, NO, NO, YES], [YES] * 4, [NO] * 4, [NO, YES, YES, NO]]
+    )
+    assert sides_number(sides).tolist() == [8, 1, 15, 0, 6]
+
+
+def test_pickups_dropoffs_and_chargers_are_stations() -> None:
+    floor, wall, pickup, dropoff, robot, _, charger = range(7)
+    tiles = np.array([pickup, floor, dropoff, wall, charger, robot, pickup], np.uint8)
+    expected = [PICKUP, EMPTY, DROPOFF, EMPTY, CHARGER, EMPTY, PICKUP]
+    assert station_numbers(tiles).tolist() == expected
+
+
+def test_masks_are_the_useful_actions() -> None:
+    cases = list(product(range(16), range(5), (NO, YES)))
+    sides, stations, has_item = (np.array(column) for column in zip(*cases, strict=True))
+    found = masks(sides.astype(np.uint8), stations, has_item)
+    assert (found.shape, found.dtype) == ((160, 7), np.int8)
+    for row, (number, station, has) in enumerate(cases):
+        open_sides = tuple(bool(number & bit) for bit in (8, 4, 2, 1))
+        expected = useful_actions(open_sides, tile(station, has), has)
+        assert found[row].tolist() == list(expected)
+    by_hand = masks(np.array([9, 0, 15]), np.array([PICKUP, DROPOFF, DROPOFF]), np.array([0, 1, 0]))
+    assert by_hand.tolist() == [
+        [1, 0, 0, 1, 1, 1, 0],
+        [0, 0, 0, 0, 1, 0, 1],
+        [1, 1, 1, 1, 1, 0, 0],
+    ]
+
+
+def test_masks_are_new_arrays() -> None:
+    given = np.array([9]), np.array([PICKUP]), np.array([NO])
+    masks(*given)[:] = 5
+    assert masks(*given).tolist() == [[1, 0, 0, 1, 1, 1, 0]]

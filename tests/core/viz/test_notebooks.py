@@ -1,0 +1,112 @@
+"""What notebooks show for records, environments and layouts."""
+
+import io
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.fleets import fleet_episode
+from helpers.pictures import ROOM, count_color, short_episode
+from helpers.player import page_in, said_by
+from numpy.typing import NDArray
+from PIL import Image
+
+from warehouse_core import FleetEnv, Layout, WarehouseEnv
+from warehouse_core.render.palette import COLORS
+from warehouse_core.viz import notebooks
+from warehouse_core.world.display import display
+
+CELLS = (
+    "from warehouse_core import WarehouseEnv, record_episode, replay_animation\n"
+    "from agents import GreedyAgent\n"
+    "env = WarehouseEnv()\n"
+    "env",
+    "episode = record_episode(env, GreedyAgent(seed=12), seed=12)\nepisode",
+    "replay_animation(episode, window=False)",
+)
+
+
+def picture(shown: Any) -> NDArray[np.int64]:
+    with Image.open(io.BytesIO(shown._repr_png_())) as image:
+        return np.asarray(image.convert("RGB")).astype(np.int64)
+
+
+def test_a_notebook_shows_pictures_and_players(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for folder in ("IPYTHONDIR", "JUPYTER_RUNTIME_DIR"):
+        monkeypatch.setenv(folder, str(tmp_path))
+    import nbformat
+    from nbclient import NotebookClient
+
+    cells = [nbformat.v4.new_code_cell(source) for source in CELLS]
+    notebook = nbformat.v4.new_notebook(cells=cells)
+    NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
+    outputs = [[output["data"] for output in cell["outputs"]] for cell in notebook.cells]
+    [[env], [episode], [replay]] = outputs
+    assert env["image/png"].startswith("iVBORw0KGgo")
+    for shown in (episode, replay):
+        [track] = said_by(page_in(shown["text/html"]))["tracks"]
+        assert track["title"] == "GreedyAgent on the grid backend, seed 12"
+    assert len(nbformat.writes(notebook)) < 500_000
+
+
+def test_the_player_of_a_record_is_a_frame_without_rights() -> None:
+    frame = short_episode()._repr_html_()
+    assert frame.startswith("<iframe srcdoc=")
+    assert frame.count("<") == 2, "the page is the value of an attribute"
+    assert ' sandbox="allow-scripts" ' in frame
+    assert said_by(page_in(frame))["tracks"][0]["ending"] == "delivered"
+
+
+def test_a_fleet_has_a_player() -> None:
+    episode = fleet_episode()
+    frame = episode._repr_html_()
+    [track] = said_by(page_in(frame))["tracks"]
+    assert (track["isFleet"], track["robots"]) == (True, episode.robots)
+
+
+def test_a_player_too_large_for_a_notebook_is_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(notebooks, "MAX_BYTES", 10_000)
+    shown = short_episode()._repr_html_()
+    assert "save('replay.html')" in shown
+    assert len(shown) < 300
+
+
+def test_a_layout_is_a_picture() -> None:
+    image = picture(ROOM)
+    assert image.shape == (160, 200, 3)
+    assert (image[40:80, 40:80].reshape(-1, 3) != image[0, 0]).any()
+    assert count_color(image, COLORS["D"]) > 500
+    assert count_color(image, COLORS["R"]) == 0
+
+
+def test_a_large_layout_is_a_small_picture() -> None:
+    assert picture(Layout(["." * 400] * 200)).shape == (400, 800, 3)
+
+
+def test_an_environment_is_a_picture_of_its_present_state() -> None:
+    env = WarehouseEnv(ROOM, (1, 2))
+    env.step("E")
+    image = picture(env)
+    assert count_color(image[40:80, 120:160], COLORS["R"]) > 100
+    env.state.has_item = True
+    assert (picture(env) != image).any()
+
+
+def test_a_fleet_is_a_picture_of_its_robots_and_people() -> None:
+    env = FleetEnv(Layout(["P........D"] * 4), 3, people=2, orders=0.1)
+    before = picture(env)
+    assert count_color(before, COLORS["R"]) == count_color(before, COLORS["H"]) == 0
+    env.reset(seed=1)
+    after = picture(env)
+    for row, col in env.cells:
+        tile = after[40 * row : 40 * row + 40, 40 * col : 40 * col + 40]
+        assert count_color(tile, COLORS["R"]) > 100
+    assert count_color(after, COLORS["H"]) > 200
+
+
+def test_nothing_else_is_shown() -> None:
+    with pytest.raises(TypeError, match="notebooks show no int"):
+        display(1)

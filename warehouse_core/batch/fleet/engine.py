@@ -1,0 +1,214 @@
+"""``B`` fleets of ``R`` robots as one structure of arrays, stepped together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.batch.fleet.battery import STEPS
+from warehouse_core.batch.fleet.floor import FleetFloor
+from warehouse_core.batch.fleet.mingling import MingledMotion
+from warehouse_core.batch.fleet.order_books import OrderBooks
+from warehouse_core.batch.fleet.people import Crowd
+from warehouse_core.batch.fleet.placing import Placing
+from warehouse_core.batch.fleet.settings import FleetSettings
+from warehouse_core.batch.fleet.tally import FleetMeasures, Tally
+from warehouse_core.batch.shell.env import ALL, NO_FLOORS, EngineStep
+from warehouse_core.batch.shell.robots import Robots
+from warehouse_core.batch.shell.verdicts import spend_and_charge
+from warehouse_core.motion.backends import Backend, make_fleet_motion, make_motion
+from warehouse_core.motion.vector import BatchOutcome, CanFail, FleetBatchMotion
+from warehouse_core.task.encoding import FleetArrays
+from warehouse_core.task.rules import judge
+from warehouse_core.world.actions import PICK, WAIT
+from warehouse_core.world.layout import Layout
+from warehouse_core.world.tables import Flags, Integers, LayoutSet, Rows
+from warehouse_core.world.tiles import EMPTY
+
+TAKEN = judge(PICK, EMPTY, False, False)
+"""The verdict on a robot whose item another one has just taken."""
+
+
+class FleetEngine:
+    """``B`` fleets, each on a floor of its own; ``N = B * R`` robots, floor by floor.
+
+    Args:
+        layouts: ``B`` layouts.
+        settings: settings of all fleets.
+        backend: name, class or instance of the motion that carries out the moves.
+
+    Attributes:
+        motion: motion of the robots, and of the people among them.
+        orders: books of orders; ``None`` without orders.
+        robots: cells and loads of the robots.
+        crowd: people on the floors.
+        tally: counts of what the robots have done.
+        battery: ``[N]`` float64 units left.
+        steps: ``[B]`` steps taken.
+        terminated: ``[N]``, whether the task of the robot is done.
+        truncated: ``[N]``, whether its battery or the steps are used up, or it has failed.
+        failed: ``[N]``, whether the motion says that it stays where it is for good.
+
+    Raises:
+        BackendError: the backend is unknown, or a single instance that several layouts need.
+        LayoutError: robots or people that have no room, or stations that are missing.
+        OrderError: orders that cannot be carried out.
+    """
+
+    def __init__(
+        self, layouts: Sequence[Layout], settings: FleetSettings, backend: Backend
+    ) -> None:
+        motion: FleetBatchMotion = make_fleet_motion(backend, layouts, settings.bodies)
+        self.layouts, self.settings = LayoutSet(layouts), settings
+        floors, rows = len(layouts), len(layouts) * settings.robots
+        self._floor = floor = FleetFloor(self.layouts, settings)
+        self.orders = OrderBooks(self.layouts, settings, floor) if settings.has_orders else None
+        self._starts = [Placing(kind, settings) for kind in self.layouts.kinds]
+        self.crowd = Crowd(settings.people, self.layouts)
+        if settings.people.count:
+            motion = MingledMotion(motion, settings.robots, self.crowd)
+        self.motion = motion
+        self.robots = Robots(self._floor, motion, rows)
+        self.tally = Tally(floors, settings.robots)
+        self._streams = [np.random.default_rng() for _ in layouts]
+        self._charge = settings.battery.step_charge(make_motion(backend).cell_size)
+        self.battery = np.zeros(rows)
+        self.steps = np.zeros(floors, np.int32)
+        self.terminated, self.truncated, self.failed = np.zeros((3, rows), np.bool_)
+        if not settings.has_orders:
+            floor.put_own_stations(np.arange(rows))
+
+    @property
+    def ended(self) -> Flags:
+        """``[N]``, whether the robot has ended; see ``Engine.ended``."""
+        return self.terminated | self.truncated
+
+    def begin(self, floors: Integers, seeds: Sequence[int | None]) -> None:
+        """Start an episode on some floors; see ``Engine.begin``."""
+        cells, motion_seeds = [], []
+        for floor, seed in zip(floors.tolist(), seeds, strict=True):
+            if seed is not None:
+                self._streams[floor] = np.random.default_rng(seed)
+            starts, orders, people, motion = self._streams[floor].spawn(4)
+            robots, persons = self._starts[self.layouts.kind[floor]].draw(starts)
+            cells.append(robots)
+            self.crowd.enter(floor, persons, people)
+            motion_seeds.append(int(motion.integers(2**32)))
+            if self.orders:
+                self.orders.begin(floor, orders)
+        rows = self.rows_of(floors)
+        self.robots.place(rows, np.concatenate(cells), motion_seeds)
+        self.battery[rows] = self.settings.battery.capacity
+        self.terminated[rows] = self.truncated[rows] = self.failed[rows] = False
+        self.steps[floors] = 0
+        self.tally.clear(floors)
+        self._release()
+
+    def step(self, actions: NDArray[np.intp], over: Integers = NO_FLOORS) -> EngineStep:
+        """Carry out one action for each robot; see ``Engine.step``."""
+        active, had_item = ~self.ended, self.robots.has_item
+        chosen = np.where(active, actions, WAIT)
+        outcome, rewards, delivered, charging = self.robots.step(chosen)
+        charging = np.zeros_like(active) if charging is None else charging & active
+        rewards[~active] = 0.0
+        self.steps += 1
+        if self.orders:
+            self._book(self.orders, had_item, delivered, rewards)
+        self._use_batteries(outcome, charging, active)
+        if outcome.failed is not None:
+            self.failed = outcome.failed.copy()
+        self.tally.add(chosen, outcome, charging, delivered, active)
+        self._release()
+        self._end(delivered)
+        if self.settings.team_reward:
+            teams = rewards.reshape(-1, self.settings.robots)
+            teams[:] = teams.mean(axis=1, keepdims=True)
+        flags = self.terminated.copy(), self.truncated.copy()
+        if over.size:  # after the motion, as people must not walk before the first action
+            self.begin(over, [None] * over.size)
+        return EngineStep(outcome, rewards, *flags)
+
+    def observe(self, rows: Rows = ALL) -> FleetArrays:
+        """Return fresh arrays of what some of the robots observe."""
+        self._floor.show(self.robots.cells, self.robots.has_item, self.crowd.cells)
+        steps = np.repeat(self.steps, self.settings.robots)[rows]
+        battery = np.floor(self.battery[rows]).astype(np.int32)
+        arrays = cast(FleetArrays, self.robots.observe(rows, battery[:, None], steps[:, None]))
+        if self.orders:
+            arrays["due"] = self.orders.due[rows, None].copy()
+        if self._floor.has_chargers:
+            arrays["charger_pos"] = self._floor.nearest_chargers(rows, self.robots.cells[rows])
+        return arrays
+
+    def masks(self) -> NDArray[np.int8]:
+        """Return ``[N, 7]`` int8: 1 for each action that does something now."""
+        return self.robots.masks()
+
+    def measures(self, floor: int) -> FleetMeasures:
+        """Return the measures of the present episode on a floor."""
+        rows = self.rows_of(np.array([floor]))
+        book = self.orders.books[floor] if self.orders else None
+        records = book.records() if book else None
+        counted = self.tally.measures(floor, int(self.steps[floor]), records)
+        stranded = int(self._is_out[rows].sum())
+        return replace(counted, stranded=stranded, lost=book.lost if book else 0)
+
+    def rows_of(self, floors: Integers) -> NDArray[np.intp]:
+        """Return the rows of all robots on some floors."""
+        robots = self.settings.robots
+        return (floors[:, None] * robots + np.arange(robots)).ravel()
+
+    def close(self) -> None:
+        """Close the motion backend."""
+        self.motion.close()
+
+    def _book(
+        self,
+        orders: OrderBooks,
+        had_item: Flags,
+        delivered: Flags,
+        rewards: NDArray[np.float64],
+    ) -> None:
+        """Book picks and deliveries, in the order of the robots."""
+        has_item, robots = self.robots.has_item, self.settings.robots
+        for row in np.flatnonzero(has_item & ~had_item).tolist():
+            step = int(self.steps[row // robots])
+            if not orders.take(row, int(self.robots.cells[row]), step):
+                has_item[row], rewards[row] = False, TAKEN.reward
+        for row in np.flatnonzero(delivered).tolist():
+            late = orders.deliver(row, int(self.steps[row // robots]))
+            rewards[row] -= self.settings.late_penalty * late
+
+    def _use_batteries(self, outcome: BatchOutcome, charging: Flags, active: Flags) -> None:
+        battery = self.settings.battery
+        cost = np.where(active, 1.0 if battery.unit == STEPS else outcome.joules, 0.0)
+        spend_and_charge(self.battery, battery.capacity, charging, cost, self._charge)
+        np.maximum(self.battery, 0.0, out=self.battery)  # the last step may cost more than is left
+
+    def _release(self) -> None:
+        """Give back what stranded robots were to take, and let orders appear."""
+        if self.orders:
+            active, is_out = ~self.ended, self._is_out
+            if is_out.any():
+                self.orders.strand(np.flatnonzero(active & is_out))
+            self.orders.release(self.steps, self.robots.cells, active & ~is_out)
+
+    def _end(self, delivered: Flags) -> None:
+        """Set which robots have ended."""
+        active, robots = ~self.ended, self.settings.robots
+        done = np.repeat(self.orders.all_delivered(), robots) if self.orders else delivered
+        is_over = np.repeat(self.steps >= self.settings.max_steps, robots)
+        self.terminated |= active & done
+        empty = np.flatnonzero(active & (self.battery <= 0) & ~self.failed)
+        if len(empty) and isinstance(self.motion, CanFail):
+            self.motion.fail(empty)
+        self.truncated |= active & (self._is_out | is_over)
+
+    @property
+    def _is_out(self) -> Flags:
+        """Whether the battery of each robot is empty, or it has failed, ``[N]``."""
+        return np.asarray((self.battery <= 0) | self.failed)

@@ -1,0 +1,139 @@
+"""The floors of fleets: where open orders wait, and the others that a robot sees."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.batch.fleet.settings import FleetSettings
+from warehouse_core.batch.shell.floor import Floor
+from warehouse_core.errors import LayoutError
+from warehouse_core.task.encoding import NOWHERE, Window
+from warehouse_core.world.distances import nearest
+from warehouse_core.world.layout import Layout
+from warehouse_core.world.tables import (
+    MAX_TABLE_BYTES,
+    Flags,
+    Integers,
+    LayoutSet,
+    Rows,
+    places_table,
+)
+from warehouse_core.world.tiles import CELL_CODES, OTHER_EMPTY, OTHER_LOADED, PERSON, PICKUP
+
+NOTHING = 0
+"""Code of a tile with nothing on top; an empty cell has the same code."""
+
+
+class FleetFloor(Floor):
+    """A ``Floor`` for ``B`` floors with ``R`` robots on each.
+
+    What is on top of the tiles stands in one array, in which the floors lie end to end, each with
+    a margin of ``radius`` cells. A *spot* is an index in it.
+
+    Args:
+        layouts: layouts of the ``B`` floors.
+        settings: settings of all fleets. With orders, stations are where orders have them;
+            otherwise they are the tiles of the layouts.
+
+    Raises:
+        LayoutError: windows that are too large, for the layouts or for the robots.
+    """
+
+    def __init__(self, layouts: LayoutSet, settings: FleetSettings) -> None:
+        robots, radius, has_orders = settings.robots, settings.view_radius, settings.has_orders
+        _check_windows(len(layouts.kind) * robots, 2 * radius + 1)
+        repeated = [layout for layout in layouts.rows for _ in range(robots)]
+        super().__init__(LayoutSet(repeated, bare=has_orders), radius, moving_stations=has_orders)
+        # Nothing lies on the tiles around a robot that is alone.
+        self._is_bare = settings.bodies == 1 and not has_orders
+        kinds = layouts.kinds
+        strides = [kind.width + 2 * radius for kind in kinds]
+        sizes = [
+            (kind.height + 2 * radius) * stride for kind, stride in zip(kinds, strides, strict=True)
+        ]
+        ends = np.cumsum(layouts.of_rows(sizes))
+        self._corner = np.concatenate([[0], ends[:-1]])
+        self._corner_of = np.repeat(self._corner, robots)
+        self._floor_base = layouts.base
+        self._spots = np.concatenate(
+            [
+                places_table([kind]) @ [stride, 1] + radius * (stride + 1)
+                for kind, stride in zip(kinds, strides, strict=True)
+            ]
+        ).astype(np.int32)  # half the size of intp, and faster to read at random
+        side = np.arange(-radius, radius + 1)
+        self._offsets = np.array([(side[:, None] * stride + side).ravel() for stride in strides])
+        self._kind = np.repeat(layouts.kind, robots)
+        self._chargers = np.concatenate([_nearest_chargers(kind) for kind in kinds])
+        self._waiting = np.full(ends[-1], NOTHING, np.uint8)
+        self._on_top = self._waiting.copy()
+        self._covered = self._robot_spots = self._corner_of[:0]
+
+    def set_waiting(self, floor: int, cell: int, is_waiting: bool) -> None:
+        """Set whether an open order waits at a cell of a floor."""
+        spot = self._corner[floor] + self._spots[self._floor_base[floor] + cell]
+        self._waiting[spot] = self._on_top[spot] = CELL_CODES[PICKUP] if is_waiting else NOTHING
+
+    def stations(self, cells: Integers) -> Integers:
+        """Return what the robots stand on; see ``Floor``. Open orders wait for all."""
+        on = super().stations(cells)
+        if self.moving_stations:
+            on = on | (self._waiting.take(self._spots_of(cells)) != NOTHING)
+        return on
+
+    def show(self, cells: Integers, has_item: Flags, people: Integers) -> None:
+        """Put robots and people where they are now.
+
+        Args:
+            cells: ``[B * R]``, cells of the robots.
+            has_item: ``[B * R]``, whether they hold an item.
+            people: ``[B, P]``, cells of the people.
+        """
+        if self._is_bare:
+            return
+        self._on_top[self._covered] = self._waiting.take(self._covered)
+        robots = self._robot_spots = self._spots_of(cells)
+        persons = self._corner[:, None] + self._spots.take(self._floor_base[:, None] + people)
+        self._covered = np.concatenate([robots, persons.ravel()])
+        codes = np.array([CELL_CODES[OTHER_EMPTY], CELL_CODES[OTHER_LOADED]], np.uint8)
+        self._on_top[robots] = codes.take(has_item)
+        self._on_top[persons] = CELL_CODES[PERSON]
+
+    def nearest_chargers(self, rows: Rows, cells: Integers) -> NDArray[np.int32]:
+        """Return row and column of the charger nearest to each cell, or ``NOWHERE``; ``[N, 2]``."""
+        return self._chargers.take(self._base[rows] + cells, axis=0)
+
+    def _spots_of(self, cells: Integers) -> Integers:
+        spots: Integers = self._corner_of + self._spots.take(self._base + cells)
+        return spots
+
+    def _around(self, rows: Rows, cells: Integers, robots: Integers) -> Window:
+        windows = super()._around(rows, cells, robots)
+        if self._is_bare:
+            return windows
+        spots = self._robot_spots[rows]
+        offsets = self._offsets
+        if len(offsets) > 1:
+            offsets = offsets.take(self._kind[rows], axis=0)
+        around = self._on_top.take(spots[:, None] + offsets)
+        np.maximum(windows, around, out=windows)
+        return windows
+
+
+def _check_windows(robots: int, side: int) -> None:
+    """Raise if the spots of all windows would take more than ``MAX_TABLE_BYTES``."""
+    needed = robots * side**2 * np.dtype(np.intp).itemsize
+    if needed > MAX_TABLE_BYTES:
+        raise LayoutError(
+            f"windows of {side} x {side} around {robots} robots take {needed} bytes; "
+            f"MAX_TABLE_BYTES = {MAX_TABLE_BYTES} are allowed"
+        )
+
+
+def _nearest_chargers(layout: Layout) -> NDArray[np.int32]:
+    """Return row and column of the nearest charger of every cell, ``[H * W, 2]``."""
+    cells = nearest(layout, layout.chargers).ravel()
+    places = np.stack(np.divmod(cells, layout.width), axis=-1).astype(np.int32)
+    places[cells < 0] = NOWHERE
+    return places

@@ -1,0 +1,165 @@
+"""The order books of ``B`` fleets, and the stations that their orders make of cells."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.batch.fleet.floor import FleetFloor
+from warehouse_core.batch.fleet.settings import FleetSettings
+from warehouse_core.batch.shell.floor import NO_CELL
+from warehouse_core.orders.book import NEVER, NONE, OrderBook
+from warehouse_core.orders.order import Order, OrderQueue, OrderStream
+from warehouse_core.orders.sources import DrawnOrders, ListedOrders, QueuedOrders
+from warehouse_core.world.layout import Layout
+from warehouse_core.world.tables import Flags, Integers, LayoutSet
+
+
+class OrderBooks:
+    """An ``OrderBook`` for each of ``B`` floors, and what it means to their ``N`` robots.
+
+    A cell is a pickup to a robot where an order waits for it, and a dropoff where its order is due.
+
+    Args:
+        layouts: layouts of the floors.
+        settings: settings of the fleets, with orders.
+        floor: floor on which the books set the stations.
+
+    Attributes:
+        books: ``B`` books of the present episodes.
+        due: ``[N]`` int32, the step by which the robot's order is due, or ``NONE``.
+
+    Raises:
+        LayoutError: a layout without the stations that orders are drawn from.
+        OrderError: orders that cannot be carried out.
+    """
+
+    def __init__(self, layouts: LayoutSet, settings: FleetSettings, floor: FleetFloor) -> None:
+        floors, self._robots = len(layouts.kind), settings.robots
+        self._layouts, self._floor, self._dispatches = layouts, floor, settings.dispatch
+        self._sources = [_source(kind, settings) for kind in layouts.kinds]
+        streams = [np.random.default_rng(0)] * floors
+        self.books = [self._new_book(*each) for each in enumerate(streams)]
+        self._next_release = np.full(floors, NEVER)
+        self.due = np.full(floors * settings.robots, NONE, np.int32)
+        self._is_idle = np.ones((floors, settings.robots), np.bool_)
+        self._has_open, self._is_done = np.zeros((2, floors), np.bool_)
+        self._touched: set[int] = set()
+
+    def begin(self, floor: int, stream: np.random.Generator) -> None:
+        """Draw the orders of a new episode on a floor."""
+        for cell in self.books[floor].waiting_at:
+            self._floor.set_waiting(floor, cell, False)
+        book = self.books[floor] = self._new_book(floor, stream)
+        book.changed[0].update(range(self._robots))
+        self._update(floor)
+
+    def release(self, steps: Integers, cells: Integers, able: Flags) -> None:
+        """Let orders appear and, if it is so set, assign open orders to robots without one.
+
+        Args:
+            steps: ``[B]`` steps taken.
+            cells: ``[N]``, where the robots are.
+            able: ``[N]``, whether they have not ended.
+        """
+        for floor in self._touched:
+            self._update(floor)
+        self._touched.clear()
+        for floor in np.flatnonzero(self._next_release <= steps).tolist():
+            self.books[floor].release(int(steps[floor]))
+            self._update(floor)
+        if not self._dispatches or not self._has_open.any():
+            return
+        free = self._is_idle & able.reshape(self._is_idle.shape)
+        for floor in np.flatnonzero(free.any(axis=1) & self._has_open).tolist():
+            robots = np.flatnonzero(free[floor])
+            self.books[floor].dispatch(robots, cells[floor * self._robots + robots])
+            self._update(floor)
+
+    def take(self, row: int, cell: int, step: int) -> bool:
+        """Give a robot the order that waits for it where it is; return whether there was one.
+
+        After this and ``deliver`` the stations are those from before until ``release``.
+        """
+        floor, robot = divmod(row, self._robots)
+        self._touched.add(floor)
+        return self.books[floor].take(robot, cell, step)
+
+    def deliver(self, row: int, step: int) -> int:
+        """Book the delivery of what a robot carries; return by how many steps it is late."""
+        floor, robot = divmod(row, self._robots)
+        book = self.books[floor]
+        order = book.deliver(robot, step)
+        self._touched.add(floor)
+        return max(step - int(book.orders.due[order]), 0)
+
+    def assign(self, floor: int, robot: int, order: int | None) -> None:
+        """Let an order wait for one robot only; see ``OrderBook.assign``."""
+        self.books[floor].assign(robot, order)
+        self._update(floor)
+
+    def strand(self, rows: Integers) -> None:
+        """Give back the orders of robots that cannot drive any more, until ``release``.
+
+        The items that they carry are lost.
+        """
+        for row in rows.tolist():
+            floor, robot = divmod(row, self._robots)
+            book = self.books[floor]
+            order = int(book.order_of[robot])
+            if order == NONE:
+                continue
+            if book.taken[order] == NONE:
+                book.assign(robot, None)
+            else:
+                book.lost += 1
+            self._touched.add(floor)
+
+    def all_delivered(self) -> NDArray[np.bool_]:
+        """Return ``[B]``, whether all orders of a list are delivered; a stream has no end."""
+        return self._is_done
+
+    def _new_book(self, floor: int, stream: np.random.Generator) -> OrderBook:
+        kind = self._layouts.kind[floor]
+        source = self._sources[kind]
+        more = partial(source.draw, stream) if isinstance(source, QueuedOrders) else None
+        orders = source.draw(stream)
+        return OrderBook(orders, self._robots, self._layouts.kinds[kind].width, more)
+
+    def _update(self, floor: int) -> None:
+        """Bring stations and arrays up to date with what has changed in a book."""
+        book = self.books[floor]
+        robots, cells = book.changed
+        for cell in cells:
+            self._floor.set_waiting(floor, cell, book.waiting_at[cell] > 0)
+        self._set_orders(floor, book, np.array(list(robots), np.intp))
+        robots.clear()
+        cells.clear()
+        self._has_open[floor] = book.has_open_orders
+        self._is_done[floor] = self._sources[self._layouts.kind[floor]].ends and book.is_done
+        self._next_release[floor] = book.next_release
+
+    def _set_orders(self, floor: int, book: OrderBook, robots: Integers) -> None:
+        """Bring due times and stations of some robots up to date."""
+        orders, rows = book.order_of[robots], floor * self._robots + robots
+        has_order = orders != NONE
+        held, known = orders[has_order], book.orders
+        pickups = np.where(book.taken[held] == NONE, known.pickup[held], NO_CELL)
+        tasks = np.full((3, len(robots)), NO_CELL)
+        tasks[:, has_order] = known.due[held], pickups, known.dropoff[held]
+        self.due[rows] = np.where(has_order, tasks[0], NONE)
+        self._floor.put_stations(rows, tasks[1], tasks[2])
+        self._is_idle[floor, robots] = ~has_order
+
+
+def _source(layout: Layout, settings: FleetSettings) -> ListedOrders | DrawnOrders | QueuedOrders:
+    orders = settings.orders
+    if isinstance(orders, OrderQueue):
+        return QueuedOrders(orders, layout)
+    streams = [order for order in orders or () if isinstance(order, OrderStream)]
+    if streams:
+        return DrawnOrders(streams, layout, settings.max_steps)
+    listed = [order for order in orders or () if isinstance(order, Order)]
+    return ListedOrders(listed, layout, settings.robots)

@@ -1,0 +1,167 @@
+"""The settings of a fleet, checked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from warehouse_core.arguments import MAX_STEPS, as_cell, real_number, whole_number
+from warehouse_core.batch.fleet.battery import Battery
+from warehouse_core.batch.fleet.people import People
+from warehouse_core.orders.order import Order, OrderQueue, Orders, OrderStream
+from warehouse_core.world.tiles import Cell
+
+MAX_BODIES = 100_000
+"""Limit on the sum of robots and people on a floor."""
+
+
+@dataclass(frozen=True)
+class FleetSettings:
+    """The arguments of ``FleetEnv`` that are neither its layout nor its backend; see there.
+
+    Raises:
+        ValueError: a value that is not allowed.
+        TypeError: a value of another type.
+    """
+
+    robots: int
+    orders: tuple[OrderStream, ...] | tuple[Order, ...] | OrderQueue | None
+    starts: tuple[Cell, ...] | None
+    max_steps: int
+    battery: Battery
+    view_radius: int
+    people: People
+    dispatch: bool
+    late_penalty: float
+    team_reward: bool
+
+    def __post_init__(self) -> None:
+        whole_number("robots", self.robots, 1, MAX_BODIES)
+        whole_number("robots and people", self.bodies, 1, MAX_BODIES)
+        whole_number("max_steps", self.max_steps, 1, MAX_STEPS)
+        whole_number("view_radius", self.view_radius, 0)
+        real_number("late_penalty", self.late_penalty)
+        if self.starts is not None and len(self.starts) != self.robots:
+            raise ValueError(f"{len(self.starts)} starts for {self.robots} robots; each needs one")
+
+    @classmethod
+    def of(
+        cls,
+        robots: int,
+        *,
+        orders: Orders | None = None,
+        starts: Sequence[Cell] | None = None,
+        max_steps: int = 200,
+        battery: int | Battery = 200,
+        view_radius: int = 2,
+        people: int | People = 0,
+        dispatch: bool = True,
+        late_penalty: float = 0.0,
+        team_reward: bool = False,
+    ) -> FleetSettings:
+        """Return settings given as ``FleetEnv`` takes them, with its defaults."""
+        return cls(
+            robots,
+            as_orders(orders),
+            None if starts is None else tuple(starts),
+            max_steps,
+            battery if isinstance(battery, Battery) else Battery(battery),
+            view_radius,
+            people if isinstance(people, People) else People(people),
+            dispatch,
+            late_penalty,
+            team_reward,
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the settings as values that JSON can hold."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, values: Any) -> FleetSettings:
+        """Return the settings in a JSON object that ``to_json`` made.
+
+        Raises:
+            ValueError: a key is missing or unknown, or a value is of the wrong type or size.
+        """
+        try:
+            if not all(type(values[name]) is bool for name in ("dispatch", "team_reward")):
+                raise TypeError("dispatch and team_reward must be true or false")
+            starts, orders = values["starts"], values["orders"]
+            read = {
+                "battery": Battery(**values["battery"]),
+                "people": People(**values["people"]),
+                "starts": None if starts is None else tuple(as_cell("start", c) for c in starts),
+                "orders": as_orders(_orders(orders)),
+            }
+            return cls(**values | read)
+        except (TypeError, KeyError) as error:
+            raise ValueError(f"these are no settings of a fleet: {error}") from error
+
+    @property
+    def has_orders(self) -> bool:
+        """Whether robots bring items of orders, and not one each from station to station."""
+        return self.orders is not None
+
+    @property
+    def bodies(self) -> int:
+        """Sum of robots and people on a floor."""
+        return self.robots + self.people.count
+
+
+def as_orders(
+    orders: object,
+) -> tuple[OrderStream, ...] | tuple[Order, ...] | OrderQueue | None:
+    """Return orders given as a rate, a stream, a queue, or a sequence of streams or of orders.
+
+    Raises:
+        ValueError: an empty sequence, or a rate that is not allowed.
+        TypeError: they are none of these.
+    """
+    if orders is None or isinstance(orders, OrderQueue):
+        return orders
+    if isinstance(orders, (int, float)) and not isinstance(orders, bool):
+        return (OrderStream(orders),)
+    if isinstance(orders, OrderStream):
+        return (orders,)
+    given = (
+        tuple(orders) if isinstance(orders, (list, tuple)) and not isinstance(orders, Order) else ()
+    )
+    for kind in (OrderStream, Order):
+        if given and all(isinstance(each, kind) for each in given):
+            return given
+    raise TypeError(
+        f"orders are {orders!r:.200}; allowed: a rate, an OrderStream, an OrderQueue, or a list of "
+        "OrderStream or of Order, with at least one"
+    )
+
+
+def _orders(values: Any) -> Any:
+    """Return what ``as_orders`` takes, given as ``asdict`` or JSON returns it.
+
+    Raises:
+        TypeError: the values do not describe orders.
+    """
+    if values is None:
+        return None
+    if isinstance(values, dict):
+        return OrderQueue(**_with_tuples(values))
+    return [
+        OrderStream(**_with_tuples(each)) if isinstance(each, dict) else _order(*each)
+        for each in values
+    ]
+
+
+def _with_tuples(values: dict[str, Any]) -> dict[str, Any]:
+    return {name: tuple(each) if isinstance(each, list) else each for name, each in values.items()}
+
+
+def _order(released: Any, due: Any, pickup: Any, dropoff: Any, *rest: Any) -> Order:
+    return Order(
+        whole_number("released", released),
+        whole_number("due", due),
+        as_cell("pickup", pickup),
+        as_cell("dropoff", dropoff),
+        *(None if each is None else whole_number("order", each) for each in rest),
+    )

@@ -1,0 +1,158 @@
+"""Counts of what the robots of a fleet do, and the measures made from them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.motion.vector import WALL, BatchOutcome
+from warehouse_core.orders.order import Order
+from warehouse_core.world.actions import WAIT
+from warehouse_core.world.tables import Flags, Integers
+
+MOVED, WAITED, CHARGED, BY_WALL, BY_ROBOT, BY_PERSON, HANDLED, ENDED = range(8)
+"""Kinds of a robot's steps; a robot that has ended does nothing."""
+
+_DONE = np.array([MOVED] * WAIT + [WAITED, HANDLED, HANDLED])
+"""Kind of step that each action counts as, for a robot that is free and does not charge."""
+
+SECONDS_PER_HOUR = 3600.0
+
+
+@dataclass(frozen=True)
+class FleetMeasures:
+    """How well a fleet has done; a value that nothing was measured for is ``nan``.
+
+    Attributes:
+        steps: joint steps taken.
+        seconds: simulated time: each joint step lasts until its slowest robot is at rest.
+        orders: number of orders released.
+        delivered: number of items delivered.
+        per_hour: items delivered in an hour of simulated time.
+        mean_lateness: mean of the steps by which deliveries were late; a delivery on time counts 0.
+        worst_lateness: largest number of steps by which a delivery was late.
+        on_time: share of the deliveries that were not late, 0 to 1.
+        joules: energy of all motions.
+        joules_per_delivery: energy of all motions for each item delivered.
+        blocked_by_wall, blocked_by_robot, blocked_by_person: moves that were blocked.
+        waits: steps in which a robot waited, not on a charger.
+        charging: steps in which a robot charged.
+        distance: cells driven.
+        stranded: robots whose battery is empty, or which have failed.
+        lost: items that stranded robots carry.
+    """
+
+    steps: int
+    seconds: float
+    orders: int
+    delivered: int
+    per_hour: float
+    mean_lateness: float
+    worst_lateness: float
+    on_time: float
+    joules: float
+    joules_per_delivery: float
+    blocked_by_wall: int
+    blocked_by_robot: int
+    blocked_by_person: int
+    waits: int
+    charging: int
+    distance: int
+    stranded: int = 0
+    lost: int = 0
+
+
+class Tally:
+    """Counts for ``R`` robots on each of ``B`` floors."""
+
+    def __init__(self, floors: int, robots: int) -> None:
+        self._robots, self._rows = robots, np.arange(floors * robots)
+        self._counts = np.zeros((ENDED + 1, floors * robots), np.int64)
+        self._joules = np.zeros(floors * robots)
+        self._seconds = np.zeros(floors)
+        self._deliveries = np.zeros(floors, np.int64)
+
+    def clear(self, floors: Integers) -> None:
+        """Start again on some floors."""
+        rows = (floors[:, None] * self._robots + np.arange(self._robots)).ravel()
+        self._counts[:, rows], self._joules[rows] = 0, 0.0
+        self._seconds[floors], self._deliveries[floors] = 0.0, 0
+
+    def add(
+        self,
+        actions: Integers,
+        outcome: BatchOutcome,
+        charging: Flags,
+        delivered: Flags,
+        active: Flags,
+    ) -> None:
+        """Count one step of all robots.
+
+        Args:
+            actions: ``[N]``, 0 to 6.
+            outcome: outcome of their motion.
+            charging: ``[N]``, whether they waited on a charger.
+            delivered: ``[N]``, whether they delivered an item.
+            active: ``[N]``, whether they had not ended before.
+        """
+        did = _DONE.take(actions)
+        did[charging] = CHARGED
+        blocked = outcome.blocked.nonzero()[0]
+        assert outcome.stopped_by is not None, "the motion of a fleet tells it"
+        did[blocked] = _counterpart(outcome.stopped_by[blocked], self._robots)
+        did[~active] = ENDED
+        self._counts.reshape(-1)[did * len(did) + self._rows] += 1
+        self._joules += outcome.joules
+        self._deliveries += delivered.reshape(-1, self._robots).sum(axis=1)
+        self._seconds += outcome.seconds.reshape(-1, self._robots).max(axis=1)
+
+    def counts(self, floor: int) -> NDArray[np.int64]:
+        """Return how often each robot of a floor did what, ``[8, R]``; see ``MOVED``."""
+        return self._counts[:, floor * self._robots : (floor + 1) * self._robots].copy()
+
+    def measures(self, floor: int, steps: int, orders: Sequence[Order] | None) -> FleetMeasures:
+        """Return the measures of a floor, but for ``stranded`` and ``lost``.
+
+        Args:
+            floor: number of the floor.
+            steps: steps taken.
+            orders: orders released, or ``None`` for a fleet without orders.
+        """
+        done = self.counts(floor).sum(axis=1).tolist()
+        seconds = float(self._seconds[floor])
+        rows = slice(floor * self._robots, (floor + 1) * self._robots)
+        joules, delivered = float(self._joules[rows].sum()), int(self._deliveries[floor])
+        late = [
+            max(order.delivered - order.due, 0)
+            for order in orders or ()
+            if order.delivered is not None
+        ]
+        return FleetMeasures(
+            steps=steps,
+            seconds=seconds,
+            orders=len(orders or ()),
+            delivered=delivered,
+            per_hour=delivered / seconds * SECONDS_PER_HOUR if seconds else math.nan,
+            mean_lateness=sum(late) / len(late) if late else math.nan,
+            worst_lateness=float(max(late)) if late else math.nan,
+            on_time=late.count(0) / len(late) if late else math.nan,
+            joules=joules,
+            joules_per_delivery=joules / delivered if delivered else math.nan,
+            blocked_by_wall=done[BY_WALL],
+            blocked_by_robot=done[BY_ROBOT],
+            blocked_by_person=done[BY_PERSON],
+            waits=done[WAITED],
+            charging=done[CHARGED],
+            distance=done[MOVED],
+        )
+
+
+def _counterpart(stopped_by: Integers, robots: int) -> NDArray[np.intp]:
+    """Return ``BY_WALL``, ``BY_ROBOT`` or ``BY_PERSON`` for each counterpart."""
+    by = np.where(stopped_by < robots, BY_ROBOT, BY_PERSON)
+    by[stopped_by == WALL] = BY_WALL
+    return by

@@ -1,0 +1,1 @@
+"""Lone robots, each on a floor of its own."""

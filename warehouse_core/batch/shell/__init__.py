@@ -1,0 +1,1 @@
+"""What lone robots and fleets share: their shell, and robots and floors as arrays."""

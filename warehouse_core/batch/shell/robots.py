@@ -1,0 +1,96 @@
+"""Robots as arrays: one step of the rules for all of them, and what they observe."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.batch.shell.floor import Floor
+from warehouse_core.batch.shell.verdicts import NO_STATION, charging, judge_all
+from warehouse_core.motion.vector import BatchMotion, BatchOutcome
+from warehouse_core.task.encoding import Arrays
+from warehouse_core.world.tables import Flags, Integers, Rows
+
+Counts = NDArray[np.int32]
+
+
+class JudgedStep(NamedTuple):
+    """One step of ``N`` robots as the rules judge it; the arrays belong to the caller.
+
+    Attributes:
+        outcome: outcome of the motion.
+        rewards: ``[N]`` float64.
+        delivered: ``[N]`` bool, whether the robot has delivered its item.
+        charging: ``[N]`` bool, whether the robot charges; ``None`` if no floor has a charger.
+    """
+
+    outcome: BatchOutcome
+    rewards: NDArray[np.float64]
+    delivered: Flags
+    charging: Flags | None
+
+
+class Robots:
+    """``N`` robots, moved together and judged by the rules of ``task/rules.py``.
+
+    Args:
+        floor: floor of ``N`` rows that they stand on.
+        motion: motion of ``N`` robots.
+        count: number of robots, ``N``.
+
+    Attributes:
+        cells: ``[N]``, numbered within their layouts.
+        has_item: ``[N]`` bool.
+    """
+
+    def __init__(self, floor: Floor, motion: BatchMotion, count: int) -> None:
+        self.floor, self.motion = floor, motion
+        self.cells = np.zeros(count, np.intp)
+        self.has_item = np.zeros(count, np.bool_)
+
+    def place(
+        self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
+    ) -> None:
+        """Put some of the robots in their cells, without an item; see ``BatchMotion.place``."""
+        self.motion.place(rows, cells, seeds)
+        self.cells[rows] = cells
+        self.has_item[rows] = False
+
+    def step(self, actions: Integers) -> JudgedStep:
+        """Carry out one action, 0 to 6, for each robot."""
+        outcome = self.motion.advance(actions, self.has_item)
+        self.cells = outcome.cells
+        on = self.floor.stations(self.cells)
+        if outcome.driving is not None:
+            on = np.where(outcome.driving, NO_STATION, on)
+        rewards, self.has_item, delivered = judge_all(actions, on, self.has_item, outcome.blocked)
+        charges = charging(actions, on) if self.floor.has_chargers else None
+        return JudgedStep(outcome, rewards, delivered, charges)
+
+    def masks(self) -> NDArray[np.int8]:
+        """Return ``[N, 7]`` int8: 1 for each action that does something now."""
+        return self.floor.masks(self.cells, self.has_item)
+
+    def observe(self, rows: Rows, battery: Counts, steps: Counts) -> Arrays:
+        """Return fresh arrays of what some of the robots observe.
+
+        Args:
+            rows: rows of these robots.
+            battery: ``[N, 1]`` int32, battery units that each of them has left.
+            steps: ``[N, 1]`` int32, steps taken.
+        """
+        floor, cells, has_item = self.floor, self.cells[rows], self.has_item[rows]
+        places = floor.places(rows, cells)
+        pickups, dropoffs = floor.station_places[:, rows]
+        return {
+            "local_grid": floor.windows(rows, cells, has_item, places),
+            "robot_pos": places,
+            "has_item": has_item.astype(np.int64),
+            "battery": battery,
+            "steps": steps,
+            "pickup_pos": pickups.copy(),
+            "dropoff_pos": dropoffs.copy(),
+        }

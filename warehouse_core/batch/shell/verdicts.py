@@ -1,0 +1,116 @@
+"""All verdicts of ``task/rules.py`` in tables, for many robots at once."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from warehouse_core.task.rules import CHARGE, judge, useful_actions
+from warehouse_core.world.actions import ACTIONS
+from warehouse_core.world.tables import Flags, Integers
+from warehouse_core.world.tiles import CELL_CODES, CHARGER, DROPOFF, EMPTY, PICKUP
+
+STATION_KINDS = (EMPTY, PICKUP, DROPOFF, PICKUP + DROPOFF, CHARGER)
+"""Kinds of cells that a robot can stand on; a batch uses the index.
+
+Orders can make a cell a pickup and a dropoff. A robot uses the pickup if it holds no item, and the
+dropoff if it holds one.
+"""
+
+NO_STATION = STATION_KINDS.index(EMPTY)
+
+_BOTH = (False, True)
+
+
+def _tile(kind: str, has_item: bool) -> str:
+    """Return what a kind of station is to a robot."""
+    return kind[-1] if has_item else kind[0]
+
+
+_VERDICTS = [
+    judge(action, _tile(kind, has_item), has_item, blocked)
+    for action, kind, has_item, blocked in product(range(len(ACTIONS)), STATION_KINDS, _BOTH, _BOTH)
+]
+_REWARDS = np.array([verdict.reward for verdict in _VERDICTS])
+_HAS_ITEM = np.array([verdict.has_item for verdict in _VERDICTS])
+_DELIVERED = np.array([verdict.delivered for verdict in _VERDICTS])
+_CHARGES = np.array([verdict.charges for verdict in _VERDICTS[::4]])
+"""``True`` where a robot charges, by its action and the kind of its cell."""
+
+_MASK_BYTES = 8
+"""Bytes of a mask with padding: looking up eight bytes at once is much faster than seven."""
+
+_MASKS = np.array(
+    [
+        [
+            *useful_actions(sides, _tile(kind, has_item), has_item),
+            *[False] * (_MASK_BYTES - len(ACTIONS)),
+        ]
+        for sides, kind, has_item in product(product(_BOTH, repeat=4), STATION_KINDS, _BOTH)
+    ],
+    np.int8,
+).view(np.uint64)[:, 0]
+
+
+def judge_all(
+    actions: Integers, stations: Integers, has_item: Flags, blocked: Flags
+) -> tuple[NDArray[np.float64], Flags, Flags]:
+    """Judge one step of ``B`` robots; see ``rules.judge``.
+
+    Args:
+        actions: ``[B]``, 0 to 6.
+        stations: ``[B]`` indices into ``STATION_KINDS``, what they stand on after their motion.
+        has_item: ``[B]``, whether they held an item before the step.
+        blocked: ``[B]``, whether something stopped the motion.
+
+    Returns:
+        ``[B]`` each: the rewards, whether they hold an item now, and whether they have delivered.
+    """
+    index = ((actions * len(STATION_KINDS) + stations) * 2 + has_item) * 2 + blocked
+    return _REWARDS.take(index), _HAS_ITEM.take(index), _DELIVERED.take(index)
+
+
+def charging(actions: Integers, stations: Integers) -> Flags:
+    """Return whether ``[B]`` robots charge in a step; see ``rules.judge``."""
+    return _CHARGES.take(actions * len(STATION_KINDS) + stations)
+
+
+def spend_and_charge(
+    battery: NDArray[Any],
+    capacity: int,
+    charging: Flags,
+    cost: float | NDArray[np.float64] = 1,
+    charge: float = CHARGE,
+) -> None:
+    """Change the units that ``[B]`` robots have left, in place, by one step.
+
+    Args:
+        battery: ``[B]`` units left.
+        capacity: units of a full charge.
+        charging: ``[B]``, whether the robot charges.
+        cost: units that the step costs, for all or for each.
+        charge: units that a robot gains by charging, up to a full charge.
+    """
+    battery -= cost
+    # Not the lower of full and charged, because that sum can exceed 32 bits.
+    battery += charging * np.minimum(capacity - battery, charge)
+
+
+def station_numbers(tiles: NDArray[np.uint8]) -> NDArray[np.int16]:
+    """Return the index into ``STATION_KINDS`` of ``[N]`` tiles given by their codes."""
+    numbers = [STATION_KINDS.index(tile) if tile in STATION_KINDS else 0 for tile in CELL_CODES]
+    return np.array(numbers, np.int16)[tiles]
+
+
+def sides_number(sides: Flags) -> NDArray[np.uint8]:
+    """Return ``[...]`` numbers from 0 to 15 for ``[..., 4]`` flags of open sides."""
+    return (np.packbits(sides, axis=-1)[..., 0] >> 4).astype(np.uint8)
+
+
+def masks(sides: Integers, stations: Integers, has_item: Flags) -> NDArray[np.int8]:
+    """Return ``[B, 7]`` int8 masks of the actions that do something; see ``useful_actions``."""
+    index = (sides * len(STATION_KINDS) + stations) * 2 + has_item
+    return _MASKS.take(index).view(np.int8).reshape(-1, _MASK_BYTES)[:, : len(ACTIONS)]

@@ -1,0 +1,67 @@
+"""What notebooks show for the last value of a cell: players of records, pictures of the others.
+
+Players and Pillow are imported when something is shown.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable
+
+from warehouse_core.fleet.env import FleetEnv
+from warehouse_core.records.episode import Episode
+from warehouse_core.viz.tracks.record_track import track_of_record
+from warehouse_core.warehouse_env import WarehouseEnv
+from warehouse_core.world.display import display
+from warehouse_core.world.layout import Layout
+from warehouse_core.world.tiles import Cell
+
+MAX_BYTES = 3_000_000
+"""Size of the largest player that a notebook shows; its file keeps what it shows."""
+
+
+@display.register
+def record_player(record: Episode) -> str:
+    """Return the player of a record as HTML, or how to save it if it is large."""
+    from warehouse_core.viz.player import player_frame
+
+    frame = player_frame([track_of_record(record)])
+    if len(frame) <= MAX_BYTES:
+        return frame
+    return (
+        f"<p>This replay has {len(frame) / 1e6:.1f} MB, more than a notebook should keep. "
+        "<code>replay_animation(episode).save('replay.html')</code> writes it as a page.</p>"
+    )
+
+
+@display.register
+def layout_picture(layout: Layout) -> bytes:
+    """Return a picture of a layout as PNG."""
+    return _picture(layout)
+
+
+@display.register
+def env_picture(env: WarehouseEnv) -> bytes:
+    """Return a picture of a warehouse as it is now, as PNG."""
+    return _picture(env.layout, [(env.state.robot_pos, env.state.has_item)])
+
+
+@display.register
+def fleet_picture(env: FleetEnv) -> bytes:
+    """Return a picture of a fleet as it is now, as PNG; before its reset, of the layout."""
+    if not env._started:
+        return _picture(env.layout)
+    return _picture(env.layout, zip(env.cells, env.loaded, strict=True), env.people)
+
+
+def _picture(
+    layout: Layout, robots: Iterable[tuple[Cell, bool]] = (), people: Iterable[Cell] = ()
+) -> bytes:
+    from PIL import Image
+
+    from warehouse_core.render.painter import TilePainter, tile_pixels_for
+
+    painter = TilePainter(tile_pixels_for(layout.height, layout.width))
+    file = io.BytesIO()
+    Image.fromarray(painter.fleet_picture(layout, robots, people)).save(file, "PNG")
+    return file.getvalue()

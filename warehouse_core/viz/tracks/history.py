@@ -1,0 +1,61 @@
+"""What a robot has done in the frames of a track so far."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from warehouse_core.viz.tracks.track import Frame
+from warehouse_core.world.tiles import Cell
+
+
+class History:
+    """Where a robot was after each step, and what became of items.
+
+    Args:
+        robot: index of the robot.
+
+    Attributes:
+        frames: number of the frame at the end of each step.
+        cells: cell of the robot at the end of each step.
+        taken: frames in which the robot has just taken an item.
+        delivered: frames in which the robot has just put an item down, and the cells of the items.
+        starts_loaded: true if the robot has an item in the first frame.
+    """
+
+    def __init__(self, robot: int) -> None:
+        self._robot, self._read = robot, 0
+        self.frames: list[int] = []
+        self.cells: list[Cell | None] = []
+        self.taken: list[int] = []
+        self.delivered: list[tuple[int, Cell]] = []
+        self._was_loaded: bool | None = None
+        self.starts_loaded = False
+
+    def read(self, frames: Sequence[Frame]) -> None:
+        """Read the frames that have not been read yet."""
+        for number in range(self._read, len(frames)):
+            pose = frames[number].robots[self._robot]
+            cell = None if pose is None else (int(pose.at[1]), int(pose.at[0]))
+            if frames[number].progress.is_integer():
+                self.frames.append(number)
+                self.cells.append(cell)
+            if pose is None or cell is None:
+                continue
+            if self._was_loaded is None:
+                self.starts_loaded = pose.loaded
+            elif pose.loaded and not self._was_loaded:
+                self.taken.append(number)
+            elif self._was_loaded and not pose.loaded:
+                self.delivered.append((number, cell))
+            self._was_loaded = pose.loaded
+        self._read = max(self._read, len(frames))
+
+    def visits(self, step: int) -> dict[Cell, int]:
+        """Return how often the robot came to each cell in the first steps."""
+        visits: dict[Cell, int] = {}
+        before: Cell | None = None
+        for cell in self.cells[: step + 1]:
+            if cell is not None and cell != before:
+                visits[cell] = visits.get(cell, 0) + 1
+            before = cell
+        return visits

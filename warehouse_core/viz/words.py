@@ -1,0 +1,83 @@
+"""The words around maps: each function returns words for a frame of a track, and their size."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+
+from warehouse_core.viz.tracks.track import Track
+from warehouse_core.wording import counted
+
+MAX_CAPTION, MIN_CAPTION, LINES_SHARE = 18.0, 10.0, 0.7
+"""Largest size of an action with its reason; smallest in one line; largest in two lines, as a share
+of the largest."""
+
+LETTER_WIDTH = 0.66
+"""Mean width of a letter, as a share of its size."""
+
+LETTER = 0.118
+"""Mean width of a letter of a caption in a column, in inches."""
+
+LONG_SECONDS = 100
+"""Seconds of the longest episode whose clock shows tenths."""
+
+POINTS = 72
+"""Points in an inch."""
+
+Words = tuple[str, float]
+
+
+def title_of(size: float, track: Track, _frame: int) -> Words:
+    """Return the title of a track."""
+    return track.title, size
+
+
+def counter_of(steps: int, track: Track, frame: int) -> Words:
+    """Return how many of a number of steps were taken, and the clock of a continuous motion."""
+    now = track.frames[frame]
+    digits = 0 if track.frames[-1].clock > LONG_SECONDS else 1
+    clock = f"   {now.clock:.{digits}f} s" if track.is_continuous else ""
+    return f"step {math.ceil(now.progress)} of {steps}{clock}", 9
+
+
+def ending_of(track: Track, frame: int) -> Words:
+    """Return in the last frame how a track ended."""
+    return track.ending.upper() if frame == len(track) - 1 else "", 11
+
+
+def fitted_caption(width: float, track: Track, frame: int) -> Words:
+    """Return the caption of a frame in one or two lines, as large as a width in inches allows."""
+    caption = track.frames[frame].caption
+    points = POINTS * width / LETTER_WIDTH
+    size = points / max(len(caption), 1)
+    if size < MIN_CAPTION:
+        lines = textwrap.wrap(caption, max(len(caption) * 6 // 11, 1), max_lines=2)
+        caption = "\n".join(lines)
+        size = points / max(map(len, lines), default=1)
+    return caption, min(size, MAX_CAPTION * (LINES_SHARE if "\n" in caption else 1))
+
+
+def caption_in_lines(width: float, track: Track, frame: int) -> Words:
+    """Return the caption of a frame in at most two lines of a width in inches."""
+    letters = int(width / LETTER)
+    words = track.frames[frame].caption
+    return textwrap.fill(words, letters, max_lines=2, placeholder=" …"), 13
+
+
+def tally_of(track: Track, frame: int) -> Words:
+    """Return deliveries, steps, seconds and joules so far; at the end also how a track ended."""
+    now, step = track.frames[frame], track.step_at(frame)
+    numbers, joules = [counted(math.ceil(now.progress), "step")], now.energy
+    if track.counts_orders:
+        numbers.insert(0, f"{track.metrics['delivered'][step]} delivered")
+        joules = track.metrics["joules"][step]
+    if track.frames[-1].clock:
+        numbers += [seconds_of(now.clock), f"{joules:,.0f} J"]
+    words = ", ".join(numbers)
+    is_over = frame == len(track) - 1
+    return f"{track.ending.capitalize()}: {words}" if is_over and track.ending else words, 15
+
+
+def seconds_of(clock: float) -> str:
+    """Return a sum of seconds to one decimal, rounded as if it was exact."""
+    return f"{round(clock, 6):.1f} s"
