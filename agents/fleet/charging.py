@@ -61,7 +61,7 @@ def costs_around_chargers(layout: Layout, costs: Costs | None = None) -> Costs |
         return costs
     size = layout.height * layout.width
     found = np.ones((size, len(MOVES)), np.float32) if costs is None else costs.copy()
-    chargers = np.array([row * layout.width + col for row, col in layout.chargers])
+    chargers = layout.numbers(layout.chargers)
     for move in MOVES:
         down, right = DISPLACEMENTS[move]
         found[(chargers - down * layout.width - right) % size, move] += INTO_CHARGER
@@ -107,7 +107,7 @@ class Chargers:
 
     def __init__(self, env: FleetEnv, graph: Graph) -> None:
         battery, layout = env.settings.battery, env.layout
-        self.cells = np.array([row * layout.width + col for row, col in layout.chargers], np.intp)
+        self.cells = layout.numbers(layout.chargers)
         ways = [graph.distances(cell) for cell in self.cells.tolist()]
         self._ways = np.array(ways, np.float64).reshape(-1, graph.size)
         self.home = self._ways.min(axis=0, initial=np.inf)

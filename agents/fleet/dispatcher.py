@@ -75,7 +75,7 @@ class Dispatcher:
         Orders are assigned. A robot does ``PICK`` or ``DROP``, or ``WAIT`` if it moves or waits.
         """
         ways, count = env.ways, env.settings.robots
-        self._close(frozenset(row * env.layout.width + col for row, col in ways.closed))
+        self._close(frozenset(map(env.layout.number, ways.closed)))
         robots = self._look(env, ways.ends[:count])
         self._send_to_chargers(robots)
         if env.settings.orders is not None:
@@ -201,7 +201,7 @@ def parking_of(layout: Layout) -> NDArray[np.intp]:
     width = layout.width
     busy = {*layout.pickups, *layout.dropoffs, *layout.chargers}
     beside = {(row + down, col + right) for row, col in busy for down, right in DISPLACEMENTS}
-    cells = [divmod(cell, width) for cell in layout.open_cells.tolist()]
+    cells = layout.cells(layout.open_cells)
     found = np.arange(layout.height * width)
     for avoided in (busy | beside, busy):
         places = [cell for cell in cells if cell not in avoided]

@@ -84,10 +84,7 @@ def learned_fleet_costs(layout: Layout, robots: int, trials: int, seed: int) -> 
 
     They are learned once in a process, and are not to be changed.
     """
-    pickups, dropoffs = (
-        np.array([row * layout.width + col for row, col in cells], np.intp)
-        for cells in (layout.pickups, layout.dropoffs)
-    )
+    pickups, dropoffs = (layout.numbers(cells) for cells in (layout.pickups, layout.dropoffs))
     goals = np.concatenate(
         [np.tile(pickups, max(len(dropoffs), 1)), np.tile(dropoffs, max(len(pickups), 1))]
     )

@@ -51,9 +51,8 @@ class PlanLog:
             is_planned = ahead[:1] == [chosen[robot]]
             ways[robot] = [int(cells[robot]), *(ahead if is_planned else [int(chosen[robot])])]
             wishes[robot] = graph.way(ways[robot][-1], int(goals[robot]))
-        width = graph.layout.width
         places, wished = (
-            {robot: [divmod(cell, width) for cell in way] for robot, way in kind.items()}
+            {robot: graph.layout.cells(way) for robot, way in kind.items()}
             for kind in (ways, wishes)
         )
         pushed = dict[int, int]()

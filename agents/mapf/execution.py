@@ -157,7 +157,7 @@ class _Record:
 
 
 def _cells(layout: Layout, plan: Integers) -> list[list[Cell]]:
-    return [[divmod(cell, layout.width) for cell in cells] for cells in plan.tolist()]
+    return [layout.cells(cells) for cells in plan]
 
 
 def _late(ways: Ways, goals: Sequence[Cell]) -> list[int]:

@@ -73,7 +73,7 @@ class Graph:
         height, width = layout.height, layout.width
         self.size = height * width
         is_open = np.zeros((height + 2, width + 2), np.bool_)
-        rows, columns = np.divmod(layout.open_cells, width)
+        rows, columns = layout.places(layout.open_cells).T
         is_open[rows + 1, columns + 1] = True
         self.neighbours = np.full((self.size, WAIT + 1), CLOSED, np.int32)
         for action in range(WAIT + 1):

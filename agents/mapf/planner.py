@@ -124,7 +124,7 @@ def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:
         )
 
     def place(cell: np.integer) -> str:
-        return str(divmod(int(cell), graph.layout.width))
+        return str(graph.layout.cell(cell))
 
     is_near = (graph.neighbours[cells] == found[:, None]).any(axis=1) & (found != CLOSED)
     for robot in np.flatnonzero(~is_near)[:1]:

@@ -66,7 +66,7 @@ class Problem:
                 )
 
     def _cell(self, cell: int) -> tuple[int, int]:
-        return divmod(cell, self.graph.layout.width)
+        return self.graph.layout.cell(cell)
 
 
 @dataclass(frozen=True, eq=False)

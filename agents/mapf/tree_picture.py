@@ -114,7 +114,7 @@ def words_of(tree: ConflictTree, what: Constraint | Conflict | None) -> str:
     """Return a constraint or a conflict in words; robots and steps are numbers, cells places."""
 
     def place(cell: int | None) -> Cell:
-        return divmod(cell or 0, tree.problem.graph.layout.width)
+        return tree.problem.graph.layout.cell(cell or 0)
 
     if what is None:
         return ""
@@ -169,7 +169,7 @@ def _draw_floor(axes: Axes, tree: ConflictTree, cell_points: float) -> None:
                 axes.add_patch(Rectangle((col, row), 1, 1, color=COLORS[WALL]))
     for robot, ends in enumerate(zip(problem.starts, problem.goals, strict=True)):
         for cell, shape, share, at in zip(ends, "os", (0.56, 0.36), (0.64, 0.22), strict=True):
-            row, col = divmod(cell, layout.width)
+            row, col = layout.cell(cell)
             (x, y), size = (col + at, row + at), share * cell_points
             color, ink = (COLORS[ROBOT_EMPTY], PAPER) if shape == "o" else (COLORS[DROPOFF], INK)
             axes.plot(x, y, shape, markersize=size, color=color, markeredgecolor=INK, zorder=3)

@@ -56,8 +56,7 @@ class SearchCourse:
             cells += [expanded, *reached]  # type: ignore[list-item] # a state is a cell here
             marks += [number, *[WAITS] * len(reached)]
             ends.append(len(cells))
-        rows, columns = np.array(cells).T
-        self._cells = rows * layout.width + columns
+        self._cells = layout.numbers(cells)
         self._marks = np.array(marks, dtype=np.int32)
         self._ends = ends
 

@@ -135,7 +135,7 @@ def _walk_side_by_side(
             layout = layouts[floor]
             cells = stream.sample(layout.open_cells.tolist(), robots)
             batch.place(np.arange(floor * robots, (floor + 1) * robots), np.array(cells))
-            singles[floor].reset(layout, [divmod(cell, layout.width) for cell in cells], 0)
+            singles[floor].reset(layout, layout.cells(cells), 0)
         actions = [stream.randrange(len(ACTIONS)) for _ in range(len(layouts) * robots)]
         loaded = [stream.random() < 0.5 for _ in actions]
         outcome = batch.advance(np.array(actions), np.array(loaded))
@@ -157,7 +157,7 @@ def _expect_equal(
     outcome: BatchOutcome, row: int, layout: Layout, expected: Outcome, where: str
 ) -> None:
     """Expect in a row of a batch what a single motion returned."""
-    end = divmod(int(outcome.cells[row]), layout.width)
+    end = layout.cell(outcome.cells[row])
     expect(
         end == expected.cell and bool(outcome.blocked[row]) == expected.blocked,
         f"{where}: it ended in {end}, blocked {outcome.blocked[row]}; "

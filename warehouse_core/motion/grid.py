@@ -281,7 +281,7 @@ class GridFleetBatch(GridBatch):
         if NOT_MOVED in starts:
             raise RuntimeError(f"outcomes() needs an advance() after the place() of floor {floor}")
         layout = self._layouts.kinds[self._layouts.kind[floor]]
-        self._motion.reset(layout, [divmod(cell, layout.width) for cell in starts], None)
+        self._motion.reset(layout, layout.cells(starts), None)
         headings = [DISPLACEMENTS[heading] for heading in self._headings[rows].tolist()]
         self._motion._headings = headings
         moves = [way if moves else STAY for way, moves in zip(headings, moving, strict=True)]
@@ -291,7 +291,7 @@ class GridFleetBatch(GridBatch):
 def _next_cells(layout: Layout) -> Integers:
     """Return the cell after each action in each cell, ``[N * actions]``."""
     sides = sides_table([layout])
-    steps = np.array([row * layout.width + col for row, col in DISPLACEMENTS])
+    steps = layout.numbers(DISPLACEMENTS)
     cells = np.repeat(np.arange(len(sides))[:, None], len(DISPLACEMENTS), axis=1)
     cells[:, :WAIT] += sides * steps[:WAIT]
     return cells.ravel().astype(np.int32)  # int32 is faster to read than intp

@@ -56,8 +56,7 @@ class MotionBatch:
             )
         layouts = [self._layouts[floor] for floor in floors]
         starts = [
-            [divmod(cell, layout.width) for cell in each]
-            for layout, each in zip(layouts, self._by_floor(cells).tolist(), strict=True)
+            layout.cells(each) for layout, each in zip(layouts, self._by_floor(cells), strict=True)
         ]
         for layout, each in zip(layouts, starts, strict=True):
             check_starts(layout, each)

@@ -10,6 +10,7 @@ import numpy as np
 
 from warehouse_core.errors import OrderError
 from warehouse_core.orders.order import OPEN, Order, OrderArrays
+from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Integers
 
 NONE = -1
@@ -27,7 +28,7 @@ class OrderBook:
     Args:
         orders: orders of the episode, or the first of a queue.
         robots: ``R``.
-        width: columns of the layout.
+        layout: layout in which cells have their numbers.
         more: function that returns the next orders of a queue, which keeps as many as ``orders``
             released and not delivered; ``None`` without a queue.
 
@@ -44,10 +45,10 @@ class OrderBook:
         self,
         orders: OrderArrays,
         robots: int,
-        width: int,
+        layout: Layout,
         more: Callable[[], OrderArrays] | None = None,
     ) -> None:
-        self.orders, self._width = orders, width
+        self.orders, self._layout = orders, layout
         self._more, self._queue = more, len(orders.released)
         self.order_of = np.full(robots, NONE)
         self.taken_by, self.taken, self.delivered = np.full((3, len(orders.released)), NONE)
@@ -159,10 +160,10 @@ class OrderBook:
             robots: ``[N]`` numbers of the robots.
             cells: ``[N]`` their cells.
         """
-        rows, cols = np.divmod(cells, self._width)
+        rows, cols = self._layout.places(cells).T
         free = np.ones(len(robots), np.bool_)
         for order in self.open_orders[: len(robots)]:
-            row, col = divmod(int(self.orders.pickup[order]), self._width)
+            row, col = self._layout.cell(self.orders.pickup[order])
             distance = np.where(free, abs(rows - row) + abs(cols - col), np.iinfo(np.intp).max)
             nearest = int(np.argmin(distance))
             free[nearest] = False
@@ -176,8 +177,8 @@ class OrderBook:
         columns = *self.orders, self.taken_by, self.taken, self.delivered
         released, due, pickup, dropoff, *rest = (int(column[order]) for column in columns)
         robot, taken_by, taken, delivered = (None if each == NONE else each for each in rest)
-        cells = divmod(pickup, self._width), divmod(dropoff, self._width)
-        return Order(released, due, *cells, robot, taken_by, taken, delivered)
+        ends = self._layout.cell(pickup), self._layout.cell(dropoff)
+        return Order(released, due, *ends, robot, taken_by, taken, delivered)
 
     def _grow(self, orders: OrderArrays) -> None:
         """Add orders that are not released yet."""

@@ -147,7 +147,7 @@ class _Stations:
     ) -> None:
         if not cells:
             raise LayoutError(f"the layout has no {kind}; orders are drawn from its stations")
-        self._cells = np.array([row * layout.width + col for row, col in cells])
+        self._cells = layout.numbers(cells)
         for each in weights:
             if each is not None and len(each) != len(cells):
                 raise OrderError(
@@ -189,7 +189,7 @@ def _row(name: str, order: Order, layout: Layout, robots: int) -> tuple[int, int
 
 
 def _station(name: str, place: Cell, layout: Layout) -> int:
-    """Return a cell that can be a station as ``row * W + col``."""
+    """Return a cell that can be a station as its number."""
     row, col = cell = as_cell(name, place)
     try:
         check_open(layout, cell, name)
@@ -197,4 +197,4 @@ def _station(name: str, place: Cell, layout: Layout) -> int:
         raise OrderError(str(error)) from error
     if layout.rows[row][col] == CHARGER:
         raise OrderError(f"{name} {layout.describe(cell)}; a charger cannot be a station")
-    return row * layout.width + col
+    return layout.number(cell)

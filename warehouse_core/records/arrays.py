@@ -233,10 +233,9 @@ def _unpack_fleet(arrays: Arrays, header: Fields, fields: Fields) -> None:
     fields |= conditions_in(header)
     _check_open("slippery", fields["slippery"], layout)
     for name in ("cells", "people"):
-        places = np.unique(arrays[name]).tolist()
-        _check_open(name, [divmod(place, layout.width) for place in places], layout)
+        _check_open(name, layout.cells(np.unique(arrays[name])), layout)
     bodies = np.hstack([arrays["cells"], arrays["people"]])[1:].ravel()
-    _check_ends(arrays, np.stack(np.divmod(bodies, layout.width), axis=1))
+    _check_ends(arrays, layout.places(bodies))
     _check_numbers(arrays, settings)
     _check_orders(arrays["orders"], layout, settings.robots, len(arrays["actions"]))
     for name in FLEET_COLUMNS.keys() - MOTION_COLUMNS.keys() - {"header", "layout"}:

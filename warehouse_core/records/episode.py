@@ -222,7 +222,7 @@ class Episode:
             return {}
         cells, battery, rewards = self.cells, self.battery, self.rewards
         if self.is_fleet:
-            cells = [divmod(cell, self.layout.width) for cell in cells[:, 0].tolist()]
+            cells = self.layout.cells(cells[:, 0])
             battery, rewards = battery[:, 0].tolist(), [0.0, *rewards[:, 0].tolist()]
         metrics = {"rewards": list(rewards), "battery": [float(units) for units in battery]}
         if not (self.is_fleet and self.settings.orders):
@@ -277,10 +277,10 @@ class Episode:
                 yield iter([(cell, loads[loaded])])
             return
         people = [PERSON] * self.people.shape[1]
-        bodies = np.hstack([self.cells, self.people]).tolist()
+        bodies = np.hstack([self.cells, self.people])
         for cells, loaded in zip(bodies, self.loaded.tolist(), strict=True):
-            places = [divmod(cell, self.layout.width) for cell in cells]
-            yield zip(places, [*(loads[each] for each in loaded), *people], strict=True)
+            tiles = [*(loads[each] for each in loaded), *people]
+            yield zip(self.layout.cells(cells), tiles, strict=True)
 
 
 def _distances(cells: Sequence[Cell], stations: Sequence[Cell]) -> list[float]:

@@ -144,14 +144,10 @@ def draw_episode(
     if drawn.stations:
         cells = station_cells(layout)
         pickup, dropoff, start = draw_ranks(uniforms, len(cells)).tolist()
-        layout = layout.with_stations(*(_cell(layout, cells[rank]) for rank in (pickup, dropoff)))
+        layout = layout.with_stations(*layout.cells(cells[[pickup, dropoff]]))
     elif drawn.start:
         cells = empty_cells(layout)
         start = int(draw_start_ranks(uniforms, len(cells)))
     if not drawn.start or start == NO_RANK:
         return layout, None
-    return layout, _cell(layout, cells[start])
-
-
-def _cell(layout: Layout, number: np.intp) -> Cell:
-    return divmod(int(number), layout.width)
+    return layout, layout.cell(cells[start])

@@ -45,8 +45,7 @@ def _nearest(layout: Layout, cells: Collection[Cell]) -> tuple[Distances, NDArra
         count = len(layout.open_cells)
         targets, ends = _neighbours(layout)
         graph = csr_array((np.ones(len(targets), np.int8), targets, ends), shape=(count, count))
-        flat = [row * layout.width + col for row, col in cells]
-        sources = np.searchsorted(layout.open_cells, flat)
+        sources = layout.ranks(cells)
         lengths, _, source = dijkstra(
             graph, indices=sources, unweighted=True, min_only=True, return_predecessors=True
         )

@@ -173,11 +173,17 @@ class Layout:
 
     def numbers(self, cells: Iterable[Cell]) -> NDArray[np.intp]:
         """Return the numbers of cells as a new array."""
-        return np.array([self.number(cell) for cell in cells], np.intp)
+        width = self.width
+        return np.array([row * width + col for row, col in cells], np.intp)
 
-    def cells(self, numbers: NDArray[np.integer]) -> list[Cell]:
-        """Return the cells with the numbers in an array ``[N]``."""
-        return [divmod(number, self.width) for number in numbers.tolist()]
+    def cells(self, numbers: Sequence[int] | NDArray[np.integer]) -> list[Cell]:
+        """Return the cells with these numbers."""
+        width = self.width
+        return [divmod(number, width) for number in np.asarray(numbers).tolist()]
+
+    def places(self, numbers: NDArray[np.integer]) -> NDArray[np.intp]:
+        """Return row and column of the cells with the numbers ``[...]``, ``[..., 2]``."""
+        return np.stack(np.divmod(numbers, self.width), axis=-1)
 
     def usual_start(self) -> Cell:
         """Return the chapter's start if it is open, otherwise the first open cell.
@@ -193,8 +199,8 @@ class Layout:
 
     def ranks(self, cells: Iterable[Cell]) -> list[int]:
         """Return the indices of open cells among the open cells."""
-        ranks: list[int] = np.searchsorted(self.open_cells, self.numbers(cells)).tolist()
-        return ranks
+        numbers = self.numbers(cells)
+        return np.searchsorted(self.open_cells, numbers).tolist() if len(numbers) else []
 
     def describe(self, cell: Cell) -> str:
         """Describe what is at ``cell``, on or off the grid, for an error message."""

@@ -196,8 +196,8 @@ def _cell(field: str, line: int, column: int, layout: Layout) -> Cell:
     """Return the cell of a location, the field of a line that starts at a column."""
     column += len(field) - len(field.lstrip())
     location = whole_number_at(field.strip(), "location", 0, line, column)
-    row, col = cell = divmod(location, layout.width)
+    cell = layout.cell(location)
     if not layout.is_open(cell):
         message = f"location {location}, {layout.describe(cell)}; it must be an open cell"
         raise error_at(line, column, message)
-    return row, col
+    return cell

@@ -136,8 +136,9 @@ class RigidBodyBatch:
 
     def _start(self, row: int, cell: int) -> tuple[float, float]:
         """Return the position of the middle of a cell in metres."""
-        place = divmod(cell, self._layouts[row].width)
-        check_open(self._layouts[row], place, f"the robot of row {row}:")
+        layout = self._layouts[row]
+        place = layout.cell(cell)
+        check_open(layout, place, f"the robot of row {row}:")
         return centre_of(place, self.spec.cell_size)
 
     def _checked_rows(self, rows: Integers) -> Integers:

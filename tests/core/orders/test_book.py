@@ -14,7 +14,7 @@ AT_A, AT_B, AT_C = 0, 3, 17
 
 def book_of(*orders: Order, robots: int = 3, step: int = 0) -> OrderBook:
     source = ListedOrders(orders, HALL, robots)
-    book = OrderBook(source.draw(np.random.default_rng(0)), robots, HALL.width)
+    book = OrderBook(source.draw(np.random.default_rng(0)), robots, HALL)
     book.release(step)
     return book
 
@@ -151,7 +151,7 @@ def test_a_queue_keeps_as_many_orders_as_it_began_with() -> None:
         source = ListedOrders([order(due=next(draws)), order(B, due=next(draws))], HALL, 1)
         return source.draw(np.random.default_rng(0))
 
-    book = OrderBook(more(), 1, HALL.width, more)
+    book = OrderBook(more(), 1, HALL, more)
     for step in range(6):
         book.release(step)
         assert len(book.open_orders) == 2

@@ -134,6 +134,6 @@ def _check_windows(robots: int, side: int) -> None:
 def _nearest_chargers(layout: Layout) -> NDArray[np.int32]:
     """Return row and column of the nearest charger of every cell, ``[H * W, 2]``."""
     cells = nearest(layout, layout.chargers).ravel()
-    places = np.stack(np.divmod(cells, layout.width), axis=-1).astype(np.int32)
+    places = layout.places(cells).astype(np.int32)
     places[cells < 0] = NOWHERE
     return places

@@ -126,7 +126,7 @@ class OrderBooks:
         source = self._sources[kind]
         more = partial(source.draw, stream) if isinstance(source, QueuedOrders) else None
         orders = source.draw(stream)
-        return OrderBook(orders, self._robots, self._layouts.kinds[kind].width, more)
+        return OrderBook(orders, self._robots, self._layouts.kinds[kind], more)
 
     def _update(self, floor: int) -> None:
         """Bring stations and arrays up to date with what has changed in a book."""

@@ -33,7 +33,7 @@ def held_up_cells(episode: FleetEpisode) -> Counts:
     the cell that it had left in the step before.
     """
     layout, cells = episode.layout, episode.cells
-    chargers = [row * layout.width + col for row, col in layout.chargers]
+    chargers = layout.numbers(layout.chargers)
     held_up = (episode.actions == WAIT) & ~np.isin(cells[:-1], chargers)
     held_up |= episode.stopped_by != NOTHING
     held_up[1:] |= (cells[2:] == cells[:-2]) & (cells[1:-1] != cells[2:])

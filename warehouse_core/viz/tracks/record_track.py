@@ -127,12 +127,12 @@ def _fleet_frames(
     """Yield the frames of a fleet, one a step or one every ``frame_seconds``."""
     orders, bodies = _Orders(episode), np.hstack([episode.cells, episode.people])
     loaded = np.hstack([episode.loaded, np.zeros_like(episode.people, np.bool_)]).tolist()
-    rows, width, size = episode.layout.rows, episode.layout.width, episode.cell_size
+    layout, rows, size = episode.layout, episode.layout.rows, episode.cell_size
     headings = _headings(episode)
 
     @cache
     def pose_of(cell: int, heading: float | None, is_loaded: bool) -> Pose:
-        return Pose(middle(divmod(cell, width)), heading, is_loaded)
+        return Pose(middle(layout.cell(cell)), heading, is_loaded)
 
     last = Frame(rows, (), 0.0)
     for step in range(episode.steps + 1):
@@ -172,7 +172,7 @@ def _hits(episode: Episode, step: int) -> tuple[Hit, ...]:
     """Return where robots were blocked in a step: half way to the cell that they did not reach."""
     hits = []
     for robot in np.flatnonzero(episode.stopped_by[step] != NOTHING).tolist():
-        row, col = divmod(int(episode.cells[step, robot]), episode.layout.width)
+        row, col = episode.layout.cell(episode.cells[step, robot])
         action = int(episode.actions[step, robot])
         down, right = DISPLACEMENTS[action] if action < WAIT else (0, 0)
         hits.append(Hit((col + 0.5 + right / 2, row + 0.5 + down / 2), "", robot))

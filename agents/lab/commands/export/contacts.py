@@ -39,7 +39,7 @@ def _nominal(record: FleetEpisode, step: int) -> Iterator[tuple[int, Contact]]:
     for robot in np.flatnonzero(record.stopped_by[step] != NOTHING).tolist():
         by = int(record.stopped_by[step, robot])
         down, right = DISPLACEMENTS[int(record.actions[step, robot])]
-        x, y = centre_of(divmod(int(record.cells[step, robot]), record.layout.width), size)
+        x, y = centre_of(record.layout.cell(record.cells[step, robot]), size)
         yield (
             robot,
             Contact(

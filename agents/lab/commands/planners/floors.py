@@ -59,7 +59,7 @@ def find_floor(name: str | None) -> Floor:
     """
     if name is None or name == KIVA:
         layout, starts, goals = kiva_warehouse()
-        places = [divmod(goal, layout.width) for goal in goals.tolist()]
+        places = layout.cells(goals)
         return Floor(layout.with_tiles(places, [], []), starts, goals)
     layout = find_layout(name).with_tiles([], [], [])
     labels = parts(Graph(layout))[layout.open_cells]
@@ -119,7 +119,7 @@ def scenario_problem(path: Path, layout_file: str | None, robots: int | None) ->
         layout = find_layout(layout_file)
     check_scenarios(layout, chosen)
     cells = [
-        [row * layout.width + col for row, col in ends]
+        layout.numbers(ends).tolist()
         for ends in zip(*((each.start, each.goal) for each in chosen), strict=True)
     ]
     return Problem(Graph(layout), *cells)

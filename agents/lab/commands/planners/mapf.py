@@ -339,16 +339,16 @@ def run_league(
     count = len(league.starts) if robots is None else robots
     if count > len(league.starts):
         raise PlanError(f"{title} has {counted(len(league.starts), 'robot')}; not {count}")
-    cells = np.array([row * layout.width + col for row, col in league.starts[:count]])
-    tasks = [[row * layout.width + col for row, col in task] for task in league.tasks]
+    cells = layout.numbers(league.starts[:count])
+    tasks = [layout.numbers(task).tolist() for task in league.tasks]
     part = parts(graph)
     for what, places in (("robot", [[cell] for cell in cells.tolist()]), ("task", tasks)):
         for number, each in enumerate(places):
             for cell in each:
                 if part[cell] != part[cells[0]]:
                     raise PlanError(
-                        f"{title}: {what} {number} has {divmod(cell, layout.width)}, to which no "
-                        f"way leads from robot 0 in {divmod(int(cells[0]), layout.width)}"
+                        f"{title}: {what} {number} has {layout.cell(cell)}, to which no "
+                        f"way leads from robot 0 in {layout.cell(cells[0])}"
                     )
     revealed = max(1, round(league.revealed * count / len(league.starts)))
 

@@ -90,7 +90,7 @@ def write_result(
     Raises:
         OSError: the file cannot be written.
     """
-    width, robots = graph.layout.width, cells.shape[1]
+    robots = cells.shape[1]
     moves = (graph.neighbours[cells[:-1]] == cells[1:, :, None]).argmax(axis=2)
     paths = [",".join(MOVES[column]) for column in moves.T]
     schedule = [",".join(f"{step}:{task}" for step, task in each) for each in record.given]
@@ -99,7 +99,7 @@ def write_result(
         "version": "2024 LoRR",
         "AllValid": "Yes",
         "teamSize": robots,
-        "start": [[*divmod(cell, width), "N/A"] for cell in cells[0].tolist()],
+        "start": [[*cell, "N/A"] for cell in graph.layout.cells(cells[0])],
         "numTaskFinished": record.finished,
         "sumOfCost": sum_of_costs,
         "makespan": len(cells) - 1,
@@ -115,7 +115,7 @@ def write_result(
         "scheduleErrors": [],
         "events": [list(errand) for errand in record.errands],
         "tasks": [
-            [number, step, [part for cell in places for part in divmod(cell, width)]]
+            [number, step, graph.layout.places(np.array(places)).ravel().tolist()]
             for number, (step, places) in enumerate(record.tasks)
         ],
     }
