@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from warehouse_core import Layout, LayoutError
-from warehouse_core.motion.vector import Batchable, BatchOutcome
+from warehouse_core.motion.batch import Batchable, BatchOutcome
 from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec, stepping
 from warehouse_physics.arena import WALL, Hit
 from warehouse_physics.batch import rigid_body_batch
