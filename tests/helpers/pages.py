@@ -3,7 +3,7 @@
 from typing import Any
 
 from agents.lab.experiments.case import make_case
-from agents.lab.experiments.parameters import shown
+from agents.lab.parameters import shown
 from agents.lab.reports.analysis.answers import Answer
 from agents.lab.reports.examples import Example, Found
 from agents.lab.reports.figures.pictures import Picture

@@ -76,27 +76,27 @@ MAY_IMPORT = {
     ),
     "agents/errors": "",
     "agents/handbook": "",
-    "agents/lab": "",
     "agents/search": "",
     "agents/warehouse_agent_greedy": "",
     "agents/learning": "errors warehouse_agent_greedy",
     "agents/mapf": "errors",
     "agents/fleet": "errors mapf",
+    "agents/lab": "errors fleet mapf",
     "agents/lab/runs": "errors fleet",
     "agents/registry": "errors fleet learning mapf search warehouse_agent_greedy",
-    "agents/lab/console": "errors lab/runs",
+    "agents/lab/console": "errors lab lab/runs",
     "agents/lab/trials": "errors lab/console lab/runs learning",
-    "agents/lab/commands/fleet": "errors fleet lab/console lab/runs lab/trials mapf registry",
+    "agents/lab/commands/fleet": "errors fleet lab lab/console lab/runs lab/trials registry",
     "agents/lab/commands/planners": "errors lab/console lab/trials mapf registry",
-    "agents/lab/experiments": "errors fleet lab/console lab/runs lab/trials mapf registry",
-    "agents/lab/grading": "errors lab/console lab/runs lab/trials registry warehouse_agent_greedy",
+    "agents/lab/experiments": "errors fleet lab lab/console lab/runs lab/trials registry",
+    "agents/lab/grading": "errors lab lab/runs lab/trials registry warehouse_agent_greedy",
     "agents/lab/training": "lab/trials learning",
     "agents/lab/commands/export": "errors lab/console lab/experiments lab/trials",
-    "agents/lab/reports/analysis": "lab/experiments lab/trials",
-    "agents/lab/reports/figures": "errors lab/experiments lab/reports/analysis lab/trials",
+    "agents/lab/reports/analysis": "lab lab/experiments lab/trials",
+    "agents/lab/reports/figures": "errors lab lab/experiments lab/reports/analysis lab/trials",
     "agents/lab/reports": (
-        "errors lab/console lab/experiments lab/reports/analysis lab/reports/figures lab/trials "
-        "registry"
+        "errors lab lab/console lab/experiments lab/reports/analysis lab/reports/figures "
+        "lab/trials registry"
     ),
     "agents/lab/commands/gap": (
         "errors fleet lab/commands/fleet lab/commands/planners lab/console lab/reports lab/runs "
@@ -104,9 +104,9 @@ MAY_IMPORT = {
     ),
     "agents/lab/commands/grade": "errors lab/console lab/grading lab/reports lab/trials",
     "agents/lab/commands": (
-        "errors fleet lab/commands/export lab/commands/fleet lab/commands/gap lab/commands/grade "
-        "lab/commands/planners lab/console lab/experiments lab/reports lab/runs lab/training "
-        "lab/trials learning mapf registry search warehouse_agent_greedy"
+        "errors fleet lab lab/commands/export lab/commands/fleet lab/commands/gap "
+        "lab/commands/grade lab/commands/planners lab/console lab/experiments lab/reports "
+        "lab/runs lab/training lab/trials learning mapf registry search warehouse_agent_greedy"
     ),
     "agents/__main__": "lab/commands",
     "agents/run_episode": "lab/commands lab/console",

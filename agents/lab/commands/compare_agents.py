@@ -27,10 +27,10 @@ from agents.lab.console.options import (
     load_place,
 )
 from agents.lab.console.output import PICTURES, save_picture
-from agents.lab.console.place import Stations, what_to_draw
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import say
 from agents.lab.console.watch import slow_steps_told
+from agents.lab.place import Stations, what_to_draw
 from agents.lab.trials.scores import EXPLANATION, MEASURES, Measure, Scores
 from agents.lab.trials.task import Task
 from agents.lab.trials.wording import mean, share

@@ -18,8 +18,8 @@ from agents.lab.console.options import (
     load_place,
 )
 from agents.lab.console.output import replay_or_save, unused
-from agents.lab.console.place import Place
 from agents.lab.console.terminal import say
+from agents.lab.place import Place
 from agents.lab.runs.run import draw_seed
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.errors import NoDisplayError

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from agents.lab.console.options import LAYOUT_HELP
-from agents.lab.console.place import RANDOM
+from agents.lab.place import RANDOM
 from agents.lab.trials.random_layouts import MAX_POOL, RandomLayouts
 
 DEFAULTS = RandomLayouts()

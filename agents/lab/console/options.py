@@ -8,7 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
-from agents.lab.console.place import (
+from agents.lab.parameters import MAX_VALUE, PARAMETERS, Whole
+from agents.lab.place import (
     Place,
     Stations,
     check_stations,
@@ -20,13 +21,23 @@ from warehouse_core.files.atomic import check_suffix, check_target
 from warehouse_core.world.layout import check_open
 from warehouse_core.world.named_layouts import NAMES, find_layout
 
-MAX_COUNT = 1_000_000_000
-"""The largest battery and number of steps; records keep them as 64-bit numbers."""
-
-MAX_VIEW_RADIUS = 100
-"""A window of this radius has 40,401 cells, which are read at every step."""
+MAX_COUNT = MAX_VALUE
 
 RECORD_SUFFIX = ".npz"
+
+
+def number_option(name: str, *flags: str) -> Any:
+    """Return the option of a parameter that is a whole number, with its range and its help.
+
+    Args:
+        name: name of the parameter.
+        flags: short names of the option.
+    """
+    parameter = PARAMETERS[name]
+    assert isinstance(parameter.check, Whole), "the option of a whole number"
+    least, most = parameter.check.minimum, parameter.check.maximum
+    flag = f"--{name.replace('_', '-')}"
+    return typer.Option(flag, *flags, metavar="N", min=least, max=most, help=parameter.help)
 
 
 def save_option(help_text: str, *suffixes: str, pictures: bool = False) -> Any:
@@ -72,12 +83,7 @@ AgentOption = Annotated[
     ),
 ]
 
-MemoryOption = Annotated[
-    int | None,
-    typer.Option(
-        "--memory", metavar="N", min=0, help="Positions that the greedy agent remembers: 10."
-    ),
-]
+MemoryOption = Annotated[int | None, number_option("memory")]
 
 EscapeOption = Annotated[
     bool | None,
@@ -110,28 +116,11 @@ SeedOption = Annotated[
     int | None, typer.Option("--seed", metavar="N", help="Random seed. Default: a random one.")
 ]
 
-BatteryOption = Annotated[
-    int,
-    typer.Option("--battery", metavar="N", min=1, max=MAX_COUNT, help="Units of a full battery."),
-]
+BatteryOption = Annotated[int, number_option("battery")]
 
-MaxStepsOption = Annotated[
-    int,
-    typer.Option(
-        "--max-steps", metavar="N", min=1, max=MAX_COUNT, help="Maximum steps of an episode."
-    ),
-]
+MaxStepsOption = Annotated[int, number_option("max_steps")]
 
-ViewRadiusOption = Annotated[
-    int,
-    typer.Option(
-        "--view-radius",
-        metavar="N",
-        min=0,
-        max=MAX_VIEW_RADIUS,
-        help=f"Cells seen in each direction, up to {MAX_VIEW_RADIUS}.",
-    ),
-]
+ViewRadiusOption = Annotated[int, number_option("view_radius")]
 
 BackendOption = Annotated[
     str,

@@ -17,25 +17,25 @@ from functools import lru_cache
 from typing import Any
 
 from agents.fleet.planned import DEFAULT_ASSIGNMENT
-from agents.lab.console.place import (
-    RANDOM,
-    Stations,
-    check_stations,
-    usual_stations,
-    what_to_draw,
-)
-from agents.lab.experiments.parameters import (
+from agents.lab.parameters import (
     FLEET,
     NO_PLANNER,
     PARAMETERS,
     PHYSICAL,
     PLANNER,
+    Number,
     Value,
     checked,
     find,
-    number,
     shown,
     text,
+)
+from agents.lab.place import (
+    RANDOM,
+    Stations,
+    check_stations,
+    usual_stations,
+    what_to_draw,
 )
 from agents.lab.runs.programs import fingerprint
 from agents.lab.trials.rows import AnyRow, FleetRow, Row
@@ -146,7 +146,7 @@ def read_case(written: str) -> Case:
     if not is_fleet(case):
         case = IMPLIED | case
     for name, value in case.items():
-        checked(name, value, number() if PHYSICAL_NAME.fullmatch(name) else CHECKS.get(name))
+        checked(name, value, Number() if PHYSICAL_NAME.fullmatch(name) else CHECKS.get(name))
     needed = [name for name, each in PARAMETERS.items() if each.applies(case)]
     needed += [] if case.get("layout") == RANDOM else [TILES]
     if missing := [name for name in needed if name not in case]:

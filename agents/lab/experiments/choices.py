@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from agents.errors import ParameterError
-from agents.lab.experiments.parameters import PHYSICAL, find
+from agents.lab.parameters import PHYSICAL, find
 
 MAX_BYTES = 100_000
 """Limit on a plan file. The time to parse TOML grows with the square of a key's depth, so that is

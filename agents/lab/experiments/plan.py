@@ -10,7 +10,7 @@ from typing import Any
 
 from agents.errors import ParameterError
 from agents.lab.experiments.case import Case, key_of, make_case
-from agents.lab.experiments.parameters import MAX_VALUE, Value, checked, find
+from agents.lab.parameters import MAX_VALUE, Value, checked, find
 
 MAX_CASES = 10_000
 MAX_EPISODES = 100_000_000

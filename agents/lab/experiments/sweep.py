@@ -18,17 +18,14 @@ from agents.errors import EpisodeError, ParameterError
 from agents.lab.console.terminal import print_error, say
 from agents.lab.experiments.choices import PlanFile, parse_flags, read_plan_file
 from agents.lab.experiments.cluster import cluster
-from agents.lab.experiments.parameters import MAX_VALUE, MAX_VIEW_RADIUS
 from agents.lab.experiments.plan import MAX_EPISODES, Plan, make_plan
 from agents.lab.experiments.running import Report, run_missing
 from agents.lab.experiments.store import Store
+from agents.lab.parameters import PARAMETERS
 from agents.lab.trials.rows import AnyRow, FleetRow
 from agents.lab.trials.workers import Check, Pool, deferred_interrupts, process_pool
-from agents.mapf.assignment import ASSIGNMENTS
-from warehouse_core.batch.fleet.settings import MAX_BODIES
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
-from warehouse_core.world.generators import MAX_DENSITY
 
 
 @contextmanager
@@ -66,30 +63,12 @@ PRESETS = {
 EPISODES = 100
 """Default number of episodes of each combination."""
 
-VALUES = {
-    "robots": f"1..{MAX_BODIES}, makes it a fleet with orders",
-    "planner": "none, or a name as in 'warehouse fleet --planner', of a fleet",
-    "assignment": f"{' or '.join(ASSIGNMENTS)}, of a planner",
-    "agent": "a name as in 'warehouse run --agent'",
-    "escape": "on or off, of agent greedy",
-    "memory": f"0..{MAX_VALUE}, of agent greedy with escape",
-    "layout": "default, random or a file",
-    "size": "HEIGHTxWIDTH from 4x4, of layout random",
-    "density": f"0..{MAX_DENSITY:g}, of layout random",
-    "stations": "drawn, or kept as a layout file has them; not of a fleet",
-    "order_rate": "orders that arrive in a step, of a fleet",
-    "due": "FEWEST:MOST steps until they are due, of a fleet",
-    "chargers": "at most those of the layout, of a fleet",
-    "people": f"0..{MAX_BODIES}, of a fleet",
-    "battery": f"1..{MAX_VALUE}",
-    "max_steps": f"1..{MAX_VALUE}",
-    "view_radius": f"0..{MAX_VIEW_RADIUS}",
-    "backend": "grid, physics, driving of a fleet, or one of your own",
-    "robot.NUMBER, disturbances.NUMBER": "a number of the backend physics, such as robot.mass",
-}
+VALUES = [
+    *(f"{name} ({each.values.format(each.check)})" for name, each in PARAMETERS.items()),
+    "robot.NUMBER, disturbances.NUMBER (a number of the backend physics, such as robot.mass)",
+]
+SETTINGS = f"Names: {'; '.join(VALUES)}."
 """Values that each parameter takes, in words."""
-
-SETTINGS = f"Names: {'; '.join(f'{name} ({values})' for name, values in VALUES.items())}."
 
 
 def sweep(

@@ -6,13 +6,11 @@ import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
-from agents.lab.console.place import RANDOM, Stations, usual_stations, what_to_draw
+from agents.lab.parameters import usual
+from agents.lab.place import RANDOM, Stations, usual_stations, what_to_draw
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, Observation, WarehouseEnv, random_layout
 from warehouse_core.records.failure_modes import fewest_steps
 from warehouse_core.world.named_layouts import DEFAULT, find_layout
-
-BUDGET, VIEW = 200, 2
-"""Usual units of battery, usual steps, and the usual radius of the view."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,14 +35,14 @@ class Case:
     name: str
     layout: str = DEFAULT
     size: tuple[int, int] = (7, 12)
-    density: float = 0.2
+    density: float = usual("density")
     first_seed: int = 1
     episodes: int = 10
     stations: Stations | None = None
     start: Cell | None = None
-    battery: int = BUDGET
-    max_steps: int = BUDGET
-    view_radius: int = VIEW
+    battery: int = usual("battery")
+    max_steps: int = usual("max_steps")
+    view_radius: int = usual("view_radius")
     visible: bool = True
 
     @property
@@ -91,8 +89,8 @@ class Case:
             words += ["--layout", _short(self.layout)]
         words += ["--stations", str(self.stations)] if self.stations else []
         words += ["--start", "{},{}".format(*self.start)] if self.start else []
-        for name, usual in (("battery", BUDGET), ("max_steps", BUDGET), ("view_radius", VIEW)):
-            if getattr(self, name) != usual:
+        for name in ("battery", "max_steps", "view_radius"):
+            if getattr(self, name) != usual(name):
                 words += [f"--{name.replace('_', '-')}", str(getattr(self, name))]
         return before + shlex.join(words)
 

@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from agents.errors import GradeError
-from agents.lab.console.place import RANDOM, Stations, check_stations
 from agents.lab.grading.cases import Case
 from agents.lab.grading.criteria import MEASURES, Criterion
 from agents.lab.grading.sandbox import Limits
+from agents.lab.parameters import PARAMETERS, Number, Whole, flag, one_of
+from agents.lab.place import RANDOM, Stations, check_stations
 from warehouse_core import LayoutError
 from warehouse_core.wording import brief
-from warehouse_core.world.generators import MAX_DENSITY
 
 MINI_LAB = Path(__file__).parent / "mini_lab.toml"
 
@@ -61,50 +61,10 @@ class Rubric:
         return [case for name, case in self.cases.items() if name in used]
 
 
-def whole(minimum: int, maximum: int) -> Check:
-    """Return a check of whole numbers."""
-
-    def check(value: Any) -> int:
-        if type(value) is not int or not minimum <= value <= maximum:
-            raise ValueError(f"a whole number {minimum}..{maximum}")
-        return value
-
-    return check
-
-
-def number(minimum: float, maximum: float) -> Check:
-    """Return a check of numbers."""
-
-    def check(value: Any) -> float:
-        if type(value) not in (int, float) or not minimum <= value <= maximum:
-            raise ValueError(f"a number {minimum:g}..{maximum:g}")
-        return float(value)
-
-    return check
-
-
-def one_of(*allowed: str) -> Check:
-    """Return a check of words."""
-
-    def check(value: Any) -> str:
-        if value not in allowed:
-            raise ValueError(", ".join(allowed))
-        return str(value)
-
-    return check
-
-
 def text(value: Any) -> str:
     """Check that a value is text."""
     if not isinstance(value, str) or not value.strip():
         raise ValueError("text")
-    return value
-
-
-def flag(value: Any) -> bool:
-    """Check that a value is true or false."""
-    if not isinstance(value, bool):
-        raise ValueError("true or false")
     return value
 
 
@@ -127,25 +87,25 @@ def pair(minimum: int, example: str) -> Check:
     return check
 
 
-SECONDS = number(0.01, 3600)
+SECONDS = Number(0.01, 3600)
 
 LIMITS: dict[str, Check] = {
     "start_seconds": SECONDS, "answer_seconds": SECONDS, "episode_seconds": SECONDS,
-    "memory_mb": whole(64, MAX_COUNT), "file_mb": whole(0, MAX_COUNT),
-    "give_up_after": whole(1, MAX_EPISODES),
+    "memory_mb": Whole(64, MAX_COUNT), "file_mb": Whole(0, MAX_COUNT),
+    "give_up_after": Whole(1, MAX_EPISODES),
 }  # fmt: skip
 
 CASE: dict[str, Check] = {
-    "layout": text, "size": pair(4, "[7, 12]"), "density": number(0, MAX_DENSITY),
-    "first_seed": whole(0, MAX_SEED), "episodes": whole(1, MAX_EPISODES),
+    "layout": text, "size": pair(4, "[7, 12]"), "density": PARAMETERS["density"].check,
+    "first_seed": Whole(0, MAX_SEED), "episodes": Whole(1, MAX_EPISODES),
     "stations": lambda value: Stations(one_of(*Stations)(value)), "start": pair(0, "[1, 1]"),
-    "battery": whole(1, MAX_COUNT), "max_steps": whole(1, MAX_COUNT),
-    "view_radius": whole(0, 100), "visible": flag,
+    **{name: PARAMETERS[name].check for name in ("battery", "max_steps", "view_radius")},
+    "visible": flag,
 }  # fmt: skip
 
 CRITERION: dict[str, Check] = {
-    "name": text, "points": number(0, MAX_COUNT), "measure": one_of(*MEASURES), "cases": names,
-    "full": number(0, MAX_COUNT), "zero": number(0, MAX_COUNT), "needs": text,
+    "name": text, "points": Number(0, MAX_COUNT), "measure": one_of(*MEASURES), "cases": names,
+    "full": Number(0, MAX_COUNT), "zero": Number(0, MAX_COUNT), "needs": text,
     "visibility": one_of(*VISIBILITIES),
 }  # fmt: skip
 NEEDED = ("name", "points", "measure", "cases", "full")

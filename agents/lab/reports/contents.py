@@ -8,8 +8,8 @@ from importlib.metadata import version
 from typing import NamedTuple
 
 from agents.errors import StoreError
-from agents.lab.experiments.parameters import shown
 from agents.lab.experiments.store import Store
+from agents.lab.parameters import shown
 from agents.lab.reports.analysis.answers import Answer, answers
 from agents.lab.reports.analysis.design import Design, described, make_design
 from agents.lab.reports.analysis.results import (

@@ -16,7 +16,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from agents.lab.experiments.case import flags_of
-from agents.lab.experiments.parameters import shown
+from agents.lab.parameters import shown
 from agents.lab.reports.analysis.answers import Answer
 from agents.lab.reports.examples import Example
 from agents.lab.reports.figures.pictures import Picture

@@ -36,9 +36,6 @@ NO_EFFECT = {
 }  # fmt: skip
 """Files and folders of these packages that have no effect on an episode of an experiment."""
 
-EXCEPT = Path("lab", "console", "place.py")
-"""File in a folder of ``NO_EFFECT`` that has an effect nevertheless."""
-
 DIGITS = 10
 """Length of the digest in the name of a program."""
 
@@ -73,9 +70,7 @@ def own_sources() -> list[Path]:
     sources = {path: path.relative_to(ROOT / name) for name in OWN
                for path in (ROOT / name).rglob("*.py")}  # fmt: skip
     return sorted(
-        path
-        for path, inner in sources.items()
-        if inner == EXCEPT or not NO_EFFECT.intersection(inner.parts)
+        path for path, inner in sources.items() if not NO_EFFECT.intersection(inner.parts)
     )
 
 

@@ -30,6 +30,11 @@ def mean(interval: Interval, unit: str, also: str = "") -> str:
     return " ".join(filter(None, words))
 
 
+def above_interval(interval: Interval) -> str:
+    """Return a mean above its interval, to save width in a table."""
+    return mean(interval, "").replace(" (", "\n(")
+
+
 def percent(part: float) -> str:
     """Return a share in whole percents; ``<1%`` and ``>99%`` instead of a rounded 0% or 100%."""
     if 0 < part < 0.005:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
 from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import partial
+from itertools import product
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from queue import SimpleQueue
@@ -36,7 +37,7 @@ Pool = AbstractContextManager[tuple[Executor, int]]
 """Gives an executor, and how many calls it runs at once."""
 
 T = TypeVar("T")
-Item = TypeVar("Item")
+Group = TypeVar("Group")
 
 _parent: Connection[Any, Any] | None = None
 """Connection of a worker process to the process that has started it."""
@@ -229,15 +230,22 @@ def process_pool(count: int) -> Iterator[tuple[Executor, int]]:
         pool.close()
 
 
-def run_each(call: Callable[[Item], T], items: Sequence[Item], jobs: int, label: str) -> list[T]:
-    """Return what a call returns for each item, run in so many processes; one is this process.
+def run_trials(
+    call: Callable[[Group, int], T],
+    groups: Sequence[Group],
+    seeds: Sequence[int],
+    jobs: int | None,
+    label: str = "runs",
+) -> dict[Group, list[T]]:
+    """Return what a call returns for each group, in the order of the seeds, which all share.
 
     A progress bar is shown. The first error of a call is raised.
 
     Args:
-        call: a function at the top level of its module.
-        items: arguments of its calls.
-        jobs: processes at once.
+        call: function of a group and a seed, at the top level of its module.
+        groups: groups to compare, such as planners.
+        seeds: seeds of each group.
+        jobs: processes at once, 1 is this process; by default one for each processor.
         label: label of the bar.
 
     Raises:
@@ -245,14 +253,22 @@ def run_each(call: Callable[[Item], T], items: Sequence[Item], jobs: int, label:
     """
     from agents.lab.console.progress import progress_bar, track
 
-    if jobs == 1:
-        return [call(item) for item in track(items, label)]
-    with process_pool(jobs) as (pool, _), progress_bar(len(items), label) as advance:
-        futures = [pool.submit(call, item) for item in items]
-        for number, future in enumerate(as_completed(futures), 1):
-            future.result()
-            advance(number)
-    return [future.result() for future in futures]
+    trials = list(product(groups, seeds))
+    count = jobs or os.cpu_count() or 1
+    if count == 1:
+        results = [call(*trial) for trial in track(trials, label)]
+    else:
+        with process_pool(count) as (pool, _), progress_bar(len(trials), label) as advance:
+            futures = [pool.submit(call, *trial) for trial in trials]
+            for number, future in enumerate(as_completed(futures), 1):
+                future.result()
+                advance(number)
+        results = [future.result() for future in futures]
+    starts = range(0, len(results), len(seeds))
+    return {
+        group: results[start : start + len(seeds)]
+        for group, start in zip(groups, starts, strict=True)
+    }
 
 
 def ending_of(error: BaseException | None) -> str | None:

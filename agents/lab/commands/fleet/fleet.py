@@ -36,6 +36,7 @@ from agents.lab.console.options import (
     ShowOption,
     SpeedOption,
     ViewRadiusOption,
+    number_option,
 )
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import print_error
@@ -44,7 +45,6 @@ from agents.lab.runs.run import draw_seed, run
 from agents.registry import PLANNERS, make_fleet_agent, make_team
 from warehouse_core import Episode, FleetEnv, OrderStream, WarehouseError
 from warehouse_core.arguments import whole_number
-from warehouse_core.batch.fleet.settings import MAX_BODIES
 from warehouse_core.orders import load_orders
 from warehouse_core.orders.order import Orders
 from warehouse_core.records.recorder import FleetAgent
@@ -155,12 +155,7 @@ def fleet(
         int, typer.Option("--steps", metavar="N", min=1, max=MAX_COUNT, help="Steps of a shift.")
     ] = 1000,
     battery: FleetBatteryOption = "400steps",
-    people: Annotated[
-        int,
-        typer.Option(
-            "--people", metavar="N", min=0, max=MAX_BODIES, help="People who walk on the floor."
-        ),
-    ] = 0,
+    people: Annotated[int, number_option("people")] = 0,
     late_penalty: Annotated[
         float,
         typer.Option(

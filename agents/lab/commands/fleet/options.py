@@ -8,27 +8,18 @@ from typing import Annotated
 
 import typer
 
-from agents.fleet.planned import DEFAULT_ASSIGNMENT
-from agents.mapf.assignment import ASSIGNMENTS
+from agents.lab.console.options import number_option
+from agents.lab.parameters import PARAMETERS
 from warehouse_core.arguments import MAX_STEPS
 from warehouse_core.batch.fleet.battery import JOULES, STEPS
-from warehouse_core.batch.fleet.settings import MAX_BODIES
 from warehouse_core.fleet import Battery
 from warehouse_core.world.named_layouts import NAMES
 
-RobotsOption = Annotated[
-    int,
-    typer.Option("--robots", "-r", metavar="N", min=1, max=MAX_BODIES, help="Number of robots."),
-]
+RobotsOption = Annotated[int, number_option("robots", "-r")]
 
 AssignmentOption = Annotated[
     str | None,
-    typer.Option(
-        "--assignment",
-        metavar="NAME",
-        help=f"Which robot of a planner goes for which order: {', '.join(ASSIGNMENTS)}. "
-        f"Default: {DEFAULT_ASSIGNMENT}.",
-    ),
+    typer.Option("--assignment", metavar="NAME", help=PARAMETERS["assignment"].help),
 ]
 
 PlanSecondsOption = Annotated[

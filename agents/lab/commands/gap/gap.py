@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import csv
-import os
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -21,16 +21,16 @@ from agents.lab.commands.fleet.options import (
     parse_due,
 )
 from agents.lab.commands.gap.summary import Scores, gap_table, losses, message
-from agents.lab.commands.gap.trial import Result, Score, Setting, Trial, make_env, run_trial
+from agents.lab.commands.gap.trial import Score, Setting, make_env, run_trial
 from agents.lab.commands.gap.worlds import WORLDS, Shocks, make_world
 from agents.lab.commands.planners.compare_planners import MAX_SEEDS
 from agents.lab.console.options import JobsOption, save_option
 from agents.lab.console.table import print_table
 from agents.lab.console.terminal import print_error, say
 from agents.lab.trials.interval import MIN_VALUES
-from agents.lab.trials.workers import run_each
+from agents.lab.trials.workers import run_trials
 from agents.registry import PLANNERS, make_fleet_agent
-from warehouse_core import FleetEpisode, WarehouseError
+from warehouse_core import WarehouseError
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.orders.order import MAX_ORDERS
 from warehouse_core.wording import counted
@@ -136,16 +136,9 @@ def gap(
     )  # fmt: skip
     check(setting, seed)
     numbers, keeps = range(seed, seed + seeds), any(path.suffix == PAGE for path in save)
-    trials = [
-        Trial(setting, world, number, keeps and number == seed)
-        for number in numbers
-        for world in WORLDS
-    ]
-    results = run_each(run_trial, trials, jobs or os.cpu_count() or 1, "runs")
-    scores = {
-        world: [each.score for each in results[place :: len(WORLDS)]]
-        for place, world in enumerate(WORLDS)
-    }
+    call = partial(run_trial, setting=setting, kept=seed if keeps else None)
+    results = run_trials(call, WORLDS, numbers, jobs)
+    scores = {world: [each.score for each in runs] for world, runs in results.items()}
     title = title_of(setting, layout.stem, numbers)
     table = gap_table(scores, title)
     # Files first, because the reader of standard output may leave, as ``head`` does.
@@ -153,7 +146,9 @@ def gap(
         if path.suffix == PAGE:
             from agents.lab.commands.gap.page import write_gap_page  # imports matplotlib
 
-            write_gap_page(path, setting, scores, table, records_of(results))
+            kept = ((world, runs[0].record) for world, runs in results.items())
+            records = {world: record for world, record in kept if record is not None}
+            write_gap_page(path, setting, scores, table, records)
         else:
             write_values(path, scores, numbers)
     print_table(table)
@@ -191,12 +186,6 @@ def title_of(setting: Setting, layout: str, seeds: Sequence[int]) -> str:
         f"{robots} ({setting.planner}), {orders} at {setting.rate:g} a second, layout {layout}, "
         f"{which}"
     )
-
-
-def records_of(results: Sequence[Result]) -> dict[str, FleetEpisode]:
-    """Return the records that were kept, by their worlds."""
-    kept = [each.record for each in results if each.record is not None]
-    return dict(zip(WORLDS, kept, strict=True))
 
 
 def write_values(path: Path, scores: Scores, seeds: Sequence[int]) -> None:

@@ -12,7 +12,7 @@ from agents.lab.commands.gap.trial import Score
 from agents.lab.commands.gap.worlds import DISTURBED, DRIVING, PLAN, STOPPING, Shocks
 from agents.lab.console.table import Table
 from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
-from agents.lab.trials.wording import mean, percent
+from agents.lab.trials.wording import above_interval, percent
 from warehouse_core.wording import counted
 
 Scores = Mapping[str, Sequence[Score]]
@@ -71,7 +71,7 @@ def _cell(interval: Interval) -> str:
     """Return a mean, and its interval if it has a width, on two lines."""
     if interval.estimate.is_integer() and (interval.low == interval.high or not interval.is_known):
         return f"{interval.estimate:,.0f}"
-    return mean(interval, "").replace(" (", "\n(")
+    return above_interval(interval)
 
 
 def message(scores: Scores, shocks: Shocks) -> str:

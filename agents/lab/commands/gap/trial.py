@@ -63,15 +63,6 @@ class Setting:
         return draw_orders(self.layout, self.rate, self.count, self.due, seed)
 
 
-class Trial(NamedTuple):
-    """A run to be done; ``keeps`` whether its record is returned."""
-
-    setting: Setting
-    world: str
-    seed: int
-    keeps: bool = False
-
-
 class Score(NamedTuple):
     """The measures of a run; times are by the clock of its world.
 
@@ -105,32 +96,33 @@ class Result(NamedTuple):
     record: FleetEpisode | None
 
 
-def run_trial(trial: Trial) -> Result:
+def run_trial(world: str, seed: int, *, setting: Setting, kept: int | None = None) -> Result:
     """Run a fleet until all orders are delivered.
+
+    Args:
+        world: name of the world.
+        seed: seed of starts, orders and shocks.
+        setting: fleet, floor and orders that the worlds have in common.
+        kept: seed whose record is kept.
 
     Raises:
         EpisodeError: the planner failed.
         ValueError: the fleet cannot be made.
     """
-    setting, seed, name = trial.setting, trial.seed, trial.setting.planner
-    orders = setting.orders(seed)
-    world = make_world(trial.world, setting.shocks, setting.robots, orders[-1].released, seed)
+    name, orders = setting.planner, setting.orders(seed)
+    motion = make_world(world, setting.shocks, setting.robots, orders[-1].released, seed)
     agent = make_fleet_agent(
-        setting.planner,
-        setting.assignment,
-        seed,
-        setting.layout,
-        setting.robots,
+        name, setting.assignment, seed, setting.layout, setting.robots,
         seconds=setting.plan_seconds,
-    )
-    with closing(make_env(setting, world, orders, wants_dispatch(agent))) as env:
+    )  # fmt: skip
+    with closing(make_env(setting, motion, orders, wants_dispatch(agent))) as env:
         try:
             record = run(env, agent, seed, slow_steps_told(agent, name), name=name)
         except EpisodeError as error:
             # Without its record, which would go from process to process.
-            raise EpisodeError(f"world {trial.world}, {error}") from None
+            raise EpisodeError(f"world {world}, {error}") from None
     late_plans = len(agent.lost) if isinstance(agent, PlannedFleet) else 0
-    return Result(score_of(record, orders, late_plans), record if trial.keeps else None)
+    return Result(score_of(record, orders, late_plans), record if seed == kept else None)
 
 
 def make_env(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
+from functools import partial
+from itertools import product
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -19,8 +20,8 @@ from agents.lab.console.output import PICTURES, save_picture
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import print_error, say
 from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
-from agents.lab.trials.wording import mean
-from agents.lab.trials.workers import run_each
+from agents.lab.trials.wording import above_interval
+from agents.lab.trials.workers import run_trials
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.planner import Planner
@@ -29,17 +30,6 @@ from warehouse_core.wording import counted
 
 SIZES = "32,64,96,128,160,192"
 MAX_SEEDS = 1000
-
-
-class Trial(NamedTuple):
-    """A run to be done, see ``run_lifelong``; ``planner`` may be ``BOUND``."""
-
-    planner: str
-    robots: int
-    seed: int
-    layout: str | None
-    steps: int
-    seconds: float
 
 
 class Outcome(NamedTuple):
@@ -64,24 +54,29 @@ class Result(NamedTuple):
     lost: int
 
 
-def run_trial(trial: Trial) -> Outcome:
+def run_trial(
+    case: tuple[str, int], seed: int, *, layout: str | None, steps: int, seconds: float
+) -> Outcome:
     """Return the outcome of a run.
+
+    Args:
+        case: name of a planner, or ``BOUND``, and number of robots.
+        seed: seed of starts, goals and the planner.
+        layout: name or file of the layout, see ``find_floor``.
+        steps: steps of the run.
+        seconds: time after which a step is cut off.
 
     Raises:
         AgentError: the planner is unknown.
         PlanError: it failed, or there is no room for so many robots.
     """
-    floor = find_floor(trial.layout)
+    (name, robots), floor = case, find_floor(layout)
     graph = Graph(floor.layout)
     stepper = None
     planner: Planner = Unhindered(graph)
-    if trial.planner != BOUND:
-        planner = stepper = make_stepper(
-            trial.planner, trial.seed, floor.layout, trial.robots, trial.seconds
-        )
-    run = run_lifelong(
-        graph, planner, trial.robots, trial.steps, trial.seed, floor.starts, floor.goals
-    )
+    if name != BOUND:
+        planner = stepper = make_stepper(name, seed, floor.layout, robots, seconds)
+    run = run_lifelong(graph, planner, robots, steps, seed, floor.starts, floor.goals)
     lost = len(stepper.lost) if stepper is not None else 0
     return Outcome(run.throughput, 1000 * float(run.seconds.mean()), lost)
 
@@ -138,18 +133,10 @@ def compare_planners(
         raise PlanError(
             f"--robots has {max(sizes)}; allowed: 1 to {len(floor.starts)}, the cells to start from"
         )
-    trials = [
-        Trial(name, size, number, layout, steps, time_limit)
-        for name in (*names, BOUND)
-        for size in sizes
-        for number in range(seed, seed + seeds)
-    ]
-    outcomes = run_trials(trials, jobs or os.cpu_count() or 1)
-    found = {
-        (name, size): summary([outcomes[t] for t in trials if t[:2] == (name, size)])
-        for name in (*names, BOUND)
-        for size in sizes
-    }
+    call = partial(run_trial, layout=layout, steps=steps, seconds=time_limit)
+    cases = list(product((*names, BOUND), sizes))
+    outcomes = run_trials(call, cases, range(seed, seed + seeds), jobs)
+    results = {case: summary(each) for case, each in outcomes.items()}
     title = (
         f"Goals reached in a step: layout {layout or KIVA}, {counted(steps, 'step')}, "
         f"{counted(seeds, 'seed')} from {seed}"
@@ -159,11 +146,12 @@ def compare_planners(
         from agents.lab.commands.planners.picture import throughput_figure
 
         curves = {
-            name: {size: found[name, size].throughput for size in sizes} for name in (*names, BOUND)
+            name: {size: results[name, size].throughput for size in sizes}
+            for name in (*names, BOUND)
         }
         save_picture(throughput_figure(curves, BOUND, title), save)
-    print_table(throughput_table(names, sizes, found, title))
-    for (name, size), result in found.items():
+    print_table(throughput_table(names, sizes, results, title))
+    for (name, size), result in results.items():
         if result.lost:
             print_error(
                 f"warning: {name}, {counted(size, 'robot')}: {counted(result.lost, 'step')} took "
@@ -188,16 +176,6 @@ def parse_sizes(text: str) -> list[int]:
     return sorted(set(map(int, parts)))
 
 
-def run_trials(trials: Sequence[Trial], jobs: int) -> dict[Trial, Outcome]:
-    """Return the outcomes of runs, done in so many processes at once; one is this process.
-
-    Raises:
-        PlanError: as for ``run_trial``.
-        WorkerError: a process ended early.
-    """
-    return dict(zip(trials, run_each(run_trial, trials, jobs, "runs"), strict=True))
-
-
 def summary(outcomes: Sequence[Outcome]) -> Result:
     """Return the means of outcomes, of which there is at least one."""
     rates, times, lost = map(np.array, zip(*outcomes, strict=True))
@@ -209,16 +187,15 @@ def summary(outcomes: Sequence[Outcome]) -> Result:
 def throughput_table(
     names: Sequence[str],
     sizes: Sequence[int],
-    found: dict[tuple[str, int], Result],
+    results: dict[tuple[str, int], Result],
     title: str,
 ) -> Table:
     """Return a table with a row for each fleet size."""
     rows = []
     for size in sizes:
         cells = [
-            f"{mean(result.throughput, '').replace(' (', chr(10) + '(')}\n"
-            f"{result.milliseconds:.1f} ms a step"
-            for result in (found[name, size] for name in names)
+            f"{above_interval(result.throughput)}\n{result.milliseconds:.1f} ms a step"
+            for result in (results[name, size] for name in names)
         ]
-        rows.append((str(size), *cells, f"{found[BOUND, size].throughput.estimate:.2f}"))
+        rows.append((str(size), *cells, f"{results[BOUND, size].throughput.estimate:.2f}"))
     return Table(("robots", *names, BOUND), rows, title)

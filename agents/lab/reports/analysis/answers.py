@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from agents.lab.experiments.parameters import PARAMETERS
+from agents.lab.parameters import PARAMETERS
 from agents.lab.reports.analysis import deliveries, fleets
 from agents.lab.reports.analysis.design import Design, described
 from agents.lab.reports.analysis.question import MAX_DESCRIBED, Point, Question

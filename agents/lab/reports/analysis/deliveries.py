@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
-from agents.lab.experiments.parameters import shown
+from agents.lab.parameters import shown
 from agents.lab.reports.analysis.comparison import Comparison, Costs, compare
 from agents.lab.reports.analysis.design import described
 from agents.lab.reports.analysis.question import (

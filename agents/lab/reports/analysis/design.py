@@ -17,7 +17,7 @@ from itertools import compress
 from typing import NamedTuple
 
 from agents.lab.experiments.case import FINGERPRINT, TILES, Case
-from agents.lab.experiments.parameters import PARAMETERS, PLANNER, Value, find, shown
+from agents.lab.parameters import PARAMETERS, PLANNER, Value, find, shown
 
 Labels = dict[str, Value | None]
 """The values of a case as they are shown; ``None`` where a parameter does not apply."""

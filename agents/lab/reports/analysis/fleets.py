@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from agents.lab.experiments.parameters import FLEET, shown
+from agents.lab.parameters import FLEET, shown
 from agents.lab.reports.analysis.design import described
 from agents.lab.reports.analysis.question import (
     MAX_DESCRIBED,

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
-from agents.lab.experiments.parameters import shown
+from agents.lab.parameters import shown
 from agents.lab.reports.analysis import verdicts
 from agents.lab.reports.analysis.design import Factor, Series, described
 from agents.lab.reports.analysis.results import Experiment, Results

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.ticker import PercentFormatter
 
-from agents.lab.experiments.parameters import Value, shown
+from agents.lab.parameters import Value, shown
 from agents.lab.reports.analysis.design import Design, Factor
 from agents.lab.reports.analysis.results import Experiment, Measure, Results
 from agents.lab.reports.figures.panels import (

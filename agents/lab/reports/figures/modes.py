@@ -10,7 +10,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.patches import Patch
 from matplotlib.ticker import PercentFormatter
 
-from agents.lab.experiments.parameters import shown
+from agents.lab.parameters import shown
 from agents.lab.reports.analysis.design import Design
 from agents.lab.reports.analysis.results import Experiment, Results
 from agents.lab.reports.figures.panels import (

@@ -9,7 +9,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from agents.lab.experiments.parameters import Value, shown
+from agents.lab.parameters import Value, shown
 from agents.lab.reports.analysis.design import Factor
 from warehouse_core.render.palette import INK
 from warehouse_core.viz.axes import style_chart

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from agents.lab.experiments.case import TILES, cells_of
-from agents.lab.experiments.parameters import shown
+from agents.lab.parameters import shown
 from agents.lab.reports.analysis.design import Design, make_design
 from agents.lab.reports.analysis.results import LONE, SUCCESS, Experiment, Measure, Results
 from agents.lab.reports.figures.dark import themed_svg

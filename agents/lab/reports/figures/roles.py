@@ -6,7 +6,7 @@ import math
 from itertools import product
 from typing import NamedTuple
 
-from agents.lab.experiments.parameters import Value
+from agents.lab.parameters import Value
 from agents.lab.reports.analysis.design import Design, Factor
 from agents.lab.reports.analysis.results import Experiment, Results
 

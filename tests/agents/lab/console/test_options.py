@@ -13,7 +13,7 @@ from agents.lab.console.options import (
     load_layout,
     load_place,
 )
-from agents.lab.console.place import Place, Stations
+from agents.lab.place import Place, Stations
 from warehouse_core import DEFAULT_LAYOUT, LayoutError
 from warehouse_core.world.map_files import save_layout
 

@@ -18,9 +18,9 @@ from agents.lab.experiments.case import (
     read_case,
 )
 from agents.lab.experiments.episodes import check_fingerprint, row_of, run_one
-from agents.lab.experiments.parameters import PARAMETERS
 from agents.lab.experiments.plan import make_plan
 from agents.lab.experiments.store import Store
+from agents.lab.parameters import PARAMETERS
 from agents.lab.trials.rows import FleetRow
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, LayoutError, OrderStream

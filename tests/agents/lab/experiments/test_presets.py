@@ -7,11 +7,11 @@ from helpers.command_line import command, refusal
 from helpers.sweeps import Here, nothing
 
 from agents.lab.experiments.choices import read_plan_file
-from agents.lab.experiments.parameters import PARAMETERS
 from agents.lab.experiments.plan import make_plan
 from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
 from agents.lab.experiments.sweep import PRESETS
+from agents.lab.parameters import PARAMETERS
 
 over_presets = pytest.mark.parametrize("name", PRESETS)
 

@@ -17,8 +17,8 @@ from helpers.sweeps import Here, Sweep, check_is_usable, kill_sweeps, table, uni
 
 from agents.lab.experiments import sweep as sweep_command
 from agents.lab.experiments.case import make_case
-from agents.lab.experiments.parameters import PARAMETERS
 from agents.lab.experiments.store import Store
+from agents.lab.parameters import PARAMETERS
 from agents.lab.runs.programs import program_for
 from agents.lab.trials.rows import FleetRow
 

@@ -12,8 +12,8 @@ from jinja2 import UndefinedError
 
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.episodes import run_task
-from agents.lab.experiments.parameters import shown
 from agents.lab.experiments.store import Store
+from agents.lab.parameters import shown
 from agents.lab.reports import page as page_module
 from agents.lab.reports.analysis.answers import Answer
 from agents.lab.reports.examples import Example, find_examples, replay

@@ -50,7 +50,7 @@ def test_naming_a_program_does_not_import_pymunk() -> None:
 def test_the_sources_of_a_program_are_those_that_decide_rows() -> None:
     names = {path.relative_to(ROOT).as_posix() for path in own_sources()}
     assert names >= {
-        "agents/lab/experiments/episodes.py", "agents/lab/console/place.py", "agents/registry.py",
+        "agents/lab/experiments/episodes.py", "agents/lab/place.py", "agents/registry.py",
         "agents/search/algorithms.py", "warehouse_core/task/rules.py",
         "warehouse_core/records/failure_modes.py", "warehouse_physics/robot.py",
     }  # fmt: skip

@@ -8,7 +8,7 @@ import pytest
 
 from agents.lab.commands.gap.orders import TimedOrder, draw_orders, in_steps
 from agents.lab.commands.gap.spent_time import time_spent
-from agents.lab.commands.gap.trial import Setting, Trial, count_hits, run_trial, score_of
+from agents.lab.commands.gap.trial import Setting, count_hits, run_trial, score_of
 from agents.lab.commands.gap.worlds import (
     DISTURBED,
     DRIVING,
@@ -34,7 +34,7 @@ SETTING = Setting(
 def records() -> dict[str, FleetEpisode]:
     found = {}
     for world in WORLDS:
-        record = run_trial(Trial(SETTING, world, 3, keeps=True)).record
+        record = run_trial(world, 3, setting=SETTING, kept=3).record
         assert record is not None
         found[world] = record
     return found
@@ -97,14 +97,14 @@ def test_a_robot_that_stops_waits() -> None:
     setting = replace(SETTING, layout=LINE, robots=1, rate=1.0, count=1, shocks=Shocks(0.0, STOP))
     waits = {}
     for world in (DRIVING, DISTURBED):
-        score = run_trial(Trial(setting, world, 1)).score
+        score = run_trial(world, 1, setting=setting).score
         waits[world] = score.spent[2]
     assert waits[DRIVING] + STOP - 2 < waits[DISTURBED] < waits[DRIVING] + STOP + 2
 
 
 def test_who_waits_has_an_order() -> None:
     setting = replace(SETTING, layout=LINE, robots=1, rate=0.02, count=2)
-    record = run_trial(Trial(setting, PLAN, 1, keeps=True)).record
+    record = run_trial(PLAN, 1, setting=setting, kept=1).record
     assert record is not None
     _, _, waiting, handling, idle = time_spent(record, 1.0)
     assert (waiting, handling) == (0, 4)
@@ -134,7 +134,7 @@ def test_orders_that_are_not_delivered_are_late(records: dict[str, FleetEpisode]
 
 def test_a_robot_that_dies_is_lost_once() -> None:
     setting = replace(SETTING, shocks=Shocks(0.0, inf))
-    assert run_trial(Trial(setting, DISTURBED, 3)).score.lost == 1
+    assert run_trial(DISTURBED, 3, setting=setting).score.lost == 1
 
 
 def test_two_robots_that_touch_have_one_hit(records: dict[str, FleetEpisode]) -> None:
@@ -154,7 +154,7 @@ def test_two_robots_that_touch_have_one_hit(records: dict[str, FleetEpisode]) ->
 
 
 def test_the_same_seed_gives_the_same_score(records: dict[str, FleetEpisode]) -> None:
-    again = run_trial(Trial(SETTING, DISTURBED, 3))
+    again = run_trial(DISTURBED, 3, setting=SETTING)
     assert again.score == score_of(records[DISTURBED], SETTING.orders(3), 0)
     assert again.record is None
 

@@ -1,5 +1,7 @@
 """The command ``warehouse compare-planners``."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from helpers.command_line import command, refusal
@@ -8,21 +10,19 @@ from PIL import Image
 from agents.lab.commands.planners.compare_planners import (
     BOUND,
     Outcome,
-    Trial,
     parse_sizes,
     run_trial,
-    run_trials,
     summary,
 )
 from agents.lab.commands.planners.floors import find_floor
 from agents.lab.commands.planners.picture import throughput_figure
 from agents.lab.trials.interval import Interval
+from agents.lab.trials.workers import run_trials
 
 SMALL = ("compare-planners", "--layout", "hall", "--robots", "4,2", "--steps", 30, "--jobs", 1)
 
 
-def trial(planner: str = "pibt", robots: int = 3, seed: int = 0) -> Trial:
-    return Trial(planner, robots, seed, "hall", 30, 10.0)
+run_in_hall = partial(run_trial, layout="hall", steps=30, seconds=10.0)
 
 
 def test_planners_are_compared_by_size_beside_the_bound(
@@ -32,7 +32,7 @@ def test_planners_are_compared_by_size_beside_the_bound(
     assert (code, err) == (0, "")
     assert "30 steps, 20 seeds from 0" in " ".join(out.split())
     assert out.index("2 \u2502") < out.index("4 \u2502")
-    expected = np.mean([run_trial(trial(robots=4, seed=seed)).throughput for seed in range(20)])
+    expected = np.mean([run_in_hall(("pibt", 4), seed).throughput for seed in range(20)])
     assert f" {expected:.2f} " in out
     assert out.count(" to ") == 4
     assert "saved curve.png" in out
@@ -46,18 +46,23 @@ def test_a_picture_is_also_written_as_svg(capsys: pytest.CaptureFixture[str], tm
 
 
 def test_the_bound_is_more_than_any_planner_reaches_and_exact_for_one_robot() -> None:
-    alone = [run_trial(trial(name, 1)).throughput for name in ("pibt", BOUND)]
+    alone = [run_in_hall((name, 1), 0).throughput for name in ("pibt", BOUND)]
     assert alone[0] == alone[1] > 0
-    crowded = [run_trial(trial(name, 40)).throughput for name in ("pibt", BOUND)]
+    crowded = [run_in_hall((name, 40), 0).throughput for name in ("pibt", BOUND)]
     assert crowded[0] < crowded[1]
 
 
 def test_processes_give_the_same_as_one() -> None:
-    trials = [trial(seed=seed) for seed in range(3)]
-    alone, together = (run_trials(trials, jobs) for jobs in (1, 2))
-    assert [alone[each].throughput for each in trials] == [
-        together[each].throughput for each in trials
+    cases = [("pibt", 3), ("pibt-lanes", 2)]
+    alone, together = (run_trials(run_in_hall, cases, range(3, 6), jobs) for jobs in (1, 2))
+    throughputs = [
+        {case: [each.throughput for each in outcomes] for case, outcomes in found.items()}
+        for found in (alone, together)
     ]
+    assert throughputs[0] == throughputs[1]
+    assert throughputs[0] == {
+        case: [run_in_hall(case, seed).throughput for seed in (3, 4, 5)] for case in cases
+    }
 
 
 def test_outcomes_are_summed_up_with_an_interval() -> None:

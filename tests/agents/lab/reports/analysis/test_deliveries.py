@@ -6,8 +6,8 @@ from typing import Any
 
 from helpers.results_files import fill, outcomes, row
 
-from agents.lab.experiments.parameters import PARAMETERS
 from agents.lab.experiments.store import Store
+from agents.lab.parameters import PARAMETERS
 from agents.lab.reports.analysis.answers import Answer, answers
 from agents.lab.reports.analysis.design import make_design
 from agents.lab.reports.analysis.question import MAX_DESCRIBED

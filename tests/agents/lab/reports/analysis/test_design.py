@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 
 from agents.lab.experiments.case import make_case
-from agents.lab.experiments.parameters import shown
 from agents.lab.experiments.plan import make_plan
+from agents.lab.parameters import shown
 from agents.lab.reports.analysis.design import FOLDERS, Design, Factor, described, make_design
 
 

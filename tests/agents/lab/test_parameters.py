@@ -5,7 +5,7 @@ import math
 import pytest
 
 from agents.errors import ParameterError
-from agents.lab.experiments.parameters import (
+from agents.lab.parameters import (
     MAX_VALUE,
     MAX_VIEW_RADIUS,
     PARAMETERS,

@@ -1,8 +1,9 @@
-"""What can be varied in an experiment, and which values each parameter takes.
+"""The settings of episodes, each declared once: values, default, range and words.
 
-Files and flags are checked against ``PARAMETERS``, and reports name the differences by it. A
-parameter that has no effect on a case, such as the escape of an agent that has none, is left out of
-the case, so that the same experiment is not run twice under two names.
+Options, rubrics, plans of sweeps and files of results are checked against ``PARAMETERS``, and
+reports name the differences by it. A parameter that has no effect on a case, such as the escape of
+an agent that has none, is left out of the case, so that the same experiment is not run twice under
+two names.
 """
 
 from __future__ import annotations
@@ -10,12 +11,12 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from typing import Any, NamedTuple
 
 from agents.errors import ParameterError
 from agents.fleet.planned import DEFAULT_ASSIGNMENT
-from agents.lab.console.place import RANDOM, Stations
+from agents.lab.place import RANDOM, Stations
 from agents.mapf.assignment import ASSIGNMENTS
 from warehouse_core.batch.fleet.settings import MAX_BODIES
 from warehouse_core.motion import backends
@@ -32,6 +33,7 @@ FLEET = "robots"
 """The parameter that every case of a fleet has, and no other case."""
 
 MAX_VALUE = 1_000_000_000
+"""Largest battery and number of steps; records keep them as 64-bit numbers."""
 
 MAX_NUMBER = sys.float_info.max
 
@@ -43,25 +45,30 @@ MAX_VIEW_RADIUS = 1000
 
 
 class Parameter(NamedTuple):
-    """A quantity that can be varied.
+    """A quantity that can be varied: declared here for options, rubrics, sweeps and exports.
 
     Attributes:
-        default: the value if none is given.
-        check: returns a value as it is stored, or raises ``ValueError`` with what is allowed.
-        needs: the values of parameters before it without which it has no effect.
-        question: the question that varying it answers; the chapter asks some of them.
+        default: Value if none is given.
+        check: Function that returns a value as it is stored, or raises ``ValueError`` with what is
+            allowed.
+        values: Values that it takes, in words; ``{}`` stands for the range of the check.
+        needs: Values of parameters before it without which it has no effect.
+        question: Question that varying it answers; the chapter asks some of them.
         of_fleets: ``True`` if it has an effect only on fleets, ``False`` only on lone robots,
             ``None`` on both.
         is_planned: ``True`` if it has an effect only with a planner, ``False`` only without one,
             ``None`` with and without.
+        help: Description of its option.
     """
 
     default: Value | None
     check: Callable[[Any], Value]
+    values: str = "{}"
     needs: Mapping[str, Value] = {}
     question: str = ""
     of_fleets: bool | None = None
     is_planned: bool | None = None
+    help: str = ""
 
     def applies(self, case: Mapping[str, Any]) -> bool:
         """Return whether it has an effect, given the values of the parameters before it."""
@@ -84,27 +91,40 @@ class Parameter(NamedTuple):
         )
 
 
-def whole(minimum: int, maximum: int = MAX_VALUE) -> Callable[[Any], int]:
-    """Return a check for whole numbers from ``minimum`` to ``maximum``."""
+@dataclass(frozen=True)
+class Whole:
+    """A check for whole numbers from ``minimum`` to ``maximum``."""
 
-    def check(value: Any) -> int:
-        if type(value) is not int or not minimum <= value <= maximum:
-            raise ValueError(f"a whole number {minimum}..{maximum}")
+    minimum: int
+    maximum: int = MAX_VALUE
+
+    def __call__(self, value: Any) -> int:
+        """Return a value that is allowed."""
+        if type(value) is not int or not self.minimum <= value <= self.maximum:
+            raise ValueError(f"a whole number {self}")
         return value
 
-    return check
+    def __str__(self) -> str:
+        """The range."""
+        return f"{self.minimum}..{self.maximum}"
 
 
-def number(minimum: float = -MAX_NUMBER, maximum: float = MAX_NUMBER) -> Callable[[Any], float]:
-    """Return a check for finite numbers."""
+@dataclass(frozen=True)
+class Number:
+    """A check for finite numbers from ``minimum`` to ``maximum``."""
 
-    def check(value: Any) -> float:
-        if type(value) not in (int, float) or not minimum <= value <= maximum:
-            limits = "" if minimum == -MAX_NUMBER else f" {minimum:g}..{maximum:g}"
-            raise ValueError(f"a number{limits}")
-        return float(value) + 0.0  # -0.0 becomes 0.0
+    minimum: float = -MAX_NUMBER
+    maximum: float = MAX_NUMBER
 
-    return check
+    def __call__(self, value: Any) -> float:
+        """Return a value that is allowed as a ``float``; -0.0 becomes 0.0."""
+        if type(value) not in (int, float) or not self.minimum <= value <= self.maximum:
+            raise ValueError("a number" if self == Number() else f"a number {self}")
+        return float(value) + 0.0
+
+    def __str__(self) -> str:
+        """The range."""
+        return f"{self.minimum:g}..{self.maximum:g}"
 
 
 def flag(value: Any) -> bool:
@@ -121,25 +141,20 @@ def text(value: Any) -> str:
     return value
 
 
+def one_of(*allowed: str, joint: str = ", ", before: str = "") -> Callable[[Any], str]:
+    """Return a check for words; an error lists those that are allowed."""
+
+    def check(value: Any) -> str:
+        if value not in allowed:
+            raise ValueError(before + joint.join(allowed))
+        return str(value)
+
+    return check
+
+
 def backend(value: Any) -> str:
     """Check that a value names an installed backend."""
-    if value not in backends.backend_names():
-        raise ValueError(f"one of {', '.join(backends.backend_names())}")
-    return str(value)
-
-
-def assignment(value: Any) -> str:
-    """Check that a value names a task assignment."""
-    if value not in list(ASSIGNMENTS):
-        raise ValueError(f"one of {', '.join(ASSIGNMENTS)}")
-    return str(value)
-
-
-def stations(value: Any) -> str:
-    """Check that a value says where pickup and dropoff come from."""
-    if value not in list(Stations):
-        raise ValueError(" or ".join(Stations))
-    return str(value)
+    return one_of(*backends.backend_names(), before="one of ")(value)
 
 
 def due_times(value: Any) -> str:
@@ -160,63 +175,91 @@ def size(value: Any) -> str:
 
 PARAMETERS = {
     FLEET: Parameter(
-        8, whole(1, MAX_BODIES), question="How many robots are too many?", of_fleets=True
+        8, Whole(1, MAX_BODIES), "{}, makes it a fleet with orders",
+        question="How many robots are too many?", of_fleets=True, help="Number of robots.",
     ),
     PLANNER: Parameter(
-        NO_PLANNER, text, question="Which planner does best?", of_fleets=True
+        NO_PLANNER, text, "none, or a name as in 'warehouse fleet --planner', of a fleet",
+        question="Which planner does best?", of_fleets=True,
     ),
     "assignment": Parameter(
-        DEFAULT_ASSIGNMENT, assignment, question="How should orders be assigned?",
-        of_fleets=True, is_planned=True,
+        DEFAULT_ASSIGNMENT, one_of(*ASSIGNMENTS, before="one of "),
+        f"{' or '.join(ASSIGNMENTS)}, of a planner",
+        question="How should orders be assigned?", of_fleets=True, is_planned=True,
+        help=f"Which robot of a planner goes for which order: {', '.join(ASSIGNMENTS)}. "
+        f"Default: {DEFAULT_ASSIGNMENT}.",
     ),
-    "agent": Parameter("greedy", text, question="Which agent does best?", is_planned=False),
+    "agent": Parameter(
+        "greedy", text, "a name as in 'warehouse run --agent'",
+        question="Which agent does best?", is_planned=False,
+    ),
     "escape": Parameter(
-        True, flag, {"agent": "greedy"},
+        True, flag, "on or off, of agent greedy", {"agent": "greedy"},
         "Does escaping loops cut delivery time, or does it make the robot wander?",
     ),
     "memory": Parameter(
-        10, whole(0), {"agent": "greedy", "escape": True},
+        10, Whole(0), "{}, of agent greedy with escape", {"agent": "greedy", "escape": True},
         "How much should an agent remember to notice a loop?",
+        help="Positions that the greedy agent remembers: 10.",
     ),
-    "layout": Parameter(DEFAULT, text, question="Which layout is hardest?"),
+    "layout": Parameter(
+        DEFAULT, text, "default, random or a file", question="Which layout is hardest?"
+    ),
     "size": Parameter(
-        "7x12", size, {"layout": RANDOM}, "What does a larger grid do?"
+        "7x12", size, "HEIGHTxWIDTH from 4x4, of layout random", {"layout": RANDOM},
+        "What does a larger grid do?",
     ),
     "density": Parameter(
-        0.2, number(0, MAX_DENSITY), {"layout": RANDOM},
+        0.2, Number(0, MAX_DENSITY), "{}, of layout random", {"layout": RANDOM},
         "What do more obstacles do?",
     ),
     "stations": Parameter(  # for a layout file its default is another, see case.py
-        str(Stations.DRAWN), stations,
+        str(Stations.DRAWN), one_of(*Stations, joint=" or "),
+        "drawn, or kept as a layout file has them; not of a fleet",
         question="What do random pickups and dropoffs change?", of_fleets=False,
     ),
     "order_rate": Parameter(
-        0.06, number(0, MAX_VALUE), question="How many orders can the fleet carry out?",
-        of_fleets=True,
+        0.06, Number(0, MAX_VALUE), "orders that arrive in a step, of a fleet",
+        question="How many orders can the fleet carry out?", of_fleets=True,
     ),
     "due": Parameter(
-        "50:150", due_times, question="What do earlier due times change?", of_fleets=True
+        "50:150", due_times, "FEWEST:MOST steps until they are due, of a fleet",
+        question="What do earlier due times change?", of_fleets=True,
     ),
     "chargers": Parameter(  # by default as many as the layout has, see case.py
-        0, whole(0), question="How many chargers does the fleet need?", of_fleets=True
+        0, Whole(0), "at most those of the layout, of a fleet",
+        question="How many chargers does the fleet need?", of_fleets=True,
     ),
     "people": Parameter(
-        0, whole(0, MAX_BODIES), question="What do people on the floor change?", of_fleets=True
+        0, Whole(0, MAX_BODIES), "{}, of a fleet",
+        question="What do people on the floor change?", of_fleets=True,
+        help="People who walk on the floor.",
     ),
     "battery": Parameter(
-        200, whole(1), question="How does battery capacity affect success?"
+        200, Whole(1), question="How does battery capacity affect success?",
+        help="Units of a full battery.",
     ),
-    "max_steps": Parameter(200, whole(1), question="How long should an episode be?"),
+    "max_steps": Parameter(
+        200, Whole(1), question="How long should an episode be?",
+        help="Maximum steps of an episode.",
+    ),
     "view_radius": Parameter(
-        2, whole(0, MAX_VIEW_RADIUS), question="What does it help to see further?"
+        2, Whole(0, MAX_VIEW_RADIUS), question="What does it help to see further?",
+        help=f"Cells seen in each direction, up to {MAX_VIEW_RADIUS}.",
     ),
     "backend": Parameter(
-        "grid", backend, question="What does the real robot do with the same policy?"
+        "grid", backend, "grid, physics, driving of a fleet, or one of your own",
+        question="What does the real robot do with the same policy?",
     ),
 }  # fmt: skip
 
 PHYSICAL = {"robot": "RobotSpec", "disturbances": "Disturbances"}
 """Groups of parameters of the physics backend, and the class that has them as fields."""
+
+
+def usual(name: str) -> Any:
+    """Return the default of a parameter."""
+    return PARAMETERS[name].default
 
 
 def find(name: str) -> Parameter:
@@ -231,7 +274,7 @@ def find(name: str) -> Parameter:
     if group in PHYSICAL:
         allowed = field_defaults(group)
         if field in allowed:
-            return Parameter(allowed[field], number(), {"backend": "physics"})
+            return Parameter(allowed[field], Number(), needs={"backend": "physics"})
         raise ParameterError(f"{group} has no {field!r}; allowed: {', '.join(allowed)}")
     names = [*PARAMETERS, *(f"{group}.NAME" for group in PHYSICAL)]
     raise ParameterError(f"no setting is called {name!r}; allowed: {', '.join(names)}")
