@@ -54,7 +54,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from itertools import pairwise
 from operator import ne
@@ -169,20 +169,6 @@ Rule = Callable[[Any], Evidence | None]
 """Function that returns the evidence for a mode, or ``None`` if the mode does not apply."""
 
 
-class Mode(NamedTuple):
-    """A failure mode, with its rules for a lone robot and for a fleet.
-
-    Attributes:
-        name: Name of the mode.
-        alone: Rule for a lone robot, given as ``Alone``; ``None`` where the mode does not apply.
-        fleet: Rule for a fleet, given as its record.
-    """
-
-    name: str
-    alone: Rule | None
-    fleet: Rule | None
-
-
 class Alone:
     """The episode of a lone robot, and what the rules need to know about it.
 
@@ -236,20 +222,17 @@ class Alone:
 
 def diagnose(episode: Episode) -> Diagnosis:
     """Return the failure mode of an episode; it depends on the record only, not on the agent."""
-    if episode.is_fleet:
-        is_done = episode.terminated.all()
-        rules = {mode.name: mode.fleet for mode in TABLE if not is_done or mode.name in DONE}
-        return _first(rules, episode, None)
-    alone = Alone(episode)
-    return _first({mode.name: mode.alone for mode in TABLE}, alone, alone.needed)
-
-
-def _first(rules: Mapping[str, Rule | None], about: Any, needed: int | None) -> Diagnosis:
-    """Return the diagnosis of the first rule that applies."""
-    results = ((name, rule(about)) for name, rule in rules.items() if rule is not None)
-    name, evidence = next((name, evidence) for name, evidence in results if evidence is not None)
+    alone = None if episode.is_fleet else Alone(episode)
+    needed = None if alone is None else alone.needed
+    is_done = episode.is_fleet and episode.terminated.all()
+    results = (
+        (mode, rule(alone or episode))
+        for mode, *rules in TABLE
+        if (rule := rules[episode.is_fleet]) and (mode in DONE or not is_done)
+    )
+    mode, evidence = next((mode, evidence) for mode, evidence in results if evidence)
     sentence, cells, steps, robots = evidence
-    return Diagnosis(name, tuple(cells), steps, needed, sentence, tuple(robots))
+    return Diagnosis(mode, tuple(cells), steps, needed, sentence, tuple(robots))
 
 
 def _delivered(alone: Alone) -> Evidence | None:
@@ -598,31 +581,32 @@ def _named(robots: Sequence[int], cells: Sequence[Cell]) -> str:
     return listed(f"robot {robot} at {cells[robot]}" for robot in robots)
 
 
-TABLE = (
-    Mode(DELIVERED, _delivered, None),
-    Mode(UNREACHABLE, _cut_off, _no_way),
-    Mode(STALLED, _stalled, None),
-    Mode(INEFFECTIVE, _ineffective, None),
-    Mode(OSCILLATION, _oscillation, None),
-    Mode(WANDERING, _wandering, None),
-    *(Mode(ending, _out_of(ending), None) for ending in ENDINGS),
-    Mode(STRANDED, None, _stranded),
-    Mode(DEADLOCK, None, _deadlock),
-    Mode(STARVATION, None, _starvation),
-    Mode(CONGESTED, None, _congested),
-    Mode(IDLE, None, _idle),
-    Mode(LATE, None, _late),
-    Mode(SERVED, None, _served),
+TABLE: tuple[tuple[str, Rule | None, Rule | None], ...] = (
+    (DELIVERED, _delivered, None),
+    (UNREACHABLE, _cut_off, _no_way),
+    (STALLED, _stalled, None),
+    (INEFFECTIVE, _ineffective, None),
+    (OSCILLATION, _oscillation, None),
+    (WANDERING, _wandering, None),
+    *((ending, _out_of(ending), None) for ending in ENDINGS),
+    (STRANDED, None, _stranded),
+    (DEADLOCK, None, _deadlock),
+    (STARVATION, None, _starvation),
+    (CONGESTED, None, _congested),
+    (IDLE, None, _idle),
+    (LATE, None, _late),
+    (SERVED, None, _served),
 )
-"""Every mode, in the order in which they are checked."""
+"""Every mode, with its rule for ``Alone`` and its rule for the record of a fleet, in the order in
+which they are checked; ``None`` where the mode does not apply."""
 
 DONE = (LATE, SERVED)
 """Modes of a fleet that has delivered everything."""
 
-MODES = tuple(mode.name for mode in TABLE if mode.alone)
+MODES = tuple(mode for mode, alone, _ in TABLE if alone)
 """Modes of a lone robot."""
 
-FLEET_MODES = tuple(mode.name for mode in TABLE if mode.fleet)
+FLEET_MODES = tuple(mode for mode, _, fleet in TABLE if fleet)
 """Modes of a fleet."""
 
 FleetDiagnosis = Diagnosis
