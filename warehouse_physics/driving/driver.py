@@ -29,8 +29,6 @@ from warehouse_physics.energy import spent
 from warehouse_physics.profile import Floats, stopping_distances, stopping_speeds
 from warehouse_physics.spec import ARRIVED, RobotSpec
 
-NOMINAL = Disturbances()
-
 NEAR = 0.02
 """Share of a cell beyond the middle of a cell in which a robot is still at its middle."""
 
@@ -62,8 +60,8 @@ class Driver:
         arena: DrivenArena,
         spec: RobotSpec,
         cells: Sequence[Cell],
-        disturbances: Disturbances = NOMINAL,
-        seed: int = 0,
+        disturbances: Disturbances,
+        seed: int,
     ) -> None:
         robots = len(cells)
         self._arena, self._spec = arena, spec
