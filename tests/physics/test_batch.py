@@ -9,7 +9,7 @@ import pytest
 from helpers.rigid_bodies import Singles, batch_in, rows_differ, some_layouts
 
 from warehouse_core import Layout, LayoutError
-from warehouse_core.motion.vector import Batchable, BatchOutcome
+from warehouse_core.motion.batch import Batchable, BatchOutcome
 from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec, stepping
 from warehouse_physics.arena import WALL, Hit
 from warehouse_physics.batch import rigid_body_batch

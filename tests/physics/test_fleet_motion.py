@@ -19,8 +19,8 @@ from helpers.rigid_bodies import (
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, Outcome, random_layout
 from warehouse_core.motion.backends import make_fleet_motion
 from warehouse_core.motion.base import WALL_CONTACT, robot_contact
+from warehouse_core.motion.batch import NOTHING, WALL
 from warehouse_core.motion.traffic import find_stops
-from warehouse_core.motion.vector import NOTHING, WALL
 from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
 
 ACTIONS = 40

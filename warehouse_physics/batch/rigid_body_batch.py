@@ -10,9 +10,10 @@ import numpy as np
 
 from warehouse_core import Layout, LayoutError
 from warehouse_core.motion.base import centre_of
-from warehouse_core.motion.vector import BatchOutcome, Flags, Integers
+from warehouse_core.motion.batch import BatchOutcome
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.layout import check_open
+from warehouse_core.world.tables import Flags, Integers
 from warehouse_physics.batch.robots import BatchRobots
 from warehouse_physics.batch.warehouses import Warehouses, corners_of
 from warehouse_physics.energy import joules_of

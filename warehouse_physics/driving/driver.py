@@ -16,7 +16,7 @@ import numpy as np
 
 from warehouse_core import Cell
 from warehouse_core.motion.base import centre_of
-from warehouse_core.motion.vector import Flags
+from warehouse_core.world.tables import Flags
 from warehouse_physics.arena import Hit
 from warehouse_physics.disturbances import Disturbances
 from warehouse_physics.driven_arena import DrivenArena
