@@ -4,30 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
-from typing import Concatenate, ParamSpec, Protocol, TypeVar
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
-
-class Busy(Protocol):
-    """An object with exclusive methods; ``is_busy`` is set while one of them runs."""
-
-    is_busy: bool
-
-
-Owner = TypeVar("Owner", bound=Busy)
 Arguments = ParamSpec("Arguments")
-Result = TypeVar("Result")
+Returned = TypeVar("Returned")
 
 
 def exclusive(
-    method: Callable[Concatenate[Owner, Arguments], Result],
-) -> Callable[Concatenate[Owner, Arguments], Result]:
+    method: Callable[Concatenate[Any, Arguments], Returned],
+) -> Callable[Concatenate[Any, Arguments], Returned]:
     """Make a method raise ``RuntimeError`` while an exclusive method of the same object runs.
 
-    That may be in another thread: two steps of one pymunk space at a time end the interpreter.
+    That may be in another thread: two steps of one pymunk space at a time end the interpreter. The
+    object has an attribute ``is_busy``, which is false at first.
     """
 
     @wraps(method)
-    def alone(self: Owner, /, *args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
+    def alone(self: Any, /, *args: Arguments.args, **kwargs: Arguments.kwargs) -> Returned:
         # No other thread and no interrupt comes between this test and the ``try``: Python switches
         # threads and handles signals at calls and backward jumps only.
         if self.is_busy:

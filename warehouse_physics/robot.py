@@ -16,7 +16,6 @@ import pymunk
 from warehouse_core import Cell
 from warehouse_core.motion.base import Contact, centre_of
 from warehouse_physics.arena import Arena, Hit, Position
-from warehouse_physics.clearance import apart, comes_closer
 from warehouse_physics.disturbances import FloorConditions
 from warehouse_physics.energy import kinetic, spent
 from warehouse_physics.profile import braking, plan_profile
@@ -373,3 +372,21 @@ class Robot:
             self._drag *= self._uneven.drag_factor(self._on)
         self._floor.max_force = self._drag
         self._steering.max_force = self.body.moment * self._turn_acceleration
+
+
+def apart(position: Position, other: Position) -> Position:
+    """Return the way to a position from another."""
+    return position[0] - other[0], position[1] - other[1]
+
+
+def comes_closer(before: Position, after: Position, reach: float) -> bool:
+    """Return whether a straight way comes closer to the origin than ``reach``.
+
+    One that starts closer may lead away from there.
+    """
+    way = apart(after, before)
+    towards = -(before[0] * way[0] + before[1] * way[1])
+    if towards <= 0:
+        return False
+    done = min(1.0, towards / (way[0] ** 2 + way[1] ** 2))
+    return math.hypot(before[0] + done * way[0], before[1] + done * way[1]) < reach

@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
-from typing import TypeVar
+from typing import Any
 
 from warehouse_core.arguments import real_number
-
-Pace = TypeVar("Pace")
 
 GRAVITY = 9.81
 """Metres per second squared."""
@@ -166,7 +164,7 @@ class RobotSpec:
         speed = min(self.top_speed, math.sqrt(2 * pace * self.cell_size / (1 + pace / brake)))
         return self.cell_size / speed + speed / pace * (1 + pace / brake) / 2
 
-    def limits(self, pace: Pace, share: float = 1.0) -> tuple[float, Pace, float, float]:
+    def limits(self, pace: Any, share: float = 1.0) -> tuple[float, Any, float, float]:
         """Return what limits a profile: top speed, acceleration, time step and drag.
 
         The acceleration is ``pace``, one or an array, and the speed a share of the usual one.

@@ -17,11 +17,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from functools import partial
 from types import TracebackType
-from typing import Any, Generic, TypeVar
+from typing import Any
 
 import pymunk
-
-Hit = TypeVar("Hit")
 
 IS_KNOWN = pymunk.version.startswith(("7.1.", "7.2.", "7.3."))
 """True if this version of pymunk has the private parts that are used here."""
@@ -30,7 +28,7 @@ IS_KNOWN = pymunk.version.startswith(("7.1.", "7.2.", "7.3."))
 class Hits(list[Any]):
     """Hits that have begun, each as ``note`` describes it, and the errors of describing them."""
 
-    def __init__(self, note: Callable[[pymunk.Arbiter], Iterable[object]]) -> None:
+    def __init__(self, note: Callable[[pymunk.Arbiter], Iterable[Any]]) -> None:
         super().__init__()
         self._note = note
 
@@ -55,7 +53,7 @@ class Hits(list[Any]):
         return found
 
 
-class Stepper(Generic[Hit]):
+class Stepper:
     """Steps a space.
 
     Args:
@@ -69,14 +67,14 @@ class Stepper(Generic[Hit]):
         self,
         space: pymunk.Space,
         time_step: float,
-        note: Callable[[pymunk.Arbiter], Iterable[Hit]],
+        note: Callable[[pymunk.Arbiter], Iterable[Any]],
         pairs: list[tuple[int, int]],
     ) -> None:
         self._space, self._time_step, self._hits = space, time_step, Hits(note)
         for pair in pairs:
             space.on_collision(*pair, begin=self._hits.begin)
 
-    def run(self, now: int, until: int) -> tuple[int, list[Hit]]:
+    def run(self, now: int, until: int) -> tuple[int, list[Any]]:
         """Step from substep ``now`` to ``until`` or the first hits; return when, and the hits.
 
         Raises:
@@ -92,7 +90,7 @@ class Stepper(Generic[Hit]):
         finally:
             space._locked = False
 
-    def _run(self, step: Callable[[], None], now: int, until: int) -> tuple[int, list[Hit]]:
+    def _run(self, step: Callable[[], None], now: int, until: int) -> tuple[int, list[Any]]:
         hits = self._hits
         hits.clear()  # An interrupt may have ended the last run after a hit.
         for substep in range(now + 1, until + 1):

@@ -1,8 +1,10 @@
 """Plans for robots that drive through, and their execution."""
 
+import random
 from collections.abc import Sequence
 
 import numpy as np
+from hypothesis import strategies as st
 
 from warehouse_core import Cell, Layout
 from warehouse_core.motion.traffic import find_stops
@@ -28,6 +30,23 @@ def resolved(
         ends = zip(plan[-1], targets, stops, strict=True)
         plan.append([target if stop is None else cell for cell, target, stop in ends])
     return plan
+
+
+@st.composite
+def crowds(
+    draw: st.DrawFn, walls: str = "....#"
+) -> tuple[Layout, list[list[Cell]], list[bool], random.Random]:
+    """Draw a small floor with walls, robots on it, a plan for them, who is loaded, and chance."""
+    height, width = draw(st.integers(1, 4)), draw(st.integers(2, 5))
+    stream = random.Random(draw(st.integers(0, 10**6)))
+    rows = ["".join(stream.choice(walls) for _ in range(width)) for _ in range(height)]
+    layout = Layout([*rows, "." * width])
+    cells = [divmod(int(cell), width) for cell in layout.open_cells]
+    starts = stream.sample(cells, draw(st.integers(1, min(len(cells), 8))))
+    action = st.sampled_from([0, 1, 2, 3, 0, 1, 2, 3, 4])
+    actions = draw(st.lists(st.tuples(*[action] * len(starts)), max_size=12))
+    loaded = [stream.random() < 0.5 for _ in starts]
+    return layout, resolved(layout, starts, actions), loaded, stream
 
 
 class Drive:

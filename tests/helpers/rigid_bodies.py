@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, Outcome, WarehouseEnv, random_layout
+from warehouse_core.motion.batch import BatchOutcome
 from warehouse_core.motion.traffic import find_stops
-from warehouse_core.motion.vector import BatchOutcome
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_physics import RigidBodyMotion, RobotSpec
 from warehouse_physics.batch.rigid_body_batch import RigidBodyBatch

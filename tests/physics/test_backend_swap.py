@@ -3,6 +3,7 @@
 from typing import Any
 
 import pytest
+from helpers.fleet_truth import bodies_move_as_the_grid
 from helpers.rigid_bodies import steps_differ
 from helpers.traces import TRACES, assert_as_recorded, env_of
 
@@ -46,6 +47,14 @@ class Waiting:
 @over_specs
 def test_random_episodes_are_equal_on_both_backends(spec: RobotSpec) -> None:
     assert steps_differ(spec, MOVES, layouts=10) > MOVES / 8, "too few hits to compare"
+
+
+@pytest.mark.filterwarnings("ignore:.*chargers supply")
+@pytest.mark.parametrize(("robots", "joint_actions"), [(2, 60), (7, 60), (25, 40), (100, 8)])
+def test_a_nominal_fleet_of_bodies_equals_that_of_the_grid(robots: int, joint_actions: int) -> None:
+    stops = bodies_move_as_the_grid(robots, joint_actions, seed=robots)
+    assert stops.total() == robots * joint_actions
+    assert min(stops["free"], stops["wall"], stops["robot"]) > 0
 
 
 def test_the_types_of_the_five_values_are_the_same() -> None:

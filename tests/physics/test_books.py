@@ -5,7 +5,7 @@ from helpers.physics_truth import Book, errors_of_the_books, random_robots_move_
 from helpers.rigid_bodies import EAST, LEDGE, MOVES, NORTH, SOUTH, WEST, motion_in, move
 
 from warehouse_core import Layout
-from warehouse_physics import RigidBodyMotion, RobotSpec, stepping
+from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec, stepping
 
 BOOKED_MOVES = 250
 COMPARED_MOVES = 1_000
@@ -49,6 +49,17 @@ def test_the_joules_of_robots_hit_askew_by_two_others_at_once_are_those_of_the_b
     for outcome, work in zip(outcomes, book.work, strict=True):
         assert len({contact.seconds for contact in outcome.contacts}) < len(outcome.contacts)
         joules = work / motion.spec.drivetrain_efficiency + 20 * outcome.seconds
+        assert outcome.joules == pytest.approx(joules, rel=1e-3)
+
+
+def test_the_joules_on_a_floor_that_drags_unevenly_are_those_of_the_book() -> None:
+    motion = RigidBodyMotion(disturbances=Disturbances(drag_spread=0.9))
+    motion.reset(Layout(["...."]), [(0, 0)], 1)
+    book = Book(motion)
+    for displacement in (EAST, EAST, EAST, WEST):
+        book.clear()
+        outcome = move(motion, displacement)
+        joules = book.work[0] / motion.spec.drivetrain_efficiency + 20 * outcome.seconds
         assert outcome.joules == pytest.approx(joules, rel=1e-3)
 
 

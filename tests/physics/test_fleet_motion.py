@@ -1,6 +1,5 @@
 """Several robots in one space: bodies that collide, and the table in ``motion/traffic.py``."""
 
-import math
 import random
 from itertools import combinations
 
@@ -20,8 +19,8 @@ from helpers.rigid_bodies import (
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, Outcome, random_layout
 from warehouse_core.motion.backends import make_fleet_motion
 from warehouse_core.motion.base import WALL_CONTACT, robot_contact
+from warehouse_core.motion.batch import NOTHING, WALL
 from warehouse_core.motion.traffic import find_stops
-from warehouse_core.motion.vector import NOTHING, WALL
 from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
 
 ACTIONS = 40
@@ -108,55 +107,6 @@ def test_a_chain_of_blocked_robots_is_resolved(spec: RobotSpec) -> None:
     assert [outcome.blocked for outcome in outcomes] == [move != STAY for move in moves]
 
 
-def test_a_robot_touched_from_the_side_drives_on() -> None:
-    """Robot 1 pushes robot 4 aside, which touches robot 5 as it arrives."""
-    layout = Layout(["########", "#...##.#", "#......#", "#.##...#", "#......#", "########"])
-    cells = [(1, 1), (2, 1), (3, 1), (2, 6), (2, 2), (1, 3), (4, 2), (4, 5), (3, 6)]
-    moves = [SOUTH, EAST, NORTH, NORTH, SOUTH, SOUTH, STAY, EAST, SOUTH]
-    motion = RigidBodyMotion(RobotSpec.fast())
-    motion.reset(layout, cells, 0)
-    # The positions after earlier moves.
-    for robot, aside in ((0, -2.1e-4), (1, 3.0e-4), (4, 9.7e-4)):
-        body = motion._arena.robots[robot].body
-        body.position += (0.0, aside)
-    outcome = motion.advance(moves, [robot in (1, 4, 7) for robot in range(9)])[5]
-    assert (outcome.cell, outcome.blocked) == ((2, 3), False)
-
-
-def test_a_robot_drives_on_after_it_meets_one_pushed_into_its_path() -> None:
-    """Robots 0, 4 and 6 push robot 2 out of its cell, which robot 3 enters."""
-    layout = Layout(["########", "#......#", "##.....#", "#....#.#", "#.#..#.#", "########"])
-    cells = [(2, 3), (4, 6), (3, 4), (4, 3), (2, 4), (4, 1), (2, 5), (2, 2)]
-    moves = [EAST, NORTH, EAST, EAST, SOUTH, STAY, WEST, EAST]
-    motion = RigidBodyMotion(RobotSpec.fast())
-    motion.reset(layout, cells, 0)
-    # The positions after earlier moves.
-    for robot, aside in ((0, -3.8e-4), (4, 3.8e-4)):
-        motion._arena.robots[robot].body.position += (aside, 0.0)
-    outcome = motion.advance(moves, [robot in (3, 6, 7) for robot in range(8)])[3]
-    assert (outcome.cell, outcome.blocked) == ((4, 4), False)
-
-
-@over_specs
-def test_two_robots_that_meet_head_on_get_the_same_impulse(spec: RobotSpec) -> None:
-    outcomes = together([(2, 2), (2, 4)], [EAST, WEST], spec)
-    first, second = (outcome.contacts[0] for outcome in outcomes)
-    assert (first.counterpart, second.counterpart) == (robot_contact(1), robot_contact(0))
-    assert first[:3] == second[:3]
-    assert first.point == pytest.approx((3.5, 2.5), abs=0.02)
-    # Each stops the other. They touch 0.65 m from their starts, when they already brake.
-    speed = math.sqrt(2 * spec.acceleration * (spec.cell_size - 0.65))
-    assert first.impulse == pytest.approx(spec.mass * speed, rel=0.1)
-
-
-def test_a_heavier_robot_hits_a_waiting_one_harder() -> None:
-    empty, loaded = (
-        together([(2, 2), (2, 3)], [EAST, STAY], loaded=load)[0].contacts[0].impulse
-        for load in (False, True)
-    )
-    assert 0 < empty < loaded
-
-
 def test_both_robots_report_a_hit() -> None:
     pushed = together([(2, 2), (2, 3)], [EAST, STAY])
     assert pushed[0].contacts[0].counterpart == robot_contact(1)
@@ -188,17 +138,11 @@ def test_each_robot_has_its_own_seconds_and_idle_joules() -> None:
     alone = together([(4, 4)], [SOUTH])[0]
     assert free.seconds == alone.seconds
     assert free.joules == pytest.approx(alone.joules, rel=1e-9)
+    assert free.path[-1, 1:3] == pytest.approx(alone.path[-1, 1:3], abs=1e-9)
     assert (waiting.seconds, waiting.joules) == (spec.dwell, spec.dwell * spec.idle_power)
     assert min(blocked.seconds, pushed.seconds) > spec.dwell
     for outcome in (blocked, pushed, free, waiting):
         assert outcome.path[-1, 0] == outcome.seconds
-
-
-def test_robots_that_do_not_touch_move_as_they_do_alone() -> None:
-    alone = together([(0, 0)], [EAST])[0]
-    among_others = together([(0, 0), (3, 3), (5, 0)], [EAST, EAST, EAST])[0]
-    assert among_others.path[-1, 1:3] == pytest.approx(alone.path[-1, 1:3], abs=1e-9)
-    assert among_others.joules == pytest.approx(alone.joules, rel=1e-9)
 
 
 def test_a_robot_that_is_pushed_out_of_its_cell_is_reported_where_it_is() -> None:

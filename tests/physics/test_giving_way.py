@@ -8,7 +8,7 @@ from helpers.rigid_bodies import EAST, NORTH, SOUTH, STAY, WEST
 
 from warehouse_core import Layout
 from warehouse_physics import RigidBodyMotion, RobotSpec, rigid_body_motion
-from warehouse_physics.clearance import comes_closer
+from warehouse_physics.robot import comes_closer
 
 MOVES = 1_500
 """Robot moves in jams; the benchmarks make more."""

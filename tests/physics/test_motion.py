@@ -1,10 +1,7 @@
 """One robot as a rigid body: its outcomes describe the motion of the body."""
 
 import math
-import os
 import random
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -21,9 +18,9 @@ from helpers.rigid_bodies import (
     move,
 )
 
-from warehouse_core import Cell, Layout, LayoutError, Outcome, random_layout
+from warehouse_core import Cell, Layout, Outcome, random_layout
 from warehouse_core.motion.base import centre_of
-from warehouse_physics import RigidBodyMotion, RobotSpec, rigid_body_motion, stepping
+from warehouse_physics import RigidBodyMotion, RobotSpec
 from warehouse_physics.arena import WALL
 
 TUNNEL_MOVES = 200
@@ -59,12 +56,6 @@ def velocities(outcome: Outcome) -> np.ndarray:
     return np.diff(outcome.path[:, 1:3], axis=0) / np.diff(outcome.path[:, 0])[:, None]
 
 
-def impact_speed(spec: RobotSpec, loaded: bool) -> float:
-    """Return the speed at the edge of a cell, after a start in its middle."""
-    gap = spec.cell_size / 2 - spec.radius
-    return min(spec.top_speed, math.sqrt(2 * spec.attainable_acceleration(loaded) * gap))
-
-
 def remove_walls(motion: RigidBodyMotion) -> None:
     space = motion._arena.space
     space.remove(*[shape for shape in space.shapes if shape.collision_type == WALL])
@@ -80,25 +71,6 @@ def test_without_the_shapes_of_its_walls_the_robot_drives_through() -> None:
     for col in (3, 4):
         outcome = move(motion, EAST)
         assert (outcome.cell, outcome.blocked, outcome.contacts) == ((0, col), False, ())
-
-
-def test_without_the_shapes_around_the_grid_the_robot_drives_off() -> None:
-    motion = motion_in(LEDGE, (0, 0))
-    remove_walls(motion)
-    assert move(motion, NORTH).cell == (-1, 0)
-    assert move(motion, NORTH).cell == (-2, 0)
-
-
-def test_the_outcome_follows_a_body_that_was_moved_by_hand() -> None:
-    shift = (-1.0, 2.0)
-    motion = motion_in(HALL, (3, 3))
-    robot = motion._arena.robots[0]
-    x, y = robot.body.position
-    robot.body.position = (x + shift[0], y + shift[1])
-    cell = (3 + int(shift[1]), 3 + int(shift[0]))
-    outcome = move(motion, EAST)
-    assert outcome.cell == (cell[0], cell[1] + 1)
-    assert outcome.path[0, 1:3] == pytest.approx(centre_of(cell, 1.0))
 
 
 def test_the_outcome_follows_a_body_that_is_pushed() -> None:
@@ -183,13 +155,6 @@ def test_without_recording_a_path_has_only_start_and_end() -> None:
         assert ends._replace(path=whole.path) == whole
 
 
-def test_the_heading_turns_the_shorter_way_to_the_direction_of_the_move() -> None:
-    motion = motion_in(HALL, (3, 3))
-    for displacement, heading in ((SOUTH, 0.5), (WEST, 1.0), (NORTH, 1.5), (EAST, 2.0)):
-        turned = move(motion, displacement).path[-1, 3]
-        assert turned == pytest.approx(heading * math.pi, abs=0.02)
-
-
 @pytest.mark.parametrize("kilograms", [160, 200, 340])
 def test_a_robot_that_the_floor_brakes_stops_once(kilograms: float) -> None:
     spec = RobotSpec(payload_mass=kilograms)
@@ -204,10 +169,10 @@ def test_a_robot_that_the_floor_brakes_stops_once(kilograms: float) -> None:
 def test_robots_of_any_pace_head_where_they_go_at_the_end_of_a_move(acceleration) -> None:
     spec = RobotSpec(acceleration=acceleration, motor_force=5000, top_speed=5)
     motion = motion_in(HALL, (3, 3), spec)
-    for displacement, heading in ((WEST, 1.0), (EAST, 0.0), (SOUTH, 0.5), (NORTH, -0.5)):
+    # The shorter way round each time, which adds up to a whole turn.
+    for displacement, heading in ((SOUTH, 0.5), (WEST, 1.0), (NORTH, 1.5), (EAST, 2.0)):
         turned = move(motion, displacement).path[-1, 3]
-        off = math.remainder(turned - heading * math.pi, math.tau)
-        assert abs(off) < 0.05
+        assert turned == pytest.approx(heading * math.pi, abs=0.05)
 
 
 def test_waiting_takes_the_dwell_and_costs_idle_power() -> None:
@@ -218,19 +183,6 @@ def test_waiting_takes_the_dwell_and_costs_idle_power() -> None:
 
 
 # Bumps.
-
-
-@over_specs
-@over_loads
-def test_the_impulse_of_a_bump_is_mass_times_speed(spec, loaded) -> None:
-    """The speed of the profile at the wall, and the one along the path."""
-    for displacement in MOVES:
-        outcome = bump(spec, displacement, loaded, path_every=1)
-        assert outcome.blocked
-        assert [contact.counterpart for contact in outcome.contacts] == ["wall"]
-        for speed in (impact_speed(spec, loaded), np.hypot(*velocities(outcome).T).max()):
-            momentum = spec.total_mass(loaded) * speed
-            assert outcome.contacts[0].impulse == pytest.approx(momentum, rel=0.1)
 
 
 @over_specs
@@ -254,15 +206,6 @@ def test_a_hit_is_where_and_when_the_body_met_the_wall() -> None:
     assert contact.seconds == pytest.approx(math.sqrt(0.3), abs=2.1 / 60)
 
 
-def test_a_faster_impact_hits_harder() -> None:
-    impulses = [
-        bump(RobotSpec(acceleration=pace, motor_force=500)).contacts[0].impulse
-        for pace in (0.5, 1.0, 2.0, 4.0)
-    ]
-    assert impulses == sorted(impulses)
-    assert impulses[-1] == pytest.approx(impulses[1] * 2, rel=0.1)
-
-
 @over_specs
 @over_loads
 def test_after_a_bump_the_robot_is_back_in_the_middle_of_its_cell(spec, loaded) -> None:
@@ -270,6 +213,7 @@ def test_after_a_bump_the_robot_is_back_in_the_middle_of_its_cell(spec, loaded) 
     for displacement in MOVES * 2:
         outcome = move(motion, displacement, loaded)
         assert (outcome.cell, outcome.blocked) == ((0, 0), True)
+        assert [contact.counterpart for contact in outcome.contacts] == ["wall"]
         middle = centre_of((0, 0), spec.cell_size)
         assert math.dist(outcome.path[-1, 1:3], middle) < 1e-3 * spec.cell_size
 
@@ -286,123 +230,10 @@ def test_no_robot_drives_through_a_wall_at_the_highest_speed(time_step: float) -
     drive_at_walls(time_step, TUNNEL_MOVES)
 
 
-# Energy.
-
-
-def nominal_joules(spec: RobotSpec, loaded: bool) -> float:
-    """Return what a free move costs by its profile.
-
-    The motor gets the robot up to speed and overcomes the drag until it brakes; while it brakes
-    the drag is paid for by the speed that it had.
-    """
-    pace = spec.attainable_acceleration(loaded)
-    speed = min(spec.top_speed, math.sqrt(pace * spec.cell_size))
-    driven = spec.cell_size - speed**2 / (2 * pace)
-    work = spec.total_mass(loaded) * speed**2 / 2 + spec.drag_force(loaded) * driven
-    seconds = spec.cell_size / speed + speed / pace
-    return work / spec.drivetrain_efficiency + spec.idle_power * seconds
-
-
-@over_specs
-@over_loads
-def test_the_energy_of_a_free_move_follows_from_its_profile(spec, loaded) -> None:
-    joules = free_move(spec, loaded=loaded).joules
-    assert joules == pytest.approx(nominal_joules(spec, loaded), rel=0.05)
-
-
-@over_loads
-@pytest.mark.parametrize("make", [free_move, bump])
-def test_the_energy_is_the_work_of_the_motor(make, loaded, monkeypatch) -> None:
-    """Add up force times path of every substep in which the motor accelerates the robot."""
-    work = 0.0
-    spec = RobotSpec(idle_power=0, drivetrain_efficiency=1)
-    stepped = rigid_body_motion.RobotArena.__init__
-
-    def watched(arena, *arguments) -> None:
-        stepped(arena, *arguments)
-        robot, step = arena.robots[0], arena.space.step
-
-        def step_and_add(dt: float) -> None:
-            nonlocal work
-            before = robot.body.velocity
-            step(dt)
-            after = robot.body.velocity
-            if robot._control.velocity.length > 0:
-                work += robot._motor.impulse * ((before + after) / 2).length
-
-        arena.space.step = step_and_add
-
-    monkeypatch.setattr(rigid_body_motion.RobotArena, "__init__", watched)
-    monkeypatch.setattr(stepping, "IS_KNOWN", False)  # so that the public step is called
-    outcome = make(spec, EAST, loaded)
-    assert outcome.joules == pytest.approx(work, rel=0.05)
-
-
-def test_energy_grows_with_load_distance_and_drag() -> None:
-    def joules(loaded: bool = False, **changes: float) -> float:
-        return free_move(RobotSpec(idle_power=0, motor_force=200, **changes), loaded=loaded).joules
-
-    assert joules(loaded=True) > joules()
-    assert joules(cell_size=1.0) < joules(cell_size=2.0) < joules(cell_size=4.0)
-    assert joules(floor_drag=0.0) < joules(floor_drag=0.015) < joules(floor_drag=0.03)
-    heavier = [joules(loaded=True, payload_mass=mass) for mass in (0, 1, 10, 20)]
-    assert heavier == sorted(heavier)
-    assert len(set(heavier)) == 4
-
-
-def test_idle_power_costs_by_the_second_and_efficiency_scales_the_work() -> None:
-    bare = free_move(RobotSpec(idle_power=0, drivetrain_efficiency=1.0))
-    lossy = free_move(RobotSpec(idle_power=0, drivetrain_efficiency=0.5))
-    awake = free_move(RobotSpec(idle_power=30, drivetrain_efficiency=1.0))
-    assert lossy.joules == pytest.approx(2 * bare.joules)
-    assert awake.joules == pytest.approx(bare.joules + 30 * bare.seconds)
-
-
-def test_a_load_makes_a_move_take_longer_and_cost_more() -> None:
-    empty, loaded = (free_move(RobotSpec(), loaded=load) for load in (False, True))
-    assert loaded.seconds > empty.seconds
-    assert loaded.joules > empty.joules
-    # Without the load the robot is as light as before.
+def test_without_its_load_a_robot_is_as_light_as_before() -> None:
     motion = motion_in(HALL, (3, 3))
     there, back = move(motion, EAST, loaded=True), move(motion, WEST)
-    assert there.seconds > back.seconds == empty.seconds
-
-
-# Reproducible bit for bit.
-
-PRINT_A_HASH = """
-import hashlib, random
-from warehouse_core import random_layout
-from warehouse_physics import Disturbances, RigidBodyMotion
-
-layout, stream, digest = random_layout(7, 9, 0.2, seed=2), random.Random(3), hashlib.sha256()
-steps = [(0, 0), (-1, 0), (0, 1), (1, 0), (0, -1)]
-cells = [layout.open_cell(rank) for rank in range(len(layout.open_cells))]
-rough = Disturbances(0.1, cells[::3], motor_strength=0.9, drag_spread=0.5)
-for robots, disturbances in ((1, None), (4, None), (1, rough), (3, rough)):
-    motion = RigidBodyMotion(disturbances=disturbances)
-    motion.reset(layout, cells[:robots], 5)
-    for _ in range(20):
-        loaded = [stream.random() < 0.5 for _ in range(robots)]
-        for outcome in motion.advance(stream.choices(steps, k=robots), loaded):
-            digest.update(repr(outcome[:4] + outcome[5:]).encode() + outcome.path.tobytes())
-print(digest.hexdigest())
-"""
-
-
-def test_outcomes_are_equal_bit_for_bit_in_every_process() -> None:
-    digests = {
-        subprocess.run(
-            [sys.executable, "-c", PRINT_A_HASH],
-            env=os.environ | {"PYTHONHASHSEED": hash_seed},
-            capture_output=True,
-            check=True,
-            text=True,
-        ).stdout
-        for hash_seed in ("0", "4242")
-    }
-    assert len(digests) == 1
-    assert len(digests.pop()) == 65
+    assert there.seconds > back.seconds == free_move(RobotSpec()).seconds
 
 
 def test_outcomes_after_a_reset_equal_those_of_a_new_motion() -> None:
@@ -431,21 +262,3 @@ def test_outcomes_after_a_reset_equal_those_of_a_new_motion() -> None:
 def test_invalid_arguments_raise_at_construction(arguments, message: str) -> None:
     with pytest.raises(TypeError, match=f"^{message}$"):
         RigidBodyMotion(**arguments)
-
-
-def test_invalid_starts_raise_and_change_nothing() -> None:
-    motion = motion_in(HALL, (3, 3))
-    for cells in ([], [(9, 9)], [(1, 1), (1, 1)]):
-        with pytest.raises(LayoutError):
-            motion.reset(HALL, cells, 0)
-    assert move(motion, EAST).cell == (3, 4)
-
-
-def test_a_motion_that_is_closed_needs_a_reset() -> None:
-    motion = motion_in(HALL, (3, 3))
-    motion.close()
-    motion.close()
-    with pytest.raises(RuntimeError, match="needs a reset"):
-        move(motion, EAST)
-    motion.reset(HALL, [(3, 3)], 0)
-    assert move(motion, EAST).cell == (3, 4)

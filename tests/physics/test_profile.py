@@ -3,11 +3,20 @@
 import itertools
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from warehouse_physics.profile import Profile, braking, plan_profile
+from warehouse_physics.profile import (
+    Profile,
+    braking,
+    brakings,
+    plan_profile,
+    plan_profiles,
+    stopping_distances,
+    stopping_speeds,
+)
 
 places = st.tuples(st.floats(-50, 50), st.floats(-50, 50))
 lengths = st.floats(1e-3, 5.0)
@@ -111,3 +120,54 @@ def test_braking_ends_at_rest(speed, pace, step) -> None:
 
 def test_a_scaled_profile_has_another_speed_and_the_same_duration() -> None:
     assert Profile((2.0, -1.0), 5, 3).scaled(1.5) == Profile((3.0, -1.5), 5, 3)
+
+
+ways = st.lists(st.tuples(st.floats(-5, 5), st.floats(-5, 5)), min_size=1, max_size=5)
+
+
+@settings(max_examples=40)
+@given(ways, speeds, st.tuples(accelerations, accelerations), time_steps)
+def test_plans_for_a_batch_equal_single_profiles(ways, speed, paces, time_step) -> None:
+    pace = np.resize(paces, len(ways))
+    velocities, go, brake = plan_profiles(np.array(ways), speed, pace, time_step)
+    lengths = np.hypot(*np.array(ways).T)
+    stops = brakings(lengths, pace, time_step)
+    for row, way in enumerate(ways):
+        profile = plan_profile((0.0, 0.0), way, speed, pace[row], time_step)
+        assert velocities[row] == pytest.approx(profile.velocity, rel=1e-9)
+        assert (go[row], brake[row]) == (profile.go, profile.brake)
+        assert stops[row] == braking(lengths[row], pace[row], time_step)
+
+
+# Speeds from which bodies can still stop.
+
+DT = 1 / 60
+RATES = np.array([0.3, 1.0, 7.0])
+
+
+def braked(speed: float, rate: float) -> float:
+    """Return how far a body gets that is commanded a speed for a substep, and then brakes."""
+    way = 0.0
+    while speed > 0:
+        way += speed * DT
+        speed -= rate * DT
+    return way
+
+
+@pytest.mark.parametrize("distance", [1e-4, 0.01, 0.3, 0.5, 4.0])
+def test_the_highest_speed_is_that_with_which_a_body_still_stops(distance: float) -> None:
+    speeds = stopping_speeds(np.full(3, distance), RATES, DT)
+    for speed, rate in zip(speeds.tolist(), RATES.tolist(), strict=True):
+        assert braked(speed, rate) <= distance * (1 + 1e-9) + rate * DT * DT / 4
+        assert braked(speed + rate * DT, rate) > distance
+
+
+def test_nobody_may_move_on_who_has_no_way_left() -> None:
+    assert stopping_speeds(np.array([0.0, -1.0]), np.ones(2), DT).tolist() == [0.0, 0.0]
+
+
+@pytest.mark.parametrize("substeps", [0, 1, 5, 60])
+def test_a_stopping_distance_is_the_way_of_a_body_that_brakes(substeps: int) -> None:
+    speeds = substeps * RATES * DT
+    steps = np.arange(substeps, 0, -1).sum()
+    assert stopping_distances(speeds, RATES, DT) == pytest.approx(RATES * DT * DT * steps)

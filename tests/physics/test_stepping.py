@@ -134,21 +134,6 @@ def test_an_error_while_a_hit_is_noted_ends_the_action(fail, error) -> None:
     assert len(move(motion, WEST).contacts) == 1
 
 
-def test_an_error_while_a_hit_is_noted_is_kept_though_cffi_drops_those_of_callbacks() -> None:
-    hits = stepping.Hits(lambda arbiter: divide_by_zero())
-    hits.begin(None, None, None)
-    with pytest.raises(ZeroDivisionError):
-        hits.take()
-    assert hits.take() == []
-
-
-def test_an_error_while_a_hit_is_noted_ends_the_action_of_a_batch() -> None:
-    batch = batch_in([HALL, LEDGE])
-    batch._parts[0].arena.stepper._hits._note = lambda arbiter: divide_by_zero()
-    with pytest.raises(ZeroDivisionError):
-        batch.advance(np.array([1, 1]), np.zeros(2, bool))
-
-
 @pytest.mark.usefixtures("interrupts_raise")
 def test_an_interrupt_right_before_a_callback_ends_the_action(monkeypatch) -> None:
     """It is raised in pymunk's own callback, before any code of this package runs."""

@@ -51,7 +51,6 @@ MAY_IMPORT = {
         "warehouse_env wording world"
     ),
     "warehouse_core/warehouse_viz": "arguments files records viz viz/export viz/tracks",
-    "warehouse_physics/clearance": "",
     "warehouse_physics/exclusive": "",
     "warehouse_physics/profile": "",
     "warehouse_physics/pymunk_version": "",
@@ -59,12 +58,11 @@ MAY_IMPORT = {
     "warehouse_physics/stepping": "",
     "warehouse_physics/walls": "",
     "warehouse_physics/arena": "spec stepping walls",
-    "warehouse_physics/body_arrays": "profile",
     "warehouse_physics/disturbances": "spec",
     "warehouse_physics/energy": "profile spec",
     "warehouse_physics/body_motion": "disturbances spec",
-    "warehouse_physics/driven_arena": "arena body_arrays profile spec",
-    "warehouse_physics/robot": "arena clearance disturbances energy profile spec",
+    "warehouse_physics/driven_arena": "arena profile spec",
+    "warehouse_physics/robot": "arena disturbances energy profile spec",
     "warehouse_physics/batch": "arena driven_arena energy exclusive profile robot spec walls",
     "warehouse_physics/driving": (
         "arena body_motion disturbances driven_arena energy exclusive profile robot spec walls"

@@ -1,7 +1,7 @@
 """Checks of the rules in ``motion/base.py``; each raises if its rule is broken.
 
 A check is called with a factory that returns a fresh motion at each call. Its docstring is its
-rule. ``suite.py`` runs ``CHECKS`` and the checks of batches in ``vector_checks.py``.
+rule. ``suite.py`` runs ``CHECKS`` and the checks of batches in ``batch_checks.py``.
 """
 
 from __future__ import annotations

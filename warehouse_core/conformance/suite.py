@@ -7,7 +7,7 @@ It needs no test runner. Three lines test a backend::
     report = run_conformance(MyMotion)
     report.raise_for_failures()
 
-The checks are plain functions in ``checks.py`` and, for batches, ``vector_checks.py``.
+The checks are plain functions in ``checks.py`` and, for batches, ``batch_checks.py``.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from warehouse_core.conformance.batch_checks import BATCH_CHECKS
 from warehouse_core.conformance.checks import CHECKS as SINGLE_CHECKS
 from warehouse_core.conformance.checks import Check
 from warehouse_core.conformance.trials import ConformanceError, MakeMotion
-from warehouse_core.conformance.vector_checks import VECTOR_CHECKS
 
-CHECKS: tuple[Check, ...] = SINGLE_CHECKS + VECTOR_CHECKS
+CHECKS: tuple[Check, ...] = SINGLE_CHECKS + BATCH_CHECKS
 """Every check, in the order in which they run."""
 
 PASSED, FAILED = "passed", "failed"

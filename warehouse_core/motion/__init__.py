@@ -2,7 +2,7 @@
 
 from warehouse_core.motion.backends import backend_names, load_backend, make_motion
 from warehouse_core.motion.base import Conditions, Contact, HasConditions, Motion, Outcome
-from warehouse_core.motion.vector import Batchable, BatchMotion, BatchOutcome
+from warehouse_core.motion.batch import Batchable, BatchMotion, BatchOutcome
 
 __all__ = [
     "BatchMotion",

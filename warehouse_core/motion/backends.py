@@ -18,13 +18,8 @@ from typing import TYPE_CHECKING
 from warehouse_core.errors import BackendError
 from warehouse_core.extras import pip_install, requirements_of
 from warehouse_core.motion.base import Motion
-from warehouse_core.motion.motion_batch import MotionBatch
-from warehouse_core.motion.vector import (
-    Batchable,
-    BatchMotion,
-    FleetBatchable,
-    FleetBatchMotion,
-)
+from warehouse_core.motion.batch import Batchable, BatchMotion, FleetBatchable, FleetBatchMotion
+from warehouse_core.motion.separate import SeparateMotions
 from warehouse_core.world.layout import Layout
 
 if TYPE_CHECKING:
@@ -89,7 +84,7 @@ def make_fleet_motion(backend: Backend, layouts: Sequence[Layout], robots: int) 
             f"backend {backend!r} is a single motion, for one layout; {len(layouts)} layouts need "
             "the name or the class of a backend"
         )
-    return MotionBatch([make_motion(backend) for _ in layouts], layouts, robots)
+    return SeparateMotions([make_motion(backend) for _ in layouts], layouts, robots)
 
 
 def _make_named(backend: str) -> Motion:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.arguments import real_number
+from warehouse_core.motion.array_traffic import ArrayTraffic
 from warehouse_core.motion.base import (
     WALL_CONTACT,
     Contact,
@@ -23,12 +24,11 @@ from warehouse_core.motion.base import (
     check_starts,
     robot_contact,
 )
+from warehouse_core.motion.batch import NOTHING, WALL, BatchOutcome
 from warehouse_core.motion.traffic import Obstacle, find_stops
-from warehouse_core.motion.vector import NOTHING, WALL, BatchOutcome, Flags, Integers
-from warehouse_core.motion.vector_traffic import VectorTraffic
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tables import LayoutSet, sides_table, size_of
+from warehouse_core.world.tables import Flags, Integers, LayoutSet, sides_table, size_of
 from warehouse_core.world.tiles import EMPTY, MOVE_DELTAS, Cell, moved
 
 NOMINAL_KG = 50.0
@@ -247,7 +247,7 @@ class GridFleetBatch(GridBatch):
         self._motion = GridMotion(cell_size)
         ends = np.cumsum(self._layouts.of_rows([size_of(kind) for kind in self._layouts.kinds]))
         self._floor = np.repeat([0, *ends[:-1].tolist()], robots)
-        self._traffic = VectorTraffic(int(ends[-1]), len(layouts), robots)
+        self._traffic = ArrayTraffic(int(ends[-1]), len(layouts), robots)
         self._before = np.full_like(self._cells, NOT_MOVED)
         self._headings = np.full(len(self._cells), DISPLACEMENTS.index(EAST))
         self._moving = self._cells > 0

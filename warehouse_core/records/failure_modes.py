@@ -62,7 +62,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from warehouse_core.motion.vector import NOTHING
+from warehouse_core.motion.batch import NOTHING
 from warehouse_core.records.episode import (
     BATTERY_DEPLETED,
     DELIVERED,

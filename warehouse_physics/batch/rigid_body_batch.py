@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -9,8 +10,10 @@ import numpy as np
 
 from warehouse_core import Layout, LayoutError
 from warehouse_core.motion.base import centre_of
-from warehouse_core.motion.vector import BatchOutcome, Flags, Integers
+from warehouse_core.motion.batch import BatchOutcome
 from warehouse_core.world.actions import DISPLACEMENTS
+from warehouse_core.world.layout import check_open
+from warehouse_core.world.tables import Flags, Integers
 from warehouse_physics.batch.robots import BatchRobots
 from warehouse_physics.batch.warehouses import Warehouses, corners_of
 from warehouse_physics.energy import joules_of
@@ -66,7 +69,7 @@ class RigidBodyBatch:
         """
         parts = self._in_use("place")
         rows = self._checked_rows(rows)
-        cells = _checked_vector("cells", cells, len(rows))
+        cells = _checked("cells", cells, len(rows))
         starts = [self._start(*each) for each in zip(rows.tolist(), cells.tolist(), strict=True)]
         for row, start in zip(rows.tolist(), starts, strict=True):
             part, row_of_part = divmod(row, ROWS_OF_A_SPACE)
@@ -111,8 +114,8 @@ class RigidBodyBatch:
         if not self._is_placed.all():
             missing = int(np.argmin(self._is_placed))
             raise RuntimeError(f"advance() needs a place() of every row; row {missing} had none")
-        actions = self._checked_actions(actions)
-        loaded = _checked_vector("loaded", loaded, len(self._layouts), kinds="b")
+        actions = _checked("actions", actions, len(self._layouts), below=len(_WAYS))
+        loaded = _checked("loaded", loaded, len(self._layouts), kinds="b")
         for robots, rows in zip(parts, self._slices, strict=True):
             robots.drive(_WAYS[actions[rows]], loaded[rows])
         substeps = np.concatenate([robots.substeps for robots in parts])
@@ -136,37 +139,23 @@ class RigidBodyBatch:
         """Return the position of the middle of a cell in metres."""
         layout = self._layouts[row]
         place = layout.cell(cell)
-        if not layout.is_open(place):
-            raise LayoutError(
-                f"the robot of row {row} cannot stand on cell {cell}: {layout.describe(place)}"
-            )
+        check_open(layout, place, f"the robot of row {row}:")
         return centre_of(place, self.spec.cell_size)
 
     def _checked_rows(self, rows: Integers) -> Integers:
-        rows, count = _checked_vector("rows", rows), len(self._layouts)
-        seen: dict[int, int] = {}
-        for index, row in enumerate(rows.tolist()):
-            if not 0 <= row < count:
-                raise ValueError(f"rows[{index}] is {row}; allowed: 0..{count - 1}")
-            if row in seen:
-                raise ValueError(f"rows[{seen[row]}] and rows[{index}] are both {row}")
-            seen[row] = index
+        rows = _checked("rows", rows, below=len(self._layouts))
+        if len(set(rows.tolist())) < len(rows):
+            raise ValueError(f"rows are {rows.tolist()}; each row may be given once")
         return rows
 
-    def _checked_actions(self, actions: Integers) -> Integers:
-        actions = _checked_vector("actions", actions, len(self._layouts))
-        wrong = (actions < 0) | (actions >= len(_WAYS))
-        if wrong.any():
-            row = int(np.argmax(wrong))
-            raise ValueError(f"action {actions[row]} of row {row}; allowed: 0..{len(_WAYS) - 1}")
-        return actions
 
-
-def _checked_vector(name: str, values: Any, length: int | None = None, kinds: str = "iu") -> Any:
-    """Return ``values`` as an array ``[length]`` of one of the dtype ``kinds``.
+def _checked(
+    name: str, values: Any, length: int | None = None, below: float = math.inf, kinds: str = "iu"
+) -> Any:
+    """Return ``values`` as an array ``[length]`` of one of the dtype ``kinds``, from 0 on.
 
     Raises:
-        ValueError: another shape or another kind.
+        ValueError: another shape or another kind, or a value that is not ``below`` a limit.
     """
     array = np.asarray(values)
     if array.ndim != 1 or length not in (None, len(array)):
@@ -175,4 +164,8 @@ def _checked_vector(name: str, values: Any, length: int | None = None, kinds: st
     if array.dtype.kind not in kinds:
         allowed = "bool" if kinds == "b" else "integers"
         raise ValueError(f"{name} are {array.dtype}; they must be {allowed}")
+    wrong = np.flatnonzero((array < 0) | (array >= below))
+    if len(wrong):
+        first = int(wrong[0])
+        raise ValueError(f"{name}[{first}] is {array[first]}; allowed: 0..{below - 1}")
     return array

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.motion.vector import Flags, Integers, Rows
+from warehouse_core.world.tables import Flags, Integers, Rows
 from warehouse_physics.arena import Hit, Position
 from warehouse_physics.batch.warehouses import Warehouses
 from warehouse_physics.energy import kinetic, spent

@@ -16,7 +16,7 @@ import numpy as np
 
 from warehouse_core import Cell
 from warehouse_core.motion.base import centre_of
-from warehouse_core.motion.vector import Flags
+from warehouse_core.world.tables import Flags
 from warehouse_physics.arena import Hit
 from warehouse_physics.disturbances import Disturbances
 from warehouse_physics.driven_arena import DrivenArena
@@ -28,8 +28,6 @@ from warehouse_physics.driving.motors import Motors
 from warehouse_physics.energy import spent
 from warehouse_physics.profile import Floats, stopping_distances, stopping_speeds
 from warehouse_physics.spec import ARRIVED, RobotSpec
-
-NOMINAL = Disturbances()
 
 NEAR = 0.02
 """Share of a cell beyond the middle of a cell in which a robot is still at its middle."""
@@ -62,8 +60,8 @@ class Driver:
         arena: DrivenArena,
         spec: RobotSpec,
         cells: Sequence[Cell],
-        disturbances: Disturbances = NOMINAL,
-        seed: int = 0,
+        disturbances: Disturbances,
+        seed: int,
     ) -> None:
         robots = len(cells)
         self._arena, self._spec = arena, spec

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from warehouse_core.motion.vector import Flags
+from warehouse_core.world.tables import Flags
 from warehouse_physics.profile import Floats
 from warehouse_physics.robot import TURN_RATE, TURN_SECONDS
 from warehouse_physics.spec import RobotSpec

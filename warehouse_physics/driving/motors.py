@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from warehouse_core import Cell
-from warehouse_core.motion.vector import Flags
+from warehouse_core.world.tables import Flags
 from warehouse_physics.disturbances import Disturbances, FloorConditions
 from warehouse_physics.driven_arena import DrivenArena
 from warehouse_physics.driving.limits import Limits

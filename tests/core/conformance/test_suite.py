@@ -11,8 +11,8 @@ import pytest
 from warehouse_core import Cell, Contact, Layout, Motion, Outcome
 from warehouse_core.conformance import run_conformance
 from warehouse_core.conformance.suite import CHECKS, ConformanceError
+from warehouse_core.motion.batch import BatchOutcome
 from warehouse_core.motion.grid import GridMotion
-from warehouse_core.motion.vector import BatchOutcome
 
 NAMES = [check.__name__ for check in CHECKS]
 CHECK = dict(zip(NAMES, CHECKS, strict=True))
@@ -517,8 +517,8 @@ def test_the_docstring_of_a_check_is_a_sentence() -> None:
 
 
 def test_every_check_runs_once() -> None:
+    from warehouse_core.conformance import batch_checks as conformance_batch
     from warehouse_core.conformance import checks as conformance_checks
-    from warehouse_core.conformance import vector_checks as conformance_batch
 
     written = [*vars(conformance_checks), *vars(conformance_batch)]
     assert sorted(NAMES) == sorted(name for name in written if name.startswith("check_"))

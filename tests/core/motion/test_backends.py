@@ -16,7 +16,7 @@ from warehouse_core.motion.backends import (
     make_motion,
 )
 from warehouse_core.motion.grid import GridBatch, GridFleetBatch, GridMotion
-from warehouse_core.motion.motion_batch import MotionBatch
+from warehouse_core.motion.separate import SeparateMotions
 
 
 class FakeDistribution:
@@ -149,7 +149,7 @@ def test_fleets_of_one_robot_and_more_are_moved_by_arrays_if_the_backend_can(rob
         assert type(make_fleet_motion(backend, layouts, robots)) is GridFleetBatch
     for backend in (LoneBatch, WithoutBatch):
         made = make_fleet_motion(backend, layouts, robots)
-        assert type(made) is MotionBatch
+        assert type(made) is SeparateMotions
         assert len({id(motion) for motion in made._motions}) == 2
     lone = WithoutBatch()
     assert make_fleet_motion(lone, layouts[:1], robots)._motions == [lone]

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from warehouse_core import Layout, random_layout
+from warehouse_core.motion.batch import Batchable
 from warehouse_core.motion.grid import GridBatch, GridMotion, nominal_joules
-from warehouse_core.motion.vector import Batchable
 from warehouse_core.world.actions import DISPLACEMENTS
 
 NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from warehouse_core import Cell, Layout
+from warehouse_core.motion.array_traffic import MAX_SMALL_FRONT
 from warehouse_core.motion.traffic import Obstacle, find_stops
-from warehouse_core.motion.vector_traffic import MAX_SMALL_FRONT
 from warehouse_core.world.tiles import moved
 
 HALL = Layout(["......"] * 6)

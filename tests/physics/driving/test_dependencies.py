@@ -68,11 +68,6 @@ def test_the_robots_of_a_ring_wait_for_each_other() -> None:
     ]
 
 
-def test_a_robot_that_comes_back_to_its_cell_waits_for_nobody() -> None:
-    found = build([[(0, 0)], [(0, 1)], [(0, 0)]])
-    assert found.node(0, 2) == Node((0, 0), None)
-
-
 def test_nodes_that_are_forgotten_or_not_there_yet_raise() -> None:
     found = build([[(0, col)] for col in range(HISTORY + 6)])
     found.forget(0, HISTORY + 3)
@@ -85,17 +80,6 @@ def test_nodes_that_are_forgotten_or_not_there_yet_raise() -> None:
             found.node(0, number)
     with pytest.raises(LookupError, match="no node 2"):
         found.move(0, 3)
-
-
-def test_robots_that_go_on_for_ever_keep_few_nodes() -> None:
-    ring = [(0, 0), (0, 1), (1, 1), (1, 0)]
-    found, kept = Dependencies(ring[:3]), set()
-    for step in range(1, 2000):
-        found.extend([ring[(robot + step) % 4] for robot in range(3)])
-        for robot in range(3):
-            found.forget(robot, found.last(robot) - 2)
-            kept.add(len(list(found.nodes(robot, 0))))
-    assert max(kept) <= HISTORY + 2
 
 
 def test_a_cell_whose_last_visit_is_forgotten_has_no_order_any_more() -> None:

@@ -38,6 +38,8 @@ def test_two_bodies_that_meet_both_report_it() -> None:
         (0, 1),
         (1, 0),
     ]
+    assert [hit.push for hit in sorted(hits)] == [(-1.0, 0.0), (1.0, 0.0)]
+    assert [hit.velocity[0] for hit in sorted(hits)] == pytest.approx([0.4, -0.2])
     reduced = 50 * 100 / 150
     assert {round(hit.impulse, 3) for hit in hits} == {round(reduced * 0.6, 3)}
 
@@ -53,3 +55,15 @@ def test_a_hit_is_in_the_outcomes_of_those_who_feel_it() -> None:
     assert [contact.counterpart for contact in one.contacts] == ["robot 1"]
     assert [contact.counterpart for contact in other.contacts] == ["robot 0"]
     assert 0 < one.contacts[0].seconds <= 1.0
+
+
+def test_a_body_that_is_held_against_a_wall_sinks_in_by_a_millimetre() -> None:
+    """Chipmunk's own slop would be a decimetre."""
+    arena = DrivenArena(SPEC, ITERATIONS)
+    arena.add_walls(wall_boxes(Layout(["."])))
+    arena.add_robots([(0.5, 0.5)])
+    arena.drives[0].max_force = 60.0
+    for substep in range(120):
+        arena.command([(0.5, 0.0)])
+        arena.stepper.run(substep, substep + 1)
+    assert arena.look()[0][0, 0] + SPEC.radius - 1 == pytest.approx(0.001, abs=5e-4)

@@ -1,12 +1,11 @@
 """Robots that fail while they drive through joint plans: all others come to rest at open cells."""
 
 import math
-import random
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.driving import resolved
+from helpers.driving import crowds
 from helpers.driving_validator import motion_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -78,26 +77,15 @@ class Failures:
         assert motion_fault(np.concatenate(rows), self.motion.spec) is None
 
 
-@st.composite
-def failures(draw: st.DrawFn) -> tuple[Failures, random.Random]:
-    """Draw a small floor, robots on it in a ring, a queue or at random, and a plan for them."""
-    height, width = draw(st.integers(1, 4)), draw(st.integers(2, 5))
-    stream = random.Random(draw(st.integers(0, 10**6)))
-    walls = draw(st.sampled_from(["....#", "."]))
-    rows = ["".join(stream.choice(walls) for _ in range(width)) for _ in range(height)]
-    layout = Layout([*rows, "." * width])
-    cells = [divmod(int(cell), width) for cell in layout.open_cells]
-    starts = stream.sample(cells, draw(st.integers(1, min(len(cells), 8))))
-    actions = [[stream.choice([0, 1, 2, 3, 0, 1, 2, 3, 4]) for _ in starts] for _ in range(12)]
-    loaded = [stream.random() < 0.5 for _ in starts]
-    plan = resolved(layout, starts, actions)
-    return Failures(layout, plan, draw(st.sampled_from(SPECS)), loaded), stream
-
-
-@given(failures(), st.lists(st.floats(0.02, 4.0), min_size=1, max_size=3))
+@given(
+    st.one_of(crowds(), crowds(".")),
+    st.sampled_from(SPECS),
+    st.lists(st.floats(0.02, 4.0), min_size=1, max_size=3),
+)
 @settings(max_examples=8)
-def test_robots_come_to_rest_and_go_on_around_those_that_fail(drawn, pauses: list[float]) -> None:
-    crowd, stream = drawn
+def test_robots_come_to_rest_and_go_on_around_those_that_fail(drawn, spec, pauses) -> None:
+    layout, plan, loaded, stream = drawn
+    crowd = Failures(layout, plan, spec, loaded)
     robots = range(len(crowd.motion.ways().ends))
     for pause in pauses:
         crowd.drive(pause)

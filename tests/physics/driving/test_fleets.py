@@ -9,10 +9,8 @@ from helpers.fleets import SHELVES, fleet_episode
 from agents.fleet.planned import PlannedFleet
 from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
-from warehouse_core import BatchEnv, FleetEnv, FleetEpisode, replay_fleet_episode
-from warehouse_core.errors import BackendError
+from warehouse_core import FleetEnv, FleetEpisode, replay_fleet_episode
 from warehouse_core.fleet import Battery
-from warehouse_core.warehouse_viz import replay_animation
 from warehouse_physics import DrivingMotion
 
 
@@ -36,14 +34,6 @@ def test_a_record_is_the_same_after_a_file_and_after_a_replay(
     assert loaded == episode
     assert loaded.backend == "driving"
     assert replay_fleet_episode(loaded) == episode
-
-
-def test_a_replay_shows_the_paths_that_were_driven(episode: FleetEpisode, tmp_path: Path) -> None:
-    replay = replay_animation(episode)
-    assert replay is not None
-    replay.save(tmp_path / "fleet.html")
-    assert "<canvas" in (tmp_path / "fleet.html").read_text(encoding="utf-8")
-    replay.save(tmp_path / "fleet.png")
 
 
 def test_a_robot_picks_and_drops_only_at_rest() -> None:
@@ -80,11 +70,6 @@ def test_a_robot_that_drives_over_a_charger_is_not_charged() -> None:
     for _ in range(30):
         env.step(["W" if env.ways.ends[0] != (0, 2) else "WAIT"])
     assert env.battery == [100]
-
-
-def test_a_batch_cannot_use_the_backend() -> None:
-    with pytest.raises(BackendError, match="'driving' cannot move a batch"):
-        BatchEnv(2, backend="driving")
 
 
 def test_a_run_of_the_chapters_robot_cannot_use_the_backend(

@@ -21,7 +21,7 @@ def queue() -> tuple[Dependencies, Leaders]:
 
 
 def test_a_leader_holds_a_cell_until_its_body_has_left_room_for_another(queue) -> None:
-    leaders = queue[1]
+    ways, leaders = queue
     before, apart = np.array([0.0, 2 * SPEC.radius]), np.array([0.0, 2 * SPEC.radius + 0.011])
     leaders.find(0, before)
     assert leaders.nodes[0, :2].tolist() == [1, 2]
@@ -31,15 +31,9 @@ def test_a_leader_holds_a_cell_until_its_body_has_left_room_for_another(queue) -
     assert leaders.nodes[0, :2].tolist() == [2, 3]
     leaders.drop(apart + 2)
     assert set(leaders.nodes.ravel().tolist()) == {NOWHERE}
-
-
-def test_cells_that_leaders_have_left_are_not_waited_for(queue) -> None:
-    leaders = queue[1]
-    leaders.find(0, np.array([0.0, 2 * SPEC.radius]))
-    assert leaders.nodes[0, 0] == 1
-    leaders = Leaders(SPEC, queue[0], Limits(SPEC, 2, Disturbances()))
-    leaders.find(0, np.array([0.0, 2 * SPEC.radius + 0.011]))
-    assert leaders.nodes[0, 0] == 2
+    leaders = Leaders(SPEC, ways, Limits(SPEC, 2, Disturbances()))
+    leaders.find(0, apart)
+    assert leaders.nodes[0, 0] == 2, "a cell that a leader has left is not waited for"
 
 
 def test_the_first_robot_of_a_queue_has_no_leader(queue) -> None:

@@ -21,7 +21,7 @@ from warehouse_core.batch.shell.env import ALL, NO_FLOORS, EngineStep
 from warehouse_core.batch.shell.robots import Robots
 from warehouse_core.batch.shell.verdicts import spend_and_charge
 from warehouse_core.motion.backends import Backend, make_fleet_motion, make_motion
-from warehouse_core.motion.vector import BatchOutcome, CanFail, FleetBatchMotion
+from warehouse_core.motion.batch import BatchOutcome, CanFail, FleetBatchMotion
 from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.task.rules import judge
 from warehouse_core.world.actions import PICK, WAIT

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.batch.fleet.people import Crowd
 from warehouse_core.motion.base import Outcome
-from warehouse_core.motion.vector import BatchOutcome, CanFail, FleetBatchMotion
+from warehouse_core.motion.batch import BatchOutcome, CanFail, FleetBatchMotion
 from warehouse_core.world.tables import Flags, Integers
 
 Kind = TypeVar("Kind", bound=np.generic)

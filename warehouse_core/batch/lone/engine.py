@@ -12,7 +12,7 @@ from warehouse_core.batch.shell.env import ALL, NO_FLOORS, EngineStep
 from warehouse_core.batch.shell.floor import Floor
 from warehouse_core.batch.shell.robots import Robots
 from warehouse_core.batch.shell.verdicts import spend_and_charge
-from warehouse_core.motion.vector import BatchMotion, ChangesLayouts
+from warehouse_core.motion.batch import BatchMotion, ChangesLayouts
 from warehouse_core.task.encoding import Arrays
 from warehouse_core.task.state import WarehouseState
 from warehouse_core.world.actions import WAIT

@@ -14,7 +14,7 @@ from warehouse_core.batch.shell.env import NEXT_STEP, ArrayEnv
 from warehouse_core.batch.shell.floor import Floor
 from warehouse_core.errors import BackendError
 from warehouse_core.motion.backends import Backend, make_batch_motion
-from warehouse_core.motion.vector import ChangesLayouts
+from warehouse_core.motion.batch import ChangesLayouts
 from warehouse_core.task.encoding import Arrays
 from warehouse_core.task.starts import what_is_drawn
 from warehouse_core.task.state import WarehouseState

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.batch.shell.floor import Floor
 from warehouse_core.batch.shell.verdicts import NO_STATION, charging, judge_all
-from warehouse_core.motion.vector import BatchMotion, BatchOutcome
+from warehouse_core.motion.batch import BatchMotion, BatchOutcome
 from warehouse_core.task.encoding import Arrays
 from warehouse_core.world.tables import Flags, Integers, Rows
 

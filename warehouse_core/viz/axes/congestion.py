@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
-from warehouse_core.motion.vector import NOTHING
+from warehouse_core.motion.batch import NOTHING
 from warehouse_core.records.episode import FleetEpisode
 from warehouse_core.render.palette import INK, PAPER
 from warehouse_core.viz.axes.heat_map import Counts, draw_heat

@@ -19,8 +19,8 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import EngFormatter, MaxNLocator
 from numpy.typing import NDArray
 
-from warehouse_core.motion.vector import NOTHING
-from warehouse_core.motion.vector import WALL as WALL_STOPS
+from warehouse_core.motion.batch import NOTHING
+from warehouse_core.motion.batch import WALL as WALL_STOPS
 from warehouse_core.records.episode import FleetEpisode
 from warehouse_core.render.palette import COLORS, INK, PAPER, Color
 from warehouse_core.viz.axes.look import draw_grid

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from warehouse_core.arguments import real_number
 from warehouse_core.errors import RecordError
 from warehouse_core.motion.base import Contact, Outcome
-from warehouse_core.motion.vector import NOTHING
+from warehouse_core.motion.batch import NOTHING
 from warehouse_core.records.episode import UNFINISHED, Episode
 from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.records.plans import NO_PLANS, StepPlans, check_plans

@@ -8,8 +8,8 @@ import numpy as np
 
 from warehouse_core import FleetEpisode
 from warehouse_core.motion.base import WALL_CONTACT, Contact, centre_of, robot_contact
+from warehouse_core.motion.batch import NOTHING, WALL
 from warehouse_core.motion.grid import NOMINAL_KG, NOMINAL_SECONDS
-from warehouse_core.motion.vector import NOTHING, WALL
 from warehouse_core.records.episode import Episode
 from warehouse_core.world.actions import DISPLACEMENTS
 

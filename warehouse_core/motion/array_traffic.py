@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.motion.vector import NOTHING, WALL, Flags, Integers
+from warehouse_core.motion.batch import NOTHING, WALL
+from warehouse_core.world.tables import Flags, Integers
 
 Numbers = NDArray[np.intp]
 
@@ -17,7 +18,7 @@ MAX_SMALL_FRONT = 100
 """Queues up to this many are followed one by one, which is then faster than all together."""
 
 
-class VectorTraffic:
+class ArrayTraffic:
     """Finds what stops each of ``N`` robots; equal to ``find_stops`` on each floor.
 
     Args:

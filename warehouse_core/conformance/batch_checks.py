@@ -13,7 +13,7 @@ import numpy as np
 
 from warehouse_core.conformance.trials import MAZE, MakeMotion, expect, expect_error
 from warehouse_core.motion.base import Motion, Outcome
-from warehouse_core.motion.vector import (
+from warehouse_core.motion.batch import (
     NOTHING,
     WALL,
     Batchable,
@@ -86,7 +86,7 @@ def check_a_closed_batch_does_not_move(make_motion: MakeMotion) -> None:
             batch.close()
 
 
-VECTOR_CHECKS = (
+BATCH_CHECKS = (
     check_a_batch_moves_as_single_motions_do,
     check_a_batch_of_fleets_moves_as_single_motions_do,
     check_a_batch_moves_in_changed_layouts,

@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.motion.base import DrivesThrough, Motion, Outcome, check_starts, robot_contact
-from warehouse_core.motion.vector import NOTHING, WALL, BatchOutcome, Flags, Integers
+from warehouse_core.motion.batch import NOTHING, WALL, BatchOutcome
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.layout import Layout
+from warehouse_core.world.tables import Flags, Integers
 from warehouse_core.world.tiles import Cell, moved
 
 
-class MotionBatch:
+class SeparateMotions:
     """Moves ``R`` robots in each of ``B`` layouts by a motion for each; see ``BatchMotion``.
 
     ``stopped_by`` is the counterpart of the first contact of a blocked robot. Without a contact it

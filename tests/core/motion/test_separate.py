@@ -5,17 +5,17 @@ import numpy as np
 import pytest
 
 from warehouse_core import Contact, Layout, LayoutError, Outcome, random_layout
-from warehouse_core.conformance.vector_checks import VECTOR_CHECKS
+from warehouse_core.conformance.batch_checks import BATCH_CHECKS
+from warehouse_core.motion.batch import NOTHING, WALL
 from warehouse_core.motion.grid import GridMotion
-from warehouse_core.motion.motion_batch import MotionBatch
-from warehouse_core.motion.vector import NOTHING, WALL
+from warehouse_core.motion.separate import SeparateMotions
 
 NORTH, EAST, SOUTH, WEST, WAIT = range(5)
 HALL = Layout(["...", "..."])
 
 
-def batch_of(layouts: Sequence[Layout], robots: int, make: Any = GridMotion) -> MotionBatch:
-    return MotionBatch([make() for _ in layouts], layouts, robots)
+def batch_of(layouts: Sequence[Layout], robots: int, make: Any = GridMotion) -> SeparateMotions:
+    return SeparateMotions([make() for _ in layouts], layouts, robots)
 
 
 class Separate(GridMotion):
@@ -28,7 +28,7 @@ class Separate(GridMotion):
         return batch_of(layouts, robots)
 
 
-@pytest.mark.parametrize("check", VECTOR_CHECKS, ids=lambda check: check.__name__)
+@pytest.mark.parametrize("check", BATCH_CHECKS, ids=lambda check: check.__name__)
 def test_it_conforms(check: Any) -> None:
     check(Separate)
 

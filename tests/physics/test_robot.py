@@ -1,0 +1,96 @@
+"""What a robot makes of a hit: whether it is in the way, and whether it is recorded."""
+
+import pytest
+from helpers.rigid_bodies import EAST, STAY, WEST
+
+from warehouse_core import Cell, Layout
+from warehouse_physics import RobotSpec
+from warehouse_physics.arena import Hit
+from warehouse_physics.robot import Robot
+from warehouse_physics.robot_arena import RobotArena, iterations_for_drag, iterations_for_jams
+
+SPEC = RobotSpec()
+
+
+def robots_that(*moves: Cell) -> list[Robot]:
+    """Return robots side by side in a row, from the third cell on, that begin to move."""
+    cells = [(0, 2 + col) for col in range(len(moves))]
+    robots = RobotArena(Layout(["......"]), cells, SPEC).robots
+    for robot, displacement in zip(robots, moves, strict=True):
+        robot.begin(displacement, False, SPEC.acceleration)
+        robot.set_off(0)
+    return robots
+
+
+@pytest.mark.parametrize(
+    ("push", "point", "gives_up"),
+    [
+        ((-1.0, 0.0), (2.9, 0.5), True),
+        ((-0.8, 0.6), (2.9, 0.5), True),
+        ((-0.6, 0.8), (2.9, 0.5), False),
+        ((1.0, 0.0), (2.9, 0.5), False),
+        ((-1.0, 0.0), (2.9, 0.99), True),
+        ((-1.0, 0.0), (2.9, 1.01), False),
+        ((-1.0, 0.0), (2.9, -0.01), False),
+        ((-1.0, 0.0), (3.49, 0.5), True),
+        ((-1.0, 0.0), (3.51, 0.5), False),
+    ],
+    ids=[
+        "ahead",
+        "askew",
+        "rather from the side",
+        "from behind",
+        "in the lane",
+        "beside the lane",
+        "on its other side",
+        "before the goal",
+        "beyond the goal",
+    ],
+)
+def test_a_wall_is_in_the_way_that_reaches_into_the_lane_and_pushes_back(
+    push: tuple[float, float], point: tuple[float, float], gives_up: bool
+) -> None:
+    """The robot drives from (2.5, 0.5) to (3.5, 0.5)."""
+    (robot,) = robots_that(EAST)
+    robot.meet(1, Hit(0, None, push, (0.3, 0.0), 1.0, point), None)
+    assert robot.action.gave_up == gives_up
+    assert robot.action.target == ((2.5, 0.5) if gives_up else (3.5, 0.5))
+
+
+@pytest.mark.parametrize(
+    ("others", "has_given_up", "gives_up"),
+    [(EAST, False, False), (EAST, True, True), (STAY, False, True), (WEST, False, True)],
+    ids=["drives away", "comes back", "waits", "head-on"],
+)
+def test_another_robot_is_in_the_way_unless_it_leaves_the_cell(
+    others: Cell, has_given_up: bool, gives_up: bool
+) -> None:
+    robot, other = robots_that(EAST, others)
+    if has_given_up:
+        other.give_up()
+    robot.meet(1, Hit(0, 1, (-1.0, 0.0), (0.3, 0.0), 1.0, (3.0, 0.5)), other)
+    assert (robot.action.gave_up, robot.action.has_met) == (gives_up, True)
+
+
+def test_only_a_hit_with_an_impulse_is_recorded() -> None:
+    """Two that touch side on and already part have none."""
+    robot, other = robots_that(EAST, EAST)
+    for substep, impulse in ((1, 0.0), (3, 0.5)):
+        robot.meet(substep, Hit(0, 1, (-1.0, 0.0), (0.3, 0.0), impulse, (3.0, 0.5)), other)
+    ((seconds, impulse, _, counterpart),) = robot.action.contacts
+    assert (seconds, impulse, counterpart) == (3 * SPEC.time_step, 0.5, "robot 1")
+
+
+@pytest.mark.parametrize(
+    ("changes", "jams", "drag"),
+    [
+        ({}, 5, 4),
+        ({"payload_mass": 340.0, "motor_force": 500.0}, 11, 4),
+        ({"floor_drag": 0.08}, 5, 5),
+    ],
+)
+def test_heavy_loads_and_drag_need_more_rounds_of_the_solver(
+    changes: dict[str, float], jams: int, drag: int
+) -> None:
+    spec = RobotSpec(**changes)
+    assert (iterations_for_jams(spec), iterations_for_drag(spec)) == (jams, drag)
