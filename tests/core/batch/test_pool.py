@@ -136,9 +136,9 @@ def test_a_pool_that_cannot_be_used_raises(
 
 def test_a_backend_whose_layouts_cannot_change_has_no_pool() -> None:
     class Fixed(GridMotion):
-        def batch(self, layouts: Sequence[Layout], robots: int = 1) -> Any:
+        def batch(self, layouts: Sequence[Layout]) -> Any:
             class Batch:
-                place = advance = outcomes = close = None
+                place = advance = close = None
 
             return Batch()
 
