@@ -32,6 +32,13 @@ def outcomes(words: str, seed: int = 0, steps: int = 20) -> list[Row]:
     return [row(number, modes[each], steps) for number, each in enumerate(words, start=seed)]
 
 
+def hall(folder: Path, length: int) -> str:
+    """Write a layout with a hall of some cells between its stations, and return its file."""
+    file, wall = folder / f"hall{length}.txt", "#" * (length + 4)
+    file.write_text(f"{wall}\n#P{'.' * length}D#\n{wall}")
+    return str(file)
+
+
 GOOD = row(0, steps=20, seconds=40.0, joules=900.0)
 BAD = row(0, "oscillation", 200, seconds=400.0, joules=9000.0)
 

@@ -238,10 +238,7 @@ def test_slippery_cells_and_weak_motors_are_recorded_and_drawn(tmp_path: Path) -
     recorder = EpisodeRecorder(env)
     recorder.step("WAIT")
     fleet_recorder = FleetRecorder(fleet, seed=1)
-    for episode, track_of in (
-        (recorder.episode, track_of_record),
-        (fleet_recorder.episode, track_of_record),
-    ):
+    for episode in (recorder.episode, fleet_recorder.episode):
         episode.save(tmp_path / "rough.npz")
-        track = track_of(type(episode).load(tmp_path / "rough.npz"))
+        track = track_of_record(type(episode).load(tmp_path / "rough.npz"))
         assert (track.slippery, track.motor_strength) == (((1, 2),), 0.5)

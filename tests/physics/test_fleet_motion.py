@@ -1,6 +1,5 @@
 """Several robots in one space: bodies that collide, and the table in ``motion/traffic.py``."""
 
-import math
 import random
 from itertools import combinations
 
@@ -106,47 +105,6 @@ def test_a_chain_of_blocked_robots_is_resolved(spec: RobotSpec) -> None:
     outcomes = motion.advance(moves, loaded)
     assert [outcome.cell for outcome in outcomes] == cells
     assert [outcome.blocked for outcome in outcomes] == [move != STAY for move in moves]
-
-
-def test_a_robot_touched_from_the_side_drives_on() -> None:
-    """Robot 1 pushes robot 4 aside, which touches robot 5 as it arrives."""
-    layout = Layout(["########", "#...##.#", "#......#", "#.##...#", "#......#", "########"])
-    cells = [(1, 1), (2, 1), (3, 1), (2, 6), (2, 2), (1, 3), (4, 2), (4, 5), (3, 6)]
-    moves = [SOUTH, EAST, NORTH, NORTH, SOUTH, SOUTH, STAY, EAST, SOUTH]
-    motion = RigidBodyMotion(RobotSpec.fast())
-    motion.reset(layout, cells, 0)
-    # The positions after earlier moves.
-    for robot, aside in ((0, -2.1e-4), (1, 3.0e-4), (4, 9.7e-4)):
-        body = motion._arena.robots[robot].body
-        body.position += (0.0, aside)
-    outcome = motion.advance(moves, [robot in (1, 4, 7) for robot in range(9)])[5]
-    assert (outcome.cell, outcome.blocked) == ((2, 3), False)
-
-
-def test_a_robot_drives_on_after_it_meets_one_pushed_into_its_path() -> None:
-    """Robots 0, 4 and 6 push robot 2 out of its cell, which robot 3 enters."""
-    layout = Layout(["########", "#......#", "##.....#", "#....#.#", "#.#..#.#", "########"])
-    cells = [(2, 3), (4, 6), (3, 4), (4, 3), (2, 4), (4, 1), (2, 5), (2, 2)]
-    moves = [EAST, NORTH, EAST, EAST, SOUTH, STAY, WEST, EAST]
-    motion = RigidBodyMotion(RobotSpec.fast())
-    motion.reset(layout, cells, 0)
-    # The positions after earlier moves.
-    for robot, aside in ((0, -3.8e-4), (4, 3.8e-4)):
-        motion._arena.robots[robot].body.position += (aside, 0.0)
-    outcome = motion.advance(moves, [robot in (3, 6, 7) for robot in range(8)])[3]
-    assert (outcome.cell, outcome.blocked) == ((4, 4), False)
-
-
-@over_specs
-def test_two_robots_that_meet_head_on_get_the_same_impulse(spec: RobotSpec) -> None:
-    outcomes = together([(2, 2), (2, 4)], [EAST, WEST], spec)
-    first, second = (outcome.contacts[0] for outcome in outcomes)
-    assert (first.counterpart, second.counterpart) == (robot_contact(1), robot_contact(0))
-    assert first[:3] == second[:3]
-    assert first.point == pytest.approx((3.5, 2.5), abs=0.02)
-    # Each stops the other. They touch 0.65 m from their starts, when they already brake.
-    speed = math.sqrt(2 * spec.acceleration * (spec.cell_size - 0.65))
-    assert first.impulse == pytest.approx(spec.mass * speed, rel=0.1)
 
 
 def test_both_robots_report_a_hit() -> None:

@@ -18,7 +18,7 @@ from helpers.rigid_bodies import (
     move,
 )
 
-from warehouse_core import Cell, Layout, LayoutError, Outcome, random_layout
+from warehouse_core import Cell, Layout, Outcome, random_layout
 from warehouse_core.motion.base import centre_of
 from warehouse_physics import RigidBodyMotion, RobotSpec
 from warehouse_physics.arena import WALL
@@ -155,13 +155,6 @@ def test_without_recording_a_path_has_only_start_and_end() -> None:
         assert ends._replace(path=whole.path) == whole
 
 
-def test_the_heading_turns_the_shorter_way_to_the_direction_of_the_move() -> None:
-    motion = motion_in(HALL, (3, 3))
-    for displacement, heading in ((SOUTH, 0.5), (WEST, 1.0), (NORTH, 1.5), (EAST, 2.0)):
-        turned = move(motion, displacement).path[-1, 3]
-        assert turned == pytest.approx(heading * math.pi, abs=0.02)
-
-
 @pytest.mark.parametrize("kilograms", [160, 200, 340])
 def test_a_robot_that_the_floor_brakes_stops_once(kilograms: float) -> None:
     spec = RobotSpec(payload_mass=kilograms)
@@ -176,10 +169,10 @@ def test_a_robot_that_the_floor_brakes_stops_once(kilograms: float) -> None:
 def test_robots_of_any_pace_head_where_they_go_at_the_end_of_a_move(acceleration) -> None:
     spec = RobotSpec(acceleration=acceleration, motor_force=5000, top_speed=5)
     motion = motion_in(HALL, (3, 3), spec)
-    for displacement, heading in ((WEST, 1.0), (EAST, 0.0), (SOUTH, 0.5), (NORTH, -0.5)):
+    # The shorter way round each time, which adds up to a whole turn.
+    for displacement, heading in ((SOUTH, 0.5), (WEST, 1.0), (NORTH, 1.5), (EAST, 2.0)):
         turned = move(motion, displacement).path[-1, 3]
-        off = math.remainder(turned - heading * math.pi, math.tau)
-        assert abs(off) < 0.05
+        assert turned == pytest.approx(heading * math.pi, abs=0.05)
 
 
 def test_waiting_takes_the_dwell_and_costs_idle_power() -> None:
@@ -269,21 +262,3 @@ def test_outcomes_after_a_reset_equal_those_of_a_new_motion() -> None:
 def test_invalid_arguments_raise_at_construction(arguments, message: str) -> None:
     with pytest.raises(TypeError, match=f"^{message}$"):
         RigidBodyMotion(**arguments)
-
-
-def test_invalid_starts_raise_and_change_nothing() -> None:
-    motion = motion_in(HALL, (3, 3))
-    for cells in ([], [(9, 9)], [(1, 1), (1, 1)]):
-        with pytest.raises(LayoutError):
-            motion.reset(HALL, cells, 0)
-    assert move(motion, EAST).cell == (3, 4)
-
-
-def test_a_motion_that_is_closed_needs_a_reset() -> None:
-    motion = motion_in(HALL, (3, 3))
-    motion.close()
-    motion.close()
-    with pytest.raises(RuntimeError, match="needs a reset"):
-        move(motion, EAST)
-    motion.reset(HALL, [(3, 3)], 0)
-    assert move(motion, EAST).cell == (3, 4)

@@ -90,7 +90,9 @@ class Processes(ThreadPoolExecutor):
     """Run each call in one of ``count`` processes of this machine, which start when needed.
 
     A thread for each process waits for its answers. A process that ends is an error of its own
-    call alone, and is replaced; in a ``ProcessPoolExecutor`` it is an error of every call.
+    call alone, says how it has ended, and is replaced; it ends with the process that started it,
+    and what a call tells is printed while the call runs. A ``ProcessPoolExecutor`` gives none of
+    these: one process that ends is an error of every call, and others outlive a killed parent.
     """
 
     def __init__(self, count: int) -> None:

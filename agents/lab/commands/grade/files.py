@@ -13,11 +13,15 @@ RESULTS, PAGE, TABLE = ".json", ".html", ".csv"
 
 
 def write_report(path: Path, report: Report) -> None:
-    """Write a report by the suffix of the file; the file is complete or not there."""
-    if path.suffix.lower() == PAGE:
-        from agents.lab.commands.grade.page import write_page  # Jinja takes long to import
+    """Write a report by the suffix of the file; the file is complete or not there.
 
-        write_page(path, report)
+    On a page the words of the agent are escaped text.
+    """
+    if path.suffix.lower() == PAGE:
+        from agents.lab.reports.page import write_template  # Jinja takes long to import
+
+        title = f"{report.points:g} of {report.max_points:g} points"
+        write_template(path, "grade.html", title, has_players=False, report=report)
         return
     text = json.dumps(results_of(report), indent=2, ensure_ascii=True)
     with atomic_path(path) as part:

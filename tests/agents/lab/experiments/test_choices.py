@@ -103,17 +103,16 @@ def test_the_example_in_the_documentation_of_plan_files_is_valid(tmp_path: Path)
     assert len(make_plan(given.choices, 200, 0).cases) == 20 + 80
 
 
-def test_an_empty_file_is_a_plan_of_defaults(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("content", "episodes"), [(b"", None), (b"\xef\xbb\xbfepisodes = 3\r\n", 3)]
+)
+def test_an_empty_file_is_a_plan_of_defaults_and_a_byte_order_mark_is_ignored(
+    tmp_path: Path, content: bytes, episodes: int | None
+) -> None:
     path = tmp_path / "plan.toml"
-    path.write_text("")
-    assert read_plan_file(path) == PlanFile({}, None, None)
+    path.write_bytes(content)
+    assert read_plan_file(path) == PlanFile({}, episodes, None)
     assert [key_of(case) for case in make_plan({}, 1, 0).cases] == [key_of(make_case({}))]
-
-
-def test_a_byte_order_mark_is_ignored(tmp_path: Path) -> None:
-    path = tmp_path / "plan.toml"
-    path.write_bytes(b"\xef\xbb\xbfepisodes = 3\r\n")
-    assert read_plan_file(path) == PlanFile({}, 3, None)
 
 
 FLAGS = {

@@ -49,21 +49,13 @@ def test_the_preset_sets_the_number_of_episodes_unless_another_is_given(
     assert printed.startswith("2 combinations, 1 episode each, 2 done\n")
 
 
-def test_an_unknown_preset_is_an_error_with_its_name(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    path = tmp_path / "r.sqlite"
-    line = refusal(capsys, "sweep", "--preset", "batery", "-o", path)
-    assert line == f"no preset is called 'batery'; allowed: {', '.join(PRESETS)}"
-    assert not path.exists()
-
-
-def test_a_preset_together_with_a_plan_file_is_an_error(
+def test_an_unknown_preset_and_one_beside_a_plan_file_are_errors(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     plan, path = tmp_path / "plan.toml", tmp_path / "r.sqlite"
     plan.write_text("")
+    line = refusal(capsys, "sweep", "--preset", "batery", "-o", path)
+    assert line == f"no preset is called 'batery'; allowed: {', '.join(PRESETS)}"
     line = refusal(capsys, "sweep", plan, "--preset", "battery", "-o", path)
-    assert str(plan) in line
-    assert "battery" in line
+    assert line == f"both {plan} and --preset battery are given; give one of them"
     assert not path.exists()

@@ -127,23 +127,46 @@ def test_the_unfinished_transaction_of_a_killed_process_is_rolled_back(path: Pat
         assert store.seeds_done(case_id, EVERY) == {1}
 
 
-def test_an_empty_file_becomes_a_file_of_results(path: Path) -> None:
+def test_an_empty_file_becomes_a_file_of_results_with_its_id_and_version(path: Path) -> None:
     path.touch()
+    with pytest.raises(StoreError) as caught:
+        Store(path, read_only=True)
+    assert str(caught.value) == f"{path}: there are no results in it"
     with Store(path) as store:
         assert store.cases() == {}
+        assert next(store.query("PRAGMA application_id")) == (APPLICATION,)
+        assert next(store.query("PRAGMA user_version")) == (VERSION,)
 
 
-def test_the_file_of_another_program_is_an_error(path: Path) -> None:
-    connection = sqlite3.connect(path)
-    connection.execute("CREATE TABLE cases (id)")
-    connection.commit()
-    connection.close()
-    before = path.read_bytes()
+def database(path: Path) -> None:
+    path.touch()
+    change(path, "CREATE TABLE cases (id)")
+
+
+def text(path: Path) -> None:
+    path.write_text("These are no results.\n" * 100)
+
+
+@pytest.mark.parametrize("read_only", [False, True])
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (database, "it is a database, but not of results"),
+        (text, "file is not a database"),
+        (os.mkdir, "it is a folder, not a file"),
+        (os.mkfifo, "it is a pipe, not a file"),
+    ],
+)
+def test_another_file_is_an_error_and_is_not_changed(
+    path: Path, make: Callable[[Path], None], message: str, read_only: bool
+) -> None:
+    make(path)
+    before = path.read_bytes() if path.is_file() else b""
     with pytest.raises(StoreError) as caught:
-        Store(path)
-    assert str(caught.value) == f"{path}: it is a database, but not of results"
-    assert path.read_bytes() == before
-    assert [each.name for each in path.parent.iterdir()] == [path.name]
+        Store(path, read_only=read_only)
+    assert str(caught.value) == f"{path}: {message}"
+    assert [each.name for each in path.parent.iterdir()] == [path.name], "it gets no journal"
+    assert (path.read_bytes() if path.is_file() else b"") == before
 
 
 @pytest.mark.parametrize("version", [VERSION - 1, VERSION + 1])
@@ -153,34 +176,6 @@ def test_another_version_is_an_error(path: Path, version: int) -> None:
     with pytest.raises(StoreError) as caught:
         Store(path)
     assert str(caught.value) == f"{path}: its version is {version}; only {VERSION} can be read"
-
-
-def test_the_file_has_its_application_id_and_version(path: Path) -> None:
-    with Store(path) as store:
-        assert next(store.query("PRAGMA application_id")) == (APPLICATION,)
-        assert next(store.query("PRAGMA user_version")) == (VERSION,)
-
-
-def test_a_text_file_is_an_error_and_is_not_changed(path: Path) -> None:
-    text = "These are no results.\n" * 100
-    path.write_text(text)
-    with pytest.raises(StoreError) as caught:
-        Store(path)
-    assert str(caught.value).startswith(f"{path}: ")
-    assert "\n" not in str(caught.value)
-    assert path.read_text() == text
-
-
-@pytest.mark.parametrize("read_only", [False, True])
-@pytest.mark.parametrize(("kind", "make"), [("folder", os.mkdir), ("pipe", os.mkfifo)])
-def test_a_folder_or_a_pipe_is_an_error_and_gets_no_journal(
-    path: Path, kind: str, make: Callable[[Path], None], read_only: bool
-) -> None:
-    make(path)
-    with pytest.raises(StoreError) as caught:
-        Store(path, read_only=read_only)
-    assert str(caught.value) == f"{path}: it is a {kind}, not a file"
-    assert [each.name for each in path.parent.iterdir()] == [path.name]
 
 
 @pytest.mark.parametrize("name", ["nowhere/r.sqlite", "."])
@@ -241,13 +236,6 @@ def test_writing_to_a_file_opened_read_only_is_an_error(path: Path) -> None:
         case_id = store.case_id(CASE)
     with Store(path, read_only=True) as store, pytest.raises(StoreError, match="readonly"):
         store.add(case_id, [row(1)])
-
-
-def test_reading_an_empty_file_is_an_error(path: Path) -> None:
-    path.touch()
-    with pytest.raises(StoreError) as caught:
-        Store(path, read_only=True)
-    assert str(caught.value) == f"{path}: there are no results in it"
 
 
 def test_a_full_disk_is_an_error_and_earlier_rows_are_kept(path: Path) -> None:

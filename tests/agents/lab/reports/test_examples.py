@@ -201,22 +201,18 @@ def test_examples_are_found_only_among_rows_that_a_sweep_may_have_written(store:
         find_examples(store)
 
 
-def test_a_user_agent_is_run_only_on_request(tmp_path: Path) -> None:
-    marker = tmp_path / "ran"
-    file = tmp_path / "agent.py"
+@pytest.mark.parametrize(
+    ("fingerprint", "run_own_code", "words"),
+    [({}, False, "--replays"), ({"fingerprint": "0" * 64}, True, "has changed")],
+    ids=["without being asked", "that has changed"],
+)
+def test_a_user_agent_is_not_run(
+    tmp_path: Path, fingerprint: dict[str, str], run_own_code: bool, words: str
+) -> None:
+    marker, file = tmp_path / "ran", tmp_path / "agent.py"
     file.write_text(f"open({str(marker)!r}, 'w')\nclass Mine:\n    pass\n")
-    case = {**make_case({}), "agent": f"{file}:Mine"}
-    example = replay(Found("wandering", case, 0, 5, 1), run_own_code=False)
+    case = {**make_case({}), "agent": f"{file}:Mine"} | fingerprint
+    example = replay(Found("wandering", case, 0, 5, 1), run_own_code=run_own_code)
+    assert words in example.sentence
     assert example.track is None
-    assert "--replays" in example.sentence
-    assert not marker.exists()
-
-
-def test_a_changed_agent_is_not_run(tmp_path: Path) -> None:
-    marker = tmp_path / "ran"
-    file = tmp_path / "agent.py"
-    file.write_text(f"open({str(marker)!r}, 'w')\nclass Mine:\n    pass\n")
-    case = {**make_case({}), "agent": f"{file}:Mine", "fingerprint": "0" * 64}
-    example = replay(Found("wandering", case, 0, 5, 1), run_own_code=True)
-    assert "has changed" in example.sentence
     assert not marker.exists()

@@ -1,11 +1,13 @@
 """The command ``warehouse report``: its output, its files and its errors."""
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
 from helpers.command_line import command, refusal
-from helpers.results_files import fill, outcomes
+from helpers.results_files import fill, fleet_row, outcomes
 from helpers.sweeps import Here, nothing
 
 from agents.lab.experiments.case import make_case
@@ -14,6 +16,7 @@ from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
 from agents.lab.reports import contents, report
 from agents.lab.reports.contents import make_page
+from agents.lab.reports.page import Page
 from agents.lab.runs.programs import program_for
 
 ON, OFF = {"escape": True, "max_steps": 30}, {"escape": False, "max_steps": 30}
@@ -116,9 +119,18 @@ def test_invalid_results_and_outputs_are_errors(
     Store(html, read_only=True).close()
 
 
-def test_the_table_has_a_row_for_each_case(results: Path) -> None:
+def page_of(folder: Path, cases: Sequence[Any]) -> Page:
+    with Store(fill(folder / "p.sqlite", cases), read_only=True) as store:
+        return make_page(store, ())
+
+
+def test_the_table_has_a_row_for_each_case_and_states_what_it_leaves_out(
+    results: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     with Store(results, read_only=True) as store:
         table = make_page(store, ()).tables[0]
+        monkeypatch.setattr(contents, "MAX_CASES", 1)
+        short = make_page(store, ()).tables[0]
     assert table.columns == (
         "escape", "episodes", "seeds", "success", "steps", "delivered", "oscillation", "wandering",
     )  # fmt: skip
@@ -127,37 +139,28 @@ def test_the_table_has_a_row_for_each_case(results: Path) -> None:
         ("off", "4", "0 to 3", "25.0% (4.6 to 69.9)", "20.0", "1", "3", "0"),
     )
     assert table.note == ""
-
-
-def test_a_long_table_states_what_it_leaves_out(
-    results: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(contents, "MAX_CASES", 1)
-    with Store(results, read_only=True) as store:
-        table = make_page(store, ()).tables[0]
-    assert len(table.rows) == 1
-    assert table.note == "1 further combination in the file."
+    assert (len(short.rows), short.note) == (1, "1 further combination in the file.")
 
 
 def test_the_page_lists_all_settings_and_versions(results: Path) -> None:
     with Store(results, read_only=True) as store:
         page = make_page(store, ())
     settings = dict(page.settings)
-    assert settings["escape"] == "on, off"
-    assert settings["max_steps"] == "30"
-    assert settings["battery"] == "200"
+    assert (settings["escape"], settings["max_steps"], settings["battery"]) == (
+        "on, off", "30", "200",
+    )  # fmt: skip
     assert {name for name, _ in page.made_with} == {
         "Python", "warehouse-lab", "numpy", "scipy", "matplotlib", "8 episodes",
     }  # fmt: skip
 
 
-def test_the_summary_states_what_is_missing(tmp_path: Path) -> None:
-    cases = [(ON, outcomes("dd")), (OFF, outcomes("ddd")), ({"battery": 33}, [])]
-    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
-        assert make_page(store, ()).summary == (
-            "5 episodes in 2 combinations of settings, seeds from 0 to 2, 2 to 3 episodes each, "
-            "1 further combination not yet begun"
-        )
+def test_the_summary_states_what_is_missing_and_the_settings_leave_it_out(tmp_path: Path) -> None:
+    page = page_of(tmp_path, [(ON, outcomes("dd")), (OFF, outcomes("ddd")), ({"battery": 33}, [])])
+    assert page.summary == (
+        "5 episodes in 2 combinations of settings, seeds from 0 to 2, 2 to 3 episodes each, "
+        "1 further combination not yet begun"
+    )
+    assert "33" not in dict(page.settings)["battery"]
 
 
 def test_the_report_names_the_programs_and_where_they_are_mixed(tmp_path: Path) -> None:
@@ -191,25 +194,25 @@ def test_a_program_with_the_libraries_of_a_backend_is_no_other(tmp_path: Path) -
 
 def test_the_table_states_gaps_in_the_seeds(tmp_path: Path) -> None:
     cases = [(ON, [*outcomes("dd"), *outcomes("d", seed=9)]), (OFF, outcomes("d", seed=4))]
-    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
-        rows = make_page(store, ()).tables[0].rows
+    rows = page_of(tmp_path, cases).tables[0].rows
     assert [row[2] for row in rows] == ["0 to 9 with gaps", "4 to 4"]
-
-
-def test_cases_without_episodes_are_left_out(tmp_path: Path) -> None:
-    path = fill(tmp_path / "r.sqlite", [(ON, outcomes("dd")), ({"battery": 33}, [])])
-    with Store(path, read_only=True) as store:
-        page = make_page(store, ())
-    assert page.summary.startswith("2 episodes in 1 combination of settings")
-    assert "33" not in dict(page.settings)["battery"]
 
 
 def test_time_and_energy_in_the_table_are_only_measured_ones(tmp_path: Path) -> None:
     cases = [({"backend": name}, outcomes("d", steps=30)) for name in ("grid", "physics")]
-    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
-        table = make_page(store, ()).tables[0]
+    table = page_of(tmp_path, cases).tables[0]
     assert table.columns[4:7] == ("steps", "seconds", "joules")
     assert [row[4:7] for row in table.rows] == [("30.0", "none", "none"), ("30.0", "30.0", "60.0")]
+
+
+def test_lone_robots_and_fleets_have_a_table_each(tmp_path: Path) -> None:
+    fleets = [fleet_row(0), fleet_row(1, on_time=None, joules_per_delivery=None)]
+    lone, fleet = page_of(tmp_path, [({}, outcomes("d")), ({"robots": 2}, fleets)]).tables
+    assert lone.columns == ("episodes", "seeds", "success", "steps", "delivered")
+    assert fleet.columns == (
+        "episodes", "seeds", "items an hour", "on time", "lateness", "kJ each", "blocked", "served",
+    )  # fmt: skip
+    assert fleet.rows == (("2", "0 to 1", "180", "50.0%", "4.00", "1.00", "10.0%", "2"),)
 
 
 def test_a_layout_and_an_agent_whose_names_are_no_utf8_are_reported(

@@ -4,6 +4,7 @@ import csv
 import os
 import sqlite3
 import sys
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -106,38 +107,28 @@ def test_parquet_has_the_values_of_the_store_with_their_types(
     assert parquet.read_metadata(target).num_row_groups == -(-9 // lines)
 
 
-def test_special_characters_in_names_are_preserved(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    results = stored(tmp_path / "r.sqlite", {**make_case({}), "agent": ODD_NAME})
-    for name in ("t.csv", "t.parquet"):
-        assert command(capsys, "export", results, tmp_path / name).code == 0
-    assert {line["agent"] for line in read_csv(tmp_path / "t.csv")} == {ODD_NAME}
-    column = parquet.read_table(tmp_path / "t.parquet")["agent"]
-    assert set(column.to_pylist()) == {ODD_NAME}
-
-
-def test_bytes_of_a_name_that_are_no_utf8_are_escaped(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    names = ["hall\udcff.txt", "hall\udcfe.txt"]
-    results = stored(tmp_path / "r.sqlite", *({**make_case({}), "layout": n} for n in names))
-    for name in ("t.csv", "t.parquet"):
-        assert command(capsys, "export", results, tmp_path / name).code == 0
-    escaped = {"hall\\udcff.txt", "hall\\udcfe.txt"}
-    assert {line["layout"] for line in read_csv(tmp_path / "t.csv")} == escaped
-    assert set(parquet.read_table(tmp_path / "t.parquet")["layout"].to_pylist()) == escaped
-
-
-@pytest.mark.parametrize("name", ['=HYPERLINK("x")', "-1", "\t=1"])
-def test_names_that_look_like_formulas_are_escaped_in_csv(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, name: str
+@pytest.mark.parametrize(
+    ("name", "in_csv", "in_parquet"),
+    [
+        (ODD_NAME, ODD_NAME, ODD_NAME),
+        ("hall\udcff.txt", "hall\\udcff.txt", "hall\\udcff.txt"),
+        ('=HYPERLINK("x")', '\'=HYPERLINK("x")', '=HYPERLINK("x")'),
+        ("-1", "'-1", "-1"),
+        ("\t=1", "'\t=1", "\t=1"),
+    ],
+    ids=["special characters", "no UTF-8", "a formula", "a number", "a tab"],
+)
+def test_names_are_kept_and_run_nowhere(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, name: str, in_csv: str, in_parquet: str
 ) -> None:
     results = stored(tmp_path / "r.sqlite", {**make_case({}), "agent": name})
-    assert command(capsys, "export", results, tmp_path / "t.csv").code == 0
-    [line, *_] = read_csv(tmp_path / "t.csv")
-    assert line["agent"] == f"'{name}"
-    assert line["reward"] == str(-0.1 - 0.2), "a negative number is not escaped"
+    for target in ("t.csv", "t.parquet"):
+        assert command(capsys, "export", results, tmp_path / target).code == 0
+    lines = read_csv(tmp_path / "t.csv")
+    assert {line["agent"] for line in lines} == {in_csv}
+    assert {line["reward"] for line in lines} == {str(-0.1 - 0.2)}, "a negative number is kept"
+    column = parquet.read_table(tmp_path / "t.parquet")["agent"]
+    assert set(column.to_pylist()) == {in_parquet}
 
 
 def test_results_without_episodes_are_an_empty_table(
@@ -151,33 +142,26 @@ def test_results_without_episodes_are_an_empty_table(
     assert parquet.read_table(tmp_path / "t.parquet").num_rows == 0
 
 
-def test_a_missing_results_file_is_an_error_with_its_name(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
+@pytest.mark.parametrize(
+    ("source", "target", "message"),
+    [
+        ("none.sqlite", "t.csv", "none.sqlite: there is no such file"),
+        ("r.sqlite", "t.xlsx", "t.xlsx: cannot save as .xlsx; allowed: .csv, .parquet"),
+        ("r.sqlite", "t", "allowed: .csv, .parquet"),
+        ("r.sqlite", "nowhere/t.csv", "nowhere does not exist"),
+        ("r.sqlite", "nowhere/t.parquet", "nowhere does not exist"),
+        ("r.sqlite", "folder.csv", "folder.csv"),
+        ("r.sqlite", "folder.parquet", "folder.parquet"),
+    ],
+)
+def test_files_that_cannot_be_read_or_written_are_named(
+    capsys: pytest.CaptureFixture[str], results: Path, source: str, target: str, message: str
 ) -> None:
-    missing = tmp_path / "r.sqlite"
-    line = refusal(capsys, "export", missing, tmp_path / "t.csv")
-    assert line == f"{missing}: there is no such file"
-    assert names(tmp_path) == set()
-
-
-@pytest.mark.parametrize("name", ["t.xlsx", "t"])
-def test_an_unknown_suffix_is_an_error_that_lists_the_allowed_ones(
-    capsys: pytest.CaptureFixture[str], results: Path, tmp_path: Path, name: str
-) -> None:
-    line = refusal(capsys, "export", results, tmp_path / name)
-    assert str(tmp_path / name) in line
-    assert "allowed: .csv, .parquet" in line
-    assert names(tmp_path) == {"r.sqlite"}
-
-
-@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
-def test_a_path_that_cannot_be_written_is_an_error_with_its_name(
-    capsys: pytest.CaptureFixture[str], results: Path, tmp_path: Path, suffix: str
-) -> None:
-    assert "nowhere" in refusal(capsys, "export", results, tmp_path / f"nowhere/t{suffix}")
-    (tmp_path / f"folder{suffix}").mkdir()
-    assert "folder" in refusal(capsys, "export", results, tmp_path / f"folder{suffix}")
-    assert names(tmp_path) == {"r.sqlite", f"folder{suffix}"}
+    folder = results.parent
+    for name in ("folder.csv", "folder.parquet"):
+        (folder / name).mkdir()
+    assert message in refusal(capsys, "export", folder / source, folder / target)
+    assert names(folder) == {"r.sqlite", "folder.csv", "folder.parquet"}
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
@@ -191,10 +175,9 @@ def test_an_export_that_fails_keeps_the_existing_file(
     monkeypatch.setattr(table_export, "LINES_AT_ONCE", 1)
     target = tmp_path / f"t{suffix}"
     target.write_text("existing")
-    database = sqlite3.connect(results)
-    database.execute("UPDATE episodes SET mode = CAST(x'ff' AS TEXT) WHERE case_id = 3")
-    database.commit()
-    database.close()
+    with closing(sqlite3.connect(results)) as database:
+        database.execute("UPDATE episodes SET mode = CAST(x'ff' AS TEXT) WHERE case_id = 3")
+        database.commit()
     assert str(results) in refusal(capsys, "export", results, target)
     assert target.read_text() == "existing"
     assert names(tmp_path) == {"r.sqlite", target.name}
@@ -214,12 +197,17 @@ def test_without_pyarrow_the_error_gives_the_command_that_installs_it(
 
 
 @pytest.mark.parametrize("value", ["many", True, 10**30, [3]])
-def test_an_invalid_setting_in_the_file_is_a_one_line_error(
+def test_an_invalid_setting_or_result_in_the_file_is_a_one_line_error(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, value: object
 ) -> None:
     results = stored(tmp_path / "r.sqlite", make_case({}), {**make_case({}), "battery": value})
     line = refusal(capsys, "export", results, tmp_path / "t.parquet")
     assert line.startswith(f"{results}: ")
+    with closing(sqlite3.connect(results)) as database:
+        database.execute("DELETE FROM cases WHERE id = 2")
+        database.execute("UPDATE episodes SET steps = 'many' WHERE case_id = 1")
+        database.commit()
+    assert "many" in refusal(capsys, "export", results, tmp_path / "t.parquet")
     assert names(tmp_path) == {"r.sqlite"}
 
 
@@ -229,17 +217,6 @@ def test_an_export_does_not_change_the_results(
     before = results.read_bytes(), os.stat(results).st_mtime_ns
     command(capsys, "export", results, results.with_name("t.csv"))
     assert (results.read_bytes(), os.stat(results).st_mtime_ns) == before
-
-
-def test_an_invalid_result_in_the_file_is_a_one_line_error(
-    capsys: pytest.CaptureFixture[str], results: Path, tmp_path: Path
-) -> None:
-    database = sqlite3.connect(results)
-    database.execute("UPDATE episodes SET steps = 'many' WHERE case_id = 3")
-    database.commit()
-    database.close()
-    assert "many" in refusal(capsys, "export", results, tmp_path / "t.parquet")
-    assert names(tmp_path) == {"r.sqlite"}
 
 
 def test_lone_robots_and_fleets_share_a_table(tmp_path: Path) -> None:

@@ -89,6 +89,14 @@ def test_the_verdict_on_fleets_is_that_of_the_seeds_they_share(tmp_path: Path) -
     assert verdict(0).startswith("More than 4 are too many: "), "less with each seed that both have"
 
 
+def test_a_lead_that_chance_explains_makes_no_fleet_too_large(tmp_path: Path) -> None:
+    cases = [
+        ({"robots": robots}, [fleet_row(n, per_hour=rate + (n * robots) % 7) for n in range(30)])
+        for robots, rate in ((2, 20.0), (4, 60.2), (8, 60.0))
+    ]
+    assert answered(tmp_path, cases)[0].verdict.startswith("8 are not too many: ")
+
+
 def test_few_episodes_allow_no_verdict_and_no_word_on_what_is_the_same(tmp_path: Path) -> None:
     cases = [
         ({"robots": n}, [fleet_row(0, per_hour=rate)])

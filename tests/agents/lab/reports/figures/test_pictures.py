@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.results_files import fill, outcomes, row
+from helpers.results_files import fill, hall, outcomes, row
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
@@ -26,6 +26,8 @@ def drawn(path: Path, cases: list[Any]) -> dict[str, Picture]:
     for picture in found:
         assert ElementTree.fromstring(picture.svg).tag.endswith("svg")
         assert picture.caption.endswith(".")
+        text = picture.svg.decode()
+        assert not any(word in text for word in ("<dc:date>", "<script", 'href="http'))
     return {picture.name: picture for picture in found}
 
 
@@ -52,29 +54,29 @@ def test_time_and_energy_are_drawn_only_where_they_are_measured(tmp_path: Path) 
     assert not {"seconds", "joules"} & drawn(tmp_path / "grid", cases[:2]).keys()
 
 
-def test_a_single_case_has_bars_and_a_map(tmp_path: Path) -> None:
-    assert list(drawn(tmp_path, [({}, outcomes("dw"))])) == ["modes", "stuck-1"]
-
-
-def test_without_failures_or_with_random_layouts_there_is_no_map(tmp_path: Path) -> None:
-    cases = [({}, outcomes("dd")), ({"layout": "random"}, outcomes("ww"))]
-    assert "stuck-1" not in drawn(tmp_path, cases)
-
-
-def test_a_layout_too_large_to_be_seen_has_no_map(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(picture_module, "MAX_CELLS", 83)
-    assert "stuck-1" not in drawn(tmp_path, [({}, outcomes("dw"))])
+@pytest.mark.parametrize(
+    ("cases", "max_cells", "names"),
+    [
+        ([({}, outcomes("dw"))], 84, ["modes", "stuck-1"]),
+        ([({}, outcomes("dw"))], 83, ["modes"]),
+        ([({}, outcomes("dd"))], 84, ["modes"]),
+        ([({"layout": "random"}, outcomes("ww"))], 84, ["modes"]),
+    ],
+    ids=["a single case", "too large to be seen", "no failure", "random layouts"],
+)
+def test_a_map_is_drawn_of_a_layout_with_failures(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    cases: list[Any], max_cells: int, names: list[str],
+) -> None:  # fmt: skip
+    monkeypatch.setattr(picture_module, "MAX_CELLS", max_cells)
+    assert list(drawn(tmp_path, cases)) == names
 
 
 def test_the_layouts_with_the_most_episodes_have_maps(tmp_path: Path) -> None:
     cases = []
     for number in range(MAX_MAPS + 2):
-        file = tmp_path / f"hall{number}.txt"
-        wall = "#" * (number + 4)
-        file.write_text(f"{wall}\n#P{'.' * number}D#\n{wall}")
-        cases.append(({"layout": str(file)}, outcomes("w" * (number + 1))))
+        file = hall(tmp_path, number)
+        cases.append(({"layout": file}, outcomes("w" * (number + 1))))
     found = drawn(tmp_path, cases)
     maps = [found[name].caption for name in found if name.startswith("stuck")]
     assert len(maps) == MAX_MAPS
@@ -185,11 +187,3 @@ def test_each_text_of_a_figure_is_at_least_12_pixels_high_on_a_page(
     assert {"P", "wandering", "escape on", "33%", "layout", "steps"} <= sizes.keys()
     # SVG has 96 pixels an inch and 72 points.
     assert min(sizes.values()) * 96 / 72 >= 12, sizes
-
-
-def test_no_figure_has_a_date_or_loads_anything(tmp_path: Path) -> None:
-    for picture in drawn(tmp_path, [(ON, outcomes("dw")), (OFF, outcomes("do"))]).values():
-        text = picture.svg.decode()
-        assert "<dc:date>" not in text
-        assert "<script" not in text
-        assert 'href="http' not in text
