@@ -89,10 +89,3 @@ def test_a_station_very_far_away_is_not_seen() -> None:
             np.array([0]), np.array([robot[0]]), np.array([False]), np.array([robot], np.int32)
         )
         assert not {CELL_CODES["P"], CELL_CODES["D"]} & set(found.ravel().tolist())
-
-
-def test_windows_are_new_arrays() -> None:
-    floor = Floor(LayoutSet([OPEN]), 1, moving_stations=False)
-    given = np.array([0]), np.array([5]), np.array([False]), np.array([[1, 1]])
-    floor.windows(*given)[:] = 9
-    assert floor.windows(*given).tolist() == [codes(["...", ".R.", "..."])]

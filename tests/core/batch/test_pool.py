@@ -16,7 +16,7 @@ from warehouse_core.task.encoding import MARKED_TILES, vector
 
 ROWS = 6
 POOL = [random_layout(5, 7, density, seed=seed) for seed, density in enumerate((0.0, 0.2, 0.4))]
-POOL.append(Layout(["#######", "#.....#", "#.#P#.#", "#.D..C#", "#######"]))
+POOL.append(Layout(["#######", "##....#", "#.#P#.#", "#.D..C#", "#######"]))
 
 
 class FromPool(Single):
@@ -103,8 +103,8 @@ def test_without_a_pool_nothing_more_is_drawn() -> None:
 
 
 def test_one_start_pos_holds_in_all_layouts_of_a_pool() -> None:
-    batch = BatchEnv(4, pool=POOL, start_pos=(1, 1), randomize="stations")
-    assert batch.reset(seed=1)[0]["robot_pos"].tolist() == [[1, 1]] * 4
+    batch = BatchEnv(4, pool=POOL, start_pos=(1, 3), randomize="stations")
+    assert batch.reset(seed=1)[0]["robot_pos"].tolist() == [[1, 3]] * 4
 
 
 @pytest.mark.parametrize(
@@ -136,9 +136,9 @@ def test_a_pool_that_cannot_be_used_raises(
 
 def test_a_backend_whose_layouts_cannot_change_has_no_pool() -> None:
     class Fixed(GridMotion):
-        def batch(self, layouts: Sequence[Layout], robots: int = 1) -> Any:
+        def batch(self, layouts: Sequence[Layout]) -> Any:
             class Batch:
-                place = advance = outcomes = close = None
+                place = advance = close = None
 
             return Batch()
 

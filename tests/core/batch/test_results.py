@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.batches import (
+    CHARGED,
     DISABLED,
     MIXED,
     leaves,
@@ -15,13 +16,19 @@ from helpers.batches import (
     some_batch,
 )
 
+from warehouse_core import Layout
 from warehouse_core.batch import BatchEnv
+
+LAYOUTS = [*MIXED, *CHARGED[:-1]]
+
+over_layouts = pytest.mark.parametrize("layouts", [MIXED, LAYOUTS], ids=["bare", "chargers"])
 
 
 @over_modes
-def test_returned_values_do_not_change_later(mode: str) -> None:
-    batch = some_batch(mode, max_steps=5)
-    moves = np.random.default_rng(2).integers(7, size=(12, len(MIXED)))
+@over_layouts
+def test_returned_values_do_not_change_later(mode: str, layouts: list[Layout]) -> None:
+    batch = some_batch(mode, layouts, max_steps=5)
+    moves = np.random.default_rng(2).integers(7, size=(12, len(layouts)))
     kept: list[Any] = [batch.reset(seed=0)]
     copies = [pickle.dumps(kept[0])]
     for actions in moves:
@@ -37,9 +44,12 @@ def test_returned_values_do_not_change_later(mode: str) -> None:
 
 
 @over_modes
-def test_changing_returned_or_given_values_changes_nothing_else(mode: str) -> None:
-    batch, twin = (some_batch(mode, max_steps=5) for _ in range(2))
-    moves = np.random.default_rng(2).integers(7, size=(12, len(MIXED)))
+@over_layouts
+def test_changing_returned_or_given_values_changes_nothing_else(
+    mode: str, layouts: list[Layout]
+) -> None:
+    batch, twin = (some_batch(mode, layouts, max_steps=5) for _ in range(2))
+    moves = np.random.default_rng(2).integers(7, size=(12, len(layouts)))
 
     def check(found: Any, expected: Any) -> None:
         assert same(found, expected)
@@ -56,7 +66,7 @@ def test_changing_returned_or_given_values_changes_nothing_else(mode: str) -> No
             ended, given = (twin._ended().copy() for _ in range(2))
             check(batch.reset(mask=given), twin.reset(mask=ended))
             assert np.array_equal(given, ended), "the given mask has changed"
-        for row in range(len(MIXED)):
+        for row in range(len(layouts)):
             layout, state = batch.row(row)
             assert (layout, state) == twin.row(row)
             state.battery, state.robot_pos = 0, (9, 9)

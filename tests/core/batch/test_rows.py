@@ -15,7 +15,6 @@ from helpers.batches import (
     MIXED,
     MOTION,
     NEXT_STEP,
-    NORTH,
     PICK,
     ROOM,
     SAME_STEP,
@@ -71,6 +70,7 @@ class Walk:
         if row.ended:
             row.begin()
             assert not info["_motion"][index]
+            assert [info["motion"][key][index] for key in MOTION] == [0, 0, 0]
             self.seen["fresh"] += 1
             return 0.0, False, False
         units = row.env.state.battery
@@ -180,25 +180,6 @@ def test_a_nearly_full_battery_of_the_largest_size_charges() -> None:
     assert batch.row(-1)[1].battery == MAX_STEPS
 
 
-def test_observed_batteries_do_not_change_later() -> None:
-    batch = BatchEnv(1, Layout(["PCD"]), (0, 1), battery=9, randomize=False)
-    arrays, _ = batch.reset()
-    batch.step([PICK])
-    assert arrays["battery"].tolist() == [[9]]
-
-
-@pytest.mark.parametrize(("max_steps", "battery"), [(3, 9), (9, 3), (1, 1)])
-def test_the_lower_of_steps_and_battery_truncates_an_episode(max_steps: int, battery: int) -> None:
-    batch = BatchEnv(2, max_steps=max_steps, battery=battery, autoreset_mode=DISABLED)
-    batch.reset(seed=0)
-    for number in range(min(max_steps, battery)):
-        arrays, _, terminated, truncated, _ = batch.step([WAIT, WAIT])
-        assert arrays["battery"].tolist() == [[battery - number - 1]] * 2
-        assert arrays["steps"].tolist() == [[number + 1]] * 2
-        assert not terminated.any()
-        assert truncated.tolist() == [number + 1 == min(max_steps, battery)] * 2
-
-
 def test_a_delivery_in_the_last_step_terminates_and_truncates() -> None:
     batch = BatchEnv(1, ROOM, randomize=False, max_steps=4, autoreset_mode=SAME_STEP)
     batch.reset()
@@ -215,20 +196,6 @@ def test_a_delivery_in_the_last_step_terminates_and_truncates() -> None:
 def test_starts_may_be_integers_of_any_type(kind: type) -> None:
     batch = BatchEnv(2, ROOM, start_pos=np.array([(1, 1), (2, 1)], kind), randomize=False)
     assert batch.reset()[0]["robot_pos"].tolist() == [[1, 1], [2, 1]]
-
-
-def test_the_step_after_an_end_ignores_its_action() -> None:
-    batch = BatchEnv(2, ROOM, start_pos=[(1, 1), (2, 1)], randomize=False, max_steps=2)
-    batch.reset()
-    batch.step([PICK, NORTH])
-    batch.step([EAST, EAST])
-    arrays, rewards, terminated, truncated, info = batch.step([EAST, DROP])
-    assert arrays["robot_pos"].tolist() == [[1, 1], [2, 1]]
-    assert arrays["has_item"].tolist() == [0, 0]
-    assert arrays["battery"].tolist() == [[200], [200]]
-    assert (rewards.tolist(), terminated.any(), truncated.any()) == ([0.0, 0.0], False, False)
-    assert info["_motion"].tolist() == [False, False]
-    assert info["motion"]["seconds"].tolist() == info["motion"]["joules"].tolist() == [0.0, 0.0]
 
 
 def test_row_returns_the_layout_and_state_of_a_row() -> None:

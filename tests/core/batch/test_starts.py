@@ -8,9 +8,7 @@ import pytest
 from helpers.batches import (
     CHARGED,
     CORRIDOR,
-    DISABLED,
     MIXED,
-    NEXT_STEP,
     ROOM,
     TWO_CELLS,
     over_modes,
@@ -117,14 +115,3 @@ def test_a_reset_with_a_mask_does_not_change_other_rows(mode: str, randomize: bo
         batch.reset(mask=np.arange(len(MIXED)) == 1)[0]["robot_pos"][1],
         twin.reset()[0]["robot_pos"][1],
     )
-
-
-@over_modes
-def test_the_same_seed_and_actions_give_the_same_episodes(mode: str) -> None:
-    batch = some_batch(NEXT_STEP if mode == DISABLED else mode, max_steps=9)
-    moves = np.random.default_rng(3).integers(7, size=(30, len(MIXED)))
-    first, second = (
-        [batch.reset(seed=11), *map(batch.step, moves), batch.reset(), *map(batch.step, moves[:5])]
-        for _ in range(2)
-    )
-    assert all(map(same, first, second))

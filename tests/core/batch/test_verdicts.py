@@ -1,7 +1,6 @@
 from itertools import product
 
 import numpy as np
-import pytest
 
 from warehouse_core.batch.shell.verdicts import (
     STATION_KINDS,
@@ -46,23 +45,6 @@ def test_batteries_change_like_a_single_one() -> None:
         assert found == (min(12, before + 9) if charges else before - 1)
 
 
-def test_some_verdicts() -> None:
-    steps = [
-        (EAST, EMPTY, NO, NO, -0.1, NO, NO),
-        (EAST, PICKUP, YES, YES, -1.1, YES, NO),
-        (PICK, PICKUP, NO, NO, 4.9, YES, NO),
-        (PICK, PICKUP, YES, NO, -0.6, YES, NO),
-        (PICK, DROPOFF, NO, NO, -0.6, NO, NO),
-        (DROP, DROPOFF, YES, NO, 9.9, NO, YES),
-        (DROP, PICKUP, YES, NO, -0.6, YES, NO),
-    ]
-    *given, rewards, holds, delivered = (np.array(column) for column in zip(*steps, strict=True))
-    found = judge_all(*given)
-    assert found[0] == pytest.approx(rewards)
-    assert found[1].tolist() == holds.tolist()
-    assert found[2].tolist() == delivered.tolist()
-
-
 def test_sides_are_numbered_north_first() -> None:
     sides = np.array(
         [[YES, NO, NO, NO], [NO, NO, NO, YES], [YES] * 4, [NO] * 4, [NO, YES, YES, NO]]
@@ -86,15 +68,3 @@ def test_masks_are_the_useful_actions() -> None:
         open_sides = tuple(bool(number & bit) for bit in (8, 4, 2, 1))
         expected = useful_actions(open_sides, tile(station, has), has)
         assert found[row].tolist() == list(expected)
-    by_hand = masks(np.array([9, 0, 15]), np.array([PICKUP, DROPOFF, DROPOFF]), np.array([0, 1, 0]))
-    assert by_hand.tolist() == [
-        [1, 0, 0, 1, 1, 1, 0],
-        [0, 0, 0, 0, 1, 0, 1],
-        [1, 1, 1, 1, 1, 0, 0],
-    ]
-
-
-def test_masks_are_new_arrays() -> None:
-    given = np.array([9]), np.array([PICKUP]), np.array([NO])
-    masks(*given)[:] = 5
-    assert masks(*given).tolist() == [[1, 0, 0, 1, 1, 1, 0]]

@@ -118,31 +118,13 @@ def test_a_mask_resets_some_fleets_only() -> None:
     assert info["_action_mask"].tolist() == [False, False, True, True, False, False]
 
 
-def test_nothing_that_is_returned_changes_later() -> None:
-    many = batch("SameStep")
-    arrays, info = many.reset(seed=1)
-    kept = {key: values.copy() for key, values in arrays.items()}
-    mask = info["action_mask"].copy()
-    for action in (0, 1, 2, 5, 6):
-        many.step(np.full(FLEETS * ROBOTS, action))
-    assert all(np.array_equal(arrays[key], kept[key]) for key in kept)
-    assert np.array_equal(info["action_mask"], mask)
-
-
 def test_bad_input_is_an_error() -> None:
-    many = batch("NextStep")
-    for call in (many.action_masks, lambda: many.step(np.zeros(6, int))):
-        with pytest.raises(EndedError, match="needs a reset"):
-            call()
-    many.reset(seed=1)
-    with pytest.raises(ValueError, match="shape"):
-        many.step([1, 2, 3])
-    with pytest.raises(ValueError, match="autoreset_mode is 'now'"):
-        batch("now")
     with pytest.raises(ValueError, match="2 layouts for 3 rows"):
         FleetBatch(3, [YARD, HALL], 2)
-    with pytest.raises(ValueError, match="fleet"):
-        many.measures(3)
+    with pytest.raises(TypeError, match="unexpected keyword argument 'speed'"):
+        FleetBatch(3, YARD, 2, speed=1)
+    with pytest.raises(ValueError, match=r"^fleet is 3; it must be at most 2"):
+        batch("NextStep").measures(3)
 
 
 def test_fleets_of_bodies_are_moved_by_a_motion_for_each_floor() -> None:

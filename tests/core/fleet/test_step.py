@@ -201,6 +201,11 @@ def test_open_orders_wait_for_all_and_are_seen() -> None:
     assert arrays["due"].tolist() == [[-1], [-1]]
 
 
+def test_a_lone_robot_sees_where_an_open_order_waits() -> None:
+    fleet = shop(order(), robots=1, dispatch=False)
+    assert fleet.observe(0)["local_grid"][1:3] == ["##P..", "##R.."]
+
+
 def test_the_orders_released_so_far_are_seen_as_arrays() -> None:
     orders = [Order(0, 50, (0, 0), (0, 3)), Order(2, 60, (0, 3), (0, 0), 1)]
     fleet = FleetEnv(["...."], 2, orders=orders, starts=[(0, 1), (0, 2)], max_steps=9)
