@@ -21,7 +21,7 @@ from helpers.handbook import (
 
 from agents.lab.commands import train
 from agents.lab.experiments.sweep import PRESETS
-from agents.learning import training
+from agents.lab.training import exams
 from warehouse_core.viz.replay import Replay
 
 README = ROOT / "README.md"
@@ -56,7 +56,7 @@ def less_work(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Replay, "new_saved_frame_seq", some_frames)
     steps, *others = train.train_q.__defaults__ or ()
     monkeypatch.setattr(train.train_q, "__defaults__", (steps // 20, *others))
-    monkeypatch.setattr(training, "EXAM_SEEDS", training.EXAM_SEEDS[:5])
+    monkeypatch.setattr(exams, "EXAM_SEEDS", exams.EXAM_SEEDS[:5])
     monkeypatch.setattr(train, "FINAL_SEEDS", train.FINAL_SEEDS[:20])
 
 
