@@ -115,8 +115,7 @@ def compare_agents(
     }
     # The figure first, because the reader of standard output may leave, as ``head`` does.
     if save is not None:
-        from agents.lab.trials.figure import scores_figure
-        from agents.lab.trials.sizes_figure import sizes_figure
+        from agents.lab.trials.figure import scores_figure, sizes_figure
 
         [(title, scores), *more] = groups.items()
         figure = scores_figure(scores, title, EXPLANATION)

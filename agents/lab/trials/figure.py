@@ -1,4 +1,4 @@
-"""A figure that compares agents: a panel for each measure, a row for each agent."""
+"""Figures that compare agents: a panel for each measure, a row for each agent."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.ticker import EngFormatter, LogLocator, MaxNLocator, NullFormatter, PercentFormatter
 
-from agents.lab.trials.interval import Interval
 from agents.lab.trials.scores import MEASURES, Measure, Scores
 from warehouse_core.render.palette import BATTERY, INK, PALE_WARNING, WARNING
 from warehouse_core.viz.axes import style_chart
@@ -33,6 +32,16 @@ BAR, GREY = 0.62, "0.35"
 
 ROOM = 1.4
 """Factor of space on a logarithmic axis, below the lowest value and above the highest."""
+
+PANELS = (MEASURES[0], MEASURES[2], MEASURES[1])
+"""Deliveries, their steps over the fewest, and steps a delivery."""
+
+TITLE, ABOVE, BELOW, FOOT = 0.3, 0.42, 0.5, 0.55
+"""Heights in inches of a title, of the space above and below the panels of a task, and of the
+caption."""
+
+RIGHT, GAP = 0.965, 0.055
+"""Right end of the panels, and gap between two of them, as shares of the width."""
 
 
 def message(scores: Mapping[str, Scores]) -> str:
@@ -64,9 +73,7 @@ def _steps(scores: Iterable[Scores]) -> str:
 
 def scores_figure(scores: Mapping[str, Scores], title: str, caption: str = "") -> SceneFigure:
     """Draw the agents' scores, with 95% intervals, under the message that they give."""
-    names = list(map(fitting, scores))
-    said = message(scores)
-    lines = [part for line in said.split("\n") for part in wrap(line, MESSAGE_LETTERS)]
+    names, lines = list(map(fitting, scores)), _lines(message(scores))
     head = 0.22 + LINE * len(lines)
     height = HEIGHT + head + ROW_HEIGHT * len(names)
     figure = make_figure((WIDTH, height), DPI)
@@ -75,21 +82,72 @@ def scores_figure(scores: Mapping[str, Scores], title: str, caption: str = "") -
         left=0.035 + LETTER * max(map(len, names)), right=0.97, top=1 - (head + 0.65) / height,
         bottom=0.95 / height, wspace=0.26, hspace=0.42,
     )  # fmt: skip
-    style: dict[str, Any] = {"ha": "left", "va": "top", "parse_math": False}
-    figure.suptitle(
-        "\n".join(lines), x=0.012, y=1 - 0.12 / height, fontsize=15, fontweight="bold", color=INK,
-        **style,
-    )  # fmt: skip
-    figure.text(0.012, 1 - head / height, title, fontsize=10, color=GREY, **style)
-    caption = fill(caption, CAPTION_LETTERS)
-    figure.text(0.012, 0.1 / height, caption, fontsize=9, color=GREY, parse_math=False)
+    _write_head(figure, height - 0.12, lines, title, height - head)
+    _write_caption(figure, caption)
     for axes, measure in zip(grid.flat, MEASURES, strict=True):
-        draw_measure(axes, measure, names, [measure.of(each) for each in scores.values()])
-    draw_failures(grid.flat[0], scores)
+        _draw_measure(axes, measure, names, scores.values())
+    _draw_failures(grid.flat[0], scores)
     return figure
 
 
-def draw_failures(axes: Axes, scores: Mapping[str, Scores]) -> None:
+def sizes_figure(groups: Mapping[str, Mapping[str, Scores]], caption: str = "") -> SceneFigure:
+    """Draw the agents' scores in several tasks, such as layouts of several sizes.
+
+    Args:
+        groups: scores by the name of the agent, by the title of a task; the same agents in all.
+        caption: text below all panels.
+    """
+    said = [_lines(message(scores)) for scores in groups.values()]
+    agents = len(next(iter(groups.values())))
+    heights = [LINE * len(lines) + TITLE + ABOVE + ROW_HEIGHT * agents + BELOW for lines in said]
+    figure = make_figure((WIDTH, sum(heights) + FOOT), DPI)
+    top = sum(heights) + FOOT - 0.12
+    for (title, scores), lines, height in zip(groups.items(), said, heights, strict=True):
+        below = top - LINE * len(lines)
+        _write_head(figure, top, lines, title, below)
+        _draw_panels(figure, below, scores)
+        top -= height
+    _write_caption(figure, caption)
+    return figure
+
+
+def _draw_panels(figure: SceneFigure, title: float, scores: Mapping[str, Scores]) -> None:
+    """Draw a row of panels below a title, whose top is ``title`` inches from the bottom."""
+    inch, names = 1 / figure.get_figheight(), list(map(fitting, scores))
+    left = 0.035 + LETTER * max(map(len, names))
+    width = (RIGHT - left - GAP * (len(PANELS) - 1)) / len(PANELS)
+    height = ROW_HEIGHT * len(names)
+    bottom = title - TITLE - ABOVE - height + 0.12
+    for number, measure in enumerate(PANELS):
+        box = (left + number * (width + GAP), bottom * inch, width, height * inch)
+        axes = figure.add_axes(box)
+        _draw_measure(axes, measure, names, scores.values())
+        if measure is MEASURES[0]:
+            _draw_failures(axes, scores)
+        if number:
+            axes.tick_params(labelleft=False)
+
+
+def _lines(words: str) -> list[str]:
+    return [part for line in words.split("\n") for part in wrap(line, MESSAGE_LETTERS)]
+
+
+def _write_head(
+    figure: SceneFigure, top: float, lines: Sequence[str], title: str, below: float
+) -> None:
+    """Write a message below ``top`` and a title below ``below``, in inches from the bottom."""
+    inch, said = 1 / figure.get_figheight(), "\n".join(lines)
+    style: dict[str, Any] = {"ha": "left", "va": "top", "parse_math": False}
+    figure.text(0.012, top * inch, said, fontsize=15, fontweight="bold", color=INK, **style)
+    figure.text(0.012, below * inch, title, fontsize=10, color=GREY, **style)
+
+
+def _write_caption(figure: SceneFigure, caption: str) -> None:
+    words, y = fill(caption, CAPTION_LETTERS), 0.1 / figure.get_figheight()
+    figure.text(0.012, y, words, fontsize=9, color=GREY, parse_math=False)
+
+
+def _draw_failures(axes: Axes, scores: Mapping[str, Scores]) -> None:
     """Fill bars of deliveries up to 100%, and write the number of failures beside them."""
     beside: dict[str, Any] = {"va": "center", "fontsize": 10, "annotation_clip": False}
     axes.annotate("failed", (1.03, -0.9), **beside, color=GREY)
@@ -108,10 +166,11 @@ def fitting(name: str) -> str:
     return name if len(name) <= MAX_LETTERS else f"\N{HORIZONTAL ELLIPSIS}{name[1 - MAX_LETTERS :]}"
 
 
-def draw_measure(
-    axes: Axes, measure: Measure, names: Sequence[str], found: Sequence[Interval | None]
+def _draw_measure(
+    axes: Axes, measure: Measure, names: Sequence[str], scores: Iterable[Scores]
 ) -> None:
     """Draw bars from 0, or points on a logarithmic axis, which has no 0."""
+    found = [measure.of(each) for each in scores]
     known = [(place, interval) for place, interval in enumerate(found) if interval is not None]
     for place in set(range(len(found))) - {place for place, _ in known}:
         axes.annotate(
