@@ -22,7 +22,7 @@ LIMITS = {
     "--late-penalty": {(0, None)},
     "--layouts": {(1, 100_000)},
     "--max-steps": {(1, MANY)},
-    "--memory": {(0, None)},
+    "--memory": {(0, 10**9)},
     "--noise": {(0, 0.5)},
     "--people": {(0, 100_000)},
     "--robots": {(1, 100_000), (1, 1000)},
@@ -31,7 +31,7 @@ LIMITS = {
     "--speed": {(0.01, 100)},
     "--steps": {(1, MANY)},
     "--stop": {(0, None)},
-    "--view-radius": {(0, 100)},
+    "--view-radius": {(0, 1000)},
     "--workers": {(1, 1024)},
 }
 """Least and greatest values of options; commands may differ in them."""
