@@ -25,7 +25,7 @@ from helpers.pictures import (
 )
 from helpers.player import said_by
 from matplotlib.colors import to_hex
-from PIL import Image
+from PIL import Image, ImageSequence
 
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import WarehouseEnv, record_episode
@@ -430,3 +430,15 @@ def test_in_an_svg_the_robot_stands_on_its_tile(tmp_path: Path) -> None:
     drawing = (tmp_path / "end.svg").read_text(encoding="utf-8").split('id="axes_2"')[0]
     tile, robot = (to_hex(COLORS[letter]) for letter in (DROPOFF, ROBOT_EMPTY))
     assert drawing.rindex(f"fill: {robot}") > drawing.rindex(f"fill: {tile}")
+
+
+def test_a_gif_that_goes_back_to_known_colors_shows_them_again() -> None:
+    file = io.BytesIO()
+    writer = GifWriter(file, 100)
+    shades = [np.full((2, 2, 4), shade, np.uint8) for shade in (0, 255, 0, 255)]
+    for shade in shades:
+        writer.add(shade, (0, 2, 0, 2))
+    writer.finish()
+    with Image.open(file) as gif:
+        shown = [frame.convert("L").getpixel((0, 0)) for frame in ImageSequence.Iterator(gif)]
+    assert shown[0] == shown[2] != shown[1] == shown[3]
