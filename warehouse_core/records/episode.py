@@ -225,7 +225,7 @@ class Episode:
             cells = self.layout.cells(cells[:, 0])
             battery, rewards = battery[:, 0].tolist(), [0.0, *rewards[:, 0].tolist()]
         metrics = {"rewards": list(rewards), "battery": [float(units) for units in battery]}
-        if not (self.is_fleet and self.settings.orders):
+        if not self.is_fleet or self.settings.orders is None:
             metrics["dist_pickup"] = _distances(cells, self.layout.pickups)
             metrics["dist_dropoff"] = _distances(cells, self.layout.dropoffs)
         return metrics

@@ -282,7 +282,7 @@ def check_open(layout: Layout, cell: Cell, name: str) -> None:
     """Raise if a cell is off the grid or a wall.
 
     Raises:
-        LayoutError: with ``name``, and what is at the cell.
+        LayoutError: the cell is not open; the message has ``name`` and what is at the cell.
     """
     if not layout.is_open(cell):
         raise LayoutError(f"{name} {layout.describe(cell)}; it must be an open cell")

@@ -249,7 +249,8 @@ class Sandbox:
         """Yield an agent in a new process, which is killed at the end of the block.
 
         Raises:
-            AgentFailureError: in the block; if its process has ended, the message says how.
+            AgentFailureError: the agent failed in the block; the message says how its process
+                ended, if it did.
         """
         (theirs, questions), (answers, also_theirs) = os.pipe(), os.pipe()
         try:

@@ -80,7 +80,7 @@ class RandomLayouts:
         """Raise if the layout of an episode has the walls of one in the pool.
 
         Raises:
-            LayoutError: with the seed of the episode.
+            LayoutError: a layout has these walls; the message names the seed of the episode.
         """
         known = {_walls(layout) for layout in self.pool()}
         for seed in seeds:
