@@ -37,14 +37,7 @@ SLOW = 1e-3
 
 
 class Driver:
-    """Drives the robots of an arena.
-
-    Args:
-        arena: arena with ``R`` robots at rest.
-        spec: numbers of the robots.
-        cells: cells that the robots are in.
-        disturbances: departure of the physics from the nominal.
-        seed: seed of the disturbances.
+    """Drives the robots of an arena, which are at rest in their cells.
 
     Attributes:
         ways: cells that the robots are to drive through.
