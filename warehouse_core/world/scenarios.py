@@ -33,13 +33,11 @@ _LENGTH = re.compile(r"[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]+)?")
 
 
 class Scenario(NamedTuple):
-    """A pathfinding problem on a map.
+    """A pathfinding problem on a map of ``width`` columns and ``height`` rows.
 
     Attributes:
         bucket: number of a group of scenarios of about equal difficulty.
         map_name: file name of the map, as given in the scenario.
-        width: columns of that map.
-        height: rows of that map.
         start: first cell of the path.
         goal: last cell of the path.
         octile_length: length in cells of a shortest path that may use diagonal moves;

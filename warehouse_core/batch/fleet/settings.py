@@ -92,12 +92,7 @@ class FleetSettings:
 def as_orders(
     orders: object,
 ) -> tuple[OrderStream, ...] | tuple[Order, ...] | OrderQueue | None:
-    """Return orders given as a rate, a stream, a queue, or a sequence of streams or of orders.
-
-    Raises:
-        ValueError: an empty sequence, or a rate that is not allowed.
-        TypeError: they are none of these.
-    """
+    """Return orders given as a rate, a stream, a queue, or a sequence of streams or of orders."""
     if orders is None or isinstance(orders, OrderQueue):
         return orders
     if isinstance(orders, (int, float)) and not isinstance(orders, bool):
@@ -126,11 +121,7 @@ _FORMS: dict[str, Callable[[Any], Any]] = {
 
 
 def _orders(values: Any) -> Any:
-    """Return what ``as_orders`` takes, given as ``asdict`` or JSON returns it.
-
-    Raises:
-        TypeError: the values do not describe orders.
-    """
+    """Return what ``as_orders`` takes, given as ``asdict`` or JSON returns it."""
     if values is None:
         return None
     if isinstance(values, dict):

@@ -60,7 +60,8 @@ def judge_all(
 ) -> tuple[NDArray[np.float64], Flags, Flags]:
     """Return rewards, who holds an item now and who has delivered, ``[B]`` each; see ``judge``.
 
-    ``stations`` are indices into ``STATION_KINDS``, what the robots stand on after their motion.
+    ``stations`` are indices into ``STATION_KINDS``, what the robots stand on after their motion;
+    ``has_item`` is from before it.
     """
     index = ((actions * len(STATION_KINDS) + stations) * 2 + has_item) * 2 + blocked
     return _REWARDS.take(index), _HAS_ITEM.take(index), _DELIVERED.take(index)
