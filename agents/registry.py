@@ -20,12 +20,7 @@ import numpy as np
 
 from agents.errors import AgentError, reason_of
 from agents.fleet.charging import costs_around_chargers
-from agents.fleet.guided import (
-    pibt_on_lanes,
-    pibt_on_learned,
-    windowed_on_lanes,
-    windowed_on_learned,
-)
+from agents.fleet.guided import Guided, on_lanes, on_learned
 from agents.fleet.planned import DEFAULT_ASSIGNMENT, PlannedFleet
 from agents.fleet.team import Team
 from agents.learning.baselines import RandomAgent, ReflexAgent
@@ -52,11 +47,11 @@ AGENTS: dict[str, Callable[..., Agent]] = {
 
 PLANNERS: dict[str, Callable[..., Planner]] = {
     "pibt": PIBT,
-    "pibt-lanes": pibt_on_lanes,
-    "pibt-learned": pibt_on_learned,
+    "pibt-lanes": Guided(PIBT, on_lanes),
+    "pibt-learned": Guided(PIBT, on_learned),
     "windowed": WindowedPlanner,
-    "windowed-lanes": windowed_on_lanes,
-    "windowed-learned": windowed_on_learned,
+    "windowed-lanes": Guided(WindowedPlanner, on_lanes),
+    "windowed-learned": Guided(WindowedPlanner, on_learned),
 }
 """Planners of the robots of a fleet, by name."""
 
@@ -322,8 +317,7 @@ def _load_class(sort: Sort, name: str) -> type[Any]:
         needed = ", or ".join(" and ".join(names) for names in sort.methods)
         fewest = min(missing, key=lambda names: len(names))
         raise AgentError(f"class {name!r} has no {' and no '.join(fewest)}; needed: {needed}")
-    found: type[Any] = kind
-    return found
+    return kind
 
 
 def _load_module(source: str) -> ModuleType:

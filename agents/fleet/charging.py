@@ -165,8 +165,7 @@ class Chargers:
         """Return whether each charger is one of some cells, ``[C]``."""
         is_there = np.zeros(len(self.home), np.bool_)
         is_there[cells] = True
-        found: NDArray[np.bool_] = is_there[self.cells]
-        return found
+        return is_there[self.cells]
 
     def _give_way(self, needs: Needs) -> None:
         """End turns early for robots that would run empty.
@@ -243,5 +242,4 @@ class Chargers:
     ) -> NDArray[np.float64]:
         """Return the steps of charging after ways of so many steps."""
         missing = self._full - battery + self._cost * ways
-        found: NDArray[np.float64] = np.maximum(missing, 0) / self._gain
-        return found
+        return np.maximum(missing, 0) / self._gain

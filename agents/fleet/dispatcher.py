@@ -188,8 +188,7 @@ class Dispatcher:
         parking = self._parking[robots.cells]
         goals = np.where(robots.goals == NONE, parking, robots.goals)
         charging = self.chargers.goals(robots.cells)
-        found: Integers = np.where(self.chargers.turn == NONE, goals, charging)
-        return found
+        return np.where(self.chargers.turn == NONE, goals, charging)
 
 
 def parking_of(layout: Layout) -> NDArray[np.intp]:
@@ -213,5 +212,4 @@ def parking_of(layout: Layout) -> NDArray[np.intp]:
 
 def shares_cell(cells: Integers) -> Flags:
     """Return whether each robot shares its cell, as bodies may after a disturbance."""
-    shared: Flags = np.bincount(cells)[cells] > 1
-    return shared
+    return np.bincount(cells)[cells] > 1

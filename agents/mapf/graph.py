@@ -113,8 +113,7 @@ class Graph:
     def headings(self, before: Integers, cells: Integers, headings: Integers) -> Integers:
         """Return the headings of robots after they have moved; all arguments are ``[R]``."""
         moves = self.neighbours[before, :WAIT] == cells[:, None]
-        turned: Integers = np.where(moves.any(axis=1), moves.argmax(axis=1), headings)
-        return turned
+        return np.where(moves.any(axis=1), moves.argmax(axis=1), headings)
 
     def close(self, cells: frozenset[int]) -> None:
         """Close some cells to all ways from now on, and open the cells that were closed before."""
@@ -217,8 +216,7 @@ class Fields:
                 self._free_rows(goals)
             self._row_of[goal] = row = self._free.pop()
             self._fill(row, self.graph.distances(goal, keep=False))
-        rows: Integers = self._row_of[goals]
-        return rows
+        return self._row_of[goals]
 
     def _free_rows(self, goals: Integers) -> None:
         rows = len(self.matrix)

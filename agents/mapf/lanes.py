@@ -100,5 +100,4 @@ def _traffic_costs(graph: Graph, mean: NDArray[np.float64]) -> NDArray[np.float6
     opposite = np.roll(np.arange(WAIT), 2)
     there = MOVE_COST * mean[:, :WAIT]
     back = OPPOSED_COST * mean[reached, opposite] + WAIT_COST * mean[reached, WAIT]
-    added: NDArray[np.float64] = there + np.where(reached == CLOSED, 0, back)
-    return added
+    return there + np.where(reached == CLOSED, 0, back)
