@@ -51,11 +51,8 @@ Fleets do the same with 5 and with 20; without it, ways lead through chargers th
 def costs_around_chargers(layout: Layout, costs: Costs | None = None) -> Costs | None:
     """Return costs of moves ``[H * W, 4]``, see ``Graph``, so that ways lead around chargers.
 
-    Planners do not look for a way around robots that stay.
-
-    Args:
-        layout: layout of the fleet.
-        costs: costs without chargers; ``None`` is 1 each, and is returned if there are no chargers.
+    Planners do not look for a way around robots that stay. ``None`` stands for costs of 1 each, and
+    is returned if there are no chargers.
     """
     if not layout.chargers:
         return costs
@@ -69,13 +66,13 @@ def costs_around_chargers(layout: Layout, costs: Costs | None = None) -> Costs |
 
 
 class Needs(NamedTuple):
-    """What ``R`` robots need.
+    """What ``R`` robots need; all arrays are ``[R]``.
 
     Attributes:
-        cells: ``[R]``, cells of the robots.
-        battery: ``[R]``, units left; robots without any have no turn.
-        may_go: ``[R]`` bool, true for robots that may go to charge now.
-        limits: ``[R]``, units below which a robot goes to a charger that nobody uses.
+        cells: cells of the robots.
+        battery: units left; robots without any have no turn.
+        may_go: true for robots that may go to charge now.
+        limits: units below which a robot goes to a charger that nobody uses.
     """
 
     cells: Integers

@@ -47,11 +47,7 @@ class Robots(NamedTuple):
 
 
 class Dispatcher:
-    """Gives the robots of a fleet orders, turns at chargers, and goals.
-
-    Args:
-        env: fleet, after its reset.
-        assignment: a name of ``ASSIGNMENTS``.
+    """Gives the robots of a fleet, after its reset, orders, turns at chargers, and goals.
 
     Attributes:
         graph: graph of the floor.

@@ -18,8 +18,7 @@ class Belief:
         bumps: cells that have not been seen and that two successive moves did not reach; probably
             walls.
         moves: moves from each cell to neighbours believed to be free.
-        rows: range of the rows in ``known``, in ``bumps`` and at the ends of routes.
-        cols: range of the columns in the same.
+        rows, cols: ranges that have the cells of ``known`` and ``bumps`` and the ends of routes.
     """
 
     def __init__(self) -> None:

@@ -35,11 +35,7 @@ TICK_POINTS = 18
 class SearchPanel:
     """Draws a search into its axes, in units of cells, row 0 on top.
 
-    Args:
-        figure: figure to add everything to; all of it moves, because the image under it does.
-        axes: axes to draw into.
-        cell_points: side of a cell in points, 1/72 inch.
-        course: course of the search.
+    All of it moves, because the image under it does. The side of a cell is in points, 1/72 inch.
     """
 
     def __init__(

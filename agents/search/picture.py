@@ -89,12 +89,7 @@ class _SearchScene:
 
 
 def search_replay(courses: Sequence[SearchCourse], title: str, *, window: bool = False) -> Replay:
-    """Return the animation of searches side by side.
-
-    Args:
-        courses: courses of the searches, 1 to ``MAX_PANELS``, all on one layout.
-        title: title above them.
-        window: draw into a window.
+    """Return the animation of searches on one layout, side by side under a title.
 
     Raises:
         ValueError: no search, or more than ``MAX_PANELS``.

@@ -29,13 +29,7 @@ MarkGrid = NDArray[np.int32]
 
 
 class SearchCourse:
-    """The marks of a search after any number of its expansions.
-
-    Args:
-        name: name of the algorithm, to show.
-        layout: layout that was searched.
-        ends: start and goal of the search.
-        solution: solution of the search, with its events.
+    """The marks of a search from one end to the other, after any number of its expansions.
 
     Raises:
         ValueError: the solution has no events.
