@@ -51,6 +51,7 @@ MAY_IMPORT = {
         "warehouse_env wording world"
     ),
     "warehouse_core/warehouse_viz": "arguments files records viz viz/export viz/tracks",
+    "warehouse_physics/disturbances": "",
     "warehouse_physics/exclusive": "",
     "warehouse_physics/profile": "",
     "warehouse_physics/pymunk_version": "",
@@ -58,9 +59,8 @@ MAY_IMPORT = {
     "warehouse_physics/stepping": "",
     "warehouse_physics/walls": "",
     "warehouse_physics/arena": "spec stepping walls",
-    "warehouse_physics/disturbances": "spec",
-    "warehouse_physics/energy": "profile spec",
     "warehouse_physics/body_motion": "disturbances spec",
+    "warehouse_physics/energy": "profile spec",
     "warehouse_physics/driven_arena": "arena profile spec",
     "warehouse_physics/robot": "arena disturbances energy profile spec",
     "warehouse_physics/batch": "arena driven_arena energy exclusive profile robot spec walls",

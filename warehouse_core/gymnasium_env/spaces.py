@@ -102,12 +102,22 @@ def _dict_space(extent: Extent) -> spaces.Dict:
     )
 
 
-def with_limit(spec: EnvSpec | None, max_steps: int) -> EnvSpec | None:
-    """Return a copy of a spec that has the limit of steps of its environment."""
-    limited = copy(spec)
-    if limited is not None:
-        limited.max_episode_steps = max_steps
-    return limited
+class Limited:
+    """An environment whose spec has the limit of steps that holds."""
+
+    max_steps: int
+    _spec: EnvSpec | None = None
+
+    @property
+    def spec(self) -> EnvSpec | None:
+        """The spec that Gymnasium made it from, with ``max_steps`` as ``max_episode_steps``."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        self._spec = copy(spec)
+        if self._spec is not None:
+            self._spec.max_episode_steps = self.max_steps
 
 
 def check_options(options: object, allowed: set[str]) -> dict[str, Any]:

@@ -8,7 +8,6 @@ from typing import Any, cast
 import gymnasium
 import numpy as np
 from gymnasium import spaces
-from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 from gymnasium.vector.utils import batch_space, iterate
 from numpy.typing import ArrayLike, NDArray
@@ -22,10 +21,10 @@ from warehouse_core.gymnasium_env.spaces import (
     MARKED,
     RENDER_FPS,
     Extent,
+    Limited,
     check_options,
     check_render_mode,
     make_form,
-    with_limit,
 )
 from warehouse_core.motion.backends import Backend
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
@@ -38,7 +37,7 @@ AutoresetMode: Any = getattr(gymnasium.vector, "AutoresetMode", str)
 """Gymnasium's enumeration; version 1.0 has none, and strings are used."""
 
 
-class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
+class WarehouseVectorEnv(Limited, gymnasium.vector.VectorEnv[Any, Any, Any]):
     """``Warehouse-v0`` as a batch: ``BatchEnv`` with the vector interface of Gymnasium.
 
     Description:
@@ -72,8 +71,6 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         ValueError: a value that is not allowed; also as ``LayoutError`` or ``BackendError``.
         TypeError: an argument of another type.
     """
-
-    _spec: EnvSpec | None = None
 
     def __init__(
         self,
@@ -115,28 +112,19 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             "render_fps": RENDER_FPS,
             "autoreset_mode": self.autoreset_mode,
         }
-        self.num_envs = num_envs = batch.num_envs
+        self.num_envs, self.max_steps = batch.num_envs, batch.max_steps
         self.render_mode = render_mode
         height, width = batch.size
         extent = Extent(height, width, batch.view_radius, batch.max_battery, max_steps)
         form = make_form(observation, extent)
         self._form = form.of
         self.single_observation_space = form.space
-        self.observation_space = batch_space(form.space, num_envs)
+        self.observation_space = batch_space(form.space, self.num_envs)
         self.single_action_space = spaces.Discrete(len(ACTIONS))
-        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
         if tile_pixels is None:
             tile_pixels = tile_pixels_for(height, width)
         self._painter = TilePainter(tile_pixels)
-
-    @property
-    def spec(self) -> EnvSpec | None:
-        """How ``gymnasium.make_vec`` made it, with the limit of steps that holds."""
-        return self._spec
-
-    @spec.setter
-    def spec(self, spec: EnvSpec | None) -> None:
-        self._spec = with_limit(spec, self._batch.max_steps)
 
     @property
     def np_random_seed(self) -> Any:

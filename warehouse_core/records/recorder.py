@@ -310,14 +310,8 @@ def replay_episode(episode: Episode, backend: Backend | None = None) -> Episode:
 
 def _replay_alone(episode: Episode, backend: Backend) -> Episode:
     settings = episode.settings
-    env = WarehouseEnv(
-        episode.layout,
-        settings.start_pos,
-        settings.max_steps,
-        settings.battery,
-        settings.view_radius,
-        backend=backend,
-    )
+    limits = settings.max_steps, settings.battery, settings.view_radius
+    env = WarehouseEnv(episode.layout, settings.start_pos, *limits, backend=backend)
     env.reset_to(episode.layout, episode.cells[0], episode.seed)
     recorder = EpisodeRecorder(env, seed=episode.seed, agent=episode.agent)
     for action, reason in zip(episode.actions, episode.reasons, strict=True):

@@ -26,7 +26,7 @@ def draw_grid(
     Args:
         axes: axes to draw into.
         size: rows and columns of the layout.
-        every: number every so many rows and columns.
+        every: rows and columns from one number to the next.
         line_width: width of the lines between cells, in points; 0 draws none.
         zorder: drawing order of these lines.
         label_size: size of the numbers, in points.

@@ -40,18 +40,12 @@ DEFAULT_SPEED = 4.0
 MAX_SECONDS, MIN_SECONDS = 30.0, 6.0
 """Most seconds in which a search is shown at the default speed; least for slow motion."""
 
-
 MAX_TEXT = 1_000
 """Characters of a title, a caption or a label; a longer one is cut."""
 
 
 def packed(tracks: Sequence[Track], title: str, speed: float) -> str:
     """Return everything that a page says of tracks, as text.
-
-    Args:
-        tracks: tracks to be shown side by side on one clock.
-        title: title of the page.
-        speed: factor on the playing speed.
 
     Raises:
         ValueError: a place is not finite.

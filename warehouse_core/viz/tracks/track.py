@@ -213,11 +213,6 @@ class Track:
         rows, outer = self.frames[0].tiles, self.outer
         return len(rows[0]) - 2 * outer, len(rows) - 2 * outer
 
-    @property
-    def has_routes(self) -> bool:
-        """Whether any frame shows a planned way."""
-        return any(frame.route for frame in self.frames)
-
 
 def middle(cell: Cell) -> Point:
     """Return the middle of a cell."""
