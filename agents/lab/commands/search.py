@@ -172,14 +172,14 @@ def search(
         say(f"no path leads from {begin} to {end}")
 
     named = zip(map(_panel_name, values), found, strict=True)
-    courses = [SearchCourse(name, grid, begin, each) for name, each in named]
+    courses = [SearchCourse(name, grid, (begin, end), each) for name, each in named]
 
     def draw(window: bool) -> Replay:
         from agents.search.picture import search_replay
 
-        return search_replay(grid, begin, end, courses, title, window=window)
+        return search_replay(courses, title, window=window)
 
-    film = Film(lambda: [track_of_course(each, end) for each in courses], title, draw=draw)
+    film = Film(lambda: [*map(track_of_course, courses)], title, draw=draw)
     show_or_save(film, save, show, "search.gif")
 
 

@@ -35,14 +35,15 @@ def solve(layout: Layout, start: Cell, goal: Cell, weight: float) -> Solution[Ce
 def course(
     weight: float, layout: Layout = HALL, start: Cell = START, goal: Cell = GOAL
 ) -> SearchCourse:
-    return SearchCourse(f"W = {weight:g}", layout, start, solve(layout, start, goal, weight))
+    solution = solve(layout, start, goal, weight)
+    return SearchCourse(f"W = {weight:g}", layout, (start, goal), solution)
 
 
 def replay(
     *weights: float, layout: Layout = HALL, start: Cell = START, goal: Cell = GOAL, title: str = ""
 ) -> Replay:
     courses = [course(weight, layout, start, goal) for weight in weights]
-    return search_replay(layout, start, goal, courses, title)
+    return search_replay(courses, title)
 
 
 def press(shown: Replay, key: str) -> None:
@@ -67,7 +68,7 @@ def test_marks_equal_those_of_a_search_repeated_step_by_step() -> None:
     start, goal = layout.pickups[0], layout.dropoffs[0]
     for weight in (0.0, 1.0, 3.0, INF):
         solution = solve(layout, start, goal, weight)
-        shown = SearchCourse("", layout, start, solution)
+        shown = SearchCourse("", layout, (start, goal), solution)
         waits, expanded = {start}, dict[Cell, int]()
         for count, event in enumerate(solution.events[:-1], start=1):
             waits.discard(event.expanded)  # type: ignore[arg-type]
@@ -91,7 +92,7 @@ def test_before_the_first_expansion_only_the_start_is_on_the_frontier() -> None:
 def test_a_cell_that_is_reached_again_is_on_the_frontier_again() -> None:
     # Expanded, then reached by a better path, then expanded again.
     events = [((1, 1), ((1, 2),)), ((1, 2), ((1, 3),)), ((1, 3), ((1, 2),)), ((1, 2), ())]
-    shown = SearchCourse("", HALL, (1, 1), Solution((), (), INF, 4, 4, 2, tuple(events)))  # type: ignore[arg-type]
+    shown = SearchCourse("", HALL, (START, GOAL), Solution((), (), INF, 4, 4, 2, tuple(events)))  # type: ignore[arg-type]
     assert [shown.marks_after(count)[1, 2] for count in range(5)] == [0, WAITS, 2, WAITS, 4]
 
 
@@ -99,7 +100,7 @@ def test_a_search_without_events_is_an_error() -> None:
     problem = RouteProblem(HALL, START, GOAL)
     silent = weighted_astar_search(problem, manhattan(problem), 1)
     with pytest.raises(ValueError, match=r"A\* has 0 events .* with_events=True"):
-        SearchCourse("A*", HALL, START, silent)
+        SearchCourse("A*", HALL, (START, GOAL), silent)
 
 
 def test_every_panel_counts_its_own_search_and_keeps_its_last_count() -> None:
@@ -246,13 +247,13 @@ def test_the_four_usual_searches_have_large_cells_and_letters() -> None:
 def test_no_search_and_too_many_are_errors() -> None:
     for count in (0, MAX_PANELS + 1):
         with pytest.raises(ValueError, match=rf"{count} searches; there must be 1\.\.6"):
-            search_replay(HALL, START, GOAL, [course(1)] * count, "")
+            search_replay([course(1)] * count, "")
 
 
 def test_names_are_shown_literally() -> None:
     for name in (*HOSTILE_NAMES[:2], "$\\frac{$"):
-        named = SearchCourse(name, HALL, START, solve(HALL, START, START, 1))
-        shown = search_replay(HALL, START, START, [named], name)
+        named = SearchCourse(name, HALL, (START, START), solve(HALL, START, START, 1))
+        shown = search_replay([named], name)
         shown.figure.canvas.draw()
         assert texts(shown).count(name) == 2
         page = page_in(shown._repr_html_())
