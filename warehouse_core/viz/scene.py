@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.text import Text
 
 from warehouse_core.render.palette import INK
-from warehouse_core.viz.axes import box_in
+from warehouse_core.viz.axes.look import POINTS, box_in
 from warehouse_core.viz.charts import BatteryBar, Chart, TimeAxis, share_scales
-from warehouse_core.viz.figure import POINTS, SceneFigure
+from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.legend import draw_legend
 from warehouse_core.viz.sheet import BOLD, WIDTH, Box, Place, Sheet, sheet_of
 from warehouse_core.viz.tracks.track import Track

@@ -13,7 +13,7 @@ from warehouse_core.motion.batch import NOTHING
 from warehouse_core.records.episode import FleetEpisode
 from warehouse_core.render.palette import INK, PAPER
 from warehouse_core.viz.axes.heat_map import Counts, draw_heat
-from warehouse_core.viz.axes.look import box_in
+from warehouse_core.viz.axes.look import POINTS, box_in
 from warehouse_core.world.actions import WAIT
 
 PANEL, MAX_CELL, SPACE = 6.2, 0.4, 0.55
@@ -69,7 +69,7 @@ def congestion_picture(
     for number, (name, counts) in enumerate(held_up.items()):
         left, episode = SPACE + number * (wide + SPACE), episodes[name]
         axes = figure.add_axes(box_in(size, left, top, wide, high))
-        heat = draw_heat(axes, episode.layout.rows, counts, cell * 72, highest, digits=False)
+        heat = draw_heat(axes, episode.layout.rows, counts, cell * POINTS, highest, digits=False)
         axes.tick_params(labelsize=10)
         share = counts.sum() / max(episode.cells[:-1].size, 1)
         write(left, HEAD + 0.25, name, fontsize=TITLE)

@@ -23,8 +23,7 @@ from warehouse_core.motion.batch import NOTHING
 from warehouse_core.motion.batch import WALL as WALL_STOPS
 from warehouse_core.records.episode import FleetEpisode
 from warehouse_core.render.palette import COLORS, INK, PAPER, Color
-from warehouse_core.viz.axes.look import box_in, draw_grid
-from warehouse_core.viz.figure import POINTS
+from warehouse_core.viz.axes.look import POINTS, box_in, draw_grid
 from warehouse_core.wording import counted
 from warehouse_core.world.tiles import DROPOFF, PICKUP, WALL, runs_of
 

@@ -10,6 +10,9 @@ from matplotlib.collections import LineCollection
 from warehouse_core.render.palette import COLORS, FAINT
 from warehouse_core.world.tiles import EMPTY
 
+POINTS = 72
+"""Points in an inch."""
+
 
 def draw_grid(
     axes: Axes,
