@@ -220,17 +220,15 @@ def test_the_paths_of_all_algorithms_are_valid_and_as_short_as_they_promise() ->
             uniform_cost_search(problem),
             astar_search(problem, estimate),
         )
-        others = (
-            greedy_best_first_search(problem, estimate),
-            weighted_astar_search(problem, estimate, 1.7),
-        )
+        greedy = greedy_best_first_search(problem, estimate)
+        solutions = *shortest, greedy, weighted_astar_search(problem, estimate, 1.7)
         if not nx.has_path(graph, problem.initial, problem.goal):
             unreachable += 1
-            assert not any(found.found for found in (*shortest, *others))
+            assert not any(found.found for found in solutions)
             continue
         least = nx.shortest_path_length(graph, problem.initial, problem.goal)
         assert [found.cost for found in shortest] == [least] * 3
-        for found in (*shortest, *others):
+        for found in solutions:
             done = replay_route(rows, problem.initial, problem.goal, found.actions)
             assert done.errors == []
             assert (done.cost, tuple(done.places)) == (found.cost, found.states)

@@ -126,7 +126,7 @@ def test_plans_have_the_cost_that_networkx_finds_or_the_fewest_actions() -> None
             cost = nx.dijkstra_path_length(case.graph(), (*case.start, case.has_item), END)
         except nx.NetworkXNoPath:
             unreachable += 1
-            assert not (best.found or uniform.found or fewest.found)
+            assert not any(found.found for found in (best, uniform, fewest))
             continue
         assert best.cost == uniform.cost == cost <= fewest.cost
         assert len(fewest.actions) <= len(best.actions)
@@ -210,19 +210,11 @@ def test_the_stations_with_the_least_total_cost_are_chosen() -> None:
 @pytest.mark.parametrize(
     ("kind", "cells", "words"),
     [
-        (
-            RouteProblem,
-            {"start": (0, 0), "goal": (1, 1)},
-            "start row 0, column 0 is wall; it must ",
-        ),
+        (RouteProblem, {"start": (0, 0), "goal": (1, 1)}, "start row 0, column 0 is wall; it must"),
         (RouteProblem, {"start": (1, 1), "goal": (7, 0)}, "goal row 7, column 0 is off the grid ("),
         (DeliveryProblem, {"start": (0, 0)}, "start row 0, column 0 is wall; it must be an open"),
         (DeliveryProblem, {"start": (1, 1), "pickups": [(0, 1)]}, "pickup row 0, column 1 is wall"),
-        (
-            DeliveryProblem,
-            {"start": (1, 1), "dropoffs": [(9, 9)]},
-            "dropoff row 9, column 9 is off",
-        ),
+        (DeliveryProblem, {"start": (1, 1), "dropoffs": [(9, 9)]}, "dropoff row 9, column 9 is "),
     ],
 )
 def test_a_cell_that_is_not_open_is_an_error(kind: Any, cells: dict[str, Any], words: str) -> None:
