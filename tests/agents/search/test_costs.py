@@ -38,9 +38,7 @@ def test_the_cost_of_a_pick_on_the_physics_backend_is_that_of_the_robot_spec() -
 
 
 @pytest.mark.parametrize(("backend", "size"), [("grid", 1.0), (GridMotion(2.0), 2.0)])
-def test_the_grid_backend_has_nominal_costs(
-    backend: Backend, size: float
-) -> None:
+def test_the_grid_backend_has_nominal_costs(backend: Backend, size: float) -> None:
     assert action_costs(SECONDS, backend) == (1, 1, 1, 1)
     moving, standing = (nominal_joules(size, moving=moving) for moving in (True, False))
     assert action_costs(JOULES, backend) == (moving, moving, standing, standing)
