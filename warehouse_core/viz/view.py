@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -266,10 +266,12 @@ class RobotView:
         colors: dict[Cell, Any] = {}
         here = self._history.cells[step]
         if here is not None and self._view_radius is not None:
-            (row, col), radius = here, self._view_radius
-            for line in range(max(0, row - radius), min(len(rows), row + radius + 1)):
-                for place in range(max(0, col - radius), min(len(rows[0]), col + radius + 1)):
-                    colors[line, place] = SEEN
+            sides = zip(here, (len(rows), len(rows[0])), strict=True)
+            radius = self._view_radius
+            down, right = (
+                range(max(0, at - radius), min(end, at + radius + 1)) for at, end in sides
+            )
+            colors = dict.fromkeys(product(down, right), SEEN)
         for cell, visits in self._history.visits(step).items():
             if visits > 1:
                 colors[cell] = VISITED[min(visits // 2, len(VISITED)) - 1]
@@ -413,8 +415,14 @@ class FleetView:
 
     def _show_waiting(self, waiting: tuple[Waiting, ...]) -> None:
         """Write the number of orders at each pickup into a box of the colour of their age."""
+        size = max(MIN_BOX_POINTS, 0.36 * self._cell_points)
         while len(self._waiting) < len(waiting):
-            self._waiting.append(self._box_for_a_number())
+            text = self._axes.text(
+                0, 0, "", fontsize=size, fontweight="bold", ha="center", va="center_baseline",
+                zorder=ABOVE_TILES + 1,
+            )  # fmt: skip
+            self._figure.add_mover(text)
+            self._waiting.append(text)
         for text in self._waiting[len(waiting) :]:
             text.set_visible(False)
         for text, orders in zip(self._waiting, waiting, strict=False):
@@ -427,15 +435,6 @@ class FleetView:
             )
             box = {"facecolor": ORDER_COLORS[orders.age], "edgecolor": text.get_color()}
             text.set_bbox(NUMBER_BOX | box)
-
-    def _box_for_a_number(self) -> Text:
-        size = max(MIN_BOX_POINTS, 0.36 * self._cell_points)
-        text = self._axes.text(
-            0, 0, "", fontsize=size, fontweight="bold", ha="center", va="center_baseline",
-            zorder=ABOVE_TILES + 1,
-        )  # fmt: skip
-        self._figure.add_mover(text)
-        return text
 
 
 def nose_of(pose: Pose, radius: float, tip: float = TIP) -> NDArray[np.float64]:

@@ -97,15 +97,6 @@ def test_fields_load_as_they_were_packed(kind: str) -> None:
     assert any(motion.contacts for motion in motions)
 
 
-def test_the_file_can_be_read_with_numpy_and_json_alone() -> None:
-    arrays, episode = arrays_of(LONE), episode_of(LONE)
-    header = header_of(arrays)
-    assert header["format"] == "warehouse-lab episode 1"
-    assert [header["actions"][code] for code in arrays["actions"]] == episode.actions
-    assert arrays["layout"].tobytes().decode() == "".join(episode.layout.rows)
-    assert arrays["rewards"].tolist() == episode.rewards
-
-
 @pytest.mark.parametrize("kind", [LONE, FLEET])
 def test_motions_that_were_cut_off_load_as_such(kind: str) -> None:
     fields = {name: getattr(episode_of(kind), name) for name in Episode.__slots__}
@@ -247,15 +238,6 @@ def test_arrays_of_other_shapes_are_refused(
         assert " has the shape " in message
         if name not in ("actions", "contact_counts", "path_lengths"):  # others are measured by it
             assert f"{name} has the shape {other.shape}; it must be {array.shape}" in message
-
-
-@pytest.mark.parametrize("name", ["header", "rewards", "loaded"])
-def test_another_type_is_refused(refused: Refused, name: str) -> None:
-    other = np.float32 if name != "rewards" else np.int64
-    array = arrays_of(LONE)[name]
-    assert f"array {name} is" in refused(LONE, **{name: array.astype(other)})
-    assert f"array {name} is" in refused(LONE, **{name: array[..., np.newaxis]})
-    assert f"array {name} is object" in refused(LONE, **{name: array.astype(object)})
 
 
 def test_an_additional_array_is_refused(refused: Refused) -> None:

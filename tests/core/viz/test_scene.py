@@ -318,20 +318,6 @@ def test_the_words_of_each_frame_count_steps_and_say_what_was_done() -> None:
         assert ("DELIVERED" in texts(replay)) == (frame == 6)
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"terminated": False, "truncated": True}, "OUT OF TIME"),
-        ({"terminated": False, "battery": [6, 5, 4, 3, 2, 1, 0]}, "BATTERY DEPLETED"),
-    ],
-)
-def test_the_ending_names_how_it_ended(changes: dict[str, Any], words: str) -> None:
-    replay = replay_of(short_episode(**changes))
-    assert words not in texts(replay)
-    replay.go_to(6)
-    assert words in texts(replay)
-
-
 def test_the_legend_has_what_is_in_the_picture_and_nothing_else() -> None:
     def legend_of(frames: Any) -> list[str]:
         (legend,) = replay_of(frames).figure.legends
