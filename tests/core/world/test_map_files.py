@@ -37,11 +37,6 @@ def test_every_terrain_is_floor_or_wall(hall: Path) -> None:
     assert load_map(hall).rows == ("...####",)
 
 
-def test_the_first_line_of_a_map_is_the_top_row(hall: Path) -> None:
-    hall.write_text(f"{HEADER}..@\n.@@\n")
-    assert load_map(hall).rows == ("..#", ".##")
-
-
 def test_emitters_of_the_dialect_are_pickups_and_service_points_are_dropoffs(hall: Path) -> None:
     hall.write_text(f"{HEADER}.E@\nTS.\n")
     layout = load_map(hall, robot_runners=True)
