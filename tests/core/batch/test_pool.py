@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.batches import CORRIDOR, MOTION, ROOM, Single, over_modes, over_starts, same
+from helpers.batches import CORRIDOR, ROOM, Single, Walk, over_modes, over_starts, same
 
 from warehouse_core import BackendError, Layout, LayoutError, random_layout
 from warehouse_core.batch import BatchEnv
-from warehouse_core.batch.shell.env import DISABLED, NEXT_STEP, SAME_STEP
+from warehouse_core.batch.shell.env import SAME_STEP
 from warehouse_core.motion.grid import GridMotion
 from warehouse_core.task.encoding import MARKED_TILES, vector
 
@@ -22,11 +22,14 @@ POOL.append(Layout(["#######", "##....#", "#.#P#.#", "#.D..C#", "#######"]))
 class FromPool(Single):
     """A single warehouse that draws its layout from the pool before its start."""
 
+    drawn: Counter[Layout]
+
     def begin(self, seed: int | None = None) -> None:
         if seed is not None:
             self.stream = np.random.default_rng(seed)
         self.layout = POOL[int(self.stream.random() * len(POOL))]
         self.usual = self.layout.usual_start()
+        self.drawn[self.layout] += 1
         super().begin()
 
 
@@ -38,34 +41,9 @@ def test_each_row_equals_a_single_environment_in_the_layouts_it_draws(
 ) -> None:
     limits: dict[str, Any] = {"max_steps": 9, "battery": 8, "backend": backend}
     batch = BatchEnv(ROWS, pool=POOL, randomize=randomize, autoreset_mode=mode, **limits)
-    singles = [FromPool(POOL[0], randomize, **limits) for _ in range(ROWS)]
-    arrays, info = batch.reset(seed=5)
-    for row, single in enumerate(singles):
-        single.begin(5 + row)
-    stream, seen = np.random.default_rng(1), Counter[Layout]()
-    for _ in range(40):
-        for row, single in enumerate(singles):
-            single.assert_seen(arrays, row, info["action_mask"])
-            assert batch.row(row)[0] == single.env.layout
-            seen[single.layout] += single.env.state.steps == 0
-        actions = [single.choose(stream) for single in singles]
-        before = [single.ended for single in singles]
-        arrays, rewards, *ends, info = batch.step(actions)
-        for row, (single, action) in enumerate(zip(singles, actions, strict=True)):
-            if mode == NEXT_STEP and before[row]:
-                single.begin()
-                continue
-            assert (rewards[row], *(end[row] for end in ends)) == single.step(action)
-            found = [info["motion"][key][row] for key in MOTION]
-            assert found == pytest.approx(single.motion(), rel=1e-6)
-            if mode == SAME_STEP and single.ended:
-                single.begin()
-        if mode == DISABLED and any(single.ended for single in singles):
-            arrays, info = batch.reset(mask=np.array([single.ended for single in singles]))
-            for single in singles:
-                if single.ended:
-                    single.begin()
-    assert set(seen) == set(POOL)
+    FromPool.drawn = Counter()
+    Walk(batch, [FromPool(POOL[0], randomize, **limits) for _ in range(ROWS)], seed=5).go(40)
+    assert set(FromPool.drawn) == set(POOL)
 
 
 def test_marks_are_those_of_the_layouts_that_are_drawn() -> None:
