@@ -5,14 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.batches import (
-    CORRIDOR,
-    EAST,
-    NORTH,
-    PICK,
-    ROOM,
-    WAIT,
-)
+from helpers.batches import CORRIDOR, EAST, NORTH, PICK, ROOM, WAIT
 
 from warehouse_core import BackendError, Layout
 from warehouse_core.batch import BatchEnv

@@ -156,21 +156,13 @@ def test_without_autoreset_a_step_raises_until_ended_rows_are_reset() -> None:
         ({"battery": 0}, ValueError, "battery is 0; it must be at least 1"),
         ({"view_radius": -1}, ValueError, "view_radius is -1; it must be at least 0"),
         ({"autoreset_mode": "Never"}, ValueError, "is 'Never'; allowed: NextStep, SameStep, Dis"),
-        (
-            {"randomize": "all"},
-            ValueError,
-            "randomize is 'all'; allowed: False, True, ",
-        ),
+        ({"randomize": "all"}, ValueError, "randomize is 'all'; allowed: False, True, "),
         ({"layout": [ROOM, ROOM]}, ValueError, "2 layouts for 3 rows"),
         ({"layout": [ROOM, ROOM, "..."]}, TypeError, "the layout of row 2 is str, not a Layout"),
         ({"layout": [ROOM, Layout(["#."]), ROOM]}, LayoutError, "two open cells .*; .* has 1"),
         ({"layout": Layout(["#"]), "randomize": False}, LayoutError, "no open cell"),
         ({"start_pos": (0, 0)}, LayoutError, "start_pos row 0, column 0 is wall"),
-        (
-            {"start_pos": [(1, 1), (1, 1), (1, 99)]},
-            LayoutError,
-            r"start_pos\[2\] .* column 99",
-        ),
+        ({"start_pos": [(1, 1), (1, 1), (1, 99)]}, LayoutError, r"start_pos\[2\] .* column 99"),
         ({"start_pos": [(1, 1), (2, 1)]}, ValueError, r"start_pos has the shape \(2, 2\); allowed"),
         (
             {"start_pos": [(1, 1), (1,), (1,)]},

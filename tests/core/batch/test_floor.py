@@ -60,10 +60,7 @@ def test_stations_of_the_layout_are_used_unless_they_move() -> None:
     cells, loaded = np.array([1, 5]), np.array([False, True])
     given = np.arange(2), cells, loaded, floor.places(np.arange(2), cells)
     found = floor.windows(*given)
-    assert found.tolist() == [
-        codes(["###", "PRD", "DP."]),
-        codes([".D#", "Pr#", "###"]),
-    ]
+    assert found.tolist() == [codes(["###", "PRD", "DP."]), codes([".D#", "Pr#", "###"])]
     assert np.array_equal(marked.windows(*given), marks(found, MARKED_TILES))
 
 

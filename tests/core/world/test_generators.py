@@ -178,10 +178,7 @@ def test_one_station_of_a_kind_is_where_it_was_before_there_could_be_several() -
 
 @pytest.mark.parametrize(
     ("sizes", "width", "height", "open_cells"),
-    [
-        ((10, 20, 10, 2, 1), 161, 63, 5699),
-        ((20, 40, 10, 2, 2), 340, 164, 38756),
-    ],
+    [((10, 20, 10, 2, 1), 161, 63, 5699), ((20, 40, 10, 2, 2), 340, 164, 38756)],
 )
 def test_the_published_warehouses_have_their_sizes(
     sizes: tuple[int, int, int, int, int], width: int, height: int, open_cells: int

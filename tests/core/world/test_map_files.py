@@ -10,13 +10,7 @@ from hypothesis import given, settings
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError
 from warehouse_core.world import layout as layout_module
 from warehouse_core.world.layout import MAX_CELLS, MAX_ROWS
-from warehouse_core.world.map_files import (
-    MAX_BLANKS,
-    load_layout,
-    load_map,
-    save_layout,
-    save_map,
-)
+from warehouse_core.world.map_files import MAX_BLANKS, load_layout, load_map, save_layout, save_map
 
 HALL = Layout(["####", "#P.#", "#.D#", "####"])
 
