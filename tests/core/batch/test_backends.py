@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from helpers.batches import CORRIDOR, EAST, NORTH, PICK, ROOM, WAIT
 
-from warehouse_core import BackendError, Layout
+from warehouse_core import Layout
 from warehouse_core.batch import BatchEnv
 from warehouse_core.motion.grid import GridMotion
 
@@ -62,14 +62,6 @@ def test_the_backend_moves_the_robots() -> None:
     assert info["motion"]["seconds"].tolist() == info["motion"]["joules"].tolist() == [0, 0]
     batch.close()
     assert motion.closed == 1
-
-
-def test_a_backend_without_a_batch_raises() -> None:
-    class Lone(GridMotion):
-        batch = None  # type: ignore[assignment]
-
-    with pytest.raises(BackendError, match=r"cannot move a batch; .* a method batch\(layouts\)"):
-        BatchEnv(2, backend=Lone)
 
 
 def test_the_cost_depends_on_the_cell_size_of_the_backend() -> None:
