@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.batches import CORRIDOR, ROOM, Single, Walk, over_modes, over_starts, same
+from helpers.batches import CORRIDOR, ROOM, Single, Walk, over_modes, over_starts
 
 from warehouse_core import BackendError, Layout, LayoutError, random_layout
 from warehouse_core.batch import BatchEnv
@@ -46,38 +46,18 @@ def test_each_row_equals_a_single_environment_in_the_layouts_it_draws(
     assert set(FromPool.drawn) == set(POOL)
 
 
-def test_marks_are_those_of_the_layouts_that_are_drawn() -> None:
+@over_starts
+def test_marks_are_those_of_the_layouts_that_are_drawn(randomize: bool | str) -> None:
     settings: dict[str, Any] = {"pool": POOL, "autoreset_mode": SAME_STEP, "max_steps": 5}
-    batches = [BatchEnv(ROWS, **settings, marked=marked) for marked in ((), MARKED_TILES)]
+    batches = [
+        BatchEnv(ROWS, **settings, randomize=randomize, marked=marked)
+        for marked in ((), MARKED_TILES)
+    ]
     seen = [batch.reset(seed=1)[0] for batch in batches]
     for actions in np.random.default_rng(0).integers(7, size=(20, ROWS)):
         codes, marks = map(vector, seen)
         assert np.array_equal(codes, marks)
         seen = [batch.step(actions)[0] for batch in batches]
-
-
-def test_layouts_are_drawn_uniformly_and_by_the_seed() -> None:
-    count = 4000
-    batch, twin = (BatchEnv(count, pool=POOL, randomize="start") for _ in range(2))
-    assert same(batch.reset(seed=1), twin.reset(seed=1))
-    drawn = Counter(batch.row(row)[0] for row in range(count))
-    expected = count / len(POOL)
-    # The 0.999 quantile of chi-squared with 3 degrees of freedom; the seed is fixed.
-    assert sum((number - expected) ** 2 / expected for number in drawn.values()) < 16.3
-    assert sum(drawn.values()) == count
-    first = [batch.row(row)[0] for row in range(20)]
-    batch.reset()
-    assert first != [batch.row(row)[0] for row in range(20)]
-
-
-def test_without_a_pool_nothing_more_is_drawn() -> None:
-    """A pool of one layout draws a number for it, which shifts all that follow."""
-    alone, pooled = BatchEnv(3, ROOM), BatchEnv(3, pool=[ROOM])
-    starts = [batch.reset(seed=1)[0]["pickup_pos"].tolist() for batch in (alone, pooled)]
-    stream = np.random.default_rng(1)
-    cells = [divmod(int(cell), ROOM.width) for cell in ROOM.open_cells]
-    first, second = (cells[int(stream.random() * len(cells))] for _ in range(2))
-    assert (tuple(starts[0][0]), tuple(starts[1][0])) == (first, second)
 
 
 def test_one_start_pos_holds_in_all_layouts_of_a_pool() -> None:

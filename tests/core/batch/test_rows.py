@@ -26,6 +26,7 @@ from helpers.batches import (
 from warehouse_core import DEFAULT_LAYOUT, Layout
 from warehouse_core.arguments import MAX_STEPS
 from warehouse_core.batch import BatchEnv
+from warehouse_core.motion.grid import GridMotion
 
 
 def walk_of(
@@ -124,6 +125,19 @@ def test_row_returns_plain_numbers_and_counts_from_the_end_too() -> None:
     assert batch.row(len(MIXED) - 1)[1] == state
     assert {type(number) for number in (*state.robot_pos, state.battery, state.steps)} == {int}
     assert state.has_item is False
+
+
+def test_the_cost_depends_on_the_cell_size_of_the_backend_which_is_closed_at_the_end() -> None:
+    def joules(backend: Any) -> float:
+        batch = BatchEnv(1, ROOM, randomize=False, backend=backend)
+        batch.reset()
+        cost = float(batch.step([EAST])[4]["motion"]["joules"][0])
+        batch.close()
+        with pytest.raises(RuntimeError, match="after close"):
+            batch.step([EAST])
+        return cost
+
+    assert joules(GridMotion(2.0)) > joules("grid") == joules(GridMotion)
 
 
 def test_the_size_is_the_largest_height_and_width() -> None:
