@@ -127,13 +127,11 @@ def test_people_and_their_ways_are_limited(monkeypatch: pytest.MonkeyPatch) -> N
     [
         ({"count": -1}, ValueError, "^people is -1; it must be at least 0$"),
         ({"count": True}, TypeError, "^people is True; it must be an integer$"),
-        ({"count": "3"}, TypeError, "^people is '3'"),
         (
             {"count": 1, "pause": 1.5},
             ValueError,
             "^pause is 1.5; it must be at least 0 and at most",
         ),
-        ({"count": 1, "pause": float("nan")}, ValueError, "^pause is nan"),
         ({"count": 1, "habit": "run"}, ValueError, "^habit is 'run'; allowed: stations, aisles$"),
     ],
 )

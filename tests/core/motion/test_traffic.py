@@ -11,7 +11,6 @@ from helpers.crowds import (
     WEST,
     array_stops,
     check_crowds,
-    table_line,
     targets_of,
 )
 from hypothesis import given, settings
@@ -50,13 +49,6 @@ def test_stops_do_not_depend_on_the_order_of_the_robots(
     layout, cells, moves = scene
     targets = targets_of(cells, moves)
     stops = find_stops(layout, cells, targets)
-    table = [table_line(robot, layout, cells, targets) for robot in range(len(cells))]
-    assert stops == array_stops(layout, cells, moves) == [stop for _, stop in table]
-    ends = [
-        target if stop is None else cell
-        for cell, target, stop in zip(cells, targets, stops, strict=True)
-    ]
-    assert len(set(ends)) == len(ends), "no two robots end in one cell"
     order = stream.sample(range(len(cells)), len(cells))
     shuffled = find_stops(layout, [cells[i] for i in order], [targets[i] for i in order])
     assert [stop is None for stop in shuffled] == [stops[i] is None for i in order]

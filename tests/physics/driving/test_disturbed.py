@@ -17,7 +17,6 @@ from warehouse_physics.disturbances import FloorConditions
     [
         ((-1, 0.0, 1.0), "robot is -1"),
         ((0, -1.0, 1.0), "at is -1.0"),
-        ((0, math.inf, 1.0), "at is inf"),
         ((0, 0.0, 0.0), "seconds is 0.0"),
         ((0, 0.0, math.nan), "seconds is nan"),
     ],
