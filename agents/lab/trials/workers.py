@@ -10,7 +10,7 @@ import threading
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from functools import partial
 from itertools import product
 from multiprocessing.connection import Connection
@@ -32,9 +32,6 @@ TOPIC = "warehouse sweep"
 
 Check = Callable[[], None]
 """Raises ``KeyboardInterrupt`` if a deferred signal has come."""
-
-Pool = AbstractContextManager[tuple[Executor, int]]
-"""Gives an executor, and how many calls it runs at once."""
 
 T = TypeVar("T")
 Group = TypeVar("Group")
