@@ -34,7 +34,6 @@ class Hit(NamedTuple):
     """The begin of a touch, as one robot feels it.
 
     Attributes:
-        robot: number of the robot.
         other: number of the robot that it touches, or ``None`` for a wall.
         push: direction ``(x, y)`` of the push on the robot, of length 1.
         velocity: velocity of the robot right before the hit, in m/s.
@@ -58,14 +57,7 @@ class Hit(NamedTuple):
 class Arena:
     """A space for the walls and robots of one or more warehouses.
 
-    Args:
-        spec: numbers of the robots.
-        iterations: solver rounds in a substep.
-
-    Attributes:
-        space: space with the walls and bodies.
-        stepper: steps the space, up to hits.
-        bodies: bodies of the robots by their numbers, in the order in which they were added.
+    ``iterations`` are solver rounds in a substep; ``bodies`` are in the order of their numbers.
     """
 
     def __init__(self, spec: RobotSpec, iterations: int) -> None:

@@ -18,16 +18,10 @@ PATH_EVERY = 10
 
 
 class BodyMotion:
-    """Base of the motions that move bodies; see ``RigidBodyMotion`` for the arguments.
-
-    Attributes:
-        spec: numbers of the robots.
-        disturbances: departure of the physics from the nominal.
-        cell_size: side of a cell in metres.
-        is_busy: true while a call is running that no other may overlap; see ``exclusive``.
-    """
+    """Base of the motions that move bodies; see ``RigidBodyMotion`` for the arguments."""
 
     is_busy = False
+    """True while a call is running that no other may overlap; see ``exclusive``."""
 
     def __init__(
         self,

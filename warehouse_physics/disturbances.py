@@ -11,7 +11,7 @@ from operator import index
 from warehouse_core import Cell
 from warehouse_core.arguments import real_number, whole_number
 from warehouse_core.motion.base import Conditions
-from warehouse_physics.spec import GRAVITY
+from warehouse_core.motion.grid import GRAVITY
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,18 +105,11 @@ class Disturbances:
 
 
 class FloorConditions:
-    """Drag, grip and random numbers of one episode with these disturbances and this seed.
-
-    Attributes:
-        patience: durations of a free move after which no new attempt is made.
-        varies: true if drag or grip differ from cell to cell.
-    """
+    """Drag, grip and random numbers of one episode with these disturbances and this seed."""
 
     def __init__(self, disturbances: Disturbances, seed: int) -> None:
-        self._disturbances = disturbances
-        self._seed = seed
-        self._noise = random.Random(seed)
-        self.patience = disturbances.patience
+        self._disturbances, self.patience = disturbances, disturbances.patience
+        self._seed, self._noise = seed, random.Random(seed)
         self.varies = bool(disturbances.drag_spread or disturbances.slippery)
 
     def drag_factor(self, cell: Cell) -> float:

@@ -21,11 +21,7 @@ from warehouse_physics.spec import RobotSpec
 
 
 class DrivenArena(Arena):
-    """An arena with ``N`` such robots; see ``add_robots``.
-
-    Attributes:
-        drives: joint that drives each robot; its ``max_force`` limits the force in N.
-    """
+    """An arena with ``N`` such robots; ``max_force`` of their ``drives`` limits the force in N."""
 
     def __init__(self, spec: RobotSpec, iterations: int) -> None:
         super().__init__(spec, iterations)

@@ -122,10 +122,7 @@ def stopping_distances(speeds: Floats, rates: Floats, time_step: float) -> Float
 def stopping_speeds(distances: Floats, rates: Floats, time_step: float) -> Floats:
     """Return the highest speeds from which robots stop within ``distances``; 0 where they cannot.
 
-    Args:
-        distances: distances in metres.
-        rates: decelerations in m/s².
-        time_step: duration of a substep in seconds.
+    They brake at ``rates`` in m/s².
     """
     ways, half = np.maximum(distances, 0.0), rates * time_step / 2
     # The last substep may be too short for a whole step of speed, so a way is also not overshot.

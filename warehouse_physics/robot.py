@@ -48,7 +48,6 @@ class Action:
 
     Attributes:
         home: cell in which the action began.
-        goal: cell to drive to.
         target: middle of ``goal``, or of ``home`` after the robot gave up, in metres.
         deadline: substep after which no new attempt is made.
         gave_up: true if something was in the way.
@@ -56,7 +55,6 @@ class Action:
         has_met: true if the robot touched another one.
         last_hit: substep of the last hit, or 0.
         rested: substep at which the robot came to rest.
-        contacts: hits so far.
         work: work of the motor so far, in joules.
     """
 
@@ -74,16 +72,9 @@ class Action:
 
 
 class Robot:
-    """A robot in an arena.
-
-    Args:
-        arena: arena that its body and joints are added to.
-        spec: numbers of the robot.
-        cell: cell where it starts, at rest and heading east.
-        floor: conditions that disturb it, or ``None``.
+    """A robot in an arena, at first at rest in a cell and heading east.
 
     Attributes:
-        body: body of the robot.
         position: middle of the body at the last look, in metres.
         action: action that was begun last.
         phase: present phase of the drive: ``REST``, ``GO``, ``BRAKE`` or ``HELD``.
@@ -91,11 +82,7 @@ class Robot:
     """
 
     def __init__(
-        self,
-        arena: Arena,
-        spec: RobotSpec,
-        cell: Cell,
-        floor: FloorConditions | None = None,
+        self, arena: Arena, spec: RobotSpec, cell: Cell, floor: FloorConditions | None
     ) -> None:
         self._spec, self._uneven = spec, floor
         self._lead = spec.time_step / 2
@@ -140,13 +127,8 @@ class Robot:
     def begin(self, displacement: Cell, loaded: bool, pace: float) -> int:
         """Begin an action: drive to the middle of a cell, or back if something is in the way.
 
-        Args:
-            displacement: ``(0, 0)``, or one cell in one direction.
-            loaded: true if the robot carries an item.
-            pace: acceleration in m/s² to drive with.
-
-        Returns:
-            Substeps that it has to turn on the spot before it drives; see ``set_off``.
+        It drives with the acceleration ``pace`` in m/s². Return the substeps that it has to turn
+        on the spot before; see ``set_off``.
         """
         if loaded != self._loaded or pace != self._pace:
             self._load(loaded, pace)
@@ -305,8 +287,7 @@ class Robot:
     def _turn_towards(self, displacement: Cell) -> int:
         """Turn the heading the shorter way round; the way back does not turn it.
 
-        Returns:
-            The substeps that this takes on the spot, or 0 if the robot turns while it drives.
+        Return the substeps that this takes on the spot, or 0 if the robot turns while it drives.
         """
         self._turn = math.remainder(math.atan2(*displacement) - self._heading, math.tau)
         if self._turn:

@@ -34,24 +34,18 @@ class RobotArena(Arena):
 
     def run(self, now: int, until: int) -> int:
         """Step from substep ``now`` to ``until`` or the first hit; return the last substep done."""
-        if not self._varies:
+        hits: list[Hit] = []
+        if self._varies:  # robots have to feel the floor of a cell as soon as they enter it
+            while now < until and not hits:
+                now, hits = self.stepper.run(now, now + 1)
+                for robot in self.robots:
+                    robot.feel_floor()
+        else:
             now, hits = self.stepper.run(now, until)
-            self._report(hits, now)
-            return now
-        # Each cell has a floor of its own, which robots have to feel as soon as they enter it.
-        hits = []
-        while now < until and not hits:
-            now, hits = self.stepper.run(now, now + 1)
-            for robot in self.robots:
-                robot.feel_floor()
-        self._report(hits, now)
-        return now
-
-    def _report(self, hits: Sequence[Hit], now: int) -> None:
-        """Pass the hits of this substep to the robots, with the velocities after them."""
         for hit in hits:
             other = None if hit.other is None else self.robots[hit.other]
             self.robots[hit.robot].meet(now, hit, other)
+        return now
 
 
 def iterations_for_jams(spec: RobotSpec) -> int:

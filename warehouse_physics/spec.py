@@ -8,9 +8,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from warehouse_core.arguments import real_number
-
-GRAVITY = 9.81
-"""Metres per second squared."""
+from warehouse_core.motion.grid import GRAVITY
 
 ACCURATE_STEP, FAST_STEP = 1 / 60, 1 / 30
 """Substeps in seconds; with the fast one a robot sinks deeper into a wall that it hits."""

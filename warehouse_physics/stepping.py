@@ -40,27 +40,19 @@ class Hits(list[Any]):
             self.append(error)
 
     def take(self) -> list[Any]:
-        """Return the hits, and forget them.
-
-        Raises:
-            BaseException: the first error.
-        """
-        found = self.copy()
+        """Return the hits, and forget them; raise the first error among them."""
+        hits = self.copy()
         self.clear()
-        for each in found:
+        for each in hits:
             if isinstance(each, BaseException):
                 raise each
-        return found
+        return hits
 
 
 class Stepper:
-    """Steps a space.
+    """Steps a space, and notes hits of bodies whose collision types are one of ``pairs``.
 
-    Args:
-        space: space to step.
-        time_step: duration of a substep in seconds.
-        note: called as two bodies begin to touch; returns hits, one or more for the touch.
-        pairs: collision types whose hits are noted.
+    ``note`` is called as two begin to touch, and returns hits, one or more for the touch.
     """
 
     def __init__(
@@ -119,8 +111,7 @@ if IS_KNOWN:  # pragma: no branch - a later pymunk
     def _hand_over(kind: type[BaseException], error: BaseException, trace: TracebackType) -> None:
         """Append the error of a callback to the hits that it keeps.
 
-        Raises:
-            BaseException: the error, if the callback is not of this package; cffi prints it.
+        The error of a callback of another package is raised, so that cffi prints it.
         """
         handler = ffi.from_handle(trace.tb_frame.f_locals["data"])
         hits = getattr(handler.begin, "__self__", None)

@@ -9,8 +9,9 @@ import pytest
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import BackendError, WarehouseEnv, record_episode, replay_episode
 from warehouse_core.motion.backends import make_motion
+from warehouse_core.motion.grid import GRAVITY
 from warehouse_physics import RobotSpec
-from warehouse_physics.spec import GRAVITY, MAX_VALUE
+from warehouse_physics.spec import MAX_VALUE
 
 NAMES = [each.name for each in fields(RobotSpec)]
 MAY_BE_ZERO = {"payload_mass", "floor_drag", "idle_power", "turn_seconds"}

@@ -51,6 +51,7 @@ MAY_IMPORT = {
         "warehouse_env wording world"
     ),
     "warehouse_core/warehouse_viz": "arguments files records viz viz/export viz/tracks",
+    "warehouse_physics/disturbances": "",
     "warehouse_physics/exclusive": "",
     "warehouse_physics/profile": "",
     "warehouse_physics/pymunk_version": "",
@@ -58,9 +59,8 @@ MAY_IMPORT = {
     "warehouse_physics/stepping": "",
     "warehouse_physics/walls": "",
     "warehouse_physics/arena": "spec stepping walls",
-    "warehouse_physics/disturbances": "spec",
-    "warehouse_physics/energy": "profile spec",
     "warehouse_physics/body_motion": "disturbances spec",
+    "warehouse_physics/energy": "profile spec",
     "warehouse_physics/driven_arena": "arena profile spec",
     "warehouse_physics/robot": "arena disturbances energy profile spec",
     "warehouse_physics/batch": "arena driven_arena energy exclusive profile robot spec walls",
@@ -84,7 +84,7 @@ MAY_IMPORT = {
     "agents/registry": "errors fleet learning mapf search warehouse_agent_greedy",
     "agents/lab/console": "errors lab lab/runs",
     "agents/lab/trials": "errors lab/console lab/runs learning",
-    "agents/lab/commands/fleet": "errors fleet lab lab/console lab/runs lab/trials registry",
+    "agents/lab/commands/fleet": "errors fleet lab/console lab/runs lab/trials registry",
     "agents/lab/commands/planners": "errors lab/console lab/trials mapf registry",
     "agents/lab/experiments": "errors fleet lab lab/console lab/runs lab/trials registry",
     "agents/lab/grading": "errors lab lab/runs lab/trials registry warehouse_agent_greedy",
@@ -97,8 +97,7 @@ MAY_IMPORT = {
         "lab/trials registry"
     ),
     "agents/lab/commands/gap": (
-        "errors fleet lab/commands/fleet lab/commands/planners lab/console lab/reports lab/runs "
-        "lab/trials registry"
+        "errors fleet lab/commands/planners lab/console lab/reports lab/runs lab/trials registry"
     ),
     "agents/lab/commands/grade": "errors lab/console lab/grading lab/reports lab/trials",
     "agents/lab/commands": (

@@ -19,6 +19,7 @@ from warehouse_core.errors import EndedError, OrderError
 from warehouse_core.fleet.observation import FleetObservation, observation_of
 from warehouse_core.motion.backends import Backend, make_motion
 from warehouse_core.motion.base import DrivesThrough, Outcome, Ways, conditions_of
+from warehouse_core.orders.book import NONE, OrderBook
 from warehouse_core.orders.order import Order, OrderArrays, Orders
 from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.wording import brief
@@ -27,9 +28,6 @@ from warehouse_core.world.display import display
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
 from warehouse_core.world.tables import Flags
 from warehouse_core.world.tiles import Cell
-
-FIRST = np.zeros(1, np.intp)
-"""Number of the only floor."""
 
 Action = str | SupportsIndex
 Actions = Sequence[Action] | NDArray[Any] | Mapping[int, Action]
@@ -140,7 +138,7 @@ class FleetEnv:
         self.backend = backend if isinstance(backend, str) else type(motion).__name__
         self._ways = motion.ways if isinstance(motion, DrivesThrough) else None
         self._engine = FleetEngine([self.layout], self.settings, motion)
-        self._warn_of_supply(self.cell_size)
+        self._warn_of_supply()
         self.seed = None if seed is None else whole_number("seed", seed, 0)
         self.assignments: list[tuple[int, int, int | None]] = []
         self._started = False
@@ -168,7 +166,7 @@ class FleetEnv:
             seed, self.seed = self.seed, None
         else:
             seed, self.seed = whole_number("seed", seed, 0), None
-        self._engine.begin(FIRST, [seed])
+        self._engine.begin(np.array([0]), [seed])
         self.assignments = []
         self._started = True
         return self._engine.observe(), {"action_mask": self._engine.masks()}
@@ -203,11 +201,10 @@ class FleetEnv:
             mistakes = np.where(self._engine.robots.has_item, PICK, DROP)
             chosen = np.where(is_invalid, mistakes, chosen)
         outcome, rewards, terminated, truncated = self._engine.step(chosen)
-        motion = {name: getattr(outcome, name) for name in MOTION_KEYS}
         info = {
             "action_mask": self._engine.masks(),
             "invalid_action": is_invalid,
-            "motion": motion,
+            "motion": {name: getattr(outcome, name) for name in MOTION_KEYS},
         }
         return self._engine.observe(), rewards, terminated, truncated, info
 
@@ -267,8 +264,7 @@ class FleetEnv:
     @property
     def orders(self) -> list[Order]:
         """The orders released so far in this episode, and what has become of them."""
-        orders = self._engine.orders
-        return orders.books[0].records() if orders else []
+        return self._book.records() if self._book else []
 
     @property
     def order_arrays(self) -> OrderArrays:
@@ -277,23 +273,20 @@ class FleetEnv:
         Raises:
             ValueError: the fleet has no orders.
         """
-        if self._engine.orders is None:
+        if (book := self._book) is None:
             raise ValueError("this fleet has no orders")
-        return self._engine.orders.books[0].released_orders
+        return book.released_orders
 
     @property
     def open_orders(self) -> list[int]:
         """The indices of the orders that wait for any robot, in order of release."""
-        orders = self._engine.orders
-        return orders.books[0].open_orders if orders else []
+        return self._book.open_orders if self._book else []
 
     @property
     def order_of(self) -> list[int | None]:
         """For each robot the index of the order that it is to take or carries, or ``None``."""
-        orders = self._engine.orders
-        if orders is None:
-            return [None] * self.settings.robots
-        return [None if order < 0 else order for order in orders.books[0].order_of.tolist()]
+        orders = self._book.order_of.tolist() if self._book else [NONE] * self.settings.robots
+        return [None if order == NONE else order for order in orders]
 
     @property
     def cells(self) -> list[Cell]:
@@ -314,14 +307,12 @@ class FleetEnv:
     @property
     def battery(self) -> list[float]:
         """Battery units that each robot has left."""
-        units: list[float] = self._engine.battery.tolist()
-        return units
+        return list(self._engine.battery.tolist())
 
     @property
     def ended(self) -> list[bool]:
         """Whether each robot has ended: it waits, and stays in the way."""
-        ended: list[bool] = self._engine.ended.tolist()
-        return ended
+        return list(self._engine.ended.tolist())
 
     @property
     def people(self) -> list[Cell]:
@@ -350,6 +341,10 @@ class FleetEnv:
     def close(self) -> None:
         """Close the motion backend."""
         self._engine.close()
+
+    @property
+    def _book(self) -> OrderBook | None:
+        return self._engine.orders.books[0] if self._engine.orders else None
 
     def _check_started(self, method: str) -> None:
         if not self._started:
@@ -388,13 +383,13 @@ class FleetEnv:
             raise ValueError(f"no action for robot {missing[0]}; each that has not ended needs one")
         return [actions.get(robot, WAIT) for robot in range(robots)]
 
-    def _warn_of_supply(self, cell_size: float) -> None:
+    def _warn_of_supply(self) -> None:
         """Warn if the batteries do not last, and the chargers supply less than the robots use."""
         battery, robots = self.settings.battery, self.settings.robots
-        cost, chargers = battery.step_cost(cell_size), len(self.layout.chargers)
+        cost, chargers = battery.step_cost(self.cell_size), len(self.layout.chargers)
         if self.settings.orders is None and not chargers:
             return  # the task of the chapter, which ends with the battery
-        supply = chargers * battery.step_charge(cell_size)
+        supply = chargers * battery.step_charge(self.cell_size)
         if self.settings.max_steps * cost > battery.capacity and supply < robots * cost:
             warnings.warn(
                 f"{chargers} chargers supply {supply:g} {battery.unit} a step and {robots} robots "

@@ -21,10 +21,7 @@ MAX_SMALL_FRONT = 100
 class ArrayTraffic:
     """Finds what stops each of ``N`` robots; equal to ``find_stops`` on each floor.
 
-    Args:
-        cells: number of cells of all floors together.
-        floors: ``B``.
-        robots: number of robots on each floor, ``N / B``.
+    There are so many ``cells`` on all ``floors`` together, and so many ``robots`` on each.
     """
 
     def __init__(self, cells: int, floors: int, robots: int) -> None:
@@ -36,10 +33,7 @@ class ArrayTraffic:
     def find_stops(self, cells: Integers, targets: Integers, walled: Flags) -> Numbers:
         """Return ``[N]``: ``NOTHING``, ``WALL``, or the number of a robot on its floor.
 
-        Args:
-            cells: ``[N]``, all different.
-            targets: ``[N]``, their own cells or neighbours; their own for those at a wall.
-            walled: ``[N]``, whether the robot wants to move into a wall.
+        Targets are neighbours or the robots' own cells; their own for those at a wall, ``walled``.
         """
         stops = np.full(len(cells), NOTHING, np.intp)
         stops[walled] = WALL
@@ -70,13 +64,9 @@ class ArrayTraffic:
 
 
 def _stop_queues(stops: Numbers, is_still: Flags, followers: Numbers, ahead: Numbers) -> None:
-    """Stop the followers of robots that stay, then theirs, and so on.
+    """Stop the followers of robots that stay, then theirs, and so on; ``stops`` is changed.
 
-    Args:
-        stops: ``[N]``, changed in place.
-        is_still: ``[N]`` bool, the robots that stay.
-        followers: robots that would move into the cell of another.
-        ahead: the other robot for each of ``followers``; no two have the same.
+    Each of ``followers`` would move into the cell of the one ``ahead`` of it; no two have the same.
     """
     behind = np.full(len(stops), NOTHING, np.intp)
     behind[ahead] = followers

@@ -19,11 +19,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.motion.base import Outcome
 from warehouse_core.world.layout import Layout
-
-Integers = NDArray[np.integer]
-Flags = NDArray[np.bool_]
-Rows = Integers | slice
-"""Rows of a batch: an array of indices, or a slice."""
+from warehouse_core.world.tables import Flags, Integers
 
 NOTHING, WALL = -1, -2
 """Values of ``stopped_by`` besides the robots of the floor, which have numbers from 0."""

@@ -23,12 +23,7 @@ class SeparateMotions:
 
     ``stopped_by`` is the counterpart of the first contact of a blocked robot. Without a contact it
     is the robot that is in the cell it was on its way to, or was on its way there too. What is not
-    a robot counts as a wall.
-
-    Args:
-        motions: ``B`` different motions, which this one closes.
-        layouts: ``B``.
-        robots: ``R``.
+    a robot counts as a wall. The motions are all different, and this one closes them.
     """
 
     def __init__(self, motions: Sequence[Motion], layouts: Sequence[Layout], robots: int) -> None:
@@ -93,8 +88,8 @@ class SeparateMotions:
                 driving += [not rests for rests in ways.at_rest]
                 failed += ways.failed
             stopped_by += self._stoppers(targets, self._cells[floor], outcomes)
-        found = [outcome[:4] for outcomes in self._outcomes for outcome in outcomes]
-        cells, blocked, seconds, joules = zip(*found, strict=True)
+        each = [outcome[:4] for outcomes in self._outcomes for outcome in outcomes]
+        cells, blocked, seconds, joules = zip(*each, strict=True)
         return BatchOutcome(
             self._numbers(cells),
             np.array(blocked, np.bool_),
@@ -140,14 +135,14 @@ class SeparateMotions:
         """Return the floors that the rows are all robots of."""
         floors = np.asarray(rows)[:: self._robots] // self._robots
         whole = floors[:, None] * self._robots + np.arange(self._robots)
-        found: list[int] = floors.tolist()
-        is_known = set(found) <= set(range(len(self._layouts)))
-        if not is_known or len(set(found)) < len(found) or not np.array_equal(whole.ravel(), rows):
+        numbers: list[int] = floors.tolist()
+        known = set(numbers) & set(range(len(self._layouts)))
+        if len(known) < len(numbers) or not np.array_equal(whole.ravel(), rows):
             raise ValueError(
                 f"rows are {rows}; they must be all robots of different floors in order, "
                 f"{self._robots} on each of floors 0..{len(self._layouts) - 1}"
             )
-        return found
+        return numbers
 
     def _stoppers(
         self, targets: Sequence[Cell], ends: Sequence[Cell], outcomes: Sequence[Outcome]

@@ -34,10 +34,7 @@ Obstacle = int | str | None
 def find_stops(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -> list[Obstacle]:
     """Return what stops each of ``R`` robots on its way from ``cells`` to ``targets``.
 
-    Args:
-        layout: the layout with the walls.
-        cells: ``R`` different open cells.
-        targets: the cell of each robot, or a neighbour of it.
+    The cells are open and different; each target is the robot's cell, or a neighbour of it.
     """
     stops: list[Obstacle] = [None if layout.is_open(target) else WALL_CONTACT for target in targets]
     robot_in = {cell: robot for robot, cell in enumerate(cells)}
@@ -69,11 +66,6 @@ def find_stops(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -
 
 def check_joint_step(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -> None:
     """Raise unless ``R`` robots can all move to their targets at once, with nothing to stop them.
-
-    Args:
-        layout: the layout with the walls.
-        cells: ``R`` different open cells.
-        targets: the next cell of each robot, or its own.
 
     Raises:
         ValueError: naming the robots and cells: there are not ``R`` targets, a target is neither

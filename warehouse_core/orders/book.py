@@ -23,14 +23,8 @@ class OrderBook:
     """``K`` orders of ``R`` robots.
 
     An order that has been released and not taken *waits*: for one robot, or, if it is open, for
-    whoever picks it first. A robot has at most one order, which it is to take or carries.
-
-    Args:
-        orders: orders of the episode, or the first of a queue.
-        robots: ``R``.
-        layout: layout in which cells have their numbers.
-        more: function that returns the next orders of a queue, which keeps as many as ``orders``
-            released and not delivered; ``None`` without a queue.
+    whoever picks it first. A robot has at most one order, which it is to take or carries. A queue
+    keeps as many as the first ``orders`` released and not delivered; ``more`` returns its next.
 
     Attributes:
         order_of: ``[R]`` the order of each robot, or ``NONE``.
@@ -75,8 +69,7 @@ class OrderBook:
     @property
     def open_orders(self) -> list[int]:
         """The open orders, in order of release."""
-        orders: list[int] = np.flatnonzero(self._is_open).tolist()
-        return orders
+        return list(np.flatnonzero(self._is_open).tolist())
 
     @property
     def released_orders(self) -> OrderArrays:
@@ -103,10 +96,7 @@ class OrderBook:
     def take(self, robot: int, cell: int, step: int) -> bool:
         """Give a robot at ``cell`` its order, or else the open one there that is due first.
 
-        A robot that takes another order gives its own back.
-
-        Returns:
-            ``True`` if it has taken an order.
+        A robot that takes another order gives its own back. Return whether it has taken one.
         """
         order = int(self.order_of[robot])
         if order == NONE or self.orders.pickup[order] != cell:
@@ -154,12 +144,7 @@ class OrderBook:
         self._take_reserved(robot)
 
     def dispatch(self, robots: Integers, cells: Integers) -> None:
-        """Assign the oldest open orders, each to the nearest of some robots without an order.
-
-        Args:
-            robots: ``[N]`` numbers of the robots.
-            cells: ``[N]`` their cells.
-        """
+        """Assign the oldest open orders, each to the nearest of some robots without an order."""
         rows, cols = self._layout.places(cells).T
         free = np.ones(len(robots), np.bool_)
         for order in self.open_orders[: len(robots)]:

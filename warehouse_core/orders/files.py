@@ -15,6 +15,7 @@ from warehouse_core.orders.order import MAX_ORDERS, Order
 from warehouse_core.world.text_lines import (
     error_at,
     expect_line,
+    opened,
     read_line,
     read_lines,
     whole_number_at,
@@ -33,13 +34,13 @@ def load_orders(path: str | Path) -> list[Order]:
             names file, line and column.
         OSError: the file cannot be read.
     """
-    with Path(path).open("rb") as file:
-        try:
+    try:
+        with opened(path) as file:
             expect_line(read_line(file, 1), 1, ",".join(COLUMNS))
             lines = read_lines(file, 2, "MAX_ORDERS", MAX_ORDERS)
             return [_order(line, number) for number, line in lines]
-        except LayoutError as error:
-            raise OrderError(f"{path}: {error}") from error
+    except LayoutError as error:
+        raise OrderError(str(error)) from error
 
 
 def save_orders(path: str | Path, orders: Iterable[Order]) -> None:

@@ -26,14 +26,10 @@ from warehouse_core.world.tiles import CHARGER, Cell
 class ListedOrders:
     """Orders that are known in advance, the same in every episode.
 
-    Args:
-        orders: one order or more; what has become of them is ignored.
-        layout: layout that has their pickups and dropoffs.
-        robots: number of robots.
+    What has become of them is ignored.
 
     Raises:
         OrderError: an order that cannot be carried out, named by its number from 0.
-        TypeError: a value of another type.
     """
 
     ends = True
@@ -51,12 +47,7 @@ class ListedOrders:
 
 
 class DrawnOrders:
-    """Orders drawn from streams for each episode.
-
-    Args:
-        streams: one stream or more, in order of their starts.
-        layout: layout with a pickup and a dropoff.
-        steps: length of an episode; only orders released before its last step are drawn.
+    """Orders drawn from streams for each episode of at most ``steps``.
 
     Raises:
         LayoutError: a layout without a pickup or a dropoff.
@@ -95,10 +86,6 @@ class DrawnOrders:
 
 class QueuedOrders:
     """Orders of which a constant number is released and not delivered.
-
-    Args:
-        queue: number of orders, and the draws of their stations and due times.
-        layout: layout with a pickup and a dropoff.
 
     Raises:
         LayoutError: a layout without a pickup or a dropoff.

@@ -38,11 +38,7 @@ class Drawn(NamedTuple):
 
 
 def what_is_drawn(randomize: bool | str) -> Drawn:
-    """Return what ``randomize`` stands for.
-
-    Raises:
-        ValueError: it is not in ``RANDOMIZE``.
-    """
+    """Return what ``randomize`` stands for; raise ``ValueError`` if it is not allowed."""
     if randomize not in RANDOMIZE:
         allowed = ", ".join(map(repr, RANDOMIZE))
         raise ValueError(f"randomize is {randomize!r}; allowed: {allowed}")
@@ -50,11 +46,7 @@ def what_is_drawn(randomize: bool | str) -> Drawn:
 
 
 def check_room(layout: Layout) -> None:
-    """Raise if a layout has no room for pickup and dropoff.
-
-    Raises:
-        LayoutError: it has fewer open cells without a charger than ``MIN_OPEN_CELLS``.
-    """
+    """Raise ``LayoutError`` if a layout has no room for pickup and dropoff, beside chargers."""
     room = _room(layout)
     if room < MIN_OPEN_CELLS:
         beside = " beside its chargers" if layout.chargers else ""
@@ -81,8 +73,7 @@ def draw_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArray[np.i
         counts: ``[...]``, numbers of ``station_cells``, at least ``MIN_OPEN_CELLS``.
 
     Returns:
-        ``[..., 3]`` the pickup, the dropoff and the start, as indices among the
-        ``station_cells``. The start is ``NO_RANK`` if there are only two.
+        ``[..., 3]`` indices of pickup, dropoff and start; ``NO_RANK`` if no cell is left for it.
     """
     left = np.asarray(counts)[..., None] - np.arange(3)
     ranks: NDArray[Any] = (uniforms[..., :3] * left).astype(np.intp)
@@ -97,14 +88,9 @@ def draw_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArray[np.i
 
 
 def draw_start_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArray[np.intp]:
-    """Draw a cell uniformly from the empty ones; the stations are kept.
+    """Draw a cell uniformly from the ``empty_cells``, of which there are ``counts``, ``[...]``.
 
-    Args:
-        uniforms: ``[..., DRAWS]``, in [0, 1); the number of the start is used.
-        counts: ``[...]``, numbers of empty cells.
-
-    Returns:
-        ``[...]`` indices among the ``empty_cells``, ``NO_RANK`` if there are none.
+    Return its index among them, by the number of the start, or ``NO_RANK`` if there are none.
     """
     choices = np.asarray(counts, np.intp)
     ranks = (uniforms[..., 2] * choices).astype(np.intp)
@@ -134,12 +120,10 @@ def motion_seed(uniforms: NDArray[np.float64]) -> int:
 def draw_episode(
     layout: Layout, uniforms: NDArray[np.float64], drawn: Drawn
 ) -> tuple[Layout, Cell | None]:
-    """Return the layout and the start of an episode; ``None`` if the start is not drawn.
+    """Return the layout and the start of an episode, drawn by ``[DRAWS]`` numbers.
 
-    Args:
-        layout: layout with room for stations that are drawn, see ``check_room``.
-        uniforms: ``[DRAWS]``, in [0, 1).
-        drawn: parts to draw. No start is drawn if the stations leave no cell.
+    A layout whose stations are drawn needs room, see ``check_room``. The start is ``None`` if it is
+    not drawn, or the stations leave no cell.
     """
     if drawn.stations:
         cells = station_cells(layout)

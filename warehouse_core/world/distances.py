@@ -15,20 +15,12 @@ Distances = NDArray[np.float64]
 
 
 def distances(layout: Layout, cells: Collection[Cell]) -> Distances:
-    """Return the number of moves from each cell to the nearest of ``cells``.
-
-    Raises:
-        LayoutError: one of ``cells`` is not open.
-    """
+    """Return the number of moves from each cell to the nearest of ``cells``, which are open."""
     return _nearest(layout, cells)[0]
 
 
 def nearest(layout: Layout, cells: Collection[Cell]) -> NDArray[np.intp]:
-    """Return the nearest of ``cells`` by moves, ``[H, W]`` as ``row * W + col``; -1 without a path.
-
-    Raises:
-        LayoutError: one of ``cells`` is not open.
-    """
+    """Return the nearest of ``cells`` by moves, ``[H, W]`` numbers of cells; -1 without a path."""
     return _nearest(layout, cells)[1]
 
 

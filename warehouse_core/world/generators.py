@@ -111,11 +111,7 @@ def shelf_layout(
 def _spread(
     name: str, count: int, least: int, cells: list[Cell], stream: random.Random
 ) -> list[Cell]:
-    """Return ``count`` of the cells at even distances, the first of them drawn at random.
-
-    Raises:
-        LayoutError: fewer than ``least``, or so many that two would be neighbours.
-    """
+    """Return ``count`` of the cells at even distances, the first of them drawn at random."""
     most = max(1, len(cells) // 2)
     if not least <= count <= most:
         raise LayoutError(f"{name} is {count}; it must be {least}..{most} in a layout of this size")
@@ -187,13 +183,10 @@ def _check_sizes(sizes: dict[str, int]) -> None:
 
 
 def _blocks(sizes: dict[str, int], left: int, right: int) -> Layout:
-    """Return blocks of walls with aisles between them.
+    """Return blocks of walls with aisles between them, and so many open columns at both sides.
 
-    Args:
-        sizes: rows and columns of blocks, length and depth of a block, and width of an aisle, by
-            the names to use in errors.
-        left: open columns to the left of the blocks.
-        right: open columns to their right.
+    The sizes are rows and columns of blocks, length and depth of a block, and width of an aisle, by
+    the names to use in errors.
     """
     _check_sizes(sizes)
     rows, columns, length, depth, aisle = sizes.values()

@@ -279,21 +279,13 @@ def _counted(name: str, cells: tuple[Cell, ...]) -> str:
 
 
 def check_open(layout: Layout, cell: Cell, name: str) -> None:
-    """Raise if a cell is off the grid or a wall.
-
-    Raises:
-        LayoutError: the cell is not open; the message has ``name`` and what is at the cell.
-    """
+    """Raise ``LayoutError``, with ``name``, if a cell is off the grid or a wall."""
     if not layout.is_open(cell):
         raise LayoutError(f"{name} {layout.describe(cell)}; it must be an open cell")
 
 
 def check_size(height: int, width: int) -> None:
-    """Raise if a layout of this size would be too large.
-
-    Raises:
-        LayoutError: more than ``MAX_ROWS`` rows or ``MAX_CELLS`` cells.
-    """
+    """Raise ``LayoutError`` for more than ``MAX_ROWS`` rows or ``MAX_CELLS`` cells."""
     _check_rows(height)
     if height * width > MAX_CELLS:
         raise LayoutError(f"{height} x {width} cells are more than MAX_CELLS = {MAX_CELLS}")

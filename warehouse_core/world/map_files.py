@@ -23,6 +23,7 @@ from warehouse_core.world.text_lines import (
     MAX_LINE,
     error_at,
     expect_line,
+    opened,
     read_line,
     whole_number_at,
 )
@@ -92,14 +93,11 @@ def load_map(path: str | os.PathLike[str], *, robot_runners: bool = False) -> La
     terrain, allowed = TERRAIN, ALLOWED_TERRAIN
     if robot_runners:
         terrain, allowed = ROBOT_RUNNERS, ALLOWED_ROBOT_RUNNERS
-    with Path(path).open("rb") as file:
-        try:
-            height, width = _read_header(file)
-            rows = list(_read_rows(file, height, width, terrain, allowed))
-            _check_end(file, height)
-            return Layout(rows)
-        except LayoutError as error:
-            raise LayoutError(f"{path}: {error}") from error
+    with opened(path) as file:
+        height, width = _read_header(file)
+        rows = list(_read_rows(file, height, width, terrain, allowed))
+        _check_end(file, height)
+        return Layout(rows)
 
 
 def save_map(layout: Layout, path: str | Path) -> None:

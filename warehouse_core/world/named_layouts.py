@@ -15,13 +15,13 @@ from warehouse_core.world.map_files import load_layout
 GivenLayout = Layout | Sequence[str] | str | os.PathLike[str]
 """A layout, its rows, its text, its name or the path of its file; all but the path work as JSON."""
 
-CORRIDOR = """
+TEXTS = {
+    "corridor": """
 ############
 #P........D#
 ############
-"""
-
-HALL = """
+""",
+    "hall": """
 ################
 #..............#
 #..P...........#
@@ -31,9 +31,8 @@ HALL = """
 #...........D..#
 #..............#
 ################
-"""
-
-ROOMS = """
+""",
+    "rooms": """
 #############
 #.....#.....#
 #.P...#.....#
@@ -45,9 +44,8 @@ ROOMS = """
 #.....#...D.#
 #.....#.....#
 #############
-"""
-
-TRAP = """
+""",
+    "trap": """
 ###########
 #.........#
 #...##....#
@@ -57,9 +55,8 @@ TRAP = """
 #...##....#
 #.........#
 ###########
-"""
-
-MAZE = """
+""",
+    "maze": """
 #####################
 #P#.....#.......#...#
 #.#####.#.###.#.#.#.#
@@ -71,19 +68,16 @@ MAZE = """
 #.#.#.###.#.###.#.#.#
 #...#.......#......D#
 #####################
-"""
-
-CLOSED = """
+""",
+    "closed": """
 ##########
 #...#....#
 #.P.#....#
 #...#..D.#
 #...#....#
 ##########
-"""
-
-TEXTS = {"corridor": CORRIDOR, "hall": HALL, "rooms": ROOMS, "trap": TRAP, "maze": MAZE,
-         "closed": CLOSED}  # fmt: skip
+""",
+}
 
 DEFAULT, SHELVES, DEPOT = "default", "shelves", "depot"
 

@@ -21,7 +21,7 @@ from warehouse_core.errors import LayoutError
 from warehouse_core.wording import brief
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.map_files import load_map
-from warehouse_core.world.text_lines import error_at, read_lines, whole_number_at
+from warehouse_core.world.text_lines import error_at, opened, read_lines, whole_number_at
 from warehouse_core.world.tiles import Cell
 
 MAX_LOCATIONS = 1_000_000
@@ -59,15 +59,11 @@ def load_league(path: str | Path) -> League:
         OSError: a file cannot be read.
     """
     path = Path(path)
-    with path.open("rb") as file:
-        data = file.read(MAX_PROBLEM + 1)
-    try:
-        given = _parse(data)
+    with opened(path) as file:
+        given = _parse(file.read(MAX_PROBLEM + 1))
         team = _given(given, "teamSize", int, 1)
         reveal = _given(given, "numTasksReveal", float, 0) if "numTasksReveal" in given else 1.0
         files = [path.parent / _given(given, f"{name}File", str) for name in _FILES]
-    except LayoutError as error:
-        raise LayoutError(f"{path}: {error}") from error
     layout = load_map(files[0], robot_runners=True).with_tiles([], [], [])
     starts, tasks = load_agents(files[1], layout)[:team], load_tasks(files[2], layout)
     if len(starts) < team:
@@ -112,11 +108,7 @@ def _given(given: dict[str, Any], key: str, kind: type, least: int | None = None
 
 
 def load_agents(path: str | Path, layout: Layout) -> list[Cell]:
-    """Read a ``.agents``: the start of each robot.
-
-    Args:
-        path: the file.
-        layout: the map that the file is for.
+    """Read a ``.agents`` for a map: the start of each robot.
 
     Raises:
         LayoutError: the file has another format, a location is not an open cell of the layout, or
@@ -127,11 +119,7 @@ def load_agents(path: str | Path, layout: Layout) -> list[Cell]:
 
 
 def load_tasks(path: str | Path, layout: Layout) -> list[tuple[Cell, ...]]:
-    """Read a ``.tasks``: the cells that each task visits, one or more, in this order.
-
-    Args:
-        path: the file.
-        layout: the map that the file is for.
+    """Read a ``.tasks`` for a map: the cells that each task visits, one or more, in this order.
 
     Raises:
         LayoutError: as for ``load_agents``.
@@ -143,11 +131,8 @@ def load_tasks(path: str | Path, layout: Layout) -> list[tuple[Cell, ...]]:
 def _load(
     path: str | Path, layout: Layout, entries: str, most: int | None = None
 ) -> list[tuple[Cell, ...]]:
-    with Path(path).open("rb") as file:
-        try:
-            return list(_read(file, layout, entries, most))
-        except LayoutError as error:
-            raise LayoutError(f"{path}: {error}") from error
+    with opened(path) as file:
+        return list(_read(file, layout, entries, most))
 
 
 def _read(

@@ -19,6 +19,7 @@ from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.text_lines import (
     error_at,
     expect_line,
+    opened,
     read_line,
     read_lines,
     whole_number_at,
@@ -32,13 +33,11 @@ _LENGTH = re.compile(r"[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]+)?")
 
 
 class Scenario(NamedTuple):
-    """A pathfinding problem on a map.
+    """A pathfinding problem on a map of ``width`` columns and ``height`` rows.
 
     Attributes:
         bucket: number of a group of scenarios of about equal difficulty.
         map_name: file name of the map, as given in the scenario.
-        width: columns of that map.
-        height: rows of that map.
         start: first cell of the path.
         goal: last cell of the path.
         octile_length: length in cells of a shortest path that may use diagonal moves;
@@ -69,13 +68,10 @@ def load_scenarios(path: str | Path) -> list[Scenario]:
             starts with the file's name.
         OSError: the file cannot be read.
     """
-    with Path(path).open("rb") as file:
-        try:
-            expect_line(read_line(file, 1), 1, "version 1", "version 1.0")
-            lines = read_lines(file, 2, "MAX_SCENARIOS", MAX_SCENARIOS)
-            return [_scenario(line, number) for number, line in lines]
-        except LayoutError as error:
-            raise LayoutError(f"{path}: {error}") from error
+    with opened(path) as file:
+        expect_line(read_line(file, 1), 1, "version 1", "version 1.0")
+        lines = read_lines(file, 2, "MAX_SCENARIOS", MAX_SCENARIOS)
+        return [_scenario(line, number) for number, line in lines]
 
 
 def check_scenarios(layout: Layout, scenarios: Sequence[Scenario]) -> None:

@@ -35,7 +35,6 @@ class LayoutSet:
 
     Attributes:
         kinds: the different layouts.
-        others: the argument of this name.
         kind: ``[B]`` intp, index into ``kinds`` for each row.
         base: ``[B]`` intp, the number of the first cell of each row's layout.
         width: ``[B]`` intp, columns of each row's layout.

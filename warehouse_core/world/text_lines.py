@@ -5,9 +5,12 @@ Lines and columns are counted from 1, as editors do; columns are bytes.
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from io import BufferedReader
+from pathlib import Path
 
 from warehouse_core.errors import LayoutError
 
@@ -15,6 +18,16 @@ MAX_LINE = 1000
 """Limit on the bytes of a line."""
 
 _WHOLE = re.compile(r"[0-9]+")
+
+
+@contextmanager
+def opened(path: str | os.PathLike[str]) -> Iterator[BufferedReader]:
+    """Open a file; each ``LayoutError`` then starts with its name."""
+    with Path(path).open("rb") as file:
+        try:
+            yield file
+        except LayoutError as error:
+            raise LayoutError(f"{path}: {error}") from error
 
 
 def error_at(line: int, column: int, message: str) -> LayoutError:
@@ -34,16 +47,11 @@ def read_line(file: BufferedReader, number: int) -> str:
 def read_lines(
     file: BufferedReader, number: int, limit: str, most: int
 ) -> Iterator[tuple[int, str]]:
-    """Yield number and text of each further line that is not blank, as ``read_line`` returns it.
-
-    Args:
-        file: file that is read from where it stands.
-        number: number of its next line.
-        limit: the name of ``most`` in errors.
-        most: limit on the lines, blank ones included.
+    """Yield number and text of each line from ``number`` on that is not blank.
 
     Raises:
-        LayoutError: there are more lines, or as for ``read_line``.
+        LayoutError: there are more than ``most`` lines, blank ones included, the error naming the
+            ``limit``; or as for ``read_line``.
     """
     end = number + most
     while data := file.readline(MAX_LINE + 1):

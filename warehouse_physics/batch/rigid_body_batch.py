@@ -152,11 +152,7 @@ class RigidBodyBatch:
 def _checked(
     name: str, values: Any, length: int | None = None, below: float = math.inf, kinds: str = "iu"
 ) -> Any:
-    """Return ``values`` as an array ``[length]`` of one of the dtype ``kinds``, from 0 on.
-
-    Raises:
-        ValueError: another shape or another kind, or a value that is not ``below`` a limit.
-    """
+    """Return ``values`` as an array ``[length]`` of one of the dtype ``kinds``, from 0 on."""
     array = np.asarray(values)
     if array.ndim != 1 or length not in (None, len(array)):
         wanted = "one for each row" if length is None else f"({length},)"

@@ -67,9 +67,7 @@ class BatchRobots:
     def drive(self, ways: Floats, loaded: Flags) -> None:
         """Drive each robot to the middle of a cell, or back if a wall is in the way.
 
-        Args:
-            ways: ``[B, 2]`` cells to go, columns before rows.
-            loaded: ``[B]`` bool, true if the robot carries an item.
+        ``ways`` are ``[B, 2]`` cells to go, columns before rows.
         """
         self._load(loaded)
         self._home, self._ways = self.cells(), ways

@@ -28,13 +28,7 @@ SPACING = 3
 
 
 class Warehouses(DrivenArena):
-    """``B`` warehouses in one space; positions are relative to the corner of each.
-
-    Args:
-        spec: numbers of the robots.
-        layouts: layouts of the warehouses.
-        corners: ``[B, 2]`` metres, positions of the layouts in the space; see ``corners_of``.
-    """
+    """``B`` warehouses in one space; positions are relative to the corner of each."""
 
     def __init__(self, spec: RobotSpec, layouts: Sequence[Layout], corners: Floats) -> None:
         super().__init__(spec, ITERATIONS)

@@ -42,11 +42,7 @@ class Node(NamedTuple):
 
 
 class Dependencies:
-    """The ways of ``R`` robots and the order in which they pass each cell.
-
-    Args:
-        cells: present cell of each robot; all are different.
-    """
+    """The ways of ``R`` robots, at first in different cells, and the order in which they pass."""
 
     def __init__(self, cells: Sequence[Cell]) -> None:
         self._ways = [deque([Node(cell, None)]) for cell in cells]
@@ -66,11 +62,7 @@ class Dependencies:
         return self._ways[robot][-1].cell
 
     def node(self, robot: int, number: int) -> Node:
-        """Return a node.
-
-        Raises:
-            LookupError: it is not on the way yet, or has been forgotten.
-        """
+        """Return a node; raise ``LookupError`` if it is not there yet, or has been forgotten."""
         place = number - self._firsts[robot]
         if not 0 <= place < len(self._ways[robot]):
             raise LookupError(
@@ -97,9 +89,8 @@ class Dependencies:
     def extend(self, targets: Sequence[Cell]) -> list[int]:
         """Append a joint step, and return the robots that move in it.
 
-        Args:
-            targets: next cell of each robot, or the end of its way if it waits. All are different,
-                and no two robots change places.
+        Targets are the next cells, or the ends of the ways of robots that wait. All are different,
+        and no two robots change places.
         """
         movers = [robot for robot, cell in enumerate(targets) if cell != self.end(robot)]
         before = [self._latest.get(targets[robot]) for robot in movers]

@@ -37,14 +37,7 @@ SLOW = 1e-3
 
 
 class Driver:
-    """Drives the robots of an arena.
-
-    Args:
-        arena: arena with ``R`` robots at rest.
-        spec: numbers of the robots.
-        cells: cells that the robots are in.
-        disturbances: departure of the physics from the nominal.
-        seed: seed of the disturbances.
+    """Drives the robots of an arena, which are at rest in their cells.
 
     Attributes:
         ways: cells that the robots are to drive through.
@@ -121,7 +114,8 @@ class Driver:
         """Drive for one substep, and return the hits that begin in it."""
         self._stop()
         for robot in np.flatnonzero(self._may_turn() & (self._ends < self._lasts)).tolist():
-            self._begin_leg(robot)
+            self.ways.forget(robot, int(self._ends[robot]))
+            self._set_leg(robot, int(self._ends[robot]))
         self._leaders.drop(self._done)
         across = self._along[:, ::-1] * (-1.0, 1.0)
         speeds, aside = self._choose_speeds(), self._choose_speeds_aside(across)
@@ -261,12 +255,6 @@ class Driver:
             cells = (node.cell for _, node in self.ways.nodes(robot, here - 1))
             slips[robot] = not self._slippery.isdisjoint(islice(cells, reach + 2))
         self._limits.slip(slips)
-
-    def _begin_leg(self, robot: int) -> None:
-        """Begin the next straight run of a way."""
-        start = int(self._ends[robot])
-        self.ways.forget(robot, start)
-        self._set_leg(robot, start)
 
     def _set_leg(self, robot: int, start: int) -> None:
         """Let a robot drive the straight run of its way that begins at a node."""

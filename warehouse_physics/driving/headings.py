@@ -15,16 +15,9 @@ from warehouse_physics.spec import RobotSpec
 class Headings:
     """The headings of ``R`` robots, which turn at a constant rate, the shorter way round.
 
-    A robot with ``turn_seconds`` turns on the spot before it drives. Any other turns while it
-    drives, as in ``robot.py``, which makes no difference to where it goes.
-
-    Args:
-        spec: numbers of the robots.
-        robots: number ``R`` of robots; all face east.
-
-    Attributes:
-        angles: ``[R]`` radians.
-        on_the_spot: true if robots turn before they drive.
+    A robot with ``turn_seconds`` turns ``on_the_spot`` before it drives. Any other turns while it
+    drives, as in ``robot.py``, which makes no difference to where it goes. The ``angles`` are
+    ``[R]`` radians; at first all face east.
     """
 
     def __init__(self, spec: RobotSpec, robots: int) -> None:
@@ -41,13 +34,9 @@ class Headings:
         self._left[robot] = math.remainder(wanted - self.angles[robot], math.tau)
 
     def turn(self, stands: Flags) -> Flags:
-        """Turn robots for a substep.
+        """Turn robots for a substep; return who has stopped, or turns on the spot, ``[R]``.
 
-        Args:
-            stands: ``[R]`` bool, true if a robot has stopped and does not turn.
-
-        Returns:
-            ``[R]`` bool, true if a robot has stopped or turns on the spot.
+        Robots that ``stands`` marks have stopped, and do not turn.
         """
         turned = np.where(stands, 0.0, np.clip(self._left, -self._most, self._most))
         self.angles += turned

@@ -50,18 +50,13 @@ def corner_distance(spec: RobotSpec) -> float:
 class Leaders:
     """The next cells on the ways of ``R`` robots where they have leaders, ``[R, K]`` of them.
 
-    Args:
-        spec: numbers of the robots.
-        ways: cells that the robots are to drive through.
-        limits: speeds and rates that the robots can reach.
-
     Attributes:
         nodes: ``[R, K]`` numbers of these cells on the way, or ``NOWHERE``.
         apart: metres beyond the middle of a cell where a robot has left it.
     """
 
     def __init__(self, spec: RobotSpec, ways: Dependencies, limits: Limits) -> None:
-        self._size, self._dt, self._top = spec.cell_size, spec.time_step, spec.top_speed
+        self._size, self._dt = spec.cell_size, spec.time_step
         self._ways, self._limits = ways, limits
         self.apart = 2 * spec.radius + CLEARANCE * spec.cell_size
         self._apart_at_corners = corner_distance(spec)
@@ -75,9 +70,7 @@ class Leaders:
     def find(self, robot: int, done: Floats) -> None:
         """Find the next cells of a robot where it has leaders, as far as there is space for them.
 
-        Args:
-            robot: number of the robot.
-            done: ``[R]`` metres, length of way that each robot has done.
+        Here and elsewhere ``done`` is the length of way that each robot has done, ``[R]`` metres.
         """
         slot, last = np.count_nonzero(self.nodes[robot] != NOWHERE), self._ways.last(robot)
         number = self._looked[robot]

@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 
+from warehouse_core.motion.grid import GRAVITY
 from warehouse_physics.disturbances import Disturbances
 from warehouse_physics.profile import Floats, stopping_distances
-from warehouse_physics.spec import GRAVITY, RobotSpec
+from warehouse_physics.spec import RobotSpec
 
 CORNER = 0.2
 """Share of a cell before a corner where robots begin to turn into their next leg: they brake in the
@@ -26,7 +27,6 @@ class Limits:
     """What limits each robot, as arrays ``[R]``, where it is known beforehand.
 
     Attributes:
-        loaded: bool, true if a robot carries an item; see ``load``.
         slips: bool, true if the floor is slippery, or will be before the robot could stop.
         masses: kg.
         drags: N, nominal drag of the floor.

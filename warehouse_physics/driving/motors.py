@@ -27,13 +27,6 @@ class Motors:
     Each limits its force by motor, floor and drag of the cell under the robot. For each cell that a
     robot enters, the share of the commanded speed that it really drives is drawn anew.
 
-    Args:
-        arena: arena with ``R`` robots.
-        spec: numbers of the robots.
-        limits: speeds and rates that the robots can reach.
-        disturbances: departure of motors and floor from the nominal.
-        seed: seed of the disturbances.
-
     Attributes:
         drags: ``[R]`` N, drag of the cells under the robots.
         is_exact: true if robots drive as they are commanded.
@@ -85,20 +78,14 @@ class Motors:
         self._commands[robot] = self._expected[robot] = speed
 
     def excess(self, speeds: Floats) -> Floats:
-        """Return how many times faster than commanded robots drive, ``[R]`` and at least 1.
-
-        Args:
-            speeds: ``[R]`` m/s, present speeds.
-        """
+        """Return how many times faster than commanded robots drive, ``[R]`` and at least 1."""
         slowest = np.maximum(np.maximum(self._commands, self._expected), MIN_SPEED)
         return np.clip(speeds / slowest, 1.0, MAX_EXCESS)
 
     def fastest(self, speeds: Floats, ups: Floats) -> Floats:
         """Return the highest speeds that robots may be commanded next, ``[R]`` m/s.
 
-        Args:
-            speeds: ``[R]`` m/s, present speeds.
-            ups: ``[R]`` m/s², rates at which they speed up.
+        They drive at ``speeds`` now, and speed up at the rates ``ups`` in m/s².
         """
         gained = ups * self._spec.time_step
         if not self.is_exact:  # what is commanded may be more than what is driven

@@ -11,8 +11,8 @@ from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PlannedFleet
 from agents.lab.commands.lanes_demo import BATTERY, ROBOTS, lanes_compared
 from agents.lab.commands.run import run_episode
-from agents.lab.console.options import SaveReplayOption, ShowOption
-from agents.lab.console.output import PICTURES, Film, show_or_save, show_or_save_picture
+from agents.lab.console import options
+from agents.lab.console.output import Film, show_or_save, show_or_save_picture
 from agents.lab.console.terminal import say
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import run
@@ -254,8 +254,8 @@ def demo(
         str | None, typer.Argument(help=f"One of {', '.join([*DEMOS, *STILLS])}.")
     ] = None,
     *,
-    save: SaveReplayOption,
-    show: ShowOption = None,
+    save: options.SaveReplay,
+    show: options.Show = None,
 ) -> None:
     """Show a demonstration of bodies or of planners.
 
@@ -271,7 +271,7 @@ def demo(
         raise typer.BadParameter(f"{given}; allowed: {', '.join(known)}")
     if name in STILLS:
         for path in save:
-            check_suffix(path, PICTURES)
+            check_suffix(path, options.PICTURES)
         picture = STILLS[name]()
         say(picture.said)
         show_or_save_picture(picture.draw, save, show, f"demo-{name}.png")

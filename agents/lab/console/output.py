@@ -22,9 +22,6 @@ if TYPE_CHECKING:
     from warehouse_core.viz.figure import SceneFigure
     from warehouse_core.viz.replay import Replay
 
-PICTURES = (".svg", ".png")
-"""Suffixes of ``save_picture``."""
-
 PAGE_SUFFIX = ".html"
 
 Draw = Callable[[Callable[[tuple[float, float]], "SceneFigure"]], "SceneFigure"]
@@ -132,7 +129,7 @@ def show_or_save_picture(
 
 
 def save_picture(figure: SceneFigure, path: Path) -> None:
-    """Write a figure as one of ``PICTURES``, whole or not at all."""
+    """Write a figure as ``.svg`` or ``.png``, whole or not at all."""
     from warehouse_core.viz.figure import save_svg
 
     with atomic_path(path) as part:

@@ -36,27 +36,13 @@ TAKEN = judge(PICK, EMPTY, False, False)
 class FleetEngine:
     """``B`` fleets, each on a floor of its own; ``N = B * R`` robots, floor by floor.
 
-    Args:
-        layouts: ``B`` layouts.
-        settings: settings of all fleets.
-        backend: name, class or instance of the motion that carries out the moves.
-
     Attributes:
-        motion: motion of the robots, and of the people among them.
         orders: books of orders; ``None`` without orders.
-        robots: cells and loads of the robots.
-        crowd: people on the floors.
-        tally: counts of what the robots have done.
         battery: ``[N]`` float64 units left.
         steps: ``[B]`` steps taken.
         terminated: ``[N]``, whether the task of the robot is done.
         truncated: ``[N]``, whether its battery or the steps are used up, or it has failed.
         failed: ``[N]``, whether the motion says that it stays where it is for good.
-
-    Raises:
-        BackendError: the backend is unknown, or a single instance that several layouts need.
-        LayoutError: robots or people that have no room, or stations that are missing.
-        OrderError: orders that cannot be carried out.
     """
 
     def __init__(
@@ -84,7 +70,7 @@ class FleetEngine:
 
     @property
     def ended(self) -> Flags:
-        """``[N]``, whether the robot has ended; see ``Engine.ended``."""
+        """``[N]``, whether the robot has ended; see ``Engine``."""
         return self.terminated | self.truncated
 
     def begin(self, floors: Integers, seeds: Sequence[int | None]) -> None:
@@ -167,11 +153,7 @@ class FleetEngine:
         self.motion.close()
 
     def _book(
-        self,
-        orders: OrderBooks,
-        had_item: Flags,
-        delivered: Flags,
-        rewards: NDArray[np.float64],
+        self, orders: OrderBooks, had_item: Flags, delivered: Flags, rewards: NDArray[np.float64]
     ) -> None:
         """Book picks and deliveries, in the order of the robots."""
         has_item, robots = self.robots.has_item, self.settings.robots
@@ -200,7 +182,7 @@ class FleetEngine:
     def _end(self, delivered: Flags) -> None:
         """Set which robots have ended."""
         active, robots = ~self.ended, self.settings.robots
-        done = np.repeat(self.orders.all_delivered(), robots) if self.orders else delivered
+        done = np.repeat(self.orders.all_delivered, robots) if self.orders else delivered
         is_over = np.repeat(self.steps >= self.settings.max_steps, robots)
         self.terminated |= active & done
         empty = np.flatnonzero(active & (self.battery <= 0) & ~self.failed)

@@ -29,15 +29,8 @@ class FleetFloor(Floor):
     """A ``Floor`` for ``B`` floors with ``R`` robots on each.
 
     What is on top of the tiles stands in one array, in which the floors lie end to end, each with
-    a margin of ``radius`` cells. A *spot* is an index in it.
-
-    Args:
-        layouts: layouts of the ``B`` floors.
-        settings: settings of all fleets. With orders, stations are where orders have them;
-            otherwise they are the tiles of the layouts.
-
-    Raises:
-        LayoutError: windows that are too large, for the layouts or for the robots.
+    a margin of ``radius`` cells. A *spot* is an index in it. With orders, stations are where orders
+    have them; otherwise they are the tiles of the layouts.
     """
 
     def __init__(self, layouts: LayoutSet, settings: FleetSettings) -> None:
@@ -83,13 +76,7 @@ class FleetFloor(Floor):
         return on
 
     def show(self, cells: Integers, has_item: Flags, people: Integers) -> None:
-        """Put robots and people where they are now.
-
-        Args:
-            cells: ``[B * R]``, cells of the robots.
-            has_item: ``[B * R]``, whether they hold an item.
-            people: ``[B, P]``, cells of the people.
-        """
+        """Put robots ``[B * R]`` and people ``[B, P]`` in their cells."""
         if self._is_bare:
             return
         self._on_top[self._covered] = self._waiting.take(self._covered)

@@ -19,10 +19,8 @@ Kind = TypeVar("Kind", bound=np.generic)
 class MingledMotion:
     """Moves ``R`` robots among ``P`` people on each floor; see ``FleetBatchMotion``.
 
-    Args:
-        motion: moves ``R + P`` bodies on each floor, the robots first.
-        robots: number of robots, ``R``.
-        crowd: people, who have entered before the robots are placed.
+    The motion that it is made of moves ``R + P`` bodies on each floor, the robots first. People
+    enter before robots are placed.
     """
 
     def __init__(self, motion: FleetBatchMotion, robots: int, crowd: Crowd) -> None:

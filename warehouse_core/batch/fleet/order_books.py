@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from warehouse_core.batch.fleet.floor import FleetFloor
 from warehouse_core.batch.fleet.settings import FleetSettings
@@ -22,18 +21,11 @@ class OrderBooks:
 
     A cell is a pickup to a robot where an order waits for it, and a dropoff where its order is due.
 
-    Args:
-        layouts: layouts of the floors.
-        settings: settings of the fleets, with orders.
-        floor: floor on which the books set the stations.
-
     Attributes:
         books: ``B`` books of the present episodes.
         due: ``[N]`` int32, the step by which the robot's order is due, or ``NONE``.
-
-    Raises:
-        LayoutError: a layout without the stations that orders are drawn from.
-        OrderError: orders that cannot be carried out.
+        all_delivered: ``[B]`` bool, whether all orders of a list are delivered; a stream has no
+            end.
     """
 
     def __init__(self, layouts: LayoutSet, settings: FleetSettings, floor: FleetFloor) -> None:
@@ -45,7 +37,7 @@ class OrderBooks:
         self._next_release = np.full(floors, NEVER)
         self.due = np.full(floors * settings.robots, NONE, np.int32)
         self._is_idle = np.ones((floors, settings.robots), np.bool_)
-        self._has_open, self._is_done = np.zeros((2, floors), np.bool_)
+        self._has_open, self.all_delivered = np.zeros((2, floors), np.bool_)
         self._touched: set[int] = set()
 
     def begin(self, floor: int, stream: np.random.Generator) -> None:
@@ -59,10 +51,7 @@ class OrderBooks:
     def release(self, steps: Integers, cells: Integers, able: Flags) -> None:
         """Let orders appear and, if it is so set, assign open orders to robots without one.
 
-        Args:
-            steps: ``[B]`` steps taken.
-            cells: ``[N]``, where the robots are.
-            able: ``[N]``, whether they have not ended.
+        ``steps`` are ``[B]``, the ``cells`` of the robots and who is ``able`` to drive ``[N]``.
         """
         for floor in self._touched:
             self._update(floor)
@@ -117,10 +106,6 @@ class OrderBooks:
                 book.lost += 1
             self._touched.add(floor)
 
-    def all_delivered(self) -> NDArray[np.bool_]:
-        """Return ``[B]``, whether all orders of a list are delivered; a stream has no end."""
-        return self._is_done
-
     def _new_book(self, floor: int, stream: np.random.Generator) -> OrderBook:
         kind = self._layouts.kind[floor]
         source = self._sources[kind]
@@ -138,7 +123,7 @@ class OrderBooks:
         robots.clear()
         cells.clear()
         self._has_open[floor] = book.has_open_orders
-        self._is_done[floor] = self._sources[self._layouts.kind[floor]].ends and book.is_done
+        self.all_delivered[floor] = self._sources[self._layouts.kind[floor]].ends and book.is_done
         self._next_release[floor] = book.next_release
 
     def _set_orders(self, floor: int, book: OrderBook, robots: Integers) -> None:

@@ -65,10 +65,6 @@ class People:
 class Crowd:
     """The people on ``B`` floors, ``P`` on each; arrays are ``[B, P]``.
 
-    Args:
-        people: number of people on each floor, and their habit.
-        layouts: layouts of the floors.
-
     Attributes:
         cells: cells in which they are, numbered within their layouts.
         ends: cells in which their next moves begin; others if the motion drives through cells.

@@ -8,19 +8,15 @@ from numpy.typing import NDArray
 from warehouse_core.arguments import as_cell
 from warehouse_core.batch.fleet.settings import FleetSettings
 from warehouse_core.errors import LayoutError
+from warehouse_core.motion.base import check_starts
 from warehouse_core.task.starts import empty_cells
-from warehouse_core.world.layout import Layout, check_open
-from warehouse_core.world.tiles import Cell
+from warehouse_core.world.layout import Layout
 
 
 class Placing:
     """The starts on a layout: given, the usual start of a lone robot, or drawn from empty cells.
 
     If robots and people need more than the empty cells, stations and chargers are drawn too.
-
-    Raises:
-        LayoutError: a start that is not open or given twice, or more robots and people than cells.
-        TypeError: a start that is no cell.
     """
 
     def __init__(self, layout: Layout, settings: FleetSettings) -> None:
@@ -46,14 +42,8 @@ class Placing:
 
 def _fixed(layout: Layout, settings: FleetSettings) -> list[int]:
     """Return the numbers of the starts that are not drawn."""
-    starts: tuple[Cell, ...] = settings.starts or ()
-    if settings.starts is None and settings.robots == 1:
-        starts = (layout.usual_start(),)
-    robot_in: dict[Cell, int] = {}
-    for robot, start in enumerate(starts):
-        cell = as_cell(f"the start of robot {robot}", start)
-        check_open(layout, cell, f"robot {robot}:")
-        if cell in robot_in:
-            raise LayoutError(f"robots {robot_in[cell]} and {robot} are both given {cell}")
-        robot_in[cell] = robot
-    return list(map(layout.number, robot_in))
+    if settings.starts is None:
+        return [layout.number(layout.usual_start())] if settings.robots == 1 else []
+    cells = [as_cell(f"the start of robot {robot}", it) for robot, it in enumerate(settings.starts)]
+    check_starts(layout, cells)
+    return list(map(layout.number, cells))

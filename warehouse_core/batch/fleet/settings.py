@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 from warehouse_core.arguments import MAX_STEPS, as_cell, real_number, whole_number
 from warehouse_core.batch.fleet.battery import Battery
 from warehouse_core.batch.fleet.people import People
-from warehouse_core.orders.order import Order, OrderQueue, Orders, OrderStream
+from warehouse_core.orders.order import Order, OrderQueue, OrderStream
 from warehouse_core.world.tiles import Cell
 
 MAX_BODIES = 100_000
@@ -26,15 +26,15 @@ class FleetSettings:
     """
 
     robots: int
-    orders: tuple[OrderStream, ...] | tuple[Order, ...] | OrderQueue | None
-    starts: tuple[Cell, ...] | None
-    max_steps: int
-    battery: Battery
-    view_radius: int
-    people: People
-    dispatch: bool
-    late_penalty: float
-    team_reward: bool
+    orders: tuple[OrderStream, ...] | tuple[Order, ...] | OrderQueue | None = None
+    starts: tuple[Cell, ...] | None = None
+    max_steps: int = 200
+    battery: Battery = field(default_factory=Battery)
+    view_radius: int = 2
+    people: People = field(default_factory=lambda: People(0))
+    dispatch: bool = True
+    late_penalty: float = 0.0
+    team_reward: bool = False
 
     def __post_init__(self) -> None:
         whole_number("robots", self.robots, 1, MAX_BODIES)
@@ -46,33 +46,10 @@ class FleetSettings:
             raise ValueError(f"{len(self.starts)} starts for {self.robots} robots; each needs one")
 
     @classmethod
-    def of(
-        cls,
-        robots: int,
-        *,
-        orders: Orders | None = None,
-        starts: Sequence[Cell] | None = None,
-        max_steps: int = 200,
-        battery: int | Battery = 200,
-        view_radius: int = 2,
-        people: int | People = 0,
-        dispatch: bool = True,
-        late_penalty: float = 0.0,
-        team_reward: bool = False,
-    ) -> FleetSettings:
+    def of(cls, robots: int, **settings: Any) -> FleetSettings:
         """Return settings given as ``FleetEnv`` takes them, with its defaults."""
-        return cls(
-            robots,
-            as_orders(orders),
-            None if starts is None else tuple(starts),
-            max_steps,
-            battery if isinstance(battery, Battery) else Battery(battery),
-            view_radius,
-            people if isinstance(people, People) else People(people),
-            dispatch,
-            late_penalty,
-            team_reward,
-        )
+        read = {name: form(settings[name]) for name, form in _FORMS.items() if name in settings}
+        return cls(robots, **settings | read)
 
     def to_json(self) -> dict[str, Any]:
         """Return the settings as values that JSON can hold."""
@@ -86,6 +63,8 @@ class FleetSettings:
             ValueError: a key is missing or unknown, or a value is of the wrong type or size.
         """
         try:
+            if set(values) != set(names := [each.name for each in fields(cls)]):
+                raise TypeError(f"their keys must be {', '.join(names)}")
             if not all(type(values[name]) is bool for name in ("dispatch", "team_reward")):
                 raise TypeError("dispatch and team_reward must be true or false")
             starts, orders = values["starts"], values["orders"]
@@ -113,12 +92,7 @@ class FleetSettings:
 def as_orders(
     orders: object,
 ) -> tuple[OrderStream, ...] | tuple[Order, ...] | OrderQueue | None:
-    """Return orders given as a rate, a stream, a queue, or a sequence of streams or of orders.
-
-    Raises:
-        ValueError: an empty sequence, or a rate that is not allowed.
-        TypeError: they are none of these.
-    """
+    """Return orders given as a rate, a stream, a queue, or a sequence of streams or of orders."""
     if orders is None or isinstance(orders, OrderQueue):
         return orders
     if isinstance(orders, (int, float)) and not isinstance(orders, bool):
@@ -137,12 +111,17 @@ def as_orders(
     )
 
 
-def _orders(values: Any) -> Any:
-    """Return what ``as_orders`` takes, given as ``asdict`` or JSON returns it.
+_FORMS: dict[str, Callable[[Any], Any]] = {
+    "orders": as_orders,
+    "starts": lambda starts: None if starts is None else tuple(starts),
+    "battery": lambda units: units if isinstance(units, Battery) else Battery(units),
+    "people": lambda count: count if isinstance(count, People) else People(count),
+}
+"""Settings that ``FleetEnv`` takes in several forms, and what makes one form of them."""
 
-    Raises:
-        TypeError: the values do not describe orders.
-    """
+
+def _orders(values: Any) -> Any:
+    """Return what ``as_orders`` takes, given as ``asdict`` or JSON returns it."""
     if values is None:
         return None
     if isinstance(values, dict):

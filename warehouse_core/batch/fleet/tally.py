@@ -90,15 +90,7 @@ class Tally:
         delivered: Flags,
         active: Flags,
     ) -> None:
-        """Count one step of all robots.
-
-        Args:
-            actions: ``[N]``, 0 to 6.
-            outcome: outcome of their motion.
-            charging: ``[N]``, whether they waited on a charger.
-            delivered: ``[N]``, whether they delivered an item.
-            active: ``[N]``, whether they had not ended before.
-        """
+        """Count one step of all robots, ``[N]``; those not ``active`` had ended before."""
         did = _DONE.take(actions)
         did[charging] = CHARGED
         blocked = outcome.blocked.nonzero()[0]
@@ -117,10 +109,7 @@ class Tally:
     def measures(self, floor: int, steps: int, orders: Sequence[Order] | None) -> FleetMeasures:
         """Return the measures of a floor, but for ``stranded`` and ``lost``.
 
-        Args:
-            floor: number of the floor.
-            steps: steps taken.
-            orders: orders released, or ``None`` for a fleet without orders.
+        ``orders`` are all orders released, or ``None`` for a fleet without orders.
         """
         done = self.counts(floor).sum(axis=1).tolist()
         seconds = float(self._seconds[floor])

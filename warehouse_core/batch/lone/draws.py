@@ -24,15 +24,9 @@ from warehouse_core.world.tiles import Cell
 
 
 class EpisodeDraws:
-    """Draws layouts, stations and starts of ``B`` rows by ``task/starts.py``.
+    """Draws stations and starts of ``B`` rows by ``task/starts.py``.
 
-    Args:
-        layouts: layouts of the rows. If there are ``others``, each row draws its layout from them.
-        start_pos: start of robots that is not drawn; see ``BatchEnv``.
-        drawn: parts to draw besides the layout.
-
-    Raises:
-        LayoutError: a start that is not open, or no room for pickup and dropoff.
+    If ``layouts`` has ``others``, each row draws its layout from them.
     """
 
     def __init__(
@@ -110,11 +104,7 @@ class EpisodeDraws:
 
 
 def _given_starts(rows: int, start_pos: Any) -> tuple[Any, Sequence[Any]]:
-    """Return the start that all rows have in common, or ``None``, and those given for each row.
-
-    Raises:
-        ValueError: neither one cell nor one for each row is given.
-    """
+    """Return the start that all rows have in common, or ``None``, and those given for each row."""
     if start_pos is None:
         return None, ()
     try:

@@ -21,19 +21,7 @@ from warehouse_core.world.tables import Integers, LayoutSet, Rows
 
 
 class LoneEngine:
-    """The episodes of ``B`` lone robots; see ``Engine``.
-
-    Args:
-        layouts: layouts of the rows.
-        draws: draws of each row for an episode.
-        floor: floors that the robots stand on.
-        motion: motion of the robots.
-        max_steps: limit of an episode.
-        battery: units of a full charge.
-
-    Attributes:
-        ended: ``[B]``, whether the robot has ended.
-    """
+    """The episodes of ``B`` lone robots; see ``Engine``."""
 
     def __init__(
         self,

@@ -18,12 +18,7 @@ Seeds = int | Sequence[int | None] | None
 
 
 def checked_actions(actions: ArrayLike, rows: int) -> NDArray[np.intp]:
-    """Return a checked copy of the actions.
-
-    Raises:
-        ValueError: not one for each row, or one out of range.
-        TypeError: they are not integers.
-    """
+    """Return a checked copy of the actions."""
     given = np.asarray(actions)
     if given.dtype.kind not in "iu":
         raise TypeError(f"the actions are {given.dtype}; they must be integers")
@@ -38,13 +33,7 @@ def checked_actions(actions: ArrayLike, rows: int) -> NDArray[np.intp]:
 
 
 def checked_mask(mask: Flags | None, rows: int, is_first: bool) -> Flags:
-    """Return a checked copy of the mask of rows to reset; ``None`` is all of them.
-
-    Raises:
-        ValueError: not a flag for each row, or none is set.
-        TypeError: it is not an array of bool.
-        EndedError: a mask for the first reset.
-    """
+    """Return a checked copy of the mask of rows to reset; ``None`` is all of them."""
     if mask is None:
         return np.ones(rows, np.bool_)
     if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
@@ -74,13 +63,7 @@ def one_layout_each(layout: Layout | Sequence[Layout] | None, rows: int) -> Sequ
 
 
 def check_pool(pool: Sequence[Layout], layout: object, start_pos: Any) -> None:
-    """Raise if layouts cannot be a pool, or other arguments cannot be given with one.
-
-    Raises:
-        ValueError: no layout; ``layout`` or a start for each row; or, as ``LayoutError``, layouts
-            of different sizes.
-        TypeError: it is not a sequence of layouts.
-    """
+    """Raise if layouts cannot be a pool, or other arguments cannot be given with one."""
     if layout is not None:
         raise ValueError("layout and pool are both given; allowed: one of them")
     if not isinstance(pool, Sequence) or not all(isinstance(each, Layout) for each in pool):
@@ -99,7 +82,7 @@ def check_pool(pool: Sequence[Layout], layout: object, start_pos: Any) -> None:
 
 
 def checked_seeds(seed: Seeds, rows: int) -> Sequence[int | None]:
-    """Return a seed for each row: one each, those from a first one on, or ``None``."""
+    """Return a seed for each row: one each, consecutive ones from a first, or ``None``."""
     if seed is None:
         return [None] * rows
     if isinstance(seed, (int, np.integer)):

@@ -28,14 +28,7 @@ Observed = TypeVar("Observed", bound=Arrays, covariant=True)
 
 
 class EngineStep(NamedTuple):
-    """One step of ``N`` rows; the arrays belong to the caller.
-
-    Attributes:
-        outcome: outcome of the motion.
-        rewards: ``[N]`` float64.
-        terminated: ``[N]`` bool, whether the robot's task is done.
-        truncated: ``[N]`` bool, whether its battery or the steps are used up, or it has failed.
-    """
+    """One step of ``N`` rows, as arrays ``[N]`` that belong to the caller."""
 
     outcome: BatchOutcome
     rewards: NDArray[np.float64]
@@ -81,18 +74,9 @@ class Engine(Protocol[Observed]):
 class ArrayEnv(Generic[Observed]):
     """``B`` episodes of ``R`` robots each; row ``b * R + r`` is robot ``r`` of episode ``b``.
 
-    Args:
-        engine: engine that starts the episodes and carries out their steps.
-        episodes: number of episodes, ``B``.
-        robots: number of robots in each of them, ``R``.
-        autoreset_mode: time at which an ended episode restarts, one of ``AUTORESET_MODES``.
-
     Attributes:
         num_envs: number of rows, ``B * R``.
         layouts: layouts of the episodes.
-
-    Raises:
-        ValueError: the mode is unknown.
     """
 
     def __init__(

@@ -42,8 +42,6 @@ class Floor:
             windows are codes.
 
     Attributes:
-        has_chargers: one layout or more has a charger.
-        moving_stations: the argument of this name.
         station_places: ``[2, B, 2]``, row and column of the first pickups and dropoffs.
     """
 
@@ -113,9 +111,9 @@ class Floor:
         return self._places.take(self._base[rows] + cells, axis=0)
 
     def windows(self, rows: Rows, cells: Integers, has_item: Flags, robots: Integers) -> Window:
-        """Return fresh windows of the robots, whose places are ``robots``.
+        """Return fresh windows, ``[N, K * K]`` codes or ``[N, K * K * T]`` marks.
 
-        They are ``[N, K * K]`` codes, or ``[N, K * K * T]`` marks.
+        ``robots`` are the rows and columns of the cells.
         """
         windows = self._around(rows, cells, robots)
         if self._tiles:

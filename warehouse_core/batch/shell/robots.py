@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,29 +16,8 @@ from warehouse_core.world.tables import Flags, Integers, Rows
 Counts = NDArray[np.int32]
 
 
-class JudgedStep(NamedTuple):
-    """One step of ``N`` robots as the rules judge it; the arrays belong to the caller.
-
-    Attributes:
-        outcome: outcome of the motion.
-        rewards: ``[N]`` float64.
-        delivered: ``[N]`` bool, whether the robot has delivered its item.
-        charging: ``[N]`` bool, whether the robot charges; ``None`` if no floor has a charger.
-    """
-
-    outcome: BatchOutcome
-    rewards: NDArray[np.float64]
-    delivered: Flags
-    charging: Flags | None
-
-
 class Robots:
     """``N`` robots, moved together and judged by the rules of ``task/rules.py``.
-
-    Args:
-        floor: floor of ``N`` rows that they stand on.
-        motion: motion of ``N`` robots.
-        count: number of robots, ``N``.
 
     Attributes:
         cells: ``[N]``, numbered within their layouts.
@@ -59,8 +37,15 @@ class Robots:
         self.cells[rows] = cells
         self.has_item[rows] = False
 
-    def step(self, actions: Integers) -> JudgedStep:
-        """Carry out one action, 0 to 6, for each robot."""
+    def step(
+        self, actions: Integers
+    ) -> tuple[BatchOutcome, NDArray[np.float64], Flags, Flags | None]:
+        """Carry out one action, 0 to 6, for each robot.
+
+        Returns:
+            The outcome of the motion, the rewards, whether each robot has delivered its item, and
+            whether it charges, ``None`` if no floor has a charger. The arrays belong to the caller.
+        """
         outcome = self.motion.advance(actions, self.has_item)
         self.cells = outcome.cells
         on = self.floor.stations(self.cells)
@@ -68,7 +53,7 @@ class Robots:
             on = np.where(outcome.driving, NO_STATION, on)
         rewards, self.has_item, delivered = judge_all(actions, on, self.has_item, outcome.blocked)
         charges = charging(actions, on) if self.floor.has_chargers else None
-        return JudgedStep(outcome, rewards, delivered, charges)
+        return outcome, rewards, delivered, charges
 
     def masks(self) -> NDArray[np.int8]:
         """Return ``[N, 7]`` int8: 1 for each action that does something now."""
@@ -77,10 +62,7 @@ class Robots:
     def observe(self, rows: Rows, battery: Counts, steps: Counts) -> Arrays:
         """Return fresh arrays of what some of the robots observe.
 
-        Args:
-            rows: rows of these robots.
-            battery: ``[N, 1]`` int32, battery units that each of them has left.
-            steps: ``[N, 1]`` int32, steps taken.
+        ``battery`` and ``steps``, ``[N, 1]``, are the units that they have left and steps taken.
         """
         floor, cells, has_item = self.floor, self.cells[rows], self.has_item[rows]
         places = floor.places(rows, cells)

@@ -58,16 +58,10 @@ _MASKS = np.array(
 def judge_all(
     actions: Integers, stations: Integers, has_item: Flags, blocked: Flags
 ) -> tuple[NDArray[np.float64], Flags, Flags]:
-    """Judge one step of ``B`` robots; see ``rules.judge``.
+    """Return rewards, who holds an item now and who has delivered, ``[B]`` each; see ``judge``.
 
-    Args:
-        actions: ``[B]``, 0 to 6.
-        stations: ``[B]`` indices into ``STATION_KINDS``, what they stand on after their motion.
-        has_item: ``[B]``, whether they held an item before the step.
-        blocked: ``[B]``, whether something stopped the motion.
-
-    Returns:
-        ``[B]`` each: the rewards, whether they hold an item now, and whether they have delivered.
+    ``stations`` are indices into ``STATION_KINDS``, what the robots stand on after their motion;
+    ``has_item`` is from before it.
     """
     index = ((actions * len(STATION_KINDS) + stations) * 2 + has_item) * 2 + blocked
     return _REWARDS.take(index), _HAS_ITEM.take(index), _DELIVERED.take(index)
@@ -87,12 +81,8 @@ def spend_and_charge(
 ) -> None:
     """Change the units that ``[B]`` robots have left, in place, by one step.
 
-    Args:
-        battery: ``[B]`` units left.
-        capacity: units of a full charge.
-        charging: ``[B]``, whether the robot charges.
-        cost: units that the step costs, for all or for each.
-        charge: units that a robot gains by charging, up to a full charge.
+    The step costs all or each of them ``cost``; those that are ``charging`` gain ``charge``, up to
+    the capacity.
     """
     battery -= cost
     # Not the lower of full and charged, because that sum can exceed 32 bits.

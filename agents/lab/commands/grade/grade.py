@@ -10,7 +10,8 @@ import typer
 
 from agents.lab.commands.grade.files import PAGE, RESULTS, TABLE, write_report
 from agents.lab.commands.grade.folder import grade_folder
-from agents.lab.console.options import JobsOption, save_option
+from agents.lab.console import options
+from agents.lab.console.options import MANY, option, writable
 from agents.lab.console.terminal import say
 from agents.lab.grading.gradescope import lines_of
 from agents.lab.grading.grading import Report
@@ -37,63 +38,56 @@ def grade(
     ],
     rubric: Annotated[
         Path,
-        typer.Option(
-            "--rubric",
-            metavar="FILE",
-            help="What is asked, a .toml file.",
-            show_default="that of the mini-lab",
+        option(
+            "--rubric FILE", "What is asked, a .toml file.", show_default="that of the mini-lab"
         ),
     ] = MINI_LAB,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FILE",
-            help="Of a folder: the table of all grades, .csv. Run the same command again to "
+        option(
+            "--output -o FILE",
+            "Of a folder: the table of all grades, .csv. Run the same command again to "
             "resume: what has not changed is not graded again.",
             show_default="grades.csv",
         ),
     ] = None,
     pages: Annotated[
         Path | None,
-        typer.Option(
-            "--pages",
-            metavar="FOLDER",
-            help="Of a folder: write the page and the results of each submission there.",
+        option(
+            "--pages FOLDER",
+            "Of a folder: write the page and results of each submission there.",
         ),
     ] = None,
     kind: Annotated[
-        str | None,
-        typer.Option("--class", metavar="NAME", help="Of a folder: the class of the agents."),
+        str | None, option("--class NAME", "Of a folder: the class of the agents.")
     ] = None,
     user: Annotated[
         str | None,
-        typer.Option(
-            "--user",
-            metavar="NAME",
-            help="Run agents as this user, such as nobody; only root may. They must be able to "
+        option(
+            "--user NAME",
+            "Run agents as this user, such as nobody; only root may. They must be able to "
             "read their files, and can then read no others that are private.",
         ),
     ] = None,
-    jobs: JobsOption = None,
+    jobs: options.Jobs = None,
     print_rubric: Annotated[
         bool,
-        typer.Option(
+        option(
             "--print-rubric",
+            "Print the rubric of the mini-lab, to be copied and changed.",
             callback=_print_rubric,
             is_eager=True,
-            help="Print the rubric of the mini-lab, to be copied and changed.",
         ),
     ] = False,
     *,
     save: Annotated[
         list[Path],
-        save_option(
+        option(
+            "--save FILE",
             "Write the report as .html, or as .json in the form that Gradescope reads "
             "(results.json); may be given more than once.",
-            RESULTS,
-            PAGE,
+            callback=writable(RESULTS, PAGE),
+            **MANY,
         ),
     ],
 ) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from itertools import product
-from pathlib import Path
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -13,10 +12,11 @@ import typer
 
 from agents.errors import PlanError
 from agents.lab.commands.planners.floors import KIVA, FloorOption, find_floor
-from agents.lab.commands.planners.mapf import PlannerOption, TimeLimitOption
+from agents.lab.commands.planners.mapf import Planners, TimeLimit
 from agents.lab.commands.planners.runs import BOUND, STEPPERS, Unhindered, make_stepper
-from agents.lab.console.options import MAX_COUNT, JobsOption
-from agents.lab.console.output import PICTURES, save_picture
+from agents.lab.console import options
+from agents.lab.console.options import MAX_COUNT, option
+from agents.lab.console.output import save_picture
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import print_error, say
 from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
@@ -25,11 +25,18 @@ from agents.lab.trials.workers import run_trials
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.planner import Planner
-from warehouse_core.files.atomic import check_suffix, check_target
 from warehouse_core.wording import counted
 
 SIZES = "32,64,96,128,160,192"
-MAX_SEEDS = 1000
+
+Seeds = Annotated[
+    int,
+    option(
+        "--seeds -n N",
+        f"Runs of each, with starts and goals or orders of their own; intervals need {MIN_VALUES}.",
+        (1, 1000),
+    ),
+]
 
 
 class Outcome(NamedTuple):
@@ -82,36 +89,15 @@ def run_trial(
 
 
 def compare_planners(
-    planner: PlannerOption = None,
-    robots: Annotated[
-        str, typer.Option("--robots", "-r", metavar="N,N,...", help="Fleet sizes.")
-    ] = SIZES,
-    seeds: Annotated[
-        int,
-        typer.Option(
-            "--seeds",
-            "-n",
-            metavar="N",
-            min=1,
-            max=MAX_SEEDS,
-            help=f"Runs of each, with starts and goals of their own; intervals need {MIN_VALUES}.",
-        ),
-    ] = MIN_VALUES,
-    seed: Annotated[
-        int, typer.Option("--seed", metavar="N", min=0, help="Seed of the first run.")
-    ] = 0,
+    planner: Planners = None,
+    robots: Annotated[str, option("--robots -r N,N,...", "Fleet sizes.")] = SIZES,
+    seeds: Seeds = MIN_VALUES,
+    seed: options.FirstSeed = 0,
     layout: FloorOption = None,
-    steps: Annotated[
-        int, typer.Option("--steps", metavar="N", min=1, max=MAX_COUNT, help="Steps of a run.")
-    ] = 256,
-    time_limit: TimeLimitOption = 10.0,
-    jobs: JobsOption = None,
-    save: Annotated[
-        Path | None,
-        typer.Option(
-            "--save", metavar="FILE", help="Draw throughput against robots, as .png or .svg."
-        ),
-    ] = None,
+    steps: Annotated[int, option("--steps N", "Steps of a run.", (1, MAX_COUNT))] = 256,
+    time_limit: TimeLimit = 10.0,
+    jobs: options.Jobs = None,
+    save: options.SaveFigure = None,
 ) -> None:
     """Compare planners over fleet sizes and seeds.
 
@@ -121,9 +107,6 @@ def compare_planners(
     Example: warehouse compare-planners --planner pibt --planner windowed --save curve.png
     """
     sizes = parse_sizes(robots)
-    if save is not None:
-        check_suffix(save, PICTURES)
-        check_target(save)
     names = list(dict.fromkeys(planner or STEPPERS))
     floor = find_floor(layout)
     for name in names:

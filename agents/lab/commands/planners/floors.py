@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Annotated, NamedTuple
 
 import numpy as np
-import typer
 
 from agents.errors import PlanError
+from agents.lab.console.options import option
 from agents.mapf.graph import CLOSED, Graph, Integers
 from agents.mapf.problem import Problem
 from warehouse_core import Layout
@@ -22,10 +22,9 @@ KIVA = "kiva"
 
 FloorOption = Annotated[
     str | None,
-    typer.Option(
-        "--layout",
-        metavar="FILE",
-        help="Layout file (rows of # . P D C, or a MovingAI .map), or a name: kiva (33 x 46 cells, "
+    option(
+        "--layout FILE",
+        "Layout file (rows of # . P D C, or a MovingAI .map), or a name: kiva (33 x 46 cells, "
         f"with 192 starts and 480 goals, as in papers), {', '.join(NAMES)}. Default: kiva.",
         show_default=False,
     ),

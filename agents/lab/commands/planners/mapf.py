@@ -29,7 +29,7 @@ from agents.lab.commands.planners.runs import (
     make_solver,
     make_stepper,
 )
-from agents.lab.console.options import MAX_COUNT
+from agents.lab.console.options import MAX_COUNT, option, seconds_option, writable
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import print_error
 from agents.mapf.graph import Graph, Integers
@@ -39,7 +39,6 @@ from agents.mapf.problem import Problem
 from agents.registry import PLANNERS
 from warehouse_core import Layout
 from warehouse_core.batch.fleet.settings import MAX_BODIES
-from warehouse_core.files.atomic import check_suffix, check_target
 from warehouse_core.wording import counted
 from warehouse_core.world.robot_runners import League, load_league
 
@@ -47,37 +46,24 @@ ROBOTS, STEPS, SECONDS = 32, 1000, 10.0
 SCENARIO, LEAGUE = ".scen", ".json"
 
 
-def check_seconds(seconds: float) -> float:
-    """Return a time limit.
-
-    Raises:
-        typer.BadParameter: it is not above 0, or not a number.
-    """
-    if not 0 < seconds <= MAX_COUNT:
-        raise typer.BadParameter(f"--time-limit is {seconds:g}; it must be above 0 s")
-    return seconds
-
-
-PlannerOption = Annotated[
+Planners = Annotated[
     list[str] | None,
-    typer.Option(
-        "--planner",
-        metavar="NAME",
-        help=f"May be repeated: {', '.join(PLANNERS)}, with arguments as in "
+    option(
+        "--planner NAME",
+        f"May be repeated: {', '.join(PLANNERS)}, with arguments as in "
         f"pibt-lanes:wrong_way=3, or your own as file.py:Class. Robots that go to their goals once "
         f"also have {', '.join(name for name in SOLVERS if name not in PLANNERS)}.",
         show_default=False,
     ),
 ]
 
-TimeLimitOption = Annotated[
+TimeLimit = Annotated[
     float,
-    typer.Option(
+    seconds_option(
         "--time-limit",
-        metavar="S",
-        help="Seconds for a plan, and for each step of a run; a step that takes longer is cut "
+        "Seconds for a plan, and for each step of a run; a step that takes longer is cut "
         "off, and all robots wait.",
-        callback=check_seconds,
+        MAX_COUNT,
     ),
 ]
 
@@ -91,49 +77,40 @@ def mapf(
             "Without it starts and goals are drawn on --layout.",
         ),
     ] = None,
-    planner: PlannerOption = None,
+    planner: Planners = None,
     layout: FloorOption = None,
     robots: Annotated[
         int | None,
-        typer.Option(
-            "--robots",
-            "-r",
-            metavar="N",
-            min=1,
-            max=MAX_BODIES,
-            help=f"Number of robots. Default: all of the file, or {ROBOTS}.",
+        option(
+            "--robots -r N",
+            f"Number of robots. Default: all of the file, or {ROBOTS}.",
+            (1, MAX_BODIES),
         ),
     ] = None,
     steps: Annotated[
         int | None,
-        typer.Option(
-            "--steps",
-            metavar="N",
-            min=1,
-            max=MAX_COUNT,
-            help="A lifelong run of so many steps: who reaches a goal gets another. "
+        option(
+            "--steps N",
+            "A lifelong run of so many steps: who reaches a goal gets another. "
             f"Default: one goal for each robot; of a League problem {STEPS} steps.",
+            (1, MAX_COUNT),
         ),
     ] = None,
-    seed: Annotated[
-        int, typer.Option("--seed", metavar="N", min=0, help="Of starts, goals and planners.")
-    ] = 0,
-    time_limit: TimeLimitOption = SECONDS,
+    seed: Annotated[int, option("--seed N", "Of starts, goals and planners.", (0, None))] = 0,
+    time_limit: TimeLimit = SECONDS,
     drive: Annotated[
         bool,
-        typer.Option(
-            "--drive",
-            help="Also let rigid bodies execute the plans, in joint steps and driven through.",
+        option(
+            "--drive", "Also let rigid bodies execute the plans, in joint steps and driven through."
         ),
     ] = False,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FILE",
-            help="Write the paths as .json in the output format of the League of Robot Runners; "
+        option(
+            "--output -o FILE",
+            "Write the paths as .json in the output format of the League of Robot Runners; "
             "with one planner.",
+            callback=writable(LEAGUE),
         ),
     ] = None,
 ) -> None:
@@ -145,11 +122,8 @@ def mapf(
     Example: warehouse mapf --robots 64 --planner lacam --planner pibt --seed 1
     """
     kind = check_file(file, layout, steps)
-    if output is not None:
-        check_suffix(output, (LEAGUE,))
-        check_target(output)
-        if planner is None or len(planner) != 1:
-            raise typer.BadParameter("--output is for the paths of one --planner")
+    if output is not None and len(planner or ()) != 1:
+        raise typer.BadParameter("--output is for the paths of one --planner")
     options = Options(seed, time_limit, output, drive)
     if file is not None and kind == LEAGUE:
         run_league(load_league(file), planner, robots, steps or STEPS, options, str(file))

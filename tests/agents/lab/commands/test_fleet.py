@@ -10,9 +10,9 @@ from helpers.command_line import command, refusal
 from PIL import Image
 
 from agents.lab.commands.fleet.fleet import parse_orders
-from agents.lab.commands.fleet.options import parse_battery, parse_due
 from agents.lab.commands.fleet.report import LINES, diagnosis, verdict
 from agents.lab.commands.fleet.report import measures_table as table
+from agents.lab.console.values import parse_battery, parse_due
 from agents.registry import PLANNERS
 from warehouse_core import FleetEpisode, Order, OrderStream
 from warehouse_core.fleet import Battery, FleetMeasures
@@ -300,7 +300,7 @@ FOUND_LATER = (
         ("--people 100000", "robots and people is 100003; it must be at most"),
         ("--agent bfs --planner a.py:A", "--planner directs all robots; leave out --agent"),
         ("--assignment urgent", "--assignment is for a --planner"),
-        ("--planner pibt --plan-seconds 0", "--plan-seconds is 0.0; it must be above 0"),
+        ("--planner pibt --plan-seconds 0", "--plan-seconds is 0; it must be above 0 s"),
         ("--robots 5000", "5000 robots and 0 people have no room"),
         ("--orders nowhere.csv", "nowhere.csv: No such file"),
         ("--planner pibt --assignment x", "no assignment is called 'x'; allowed: fifo, nearest"),

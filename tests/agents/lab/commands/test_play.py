@@ -12,7 +12,7 @@ from PIL import Image
 
 from agents.lab.commands import play as module
 from agents.lab.commands.play import Driver
-from agents.lab.console.options import Place
+from agents.lab.place import Place
 from warehouse_core import Episode, WarehouseEnv, replay_episode
 from warehouse_core.viz.figure import SceneFigure
 

@@ -88,7 +88,8 @@ def test_what_is_lost_is_said() -> None:
         (("--orders", "nan"), "--orders is nan; it must be above 0 orders a second"),
         (("--due", "9:3"), "FEWEST:MOST seconds from release to due time, as in 100:300"),
         (("--battery", "many"), "--battery is 'many'"),
-        (("--plan-seconds", "0"), "--plan-seconds is 0.0; it must be above 0"),
+        (("--plan-seconds", "nan"), "--plan-seconds is nan; it must be above 0 s"),
+        (("--plan-seconds", "0"), "--plan-seconds is 0; it must be above 0 s"),
     ],
 )
 def test_wrong_values_are_refused_before_any_run(
