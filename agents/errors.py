@@ -76,16 +76,11 @@ class WorkerError(WarehouseError):
 
 
 def reason_of(error: BaseException, file: Path | None = None) -> str:
-    """Return the message of an exception and where it was raised.
-
-    Args:
-        error: an exception that was caught.
-        file: the place is its last line in the traceback; without such a line none is given.
-    """
+    """Return the message of an exception and the last place that it names, in ``file`` if given."""
     frames = [
         frame
         for frame in traceback.extract_tb(error.__traceback__)
-        if file is None or _is_same(frame.filename, file)
+        if file is None or Path(frame.filename).resolve() == file.resolve()
     ]
     where = "".join(f" ({Path(each.filename).name}, line {each.lineno})" for each in frames[-1:])
     try:
@@ -101,7 +96,3 @@ def file_of(thing: object) -> Path | None:
         return Path(inspect.getfile(type(thing)))
     except (OSError, TypeError):
         return None
-
-
-def _is_same(name: str, file: Path) -> bool:
-    return Path(name).resolve() == file.resolve()

@@ -20,12 +20,7 @@ import numpy as np
 
 from agents.errors import AgentError, reason_of
 from agents.fleet.charging import costs_around_chargers
-from agents.fleet.guided import (
-    pibt_on_lanes,
-    pibt_on_learned,
-    windowed_on_lanes,
-    windowed_on_learned,
-)
+from agents.fleet.guided import Guided, on_lanes, on_learned
 from agents.fleet.planned import DEFAULT_ASSIGNMENT, PlannedFleet
 from agents.fleet.team import Team
 from agents.learning.baselines import RandomAgent, ReflexAgent
@@ -52,11 +47,11 @@ AGENTS: dict[str, Callable[..., Agent]] = {
 
 PLANNERS: dict[str, Callable[..., Planner]] = {
     "pibt": PIBT,
-    "pibt-lanes": pibt_on_lanes,
-    "pibt-learned": pibt_on_learned,
+    "pibt-lanes": Guided(PIBT, on_lanes),
+    "pibt-learned": Guided(PIBT, on_learned),
     "windowed": WindowedPlanner,
-    "windowed-lanes": windowed_on_lanes,
-    "windowed-learned": windowed_on_learned,
+    "windowed-lanes": Guided(WindowedPlanner, on_lanes),
+    "windowed-learned": Guided(WindowedPlanner, on_learned),
 }
 """Planners of the robots of a fleet, by name."""
 
@@ -109,15 +104,8 @@ def make_team(
 ) -> Team:
     """Return an agent by name for each robot of a fleet, each with a seed of its own.
 
-    Args:
-        name: see ``make_agent``.
-        robots: number of robots.
-        seed: seed of all of them.
-        layout: layout of the fleet. The agents get its walls; they observe which stations are
-            theirs.
-
-    Raises:
-        AgentError: as ``make_agent``.
+    The agents get the walls of the layout; they observe which stations are theirs. Names and errors
+    are those that ``make_agent`` has.
     """
     seeds = [seed] * robots
     if seed is not None and robots > 1:
@@ -126,10 +114,7 @@ def make_team(
 
 
 def make_planner(
-    name: str,
-    seed: int | None = None,
-    layout: Layout = DEFAULT_LAYOUT,
-    robots: int | None = None,
+    name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT, robots: int | None = None
 ) -> Planner | FleetAgent:
     """Return a planner of the robots of a fleet, or an agent that directs them, by name.
 
@@ -159,14 +144,8 @@ def make_fleet_agent(
 ) -> FleetAgent:
     """Return an agent that directs all robots of a fleet, by the names of its parts.
 
-    Args:
-        planner: see ``make_planner``.
-        assignment: one of ``ASSIGNMENTS``; ``None`` is ``DEFAULT_ASSIGNMENT``. An agent that
-            directs all robots assigns orders itself.
-        seed: seed of the planner.
-        layout: layout of the fleet.
-        robots: number of robots, see ``make_planner``.
-        options: options of ``PlannedFleet``.
+    ``make_planner`` makes the planner, for which ``PlannedFleet`` takes the options. An agent that
+    directs all robots assigns orders itself; for others ``None`` is ``DEFAULT_ASSIGNMENT``.
 
     Raises:
         AgentError: as ``make_planner``, or an assignment that does not exist or is not used.
@@ -197,11 +176,7 @@ def _make_agents(name: str, seeds: Sequence[int | None], layout: Layout) -> list
 
 
 def _make(
-    sort: Sort,
-    name: str,
-    seeds: Sequence[int | None],
-    layout: Layout,
-    robots: int | None = None,
+    sort: Sort, name: str, seeds: Sequence[int | None], layout: Layout, robots: int | None = None
 ) -> list[Any]:
     """Return one by name for each seed."""
     source, options = _split(name)
@@ -230,7 +205,7 @@ def _options(what: str, kind: Callable[..., Any], text: str) -> dict[str, Any]:
     if not text:
         return {}
     allowed = [each for each in inspect.signature(kind).parameters if each not in FIXED]
-    found = {}
+    given = {}
     for part in text.split(","):
         key, equals, value = part.partition("=")
         if not equals or key not in allowed:
@@ -239,10 +214,10 @@ def _options(what: str, kind: Callable[..., Any], text: str) -> dict[str, Any]:
                 f"allowed: {', '.join(f'{each}=VALUE' for each in allowed) or 'none'}"
             )
         try:
-            found[key] = ast.literal_eval(value)
+            given[key] = ast.literal_eval(value)
         except (ValueError, SyntaxError, RecursionError, MemoryError):  # too deep for the parser
-            found[key] = value
-    return found
+            given[key] = value
+    return given
 
 
 def is_own_code(name: str) -> bool:
@@ -269,15 +244,13 @@ def _wanted(
     make: Callable[..., Any], seed: int | None, layout: Layout, robots: int | None = None
 ) -> dict[str, Any]:
     """Return the arguments that ``make`` takes, out of seed, layout, graph and robots."""
-    parts: dict[str, Callable[[], Any]] = {
-        "seed": lambda: seed,
-        "layout": lambda: layout,
-        "graph": lambda: Graph(layout, costs_around_chargers(layout)),
-    }
+    taken = inspect.signature(make).parameters.keys()
+    parts: dict[str, Any] = {"seed": seed, "layout": layout}
     if robots is not None:
-        parts["robots"] = lambda: robots
-    wanted = inspect.signature(make).parameters.keys()
-    return {name: part() for name, part in parts.items() if name in wanted}
+        parts["robots"] = robots
+    if "graph" in taken:
+        parts["graph"] = Graph(layout, costs_around_chargers(layout))
+    return {name: part for name, part in parts.items() if name in taken}
 
 
 def _split_trained(rest: str) -> tuple[str, str]:
@@ -322,8 +295,7 @@ def _load_class(sort: Sort, name: str) -> type[Any]:
         needed = ", or ".join(" and ".join(names) for names in sort.methods)
         fewest = min(missing, key=lambda names: len(names))
         raise AgentError(f"class {name!r} has no {' and no '.join(fewest)}; needed: {needed}")
-    found: type[Any] = kind
-    return found
+    return kind
 
 
 def _load_module(source: str) -> ModuleType:

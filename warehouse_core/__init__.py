@@ -2,13 +2,7 @@
 
 import warehouse_core.viz.notebooks  # noqa: F401 - says what notebooks show
 from warehouse_core.batch import BatchEnv
-from warehouse_core.errors import (
-    BackendError,
-    LayoutError,
-    OrderError,
-    RecordError,
-    WarehouseError,
-)
+from warehouse_core.errors import BackendError, LayoutError, OrderError, RecordError, WarehouseError
 from warehouse_core.fleet.env import FleetEnv
 from warehouse_core.motion.base import Contact, Motion, Outcome
 from warehouse_core.motion.grid import GridMotion

@@ -18,14 +18,7 @@ from warehouse_core.task.state import Observation, WarehouseState
 from warehouse_core.world.actions import ACTIONS, DISPLACEMENTS, INVALID, action_index
 from warehouse_core.world.display import display
 from warehouse_core.world.layout import CHAPTER_START, DEFAULT_LAYOUT, Layout, check_open
-from warehouse_core.world.tiles import (
-    CHARGER,
-    MOVE_DELTAS,
-    ROBOT_EMPTY,
-    ROBOT_LOADED,
-    TILES,
-    Cell,
-)
+from warehouse_core.world.tiles import CHARGER, MOVE_DELTAS, ROBOT_EMPTY, ROBOT_LOADED, TILES, Cell
 
 LEGEND = TILES | {ROBOT_EMPTY: "robot (empty)", ROBOT_LOADED: "robot (loaded)"}
 

@@ -51,11 +51,8 @@ Fleets do the same with 5 and with 20; without it, ways lead through chargers th
 def costs_around_chargers(layout: Layout, costs: Costs | None = None) -> Costs | None:
     """Return costs of moves ``[H * W, 4]``, see ``Graph``, so that ways lead around chargers.
 
-    Planners do not look for a way around robots that stay.
-
-    Args:
-        layout: layout of the fleet.
-        costs: costs without chargers; ``None`` is 1 each, and is returned if there are no chargers.
+    Planners do not look for a way around robots that stay. ``None`` stands for costs of 1 each, and
+    is returned if there are no chargers.
     """
     if not layout.chargers:
         return costs
@@ -69,13 +66,13 @@ def costs_around_chargers(layout: Layout, costs: Costs | None = None) -> Costs |
 
 
 class Needs(NamedTuple):
-    """What ``R`` robots need.
+    """What ``R`` robots need; all arrays are ``[R]``.
 
     Attributes:
-        cells: ``[R]``, cells of the robots.
-        battery: ``[R]``, units left; robots without any have no turn.
-        may_go: ``[R]`` bool, true for robots that may go to charge now.
-        limits: ``[R]``, units below which a robot goes to a charger that nobody uses.
+        cells: cells of the robots.
+        battery: units left; robots without any have no turn.
+        may_go: true for robots that may go to charge now.
+        limits: units below which a robot goes to a charger that nobody uses.
     """
 
     cells: Integers
@@ -165,8 +162,7 @@ class Chargers:
         """Return whether each charger is one of some cells, ``[C]``."""
         is_there = np.zeros(len(self.home), np.bool_)
         is_there[cells] = True
-        found: NDArray[np.bool_] = is_there[self.cells]
-        return found
+        return is_there[self.cells]
 
     def _give_way(self, needs: Needs) -> None:
         """End turns early for robots that would run empty.
@@ -243,5 +239,4 @@ class Chargers:
     ) -> NDArray[np.float64]:
         """Return the steps of charging after ways of so many steps."""
         missing = self._full - battery + self._cost * ways
-        found: NDArray[np.float64] = np.maximum(missing, 0) / self._gain
-        return found
+        return np.maximum(missing, 0) / self._gain

@@ -47,11 +47,7 @@ class Robots(NamedTuple):
 
 
 class Dispatcher:
-    """Gives the robots of a fleet orders, turns at chargers, and goals.
-
-    Args:
-        env: fleet, after its reset.
-        assignment: a name of ``ASSIGNMENTS``.
+    """Gives the robots of a fleet, after its reset, orders, turns at chargers, and goals.
 
     Attributes:
         graph: graph of the floor.
@@ -188,8 +184,7 @@ class Dispatcher:
         parking = self._parking[robots.cells]
         goals = np.where(robots.goals == NONE, parking, robots.goals)
         charging = self.chargers.goals(robots.cells)
-        found: Integers = np.where(self.chargers.turn == NONE, goals, charging)
-        return found
+        return np.where(self.chargers.turn == NONE, goals, charging)
 
 
 def parking_of(layout: Layout) -> NDArray[np.intp]:
@@ -213,5 +208,4 @@ def parking_of(layout: Layout) -> NDArray[np.intp]:
 
 def shares_cell(cells: Integers) -> Flags:
     """Return whether each robot shares its cell, as bodies may after a disturbance."""
-    shared: Flags = np.bincount(cells)[cells] > 1
-    return shared
+    return np.bincount(cells)[cells] > 1

@@ -2,80 +2,56 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
+from inspect import Parameter, Signature, signature
+from typing import Any
 
 import numpy as np
 
 from agents.fleet.charging import costs_around_chargers
 from agents.mapf.graph import Costs, Graph
 from agents.mapf.lanes import WRONG_WAY, lane_costs, learned_costs
-from agents.mapf.pibt import PIBT
-from agents.mapf.prioritised import REPLAN, WINDOW, WindowedPlanner
+from agents.mapf.planner import Planner
 from warehouse_core import Layout
 
 TRIALS, TRIAL_SEED = 16, 1_000_000
 """Runs that costs are learned from, and seed of the first, which no episode shares."""
 
 
-def pibt_on_lanes(
-    layout: Layout, seed: int = 0, wrong_way: float = WRONG_WAY, turn_cost: float = 0.0
-) -> PIBT:
-    """Return ``PIBT`` with the costs of lanes, see ``lane_costs``."""
-    return PIBT(_lanes(layout, wrong_way), seed, turn_cost)
+class Guided:
+    """Makes a planner on the graph that a function makes; it takes the arguments of both."""
+
+    def __init__(
+        self, make_planner: Callable[..., Planner], make_graph: Callable[..., Graph]
+    ) -> None:
+        self._make_planner, self._make_graph = make_planner, make_graph
+        self._of_graph = signature(make_graph).parameters
+        known = {**self._of_graph, **signature(make_planner).parameters}
+        del known["graph"]
+        keywords = [each.replace(kind=Parameter.KEYWORD_ONLY) for each in known.values()]
+        self.__signature__ = Signature(keywords)  # which the registry reads
+
+    def __call__(self, **given: Any) -> Planner:
+        """Return a planner."""
+        of_graph = {name: given.pop(name) for name in self._of_graph if name in given}
+        return self._make_planner(self._make_graph(**of_graph), **given)
 
 
-def windowed_on_lanes(
-    layout: Layout,
-    seed: int = 0,
-    wrong_way: float = WRONG_WAY,
-    window: int = WINDOW,
-    replan: int = REPLAN,
-    groups: int = 0,
-    turn_cost: float = 0.0,
-) -> WindowedPlanner:
-    """Return a ``WindowedPlanner`` with the costs of lanes, see ``lane_costs``."""
-    graph = _lanes(layout, wrong_way)
-    return WindowedPlanner(graph, window, replan, groups, seed=seed, turn_cost=turn_cost)
+def on_lanes(layout: Layout, wrong_way: float = WRONG_WAY) -> Graph:
+    """Return the graph of a floor with the costs of lanes, see ``lane_costs``."""
+    return Graph(layout, costs_around_chargers(layout, lane_costs(layout, wrong_way)))
 
 
-def pibt_on_learned(
-    layout: Layout,
-    robots: int,
-    seed: int = 0,
-    trials: int = TRIALS,
-    trial_seed: int = TRIAL_SEED,
-    turn_cost: float = 0.0,
-) -> PIBT:
-    """Return ``PIBT`` with costs learned from the traffic of so many robots in trial runs.
+def on_learned(
+    layout: Layout, robots: int, trials: int = TRIALS, trial_seed: int = TRIAL_SEED
+) -> Graph:
+    """Return the graph of a floor with costs learned from so many robots in trial runs.
 
     In the trials turns cost nothing.
     """
-    return PIBT(_learned(layout, robots, trials, trial_seed), seed, turn_cost)
-
-
-def windowed_on_learned(
-    layout: Layout,
-    robots: int,
-    seed: int = 0,
-    trials: int = TRIALS,
-    trial_seed: int = TRIAL_SEED,
-    window: int = WINDOW,
-    replan: int = REPLAN,
-    groups: int = 0,
-    turn_cost: float = 0.0,
-) -> WindowedPlanner:
-    """Return a ``WindowedPlanner`` with costs learned as for ``pibt_on_learned``."""
-    graph = _learned(layout, robots, trials, trial_seed)
-    return WindowedPlanner(graph, window, replan, groups, seed=seed, turn_cost=turn_cost)
-
-
-def _learned(layout: Layout, robots: int, trials: int, seed: int) -> Graph:
-    costs = learned_fleet_costs(layout, robots, trials, seed)
+    costs = learned_fleet_costs(layout, robots, trials, trial_seed)
     return Graph(layout, costs_around_chargers(layout, costs))
-
-
-def _lanes(layout: Layout, wrong_way: float) -> Graph:
-    return Graph(layout, costs_around_chargers(layout, lane_costs(layout, wrong_way)))
 
 
 @lru_cache(maxsize=16)

@@ -40,10 +40,7 @@ Goal = tuple[Cell | None, Cell | None]
 
 
 class Site:
-    """What the robots of a fleet know of their warehouse.
-
-    Args:
-        env: fleet, after its reset.
+    """What the robots of a fleet, after its reset, know of their warehouse.
 
     Attributes:
         stations: cells where nobody should stand without a reason.
@@ -122,7 +119,9 @@ class Pilot:
         if here == self._charger:
             return self._wait("charges")
         if is_idle and self._charger is None:
-            return self._make_way(observation, here)
+            if here in self._site.stations:
+                return self._step_aside(observation, here, "leaves a station")
+            return self._wait("no order")
         if self._failed >= PATIENCE:
             return self._step_aside(observation, here, "gives way")
         return self._ask(observation, (self._charger,) * 2 if self._charger else goal)
@@ -150,12 +149,6 @@ class Pilot:
         action = action_index(self._agent.act(seen))
         self.reason = str(explanation_of(self._agent))
         return action
-
-    def _make_way(self, observation: FleetObservation, here: Cell) -> int:
-        """Return what a robot without an order does."""
-        if here in self._site.stations:
-            return self._step_aside(observation, here, "leaves a station")
-        return self._wait("no order")
 
     def _step_aside(self, observation: FleetObservation, here: Cell, reason: str) -> int:
         """Return a random move to a cell that seems free, if possible not a station."""

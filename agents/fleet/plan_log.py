@@ -24,7 +24,6 @@ class PlanLog:
         pushes: keep who pushes whom, too; the planner must be a ``PushingPlanner``.
 
     Attributes:
-        pushes: the argument.
         plans: plans of the steps so far, as ``replay_animation`` takes them.
     """
 
@@ -33,13 +32,9 @@ class PlanLog:
         self._robots, self.pushes = robots, pushes
 
     def add(self, planner: Planner, graph: Graph, situation: Situation, chosen: Integers) -> None:
-        """Keep the plans of a step.
+        """Keep the plans of a step from a situation to the chosen cells, ``[R]``.
 
-        Args:
-            planner: planner of the step.
-            graph: graph of the floor, used for a planner that shows none.
-            situation: situation before the step.
-            chosen: ``[R]``, next cells.
+        The graph of the floor is used for a planner that shows none.
         """
         cells, goals = situation.cells, situation.goals
         if isinstance(planner, GraphPlanner):

@@ -115,10 +115,10 @@ def part(graph: Graph, situation: Situation, chosen: Integers) -> Integers:
     first = np.unique(cells, return_index=True)[1]
     others = np.setdiff1d(np.arange(len(cells)), first)
     taken = {CLOSED, *cells.tolist(), *chosen.tolist(), *situation.closed.tolist()}
-    found = chosen.copy()
+    parted = chosen.copy()
     for cell in np.unique(cells[others]).tolist():
         free = [side for side in graph.neighbours[cell].tolist() if side not in taken]
         if free:
-            found[np.argmax(cells == cell)] = free[0]
+            parted[np.argmax(cells == cell)] = free[0]
             taken.add(free[0])
-    return found
+    return parted

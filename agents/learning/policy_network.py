@@ -89,8 +89,7 @@ class PolicyNetwork:
         *hidden, (weights, biases) = self.layers
         for inner_weights, inner_biases in hidden:
             inputs = np.tanh(inputs @ inner_weights.T + inner_biases)
-        outputs: Floats = inputs @ weights.T + biases
-        return outputs
+        return inputs @ weights.T + biases
 
     def save(self, path: str | Path) -> None:
         """Write the network to one ``.npz`` file, whole or not at all."""

@@ -60,12 +60,7 @@ def load_table(path: str | Path) -> tuple[QTable, NDArray[np.bool_]]:
 
 
 def load_agent(path: Path, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT) -> QAgent:
-    """Return an agent with a table from a file.
-
-    Args:
-        path: path of the file.
-        seed: seed of the agent.
-        layout: layout in which it is to act.
+    """Return an agent with a table from a file, for a layout in which it is to act.
 
     Raises:
         AgentError: the table is for a layout with other walls.

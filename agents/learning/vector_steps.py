@@ -15,7 +15,6 @@ from warehouse_core.task.encoding import FLEET_TILES, MARKED_TILES, vector_limit
 VectorStep = tuple[Floats, Floats, NDArray[np.bool_], list[dict[str, Any]]]
 """``[B, L]`` observations, ``[B]`` rewards, ``[B]`` whether an episode ended, ``B`` infos."""
 
-
 Batch = BatchEnv | FleetBatch
 """A row is a warehouse, or a robot of a fleet."""
 

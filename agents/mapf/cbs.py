@@ -243,16 +243,11 @@ class ConflictTree:
     def _mdd(self, node: Node, robot: int) -> MDD:
         """Return all ways of a robot that cost as much as its way in a node."""
         constraints, cost = node.constraints(robot), len(node.ways[robot]) - 1
-        key = robot, constraints
-        if key not in self._mdds:
-            self._mdds[key] = self._new_mdd(robot, constraints, cost)
-        return self._mdds[key]
-
-    def _new_mdd(self, robot: int, constraints: frozenset[Constraint], cost: int) -> MDD:
+        if (robot, constraints) in self._mdds:
+            return self._mdds[robot, constraints]
         closed = {(each.time, each.cell, each.before) for each in constraints}
         field, goal = self._fields[robot], self.problem.goals[robot]
-        layers = [{self.problem.starts[robot]}]
-        moves: MDD = []
+        layer, moves = {self.problem.starts[robot]}, MDD()
         for time in range(1, cost + 1):
             moves.append({
                 cell: [
@@ -261,14 +256,15 @@ class ConflictTree:
                     if field[to] <= cost - time
                     and not {(time, to, None), (time, to, cell)} & closed
                 ]
-                for cell in layers[-1]
+                for cell in layer
             })  # fmt: skip
-            layers.append({to for reached in moves[-1].values() for to in reached})
+            layer = {to for reached in moves[-1].values() for to in reached}
         after: dict[int, list[int]] = {goal: [goal]}
         for time in reversed(range(cost)):
             kept = {cell: [to for to in ways if to in after] for cell, ways in moves[time].items()}
             after = moves[time] = {cell: ways for cell, ways in kept.items() if ways}
-        return [*moves, {goal: [goal]}]
+        self._mdds[robot, constraints] = [*moves, {goal: [goal]}]
+        return self._mdds[robot, constraints]
 
     def _are_dependent(self, one: MDD, other: MDD) -> bool:
         """Return whether every pair of ways has a conflict; very many pairs are not looked at."""

@@ -62,8 +62,7 @@ def drive_through(
 
     Args:
         layout: floor on which the plan was made.
-        plan: ``[T + 1, R]``, the cell of each robot before each joint step and after the last: the
-            ``cells`` of a ``Plan`` or of a ``LifelongRun``.
+        plan: ``[T + 1, R]``, the ``cells`` of a ``Plan`` or of a ``LifelongRun``.
         spec: robot to use; ``None`` is the default robot.
         disturbances: departures from nominal physics.
         seed: seed of the disturbances.
@@ -73,7 +72,7 @@ def drive_through(
         LayoutError: a robot starts in a wall, or where another does.
         ValueError: a joint step has a conflict, or the robots are too wide to follow each other.
     """
-    motion, cells = DrivingMotion(spec, disturbances, path_every=1), _cells(layout, plan)
+    motion, cells = DrivingMotion(spec, disturbances, path_every=1), [*map(layout.cells, plan)]
     motion.reset(layout, cells[0], seed)
     for targets in cells[1:]:
         motion.extend(targets)
@@ -105,7 +104,7 @@ def drive_steps(
         LayoutError: as for ``drive_through``.
         ValueError: a robot is to move by more than a cell.
     """
-    motion, cells = RigidBodyMotion(spec, disturbances), _cells(layout, plan)
+    motion, cells = RigidBodyMotion(spec, disturbances), [*map(layout.cells, plan)]
     motion.reset(layout, cells[0], seed)
     record, here = _Record(motion.spec, len(cells[0])), cells[0]
     for step, targets in enumerate(cells[1:]):
@@ -135,7 +134,6 @@ class _Record:
 
     def add(self, outcomes: Sequence[Outcome]) -> bool:
         """Add what each robot did next, and return whether any of them has got anywhere."""
-        idle = self._spec.idle_power
         has_moved = False
         for robot, outcome in enumerate(outcomes):
             path = outcome.path
@@ -144,7 +142,7 @@ class _Record:
                 self._arrivals[robot] = self.now + path[moves[-1] + 1, 0]
             way = np.abs(path[-1, 1:3] - path[0, 1:3]).max()
             has_moved |= bool(way > ARRIVED * self._spec.cell_size)
-            self._work += outcome.joules - idle * outcome.seconds
+            self._work += outcome.joules - self._spec.idle_power * outcome.seconds
             self._hits += len(outcome.contacts)
         self.now += max(outcome.seconds for outcome in outcomes)
         return has_moved
@@ -154,10 +152,6 @@ class _Record:
         seconds = float(self._arrivals.max())
         idle = self._spec.idle_power * seconds * len(self._arrivals)
         return Execution(seconds, self._work + idle, self._hits, self._arrivals)
-
-
-def _cells(layout: Layout, plan: Integers) -> list[list[Cell]]:
-    return [layout.cells(cells) for cells in plan]
 
 
 def _late(ways: Ways, goals: Sequence[Cell]) -> list[int]:

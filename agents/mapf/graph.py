@@ -98,12 +98,7 @@ class Graph:
         return WAIT * self.size if self.turn_cost else self.size
 
     def places_at(self, cells: Integers, headings: Integers) -> Integers:
-        """Return the places that N, E, S, W and waiting lead to, ``[R, 5]``.
-
-        Args:
-            cells: ``[R]`` present cells.
-            headings: ``[R]`` present headings, 0 to 3.
-        """
+        """Return the places that N, E, S, W and waiting lead to from ``[R]`` places, ``[R, 5]``."""
         near: Integers = self.neighbours[cells]  # CLOSED leads to a place that is not used
         if self.turn_cost:
             near = near + self.size * np.arange(WAIT + 1)
@@ -113,8 +108,7 @@ class Graph:
     def headings(self, before: Integers, cells: Integers, headings: Integers) -> Integers:
         """Return the headings of robots after they have moved; all arguments are ``[R]``."""
         moves = self.neighbours[before, :WAIT] == cells[:, None]
-        turned: Integers = np.where(moves.any(axis=1), moves.argmax(axis=1), headings)
-        return turned
+        return np.where(moves.any(axis=1), moves.argmax(axis=1), headings)
 
     def close(self, cells: frozenset[int]) -> None:
         """Close some cells to all ways from now on, and open the cells that were closed before."""
@@ -125,12 +119,8 @@ class Graph:
     def distances(self, goal: int, keep: bool = True) -> Costs:
         """Return the cost of the cheapest way from each place to a goal, ``[places]`` float32.
 
-        The cost is infinite for walls and cells without a way. Recently used fields are kept up
-        to ``MAX_BYTES``; callers must not change them.
-
-        Args:
-            goal: cell to reach.
-            keep: keep the field for later calls.
+        The cost is infinite for walls and cells without a way. Callers must not change a field: it
+        is kept for later calls, unless ``keep`` is false or others have filled ``MAX_BYTES`` since.
         """
         field = self._fields.get(goal)
         if field is None:
@@ -154,11 +144,7 @@ class Graph:
     def way(self, cell: int, goal: int) -> list[int]:
         """Return the cells of a cheapest way, both ends included; only the first if there is none.
 
-        A robot faces where it begins.
-
-        Args:
-            cell: first cell.
-            goal: last cell, which may be the first.
+        At first a robot faces in the direction of the way.
         """
         field, way = self.distances(goal), [cell]
         heading = int(field[cell :: self.size].argmin())
@@ -217,8 +203,7 @@ class Fields:
                 self._free_rows(goals)
             self._row_of[goal] = row = self._free.pop()
             self._fill(row, self.graph.distances(goal, keep=False))
-        rows: Integers = self._row_of[goals]
-        return rows
+        return self._row_of[goals]
 
     def _free_rows(self, goals: Integers) -> None:
         rows = len(self.matrix)

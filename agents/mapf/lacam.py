@@ -194,9 +194,9 @@ class _Search:
         return np.array(chosen) if is_complete else None
 
 
-def _plan_to(node: Node) -> Plan:
-    cells, at = [node.cells], node
-    while at.parent is not None:
-        at = at.parent
-        cells.append(at.cells)
+def _plan_to(node: Node | None) -> Plan:
+    cells = []
+    while node is not None:
+        cells.append(node.cells)
+        node = node.parent
     return Plan(np.array(cells[::-1]))

@@ -37,10 +37,8 @@ MIN_SHARE = 0.15
 def lane_costs(layout: Layout, wrong_way: float = WRONG_WAY) -> Costs:
     """Return the costs of the moves N, E, S and W from each cell, ``[H * W, 4]``, for a ``Graph``.
 
-    Args:
-        layout: any layout.
-        wrong_way: cost of a move west in an even row, east in an odd one, north in an even
-            column, south in an odd one; other moves cost 1.
+    Moves cost ``wrong_way`` west in an even row, east in an odd one, north in an even column, south
+    in an odd one; other moves cost 1.
     """
     costs = np.ones((layout.height, layout.width, 4), np.float32)
     north, east, south, west = map(ACTIONS.index, "NESW")
@@ -62,18 +60,8 @@ def learned_costs(
 
     In each trial PIBT leads robots by the costs so far, beginning with faint lanes. The
     costs then follow from the mean traffic of the trials: most where robots would meet head-on.
-
-    Args:
-        layout: any layout.
-        robots: number of robots, on which traffic depends.
-        trials: number of runs to learn from.
-        steps: length of each run.
-        seed: seed of the first run; the next runs have the next seeds.
-        starts: see ``run_lifelong``.
-        goals: see ``run_lifelong``.
-
-    Raises:
-        PlanError: as for ``run_lifelong``.
+    The first trial has the seed, and the next trials have the next seeds; see ``run_lifelong`` for
+    the other arguments and for errors.
     """
     costs = lanes = lane_costs(layout, FIRST_WRONG_WAY)
     mean = np.zeros((len(lanes), WAIT + 1))
@@ -100,5 +88,4 @@ def _traffic_costs(graph: Graph, mean: NDArray[np.float64]) -> NDArray[np.float6
     opposite = np.roll(np.arange(WAIT), 2)
     there = MOVE_COST * mean[:, :WAIT]
     back = OPPOSED_COST * mean[reached, opposite] + WAIT_COST * mean[reached, WAIT]
-    added: NDArray[np.float64] = there + np.where(reached == CLOSED, 0, back)
-    return added
+    return there + np.where(reached == CLOSED, 0, back)

@@ -54,14 +54,14 @@ def run_lifelong(
     starts: Integers | None = None,
     goals: Integers | None = None,
 ) -> LifelongRun:
-    """Let a planner lead robots to goals that are drawn anew whenever they are reached.
+    """Reset a planner and let it lead robots to goals that are drawn anew when they are reached.
 
     Each robot has random numbers of its own, so that its ``n``-th goal is the same for all
     planners.
 
     Args:
         graph: floor.
-        planner: planner, which is reset first.
+        planner: any planner.
         robots: ``R``.
         steps: ``T``.
         seed: seed of starts and goals.
@@ -95,15 +95,7 @@ def run_lifelong(
 def lead(
     planner: Planner, cells: Integers, goals: Integers, new_goals: NewGoals, steps: int
 ) -> LifelongRun:
-    """Let a planner lead robots to goals that change.
-
-    Args:
-        planner: planner, which is reset first.
-        cells: ``[R]`` first cells of the robots.
-        goals: ``[R]`` first goals of the robots.
-        new_goals: function called after each step.
-        steps: ``T``.
-    """
+    """Reset a planner and let it lead robots from their first cells to goals that change."""
     nobody = np.zeros(len(cells), np.bool_)
     ways, all_goals, seconds = [cells], [goals], []
     planner.reset()

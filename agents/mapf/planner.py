@@ -103,13 +103,9 @@ def solve_by_steps(planner: Planner, problem: Problem, seconds: float) -> Plan:
 
 
 def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:
-    """Return the next cells that a planner has chosen, checked.
+    """Return the next cells that a planner has chosen in a situation, checked.
 
-    Args:
-        graph: graph of the floor.
-        situation: situation before the step. Robots that share a cell, as bodies may after a
-            disturbance, stay there.
-        chosen: next cells, as the planner returned them.
+    Robots that share a cell, as bodies may after a disturbance, stay there.
 
     Raises:
         PlanError: it is no cell for each robot, or a robot jumps, moves though it stays, enters a
@@ -127,17 +123,14 @@ def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:
         return str(graph.layout.cell(cell))
 
     is_near = (graph.neighbours[cells] == found[:, None]).any(axis=1) & (found != CLOSED)
-    for robot in np.flatnonzero(~is_near)[:1]:
-        raise PlanError(
-            f"robot {robot} is to go from {place(cells[robot])} to {place(found[robot])}, which is "
-            "not an open cell beside it"
-        )
     moves = found != cells
-    for robot in np.flatnonzero(moves & stays)[:1]:
-        raise PlanError(
-            f"robot {robot} is to go from {place(cells[robot])} to {place(found[robot])}, but it "
-            "stays in this step"
-        )
+    for is_wrong, why in (
+        (~is_near, "which is not an open cell beside it"),
+        (moves & stays, "but it stays in this step"),
+    ):
+        for robot in np.flatnonzero(is_wrong)[:1]:
+            way = f"from {place(cells[robot])} to {place(found[robot])}"
+            raise PlanError(f"robot {robot} is to go {way}, {why}")
     is_closed = np.zeros(graph.size, np.bool_)
     is_closed[situation.closed] = True
     for robot in np.flatnonzero(moves & is_closed[found])[:1]:

@@ -92,8 +92,7 @@ class Plan:
         """``[R]``, the steps until each robot is in its last cell for good."""
         is_there = (self.cells == self.cells[-1])[::-1]
         stays = np.where(is_there.all(axis=0), len(is_there), is_there.argmin(axis=0))
-        costs: Integers = len(is_there) - stays
-        return costs
+        return len(is_there) - stays
 
     @property
     def sum_of_costs(self) -> int:

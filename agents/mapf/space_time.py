@@ -27,12 +27,7 @@ see ``graph.py``.
 
 
 class Way(NamedTuple):
-    """A way of a robot.
-
-    Attributes:
-        cells: cell at each time.
-        cost: cost of the moves, plus the distance that is left.
-    """
+    """Cell of a robot at each time, and cost of its moves plus the distance that is left."""
 
     cells: list[int]
     cost: float

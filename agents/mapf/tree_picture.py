@@ -46,11 +46,8 @@ def tree_picture(tree: ConflictTree, make: MakeFigure = make_figure) -> SceneFig
     """Return a picture of a conflict tree that has grown, beside its problem.
 
     A node shows the constraint that its parent does not have, the cost of its ways, and the
-    conflict that its children forbid; one without children shows if it is the optimal plan.
-
-    Args:
-        tree: tree that ``solve`` has grown.
-        make: function that makes the figure of a width and height in inches.
+    conflict that its children forbid; one without children shows if it is the optimal plan. The
+    figure is made by ``make``, from its width and height in inches.
 
     Raises:
         ValueError: the tree has no node, or more than ``MAX_NODES``.

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
-from agents.search.algorithms import Problem
-from agents.search.problems import MoveTable
+from agents.search.problems import GridProblem, MoveTable
 from warehouse_core.task.state import Observation
-from warehouse_core.world.tiles import EMPTY, MOVE_DELTAS, WALL, Cell, moved
+from warehouse_core.world.tiles import EMPTY, WALL, Cell
 
 
 class Belief:
@@ -19,8 +18,7 @@ class Belief:
         bumps: cells that have not been seen and that two successive moves did not reach; probably
             walls.
         moves: moves from each cell to neighbours believed to be free.
-        rows: range of the rows in ``known``, in ``bumps`` and at the ends of routes.
-        cols: range of the columns in the same.
+        rows, cols: ranges that have the cells of ``known`` and ``bumps`` and the ends of routes.
     """
 
     def __init__(self) -> None:
@@ -75,7 +73,7 @@ class Belief:
         return self.known.get(cell) != WALL and (cell in self.known or cell not in self.bumps)
 
 
-class BeliefProblem(Problem[Cell, str]):
+class BeliefProblem(GridProblem[Cell]):
     """Drive from ``start`` to ``goal`` through cells that are believed to be free.
 
     All cells outside the rows and columns of the belief are believed to be free, so no shortest
@@ -92,16 +90,8 @@ class BeliefProblem(Problem[Cell, str]):
         """Return whether a cell is the goal."""
         return state == self.goal
 
-    def actions(self, state: Cell) -> Iterable[str]:
-        """Return the moves to cells that are believed to be free."""
-        return [move for move, _, _ in self.expand(state)]
-
-    def result(self, state: Cell, action: str) -> Cell:
-        """Return the cell that a move leads to."""
-        return moved(state, MOVE_DELTAS[action])
-
     def expand(self, state: Cell) -> Sequence[tuple[str, Cell, float]]:
-        """Return each move with its result and its cost."""
+        """Return each move to a cell that is believed to be free."""
         row, col = state
         if row in self._rows and col in self._cols:
             return self._moves[state]

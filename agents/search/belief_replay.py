@@ -38,14 +38,7 @@ def record_beliefs(
     seed: int | None = None,
     randomize: bool | str = True,
 ) -> tuple[Episode, list[Insight]]:
-    """Do what ``record_episode`` does, and return its record and ``[T]`` the agent's insights.
-
-    Args:
-        env: any environment, with any backend.
-        agent: agent to watch.
-        seed: given to ``env.reset``.
-        randomize: given to ``env.reset``.
-    """
+    """Do what ``record_episode`` does, and return its record and ``[T]`` the agent's insights."""
     observation = env.reset(randomize=randomize, seed=seed)
     agent.reset()
     recorder = EpisodeRecorder(env, seed=seed, agent=type(agent).__name__)
@@ -86,10 +79,6 @@ def belief_tracks(episode: Episode, history: Sequence[Insight]) -> tuple[Track, 
     """Return the tracks of the agent's belief and of the world, with the same frames in time.
 
     The charts, captions and ending belong to the belief, because the agent acts on it.
-
-    Args:
-        episode: episode of an agent that was watched.
-        history: ``[T]`` insights of the agent.
 
     Raises:
         ValueError: ``history`` is not as long as ``episode``.

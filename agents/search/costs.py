@@ -23,14 +23,7 @@ WARM_UP = 1
 
 
 class ActionCosts(NamedTuple):
-    """The cost of each action.
-
-    Attributes:
-        move_empty: a move of one cell without the item.
-        move_loaded: a move of one cell with the item.
-        pick: a pick.
-        drop: a drop.
-    """
+    """The cost of each action; a move is one cell, without or with the item."""
 
     move_empty: float
     move_loaded: float
@@ -42,11 +35,7 @@ ONE_EACH = ActionCosts(1.0, 1.0, 1.0, 1.0)
 
 
 def action_costs(measure: str = STEPS, backend: Backend = "physics") -> ActionCosts:
-    """Return the costs of actions.
-
-    Args:
-        measure: one of ``COSTS``.
-        backend: motion backend on which seconds and joules are measured.
+    """Return the costs of actions by one of ``COSTS``; seconds and joules depend on the backend.
 
     Raises:
         ValueError: ``measure`` is unknown.

@@ -33,11 +33,10 @@ MAX_FRAMES = 300
 Mark = tuple[int, Cell, int]
 
 
-def track_of_course(course: SearchCourse, goal: Cell) -> Track:
+def track_of_course(course: SearchCourse) -> Track:
     """Return the track of a search; its clock is the number of expansions."""
     times, cells, values = zip(*_marks(course), strict=True)
-    ends = course.start, goal
-    marks = Marks(times, cells, values, [*COLORS.values()], [*COLORS], ends)
+    marks = Marks(times, cells, values, [*COLORS.values()], [*COLORS], course.ends)
     rows = tuple(re.sub(f"[^{WALL}]", EMPTY, row) for row in course.layout.rows)
     counts = np.linspace(0, len(course), min(len(course) + 1, MAX_FRAMES)).round().tolist()
     frames = [
@@ -53,8 +52,8 @@ def _marks(course: SearchCourse) -> Iterator[Mark]:
     numbers = np.arange(1, max(len(course), 1) + 1, dtype=np.int32)
     events: Any = course.solution.events  # a state is a cell here
     shades = [FIRST_SHADE + shade for shade in course.shades(numbers).tolist()]
-    yield 0, course.start, WAITING
-    before = course.start
+    before, goal = course.ends
+    yield 0, before, WAITING
     for number, (expanded, reached) in enumerate(events, start=1):
         if number > 1:
             yield number, before, shades[number - 2]
@@ -62,4 +61,4 @@ def _marks(course: SearchCourse) -> Iterator[Mark]:
         yield from ((number, cell, WAITING) for cell in reached)
         before = expanded
     if course.solution.found:
-        yield len(course), course.solution.states[-1], shades[-1]
+        yield len(course), goal, shades[-1]

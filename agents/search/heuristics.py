@@ -69,10 +69,7 @@ def _least_cost(
 ) -> Callable[[int, int], float]:
     """Return the function of the least cost, from a row and a column, by way of a station.
 
-    Args:
-        stations: the cost from each station on.
-        move: the cost of a move.
-        size: rows and columns of the layout.
+    ``stations`` has the cost from each station on, and ``move`` is the cost of a move.
     """
     if len(stations) > MAX_COMPARED:
         # The search would otherwise compare all stations at each of its nodes.
@@ -94,10 +91,6 @@ def _spread(costs: CostTable, move: float) -> CostTable:
     """Return for each cell the least sum of the cost at a cell and of the moves to it.
 
     One axis after the other, each from both ends, so in time that grows with the cells alone.
-
-    Args:
-        costs: ``[H, W]``, infinite where there is none.
-        move: the cost of a move N, E, S or W.
 
     Source: Felzenszwalb and Huttenlocher, Distance Transforms of Sampled Functions, Theory of
     Computing 8 (2012): the transform under the L1 norm.

@@ -35,25 +35,14 @@ TICK_POINTS = 18
 class SearchPanel:
     """Draws a search into its axes, in units of cells, row 0 on top.
 
-    Args:
-        figure: figure to add everything to; all of it moves, because the image under it does.
-        axes: axes to draw into.
-        cell_points: side of a cell in points, 1/72 inch.
-        layout: layout that is searched.
-        ends: the start and the goal.
-        course: course of the search.
+    All of it moves, because the image under it does. The side of a cell is in points, 1/72 inch.
     """
 
     def __init__(
-        self,
-        figure: SceneFigure,
-        axes: Axes,
-        cell_points: float,
-        layout: Layout,
-        ends: tuple[Cell, Cell],
-        course: SearchCourse,
+        self, figure: SceneFigure, axes: Axes, cell_points: float, course: SearchCourse
     ) -> None:
         self._axes, self._cell_points, self._course = axes, cell_points, course
+        layout = course.layout
         is_wall = np.array([list(row) for row in layout.rows]) == WALL
         self._ground = np.where(is_wall, np.uint8(_WALL), np.uint8(_FLOOR))
         has_lines = cell_points >= LINED_CELL
@@ -71,7 +60,7 @@ class SearchPanel:
             [], [], "D", color=WARNING, markeredgecolor=INK, markersize=max(5.0, cell_points / 3),
             zorder=5,
         )[0]  # fmt: skip
-        for name, cell in zip("SG", ends, strict=True):
+        for name, cell in zip("SG", course.ends, strict=True):
             self._draw_end(name, cell)
         artists: list[Any] = [*axes.images, *axes.collections, *axes.lines, *axes.texts]
         name = self._draw_text(course.name, 34, fontsize=13, fontweight="bold")

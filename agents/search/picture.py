@@ -17,7 +17,7 @@ from warehouse_core.viz.figure import DPI, SceneFigure, make_figure, make_window
 from warehouse_core.viz.replay import Replay
 from warehouse_core.wording import printable
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tiles import WALL, Cell
+from warehouse_core.world.tiles import WALL
 
 MAX_FRAMES = 120
 """Most frames of an animation, the first and the last included."""
@@ -53,15 +53,8 @@ class _Arrangement:
 class _SearchScene:
     """Searches side by side in one figure, expansion by expansion."""
 
-    def __init__(
-        self,
-        layout: Layout,
-        ends: tuple[Cell, Cell],
-        courses: Sequence[SearchCourse],
-        title: str,
-        window: bool,
-    ) -> None:
-        self._longest = max(len(course) for course in courses)
+    def __init__(self, courses: Sequence[SearchCourse], title: str, window: bool) -> None:
+        self._longest, layout = max(map(len, courses)), courses[0].layout
         self._each = max(1, math.ceil(self._longest / (MAX_FRAMES - 1)))
         arrangement = _arranged(layout, len(courses))
         width, height = arrangement.width, arrangement.height
@@ -75,7 +68,7 @@ class _SearchScene:
             drawn = layout.width * arrangement.cell, layout.height * arrangement.cell
             axes = self.root.add_axes(box_in((width, height), left, top, *drawn))
             points = arrangement.cell * 72 / DPI
-            self._panels.append(SearchPanel(self.root, axes, points, layout, ends, course))
+            self._panels.append(SearchPanel(self.root, axes, points, course))
         common: dict[str, Any] = {"parse_math": False, "va": "center", "color": INK}
         left, top = MARGIN / width, 1 - 24 / height
         self.root.text(left, top, printable(title), fontsize=14, fontweight="bold", **common)
@@ -95,33 +88,16 @@ class _SearchScene:
         self._counter.set_text(f"after {count} of {self._longest} expansions")
 
 
-def search_replay(
-    layout: Layout,
-    start: Cell,
-    goal: Cell,
-    courses: Sequence[SearchCourse],
-    title: str,
-    *,
-    window: bool = False,
-) -> Replay:
-    """Return the animation of searches side by side.
-
-    Args:
-        layout: layout that is searched.
-        start: start of all searches.
-        goal: goal of all searches.
-        courses: courses of the searches, 1 to ``MAX_PANELS``.
-        title: title above them.
-        window: draw into a window.
+def search_replay(courses: Sequence[SearchCourse], title: str, *, window: bool = False) -> Replay:
+    """Return the animation of searches on one layout, side by side under a title.
 
     Raises:
         ValueError: no search, or more than ``MAX_PANELS``.
     """
     if not 1 <= len(courses) <= MAX_PANELS:
         raise ValueError(f"{len(courses)} searches; there must be 1..{MAX_PANELS}")
-    scene = _SearchScene(layout, (start, goal), courses, title, window)
-    tracks = [track_of_course(course, goal) for course in courses]
-    return Replay(scene, tracks, FRAME_MS)
+    scene = _SearchScene(courses, title, window)
+    return Replay(scene, [track_of_course(course) for course in courses], FRAME_MS)
 
 
 def draw_search_legend(figure: SceneFigure) -> None:

@@ -1,7 +1,8 @@
 """Search problems on a layout: the route to a cell, and the delivery of an item.
 
 Both take their moves from a ``MoveTable``, which all problems with the same walls share. The
-transition model is the table in ``warehouse_core/task/rules.py`` for a robot whose moves succeed.
+transition model is the table in ``warehouse_core/task/rules.py`` for a robot whose moves succeed;
+``expand`` has all of it, and the other methods read it there.
 
 A state of a route is a cell. A state of a delivery is ``(row, col, has_item)``, and ``DELIVERED``
 after the drop.
@@ -9,10 +10,11 @@ after the drop.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 
-from agents.search.algorithms import Problem
+from agents.search.algorithms import Problem, S
 from agents.search.costs import ONE_EACH, ActionCosts
 from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.tiles import MOVE_DELTAS, NO_STATIONS, Cell, moved
@@ -65,7 +67,27 @@ def _table(walls: tuple[str, ...]) -> MoveTable:
     return MoveTable(Layout(walls).is_open)
 
 
-class RouteProblem(Problem[Cell, str]):
+class GridProblem(Problem[S, str]):
+    """A problem on a grid, whose actions are words."""
+
+    @abstractmethod
+    def expand(self, state: S) -> Sequence[tuple[str, S, float]]:
+        """Return each action with its result and its cost."""
+
+    def actions(self, state: S) -> list[str]:
+        """Return the actions that have an effect."""
+        return [action for action, _, _ in self.expand(state)]
+
+    def result(self, state: S, action: str) -> S:
+        """Return the state after one of ``actions``."""
+        return next(to for each, to, _ in self.expand(state) if each == action)
+
+    def action_cost(self, state: S, action: str, successor: S) -> float:
+        """Return the cost of one of ``actions``."""
+        return next(cost for each, _, cost in self.expand(state) if each == action)
+
+
+class RouteProblem(GridProblem[Cell]):
     """Drive from ``start`` to ``goal`` around the walls of ``layout``; each move costs 1.
 
     Raises:
@@ -83,20 +105,12 @@ class RouteProblem(Problem[Cell, str]):
         """Return whether a cell is the goal."""
         return state == self.goal
 
-    def actions(self, state: Cell) -> Iterable[str]:
-        """Return the open moves."""
-        return [move for move, _, _ in self._moves[state]]
-
-    def result(self, state: Cell, action: str) -> Cell:
-        """Return the cell that a move leads to."""
-        return moved(state, MOVE_DELTAS[action])
-
     def expand(self, state: Cell) -> Edges:
         """Return each open move with its result and its cost."""
         return self._moves[state]
 
 
-class DeliveryProblem(Problem[DeliveryState, str]):
+class DeliveryProblem(GridProblem[DeliveryState]):
     """Pick the item up at a pickup and drop it at a dropoff.
 
     Args:
@@ -136,27 +150,8 @@ class DeliveryProblem(Problem[DeliveryState, str]):
         """Return whether the item has been delivered."""
         return state == DELIVERED
 
-    def actions(self, state: DeliveryState) -> Iterable[str]:
-        """Return the open moves, and ``PICK`` or ``DROP`` where it has an effect."""
-        return [action for action, _, _ in self.expand(state)]
-
-    def result(self, state: DeliveryState, action: str) -> DeliveryState:
-        """Return the state after an action."""
-        row, col, has_item = state
-        if action == "DROP":
-            return DELIVERED
-        if action == "PICK":
-            return row, col, True
-        return *moved((row, col), MOVE_DELTAS[action]), has_item
-
-    def action_cost(self, state: DeliveryState, action: str, successor: DeliveryState) -> float:
-        """Return the cost of an action."""
-        if action in MOVE_DELTAS:
-            return self.costs.move_loaded if state[2] else self.costs.move_empty
-        return self.costs.drop if action == "DROP" else self.costs.pick
-
     def expand(self, state: DeliveryState) -> list[tuple[str, DeliveryState, float]]:
-        """Return each action with its result and its cost."""
+        """Return each open move, and ``PICK`` or ``DROP`` where it has an effect."""
         row, col, has_item = state
         if state == DELIVERED:
             return []

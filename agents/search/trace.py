@@ -29,36 +29,28 @@ MarkGrid = NDArray[np.int32]
 
 
 class SearchCourse:
-    """The marks of a search after any number of its expansions.
-
-    Args:
-        name: name of the algorithm, to show.
-        layout: layout that was searched.
-        start: start of the search.
-        solution: solution of the search, with its events.
+    """The marks of a search from one end to the other, after any number of its expansions.
 
     Raises:
         ValueError: the solution has no events.
     """
 
     def __init__(
-        self, name: str, layout: Layout, start: Cell, solution: Solution[Cell, str]
+        self, name: str, layout: Layout, ends: tuple[Cell, Cell], solution: Solution[Cell, str]
     ) -> None:
         if len(solution.events) != solution.expanded:
             raise ValueError(
                 f"{name} has {len(solution.events)} events of {solution.expanded} expansions; "
                 "a search is recorded by with_events=True"
             )
-        self.name, self.layout, self.start, self.solution = name, layout, start, solution
-        self._shape = layout.height, layout.width
-        cells, marks, ends = [start], [WAITS], [1]
+        self.name, self.layout, self.ends, self.solution = name, layout, ends, solution
+        cells, marks, self._counts = [ends[0]], [WAITS], [1]
         for number, (expanded, reached) in enumerate(solution.events, start=1):
             cells += [expanded, *reached]  # type: ignore[list-item] # a state is a cell here
             marks += [number, *[WAITS] * len(reached)]
-            ends.append(len(cells))
+            self._counts.append(len(cells))
         self._cells = layout.numbers(cells)
         self._marks = np.array(marks, dtype=np.int32)
-        self._ends = ends
 
     def __len__(self) -> int:
         return self.solution.expanded
@@ -69,14 +61,13 @@ class SearchCourse:
 
     def marks_after(self, count: int) -> MarkGrid:
         """Return the marks after ``count`` expansions, or after all if there are fewer."""
-        end = self._ends[min(count, len(self))]
-        marks = np.full(self._shape, UNTOUCHED, dtype=np.int32)
+        end = self._counts[min(count, len(self))]
+        marks = np.full((self.layout.height, self.layout.width), UNTOUCHED, dtype=np.int32)
         # A cell that is reached or expanded again has several marks, and NumPy keeps the last.
         marks.flat[self._cells[:end]] = self._marks[:end]
         if self.is_over(count) and self.solution.found:
             # The goal was the last cell taken from the frontier.
-            goal = self.solution.states[-1]
-            marks[goal] = max(len(self), 1)
+            marks[self.ends[1]] = max(len(self), 1)
         return marks
 
     def shades(self, numbers: MarkGrid) -> MarkGrid:
@@ -87,16 +78,12 @@ class SearchCourse:
         """Return in words what ``marks_after`` shows, and the cost at the end."""
         waiting = int((self.marks_after(count) == WAITS).sum())
         words = [f"expanded {min(count, len(self))}", f"frontier {waiting}"]
-        return [*words, self.ending] if self.is_over(count) else words
-
-    @property
-    def ending(self) -> str:
-        """The cost of the path, or that there is none."""
-        return f"cost {self.solution.cost:g}" if self.solution.found else "no path"
+        if self.is_over(count):
+            words.append(f"cost {self.solution.cost:g}" if self.solution.found else "no path")
+        return words
 
     def expanded_by(self, count: int) -> Cell | None:
         """Return the cell of expansion ``count``; ``None`` before the first and at the end."""
         if count == 0 or self.is_over(count):
             return None
-        row, column = divmod(int(self._cells[self._ends[count - 1]]), self._shape[1])
-        return row, column
+        return self.layout.cell(self._cells[self._counts[count - 1]])

@@ -1,5 +1,6 @@
 import os
 import sys
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
@@ -42,12 +43,12 @@ def refusal(name: str) -> str:
     return str(refused.value)
 
 
-def test_a_built_in_agent_is_made_by_its_name() -> None:
-    agent = make_agent("greedy", 7)
+def test_a_built_in_agent_is_made_by_its_name_and_its_arguments() -> None:
+    agent = make_agent("greedy:memory=20,escape_steps=0", 7)
     assert isinstance(agent, GreedyAgent)
-    assert agent.seed == 7
-    assert isinstance(make_agent("exploring"), ExploringAgent)
+    assert (agent.memory, agent.escape_steps, agent.seed) == (20, 0, 7)
     assert make_agent("greedy").seed is None  # type: ignore[attr-defined]
+    assert isinstance(make_agent("exploring"), ExploringAgent)
 
 
 def test_an_agent_that_takes_a_layout_gets_it(agent_file: Path) -> None:
@@ -75,21 +76,12 @@ def test_an_agent_may_come_from_a_module(agent_file: Path, monkeypatch: pytest.M
     assert make_agent("agents.warehouse_agent_greedy:GreedyAgent", 3)
 
 
-def test_a_file_is_read_each_time(agent_file: Path) -> None:
-    agent_file.write_text(WITHOUT_SEED)
-    make_agent(f"{agent_file}:Mine")
-    agent_file.write_text(WITHOUT_SEED.replace("WAIT", "NORTH"))
-    observation = WarehouseEnv().reset()
-    assert make_agent(f"{agent_file}:Mine").act(observation) == "NORTH"
-
-
-def test_a_file_may_be_called_like_a_module(agent_file: Path) -> None:
-    import random
-
-    other = agent_file.with_name("random.py")
-    other.write_text(WITH_SEED)
-    make_agent(f"{other}:Mine")
-    assert sys.modules["random"] is random
+@pytest.mark.parametrize("name", ["random", "q"])
+def test_a_file_may_be_called_like_a_module_or_a_trained_agent(tmp_path: Path, name: str) -> None:
+    known = sys.modules.get(name)
+    (tmp_path / f"{name}.py").write_text(WITH_SEED)
+    assert make_agent(f"{tmp_path / name}.py:Mine", 5).seed == 5  # type: ignore[attr-defined]
+    assert sys.modules.get(name) is known
 
 
 def test_an_agent_may_be_a_dataclass(agent_file: Path) -> None:
@@ -107,13 +99,42 @@ def test_an_agent_may_be_a_dataclass(agent_file: Path) -> None:
     assert make_agent(f"{agent_file}:Mine", 5).seed == 5  # type: ignore[attr-defined]
 
 
-def test_an_unknown_name_is_an_error_that_lists_the_allowed_ones() -> None:
-    assert refusal("clever") == (
-        "no agent is called 'clever'; allowed: random, reflex, greedy, exploring, bfs, ucs, "
-        "greedy-best-first, astar, weighted-astar, ppo:FILE, q:FILE, "
-        "or your own as file.py:Class or module:Class"
-    )
-    assert "no agent is called ''" in refusal("")
+KINDS = "bfs, ucs, greedy-best-first, astar, weighted-astar"
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        (
+            "clever",
+            f"no agent is called 'clever'; allowed: random, reflex, greedy, exploring, {KINDS}, "
+            "ppo:FILE, q:FILE, or your own as file.py:Class or module:Class",
+        ),
+        ("", "no agent is called ''*"),
+        *((word, f"no agent is called '{word}'*") for word in TRAINED),
+        *((f"{word}:", f"agent '{word}:' names no file; allowed: {word}:FILE") for word in TRAINED),
+        (
+            "no_such_module_anywhere:Mine",
+            "cannot import agent module 'no_such_module_anywhere': "
+            "No module named 'no_such_module_anywhere'",
+        ),
+        (":Mine", "'' is neither a .py file nor the name of a module"),
+        (".relative:Mine", "'.relative' is neither a .py file nor the name of a module"),
+        ("two words:Mine", "'two words' is neither a .py file nor the name of a module"),
+        (
+            "greedy:memori=3",
+            "agent 'greedy' takes no argument 'memori'; allowed: memory=VALUE, escape_steps=VALUE",
+        ),
+        ("greedy:seed=3", "agent 'greedy' takes no argument 'seed'; *"),
+        ("astar:algorithm='bfs'", "agent 'astar' takes no argument 'algorithm'; *"),
+        ("reflex:memory=3", "agent 'reflex' takes no argument 'memory'; allowed: none"),
+        ("greedy:memory=-1", "agent 'greedy:memory=-1': memory is -1; it must be at least 0"),
+        ("greedy:memory=x", "agent 'greedy:memory=x': memory is 'x'; it must be an integer"),
+        ("astar:cost=money", "agent 'astar:cost=money': cost is 'money'; allowed: *"),
+    ],
+)
+def test_a_name_that_stands_for_no_agent_is_an_error_that_says_why(name: str, message: str) -> None:
+    assert fnmatchcase(refusal(name), message)
 
 
 def test_a_missing_file_is_named(agent_file: Path) -> None:
@@ -131,11 +152,7 @@ CLASS = "class Mine:\n    "
         (WITHOUT_SEED, "Other", "{file} has no class 'Other'"),
         (WITHOUT_SEED, "", "{file} has no class ''"),
         ("number = 3\n", "number", "{file} has no class 'number'"),
-        (
-            f"{CLASS}def act(self, observation): pass",
-            "Mine",
-            "'{file}:Mine' has no reset; need",
-        ),
+        (f"{CLASS}def act(self, view): pass", "Mine", "'{file}:Mine' has no reset; needed: reset"),
         (f"{CLASS}pass", "Mine", "class '{file}:Mine' has no reset and no act; needed: reset and "),
         (f"{CLASS}reset = act = 3", "Mine", "class '{file}:Mine' has no reset and no act; needed"),
         (WITH_SEED.replace("seed=None", "speed"), "Mine", "cannot be made: TypeError: "),
@@ -145,11 +162,7 @@ CLASS = "class Mine:\n    "
         ("import no_such_module_anywhere\n", "Mine", "cannot import agent file {file}: "),
         ("import no_such_module_anywhere\n", "Mine", "no_such_module_anywhere"),
         ("x = 1\n1 / 0\n", "Mine", "by zero (my_agent.py, line 2)"),
-        (
-            "x = 1\nraise SystemExit(2)\n",
-            "Mine",
-            "agent file {file}: SystemExit: 2 (",
-        ),
+        ("x = 1\nraise SystemExit(2)\n", "Mine", "agent file {file}: SystemExit: 2 ("),
     ],
 )
 def test_a_file_without_such_an_agent_is_named(
@@ -169,52 +182,12 @@ def test_a_module_that_raises_or_has_too_many_parts_is_named(
     assert "RecursionError" in refusal(f"{'no.' * 2000}module:Mine")
 
 
-def test_a_missing_module_is_named() -> None:
-    assert refusal("no_such_module_anywhere:Mine") == (
-        "cannot import agent module 'no_such_module_anywhere': "
-        "No module named 'no_such_module_anywhere'"
-    )
-
-
-@pytest.mark.parametrize("source", ["", ".relative", "two words"])
-def test_an_invalid_module_name_is_an_error(source: str) -> None:
-    assert refusal(f"{source}:Mine") == (
-        f"{source!r} is neither a .py file nor the name of a module"
-    )
-
-
-# Arguments, helpers and names.
-
-
-def test_arguments_follow_the_name(agent_file: Path) -> None:
-    agent = make_agent("greedy:memory=20,escape_steps=0", 7)
-    assert isinstance(agent, GreedyAgent)
-    assert (agent.memory, agent.escape_steps, agent.seed) == (20, 0, 7)
-    assert make_agent("astar:cost=joules") != make_agent("astar")
+def test_arguments_follow_the_class_in_a_file(agent_file: Path) -> None:
     agent_file.write_text(
         WITH_SEED.replace("seed=None", "speed, names=''").replace("seed", "speed")
     )
     mine: Any = make_agent(f"{agent_file}:Mine:speed=2.5")
     assert mine.speed == 2.5
-
-
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [
-        (
-            "greedy:memori=3",
-            "agent 'greedy' takes no argument 'memori'; allowed: memory=VALUE, escape_steps=VALUE",
-        ),
-        ("greedy:seed=3", "agent 'greedy' takes no argument 'seed'; "),
-        ("astar:algorithm='bfs'", "agent 'astar' takes no argument 'algorithm'; "),
-        ("reflex:memory=3", "agent 'reflex' takes no argument 'memory'; allowed: none"),
-        ("greedy:memory=-1", "agent 'greedy:memory=-1': memory is -1; it must be at least 0"),
-        ("greedy:memory=x", "agent 'greedy:memory=x': memory is 'x'; it must be an integer"),
-        ("astar:cost=money", "agent 'astar:cost=money': cost is 'money'; allowed: "),
-    ],
-)
-def test_a_wrong_argument_is_named(name: str, message: str) -> None:
-    assert refusal(name).startswith(message)
 
 
 def test_an_agent_imports_the_modules_beside_its_file(tmp_path: Path) -> None:
@@ -281,13 +254,6 @@ def table_file(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_trained_network_is_an_agent(network_file: Path) -> None:
-    agent = make_agent(f"ppo:{network_file}", 7)
-    assert isinstance(agent, PPOAgent)
-    observation = WarehouseEnv().reset()
-    assert agent.act(observation) == PPOAgent(PolicyNetwork.load(network_file)).act(observation)
-
-
 def test_arguments_follow_the_file_of_a_trained_agent(tmp_path: Path) -> None:
     folder = tmp_path / "rate=0.1"
     folder.mkdir()
@@ -297,6 +263,9 @@ def test_arguments_follow_the_file_of_a_trained_agent(tmp_path: Path) -> None:
     agent = make_agent(name, 7)
     assert isinstance(agent, PPOAgent)
     assert (agent.revisit, agent.samples) == (4, True)
+    observation = WarehouseEnv().reset()
+    expected = PPOAgent(PolicyNetwork.load(file), seed=7, sample=True).act(observation)
+    assert agent.act(observation) == expected
     assert find_agent_file(name) == find_agent_file(f"ppo:{file}") == file
     assert not is_own_code(name)
     assert make_agent(f"ppo:{file}").revisit == 0  # type: ignore[attr-defined]
@@ -328,7 +297,6 @@ def test_a_trained_table_is_an_agent_with_the_seed(table_file: Path) -> None:
 
 @pytest.mark.parametrize("word", TRAINED)
 def test_a_trained_agent_needs_a_file(word: str, tmp_path: Path) -> None:
-    assert refusal(f"{word}:") == f"agent '{word}:' names no file; allowed: {word}:FILE"
     missing = tmp_path / "missing.npz"
     assert refusal(f"{word}:{missing}") == f"agent file {missing}: No such file or directory"
     os.mkfifo(tmp_path / "pipe")
@@ -336,7 +304,6 @@ def test_a_trained_agent_needs_a_file(word: str, tmp_path: Path) -> None:
     for kind, other in others.items():
         line = f"agent file {other}: it is a {kind}, not a file"
         assert refusal(f"{word}:{other}") == line
-    assert f"no agent is called '{word}'" in refusal(word)
 
 
 def test_a_file_of_another_kind_of_agent_is_an_error(network_file: Path, table_file: Path) -> None:
@@ -344,17 +311,6 @@ def test_a_file_of_another_kind_of_agent_is_an_error(network_file: Path, table_f
         message = refusal(f"{word}:{file}")
         assert message.startswith(f"{file}: ")
         assert message.endswith(f"; agent {word} needs what 'warehouse train {word}' saves")
-
-
-def test_a_file_that_is_not_an_archive_is_an_error(tmp_path: Path) -> None:
-    path = tmp_path / "model.npz"
-    path.write_bytes(b"import os; os.system('ls')")
-    assert refusal(f"ppo:{path}").startswith(f"{path}: not an .npz file; ")
-
-
-def test_a_file_may_be_called_like_a_trained_agent(tmp_path: Path) -> None:
-    (tmp_path / "q.py").write_text(WITH_SEED)
-    assert make_agent(f"{tmp_path / 'q.py'}:Mine", 5).seed == 5  # type: ignore[attr-defined]
 
 
 def test_the_package_exports_the_agents() -> None:

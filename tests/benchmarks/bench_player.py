@@ -1,6 +1,7 @@
-"""Opening and drawing pages of large fleets in headless Chromium, without a GPU."""
+"""Pages that play tracks: bytes, the time to write them, and drawing in Chromium without a GPU."""
 
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -8,27 +9,30 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.fleet_truth import big_warehouse
-from helpers.player_pages import headless_chromium, wait_until
+from helpers.player_pages import Files, headless_chromium, wait_until
 from helpers.timing import seconds
-from numpy.typing import NDArray
 
-from warehouse_core import Layout, Order
-from warehouse_core.viz.player import player_page
-from warehouse_core.viz.tracks import Frame, Pose, Track
-from warehouse_core.viz.tracks.track import FleetFrame, Hit
-from warehouse_core.world.tiles import WALL
+from agents.fleet.planned import PlannedFleet
+from agents.lab.console.output import replay_or_save
+from agents.mapf.graph import Graph
+from agents.mapf.pibt import PIBT
+from agents.run_episode import run_episode
+from warehouse_core import Episode, FleetEnv, OrderStream, record_fleet_episode
+from warehouse_core.viz.tracks import Track, track_of_record
+from warehouse_core.viz.tracks.track import Hit
 
-Write = Callable[[int], Path]
-
-HEIGHT, WIDTH = 140, 500
 STEPS = 1_000
 FRAMES = 300
+ROUNDS = 5
+
+MAX_WRITING_SECONDS = 0.2
+"""Seconds in which the shorter episode of bodies is written."""
 
 MAX_MS = {200: 6.0, 1_000: 16.0}
-"""Of a frame by robots; 16 ms is that of a display with 60 frames a second."""
+"""Milliseconds of a frame by robots; a display with 60 frames a second has 16."""
 
 MAX_SECONDS = 3.0
-"""From a request to the first picture, of 1,000 robots and 1,000 steps."""
+"""Seconds from a request to the first picture, of 1,000 robots and 1,000 steps."""
 
 DRAW = """
 ([frames, setting]) => {
@@ -48,60 +52,28 @@ DRAW = """
 """
 """Draws frames as playing does; reading a pixel waits until all has been drawn."""
 
+Measured = Callable[[str, object], None]
 
-def walks(robots: int, layout: Layout) -> NDArray[np.intp]:
-    """Return [steps + 1, robots, 2] rows and columns of robots that mostly go on as before."""
-    random = np.random.default_rng(1)
-    is_open = np.array([[tile != WALL for tile in row] for row in layout.rows])
-    free = np.argwhere(is_open)
-    at = free[random.choice(len(free), robots, replace=False)]
-    sides = np.array([(0, 1), (1, 0), (0, -1), (-1, 0)])
-    heading = random.integers(0, 4, robots)
-    found = [at]
-    for _ in range(STEPS):
-        to = np.clip(at + sides[heading], 0, (HEIGHT - 1, WIDTH - 1))
-        to = np.where(is_open[to[:, 0], to[:, 1], None], to, at)
-        turns = (to == at).all(axis=1) | (random.random(robots) < 0.05)
-        heading = np.where(turns, random.integers(0, 4, robots), heading)
-        at = to
-        found.append(at)
-    return np.array(found)
+
+@cache
+def shift_of(robots: int) -> Episode:
+    layout = big_warehouse()
+    env = FleetEnv(
+        layout, robots, orders=OrderStream(robots / 250), max_steps=STEPS, battery=10 * STEPS,
+        dispatch=False,
+    )  # fmt: skip
+    agent = PlannedFleet(PIBT(Graph(layout)), "nearest", seconds=60.0)
+    return record_fleet_episode(env, agent, seed=1)
 
 
 def large_fleet(robots: int) -> Track:
-    """Return robots that carry items, are blocked now and then, and have orders."""
-    layout = big_warehouse()
-    places = walks(robots, layout).tolist()
-    random = np.random.default_rng(2)
-    items = random.integers(-4, 4, robots).tolist()
-    frames = []
-    for step, now in enumerate(places):
-        poses = tuple(
-            Pose((col + 0.5, row + 0.5), 0.0, item >= 0)
-            for (row, col), item in zip(now, items, strict=True)
-        )
-        hits = tuple(
-            Hit(poses[robot].at, "", robot)
-            for robot in sorted(random.choice(robots, robots // 50, replace=False).tolist())
-        )
-        fleet = FleetFrame(
-            (), tuple(item if item >= 0 else None for item in items), (1 - step / STEPS,) * robots
-        )
-        frames.append(Frame(layout.rows, poses, float(step), hits=hits, fleet=fleet))
-    orders = []
-    for order in range(robots):
-        released, pickup = order * STEPS // robots, layout.pickups[order % len(layout.pickups)]
-        times = released + 100, released + 200
-        due = released + 150 + 10 * (order % 10)
-        orders.append(Order(released, due, pickup, layout.dropoffs[0], None, order, *times))
-    ramp: list[float] = [*range(STEPS + 1)]
-    level = [1 - step / STEPS for step in range(STEPS + 1)]
-    metrics: dict[str, list[float]] = {
-        "released": ramp, "delivered": ramp, "joules": ramp,
-        "battery_mean": level, "battery_lowest": level,
-    }  # fmt: skip
-    lateness = [(step, step % 7 - 3) for step in range(STEPS + 1)]
-    return Track(frames, metrics, title=f"{robots} robots", lateness=lateness, orders=orders)
+    """Return the track of a planned shift; at each step some robots are shown as blocked."""
+    track, random = track_of_record(shift_of(robots)), np.random.default_rng(2)
+    for frame in track.frames:
+        blocked = random.choice(robots, robots // 50, replace=False).tolist()
+        poses = [(robot, frame.robots[robot]) for robot in sorted(blocked)]
+        frame.hits = tuple(Hit(pose.at, "", robot) for robot, pose in poses if pose)
+    return track
 
 
 @pytest.fixture(scope="module")
@@ -111,17 +83,8 @@ def browser() -> Iterator[Any]:
 
 
 @pytest.fixture(scope="module")
-def written(tmp_path_factory: pytest.TempPathFactory) -> Write:
-    """Return a function that writes the page of a fleet, once."""
-    folder = tmp_path_factory.mktemp("pages")
-
-    def write(robots: int) -> Path:
-        path = folder / f"{robots}.html"
-        if not path.exists():
-            path.write_text(player_page([large_fleet(robots)]), encoding="utf-8")
-        return path
-
-    return write
+def files(tmp_path_factory: pytest.TempPathFactory) -> Files:
+    return Files(tmp_path_factory.mktemp("pages"))
 
 
 def load(browser: Any, path: Path) -> Any:
@@ -132,26 +95,46 @@ def load(browser: Any, path: Path) -> Any:
     return page
 
 
+@pytest.mark.parametrize(("seed", "most"), [(12, 120_000), (2, 400_000)])
+def test_a_page_of_bodies(seed: int, most: int, tmp_path: Path, measured: Measured) -> None:
+    path, episode = tmp_path / "page.html", run_episode(backend="physics", seed=seed)
+    spent = median(seconds(lambda: replay_or_save(episode, [path], None)) for _ in range(ROUNDS))
+    size = path.stat().st_size
+    what = f"page of {episode.steps} steps by physics, seed {seed}"
+    measured(what, f"{size / 1e3:.0f} kB, written in {spent:.2f} s")
+    assert size <= most
+    if seed == 12:
+        assert spent <= MAX_WRITING_SECONDS
+
+
+@pytest.mark.parametrize(("robots", "most"), [(200, 3_000_000), (1_000, 12_000_000)])
+def test_a_page_of_a_fleet(robots: int, most: int, tmp_path: Path, measured: Measured) -> None:
+    path, episode = tmp_path / "page.html", shift_of(robots)
+    spent = seconds(lambda: replay_or_save(episode, [path], None))
+    size, done = path.stat().st_size, episode.measures.delivered
+    what = f"page of {robots:,} robots x {STEPS:,} steps, {done:,} deliveries"
+    measured(what, f"{size / 1e6:.2f} MB, written in {spent:.1f} s")
+    assert (episode.robots, episode.steps) == (robots, STEPS)
+    assert size <= most
+
+
 @pytest.mark.parametrize("robots", MAX_MS)
 def test_frames_are_drawn_in_time(
-    browser: Any,
-    written: Write,
-    robots: int,
-    measured: Callable[[str, object], None],
+    browser: Any, files: Files, robots: int, measured: Measured
 ) -> None:
-    page = load(browser, written(robots))
+    page = load(browser, files(f"{robots}", lambda: [large_fleet(robots)]))
     for words, setting in (("", {}), (", one chosen, with heat", {"chosen": 7, "hasHeat": True})):
         spent = page.evaluate(DRAW, [FRAMES, setting])
-        what = f"a frame of {robots:,} robots on {HEIGHT} x {WIDTH} cells{words}"
+        what = f"a frame of {robots:,} robots on 140 x 500 cells{words}"
         measured(what, f"{median(spent):.1f} ms, at most {max(spent):.0f} ms")
         assert median(spent) <= MAX_MS[robots]
     page.close()
 
 
 def test_a_thousand_robots_and_steps_open_in_time(
-    browser: Any, written: Write, measured: Callable[[str, object], None]
+    browser: Any, files: Files, measured: Measured
 ) -> None:
-    path = written(1_000)
+    path = files("1000", lambda: [large_fleet(1_000)])
     spent = median(seconds(lambda: load(browser, path).close()) for _ in range(3))
     measured("opening 1,000 robots x 1,000 steps", f"{spent:.1f} s")
     assert spent <= MAX_SECONDS

@@ -1,4 +1,4 @@
-"""Random problems of several robots, and their smallest sums of costs by brute force."""
+"""Problems and situations of several robots, and smallest sums of costs by brute force."""
 
 import random
 from collections.abc import Iterator, Sequence
@@ -6,8 +6,10 @@ from heapq import heappop, heappush
 from itertools import product
 
 import networkx as nx
+import numpy as np
 
 from agents.mapf.graph import Graph
+from agents.mapf.planner import Situation
 from agents.mapf.problem import Problem
 from helpers.plan_validator import random_rows, route_graph
 from warehouse_core import Layout
@@ -30,6 +32,22 @@ def random_problems(
             [row * len(rows[0]) + col for row, col in stream.sample(part, robots)] for _ in range(2)
         )
         yield Problem(Graph(Layout(rows)), starts, goals)
+
+
+def problem_of(rows: list[str], starts: Sequence[int], goals: Sequence[int]) -> Problem:
+    return Problem(Graph(Layout(rows)), starts, goals)
+
+
+def situation(
+    cells: Sequence[int],
+    goals: Sequence[int] | None = None,
+    stays: Sequence[int] = (),
+    closed: Sequence[int] = (),
+) -> Situation:
+    """Return a situation in which some robots stay; without goals, all are at theirs."""
+    flags = np.isin(np.arange(len(cells)), stays)
+    goals = cells if goals is None else goals
+    return Situation(np.array(cells), np.array(goals), flags, np.array(closed, np.intp))
 
 
 def random_problem(layout: Layout, robots: int, seed: int) -> Problem:

@@ -52,7 +52,8 @@ def some_frames(replay: Replay) -> Iterator[int]:
 
 @pytest.fixture
 def less_work(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Save some frames of each replay, and train for fewer steps."""
+    """Save some frames of each replay, train for fewer steps, and start no more processes."""
+    monkeypatch.setattr("os.cpu_count", lambda: 1)
     monkeypatch.setattr(Replay, "new_saved_frame_seq", some_frames)
     steps, *others = train.train_q.__defaults__ or ()
     monkeypatch.setattr(train.train_q, "__defaults__", (steps // 20, *others))

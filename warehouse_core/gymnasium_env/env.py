@@ -9,7 +9,6 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium import spaces
-from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
@@ -19,10 +18,10 @@ from warehouse_core.gymnasium_env.spaces import (
     MARKED,
     RENDER_FPS,
     Extent,
+    Limited,
     check_options,
     check_render_mode,
     make_form,
-    with_limit,
 )
 from warehouse_core.motion.backends import Backend
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
@@ -50,7 +49,7 @@ _Known = tuple[Window, NDArray[np.int32], NDArray[np.int8]]
 UNSTARTED = "there has been no reset() yet"
 
 
-class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
+class WarehouseGymnasiumEnv(Limited, gymnasium.Env[Any, Any]):
     """``Warehouse-v0``: ``WarehouseEnv`` with the interface of Gymnasium.
 
     Description:
@@ -95,8 +94,6 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         "render_fps": RENDER_FPS,
     }
 
-    _spec: EnvSpec | None = None
-
     def __init__(
         self,
         layout: GivenLayout | None = None,
@@ -121,7 +118,7 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
         self._warehouse = env = WarehouseEnv(
             self._layout, self._start, max_steps, battery, view_radius, backend=own
         )
-        self._drawn = what_is_drawn(randomize)
+        self.max_steps, self._drawn = env.max_steps, what_is_drawn(randomize)
         if self._drawn.stations:
             check_room(self._layout)
         extent = Extent(env.height, env.width, env.view_radius, env.max_battery, env.max_steps)
@@ -142,15 +139,6 @@ class WarehouseGymnasiumEnv(gymnasium.Env[Any, Any]):
     def warehouse(self) -> WarehouseEnv:
         """The wrapped environment of the chapter."""
         return self._warehouse
-
-    @property
-    def spec(self) -> EnvSpec | None:
-        """The spec that ``gymnasium.make`` used; its ``max_episode_steps`` is ``max_steps``."""
-        return self._spec
-
-    @spec.setter
-    def spec(self, spec: EnvSpec | None) -> None:
-        self._spec = with_limit(spec, self._warehouse.max_steps)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

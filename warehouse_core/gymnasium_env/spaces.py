@@ -102,21 +102,26 @@ def _dict_space(extent: Extent) -> spaces.Dict:
     )
 
 
-def with_limit(spec: EnvSpec | None, max_steps: int) -> EnvSpec | None:
-    """Return a copy of a spec that has the limit of steps of its environment."""
-    limited = copy(spec)
-    if limited is not None:
-        limited.max_episode_steps = max_steps
-    return limited
+class Limited:
+    """An environment whose spec has the limit of steps that holds."""
+
+    max_steps: int
+    _spec: EnvSpec | None = None
+
+    @property
+    def spec(self) -> EnvSpec | None:
+        """The spec that Gymnasium made it from, with ``max_steps`` as ``max_episode_steps``."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        self._spec = copy(spec)
+        if self._spec is not None:
+            self._spec.max_episode_steps = self.max_steps
 
 
 def check_options(options: object, allowed: set[str]) -> dict[str, Any]:
-    """Return ``options`` as a dict of allowed keys.
-
-    Raises:
-        TypeError: not a dict.
-        ValueError: an unknown key.
-    """
+    """Return ``options`` as a dict, which may have no other keys than these."""
     if options is None:
         return {}
     if not isinstance(options, dict):
@@ -130,10 +135,6 @@ def check_options(options: object, allowed: set[str]) -> dict[str, Any]:
 
 
 def check_render_mode(mode: str | None, allowed: list[str]) -> None:
-    """Raise if a render mode is unknown.
-
-    Raises:
-        ValueError: listing those allowed.
-    """
+    """Raise ``ValueError`` if a render mode is unknown."""
     if mode is not None and mode not in allowed:
         raise ValueError(f"render_mode is {mode!r}; allowed: None, {', '.join(allowed)}")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, cast
 
 import gymnasium
 import numpy as np
 from gymnasium import spaces
-from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 from gymnasium.vector.utils import batch_space, iterate
 from numpy.typing import ArrayLike, NDArray
@@ -22,10 +22,10 @@ from warehouse_core.gymnasium_env.spaces import (
     MARKED,
     RENDER_FPS,
     Extent,
+    Limited,
     check_options,
     check_render_mode,
     make_form,
-    with_limit,
 )
 from warehouse_core.motion.backends import Backend
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
@@ -38,7 +38,7 @@ AutoresetMode: Any = getattr(gymnasium.vector, "AutoresetMode", str)
 """Gymnasium's enumeration; version 1.0 has none, and strings are used."""
 
 
-class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
+class WarehouseVectorEnv(Limited, gymnasium.vector.VectorEnv[Any, Any, Any]):
     """``Warehouse-v0`` as a batch: ``BatchEnv`` with the vector interface of Gymnasium.
 
     Description:
@@ -72,8 +72,6 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         ValueError: a value that is not allowed; also as ``LayoutError`` or ``BackendError``.
         TypeError: an argument of another type.
     """
-
-    _spec: EnvSpec | None = None
 
     def __init__(
         self,
@@ -115,28 +113,19 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             "render_fps": RENDER_FPS,
             "autoreset_mode": self.autoreset_mode,
         }
-        self.num_envs = num_envs = batch.num_envs
+        self.num_envs, self.max_steps = batch.num_envs, batch.max_steps
         self.render_mode = render_mode
         height, width = batch.size
         extent = Extent(height, width, batch.view_radius, batch.max_battery, max_steps)
         form = make_form(observation, extent)
         self._form = form.of
         self.single_observation_space = form.space
-        self.observation_space = batch_space(form.space, num_envs)
+        self.observation_space = batch_space(form.space, self.num_envs)
         self.single_action_space = spaces.Discrete(len(ACTIONS))
-        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
         if tile_pixels is None:
             tile_pixels = tile_pixels_for(height, width)
         self._painter = TilePainter(tile_pixels)
-
-    @property
-    def spec(self) -> EnvSpec | None:
-        """How ``gymnasium.make_vec`` made it, with the limit of steps that holds."""
-        return self._spec
-
-    @spec.setter
-    def spec(self, spec: EnvSpec | None) -> None:
-        self._spec = with_limit(spec, self._batch.max_steps)
 
     @property
     def np_random_seed(self) -> Any:
@@ -159,10 +148,8 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             ResetNeeded: a mask before the first reset.
         """
         mask = check_options(options, {"reset_mask"}).get("reset_mask")
-        try:
+        with _gymnasium_errors():
             arrays, info = self._batch.reset(seed, mask)
-        except EndedError as error:
-            raise ResetNeeded(str(error)) from error
         return self._form(arrays), info
 
     def step(self, actions: ArrayLike) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
@@ -173,10 +160,8 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             TypeError: actions that are not integers.
             ResetNeeded: before a reset, or where rows have ended with autoreset disabled.
         """
-        try:
+        with _gymnasium_errors():
             arrays, rewards, terminated, truncated, info = self._batch.step(actions)
-        except EndedError as error:
-            raise ResetNeeded(str(error)) from error
         if "final_obs" in info:
             info["final_obs"] = self._final(info["final_obs"], info["_final_obs"])
         return self._form(arrays), rewards, terminated, truncated, info
@@ -187,10 +172,8 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         Raises:
             ResetNeeded: before a reset.
         """
-        try:
+        with _gymnasium_errors():
             return self._batch.action_masks()
-        except EndedError as error:
-            raise ResetNeeded(str(error)) from error
 
     def render(self) -> Any:
         """Return a picture of each row, ``[H, W, 3]`` uint8.
@@ -199,10 +182,8 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             ResetNeeded: before a reset.
         """
         if self.render_mode == "rgb_array":
-            try:
+            with _gymnasium_errors():
                 rows = [self._batch.row(row) for row in range(self.num_envs)]
-            except EndedError as error:
-                raise ResetNeeded(str(error)) from error
             return tuple(
                 self._painter.picture(layout, state.robot_pos, state.has_item)
                 for layout, state in rows
@@ -225,6 +206,15 @@ class WarehouseVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         for row, observation in zip(rows, observations, strict=True):
             final[row] = observation
         return final
+
+
+@contextmanager
+def _gymnasium_errors() -> Iterator[None]:
+    """Raise the error of Gymnasium where there is no episode."""
+    try:
+        yield
+    except EndedError as error:
+        raise ResetNeeded(str(error)) from error
 
 
 def _layouts(given: GivenLayout | Sequence[GivenLayout] | None) -> Layout | list[Layout]:

@@ -17,12 +17,8 @@ from warehouse_core.gymnasium_env.spaces import Extent, Form, make_form
 from warehouse_core.task.encoding import FLEET_TILES, Arrays, vector, vector_limits
 from warehouse_core.world.actions import ACTIONS
 
-FLEET_FORMS = ("dict", "vector")
-
 MAX_STATE_ORDERS = 32
 """Number of open orders in a state, the oldest ones; missing ones are filled with -1."""
-
-ROBOT_FEATURES, ORDER_FEATURES = 10, 6
 
 
 def make_fleet_form(name: str, extent: Extent, fleet: FleetEnv) -> Form:
@@ -45,7 +41,7 @@ def make_fleet_form(name: str, extent: Extent, fleet: FleetEnv) -> Form:
     if name == "vector":
         low, high = vector_limits(*extent, FLEET_TILES)
         return Form(spaces.Box(low, high, dtype=np.float32), _fleet_vector)
-    raise ValueError(f"observation is {name!r}; allowed: {', '.join(FLEET_FORMS)}")
+    raise ValueError(f"observation is {name!r}; allowed: dict, vector")
 
 
 def _fleet_vector(arrays: Arrays) -> NDArray[np.float32]:
@@ -88,7 +84,7 @@ def state_of(fleet: FleetEnv, running: NDArray[np.bool_]) -> NDArray[np.float32]
         arrays.get("due", np.full((robots, 1), -1)),
         running[:, None],
     )
-    orders, waiting = fleet.orders, np.full((MAX_STATE_ORDERS, ORDER_FEATURES), -1)
+    orders, waiting = fleet.orders, np.full((MAX_STATE_ORDERS, 6), -1)
     for row, number in enumerate(fleet.open_orders[:MAX_STATE_ORDERS]):
         order = orders[number]
         waiting[row] = (*order.pickup, *order.dropoff, order.released, order.due)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import asdict, astuple
-from itertools import chain
+from itertools import chain, islice
 from typing import Any, TypeVar
 
 import numpy as np
@@ -106,12 +106,10 @@ Fields = dict[str, Any]
 
 Word = TypeVar("Word", bound=Hashable)
 
-
-def _schema(columns: Columns) -> Schema:
-    return {name: (dtype, len(axes)) for name, (dtype, axes) in columns.items()}
-
-
-SCHEMAS = tuple(map(_schema, (LONE_COLUMNS, FLEET_COLUMNS, REASONED_COLUMNS)))
+SCHEMAS: tuple[Schema, ...] = tuple(
+    {name: (dtype, len(axes)) for name, (dtype, axes) in columns.items()}
+    for columns in (LONE_COLUMNS, FLEET_COLUMNS, REASONED_COLUMNS)
+)
 
 
 def schema_of(arrays: Arrays) -> Schema:
@@ -370,11 +368,7 @@ def pack_layout(layout: Layout) -> NDArray[np.uint8]:
 
 
 def unpack_layout(tiles: NDArray[np.uint8]) -> Layout:
-    """Undo ``pack_layout``.
-
-    Raises:
-        ValueError: no layout has these tiles; it may be a ``RecordError`` or a ``LayoutError``.
-    """
+    """Undo ``pack_layout``."""
     # Checked first: rows without columns take no room in a file, but could be very many.
     if not 0 < tiles.size <= MAX_CELLS:
         raise RecordError(f"layout: {tiles.shape} tiles; there must be 1..{MAX_CELLS}")
@@ -392,11 +386,7 @@ def encode_words(words: Iterable[Word]) -> tuple[list[Word], NDArray[np.int32]]:
 def decode_words(
     header: Fields, name: str, codes: NDArray[Any], kinds: Iterable[type] = (str,)
 ) -> list[Any]:
-    """Undo ``encode_words``, with the different words in the header.
-
-    Raises:
-        RecordError: the words are none, or a code is beyond them.
-    """
+    """Undo ``encode_words``, with the different words in the header."""
     words = header.get(name)
     if not isinstance(words, list) or not {type(word) for word in words} <= set(kinds):
         raise RecordError(f"{name} must be a list of words")
@@ -426,33 +416,27 @@ def pack_motions(motions: Sequence[Outcome]) -> tuple[Arrays, list[str]]:
 
 
 def unpack_motions(arrays: Arrays, header: Fields) -> list[Outcome]:
-    """Undo ``pack_motions``; the arrays fit together.
-
-    Raises:
-        RecordError: the header does not fit to them.
-    """
+    """Undo ``pack_motions``; the arrays fit together."""
     count, cut_off = len(arrays["motion_cells"]), header.get("cut_off", [])
     if not isinstance(cut_off, list) or not all(
         type(number) is int and 0 <= number < count for number in cut_off
     ):
         raise RecordError(f"cut_off must be a list of motions from 0 to {count - 1}")
     names = decode_words(header, "counterparts", arrays["contact_counterparts"])
-    contacts = [
+    contacts = (
         Contact(seconds, impulse, (x, y), name)
         for (seconds, impulse, x, y), name in zip(arrays["contacts"].tolist(), names, strict=True)
-    ]
-    ends = np.cumsum(arrays["contact_counts"]).tolist()
+    )
     columns = ("motion_cells", "motion_blocked", "motion_seconds", "motion_joules")
     rows = zip(
         *(arrays[name].tolist() for name in columns),
         np.split(arrays["path"], np.cumsum(arrays["path_lengths"])[:-1]),
-        [0, *ends],
-        ends,
+        arrays["contact_counts"].tolist(),
         strict=False,
     )
     motions = [
-        Outcome((row, col), blocked, seconds, joules, path, tuple(contacts[start:end]))
-        for (row, col), blocked, seconds, joules, path, start, end in rows
+        Outcome((row, col), blocked, seconds, joules, path, tuple(islice(contacts, count)))
+        for (row, col), blocked, seconds, joules, path, count in rows
     ]
     for number in cut_off:
         motions[number] = motions[number]._replace(cut_off=True)

@@ -27,13 +27,7 @@ from warehouse_core.wording import counted
 from warehouse_core.world.actions import ACTIONS, INVALID
 from warehouse_core.world.display import display
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tiles import (
-    PERSON,
-    ROBOT_EMPTY,
-    ROBOT_LOADED,
-    Cell,
-    manhattan_distance,
-)
+from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED, Cell, manhattan_distance
 
 DELIVERED = "delivered"
 BATTERY_DEPLETED = "battery depleted"

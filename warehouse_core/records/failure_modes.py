@@ -71,16 +71,9 @@ from warehouse_core.records.episode import (
     Episode,
 )
 from warehouse_core.wording import brief, counted, listed
-from warehouse_core.world.actions import (
-    DISPLACEMENTS,
-    DROP,
-    INVALID,
-    PICK,
-    WAIT,
-    action_index,
-)
+from warehouse_core.world.actions import DISPLACEMENTS, DROP, INVALID, PICK, WAIT, action_index
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tiles import WALL, Cell
+from warehouse_core.world.tiles import WALL, Cell, moved
 
 UNREACHABLE, STALLED, INEFFECTIVE = "unreachable", "stalled", "ineffective"
 OSCILLATION, WANDERING = "oscillation", "wandering"
@@ -173,10 +166,8 @@ class Alone:
     """The episode of a lone robot, and what the rules need to know about it.
 
     Attributes:
-        episode: The record.
-        end: Cell and load of the robot at the end.
         needed: Minimum number of steps from the start to the delivery, ``None`` without a path.
-        left: Minimum number of steps from the end to the delivery, ``None`` without a path.
+        left: The same from the ``end``, which is the last cell and load of the robot.
         nearer: Number of needed steps that the robot has taken.
     """
 
@@ -201,13 +192,11 @@ class Alone:
         """The start of each step that missed its cell with nothing in the way."""
         episode = self.episode
         deltas = {action: DISPLACEMENTS[action_index(action)] for action in set(episode.actions)}
-        asked = [deltas[action] for action in episode.actions]
+        moves = zip(episode.cells, episode.actions, episode.motions, strict=False)
         return [
             cell
-            for cell, (down, right), motion in zip(
-                episode.cells, asked, episode.motions, strict=False
-            )
-            if motion.cell != (cell[0] + down, cell[1] + right) and not motion.blocked
+            for cell, action, motion in moves
+            if motion.cell != moved(cell, deltas[action]) and not motion.blocked
         ]
 
     def least(self, share: float) -> float:
@@ -228,7 +217,7 @@ def diagnose(episode: Episode) -> Diagnosis:
     results = (
         (mode, rule(alone or episode))
         for mode, *rules in TABLE
-        if (rule := rules[episode.is_fleet]) and (mode in DONE or not is_done)
+        if (rule := rules[episode.is_fleet]) and (mode in (LATE, SERVED) or not is_done)
     )
     mode, evidence = next((mode, evidence) for mode, evidence in results if evidence)
     sentence, cells, steps, robots = evidence
@@ -368,9 +357,8 @@ def fewest_steps(layout: Layout, *states: State) -> tuple[int | None, ...]:
 def _find_swing(leg: Sequence[Cell], least: float) -> tuple[tuple[Cell, ...], int]:
     """Return the fewest cells that the robot stayed among at the end, and for how many steps.
 
-    Args:
-        leg: its cells step by step, all with the item or all without.
-        least: minimum number of steps; without such cells the result is empty.
+    Its cells of the ``leg`` are all with the item or all without. If there were fewer steps than
+    ``least``, the result is empty.
     """
     arrivals = [step for step, cell in enumerate(leg) if step == 0 or cell != leg[step - 1]]
     way = [leg[step] for step in arrivals]
@@ -422,7 +410,7 @@ def _no_way(episode: Episode) -> Evidence | None:
         if order.delivered is not None:
             continue
         sent = order.robot if order.taken is None else order.taken_by
-        robots = _all(episode) if sent is None else [sent]
+        robots = range(episode.robots) if sent is None else [sent]
         goal, name = (order.pickup, "pickup") if order.taken is None else (order.dropoff, "dropoff")
         reached = episode.layout.reachable_from(goal)
         if reached.isdisjoint(cells[robot] for robot in robots):
@@ -508,9 +496,8 @@ def _starvation(episode: Episode) -> Evidence | None:
     worst = int(np.argmax(waits))
     order, end = episode.orders[worst], episode.orders[worst].released + waits[worst]
     overtaking = sum(
-        1
+        other.released > order.released and other.taken is not None and other.taken < end
         for other in episode.orders
-        if other.released > order.released and other.taken is not None and other.taken < end
     )
     if overtaking < MIN_OVERTAKING:
         return None
@@ -534,7 +521,7 @@ def _congested(episode: Episode) -> Evidence | None:
         f"{blocked} of {counted(moves, 'move')} were stopped by robots or people, {people} of them "
         f"by people; most, {times}, from {cell}"
     )
-    return Evidence(sentence, (cell,), blocked, _all(episode))
+    return Evidence(sentence, (cell,), blocked, range(episode.robots))
 
 
 def _idle(episode: Episode) -> Evidence | None:
@@ -546,7 +533,7 @@ def _idle(episode: Episode) -> Evidence | None:
         f"the robots waited in {measures.waits} of {_count(steps)}, with "
         f"{counted(measures.orders, 'order')} for {counted(episode.robots, 'robot')}"
     )
-    return Evidence(sentence, _ends(episode), measures.waits, _all(episode))
+    return _of_all(episode, sentence, measures.waits)
 
 
 def _late(episode: Episode) -> Evidence | None:
@@ -558,17 +545,16 @@ def _late(episode: Episode) -> Evidence | None:
         f"{late} of {measures.delivered} deliveries were late; the mean over all is "
         f"{measures.mean_lateness:.0f} steps"
     )
-    return Evidence(sentence, _ends(episode), episode.steps, _all(episode))
+    return _of_all(episode, sentence, episode.steps)
 
 
 def _served(episode: Episode) -> Evidence:
-    sentence = f"{episode.outcome} in {_count(episode.steps)}"
-    return Evidence(sentence, _ends(episode), episode.steps, _all(episode))
+    return _of_all(episode, f"{episode.outcome} in {_count(episode.steps)}", episode.steps)
 
 
-def _all(episode: Episode) -> Sequence[int]:
-    """Return the numbers of all robots."""
-    return range(episode.robots)
+def _of_all(episode: Episode, sentence: str, steps: int) -> Evidence:
+    """Return the evidence for a mode of all robots, with their last cells."""
+    return Evidence(sentence, _ends(episode), steps, range(episode.robots))
 
 
 def _ends(episode: Episode) -> list[Cell]:
@@ -599,9 +585,6 @@ TABLE: tuple[tuple[str, Rule | None, Rule | None], ...] = (
 )
 """Every mode, with its rule for ``Alone`` and its rule for the record of a fleet, in the order in
 which they are checked; ``None`` where the mode does not apply."""
-
-DONE = (LATE, SERVED)
-"""Modes of a fleet that has delivered everything."""
 
 MODES = tuple(mode for mode, alone, _ in TABLE if alone)
 """Modes of a lone robot."""

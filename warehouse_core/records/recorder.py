@@ -124,9 +124,7 @@ class EpisodeRecorder:
     def run(self, agent: Agent, observation: Observation | None = None) -> None:
         """Reset an agent and let it act until the episode is over.
 
-        Args:
-            agent: Agent that chooses the actions.
-            observation: Present observation; ``None`` asks the environment for it.
+        The present observation is asked for if it is not given.
         """
         agent.reset()
         self._is_acting = True
@@ -254,11 +252,7 @@ def start_recording(
 ) -> Recorder:
     """Reset an environment and return the recorder of the episode that begins.
 
-    Args:
-        env: Environment of a lone robot or of a fleet, with any backend.
-        seed: Seed for ``env.reset``; a fleet draws one if it is ``None``.
-        agent: Name of the agent.
-        randomize: Argument of a lone robot's ``env.reset``; a fleet has settings in its place.
+    The arguments are the same as in ``record_episode``, but for the name of the agent.
     """
     if isinstance(env, FleetEnv):
         return FleetRecorder(env, seed=seed, agent=agent)
@@ -310,14 +304,8 @@ def replay_episode(episode: Episode, backend: Backend | None = None) -> Episode:
 
 def _replay_alone(episode: Episode, backend: Backend) -> Episode:
     settings = episode.settings
-    env = WarehouseEnv(
-        episode.layout,
-        settings.start_pos,
-        settings.max_steps,
-        settings.battery,
-        settings.view_radius,
-        backend=backend,
-    )
+    limits = settings.max_steps, settings.battery, settings.view_radius
+    env = WarehouseEnv(episode.layout, settings.start_pos, *limits, backend=backend)
     env.reset_to(episode.layout, episode.cells[0], episode.seed)
     recorder = EpisodeRecorder(env, seed=episode.seed, agent=episode.agent)
     for action, reason in zip(episode.actions, episode.reasons, strict=True):

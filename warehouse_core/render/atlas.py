@@ -9,12 +9,14 @@ mask of points, ``[n, n]`` or broadcast to it, computed from their places ``x`` 
 from __future__ import annotations
 
 from functools import cache
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.render.palette import COLORS, FAINT, INK, ITEM, PAPER, UNKNOWN, Color, blend
 from warehouse_core.world.tiles import (
+    CELL_CODES,
     CHARGER,
     DROPOFF,
     EMPTY,
@@ -24,6 +26,7 @@ from warehouse_core.world.tiles import (
     PICKUP,
     ROBOT_EMPTY,
     ROBOT_LOADED,
+    TILES,
     WALL,
 )
 
@@ -35,32 +38,18 @@ Shape = NDArray[np.bool_]
 
 NO_ROBOT, UNSEEN, WAITING_ITEM = "", "?", "item"
 
+STATIONS = (PICKUP, DROPOFF, CHARGER)
+
 CELLS = (
-    (EMPTY, NO_ROBOT),
-    (WALL, NO_ROBOT),
-    (PICKUP, NO_ROBOT),
-    (DROPOFF, NO_ROBOT),
-    (EMPTY, ROBOT_EMPTY),
-    (EMPTY, ROBOT_LOADED),
-    (CHARGER, NO_ROBOT),
-    (EMPTY, OTHER_EMPTY),
-    (EMPTY, OTHER_LOADED),
-    (EMPTY, PERSON),
+    *((sign, NO_ROBOT) if sign in TILES else (EMPTY, sign) for sign in CELL_CODES),
     (UNSEEN, NO_ROBOT),
-    (PICKUP, ROBOT_EMPTY),
-    (PICKUP, ROBOT_LOADED),
-    (DROPOFF, ROBOT_EMPTY),
-    (DROPOFF, ROBOT_LOADED),
-    (CHARGER, ROBOT_EMPTY),
-    (CHARGER, ROBOT_LOADED),
-    (PICKUP, PERSON),
-    (DROPOFF, PERSON),
-    (CHARGER, PERSON),
+    *product(STATIONS, (ROBOT_EMPTY, ROBOT_LOADED)),
+    *product(STATIONS, (PERSON,)),
     (PICKUP, WAITING_ITEM),
 )
 """Everything that can be painted: a tile and what is on it, such as a robot. The index is its code.
 
-The first ten are the characters of a window in the order of ``tiles.CELL_CODES``, so the codes of a
+The first are the characters of a window in the order of ``CELL_CODES``, so that the codes of a
 window can be painted without a change.
 """
 
@@ -125,7 +114,7 @@ def _draw_cell(tile: str, robot: str, side: int) -> Pixels:
     elif tile != WALL:
         # Lines are one pixel wide; they are paler on small tiles instead of narrower.
         _fill(points, (x < 1) | (y < 1), blend(COLORS[EMPTY], FAINT, min(1.0, side / 24)))
-    if tile in (PICKUP, DROPOFF, CHARGER):
+    if tile in STATIONS:
         lettered = side >= (MIN_BOTH_LETTERED if robot else MIN_LETTERED)
         _draw_station(points, x, y, side, tile, lettered)
     if robot == WAITING_ITEM:
@@ -171,9 +160,8 @@ def _draw_item(points: Pixels, x: Places, y: Places, side: int) -> None:
     half, outline = BOX * side, OUTLINE * side if side >= MIN_OUTLINED else 0.0
     distance = np.maximum(np.abs(x), np.abs(y))
     _fill(points, distance < half + outline / 2, INK)
-    if side < MIN_LETTERED:
-        return
-    _fill(points, distance < half - outline / 2, ITEM)
+    if side >= MIN_LETTERED:
+        _fill(points, distance < half - outline / 2, ITEM)
 
 
 def _centred(length: float, side: int) -> int:

@@ -42,11 +42,7 @@ class ObservationImage:
         return (self._height + 1) * TILE_PIXELS, self._width * TILE_PIXELS, 3
 
     def paint(self, arrays: Arrays) -> Pixels:
-        """Return new pictures of observations with any leading shape ``...``.
-
-        Returns:
-            ``[..., (H + 1) * T, W * T, 3]`` uint8.
-        """
+        """Return new pictures of observations: ``[..., (H + 1) * T, W * T, 3]`` uint8."""
         width, half = self._width * TILE_PIXELS, TILE_PIXELS // 2
         battery = bar(arrays["battery"][..., 0] / self._battery, width, half, BATTERY)
         steps = bar(arrays["steps"][..., 0] / self._max_steps, width, half, INK)

@@ -21,16 +21,14 @@ from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED, Cell
 
 MAX_TILE_PIXELS = 256
 
-DEFAULT_TILE_PIXELS, DEFAULT_PICTURE_PIXELS = 40, 1000
-"""Maximum side of a tile and of a picture in ``tile_pixels_for``."""
-
 
 def tile_pixels_for(height: int, width: int) -> int:
     """Return a suitable side of a tile, in pixels, for a map of ``height`` x ``width`` cells.
 
-    It is even, because most video encoders need even sides.
+    It is at most 40 for pictures of at most 1000 pixels, and even, because most video encoders need
+    even sides.
     """
-    pixels = min(DEFAULT_TILE_PIXELS, DEFAULT_PICTURE_PIXELS // max(height, width))
+    pixels = min(40, 1000 // max(height, width))
     return max(2, pixels - pixels % 2)
 
 
@@ -70,12 +68,9 @@ class TilePainter:
 
         None waits while the robot has one, or is in front of it. See ``fleet_picture``.
         """
-        items = [cell for cell in layout.pickups if cell != robot_cell and not loaded]
-        return self._picture(
-            layout,
-            [(robot_cell, ROBOT_LOADED if loaded else ROBOT_EMPTY)]
-            + [(cell, WAITING_ITEM) for cell in items],
-        )
+        robot = (robot_cell, ROBOT_LOADED if loaded else ROBOT_EMPTY)
+        waiting = [cell for cell in layout.pickups if cell != robot_cell and not loaded]
+        return self._picture(layout, [robot, *((cell, WAITING_ITEM) for cell in waiting)])
 
     def fleet_picture(
         self, layout: Layout, robots: Iterable[tuple[Cell, bool]], people: Iterable[Cell] = ()
@@ -109,14 +104,8 @@ class TilePainter:
 def bar(share: ArrayLike, width: int, height: int, color: Color = BATTERY) -> Pixels:
     """Return bars filled from the left: shares ``[...]`` to ``[..., height, width, 3]``.
 
-    The last pixel of the filling is blended, to show small changes of the share. There is a margin
-    of one pixel, unless the bar is less than 4 pixels high.
-
-    Args:
-        share: filled share, clipped to 0..1.
-        width: width in pixels.
-        height: height in pixels.
-        color: colour of the filling.
+    The last pixel of the filling is blended, to show small changes of the share, which is clipped
+    to 0..1. There is a margin of one pixel, unless the bar is less than 4 pixels high.
     """
     edge = 1 if height >= 4 else 0
     ground, filling = (color_bytes(part).astype(float) for part in (FAINT, color))

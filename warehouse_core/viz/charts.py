@@ -1,8 +1,4 @@
-"""The charts beside the warehouse: rewards, distances, motion, orders and batteries.
-
-Charts of one robot and of fleets differ in what they show, not in how they are used: each is made
-of a figure, its axes, a track and a time axis, and shows a frame of a track.
-"""
+"""The charts beside the warehouse: rewards, distances, motion, orders and batteries."""
 
 from __future__ import annotations
 
@@ -40,17 +36,14 @@ BAR_SHARE = 0.2
 
 
 class TimeAxis:
-    """The horizontal axis of charts: steps, or simulated seconds.
+    """The horizontal axis of charts up to ``end``: steps, or simulated seconds.
 
-    Args:
-        end: last step or second that the axis has room for.
-        clocks: ``[S]`` the seconds at which each step was complete; ``None`` counts steps.
+    ``clocks``, ``[S]``, are the seconds at which each step was complete.
     """
 
     def __init__(self, end: float, clocks: Sequence[float] | None = None) -> None:
         self.end, self._clocks = end, clocks
         self.in_seconds = clocks is not None
-        self.label = "seconds" if self.in_seconds else "step"
 
     def of_steps(self, last: int) -> list[float]:
         """Return the places of the steps 0 to ``last``."""
@@ -62,13 +55,7 @@ class TimeAxis:
 
 
 class Chart:
-    """A chart of a track, with its title and its horizontal axis.
-
-    Args:
-        figure: figure to which the movers are added.
-        axes: axes of the chart.
-        track: track whose values the vertical range has room for.
-        time: horizontal axis.
+    """A chart of a track, whose values its vertical range has room for.
 
     Attributes:
         title: words above the axes.
@@ -98,7 +85,8 @@ class Chart:
 
     def label_time(self) -> None:
         """Write below the chart what its horizontal axis counts."""
-        self._axes.set_xlabel(self._time.label, fontsize=8, labelpad=1)
+        label = "seconds" if self._time.in_seconds else "step"
+        self._axes.set_xlabel(label, fontsize=8, labelpad=1)
 
     def show(self, track: Track, frame: int) -> None:
         """Draw everything up to the last complete step of a frame."""

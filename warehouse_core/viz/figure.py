@@ -18,18 +18,17 @@ from matplotlib.axes import Axes
 from matplotlib.backend_bases import DrawEvent
 from matplotlib.backends.backend_agg import FigureCanvasAgg, RendererAgg
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 from PIL import Image
 
-from warehouse_core.viz.export.gif_writer import indexed
+from warehouse_core.viz.axes.look import POINTS
+from warehouse_core.viz.export.gif_writer import Pixels, indexed
 
-DPI, POINTS = 100, 72
-"""Pixels and points in an inch."""
+DPI = 100
+"""Pixels in an inch."""
 
 AROUND_AXES, AROUND_TEXT = 8.0, 3.0
 """Points around axes that their movers may draw into, and around a text."""
 
-Pixels = NDArray[np.uint8]
 Part = tuple[float, ...] | Artist
 Box = tuple[int, int, int, int]
 """Top, bottom, left and right of pixels."""

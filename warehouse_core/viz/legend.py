@@ -29,6 +29,7 @@ from warehouse_core.render.palette import (
     UNKNOWN_STRIPE,
     VISITED,
     WARNING,
+    Color,
 )
 from warehouse_core.viz.axes.plans import WISH_STYLE
 from warehouse_core.viz.axes.tiles import cells_of, is_on_border
@@ -47,13 +48,7 @@ EDGE: dict[str, Any] = {"linestyle": "none", "markeredgecolor": INK, "markeredge
 
 
 def draw_legend(figure: SceneFigure, tracks: Sequence[Track], columns: int = 0) -> None:
-    """Draw the legend of what tracks show, along the right side of a figure.
-
-    Args:
-        figure: figure to draw into.
-        tracks: tracks whose signs are explained.
-        columns: number of columns along the bottom; 0 is one column along the right side.
-    """
+    """Draw the legend of what tracks show, in columns along the bottom or one on the right side."""
     signs: Signs = {}
     for track in tracks:
         signs |= signs_of(track)
@@ -81,15 +76,13 @@ def signs_of(track: Track) -> Signs:
     if any(frame.hits for frame in track.frames):
         signs["blocked" if track.is_fleet else "hit"] = _marker("*", HIT, 11)
     if track.motor_strength < 1:
-        signs[f"motors at {track.motor_strength:.0%}"] = Rectangle(
-            (0, 0), 1, 1, facecolor=PAPER, edgecolor=INK, linestyle=WEAK_MOTOR, linewidth=1.4
-        )
+        dashed: dict[str, Any] = {"linestyle": WEAK_MOTOR, "lw": 1.4}
+        signs[f"motors at {track.motor_strength:.0%}"] = _patch(PAPER, edgecolor=INK, **dashed)
     return signs
 
 
 def _tile_signs(track: Track) -> Signs:
     signs: Signs = {}
-    boards: dict[str, Any] = {"facecolor": SHELF, "edgecolor": COLORS[WALL], "hatch": "---"}
     all_rows = {frame.tiles for frame in track.frames}
     for tile in TILES:
         on_border = {
@@ -98,17 +91,13 @@ def _tile_signs(track: Track) -> Signs:
             for cell in cells_of(tile, rows)
         }
         if tile == WALL and False in on_border:
-            signs[f"{tile}  shelf"] = Rectangle((0, 0), 1, 1, **boards)
+            signs[f"{tile}  shelf"] = _patch(SHELF, edgecolor=COLORS[WALL], hatch="---")
         if on_border and (tile != WALL or True in on_border):
             signs[f"{tile}  {TILES[tile]}"] = _marker("s", COLORS[tile])
     if any(is_open(rows, cell) for rows in all_rows for cell in track.slippery):
-        signs["slippery floor"] = Rectangle(
-            (0, 0), 1, 1, facecolor=ICE, edgecolor=ICE_WAVE, hatch="\\\\\\", linewidth=0
-        )
-    if track.has_routes:
-        signs["not seen yet"] = Rectangle(
-            (0, 0), 1, 1, facecolor=UNKNOWN, edgecolor=UNKNOWN_STRIPE, hatch="//////"
-        )
+        signs["slippery floor"] = _patch(ICE, edgecolor=ICE_WAVE, hatch="\\\\\\", lw=0)
+    if any(frame.route for frame in track.frames):
+        signs["not seen yet"] = _patch(UNKNOWN, edgecolor=UNKNOWN_STRIPE, hatch="//////")
         signs["plan"] = Line2D([], [], color=INK, linestyle=ROUTE_STYLE, lw=2.2)
     return signs
 
@@ -124,18 +113,15 @@ def _lone_signs(track: Track) -> Signs:
     if is_loaded or any(PICKUP in line for line in frames[0].tiles):
         signs["item"] = _marker("s", ITEM, 8)
     if track.view_radius is not None and len(histories) == 1:
-        signs["what the robot sees"] = Rectangle(
-            (0, 0), 1, 1, facecolor=SEEN, edgecolor=INK, lw=0.4
-        )
+        signs["what the robot sees"] = _patch(SEEN, edgecolor=INK, lw=0.4)
     if any(max(history.visits(track.steps).values(), default=0) > 1 for history in histories):
-        signs["visited often"] = Rectangle((0, 0), 1, 1, facecolor=VISITED[-1], lw=0)
+        signs["visited often"] = _patch(VISITED[-1], lw=0)
     moves = {
-        before.robots[robot].loaded  # type: ignore[union-attr] # asked for below
-        for before, after in pairwise(frames)
-        for robot in range(len(histories))
-        if before.robots[robot] and after.robots[robot]
-        and before.robots[robot].at != after.robots[robot].at  # type: ignore[union-attr]
-    }  # fmt: skip
+        before.loaded
+        for first, second in pairwise(frames)
+        for before, after in zip(first.robots, second.robots, strict=True)
+        if before and after and before.at != after.at
+    }
     for loaded in sorted(moves):
         signs[f"trail {'loaded' if loaded else 'empty'}"] = Line2D(
             [], [], color=TRAIL_COLORS[loaded], linestyle=TRAIL_STYLES[loaded], lw=2.2
@@ -177,5 +163,9 @@ def _plan_signs(plans: Sequence[StepPlans]) -> Signs:
     return signs
 
 
-def _marker(marker: str, color: Any, size: float = 10) -> Line2D:
+def _patch(color: Color, **style: Any) -> Rectangle:
+    return Rectangle((0, 0), 1, 1, facecolor=color, **style)
+
+
+def _marker(marker: str, color: Color, size: float = 10) -> Line2D:
     return Line2D([], [], marker=marker, markersize=size, markerfacecolor=color, **EDGE)

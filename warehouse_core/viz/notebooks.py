@@ -35,28 +35,24 @@ def record_player(record: Episode) -> str:
 
 
 @display.register
-def layout_picture(layout: Layout) -> bytes:
-    """Return a picture of a layout as PNG."""
-    return _picture(layout)
-
-
-@display.register
 def env_picture(env: WarehouseEnv) -> bytes:
     """Return a picture of a warehouse as it is now, as PNG."""
-    return _picture(env.layout, [(env.state.robot_pos, env.state.has_item)])
+    return layout_picture(env.layout, [(env.state.robot_pos, env.state.has_item)])
 
 
 @display.register
 def fleet_picture(env: FleetEnv) -> bytes:
     """Return a picture of a fleet as it is now, as PNG; before its reset, of the layout."""
     if not env._started:
-        return _picture(env.layout)
-    return _picture(env.layout, zip(env.cells, env.loaded, strict=True), env.people)
+        return layout_picture(env.layout)
+    return layout_picture(env.layout, zip(env.cells, env.loaded, strict=True), env.people)
 
 
-def _picture(
+@display.register
+def layout_picture(
     layout: Layout, robots: Iterable[tuple[Cell, bool]] = (), people: Iterable[Cell] = ()
 ) -> bytes:
+    """Return a picture of a layout, with robots and people in it, as PNG."""
     from PIL import Image
 
     from warehouse_core.render.painter import TilePainter, tile_pixels_for

@@ -46,12 +46,8 @@ class Replay(FuncAnimation):
     Space pauses and resumes (and starts again from the end), left and right step one frame and
     pause, ``q`` closes the window.
 
-    Args:
-        scene: scene to be played.
-        tracks: tracks that the scene shows, which a page plays.
-        frame_ms: milliseconds between frames.
-        speed: factor on the playing speed of a page.
-        gif_every: frames from one frame of a GIF to the next.
+    A page plays the tracks, at ``speed`` times its own speed. ``gif_every`` counts the frames from
+    one frame of a GIF to the next.
     """
 
     def __init__(
@@ -63,14 +59,11 @@ class Replay(FuncAnimation):
         speed: float = 1.0,
         gif_every: int = 1,
     ) -> None:
-        self._tracks, self._speed = tracks, speed
-        self.frame = 0
-        self.playing, self._gif_every = True, gif_every
-        self.frame_ms = frame_ms
+        self._scene, self._tracks, self._speed, self._gif_every = scene, tracks, speed, gif_every
+        self.figure = scene.root
+        self.frame, self.playing, self.frame_ms = 0, True, frame_ms
         # Matplotlib asks for an integer but takes any number; slow replays need a fraction.
         self.fps: Any = 1000 / frame_ms
-        self._scene = scene
-        self.figure = scene.root
         super().__init__(
             self.figure,
             self._show,
@@ -215,11 +208,8 @@ def replay_of_tracks(
 ) -> Replay:
     """Return the replay of a track, or of several side by side.
 
-    Args:
-        tracks: tracks, at least one, each with at least one frame.
-        interval_ms: milliseconds between frames at speed 1.
-        speed: factor on the playing speed.
-        window: draw into a window, which ``show`` opens; ``None`` means if there is a display.
+    ``interval_ms`` is from one frame to the next at speed 1. ``show`` opens a window, if there is
+    one; ``None`` makes one if there is a display.
 
     Raises:
         ValueError: ``interval_ms`` or ``speed`` is not a positive finite number.

@@ -11,17 +11,14 @@ from matplotlib.axes import Axes
 from matplotlib.text import Text
 
 from warehouse_core.render.palette import INK
-from warehouse_core.viz.axes import box_in
+from warehouse_core.viz.axes.look import POINTS, box_in
 from warehouse_core.viz.charts import BatteryBar, Chart, TimeAxis, share_scales
-from warehouse_core.viz.figure import POINTS, SceneFigure
+from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.legend import draw_legend
 from warehouse_core.viz.sheet import BOLD, WIDTH, Box, Place, Sheet, sheet_of
 from warehouse_core.viz.tracks.track import Track
 from warehouse_core.viz.view import View
 from warehouse_core.viz.words import seconds_of
-
-MakeFigure = Callable[[tuple[float, float]], SceneFigure]
-"""Makes a figure of a width and height in inches."""
 
 
 class Timeline:
@@ -30,9 +27,6 @@ class Timeline:
     A single track is shown frame by frame. If a motion of several tracks is continuous and all have
     clocks, they are shown at the same simulated time, else after the same number of steps; the
     shorter one waits at its end.
-
-    Args:
-        tracks: tracks, at least one.
 
     Attributes:
         in_seconds: true if moments are simulated seconds, false if they are steps.
@@ -82,7 +76,7 @@ class Scene:
 
     Args:
         tracks: tracks, at least one, each with at least one frame.
-        make_figure: makes the figure of a width and height in inches.
+        make_figure: function that makes the figure of a width and height in inches.
         length: number of steps plus one to leave room for, where a single track is still growing.
         legend: draw the legend.
     """
@@ -90,7 +84,7 @@ class Scene:
     def __init__(
         self,
         tracks: Sequence[Track],
-        make_figure: MakeFigure,
+        make_figure: Callable[[tuple[float, float]], SceneFigure],
         *,
         length: int | None = None,
         legend: bool = True,
@@ -116,12 +110,7 @@ class Scene:
         return len(self._timeline.moments)
 
     def show(self, number: int, grown: Track | None = None) -> None:
-        """Move everything that moves to its place at a moment.
-
-        Args:
-            number: number of the moment.
-            grown: a single track, grown by more frames, which is shown from now on.
-        """
+        """Move everything that moves to its place at a moment, of a track that may have grown."""
         if grown is not None:
             self._timeline = Timeline([grown])
             self._panels[0].track = grown
@@ -153,12 +142,7 @@ class Page:
 class Panel:
     """One of the tracks of a picture: its map, charts, battery and words.
 
-    Args:
-        page: page to draw into.
-        place: places of the parts on the page.
-        track: track to show.
-        time: horizontal axis of the charts.
-        steps: number of steps that the charts have room for.
+    The charts have room for a number of steps.
     """
 
     def __init__(self, page: Page, place: Place, track: Track, time: TimeAxis, steps: int) -> None:

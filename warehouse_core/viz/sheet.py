@@ -9,13 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from warehouse_core.viz.charts import (
-    BatteryBar,
-    Chart,
-    DistanceChart,
-    MotionChart,
-    kinds_of_charts,
-)
+from warehouse_core.viz.charts import BatteryBar, Chart, DistanceChart, MotionChart, kinds_of_charts
 from warehouse_core.viz.tracks.track import Track
 from warehouse_core.viz.words import (
     Words,
@@ -71,7 +65,6 @@ BOLD = {"fontweight": "bold"}
 Box = tuple[float, float, float, float]
 """Left, top, width and height."""
 
-
 Line = tuple[float, float, Callable[[Track, int], Words], Mapping[str, Any]]
 """Left and top of words, what says them in a frame of a track, and their style."""
 
@@ -109,15 +102,10 @@ class Sheet(NamedTuple):
 
 
 def sheet_of(tracks: Sequence[Track], steps: int, *, legend: bool) -> Sheet:
-    """Return the layout of a picture.
+    """Return the layout of a picture; a single track will have ``steps`` steps, perhaps a legend.
 
     If only the left one of two tracks has anything to chart, it leads: its map is larger, and its
     charts are on the right.
-
-    Args:
-        tracks: tracks, at least one.
-        steps: steps that a single track will have.
-        legend: leave room for the legend of a single track.
     """
     if len(tracks) == 1:
         return _single(tracks[0], steps, legend=legend)

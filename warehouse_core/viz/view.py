@@ -14,12 +14,7 @@ from typing import Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.collections import (
-    EllipseCollection,
-    LineCollection,
-    PathCollection,
-    PolyCollection,
-)
+from matplotlib.collections import EllipseCollection, LineCollection, PathCollection, PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, PathPatch, Polygon
 from matplotlib.text import Text
@@ -59,15 +54,7 @@ from warehouse_core.viz.tracks.track import (
     Track,
     Waiting,
 )
-from warehouse_core.world.tiles import (
-    EMPTY,
-    PERSON,
-    PICKUP,
-    ROBOT_EMPTY,
-    ROBOT_LOADED,
-    WALL,
-    Cell,
-)
+from warehouse_core.world.tiles import EMPTY, PERSON, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, WALL, Cell
 
 ABOVE_TILES = 3
 """Drawing order of robots in an SVG; pixels are drawn in the order of the movers."""
@@ -127,14 +114,7 @@ TINTED = np.array([(0.02, 0.02), (0.98, 0.02), (0.98, 0.98), (0.02, 0.98)])
 
 
 class View:
-    """Draws the map of a track into its axes, row 0 on top.
-
-    Args:
-        figure: figure to which the movers are added.
-        axes: axes to draw into.
-        cell_points: side of a cell in points, 1/72 inch.
-        track: track with at least one frame.
-    """
+    """Draws the map of a track into its axes, row 0 on top; a cell has ``cell_points`` points."""
 
     def __init__(self, figure: SceneFigure, axes: Axes, cell_points: float, track: Track) -> None:
         self._figure, self._axes, self._cell_points = figure, axes, cell_points
@@ -169,8 +149,8 @@ class View:
             0, 0, "", fontsize=10, fontweight="bold", color=INK, va="bottom",
             bbox={"boxstyle": "round,pad=0.2", "facecolor": HIT, "linewidth": 0}, **above,
         )  # fmt: skip
-        for mover in (self._hits, self._hit_label):
-            figure.add_mover(mover)
+        figure.add_mover(self._hits)
+        figure.add_mover(self._hit_label)
         self._show_tiles(rows)
 
     def show(self, frames: Sequence[Frame], number: int) -> None:
@@ -217,15 +197,7 @@ class View:
 
 
 class RobotView:
-    """Draws one robot: its disc, nose and letter, its items, its trail, and what it sees.
-
-    Args:
-        figure: figure to which the movers are added.
-        axes: axes to draw into.
-        cell_points: side of a cell in points, 1/72 inch.
-        robot: index of the robot.
-        track: track whose view radius, slippery cells and motor strength are shown.
-    """
+    """Draws one robot of a track: disc, nose and letter, items, trail, and what it sees."""
 
     def __init__(
         self, figure: SceneFigure, axes: Axes, cell_points: float, robot: int, track: Track
@@ -280,8 +252,7 @@ class RobotView:
             artist.set_visible(pose is not None)
         if pose is None:
             return
-        kind = ROBOT_LOADED if pose.loaded else ROBOT_EMPTY
-        self._disc.set(center=pose.at, facecolor=COLORS[kind])
+        self._disc.set(center=pose.at, facecolor=_color_of(pose))
         path = self._paths[pose.loaded]
         moved = path.vertices + np.array(pose.at)
         self._letter.set_path(type(path)(moved, path.codes))
@@ -351,14 +322,7 @@ class RobotView:
 
 
 class FleetView:
-    """Draws the robots of a fleet with their numbers, items and batteries, people, and orders.
-
-    Args:
-        figure: figure to which the movers are added.
-        axes: axes to draw into.
-        cell_points: side of a cell in points, 1/72 inch.
-        robots: number of robots; the further poses of a frame are people.
-    """
+    """Draws a fleet of ``robots`` with their numbers, items and batteries, people, and orders."""
 
     def __init__(self, figure: SceneFigure, axes: Axes, cell_points: float, robots: int) -> None:
         self._figure, self._axes, self._robots = figure, axes, robots
@@ -420,7 +384,7 @@ class FleetView:
         self._show_waiting(fleet.waiting)
 
     def _show_batteries(self, places: Any, fleet: FleetFrame) -> None:
-        """Draw a bar below each robot; in large fleets only below those whose battery is low."""
+        """Draw a bar below each robot; in large fleets only below robots whose battery is low."""
         shown = [
             ((x - self._radius, y + 0.75 * self._radius), share)
             for (x, y), share in zip(places.tolist(), fleet.battery, strict=True)
@@ -477,10 +441,7 @@ class FleetView:
 def nose_of(pose: Pose, radius: float, tip: float = TIP) -> NDArray[np.float64]:
     """Return the corners, in cells, of the wedge that shows where a robot heads.
 
-    Args:
-        pose: pose with a heading.
-        radius: radius of the robot, in cells.
-        tip: distance of the tip from the middle of the robot, in radii.
+    The tip is so many times the ``radius``, which is in cells, away from the middle of the robot.
     """
     heading = pose.heading or 0.0
     cos, sin = math.cos(heading), math.sin(heading)
@@ -496,8 +457,8 @@ def is_open(rows: Rows, cell: Cell) -> bool:
     return 0 <= row < len(rows) and 0 <= col < len(rows[0]) and rows[row][col] != WALL
 
 
-def _color_of(pose: Pose, share: float) -> Color:
-    """Return the colour of a robot of a fleet with a share of a full battery."""
+def _color_of(pose: Pose, share: float = 1.0) -> Color:
+    """Return the colour of a robot with a share of a full battery."""
     if share <= 0:
         return STRANDED
     return COLORS[ROBOT_LOADED if pose.loaded else ROBOT_EMPTY]

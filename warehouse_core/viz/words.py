@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import textwrap
 
+from warehouse_core.viz.axes.look import POINTS
 from warehouse_core.viz.tracks.track import Track
 from warehouse_core.wording import counted
 
@@ -20,9 +21,6 @@ LETTER = 0.118
 
 LONG_SECONDS = 100
 """Seconds of the longest episode whose clock shows tenths."""
-
-POINTS = 72
-"""Points in an inch."""
 
 Words = tuple[str, float]
 

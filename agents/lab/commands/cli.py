@@ -24,7 +24,7 @@ from agents.lab.commands.run import report_episode, run
 from agents.lab.commands.search import search
 from agents.lab.commands.train import train_ppo, train_q
 from agents.lab.console import main as console
-from agents.lab.console.options import IntervalOption, SaveOption, ShowOption, SpeedOption
+from agents.lab.console import options
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say
 from agents.lab.experiments.sweep import sweep
@@ -64,10 +64,12 @@ app.add_typer(training, name="train")
 def replay(
     file: Annotated[Path, typer.Argument(help="An episode saved as .npz.")],
     *,
-    save: SaveOption,
-    show: ShowOption = None,
-    interval_ms: IntervalOption = INTERVAL_MS,
-    speed: SpeedOption = 1.0,
+    save: options.Save,
+    show: options.Show = None,
+    interval_ms: Annotated[
+        float, options.option("--interval-ms", "Milliseconds between frames.", (1, 60_000))
+    ] = INTERVAL_MS,
+    speed: options.Speed = 1.0,
 ) -> None:
     """Replay a saved episode.
 
@@ -90,12 +92,10 @@ def _print_version(wanted: bool) -> None:
 
 
 @app.callback()
-def options(
+def before_a_command(
     show_version: Annotated[
         bool,
-        typer.Option(
-            "--version", callback=_print_version, is_eager=True, help="Print the version."
-        ),
+        options.option("--version", "Print the version.", callback=_print_version, is_eager=True),
     ] = False,
 ) -> None:
     """Take the options before a command."""

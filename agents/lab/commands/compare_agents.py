@@ -11,24 +11,13 @@ from typing import Annotated
 import typer
 
 from agents.errors import EpisodeInterrupted
-from agents.lab.commands.random_layouts import (
-    DensityOption,
-    LayoutOrRandomOption,
-    SizesOption,
-    is_random,
-    random_layouts,
-)
-from agents.lab.console.options import (
-    BackendOption,
-    BatteryOption,
-    MaxStepsOption,
-    StartOption,
-    StationsOption,
-    load_place,
-)
-from agents.lab.console.output import PICTURES, save_picture
+from agents.lab.commands import random_layouts
+from agents.lab.console import options
+from agents.lab.console.options import option
+from agents.lab.console.output import save_picture
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import say
+from agents.lab.console.values import load_place
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.place import Stations, what_to_draw
 from agents.lab.trials.scores import EXPLANATION, MEASURES, Measure, Scores
@@ -36,7 +25,6 @@ from agents.lab.trials.task import Task
 from agents.lab.trials.wording import mean, share
 from agents.registry import make_agent
 from warehouse_core import Agent, Layout
-from warehouse_core.files.atomic import check_suffix, check_target
 from warehouse_core.task.starts import STATIONS
 from warehouse_core.wording import counted
 
@@ -57,36 +45,27 @@ MAX_EPISODES = 100_000
 def compare_agents(
     agent: Annotated[
         list[str] | None,
-        typer.Option(
-            "--agent",
-            metavar="NAME",
-            help="Also compare this agent: a name as in 'warehouse run --agent', such as "
+        option(
+            "--agent NAME",
+            "Also compare this agent: a name as in 'warehouse run --agent', such as "
             "my_agent.py:Mine or greedy:memory=20; may be repeated. "
             f"Always compared: {', '.join(AGENTS)}.",
             show_default=False,
         ),
     ] = None,
     episodes: Annotated[
-        int,
-        typer.Option(
-            "--episodes", "-n", metavar="N", min=1, max=MAX_EPISODES, help="Episodes of each agent."
-        ),
+        int, option("--episodes -n N", "Episodes of each agent.", (1, MAX_EPISODES))
     ] = 100,
-    seed: Annotated[
-        int,
-        typer.Option("--seed", metavar="N", min=0, help="Seed of the first episode."),
-    ] = 0,
-    backend: BackendOption = "physics",
-    layout: LayoutOrRandomOption = None,
-    stations: StationsOption = None,
-    start: StartOption = None,
-    battery: BatteryOption = 200,
-    max_steps: MaxStepsOption = 200,
-    size: SizesOption = None,
-    density: DensityOption = None,
-    save: Annotated[
-        Path | None, typer.Option("--save", metavar="FILE", help="Write the figure, .svg or .png.")
-    ] = None,
+    seed: options.FirstSeed = 0,
+    backend: options.Backend = "physics",
+    layout: random_layouts.LayoutOrRandom = None,
+    stations: options.Stations = None,
+    start: options.Start = None,
+    battery: options.Battery = 200,
+    max_steps: options.MaxSteps = 200,
+    size: random_layouts.Sizes = None,
+    density: random_layouts.Density = None,
+    save: options.SaveFigure = None,
 ) -> None:
     """Compare agents over the same seeds.
 
@@ -98,9 +77,6 @@ def compare_agents(
 
     Example: warehouse compare-agents --agent my_agent.py:Mine -n 50
     """
-    if save is not None:
-        check_suffix(save, PICTURES)
-        check_target(save)
     tasks = make_tasks(layout, size, density, stations, start)
     tasks = [task._replace(battery=battery, max_steps=max_steps, backend=backend) for task in tasks]
     names = AGENTS | {name: AGENTS.get(name, name) for name in agent or []}
@@ -135,20 +111,15 @@ def make_tasks(
     stations: Stations | None,
     start: str | None,
 ) -> list[Task]:
-    """Return a task for each size of random layouts, or the one in a layout, from the options.
-
-    Raises:
-        LayoutError: as for ``load_place`` and ``random_layouts``.
-        typer.BadParameter: likewise; or a start in random layouts.
-    """
-    if not is_random(layout, size=sizes, density=density):
+    """Return a task for each size of random layouts, or the one in a layout, from the options."""
+    if not random_layouts.are_wanted(layout, size=sizes, density=density):
         place = load_place(layout, stations, start)
         return [Task(place.layout, start_pos=place.start_pos, randomize=place.randomize)]
     if start is not None:
         raise typer.BadParameter(f"--start is {start!r}; in random layouts it is always drawn")
     drawn = what_to_draw(stations or Stations.DRAWN)
     wanted: Sequence[str | None] = sizes or [None]
-    return [Task(random_layouts(size, density), randomize=drawn) for size in wanted]
+    return [Task(random_layouts.parse(size, density), randomize=drawn) for size in wanted]
 
 
 def title_of(task: Task, seeds: range) -> str:
@@ -162,12 +133,7 @@ def title_of(task: Task, seeds: range) -> str:
 
 
 def evaluate_watched(name: str, shown: str, task: Task, seeds: Sequence[int]) -> Scores:
-    """Return the scores of an agent by its name, with a progress bar.
-
-    Raises:
-        EpisodeError: the agent failed; the message has the seed, the step and the line.
-        typer.Abort: Ctrl-C was pressed.
-    """
+    """Return the scores of an agent by its name, with a progress bar."""
     from agents.lab.console.progress import track
 
     def make(seed: int) -> Agent:

@@ -5,23 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Annotated
 
-import typer
-
 from agents.lab.commands.run import run_episode
-from agents.lab.console.options import (
-    AgentOption,
-    BatteryOption,
-    LayoutOption,
-    MaxStepsOption,
-    SaveReplayOption,
-    SeedOption,
-    ShowOption,
-    StartOption,
-    StationsOption,
-    load_place,
-)
+from agents.lab.console import options
 from agents.lab.console.output import Film, show_or_save
 from agents.lab.console.table import Table, print_table
+from agents.lab.console.values import load_place
 from agents.lab.runs.run import draw_seed
 from warehouse_core import Episode
 from warehouse_core.viz.tracks.record_track import track_of_record
@@ -64,18 +52,18 @@ def comparison_table(left: Episode, right: Episode) -> Table:
 
 
 def compare(
-    agent: AgentOption = "greedy",
-    left: Annotated[str, typer.Option("--left", help="Backend on the left.")] = "grid",
-    right: Annotated[str, typer.Option("--right", help="Backend on the right.")] = "physics",
-    layout: LayoutOption = None,
-    stations: StationsOption = None,
-    start: StartOption = None,
-    seed: SeedOption = None,
-    battery: BatteryOption = 200,
-    max_steps: MaxStepsOption = 200,
+    agent: options.Agent = "greedy",
+    left: Annotated[str, options.option("--left", "Backend on the left.")] = "grid",
+    right: Annotated[str, options.option("--right", "Backend on the right.")] = "physics",
+    layout: options.Layout = None,
+    stations: options.Stations = None,
+    start: options.Start = None,
+    seed: options.Seed = None,
+    battery: options.Battery = 200,
+    max_steps: options.MaxSteps = 200,
     *,
-    save: SaveReplayOption,
-    show: ShowOption = None,
+    save: options.SaveReplay,
+    show: options.Show = None,
 ) -> None:
     """Run an episode on two backends, side by side.
 

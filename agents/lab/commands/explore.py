@@ -5,21 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from agents.lab.commands.run import report_episode
-from agents.lab.console.options import (
-    BackendOption,
-    BatteryOption,
-    LayoutOption,
-    MaxStepsOption,
-    SaveOption,
-    SeedOption,
-    ShowOption,
-    StartOption,
-    StationsOption,
-    ViewRadiusOption,
-    load_place,
-)
+from agents.lab.console import options
 from agents.lab.console.output import Film, show_or_save
 from agents.lab.console.terminal import say
+from agents.lab.console.values import load_place
 from agents.lab.runs.run import draw_seed
 from agents.search.agents import ExploringAgent
 from warehouse_core import Episode, WarehouseEnv
@@ -31,17 +20,17 @@ if TYPE_CHECKING:
 
 
 def explore(
-    layout: LayoutOption = None,
-    stations: StationsOption = None,
-    start: StartOption = None,
-    seed: SeedOption = None,
-    backend: BackendOption = "grid",
-    view_radius: ViewRadiusOption = 2,
-    battery: BatteryOption = 200,
-    max_steps: MaxStepsOption = 200,
+    layout: options.Layout = None,
+    stations: options.Stations = None,
+    start: options.Start = None,
+    seed: options.Seed = None,
+    backend: options.Backend = "grid",
+    view_radius: options.ViewRadius = 2,
+    battery: options.Battery = 200,
+    max_steps: options.MaxSteps = 200,
     *,
-    save: SaveOption,
-    show: ShowOption = None,
+    save: options.Save,
+    show: options.Show = None,
 ) -> None:
     """Explore an unknown warehouse.
 

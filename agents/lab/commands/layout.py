@@ -8,8 +8,9 @@ from typing import Annotated
 
 import typer
 
-from agents.lab.console.options import load_layout
+from agents.lab.console.options import option
 from agents.lab.console.terminal import say
+from agents.lab.console.values import load_layout
 from warehouse_core import Layout, LayoutError, random_layout, shelf_layout
 from warehouse_core.world.generators import benchmark_warehouse
 from warehouse_core.world.map_files import load_map, save_layout
@@ -25,25 +26,23 @@ app = typer.Typer(
 BENCHMARK = re.compile("-".join([r"(\d{1,9})"] * 5), re.ASCII)
 """Sizes with more digits are always too large."""
 
-SeedOption = Annotated[int, typer.Option("--seed", help="Random seed.")]
-OutputOption = Annotated[
+Seed = Annotated[int, option("--seed", "Random seed.")]
+Output = Annotated[
     Path | None,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="FILE",
-        help="Write the layout to this file; a .map has MovingAI's format, no P, D or C.",
+    option(
+        "--output -o FILE",
+        "Write the layout to this file; a .map has MovingAI's format, no P, D or C.",
     ),
 ]
 
 
 @app.command()
 def generate(
-    height: Annotated[int, typer.Option(help="Rows, including the border.")] = 10,
-    width: Annotated[int, typer.Option(help="Columns, including the border.")] = 16,
-    density: Annotated[float, typer.Option(help="Share of walls inside the border.")] = 0.2,
-    seed: SeedOption = 0,
-    output: OutputOption = None,
+    height: Annotated[int, option("--height", "Rows, including the border.")] = 10,
+    width: Annotated[int, option("--width", "Columns, including the border.")] = 16,
+    density: Annotated[float, option("--density", "Share of walls inside the border.")] = 0.2,
+    seed: Seed = 0,
+    output: Output = None,
 ) -> None:
     """Generate random walls; every open cell can be reached.
 
@@ -54,16 +53,16 @@ def generate(
 
 @app.command()
 def shelves(
-    rows: Annotated[int, typer.Option(help="Shelf blocks from top to bottom.")] = 2,
-    columns: Annotated[int, typer.Option(help="Shelf blocks from left to right.")] = 3,
-    length: Annotated[int, typer.Option(help="Cells of a block from left to right.")] = 4,
-    depth: Annotated[int, typer.Option(help="Cells of a block from top to bottom.")] = 1,
-    aisle: Annotated[int, typer.Option(help="Cells between blocks.")] = 1,
-    pickups: Annotated[int, typer.Option(help="Pickups P, above shelves.")] = 1,
-    dropoffs: Annotated[int, typer.Option(help="Dropoffs D, on the bottom aisle.")] = 1,
-    chargers: Annotated[int, typer.Option(help="Chargers C, at the left and right border.")] = 0,
-    seed: SeedOption = 0,
-    output: OutputOption = None,
+    rows: Annotated[int, option("--rows", "Shelf blocks from top to bottom.")] = 2,
+    columns: Annotated[int, option("--columns", "Shelf blocks from left to right.")] = 3,
+    length: Annotated[int, option("--length", "Cells of a block from left to right.")] = 4,
+    depth: Annotated[int, option("--depth", "Cells of a block from top to bottom.")] = 1,
+    aisle: Annotated[int, option("--aisle", "Cells between blocks.")] = 1,
+    pickups: Annotated[int, option("--pickups", "Pickups P, above shelves.")] = 1,
+    dropoffs: Annotated[int, option("--dropoffs", "Dropoffs D, on the bottom aisle.")] = 1,
+    chargers: Annotated[int, option("--chargers", "Chargers C, at the left and right border.")] = 0,
+    seed: Seed = 0,
+    output: Output = None,
 ) -> None:
     """Generate a warehouse of shelf blocks and aisles.
 
@@ -78,7 +77,7 @@ def warehouse(
     name: Annotated[
         str, typer.Argument(metavar="C-R-L-W-A", help="Blocks C x R of L x W cells, aisles of A.")
     ],
-    output: OutputOption = None,
+    output: Output = None,
 ) -> None:
     """Generate a warehouse of the MAPF benchmarks.
 
@@ -99,9 +98,9 @@ def import_map(
     file: Annotated[Path, typer.Argument(metavar="FILE.map", help="A map in MovingAI's format.")],
     robot_runners: Annotated[
         bool,
-        typer.Option("--robot-runners", help="Read E as pickups and S as dropoffs, not swamp."),
+        option("--robot-runners", "Read E as pickups and S as dropoffs, not swamp."),
     ] = False,
-    output: OutputOption = None,
+    output: Output = None,
 ) -> None:
     """Read a map in MovingAI's format.
 

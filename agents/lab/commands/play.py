@@ -6,19 +6,10 @@ from collections.abc import Sequence
 from typing import Any
 
 from agents.lab.commands.run import report_episode
-from agents.lab.console.options import (
-    BackendOption,
-    BatteryOption,
-    LayoutOption,
-    MaxStepsOption,
-    SaveOption,
-    SeedOption,
-    StartOption,
-    StationsOption,
-    load_place,
-)
+from agents.lab.console import options
 from agents.lab.console.output import replay_or_save, unused
 from agents.lab.console.terminal import say
+from agents.lab.console.values import load_place
 from agents.lab.place import Place
 from agents.lab.runs.run import draw_seed
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
@@ -45,13 +36,8 @@ HELP = "arrows or NESW move, P picks, D drops, space waits, Enter starts another
 class Driver:
     """A window in which keys drive the robot of an environment.
 
-    Args:
-        env: the environment.
-        seed: seed of the first episode; each further one adds 1.
-        place: place of the episodes.
-
-    Attributes:
-        games: the records of all episodes, the last of which may be unfinished.
+    The seed is the first episode's; each further one adds 1. ``games`` has the records of all
+    episodes, the last of which may be unfinished.
     """
 
     def __init__(self, env: WarehouseEnv, seed: int, place: Place) -> None:
@@ -128,15 +114,15 @@ def report_game(games: Sequence[Episode], place: Place) -> None:
 
 
 def play(
-    backend: BackendOption = "grid",
-    layout: LayoutOption = None,
-    stations: StationsOption = None,
-    start: StartOption = None,
-    seed: SeedOption = None,
-    battery: BatteryOption = 200,
-    max_steps: MaxStepsOption = 200,
+    backend: options.Backend = "grid",
+    layout: options.Layout = None,
+    stations: options.Stations = None,
+    start: options.Start = None,
+    seed: options.Seed = None,
+    battery: options.Battery = 200,
+    max_steps: options.MaxSteps = 200,
     *,
-    save: SaveOption,
+    save: options.Save,
 ) -> None:
     """Drive the robot yourself, in a window.
 

@@ -8,64 +8,46 @@ from typing import Annotated
 
 import typer
 
-from agents.lab.console.options import LAYOUT_HELP
+from agents.lab.console.options import LAYOUT, option
 from agents.lab.place import RANDOM
 from agents.lab.trials.random_layouts import MAX_POOL, RandomLayouts
 
 DEFAULTS = RandomLayouts()
 
-LayoutOrRandomOption = Annotated[
+LayoutOrRandom = Annotated[
     Path | None,
-    typer.Option(
-        "--layout",
-        metavar="FILE",
-        help=f"{LAYOUT_HELP} With {RANDOM} each episode has a layout of its own.",
-    ),
+    option("--layout FILE", f"{LAYOUT} With {RANDOM} each episode has a layout of its own."),
 ]
 
-SIZE_HELP = f"Of random layouts, border included. Default: {DEFAULTS.height}x{DEFAULTS.width}."
-
-SizeOption = Annotated[str | None, typer.Option("--size", metavar="HxW", help=SIZE_HELP)]
-
-SizesOption = Annotated[
-    list[str] | None,
-    typer.Option("--size", metavar="HxW", help=f"{SIZE_HELP} May be repeated.", show_default=False),
+SIZE = f"Of random layouts, border included. Default: {DEFAULTS.height}x{DEFAULTS.width}."
+Size = Annotated[str | None, option("--size HxW", SIZE)]
+Sizes = Annotated[
+    list[str] | None, option("--size HxW", f"{SIZE} May be repeated.", show_default=False)
 ]
 
-DensityOption = Annotated[
+Density = Annotated[
     str | None,
-    typer.Option(
-        "--density",
-        metavar="LOW:HIGH",
-        help="Share of walls in random layouts, up to 0.4. "
+    option(
+        "--density LOW:HIGH",
+        "Share of walls in random layouts, up to 0.4. "
         f"Default: {DEFAULTS.lowest}:{DEFAULTS.highest}.",
     ),
 ]
 
-PoolOption = Annotated[
+Pool = Annotated[
     int | None,
-    typer.Option(
-        "--layouts",
-        metavar="N",
-        min=1,
-        max=MAX_POOL,
-        help="Random layouts of the training; each episode is in one of them. "
+    option(
+        "--layouts N",
+        "Random layouts of the training; each episode is in one of them. "
         f"Default: {DEFAULTS.count}.",
+        (1, MAX_POOL),
         show_default=False,
     ),
 ]
 
 
-def is_random(layout: Path | None, **options: object) -> bool:
-    """Return whether ``--layout`` asks for random layouts, and check what goes with it.
-
-    Args:
-        layout: value of ``--layout``.
-        options: values of options that only random layouts have, by name.
-
-    Raises:
-        typer.BadParameter: one of these options is given without random layouts.
-    """
+def are_wanted(layout: Path | None, **options: object) -> bool:
+    """Return whether ``--layout`` asks for random layouts, and refuse their options if not."""
     if layout == Path(RANDOM):
         return True
     for name, value in options.items():
@@ -74,7 +56,7 @@ def is_random(layout: Path | None, **options: object) -> bool:
     return False
 
 
-def random_layouts(
+def parse(
     size: str | None, density: str | None, count: int | None = None, pool_seed: int = 1
 ) -> RandomLayouts:
     """Return random layouts as described by options; ``None`` is the default of each.
@@ -86,10 +68,10 @@ def random_layouts(
     height, width = DEFAULTS.height, DEFAULTS.width
     lowest, highest = DEFAULTS.lowest, DEFAULTS.highest
     if size is not None:
-        found = re.fullmatch(r"([0-9]{1,9})x([0-9]{1,9})", size)
-        if found is None:
+        sides = re.fullmatch(r"([0-9]{1,9})x([0-9]{1,9})", size)
+        if sides is None:
             raise typer.BadParameter(f"--size is {size!r}; it must be HxW as in 7x12")
-        height, width = map(int, found.groups())
+        height, width = map(int, sides.groups())
     if density is not None:
         try:
             ends = [float(end) for end in density.split(":")]

@@ -5,26 +5,10 @@ from __future__ import annotations
 import typer
 
 from agents.errors import EpisodeError, EpisodeInterrupted
-from agents.lab.console.options import (
-    AgentOption,
-    BackendOption,
-    BatteryOption,
-    EscapeOption,
-    LayoutOption,
-    MaxStepsOption,
-    MemoryOption,
-    SaveOption,
-    SeedOption,
-    ShowOption,
-    SpeedOption,
-    StartOption,
-    StationsOption,
-    ViewRadiusOption,
-    greedy_with,
-    load_place,
-)
+from agents.lab.console import options
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say
+from agents.lab.console.values import greedy_with, load_place
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import draw_seed
 from agents.lab.runs.run import run as run_agent
@@ -89,21 +73,21 @@ def report_episode(episode: Episode, stations: str = "") -> None:
 
 
 def run(
-    agent: AgentOption = "greedy",
-    backend: BackendOption = "grid",
-    layout: LayoutOption = None,
-    stations: StationsOption = None,
-    start: StartOption = None,
-    seed: SeedOption = None,
-    battery: BatteryOption = 200,
-    max_steps: MaxStepsOption = 200,
-    view_radius: ViewRadiusOption = 2,
-    memory: MemoryOption = None,
-    escape: EscapeOption = None,
+    agent: options.Agent = "greedy",
+    backend: options.Backend = "grid",
+    layout: options.Layout = None,
+    stations: options.Stations = None,
+    start: options.Start = None,
+    seed: options.Seed = None,
+    battery: options.Battery = 200,
+    max_steps: options.MaxSteps = 200,
+    view_radius: options.ViewRadius = 2,
+    memory: options.Memory = None,
+    escape: options.Escape = None,
     *,
-    save: SaveOption,
-    show: ShowOption = None,
-    speed: SpeedOption = 1.0,
+    save: options.Save,
+    show: options.Show = None,
+    speed: options.Speed = 1.0,
 ) -> None:
     """Run one episode from a random start and replay it.
 

@@ -10,16 +10,12 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from agents.lab.console.options import (
-    LayoutOption,
-    SaveReplayOption,
-    ShowOption,
-    load_layout,
-    parse_cell,
-)
+from agents.lab.console import options
+from agents.lab.console.options import option
 from agents.lab.console.output import Film, show_or_save
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import say
+from agents.lab.console.values import load_layout, parse_cell
 from agents.search.algorithms import (
     MAX_WEIGHT,
     Heuristic,
@@ -62,11 +58,7 @@ def algorithm(weight: float) -> str:
 
 
 def parse_weights(text: str) -> list[float]:
-    """Return the weights in a text, separated by commas.
-
-    Raises:
-        typer.BadParameter: a wrong weight, or too many.
-    """
+    """Return the weights in a text, separated by commas."""
     weights = [_parse_weight(part) for part in text.split(",")]
     if len(weights) > MAX_PANELS:
         raise typer.BadParameter(
@@ -78,18 +70,10 @@ def parse_weights(text: str) -> list[float]:
 def choose_ends(
     layout: Layout, start: Cell | None, goal: Cell | None, seed: int | None
 ) -> tuple[Cell, Cell]:
-    """Return the start and the goal.
+    """Return the start and the goal, random cells if they are not given and a seed is.
 
-    Args:
-        layout: the layout.
-        start: ``None`` for a random cell, or for the farthest from the goal if there is no seed.
-        goal: ``None`` for a random cell, or for the first pickup if there is no seed.
-        seed: seed of the random cells.
-
-    In the chapter's layout, without any of them, they are ``ALL_DIFFER``.
-
-    Raises:
-        LayoutError: no cell is open, or there is no pickup to go to.
+    Without a seed they are the first pickup, and the cell that is farthest from it; in the
+    chapter's layout ``ALL_DIFFER``. If there is none, it is a ``LayoutError``.
     """
     if seed is None:
         if goal is None and not layout.pickups:
@@ -135,26 +119,25 @@ def search_table(weights: Sequence[float], solutions: Sequence[Found], title: st
 
 
 def search(
-    layout: LayoutOption = None,
+    layout: options.Layout = None,
     start: Annotated[
-        str | None, typer.Option(metavar="ROW,COL", help="Start cell. Default: far from the goal.")
+        str | None, option("--start ROW,COL", "Start cell. Default: far from the goal.")
     ] = None,
     goal: Annotated[
-        str | None, typer.Option(metavar="ROW,COL", help="Goal cell. Default: the first pickup.")
+        str | None, option("--goal ROW,COL", "Goal cell. Default: the first pickup.")
     ] = None,
     seed: Annotated[
-        int | None,
-        typer.Option(metavar="N", help="Random seed, for a random start and goal if not given."),
+        int | None, option("--seed N", "Random seed, for a random start and goal if not given.")
     ] = None,
     weights: Annotated[
-        str, typer.Option(metavar="W,W,...", help="Weights of the heuristic, 0 to inf, up to six.")
+        str, option("--weights W,W,...", "Weights of the heuristic, 0 to inf, up to six.")
     ] = "0,1,5,inf",
     heuristic: Annotated[
-        str, typer.Option(help=f"Heuristic: {', '.join(HEURISTICS)}.")
+        str, option("--heuristic", f"Heuristic: {', '.join(HEURISTICS)}.")
     ] = "manhattan",
     *,
-    save: SaveReplayOption,
-    show: ShowOption = None,
+    save: options.SaveReplay,
+    show: options.Show = None,
 ) -> None:
     """Compare uniform-cost, A* and greedy search.
 
@@ -177,14 +160,14 @@ def search(
         say(f"no path leads from {begin} to {end}")
 
     named = zip(map(_panel_name, values), found, strict=True)
-    courses = [SearchCourse(name, grid, begin, each) for name, each in named]
+    courses = [SearchCourse(name, grid, (begin, end), each) for name, each in named]
 
     def draw(window: bool) -> Replay:
         from agents.search.picture import search_replay
 
-        return search_replay(grid, begin, end, courses, title, window=window)
+        return search_replay(courses, title, window=window)
 
-    film = Film(lambda: [track_of_course(each, end) for each in courses], title, draw=draw)
+    film = Film(lambda: [*map(track_of_course, courses)], title, draw=draw)
     show_or_save(film, save, show, "search.gif")
 
 

@@ -9,34 +9,19 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import typer
 from numpy.typing import NDArray
 
 from agents.errors import AgentError
-from agents.lab.commands.random_layouts import (
-    DensityOption,
-    LayoutOrRandomOption,
-    PoolOption,
-    SizeOption,
-    is_random,
-    random_layouts,
-)
-from agents.lab.console.options import (
-    BatteryOption,
-    LayoutOption,
-    MaxStepsOption,
-    ModelOption,
-    OrderRateOption,
-    TrainedRobotsOption,
-    TrainingSeedOption,
-    TrainingStepsOption,
-    load_layout,
-)
+from agents.lab.commands import random_layouts
+from agents.lab.console import options
+from agents.lab.console.options import MAX_COUNT, option
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import say
+from agents.lab.console.values import load_layout
 from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS, Examiner, Point
 from agents.lab.trials.random_layouts import RandomLayouts
 from agents.lab.trials.scores import FleetScores, Scores
@@ -64,19 +49,25 @@ Learn = Callable[[Watch], MakeAgent]
 
 Writer = Callable[[Path], None]
 
+Steps = Annotated[int, option("--steps N", "Minimum training steps.", (1, MAX_COUNT))]
+Seed = Annotated[int, option("--seed N", "Random seed.", (0, 2**32 - 1))]
+Output = Annotated[Path, option("--output -o FILE", "Write the agent to this .npz file.")]
+
 
 def train_ppo(
-    steps: TrainingStepsOption = 2_000_000,
-    seed: TrainingSeedOption = 1,
-    layout: LayoutOrRandomOption = None,
-    battery: BatteryOption = 200,
-    max_steps: MaxStepsOption = 200,
-    robots: TrainedRobotsOption = 1,
-    orders: OrderRateOption = 0.2,
-    size: SizeOption = None,
-    density: DensityOption = None,
-    layouts: PoolOption = None,
-    output: ModelOption = Path("ppo.npz"),
+    steps: Steps = 2_000_000,
+    seed: Seed = 1,
+    layout: random_layouts.LayoutOrRandom = None,
+    battery: options.Battery = 200,
+    max_steps: options.MaxSteps = 200,
+    robots: Annotated[int, option("--robots R", "Robots of a fleet, with orders.", (1, 1000))] = 1,
+    orders: Annotated[
+        float, option("--orders RATE", "Mean number of orders of a fleet in a step.")
+    ] = 0.2,
+    size: random_layouts.Size = None,
+    density: random_layouts.Density = None,
+    layouts: random_layouts.Pool = None,
+    output: Output = Path("ppo.npz"),
 ) -> None:
     """Train a network by PPO.
 
@@ -95,10 +86,10 @@ def train_ppo(
     Example: warehouse train ppo --steps 2000000 -o ppo.npz
     """
     task: Task | FleetTask
-    if is_random(layout, size=size, density=density, layouts=layouts):
+    if random_layouts.are_wanted(layout, size=size, density=density, layouts=layouts):
         if robots > 1:
             raise typer.BadParameter("--layout random is for one robot, not for --robots")
-        task = Task(random_layouts(size, density, layouts, seed), battery, max_steps)
+        task = Task(random_layouts.parse(size, density, layouts, seed), battery, max_steps)
     elif robots > 1:
         task = FleetTask(load_layout(layout), robots, orders, battery, max_steps)
     else:
@@ -116,11 +107,7 @@ def train_ppo(
 
 
 def make_learner(task: Task | FleetTask, steps: int, seed: int) -> PPOLearner:
-    """Return a learner for a task.
-
-    Raises:
-        AgentError: a library is missing; the message has the command that installs it.
-    """
+    """Return a learner for a task; an ``AgentError`` says how to install what is missing."""
     try:
         from agents.learning.ppo_training import ENVS, FOR_RANDOM_LAYOUTS, PPOLearner
     except ImportError as error:
@@ -134,12 +121,12 @@ def make_learner(task: Task | FleetTask, steps: int, seed: int) -> PPOLearner:
 
 
 def train_q(
-    steps: TrainingStepsOption = 600_000,
-    seed: TrainingSeedOption = 1,
-    layout: LayoutOption = None,
-    battery: BatteryOption = 200,
-    max_steps: MaxStepsOption = 200,
-    output: ModelOption = Path("q.npz"),
+    steps: Steps = 600_000,
+    seed: Seed = 1,
+    layout: options.Layout = None,
+    battery: options.Battery = 200,
+    max_steps: options.MaxSteps = 200,
+    output: Output = Path("q.npz"),
 ) -> None:
     """Train a table by Q-learning.
 
@@ -170,15 +157,8 @@ def fill_table(table: QTable, task: Task, steps: int, seed: int, watch: Watch) -
 class Training:
     """A training with a progress bar, and the files and the table that it results in.
 
-    Args:
-        name: name of the method of learning.
-        task: task to learn.
-        steps: steps of the whole training.
-        seed: seed of the training.
-        output: file of the agent; the picture of the learning curve goes beside it.
-
-    Raises:
-        FormatError: ``output`` is no ``.npz``.
+    The picture of the learning curve goes beside the file of the agent, ``output``. If that is no
+    ``.npz``, it is a ``FormatError``.
     """
 
     name: str
@@ -195,17 +175,10 @@ class Training:
             )
 
     def run(self, learn: Learn, writers: Mapping[str, Writer]) -> None:
-        """Train an agent, write its files, and compare it with the greedy agent.
+        """Train an agent, write its files by suffix, and compare it with the greedy agent.
 
         An interrupt ends the training; if there has been an examination by then, the files are
-        written all the same.
-
-        Args:
-            learn: trains the agent.
-            writers: writers of the files of the agent, by suffix.
-
-        Raises:
-            OSError: a file cannot be written; raised before the training if its folder is missing.
+        written all the same. A file that cannot be written is an ``OSError`` before the training.
         """
         for suffix in (*writers, CURVE_SUFFIX):
             check_target(self.output.with_suffix(suffix))

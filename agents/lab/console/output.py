@@ -22,9 +22,6 @@ if TYPE_CHECKING:
     from warehouse_core.viz.figure import SceneFigure
     from warehouse_core.viz.replay import Replay
 
-PICTURES = (".svg", ".png")
-"""Suffixes of ``save_picture``."""
-
 PAGE_SUFFIX = ".html"
 
 Draw = Callable[[Callable[[tuple[float, float]], "SceneFigure"]], "SceneFigure"]
@@ -35,12 +32,8 @@ Draw = Callable[[Callable[[tuple[float, float]], "SceneFigure"]], "SceneFigure"]
 class Film:
     """What a command shows. Matplotlib is imported for a window or a picture, not for a page.
 
-    Attributes:
-        tracks: returns the tracks; called when they are needed.
-        title: title of a page; by default the titles of the tracks.
-        record: record of the episode, which can be saved too.
-        speed: factor on the playing speed.
-        draw: makes the replay with a window or without one; by default the tracks are replayed.
+    ``tracks`` makes the tracks when they are needed; their titles are the default of a page's. The
+    replay is theirs, unless ``draw`` makes another, with a window or without one.
     """
 
     tracks: Callable[[], Sequence[Track]]
@@ -132,7 +125,7 @@ def show_or_save_picture(
 
 
 def save_picture(figure: SceneFigure, path: Path) -> None:
-    """Write a figure as one of ``PICTURES``, whole or not at all."""
+    """Write a figure as ``.svg`` or ``.png``, whole or not at all."""
     from warehouse_core.viz.figure import save_svg
 
     with atomic_path(path) as part:

@@ -36,7 +36,7 @@ def test_costs_are_learned_once_for_all_seeds_and_lead_robots(
 
 
 def test_ways_of_learned_costs_lead_around_chargers() -> None:
-    graph = guided.pibt_on_learned(ROOM, 3, trials=1).graph
+    graph = guided.on_learned(ROOM, 3, trials=1)
     learned = guided.learned_fleet_costs(ROOM, 3, 1, guided.TRIAL_SEED)
     assert graph.costs is not None
     dearer = {tuple(each) for each in np.argwhere(graph.costs - learned > 5).tolist()}

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.mapf_problems import situation
 
 from agents.errors import AgentError
 from agents.fleet import PlannedFleet
@@ -28,11 +29,6 @@ def logged(planner: str, log: PlanLog, robots: int = 16, **options: Any) -> Flee
     )
     agent = make_fleet_agent(planner, None, 3, DEPOT, log=log, **options)
     return run(env, agent, 3, name=planner)
-
-
-def situation(cells: list[int], goals: list[int]) -> Situation:
-    stays = np.zeros(len(cells), np.bool_)
-    return Situation(np.array(cells), np.array(goals), stays, np.empty(0, np.intp))
 
 
 def test_plans_begin_where_robots_are_and_go_where_they_are_next() -> None:

@@ -4,16 +4,15 @@ import re
 import time
 import warnings
 from collections.abc import Callable
-from contextlib import closing
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 import pytest
+from helpers.mapf_problems import situation
 
 from agents.errors import AgentError, EpisodeError, PlanError
 from agents.fleet import PlannedFleet
-from agents.fleet.charging import Chargers
 from agents.fleet.dispatcher import parking_of
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import part
@@ -221,36 +220,21 @@ def test_robots_without_a_task_leave_stations_and_stay_elsewhere() -> None:
     assert corridor.tolist() == [2, 2, 2, 3, 4, 5, 6, 7, 8]
 
 
-def test_people_are_closed_cells() -> None:
-    env = fleet_of(ROOM, 1, people=3, max_steps=1)
-    planner = Waits()
-    env.reset(seed=1)
-    people = sorted(row * ROOM.width + col for row, col in env.people)
-    record_fleet_episode(env, PlannedFleet(planner), seed=1)
-    assert sorted(planner.seen[0].closed.tolist()) == people
-
-
-def test_people_who_drive_through_close_the_cells_that_they_leave_and_reach() -> None:
-    env = fleet_of(ROOM, 3, people=3, max_steps=40, backend="driving")
+@pytest.mark.parametrize("backend", ["grid", "driving"])
+def test_cells_that_people_are_in_or_leave_or_reach_are_closed(backend: str) -> None:
+    env = fleet_of(ROOM, 3, people=3, max_steps=40, backend=backend)
     planner = Waits()
     planned, on_the_way = PlannedFleet(planner), 0
     env.reset(seed=1)
     for _ in range(40):
         env.step(planned.act(env))
-        assert not any(outcome.contacts for outcome in env.last_motion)
+        assert backend == "grid" or not any(outcome.contacts for outcome in env.last_motion)
         planned.act(env)
         ends = env.ways.ends[3:]
         on_the_way += set(env.people) != set(ends)
         cells = {row * ROOM.width + col for row, col in (*env.people, *ends)}
         assert set(planner.seen[-1].closed.tolist()) == cells
-    assert on_the_way > 10
-
-
-def situation(
-    cells: list[int], stays: tuple[int, ...] = (), closed: tuple[int, ...] = ()
-) -> Situation:
-    staying = np.isin(np.arange(len(cells)), stays)
-    return Situation(np.array(cells), np.array(cells), staying, np.array(closed, np.intp))
+    assert on_the_way > 10 or backend == "grid"
 
 
 OPEN = Graph(Layout(["....", "..#.", "...."]))
@@ -266,8 +250,12 @@ OPEN = Graph(Layout(["....", "..#.", "...."]))
         (situation([5]), [6], "robot 0 is to go from (1, 1) to (1, 2), which is not an open cell"),
         (situation([3]), [4], "robot 0 is to go from (0, 3) to (1, 0), which is not an open cell"),
         (situation([0]), [-1], "robot 0 is to go from (0, 0) to (-1, 3), which is not an open"),
-        (situation([0, 3], (1,)), [0, 2], "robot 1 is to go from (0, 3) to (0, 2), but it stays"),
-        (situation([0], (), (1,)), [1], "robot 0 is to enter (0, 1), which is closed"),
+        (
+            situation([0, 3], stays=[1]),
+            [0, 2],
+            "robot 1 is to go from (0, 3) to (0, 2), but",
+        ),
+        (situation([0], closed=[1]), [1], "robot 0 is to enter (0, 1), which is closed"),
         (situation([0, 3]), [0], "the planner returned [0]; needed: a cell number for each of 2"),
         (situation([0]), ["N"], "the planner returned ['N']; needed"),
         (situation([0]), None, "the planner returned None; needed"),
@@ -284,14 +272,14 @@ def test_a_step_may_follow_and_turn_in_a_ring_and_robots_may_share_a_cell() -> N
     ring = situation([0, 1, 5, 4])
     assert check_step(OPEN, ring, [1, 5, 4, 0]).tolist() == [1, 5, 4, 0]
     assert check_step(OPEN, situation([0, 1]), (1, 2)).tolist() == [1, 2]
-    shared = situation([0, 0, 3], (0, 1), (0,))
+    shared = situation([0, 0, 3], stays=[0, 1], closed=[0])
     assert check_step(OPEN, shared, np.array([0, 0, 2])).tolist() == [0, 0, 2]
 
 
 def test_of_robots_that_share_a_cell_the_first_leaves_it_if_it_can() -> None:
-    shared = situation([1, 0, 0, 0], (1, 2, 3))
+    shared = situation([1, 0, 0, 0], stays=[1, 2, 3])
     assert part(OPEN, shared, shared.cells).tolist() == [1, 4, 0, 0]
-    closed = situation([1, 0, 0], (1, 2), (4,))
+    closed = situation([1, 0, 0], stays=[1, 2], closed=[4])
     assert part(OPEN, closed, np.array([2, 0, 0])).tolist() == [2, 0, 0]
     planner = Waits()
     env = fleet_of(ROOM, 2, orders=[Order(0, 50, (1, 1), (3, 6))], starts=[(1, 1), (1, 2)])
@@ -303,33 +291,28 @@ def test_of_robots_that_share_a_cell_the_first_leaves_it_if_it_can() -> None:
     assert planner.seen[0].stays.tolist() == [True, True]
 
 
-def test_a_planner_that_fails_stops_the_shift_or_loses_its_step() -> None:
-    def fail(situation: Situation) -> Integers:
-        if len(planner.seen) == 3:
-            raise ValueError("no way")
-        return situation.cells
+def fail(situation: Situation) -> Integers:
+    raise ValueError("no way")
 
-    planner = Does(fail)
-    message = r"^seed 7, step 3, agent mine: ValueError: no way \(test_planned.py, line \d+\)$"
-    with pytest.raises(EpisodeError, match=message):
-        run(fleet_of(ROOM), PlannedFleet(planner), 7, name="mine")
+
+@pytest.mark.parametrize(
+    ("fault", "message"),
+    [
+        (fail, r"ValueError: no way \(test_planned.py, line \d+\)"),
+        (lambda given: given.cells * 0 + given.cells[0], "PlanError: robots 0 and 1 are both .*"),
+    ],
+)
+def test_a_fault_of_a_planner_stops_the_shift_or_loses_its_step(
+    fault: Callable[[Situation], Integers], message: str
+) -> None:
+    planner = Does(lambda given: fault(given) if len(planner.seen) == 3 else given.cells)
+    env = fleet_of(ROOM, starts=[(2, 3), (2, 4)])
+    with pytest.raises(EpisodeError, match=f"^seed 7, step 3, agent mine: {message}$"):
+        run(env, PlannedFleet(planner), 7, name="mine")
     agent = PlannedFleet(planner, goes_on=True)
-    episode = run(fleet_of(ROOM), agent, 7, name="mine")
-    assert episode.steps == 60
+    assert run(env, agent, 7, name="mine").steps == 60
     assert [step for step, _ in agent.lost] == list(range(3, 61, 3))  # it is reset each time
-    assert re.fullmatch(r"ValueError: no way \(test_planned.py, line \d+\)", agent.lost[0][1])
-
-
-def test_a_plan_that_collides_stops_the_shift_or_loses_its_step() -> None:
-    planner = Does(lambda situation: situation.cells * 0 + situation.cells[0])
-    starts = [(2, 3), (2, 4)]
-    with pytest.raises(
-        EpisodeError, match=r"step 1, agent mine: PlanError: robots 0 and 1 are both"
-    ):
-        run(fleet_of(ROOM, starts=starts), PlannedFleet(planner), 7, name="mine")
-    agent = PlannedFleet(planner, goes_on=True)
-    run(fleet_of(ROOM, starts=starts, max_steps=5), agent, 7, name="mine")
-    assert len(agent.lost) == 5
+    assert re.fullmatch(message, agent.lost[0][1])
 
 
 def test_a_plan_that_takes_too_long_is_cut_off() -> None:
@@ -376,27 +359,20 @@ def test_planners_and_agents_of_a_user_are_told_apart(tmp_path: Path) -> None:
             make_fleet_agent(name, assignment, 1, ROOM)
     with pytest.raises(AgentError, match=re.escape("has act(), so its plans are not known")):
         make_fleet_agent(f"{mine}:Acts", None, 1, ROOM, log=PlanLog([0]))
-    assert hasattr(make_planner("pibt-lanes:wrong_way=3", 1, ROOM), "next_cells")
 
 
 def test_chargers_that_suffice_keep_all_robots_going() -> None:
     layout = shelf_layout(4, 3, 5, 2, 2, seed=1, pickups=12, dropoffs=6, chargers=4)
-    for seed in range(1):
-        env = fleet_of(layout, 24, orders=OrderQueue(48), battery=400, max_steps=900)
-        measures = record_fleet_episode(
-            env, make_fleet_agent("pibt", None, seed, layout), seed=seed
-        ).measures
-        assert measures.stranded == 0
-        assert measures.delivered > 180
-    assert Chargers(env, Graph(layout)).home.min() == 0
+    env = fleet_of(layout, 24, orders=OrderQueue(48), battery=400, max_steps=900)
+    agent = make_fleet_agent("pibt", None, 0, layout)
+    measures = record_fleet_episode(env, agent, seed=0).measures
+    assert measures.stranded == 0
+    assert measures.delivered > 180
 
 
 def test_robots_on_the_way_to_a_charger_are_urgent() -> None:
     planner = Waits()
-    with closing(
-        FleetEnv(LINE, 1, starts=[(0, 8)], orders=0.0, battery=40, max_steps=12, dispatch=False)
-    ) as env:
-        record_fleet_episode(env, PlannedFleet(planner), seed=0)
+    env = fleet_of(LINE, 1, starts=[(0, 8)], orders=0.0, battery=40, max_steps=12)
+    record_fleet_episode(env, PlannedFleet(planner), seed=0)
     urgent = [each.urgent.tolist() for each in planner.seen]
-    assert urgent[0] == []
-    assert urgent[-1] == [0]
+    assert (urgent[0], urgent[-1]) == ([], [0])

@@ -1,6 +1,7 @@
 """Shifts of planned fleets do what is recorded of them, so that no change alters a plan unseen.
 
-What a planner weighs against what is a matter of constants: each moves some robot in some shift.
+Planners weigh distances, waits and charge by constants: doubling nearly any of them moves a robot
+in one of these shifts.
 After a change that is meant to alter plans, ``python tests/agents/fleet/test_recorded_shifts.py``
 writes the record anew, and its difference shows what the change has done to fleets.
 """

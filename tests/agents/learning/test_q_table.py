@@ -41,11 +41,8 @@ def test_a_table_is_read_back_from_its_file(saved: Path) -> None:
     assert walls.tolist() == [[False, True, False], [False, False, False]]
     assert isinstance(again, QTable)
     assert all(isinstance(loaded, bool) for _, _, loaded in again)
-
-
-def test_an_empty_table_is_read_back(tmp_path: Path) -> None:
-    save_table(QTable(), ROOM, tmp_path / "table.npz")
-    assert load_table(tmp_path / "table.npz")[0] == {}
+    save_table(QTable(), ROOM, saved)
+    assert load_table(saved)[0] == {}
 
 
 def test_the_file_holds_plain_arrays(saved: Path) -> None:
@@ -90,9 +87,7 @@ def test_a_file_of_something_else_is_an_error(
 
 
 def test_a_damaged_file_is_an_error(saved: Path) -> None:
-    data = saved.read_bytes()
-    for damaged in (b"", b"what is this?", data[:-30], data[: len(data) // 2]):
-        saved.write_bytes(damaged)
-        refusal(saved)
+    saved.write_bytes(saved.read_bytes()[:-30])
+    refusal(saved)
     with pytest.raises(OSError, match="No such file"):
         load_table(saved.with_name("missing.npz"))

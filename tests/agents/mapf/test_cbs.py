@@ -1,7 +1,7 @@
 """Costs by brute force are those of conflict-based search; its tree explains them."""
 
 import pytest
-from helpers.mapf_problems import random_problem, random_problems, smallest_cost
+from helpers.mapf_problems import problem_of, random_problem, random_problems, smallest_cost
 from helpers.mapf_runs import check_solver
 
 from agents.errors import PlanError
@@ -12,10 +12,6 @@ from warehouse_core import Layout, random_layout
 from warehouse_physics import RigidBodyMotion
 
 SECONDS = 30.0
-
-
-def tree_of(rows: list[str], starts: list[int], goals: list[int]) -> ConflictTree:
-    return ConflictTree(Problem(Graph(Layout(rows)), starts, goals))
 
 
 def test_costs_are_the_smallest() -> None:
@@ -39,14 +35,14 @@ def test_plans_are_valid(seed: int) -> None:
 def test_robots_that_cross_a_wide_floor_take_few_nodes() -> None:
     """All their shortest ways meet: without the pairs of MDDs there are thousands of nodes."""
     rows = ["." * 12] * 12
-    tree = tree_of(rows, [0 * 12 + 1, 1 * 12 + 0], [11 * 12 + 9, 9 * 12 + 11])
+    tree = ConflictTree(problem_of(rows, [0 * 12 + 1, 1 * 12 + 0], [11 * 12 + 9, 9 * 12 + 11]))
     assert tree.solve(SECONDS).sum_of_costs == 19 + 19 + 1
     assert len(tree.nodes) < 10
 
 
 def test_a_robot_in_its_goal_lets_another_pass() -> None:
     """Robot 1 is in its goal at first, but leaves it; it must not end there before."""
-    tree = tree_of([".....", "##.##"], [0, 2], [4, 2])
+    tree = ConflictTree(problem_of([".....", "##.##"], [0, 2], [4, 2]))
     assert tree.solve(SECONDS).sum_of_costs == 4 + 3
     root, *others = tree.nodes
     assert root.parent is None
@@ -67,4 +63,4 @@ def test_lanes_do_not_change_the_cost() -> None:
 @pytest.mark.parametrize("seconds", [0, 0.05])
 def test_the_time_limit_is_said(seconds: float) -> None:
     with pytest.raises(PlanError, match=f"no plan in {seconds:g} s and .* of the conflict tree"):
-        tree_of(["...."], [0, 3], [3, 0]).solve(seconds)
+        ConflictTree(problem_of(["...."], [0, 3], [3, 0])).solve(seconds)

@@ -11,39 +11,11 @@ from warehouse_core import Layout, random_layout
 ROOM = Layout(["..#.", "....", "##.#"])
 
 
-def bellman_ford(layout: Layout, costs: np.ndarray, goal: int) -> np.ndarray:
-    """Return the distances to a goal by relaxing every move until nothing changes."""
-    found = np.full(layout.height * layout.width, np.inf)
-    found[goal] = 0
-    while True:
-        before = found.copy()
-        for row in range(layout.height):
-            for col in range(layout.width):
-                for action, (down, right) in enumerate([(-1, 0), (0, 1), (1, 0), (0, -1)]):
-                    here, there = (row, col), (row + down, col + right)
-                    if layout.is_open(here) and layout.is_open(there):
-                        cell, to = row * layout.width + col, there[0] * layout.width + there[1]
-                        found[cell] = min(found[cell], costs[cell, action] + found[to])
-        if (found == before).all():
-            return found
-
-
 def test_neighbours_are_north_east_south_west_and_the_cell_itself() -> None:
     graph = Graph(ROOM)
     assert graph.neighbours[5].tolist() == [1, 6, CLOSED, 4, 5]
     assert graph.neighbours[0].tolist() == [CLOSED, 1, 4, CLOSED, 0]
     assert graph.neighbours[2].tolist() == [CLOSED] * 5
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_distances_are_those_of_another_algorithm(seed: int) -> None:
-    """Costs are of the moves towards the goal, not away from it."""
-    layout = random_layout(7, 9, 0.3, seed)
-    costs = np.random.default_rng(seed).integers(1, 9, (63, 4)).astype(np.float32)
-    goal = int(layout.open_cells[seed])
-    for given in (costs, None):
-        expected = bellman_ford(layout, np.ones((63, 4)) if given is None else given, goal)
-        assert Graph(layout, given).distances(goal).tolist() == expected.tolist()
 
 
 def test_fields_that_were_not_used_lately_are_dropped(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,6 +5,7 @@ from itertools import permutations, product
 
 import numpy as np
 import pytest
+from helpers.mapf_problems import problem_of
 from helpers.mapf_validator import plan_conflict, step_conflict
 
 from agents.errors import PlanError
@@ -12,14 +13,10 @@ from agents.mapf.graph import Graph
 from agents.mapf.lacam import lacam
 from agents.mapf.lanes import lane_costs
 from agents.mapf.problem import Problem
-from warehouse_core import Layout, random_layout
+from warehouse_core import random_layout
 
 SHORT = 30.0
 """Seconds; more than any of these takes."""
-
-
-def problem_of(rows: list[str], starts: list[int], goals: list[int]) -> Problem:
-    return Problem(Graph(Layout(rows)), starts, goals)
 
 
 def reachable(rows: list[str], starts: tuple[int, ...]) -> set[tuple[int, ...]]:

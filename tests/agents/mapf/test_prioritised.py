@@ -1,38 +1,18 @@
 """Prioritised planning, once and in windows."""
 
-from collections.abc import Sequence
-
-import numpy as np
 import pytest
-from helpers.mapf_problems import random_problem, random_problems
+from helpers.mapf_problems import problem_of, random_problem, random_problems, situation
 from helpers.mapf_runs import check_planner, check_solver
 from helpers.mapf_validator import step_conflict
 
 from agents.errors import PlanError
 from agents.mapf.graph import Graph
-from agents.mapf.planner import Situation
 from agents.mapf.prioritised import WindowedPlanner, solve_prioritised
-from agents.mapf.problem import Problem
 from warehouse_core import Layout, random_layout
 from warehouse_physics import RigidBodyMotion
 
 BAY = ["....", "#.##"]
 """Cells 0 to 3 in a row, and the bay 5 below 1."""
-
-
-def problem_of(rows: list[str], starts: list[int], goals: list[int]) -> Problem:
-    return Problem(Graph(Layout(rows)), starts, goals)
-
-
-def situation(
-    cells: Sequence[int],
-    goals: Sequence[int],
-    stays: Sequence[int] = (),
-    closed: Sequence[int] = (),
-) -> Situation:
-    """Return a situation in which the robots of these numbers stay."""
-    flags = np.isin(np.arange(len(cells)), list(stays))
-    return Situation(np.array(cells), np.array(goals), flags, np.array(closed, int))
 
 
 def test_plans_of_random_problems_are_valid() -> None:

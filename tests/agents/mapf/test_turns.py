@@ -7,7 +7,6 @@ import pytest
 
 from agents.errors import AgentError, PlanError
 from agents.mapf.graph import Graph
-from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import NO_CELLS, Planner, Situation, check_step
@@ -15,6 +14,8 @@ from agents.mapf.prioritised import WindowedPlanner
 from agents.mapf.problem import Problem
 from agents.registry import make_planner
 from warehouse_core import Layout, random_layout
+from warehouse_core.world.actions import DISPLACEMENTS
+from warehouse_core.world.tiles import moved
 
 NORTH, EAST, SOUTH, WEST = range(4)
 HALL = Layout(["......"] * 6)
@@ -24,33 +25,33 @@ PLANNERS = [
 ]
 
 
-def relaxed(graph: Graph, goal: int, turn_cost: float) -> np.ndarray:
+def relaxed(layout: Layout, costs: np.ndarray, goal: int, turn_cost: float) -> np.ndarray:
     """Return the distances ``[4, H * W]`` by relaxing all moves until nothing changes."""
-    costs = np.ones((graph.size, 4)) if graph.costs is None else graph.costs
-    found = np.full((4, graph.size), np.inf)
+    found = np.full((4, layout.height * layout.width), np.inf)
     found[:, goal] = 0
     while True:
         before = found.copy()
-        for heading, cell, move in product(range(4), range(graph.size), range(4)):
-            to = graph.neighbours[cell, move]
-            if to >= 0:
+        for heading, cell, move in product(range(4), layout.open_cells.tolist(), range(4)):
+            there = moved(layout.cell(cell), DISPLACEMENTS[move])
+            if layout.is_open(there):
                 quarters = min((heading - move) % 4, (move - heading) % 4)
-                cost = costs[cell, move] + quarters * turn_cost + found[move, to]
+                cost = costs[cell, move] + quarters * turn_cost + found[move, layout.number(there)]
                 found[heading, cell] = min(found[heading, cell], cost)
         if (found == before).all():
             return found
 
 
-@pytest.mark.parametrize("turn_cost", [1, 0.5, 2.5])
-@pytest.mark.parametrize("on_lanes", [False, True])
-def test_distances_count_turns(turn_cost: float, on_lanes: bool) -> None:
-    layout = random_layout(6, 7, 0.25, seed=3)
-    graph = Graph(layout, lane_costs(layout, 3) if on_lanes else None, turn_cost)
-    goal = int(layout.open_cells[2])
-    found = graph.distances(goal).reshape(4, -1)
-    assert found[:, layout.open_cells].tolist() == (
-        relaxed(graph, goal, turn_cost)[:, layout.open_cells].tolist()
-    )
+@pytest.mark.parametrize("turn_cost", [0, 1, 0.5, 2.5])
+@pytest.mark.parametrize("seed", range(3))
+def test_distances_are_those_of_another_algorithm(turn_cost: float, seed: int) -> None:
+    """Costs are of the moves towards the goal, not away from it."""
+    layout = random_layout(6, 7, 0.25, seed)
+    some = np.random.default_rng(seed).integers(1, 9, (42, 4)).astype(np.float32)
+    goal = int(layout.open_cells[seed])
+    for costs in (some, None):
+        found = Graph(layout, costs, turn_cost).distances(goal).reshape(-1, 42)
+        expected = relaxed(layout, np.ones((42, 4)) if costs is None else costs, goal, turn_cost)
+        assert found.tolist() == expected[: len(found)].tolist()
 
 
 def test_a_cheapest_way_has_the_fewest_turns() -> None:

@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 
-from agents.registry import make_agent
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from warehouse_core import (
     DEFAULT_LAYOUT,
@@ -62,12 +61,12 @@ def maze(size: int, seed: int) -> Layout:
     return Layout(["".join(".#"[(row, col) not in tiles] for col in cells) for row in cells])
 
 
-@pytest.mark.parametrize("algorithm", EXACT)
-def test_a_delivery_takes_the_fewest_steps(algorithm: str) -> None:
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_a_delivery_takes_the_fewest_steps_where_they_are_promised(algorithm: str) -> None:
     for seed, layout in enumerate(layouts(20)):
         episode = run(SearchAgent(layout, algorithm), layout, seed)
         assert episode.outcome == DELIVERED
-        assert episode.steps == fewest(episode)
+        assert episode.steps == fewest(episode) or algorithm not in EXACT
 
 
 def test_without_random_stations_those_of_the_layout_are_used() -> None:
@@ -90,13 +89,6 @@ def test_a_plan_that_saves_energy_carries_the_item_a_shorter_distance() -> None:
     assert episodes["joules"].actions[:3] == ["E", "E", "E"]
     assert episodes["joules"].steps > episodes["steps"].steps
     assert episodes["joules"].joules < episodes["steps"].joules
-
-
-@pytest.mark.parametrize("name", [*ALGORITHMS, "exploring"])
-def test_every_searching_agent_delivers(name: str) -> None:
-    for seed in range(8):
-        episode = run(make_agent(name, seed, DEFAULT_LAYOUT), DEFAULT_LAYOUT, seed)
-        assert episode.outcome == DELIVERED
 
 
 def test_an_agent_plans_once_and_follows_the_plan() -> None:
@@ -133,6 +125,7 @@ def test_an_agent_that_is_off_its_plan_makes_a_new_one() -> None:
         agent.reset()
         for step in range(30):
             if step == 1:
+                first = agent.expanded
                 env.state.robot_pos = (2, 5)
                 observation = env.observe()
             observation, _, delivered, _, _ = env.step(agent.act(observation))
@@ -140,6 +133,9 @@ def test_an_agent_that_is_off_its_plan_makes_a_new_one() -> None:
                 break
         assert delivered
         assert agent.plans >= 2
+        assert agent.expanded > first > 0
+        agent.reset()
+        assert agent.expanded == agent.plans == 0
 
 
 def test_the_reasons_are_a_new_plan_and_then_following_it() -> None:
@@ -163,19 +159,6 @@ def test_the_agent_delivers_with_random_stations_on_a_layout_with_stations() -> 
     env, agent = WarehouseEnv(layout, (3, 0)), SearchAgent(layout)
     for seed in range(100):  # one environment, so new stations may be on the cells of old ones
         assert record_episode(env, agent, seed=seed).outcome == DELIVERED
-
-
-def test_expansions_are_counted_over_all_plans_of_an_episode() -> None:
-    layout = Layout(["#######", "#P....#", "#.....#", "#....D#", "#######"])
-    env, agent = WarehouseEnv(layout, (3, 1)), SearchAgent(layout)
-    agent.act(env.reset())
-    first = agent.expanded
-    env.state.robot_pos = (2, 5)
-    agent.act(env.observe())
-    assert agent.plans == 2
-    assert agent.expanded > first
-    agent.reset()
-    assert agent.expanded == agent.plans == 0
 
 
 def test_a_robot_without_a_view_tries_a_failed_move_again_and_gives_up_in_the_end() -> None:

@@ -3,6 +3,7 @@
 import math
 import random
 from collections.abc import Callable
+from dataclasses import replace
 
 import networkx as nx
 import pytest
@@ -33,6 +34,8 @@ SEARCHES: dict[str, Search] = {
     "weighted A*": lambda problem: weighted_astar_search(problem, zero, 2.0),
 }
 over_searches = pytest.mark.parametrize("search", SEARCHES.values(), ids=SEARCHES)
+
+ROUTES = 300
 
 VIA_PITESTI = ("Arad", "Sibiu", "Rimnicu Vilcea", "Pitesti", "Bucharest")
 VIA_FAGARAS = ("Arad", "Sibiu", "Fagaras", "Bucharest")
@@ -86,11 +89,6 @@ def test_greedy_search_goes_through_fagaras() -> None:
     found = greedy_best_first_search(romania(), straight_line, with_events=True)
     assert (found.states, found.cost) == (VIA_FAGARAS, 450)
     assert expanded(found) == ["Arad", "Sibiu", "Fagaras"]
-
-
-def test_breadth_first_search_finds_the_fewest_cities_and_returns_the_miles() -> None:
-    found = breadth_first_search(romania())
-    assert (found.states, found.cost) == (VIA_FAGARAS, 140 + 99 + 211)
 
 
 def test_uniform_cost_search_finds_the_shortest_path_and_expands_the_nearest_first() -> None:
@@ -171,12 +169,9 @@ def test_a_negative_cost_is_an_error(road: tuple[str, str], cost: float) -> None
     for search in (uniform_cost_search, lambda problem: astar_search(problem, zero)):
         with pytest.raises(ValueError, match=f"'{road[1]}' in '{road[0]}' costs {cost}; at least"):
             search(problem)
-
-
-def test_a_negative_cost_is_an_error_even_if_rounding_removes_it() -> None:
-    roads = {("S", "A"): 1e20, ("A", "G"): -1.0}
+    is_lost_in_rounding = Travel({("S", "A"): 1e20, ("A", "G"): -1.0}, "S", "G")
     with pytest.raises(ValueError, match=r"'G' in 'A' costs -1\.0; at least 0"):
-        uniform_cost_search(Travel(roads, "S", "G"))
+        uniform_cost_search(is_lost_in_rounding)
 
 
 def test_roads_without_cost_may_form_cycles() -> None:
@@ -200,19 +195,6 @@ def test_the_evaluation_is_the_path_cost_plus_the_weighted_estimate() -> None:
     assert weighted(lambda city: math.inf, 0.0)("Sibiu", 140.0) == 140, "not 0 times infinity"
 
 
-def test_weight_0_is_uniform_cost_search_and_infinity_is_greedy() -> None:
-    stream = random.Random(1)
-    for _ in range(60):
-        _, problem = random_route(stream)
-        estimate = manhattan(problem)
-        for weight, same in (
-            (0.0, uniform_cost_search(problem, with_events=True)),
-            (1.0, astar_search(problem, estimate, with_events=True)),
-            (math.inf, greedy_best_first_search(problem, estimate, with_events=True)),
-        ):
-            assert weighted_astar_search(problem, estimate, weight, with_events=True) == same
-
-
 def test_weighted_astar_costs_at_most_the_weight_times_the_optimum() -> None:
     stream = random.Random(2)
     dearer = 0
@@ -226,24 +208,31 @@ def test_weighted_astar_costs_at_most_the_weight_times_the_optimum() -> None:
     assert dearer, "every path was optimal"
 
 
-def test_the_path_of_every_algorithm_is_valid() -> None:
+def test_the_paths_of_all_algorithms_are_valid_and_as_short_as_they_promise() -> None:
+    """Against networkx; some goals cannot be reached."""
     stream = random.Random(4)
-    for _ in range(150):
+    unreachable = 0
+    for _ in range(ROUTES):
         rows, problem = random_route(stream)
-        estimate = manhattan(problem)
-        for found in (
+        estimate, graph = manhattan(problem), route_graph(rows)
+        shortest = (
             breadth_first_search(problem),
             uniform_cost_search(problem),
-            greedy_best_first_search(problem, estimate),
             astar_search(problem, estimate),
-            weighted_astar_search(problem, estimate, 1.7),
-        ):
-            if found.found:
-                done = replay_route(rows, problem.initial, problem.goal, found.actions)
-                assert done.errors == []
-                assert (done.cost, tuple(done.places)) == (found.cost, found.states)
-            else:
-                assert not nx.has_path(route_graph(rows), problem.initial, problem.goal)
+        )
+        greedy = greedy_best_first_search(problem, estimate)
+        solutions = *shortest, greedy, weighted_astar_search(problem, estimate, 1.7)
+        if not nx.has_path(graph, problem.initial, problem.goal):
+            unreachable += 1
+            assert not any(found.found for found in solutions)
+            continue
+        least = nx.shortest_path_length(graph, problem.initial, problem.goal)
+        assert [found.cost for found in shortest] == [least] * 3
+        for found in solutions:
+            done = replay_route(rows, problem.initial, problem.goal, found.actions)
+            assert done.errors == []
+            assert (done.cost, tuple(done.places)) == (found.cost, found.states)
+    assert ROUTES / 10 < unreachable < ROUTES / 2
 
 
 def test_every_expansion_is_an_event() -> None:
@@ -268,14 +257,10 @@ def test_every_expansion_is_an_event() -> None:
 
 
 def test_events_are_only_recorded_on_request() -> None:
-    problem = romania()
     for search in (breadth_first_search, uniform_cost_search):
-        bare, full = search(problem), search(problem, with_events=True)
-        assert bare.events == ()
+        full = search(romania(), with_events=True)
         assert len(full.events) == full.expanded
-        assert (bare.states, bare.generated, bare.expanded) == (
-            full.states, full.generated, full.expanded,
-        )  # fmt: skip
+        assert search(romania()) == replace(full, events=())
 
 
 def test_breadth_first_search_finds_the_fewest_actions_regardless_of_cost() -> None:

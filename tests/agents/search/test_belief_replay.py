@@ -1,5 +1,6 @@
 """The replay of the world beside the belief of the exploring agent."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,13 +10,8 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from agents.search.agents import ExploringAgent
-from agents.search.belief_replay import (
-    Insight,
-    belief_tracks,
-    believed_tiles,
-    record_beliefs,
-)
-from warehouse_core import DEFAULT_LAYOUT, Episode, Layout, WarehouseEnv, record_episode
+from agents.search.belief_replay import Insight, belief_tracks, believed_tiles, record_beliefs
+from warehouse_core import DEFAULT_LAYOUT, Cell, Episode, Layout, WarehouseEnv, record_episode
 from warehouse_core.render.palette import INK, UNKNOWN
 from warehouse_core.viz.replay import Replay, replay_of_tracks
 from warehouse_core.viz.tracks.record_track import track_of_record
@@ -46,11 +42,12 @@ def unknown_share(image: NDArray[np.int64]) -> tuple[float, float]:
 # Recorded beliefs.
 
 
-def test_recording_beliefs_does_not_change_the_episode() -> None:
-    env, again = (WarehouseEnv(DETOUR, (3, 3), view_radius=1) for _ in range(2))
-    alone = record_episode(env, ExploringAgent(), seed=3)
-    watched, history = record_beliefs(again, ExploringAgent(), seed=3)
-    assert watched == alone
+def test_recording_beliefs_does_not_change_the_episode_and_is_repeated() -> None:
+    agent = ExploringAgent()
+    one, other, third = (WarehouseEnv(DETOUR, (3, 3), view_radius=1) for _ in range(3))
+    watched, history = record_beliefs(one, agent, seed=3)
+    assert (watched, history) == record_beliefs(other, agent, seed=3)
+    assert watched == record_episode(third, agent, seed=3)
     assert watched.agent == "ExploringAgent"
     assert set(watched.reasons) > {"is there"}
     assert len(history) == watched.steps
@@ -69,12 +66,6 @@ def test_each_cell_of_the_belief_is_in_exactly_one_insight() -> None:
     assert len(history[1].seen) <= 3
 
 
-def test_a_second_recording_with_the_same_agent_is_equal() -> None:
-    agent, env = ExploringAgent(), WarehouseEnv(DETOUR, (3, 3), view_radius=1)
-    once, again = (record_beliefs(env, agent, seed=3, randomize=False) for _ in range(2))
-    assert once == again
-
-
 def test_the_route_leads_from_the_robot_to_its_goal() -> None:
     episode, history = explored()
     for cell, loaded, insight in zip(episode.cells, episode.loaded, history, strict=False):
@@ -87,11 +78,25 @@ def test_the_route_leads_from_the_robot_to_its_goal() -> None:
 # Tiles of the belief.
 
 
-def test_at_first_only_the_view_and_the_two_stations_are_known() -> None:
-    _, history = explored()
-    first = believed_tiles(DETOUR, history)[0]
-    assert first == ("?????????", "?????????", "??###????", "?P...??D?", "??...????", "?????????")
-    assert len(history[0].seen) == 9
+@pytest.mark.parametrize(
+    ("rows", "start", "tiles", "seen"),
+    [
+        (DETOUR.rows, (3, 3), "????????? ????????? ??###???? ?P...??D? ??...???? ?????????", 9),
+        # Row -1 is outside the grid; as an index it would be the last row.
+        (["P....", ".....", "....D"], (0, 0), "P.??? ..??? ????D", 4),
+        (["PC..C", ".....", "C...D"], (0, 0), "PC??? ..??? ????D", 4),
+        # Observations name the first station of each kind.
+        (["########", "#P....P#", "#D....D#", "########"], (1, 1),
+         "###????? #P.????? #D.????? ????????", 9),
+    ],
+)  # fmt: skip
+def test_at_first_only_the_view_and_two_stations_are_known(
+    rows: Sequence[str], start: Cell, tiles: str, seen: int
+) -> None:
+    env = WarehouseEnv(rows, start, view_radius=1)
+    _, history = record_beliefs(env, ExploringAgent(), randomize=False)
+    assert believed_tiles(env.layout, history)[0] == tuple(tiles.split())
+    assert sum(cell[0] >= 0 <= cell[1] for cell in history[0].seen) == seen
 
 
 def test_seen_tiles_are_correct_and_stay_known() -> None:
@@ -105,31 +110,9 @@ def test_seen_tiles_are_correct_and_stay_known() -> None:
         before = now
 
 
-def test_walls_outside_the_grid_are_not_drawn_on_the_opposite_side() -> None:
-    """Row -1 is outside the grid; as an index it would be the last row."""
-    room = Layout(["P....", ".....", "....D"])
-    env = WarehouseEnv(room, (0, 0), view_radius=1)
-    _, history = record_beliefs(env, ExploringAgent(), randomize=False)
-    assert believed_tiles(room, history)[0] == ("P.???", "..???", "????D")
-    assert len(history[0].seen) == 4
-
-
-def test_chargers_in_view_are_drawn() -> None:
-    room = Layout(["PC..C", ".....", "C...D"])
-    env = WarehouseEnv(room, (0, 0), view_radius=1)
-    _, history = record_beliefs(env, ExploringAgent(), randomize=False)
-    assert believed_tiles(room, history)[0] == ("PC???", "..???", "????D")
-
-
 def test_the_tiles_are_the_same_object_until_a_new_cell_is_seen() -> None:
     _, history = explored(view_radius=9)
     assert len({id(rows) for rows in believed_tiles(DETOUR, history)}) == 1
-
-
-def test_a_second_station_that_has_not_been_seen_is_unknown() -> None:
-    two = Layout(["########", "#P....P#", "#D....D#", "########"])
-    _, history = explored(two)
-    assert believed_tiles(two, history)[0] == ("###?????", "#P.?????", "#D.?????", "????????")
 
 
 # Tracks and pictures.
@@ -202,7 +185,7 @@ def test_the_belief_leads_and_the_charts_are_below_the_world(backend: str) -> No
     assert all(box.y1 < world.y0 and box.x0 >= world.x0 for box in charts)
 
 
-def test_the_sentence_of_the_plan_is_above_the_belief() -> None:
+def test_the_plan_its_sentence_and_the_legend_are_drawn() -> None:
     shown = replay()
     shown.go_to(0)
     [sentence] = [text for text in shown.figure.texts if "cells seen" in text.get_text()]
@@ -210,11 +193,6 @@ def test_the_sentence_of_the_plan_is_above_the_belief() -> None:
     belief = shown.figure.axes[0].get_window_extent()
     assert belief.y1 < box.y0
     assert belief.x0 <= box.x0 < box.x1 <= belief.x1
-
-
-def test_the_plan_is_drawn_from_the_robot_to_the_goal() -> None:
-    shown = replay()
-    shown.go_to(0)
     [dots] = [
         line
         for line in shown.figure.findobj(Line2D)
@@ -223,11 +201,8 @@ def test_the_plan_is_drawn_from_the_robot_to_the_goal() -> None:
     assert dots.get_xydata()[-1].tolist() == [1.5, 3.5]
     shown.show_end()
     assert len(dots.get_xydata()) == 0
-
-
-def test_the_legend_explains_the_stripes_and_the_dots() -> None:
-    found = [text.get_text() for text in replay().figure.findobj(Text)]
-    assert found.count("not seen yet") == found.count("plan") == 1
+    said = [text.get_text() for text in shown.figure.findobj(Text)]
+    assert said.count("not seen yet") == said.count("plan") == 1
 
 
 def test_the_history_of_another_episode_is_an_error() -> None:

@@ -5,11 +5,12 @@ from collections.abc import Sequence
 import pytest
 
 from agents.search.algorithms import astar_search
-from agents.search.costs import COSTS, JOULES, ONE_EACH, SECONDS, STEPS, ActionCosts, action_costs
+from agents.search.costs import JOULES, ONE_EACH, SECONDS, STEPS, ActionCosts, action_costs
 from agents.search.heuristics import manhattan_delivery
 from agents.search.problems import DeliveryProblem
 from warehouse_core import Cell, Layout, Outcome, WarehouseEnv
 from warehouse_core.errors import BackendError
+from warehouse_core.motion.backends import Backend
 from warehouse_core.motion.grid import GridMotion, nominal_joules
 
 LANE = Layout(["##########", "#...P...D#", "##########"])
@@ -36,29 +37,19 @@ def test_the_cost_of_a_pick_on_the_physics_backend_is_that_of_the_robot_spec() -
     assert action_costs(JOULES)[2:] == pytest.approx((spec.dwell * spec.idle_power,) * 2)
 
 
-def test_the_grid_backend_has_nominal_costs() -> None:
-    assert action_costs(SECONDS, "grid") == (1, 1, 1, 1)
-    moving, standing = (nominal_joules(1.0, moving=moving) for moving in (True, False))
-    assert action_costs(JOULES, "grid") == (moving, moving, standing, standing)
+@pytest.mark.parametrize(("backend", "size"), [("grid", 1.0), (GridMotion(2.0), 2.0)])
+def test_the_grid_backend_has_nominal_costs(backend: Backend, size: float) -> None:
+    assert action_costs(SECONDS, backend) == (1, 1, 1, 1)
+    moving, standing = (nominal_joules(size, moving=moving) for moving in (True, False))
+    assert action_costs(JOULES, backend) == (moving, moving, standing, standing)
     assert moving > standing
 
 
-@pytest.mark.parametrize("measure", ["metres", ""])
-def test_an_unknown_measure_is_an_error(measure: str) -> None:
-    message = f"cost is '{measure}'; allowed: steps, seconds, joules"
-    with pytest.raises(ValueError, match=message):
-        action_costs(measure)
-    assert COSTS == (STEPS, SECONDS, JOULES)
-
-
-def test_an_unknown_backend_is_an_error() -> None:
+def test_unknown_measures_and_backends_are_errors() -> None:
+    with pytest.raises(ValueError, match="cost is 'metres'; allowed: steps, seconds, joules"):
+        action_costs("metres")
     with pytest.raises(BackendError, match="no backend is called 'hover'"):
         action_costs(SECONDS, "hover")
-
-
-def test_a_backend_object_with_another_cell_size_is_measured() -> None:
-    moving, standing = (nominal_joules(2.0, moving=moving) for moving in (True, False))
-    assert action_costs(JOULES, GridMotion(2.0)) == (moving, moving, standing, standing)
 
 
 class SlowToStart(GridMotion):

@@ -18,7 +18,7 @@ SPLIT = Layout(["#######", "#..#..#", "#..#..#", "#######"])
 def course(layout: Layout, start: Cell, goal: Cell, weight: float) -> SearchCourse:
     problem = RouteProblem(layout, start, goal)
     found = weighted_astar_search(problem, manhattan(problem), weight, with_events=True)
-    return SearchCourse(f"W = {weight:g}", layout, start, found)
+    return SearchCourse(f"W = {weight:g}", layout, (start, goal), found)
 
 
 SEARCHES = [
@@ -34,7 +34,7 @@ def test_the_marks_are_those_of_the_search(
     layout: Layout, start: Cell, goal: Cell, weight: float
 ) -> None:
     shown = course(layout, start, goal, weight)
-    marks = track_of_course(shown, goal).marks
+    marks = track_of_course(shown).marks
     assert marks is not None
     assert marks.ends == (start, goal)
     assert list(marks.times) == sorted(marks.times)
@@ -58,7 +58,7 @@ def test_the_marks_are_those_of_the_search(
 def test_frames_count_what_is_expanded_and_end_with_the_path() -> None:
     layout, start, goal, weight = SEARCHES[1]
     shown = course(layout, start, goal, weight)
-    track = track_of_course(shown, goal)
+    track = track_of_course(shown)
     assert [frame.clock for frame in track.frames] == list(range(len(shown) + 1))
     assert track.frames[0].caption == "expanded 0, frontier 1"
     last = track.frames[-1]
@@ -73,7 +73,7 @@ def test_frames_count_what_is_expanded_and_end_with_the_path() -> None:
 def test_a_long_search_has_few_frames() -> None:
     layout, start, goal, weight = SEARCHES[-1]
     shown = course(layout, start, goal, weight)
-    track = track_of_course(shown, goal)
+    track = track_of_course(shown)
     assert len(shown) > 500
     assert len(track) == 300
     assert track.frames[-1].clock == len(shown)
@@ -81,6 +81,6 @@ def test_a_long_search_has_few_frames() -> None:
 
 
 def test_without_a_path_there_is_none_to_draw() -> None:
-    track = track_of_course(course(*SEARCHES[4]), (2, 5))
+    track = track_of_course(course(*SEARCHES[4]))
     assert track.frames[-1].caption.endswith("no path")
-    assert not track.has_routes
+    assert not any(frame.route for frame in track.frames)

@@ -35,14 +35,15 @@ def solve(layout: Layout, start: Cell, goal: Cell, weight: float) -> Solution[Ce
 def course(
     weight: float, layout: Layout = HALL, start: Cell = START, goal: Cell = GOAL
 ) -> SearchCourse:
-    return SearchCourse(f"W = {weight:g}", layout, start, solve(layout, start, goal, weight))
+    solution = solve(layout, start, goal, weight)
+    return SearchCourse(f"W = {weight:g}", layout, (start, goal), solution)
 
 
 def replay(
     *weights: float, layout: Layout = HALL, start: Cell = START, goal: Cell = GOAL, title: str = ""
 ) -> Replay:
     courses = [course(weight, layout, start, goal) for weight in weights]
-    return search_replay(layout, start, goal, courses, title)
+    return search_replay(courses, title)
 
 
 def press(shown: Replay, key: str) -> None:
@@ -67,8 +68,10 @@ def test_marks_equal_those_of_a_search_repeated_step_by_step() -> None:
     start, goal = layout.pickups[0], layout.dropoffs[0]
     for weight in (0.0, 1.0, 3.0, INF):
         solution = solve(layout, start, goal, weight)
-        shown = SearchCourse("", layout, start, solution)
+        shown = SearchCourse("", layout, (start, goal), solution)
         waits, expanded = {start}, dict[Cell, int]()
+        assert (shown.marks_after(0) != UNTOUCHED).sum() == 1
+        assert (shown.marks_after(0)[start], shown.expanded_by(0)) == (WAITS, None)
         for count, event in enumerate(solution.events[:-1], start=1):
             waits.discard(event.expanded)  # type: ignore[arg-type]
             expanded[event.expanded] = count  # type: ignore[index]
@@ -81,17 +84,10 @@ def test_marks_equal_those_of_a_search_repeated_step_by_step() -> None:
             assert shown.expanded_by(count) == event.expanded
 
 
-def test_before_the_first_expansion_only_the_start_is_on_the_frontier() -> None:
-    marks = course(1).marks_after(0)
-    assert marks[START] == WAITS
-    assert (marks == UNTOUCHED).sum() == marks.size - 1
-    assert course(1).expanded_by(0) is None
-
-
 def test_a_cell_that_is_reached_again_is_on_the_frontier_again() -> None:
     # Expanded, then reached by a better path, then expanded again.
     events = [((1, 1), ((1, 2),)), ((1, 2), ((1, 3),)), ((1, 3), ((1, 2),)), ((1, 2), ())]
-    shown = SearchCourse("", HALL, (1, 1), Solution((), (), INF, 4, 4, 2, tuple(events)))  # type: ignore[arg-type]
+    shown = SearchCourse("", HALL, (START, GOAL), Solution((), (), INF, 4, 4, 2, tuple(events)))  # type: ignore[arg-type]
     assert [shown.marks_after(count)[1, 2] for count in range(5)] == [0, WAITS, 2, WAITS, 4]
 
 
@@ -99,7 +95,7 @@ def test_a_search_without_events_is_an_error() -> None:
     problem = RouteProblem(HALL, START, GOAL)
     silent = weighted_astar_search(problem, manhattan(problem), 1)
     with pytest.raises(ValueError, match=r"A\* has 0 events .* with_events=True"):
-        SearchCourse("A*", HALL, START, silent)
+        SearchCourse("A*", HALL, (START, GOAL), silent)
 
 
 def test_every_panel_counts_its_own_search_and_keeps_its_last_count() -> None:
@@ -142,33 +138,22 @@ def test_lines_separate_floor_cells_and_not_walls() -> None:
     assert all(is_color(color, COLORS[WALL]) for color in wall[len(wall) // 9 : -len(wall) // 9])
 
 
-def test_the_first_and_the_last_expanded_cell_have_different_shades() -> None:
-    shown = replay(0)
-    shown.go_to(len(course(0)))
+def test_at_the_end_the_path_is_drawn_and_the_last_cell_has_another_shade() -> None:
+    shown, last = replay(0), len(course(0))
+    shown.go_to(last - 1)
+    row, col = course(0).solution.states[3]
+    middle = col + 0.49, row + 0.49, col + 0.51, row + 0.51
+    assert not is_color(patch(shown, pixels(shown), *middle)[0, 0], PATH)
+    shown.go_to(last)
+    assert is_color(patch(shown, pixels(shown), *middle)[0, 0], PATH)
     assert is_color(corner_of(shown, START), SHADES[0])
-    last = course(0).solution.events[-1].expanded
-    assert is_color(corner_of(shown, last), SHADES[-1])  # type: ignore[arg-type]
+    assert is_color(corner_of(shown, course(0).solution.events[-1].expanded), SHADES[-1])  # type: ignore[arg-type]
 
 
-def test_the_path_is_drawn_in_the_last_frame_only() -> None:
-    shown = replay(0)
-    cell = course(0).solution.states[3]
-    ends = []
-    for frame in (len(course(0)) - 1, len(course(0))):
-        shown.go_to(frame)
-        middle = patch(shown, pixels(shown), cell[1] + 0.49, cell[0] + 0.49,
-                       cell[1] + 0.51, cell[0] + 0.51)  # fmt: skip
-        ends.append(is_color(middle[0, 0], PATH))
-    assert ends == [False, True]
-
-
-def test_the_panel_reports_that_there_is_no_path() -> None:
+def test_searches_without_a_path_and_without_a_step_say_so() -> None:
     shown = replay(1, layout=SPLIT, start=(1, 1), goal=(1, 5))
     shown.show_end()
     assert counts(shown) == ["expanded 4   frontier 0   no path"]
-
-
-def test_a_search_that_starts_at_its_goal_has_one_frame_with_its_cost() -> None:
     shown = replay(0, INF, goal=START)
     assert [*shown.new_saved_frame_seq()] == [0]
     assert counts(shown) == ["expanded 0   frontier 0   cost 0"] * 2
@@ -223,36 +208,29 @@ def test_panels_neither_overlap_nor_leave_the_figure(panels: int, size: tuple[in
         assert not any(box.overlaps(other) for other in boxes[number + 1 :])
 
 
-def test_the_legend_explains_the_letters_of_start_and_goal() -> None:
-    shown = replay(0)
-    [legend] = shown.figure.legends
-    words = [text.get_text() for text in legend.get_texts()]
-    assert words[:2] == ["start", "goal"]
-    letters = [line.get_marker() for line in legend.findobj(Line2D)]
-    assert sum("S" in str(marker) for marker in letters) == 1
-    assert sum("G" in str(marker) for marker in letters) == 1
-
-
-def test_the_four_usual_searches_have_large_cells_and_letters() -> None:
+def test_the_four_usual_searches_have_large_cells_and_letters_that_the_legend_explains() -> None:
     layout = DEFAULT_LAYOUT
     shown = replay(0, 1, 5, INF, layout=layout, start=(2, 10), goal=(1, 3))
-    first = shown.figure.axes[0]
+    first, [legend] = shown.figure.axes[0], shown.figure.legends
     assert first.get_window_extent().width / layout.width >= 28
     letters = [text for text in first.texts if text.get_text() in "SG"]
     assert min(text.get_fontsize() for text in letters) > 14
     assert shown.figure.bbox.width <= 1366
+    assert [text.get_text() for text in legend.get_texts()][:2] == ["start", "goal"]
+    markers = "".join(str(line.get_marker()) for line in legend.findobj(Line2D))
+    assert markers.count("S") == markers.count("G") == 1
 
 
 def test_no_search_and_too_many_are_errors() -> None:
     for count in (0, MAX_PANELS + 1):
         with pytest.raises(ValueError, match=rf"{count} searches; there must be 1\.\.6"):
-            search_replay(HALL, START, GOAL, [course(1)] * count, "")
+            search_replay([course(1)] * count, "")
 
 
 def test_names_are_shown_literally() -> None:
     for name in (*HOSTILE_NAMES[:2], "$\\frac{$"):
-        named = SearchCourse(name, HALL, START, solve(HALL, START, START, 1))
-        shown = search_replay(HALL, START, START, [named], name)
+        named = SearchCourse(name, HALL, (START, START), solve(HALL, START, START, 1))
+        shown = search_replay([named], name)
         shown.figure.canvas.draw()
         assert texts(shown).count(name) == 2
         page = page_in(shown._repr_html_())

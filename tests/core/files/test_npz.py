@@ -20,6 +20,7 @@ from warehouse_core.files.npz import MAX_BYTES, Arrays, Schema, read_arrays, wri
 SCHEMA: Schema = {"words": ("<i4", 1), "points": ("<f8", 2)}
 Members = dict[str, bytes]
 Watch = Callable[[], AbstractContextManager[None]]
+Refused = Callable[[bytes], str]
 
 
 def good_arrays() -> Arrays:
@@ -38,28 +39,25 @@ def npy_with_header(header: str, data: bytes = b"", version: bytes = b"\x01\x00"
     return b"\x93NUMPY" + version + size + text + data
 
 
-def good_members() -> Members:
-    return {f"{name}.npy": npy(array) for name, array in good_arrays().items()}
-
-
-def zipped(members: list[tuple[str, bytes]], method: int = zipfile.ZIP_DEFLATED) -> bytearray:
+def zipped(
+    members: Members | list[tuple[str, bytes]], method: int = zipfile.ZIP_DEFLATED
+) -> bytearray:
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w", method) as archive:
-        for name, data in members:
+        for name, data in members.items() if isinstance(members, dict) else members:
             archive.writestr(name, data)
     return bytearray(file.getvalue())
 
 
 def with_end_record(data: bytearray, **fields: int) -> bytearray:
-    """Change fields of the record at the end of a zip file, which describes its directory."""
+    """Return a zip file with other fields in its last record, which describes its directory."""
     names = ("signature", "disk", "start", "here", "entries", "size", "offset", "comment")
     record = dict(zip(names, struct.unpack("<4s4H2LH", data[-22:]), strict=True))
-    data[-22:] = struct.pack("<4s4H2LH", *(record | fields).values())
-    return data
+    return data[:-22] + struct.pack("<4s4H2LH", *(record | fields).values())
 
 
 def with_directory_of(data: bytearray, count: int) -> bytearray:
-    """Replace the directory of a zip file by ``count`` copies of its first entry."""
+    """Return a zip file whose directory is ``count`` copies of its first entry."""
     start, second = data.index(b"PK\x01\x02"), data.rindex(b"PK\x01\x02")
     directory = data[start:second] * count
     crowded = data[:start] + directory + data[-22:]
@@ -73,8 +71,15 @@ def in_directory(data: bytearray, offset: int, value: bytes) -> bytearray:
     return data
 
 
+GOOD: Members = {f"{name}.npy": npy(array) for name, array in good_arrays().items()}
+WORDS, POINTS = GOOD.values()
+MORE = zipped(GOOD | {"more.npy": npy(np.zeros(1))})
+CROWDED = with_directory_of(zipped(GOOD), 60_000)
+LOCATOR = struct.pack("<4sLQL", b"PK\x06\x07", 0, 0, 1)
+
+
 @pytest.fixture
-def refused(tmp_path: Path, little_memory: Watch) -> Callable[[bytes], str]:
+def refused(tmp_path: Path, little_memory: Watch) -> Refused:
     """Return a function that returns the error message of a file."""
 
     def refuse(data: bytes) -> str:
@@ -117,7 +122,7 @@ def test_a_file_is_a_plain_numpy_file(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("method", [zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED])
 def test_stored_and_deflated_files_are_read(tmp_path: Path, method: int) -> None:
-    (tmp_path / "a.npz").write_bytes(zipped(list(good_members().items()), method))
+    (tmp_path / "a.npz").write_bytes(zipped(GOOD, method))
     assert read_arrays(tmp_path / "a.npz", SCHEMA)["words"].tolist() == [0, 1, 2, 3, 4]
 
 
@@ -130,92 +135,54 @@ def test_arrays_above_the_limit_are_not_written(
     assert list(tmp_path.iterdir()) == []
 
 
-# Files of another format, or with other arrays.
+# Files of another format, with other arrays, or with invalid members.
 
 
 @pytest.mark.parametrize(
-    "data",
+    ("data", "message"),
     [
-        b"",
-        b"not a record\n" * 9,
-        b"PK\x05\x06",
-        bytes(22),
+        *[(data, "not an .npz file") for data in (b"", b"not a record\n" * 9, b"PK\x05\x06")],
+        (bytes(22), "not an .npz file"),
+        (zipped(GOOD)[:-22] + LOCATOR + zipped(GOOD)[-22:], "not an .npz file"),
+        (zipped({}), "0 arrays; there must be 2"),
+        (zipped({"words.npy": WORDS}), "1 arrays; there must be 2"),
+        (MORE, "3 arrays; there must be 2"),
+        (with_end_record(MORE, entries=2, here=2), "'more.npy'"),
+        *[
+            (zipped({name: WORDS, "points.npy": POINTS}), "there must be")
+            for name in ("wordy.npy", "words", "../words.npy", "WORDS.npy")
+        ],
+        (CROWDED, "60000 arrays"),
+        (with_end_record(CROWDED, entries=2, here=2), "directory of"),
+        *[
+            (with_end_record(zipped(GOOD), **{field: value}), "")
+            for field in ("size", "offset")
+            for value in (1, 0xFFFFFFFF)
+        ],
+        (in_directory(zipped(GOOD), 8, b"\x01\x00"), "encrypted"),
+        (in_directory(zipped(GOOD), 10, b"\x09\x00"), "array words: unknown compression 9"),
+        (in_directory(zipped(GOOD), 10, b"\x0e\x00"), "array words: unknown compression 14"),
+        *[
+            (in_directory(zipped(GOOD, method), 16, bytes(4)), "CRC")
+            for method in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+        ],
+        (in_directory(zipped(GOOD), 24, b"\xff\xff\xff\x7f"), f"MAX_BYTES = {MAX_BYTES}"),
     ],
 )
-def test_a_file_that_is_not_a_zip_file_raises(refused: Callable[[bytes], str], data: bytes) -> None:
-    assert refused(data).endswith("not an .npz file")
-
-
-def test_a_missing_array_raises(refused: Callable[[bytes], str]) -> None:
-    assert "0 arrays; there must be 2" in refused(zipped([]))
-    assert "1 arrays; there must be 2" in refused(zipped([*good_members().items()][:1]))
-
-
-def test_an_extra_array_raises(refused: Callable[[bytes], str]) -> None:
-    members = [*good_members().items(), ("more.npy", npy(np.zeros(1)))]
-    assert "3 arrays; there must be 2" in refused(zipped(members))
-    assert "'more.npy'" in refused(with_end_record(zipped(members), entries=2, here=2))
-
-
-def test_another_name_raises(refused: Callable[[bytes], str]) -> None:
-    words, points = good_members().values()
-    for name in ("wordy.npy", "words", "../words.npy", "WORDS.npy"):
-        assert "there must be" in refused(zipped([(name, words), ("points.npy", points)]))
+def test_a_file_of_another_kind_raises(refused: Refused, data: bytes, message: str) -> None:
+    assert message in refused(data)
 
 
 @pytest.mark.filterwarnings("ignore:Duplicate name")
-def test_a_duplicate_name_raises(refused: Callable[[bytes], str]) -> None:
-    twice = [*good_members().items(), ("words.npy", npy(np.zeros(5, dtype="<i4")))]
-    assert "3 arrays" in refused(zipped(twice))
-    assert "'words.npy', 'words.npy'" in refused(with_end_record(zipped(twice), entries=2, here=2))
+def test_a_duplicate_name_raises(refused: Refused) -> None:
+    twice = zipped([*GOOD.items(), ("words.npy", npy(np.zeros(5, dtype="<i4")))])
+    assert "3 arrays" in refused(twice)
+    assert "'words.npy', 'words.npy'" in refused(with_end_record(twice, entries=2, here=2))
 
 
-def test_a_large_directory_raises_before_it_is_read(refused: Callable[[bytes], str]) -> None:
-    crowded = with_directory_of(zipped([*good_members().items()]), 60_000)
-    assert "60000 arrays" in refused(crowded)
-    assert "directory of" in refused(with_end_record(crowded, entries=2, here=2))
-
-
-def test_a_zip64_locator_raises(refused: Callable[[bytes], str]) -> None:
-    data = zipped([*good_members().items()])
-    data[-22:-22] = struct.pack("<4sLQL", b"PK\x06\x07", 0, 0, 1)
-    assert "not an .npz file" in refused(data)
-
-
-@pytest.mark.parametrize("field", ["size", "offset"])
-@pytest.mark.parametrize("value", [1, 0xFFFFFFFF])
-def test_a_wrong_end_record_raises(refused: Callable[[bytes], str], field: str, value: int) -> None:
-    refused(with_end_record(zipped([*good_members().items()]), **{field: value}))
-
-
-# Invalid members.
-
-
-def test_an_encrypted_member_raises(refused: Callable[[bytes], str]) -> None:
-    assert "encrypted" in refused(in_directory(zipped([*good_members().items()]), 8, b"\x01\x00"))
-
-
-@pytest.mark.parametrize("method", [9, 14])
-def test_another_compression_raises(refused: Callable[[bytes], str], method: int) -> None:
-    data = in_directory(zipped([*good_members().items()]), 10, struct.pack("<H", method))
-    assert f"array words: unknown compression {method}" in refused(data)
-
-
-def test_a_wrong_checksum_raises(refused: Callable[[bytes], str]) -> None:
-    for method in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
-        data = zipped([*good_members().items()], method)
-        assert "CRC" in refused(in_directory(data, 16, b"\0\0\0\0"))
-
-
-def test_a_member_above_the_limit_raises_before_it_is_read(refused: Callable[[bytes], str]) -> None:
-    data = zipped([*good_members().items()])
-    assert f"MAX_BYTES = {MAX_BYTES}" in refused(in_directory(data, 24, b"\xff\xff\xff\x7f"))
-
-
-def test_a_member_that_states_a_wrong_size_is_not_unpacked(refused: Callable[[bytes], str]) -> None:
-    header = "{'descr': '<i4', 'fortran_order': False, 'shape': (5,)}"
-    bomb = npy_with_header(header, bytes(MAX_BYTES - 1000))
-    packed = zipped([("words.npy", bomb), ("points.npy", good_members()["points.npy"])])
+def test_a_member_that_states_a_wrong_size_is_not_unpacked(refused: Refused) -> None:
+    bomb = npy_with_header(header_of("'<i4'"), bytes(MAX_BYTES - 1000))
+    packed = zipped({"words.npy": bomb, "points.npy": POINTS})
     assert len(packed) < 500_000
     assert "claims 20 bytes, which it does not have" in refused(packed)
     small = in_directory(packed, 24, struct.pack("<L", 128 + 20))
@@ -223,56 +190,53 @@ def test_a_member_that_states_a_wrong_size_is_not_unpacked(refused: Callable[[by
 
 
 def test_the_limit_is_on_all_members_together(
-    refused: Callable[[bytes], str], monkeypatch: pytest.MonkeyPatch
+    refused: Refused, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(npz_module, "MAX_BYTES", 1000)
     half = bytes(501)
-    assert "MAX_BYTES" in refused(zipped([("words.npy", half), ("points.npy", half)]))
+    assert "MAX_BYTES" in refused(zipped({"words.npy": half, "points.npy": half}))
+
+
+def header_of(kind: str, shape: str = "(5,)", fortran_order: bool = False) -> str:
+    return f"{{'descr': {kind}, 'fortran_order': {fortran_order}, 'shape': {shape}}}"
 
 
 @pytest.mark.parametrize(
     ("header", "message"),
     [
-        ("{'descr': '<i4', 'fortran_order': False, 'shape': (1000000000000,)}", "claims"),
-        ("{'descr': '<i4', 'fortran_order': False, 'shape': (6,)}", "claims 24 bytes"),
-        ("{'descr': '<i4', 'fortran_order': False, 'shape': (-5,)}", "claims -20 bytes"),
-        ("{'descr': '<i4', 'fortran_order': False, 'shape': ()}", "with 0 dimensions"),
-        ("{'descr': '<i4', 'fortran_order': False, 'shape': (5, 1)}", "with 2 dimensions"),
-        ("{'descr': '<i4', 'fortran_order': True, 'shape': (5,)}", "in C order"),
-        ("{'descr': '>i4', 'fortran_order': False, 'shape': (5,)}", "it must be int32"),
-        ("{'descr': '|O', 'fortran_order': False, 'shape': (5,)}", "it must be int32"),
-        ("{'descr': [('a', '<i4')], 'fortran_order': False, 'shape': (5,)}", "it must be int32"),
-        ("{'descr': (), 'fortran_order': False, 'shape': (5,)}", "damaged header"),
+        (header_of("'<i4'", "(1000000000000,)"), "claims"),
+        (header_of("'<i4'", "(6,)"), "claims 24 bytes"),
+        (header_of("'<i4'", "(-5,)"), "claims -20 bytes"),
+        (header_of("'<i4'", "()"), "with 0 dimensions"),
+        (header_of("'<i4'", "(5, 1)"), "with 2 dimensions"),
+        (header_of("'<i4'", fortran_order=True), "in C order"),
+        (header_of("'>i4'"), "it must be int32"),
+        (header_of("'|O'"), "it must be int32"),
+        (header_of("[('a', '<i4')]"), "it must be int32"),
+        (header_of("()"), "damaged header"),
         ("{'descr': '<i4', 'fortran_order': False}", "damaged header"),
         ("{[]: 1}", "damaged header"),
         ("(" * 118, "damaged header"),
         ("\0", "damaged header"),
         ("__import__('os').getcwd()", "damaged header"),
+        *[
+            ((text * depth)[: min(depth, 0xFFFF - 1)], "damaged header")
+            for text, depth in (("-", 9_000), ("{1:", 9_000), ("(", 60_000))
+        ],
     ],
 )
-def test_a_member_with_a_wrong_header_raises(
-    refused: Callable[[bytes], str], header: str, message: str
-) -> None:
+def test_a_member_with_a_wrong_header_raises(refused: Refused, header: str, message: str) -> None:
     words = npy_with_header(header, bytes(20))
-    assert message in refused(zipped([*(good_members() | {"words.npy": words}).items()]))
-
-
-@pytest.mark.parametrize(("text", "depth"), [("-", 9_000), ("{1:", 9_000), ("(", 60_000)])
-def test_a_deeply_nested_header_raises(
-    refused: Callable[[bytes], str], text: str, depth: int
-) -> None:
-    words = npy_with_header((text * depth)[: min(depth, 0xFFFF - 1)])
-    assert "damaged header" in refused(zipped([*(good_members() | {"words.npy": words}).items()]))
+    assert message in refused(zipped(GOOD | {"words.npy": words}))
 
 
 @pytest.mark.parametrize("shape", [f"(0, {2**70})", f"({2**40}, 0)", "(-3, -2)"])
 def test_a_shape_without_data_takes_no_memory(
     tmp_path: Path, shape: str, little_memory: Watch
 ) -> None:
-    header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}}}"
-    points = npy_with_header(header, bytes(48) if shape == "(-3, -2)" else b"")
+    points = npy_with_header(header_of("'<f8'", shape), bytes(48) if shape == "(-3, -2)" else b"")
     path = tmp_path / "empty.npz"
-    path.write_bytes(zipped([*(good_members() | {"points.npy": points}).items()]))
+    path.write_bytes(zipped(GOOD | {"points.npy": points}))
     if shape == f"({2**40}, 0)":
         assert read_arrays(path, SCHEMA)["points"].size == 0
     else:
@@ -281,17 +245,14 @@ def test_a_shape_without_data_takes_no_memory(
 
 
 @pytest.mark.parametrize("version", [b"\x02\x00", b"\xff\xff"])
-def test_another_npy_version_raises(refused: Callable[[bytes], str], version: bytes) -> None:
-    header = "{'descr': '<i4', 'fortran_order': False, 'shape': (5,)}"
-    words = npy_with_header(header, bytes(20), version)
-    assert "array words: not of" in refused(
-        zipped([*(good_members() | {"words.npy": words}).items()])
-    )
+def test_another_npy_version_raises(refused: Refused, version: bytes) -> None:
+    words = npy_with_header(header_of("'<i4'"), bytes(20), version)
+    assert "array words: not of" in refused(zipped(GOOD | {"words.npy": words}))
 
 
 @pytest.mark.parametrize("data", [b"", b"PK\x03\x04", b"\x93NUMPY\x01\x00\xff\xff{"])
-def test_a_member_that_is_not_an_array_raises(refused: Callable[[bytes], str], data: bytes) -> None:
-    refused(zipped([*(good_members() | {"words.npy": data}).items()]))
+def test_a_member_that_is_not_an_array_raises(refused: Refused, data: bytes) -> None:
+    refused(zipped(GOOD | {"words.npy": data}))
 
 
 class Trap:
@@ -307,9 +268,9 @@ def spring() -> None:
     Trap.sprung = True
 
 
-def test_a_pickle_raises_and_is_not_loaded(refused: Callable[[bytes], str]) -> None:
+def test_a_pickle_raises_and_is_not_loaded(refused: Refused) -> None:
     words = npy(np.array([Trap()], dtype=object), pickled=True)
-    assert "it must be int32" in refused(zipped([*(good_members() | {"words.npy": words}).items()]))
+    assert "it must be int32" in refused(zipped(GOOD | {"words.npy": words}))
     assert not Trap.sprung
 
 

@@ -73,7 +73,7 @@ def test_a_ring_of_disturbed_robots_turns_without_a_hit(disturbances: Disturbanc
     for seed in range(3):
         motion = DrivingMotion(disturbances=disturbances)
         motion.reset(HALL, RING, seed)
-        assert not drive(motion, [ring(0), ring(1)], 40)
+        assert not drive(motion, [ring(0), ring(1)], 25)
         assert all(motion.ways().at_rest)
         assert motion.ways().ends == RING[2:] + RING[:2]
 

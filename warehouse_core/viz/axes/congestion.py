@@ -13,7 +13,7 @@ from warehouse_core.motion.batch import NOTHING
 from warehouse_core.records.episode import FleetEpisode
 from warehouse_core.render.palette import INK, PAPER
 from warehouse_core.viz.axes.heat_map import Counts, draw_heat
-from warehouse_core.viz.axes.look import box_in
+from warehouse_core.viz.axes.look import POINTS, box_in
 from warehouse_core.world.actions import WAIT
 
 PANEL, MAX_CELL, SPACE = 6.2, 0.4, 0.55
@@ -48,17 +48,14 @@ def congestion_picture(
 ) -> AnyFigure:
     """Return heat maps of where robots were held up, with one scale, and what was delivered.
 
-    Args:
-        episodes: records on layouts of one size, by the titles of their panels.
-        title: words above the panels.
-        make_figure: makes the figure of a width and height in inches.
+    The keys of ``episodes``, records on layouts of one size, are the titles of their panels.
     """
-    found = {name: held_up_cells(episode) for name, episode in episodes.items()}
-    highest = max(int(counts.max()) for counts in found.values())
-    height, width = next(iter(found.values())).shape
+    held_up = {name: held_up_cells(episode) for name, episode in episodes.items()}
+    highest = max(int(counts.max()) for counts in held_up.values())
+    height, width = next(iter(held_up.values())).shape
     cell = min(PANEL / max(height, width), MAX_CELL)
     wide, high = cell * width, cell * height
-    bar_left = SPACE + len(found) * (wide + SPACE)
+    bar_left = SPACE + len(held_up) * (wide + SPACE)
     size = bar_left + BAR + 1.1, HEAD + PANEL_HEAD + high + FOOT
     figure = make_figure(size)
     figure.set_facecolor(PAPER)
@@ -69,20 +66,19 @@ def congestion_picture(
 
     write(SPACE, HEAD / 2, title, fontsize=TITLE, fontweight="bold")
     top = HEAD + PANEL_HEAD
-    for number, (name, counts) in enumerate(found.items()):
+    for number, (name, counts) in enumerate(held_up.items()):
         left, episode = SPACE + number * (wide + SPACE), episodes[name]
         axes = figure.add_axes(box_in(size, left, top, wide, high))
-        heat = draw_heat(axes, episode.layout.rows, counts, cell * 72, highest, digits=False)
+        heat = draw_heat(axes, episode.layout.rows, counts, cell * POINTS, highest, digits=False)
         axes.tick_params(labelsize=10)
         share = counts.sum() / max(episode.cells[:-1].size, 1)
         write(left, HEAD + 0.25, name, fontsize=TITLE)
         verdict = f"{episode.measures.per_hour:,.0f} deliveries an hour"
         write(left, top + high + 0.55, verdict, fontsize=WORDS, fontweight="bold")
-        held_up = f"held up in {share:.0%} of the robots' steps"
-        write(left, top + high + 1.0, held_up, fontsize=SMALL)
+        words = f"held up in {share:.0%} of the robots' steps"
+        write(left, top + high + 1.0, words, fontsize=SMALL)
     axes = figure.add_axes(box_in(size, bar_left, top, BAR, high))
-    bar = figure.colorbar(heat, cax=axes)
-    bar.outline.set_visible(False)
+    figure.colorbar(heat, cax=axes).outline.set_visible(False)
     axes.yaxis.set_major_formatter(EngFormatter(sep=""))
     axes.tick_params(length=2, labelsize=SMALL, labelcolor=INK)
     axes.set_ylabel("times robots were held up in a cell", fontsize=SMALL, color=INK)

@@ -21,13 +21,10 @@ def letter_path(
     at: tuple[float, float] = (0.0, 0.0),
     anchor: tuple[float, float] = (0.5, 0.5),
 ) -> Path:
-    """Return the outline of bold text in axes whose y axis points down.
+    """Return the outline of bold text in axes whose y axis points down, at a place.
 
-    Args:
-        text: letters to be drawn.
-        size: font size, in the unit of the axes.
-        at: place of the anchor.
-        anchor: share of the width left of the anchor, and share of the height above it.
+    The place is the ``anchor``, a share of the width and of the height from the top left corner.
+    ``size`` is the font size in the unit of the axes.
     """
     path = _outline(text)
     (left, bottom), (right, top) = path.get_extents().get_points()

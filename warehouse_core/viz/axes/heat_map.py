@@ -23,7 +23,7 @@ from warehouse_core.motion.batch import NOTHING
 from warehouse_core.motion.batch import WALL as WALL_STOPS
 from warehouse_core.records.episode import FleetEpisode
 from warehouse_core.render.palette import COLORS, INK, PAPER, Color
-from warehouse_core.viz.axes.look import draw_grid
+from warehouse_core.viz.axes.look import POINTS, box_in, draw_grid
 from warehouse_core.wording import counted
 from warehouse_core.world.tiles import DROPOFF, PICKUP, WALL, runs_of
 
@@ -43,9 +43,6 @@ MIN_PANEL = 3.3
 """Enough for the longest title with the largest numbers."""
 BAR, BAR_GAP = 0.11, 0.09
 
-POINTS = 72
-"""Points in an inch."""
-
 TITLE_SIZE, MIN_SIZE = 11.0, 9.0
 """Sizes of words in points; 9 points are 12 CSS pixels. Smaller counts are not written."""
 
@@ -54,9 +51,6 @@ STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1_000, 5_000, 10_000, 100_000, 1_00
 
 TICK_ROOM = 21.0
 """Points from one number of a row or column to the next."""
-
-STATIONS = (PICKUP, DROPOFF)
-"""Tiles whose cells are marked with their letters."""
 
 HEAT = LinearSegmentedColormap.from_list(
     "heat", mpl.colormaps["YlOrRd"](np.linspace(0.12, 1, 64)), N=32
@@ -84,10 +78,9 @@ def blocked_cells(episode: FleetEpisode) -> dict[str, Counts]:
 
 def blocked_heat_map(episode: FleetEpisode) -> Figure:
     """Return heat maps of where the robots of a fleet were blocked, one for each of ``BLOCKED``."""
-    found = blocked_cells(episode)
     panels = {
         f"blocked by a {name}: {counted(int(counts.sum()), 'move')}": counts
-        for name, counts in found.items()
+        for name, counts in blocked_cells(episode).items()
         if counts.any() or name == "robot"
     }
     return heat_map(episode.layout.rows, panels)
@@ -96,32 +89,25 @@ def blocked_heat_map(episode: FleetEpisode) -> Figure:
 def heat_map(
     rows: Sequence[str], panels: Mapping[str, Counts], *, with_stations: bool = False
 ) -> Figure:
-    """Return the heat maps of a layout.
-
-    Args:
-        rows: tiles of the layout.
-        panels: ``[H, W]`` counts by title; at least one.
-        with_stations: mark the pickup and the dropoff of the layout.
-    """
+    """Return the heat maps of a layout, whose ``[H, W]`` counts are given by title."""
     columns = min(len(panels), MAX_COLUMNS)
     room = WIDTH / columns - LEFT - RIGHT
     cell = min(room / len(rows[0]), MAX_GRID_HEIGHT / len(rows), MAX_CELL)
     grid_width, grid_height = cell * len(rows[0]), cell * len(rows)
     panel_width = max(LEFT + grid_width + RIGHT, MIN_PANEL)
     panel_height = TOP + grid_height + BOTTOM
-    width, height = columns * panel_width, math.ceil(len(panels) / columns) * panel_height
-    figure = Figure(figsize=(width, height), facecolor=PAPER)
+    size = columns * panel_width, math.ceil(len(panels) / columns) * panel_height
+    figure = Figure(figsize=size, facecolor=PAPER)
     for index, (title, counts) in enumerate(panels.items()):
         line, column = divmod(index, columns)
         left, top = column * panel_width + LEFT, line * panel_height + TOP
-        bottom, tall = 1 - (top + grid_height) / height, grid_height / height
-        axes = figure.add_axes((left / width, bottom, grid_width / width, tall))
+        axes = figure.add_axes(box_in(size, left, top, grid_width, grid_height))
         axes.set_title(title, fontsize=TITLE_SIZE, loc="left", color=INK, pad=6, parse_math=False)
         heat = draw_heat(axes, rows, counts, cell * POINTS, max(int(counts.max()), 1))
         if with_stations:
             _mark_stations(axes, rows, cell * POINTS)
         left += grid_width + BAR_GAP
-        _draw_bar(figure.add_axes((left / width, bottom, BAR / width, tall)), heat)
+        _draw_bar(figure.add_axes(box_in(size, left, top, BAR, grid_height)), heat)
     return figure
 
 
@@ -136,13 +122,8 @@ def draw_heat(
 ) -> PatchCollection:
     """Draw floor, heat and walls, and return the heat.
 
-    Args:
-        axes: axes to draw into.
-        rows: tiles of the layout.
-        counts: ``[H, W]``.
-        cell_points: side of a cell in points.
-        highest: the count of the hottest colour.
-        digits: write the counts into cells that are large enough.
+    The hottest colour is the colour of the count ``highest``. With ``digits`` the counts are
+    written into cells whose side of ``cell_points`` points is large enough.
     """
     longest = max(len(rows), len(rows[0]))
     every = next(step for step in STEPS if step * cell_points >= TICK_ROOM)
@@ -185,7 +166,7 @@ def _mark_stations(axes: Axes, rows: Sequence[str], cell_points: float) -> None:
     wide = min(2.5, cell_points / 4)
     for row, line in enumerate(rows):
         for col, tile in enumerate(line):
-            if tile in STATIONS:
+            if tile in (PICKUP, DROPOFF):
                 frame: dict[str, Any] = {"edgecolor": COLORS[tile], "linewidth": wide, "zorder": 3}
                 axes.add_patch(Rectangle((col, row), 1, 1, fill=False, **frame))
                 axes.text(

@@ -27,16 +27,9 @@ Points = NDArray[np.float64]
 
 
 class PlanView:
-    """Plans and pushes as collections for axes whose unit is a cell.
+    """Collections for axes whose unit is a cell: ``ways``, ``wishes`` and arrows of ``pushes``.
 
-    Args:
-        cell_points: side of a cell in points, 1/72 inch.
-        zorder: drawing order of the robots.
-
-    Attributes:
-        ways: lines of plans.
-        wishes: lines of the shortest ways from the ends of plans to the goals.
-        pushes: arrows from robots to those that they push.
+    A cell has a side of ``cell_points`` points; ``zorder`` is the drawing order of the robots.
     """
 
     def __init__(self, cell_points: float, zorder: float) -> None:
@@ -53,13 +46,7 @@ class PlanView:
         )  # fmt: skip
 
     def show(self, plans: StepPlans, places: Points, colors: Sequence[Color]) -> None:
-        """Draw plans.
-
-        Args:
-            plans: plans to be drawn.
-            places: ``[R, 2]`` middles of the robots.
-            colors: ``[R]`` colours of the robots.
-        """
+        """Draw plans of robots whose middles are at ``places``, ``[R, 2]``."""
         for lines, ways, is_wish in (
             (self.ways, plans.ways, False), (self.wishes, plans.wishes, True),
         ):  # fmt: skip

@@ -44,14 +44,7 @@ Box = tuple[float, float, float, float]
 def draw_tiles(
     axes: Axes, rows: Sequence[str], cell_points: float, slippery: Sequence[Cell] = ()
 ) -> list[Artist]:
-    """Draw what does not move into axes whose unit is a cell, and return it.
-
-    Args:
-        axes: axes to draw into.
-        rows: tiles of the layout.
-        cell_points: side of a cell in points.
-        slippery: cells with slippery floor.
-    """
+    """Draw what does not move into axes whose unit is a cell of ``cell_points``, and return it."""
     walls = cells_of(WALL, rows)
     size = len(rows), len(rows[0])
     border = {cell for cell in walls if is_on_border(cell, size)}

@@ -8,16 +8,7 @@ from typing import Any
 import numpy as np
 
 from warehouse_core.orders.order import Order
-from warehouse_core.render.palette import (
-    BATTERY,
-    COLORS,
-    HIT,
-    ITEM,
-    ORDER_COLORS,
-    STRANDED,
-    WARNING,
-    Color,
-)
+from warehouse_core.render import palette
 from warehouse_core.viz.player.charts import packed_charts
 from warehouse_core.viz.player.columns import Columns
 from warehouse_core.viz.tracks.track import Frame, Track
@@ -40,18 +31,12 @@ DEFAULT_SPEED = 4.0
 MAX_SECONDS, MIN_SECONDS = 30.0, 6.0
 """Most seconds in which a search is shown at the default speed; least for slow motion."""
 
-
 MAX_TEXT = 1_000
 """Characters of a title, a caption or a label; a longer one is cut."""
 
 
 def packed(tracks: Sequence[Track], title: str, speed: float) -> str:
     """Return everything that a page says of tracks, as text.
-
-    Args:
-        tracks: tracks to be shown side by side on one clock.
-        title: title of the page.
-        speed: factor on the playing speed.
 
     Raises:
         ValueError: a place is not finite.
@@ -244,15 +229,15 @@ def _indexed(texts: Iterable[str]) -> tuple[list[str], list[int]]:
 
 def _colors() -> dict[str, Any]:
     return {
-        **{tile: _hex(color) for tile, color in COLORS.items()},
-        "battery": _hex(BATTERY),
-        "hit": _hex(HIT),
-        "item": _hex(ITEM),
-        "warning": _hex(WARNING),
-        "stranded": _hex(STRANDED),
-        "orders": [_hex(color) for color in ORDER_COLORS],
+        **{tile: _hex(color) for tile, color in palette.COLORS.items()},
+        "battery": _hex(palette.BATTERY),
+        "hit": _hex(palette.HIT),
+        "item": _hex(palette.ITEM),
+        "warning": _hex(palette.WARNING),
+        "stranded": _hex(palette.STRANDED),
+        "orders": [_hex(color) for color in palette.ORDER_COLORS],
     }
 
 
-def _hex(color: Color) -> str:
+def _hex(color: palette.Color) -> str:
     return "#" + "".join(f"{round(255 * part):02x}" for part in color)

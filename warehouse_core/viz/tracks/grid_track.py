@@ -6,13 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from warehouse_core.viz.tracks.track import METRICS, Frame, Pose, Rows, Track, middle
-from warehouse_core.world.tiles import (
-    ALLOWED_TILES,
-    EMPTY,
-    ROBOT_EMPTY,
-    ROBOT_LOADED,
-    TILES,
-)
+from warehouse_core.world.tiles import ALLOWED_TILES, EMPTY, ROBOT_EMPTY, ROBOT_LOADED, TILES
 
 
 def track_of_frames(
@@ -43,9 +37,8 @@ def track_of_frames(
             ground = f"{text[:robot]}{under}{text[robot + 1 :]}"
         rows = tuple(ground[start : start + width] for start in range(0, len(ground), width))
         drawn.append(Frame(known.setdefault(rows, rows), (pose,), float(index)))
-    checked = _check_metrics(metrics or {}, len(grids))
-    full_battery = max([1.0, *checked.get("battery", [])])
-    return Track(drawn, checked, full_battery=full_battery)
+    numbers = _numbers(metrics or {}, len(grids))
+    return Track(drawn, numbers, full_battery=max([1.0, *numbers.get("battery", [])]))
 
 
 def _check_grids(grids: list[list[str]]) -> None:
@@ -58,10 +51,9 @@ def _check_grids(grids: list[list[str]]) -> None:
                 )
         if not grid:
             raise ValueError(f"frame {index} has no rows")
-    allowed = {*TILES, ROBOT_EMPTY, ROBOT_LOADED}
     for index, grid in enumerate(grids):
         for row, line in enumerate(grid):
-            unknown = set(line) - allowed
+            unknown = set(line) - {*TILES, ROBOT_EMPTY, ROBOT_LOADED}
             if unknown:
                 col = min(map(line.index, unknown))
                 raise ValueError(
@@ -70,9 +62,7 @@ def _check_grids(grids: list[list[str]]) -> None:
                 )
 
 
-def _check_metrics(
-    metrics: Mapping[str, Sequence[float | None]], frames: int
-) -> dict[str, list[float]]:
+def _numbers(metrics: Mapping[str, Sequence[float | None]], frames: int) -> dict[str, list[float]]:
     for name, values in metrics.items():
         if name not in METRICS:
             raise ValueError(f"metric {name!r} is unknown; allowed: {', '.join(METRICS)}")

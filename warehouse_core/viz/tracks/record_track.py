@@ -63,7 +63,12 @@ def track_of_record(
         has_paths = any(len(motion.path) > 2 for motion in record.motions)
     is_continuous = has_paths and frame_seconds is not None
     if frame_seconds is not None:
-        check_frame_seconds(frame_seconds, seconds if has_paths else 0.0)
+        real_number("frame_seconds", frame_seconds, above=True)
+        if has_paths and seconds > MAX_FRAMES * frame_seconds:
+            raise RecordError(
+                f"the motions take {seconds:g} s; with a frame every {frame_seconds:g} s "
+                f"that is more than MAX_FRAMES = {MAX_FRAMES}"
+            )
     apart = frame_seconds if is_continuous else None
     frames = [*(_fleet_frames(record, apart, plans) if record.is_fleet else _frames(record, apart))]
     settings = record.settings
@@ -185,19 +190,14 @@ class _Orders:
     def __init__(self, episode: Episode) -> None:
         self._episode, never = episode, episode.steps + 1
         orders = episode.orders
-        self._released, self._due, self._taken, self._delivered = np.array(
-            [
-                (
-                    order.released,
-                    order.due,
-                    never if order.taken is None else order.taken,
-                    never if order.delivered is None else order.delivered,
-                )
-                for order in orders
-            ],
-            np.int64,
-        ).reshape(-1, 4).T  # fmt: skip
-        self._robot = np.array([-1 if o.taken_by is None else o.taken_by for o in orders], np.intp)
+
+        def column(name: str) -> NDArray[np.intp]:
+            values = (getattr(order, name) for order in orders)
+            return np.array([never if value is None else value for value in values], np.intp)
+
+        self._released, self._due, self._taken, self._delivered, self._robot = map(
+            column, ("released", "due", "taken", "delivered", "taken_by")
+        )
         self._pickups = sorted({order.pickup for order in orders})
         number = {cell: index for index, cell in enumerate(self._pickups)}
         self._pickup = np.array([number[order.pickup] for order in orders], np.intp)
@@ -243,7 +243,7 @@ class _Orders:
 
 
 def _fleet_metrics(episode: Episode) -> dict[str, Sequence[float]]:
-    """Return what ``FLEET_METRICS`` names."""
+    """Return what the charts of a fleet show after each step."""
     steps = episode.steps
     if episode.settings.orders is None:
         gone = episode.loaded[:-1] & ~episode.loaded[1:]
@@ -286,15 +286,9 @@ def frames_along(
     frame_seconds: float,
     caption: str,
 ) -> Iterator[Frame]:
-    """Yield the frames along the paths of one action of each robot, the last where they end.
+    """Yield the frames along the paths of one action of each body, the last where they end.
 
-    Args:
-        start: last frame before the action.
-        motions: outcome for each body of ``start``.
-        loaded: true for each body that holds an item after the action.
-        cell_size: side of a cell in metres.
-        frame_seconds: simulated time between two frames.
-        caption: words of each frame.
+    They follow ``start``; ``loaded`` tells which bodies hold an item after the action.
     """
     seconds, joules = max(motion.seconds for motion in motions), motions[0].joules
     count = max(1, round(seconds / frame_seconds))
@@ -337,18 +331,3 @@ def hit_of(contact: Contact, cell_size: float, label: str, robot: int = 0) -> Hi
     """Return what is shown of a contact, whose point is in metres."""
     x, y = contact.point
     return Hit((x / cell_size, y / cell_size), label, robot)
-
-
-def check_frame_seconds(frame_seconds: float, seconds: float) -> None:
-    """Raise unless motions of so many seconds can have a frame every ``frame_seconds``.
-
-    Raises:
-        ValueError: ``frame_seconds`` is not a positive finite number.
-        RecordError: they would take more than ``MAX_FRAMES`` frames.
-    """
-    real_number("frame_seconds", frame_seconds, above=True)
-    if seconds > MAX_FRAMES * frame_seconds:
-        raise RecordError(
-            f"the motions take {seconds:g} s; with a frame every {frame_seconds:g} s "
-            f"that is more than MAX_FRAMES = {MAX_FRAMES}"
-        )

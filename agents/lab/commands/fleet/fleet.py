@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
@@ -16,30 +16,12 @@ from agents.errors import EpisodeError, EpisodeInterrupted
 from agents.fleet.director import wants_dispatch
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PLAN_SECONDS, PlannedFleet
-from agents.lab.commands.fleet.options import (
-    DUE,
-    AssignmentOption,
-    FleetBatteryOption,
-    FleetLayoutOption,
-    PlanSecondsOption,
-    RobotsOption,
-    parse_battery,
-    parse_due,
-)
 from agents.lab.commands.fleet.report import Result, report_shifts, result_of
-from agents.lab.console.options import (
-    MAX_COUNT,
-    AgentOption,
-    BackendOption,
-    SaveOption,
-    SeedOption,
-    ShowOption,
-    SpeedOption,
-    ViewRadiusOption,
-    number_option,
-)
+from agents.lab.console import options
+from agents.lab.console.options import MAX_COUNT, number_option, option
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import print_error
+from agents.lab.console.values import DUE, parse_battery, parse_due
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import draw_seed, run
 from agents.registry import PLANNERS, make_fleet_agent, make_team
@@ -58,17 +40,7 @@ RATE = "0.06"
 
 
 def parse_orders(text: str, due: str | None) -> Orders:
-    """Return the orders in a text: a rate, or the name of a file.
-
-    Args:
-        text: value of ``--orders``.
-        due: value of ``--due``, which only a rate takes.
-
-    Raises:
-        OrderError: the file has a wrong line.
-        OSError: it cannot be read.
-        typer.BadParameter: a wrong rate or due time.
-    """
+    """Return the orders in a text: a rate, with the due times of ``--due``, or a file's name."""
     try:
         rate = float(text)
     except ValueError:
@@ -77,9 +49,7 @@ def parse_orders(text: str, due: str | None) -> Orders:
                 f"--orders is {text!r}; it must be a rate of orders a step, or a .csv file"
             ) from None
         if due is not None:
-            raise typer.BadParameter(
-                "--due is for a rate of orders; a file has due times"
-            ) from None
+            raise typer.BadParameter("--due is for a rate of orders; a file has them") from None
         return load_orders(text)
     try:
         return OrderStream(rate, parse_due(due))
@@ -88,102 +58,81 @@ def parse_orders(text: str, due: str | None) -> Orders:
 
 
 def parse_robots(text: str | None, robots: int) -> list[int]:
-    """Return the numbers of robots in a text such as ``0,3``; of ``None`` none.
-
-    Raises:
-        typer.BadParameter: the text is not of that form, or has a robot that does not exist.
-    """
-    found = [] if text is None else text.split(",")
-    if not all(re.fullmatch(r"[0-9]{1,9}", each) and int(each) < robots for each in found):
+    """Return the numbers of robots in a text such as ``0,3``; of ``None`` none."""
+    numbers = [] if text is None else text.split(",")
+    if not all(re.fullmatch(r"[0-9]{1,9}", each) and int(each) < robots for each in numbers):
         raise typer.BadParameter(
             f"--show-plans is {text!r}; it must be numbers of robots, 0..{robots - 1}, as in 0,3"
         )
-    return [int(each) for each in found]
+    return [int(each) for each in numbers]
 
 
 def fleet(
-    robots: RobotsOption = 8,
+    robots: options.Robots = 8,
     orders: Annotated[
         str,
-        typer.Option(
-            "--orders",
-            metavar="RATE|FILE",
-            help="Orders that arrive in a step on average, or a .csv file of orders.",
+        option(
+            "--orders RATE|FILE",
+            "Orders that arrive in a step on average, or a .csv file of orders.",
         ),
     ] = RATE,
     due: Annotated[
         str | None,
-        typer.Option(
-            "--due",
-            metavar="FEWEST:MOST",
-            help=f"Steps from release to due time. Default: {DUE[0]}:{DUE[1]}.",
-        ),
+        option("--due FEWEST:MOST", f"Steps from release to due time. Default: {DUE[0]}:{DUE[1]}."),
     ] = None,
-    agent: AgentOption = "greedy",
+    agent: options.Agent = "greedy",
     planner: Annotated[
         str | None,
-        typer.Option(
-            "--planner",
-            metavar="NAME",
-            help=f"Directs all robots, instead of --agent: {', '.join(PLANNERS)}, or your own as "
+        option(
+            "--planner NAME",
+            f"Directs all robots, instead of --agent: {', '.join(PLANNERS)}, or your own as "
             "file.py:Class.",
         ),
     ] = None,
-    assignment: AssignmentOption = None,
-    plan_seconds: PlanSecondsOption = PLAN_SECONDS,
+    assignment: options.Assignment = None,
+    plan_seconds: options.PlanSeconds = PLAN_SECONDS,
     goes_on: Annotated[
         bool,
-        typer.Option(
-            "--go-on/--stop",
-            help="When a planner fails, let all robots wait for a step, or stop.",
-        ),
+        option("--go-on/--stop", "When a planner fails, let all robots wait for a step, or stop."),
     ] = False,
     show_plans: Annotated[
         str | None,
-        typer.Option(
-            "--show-plans",
-            metavar="ROBOTS",
-            help="Draw the plans of these robots of a planner ahead of them, as in 0,3.",
+        option(
+            "--show-plans ROBOTS",
+            "Draw the plans of these robots of a planner ahead of them, as in 0,3.",
         ),
     ] = None,
     show_pushes: Annotated[
-        bool,
-        typer.Option("--show-pushes", help="Draw which robot pushes which, of a planner by PIBT."),
+        bool, option("--show-pushes", "Draw which robot pushes which, of a planner by PIBT.")
     ] = False,
-    layout: FleetLayoutOption = Path(DEPOT),
-    steps: Annotated[
-        int, typer.Option("--steps", metavar="N", min=1, max=MAX_COUNT, help="Steps of a shift.")
-    ] = 1000,
-    battery: FleetBatteryOption = "400steps",
+    layout: options.FleetLayout = Path(DEPOT),
+    steps: Annotated[int, option("--steps N", "Steps of a shift.", (1, MAX_COUNT))] = 1000,
+    battery: options.FleetBattery = "400steps",
     people: Annotated[int, number_option("people")] = 0,
     late_penalty: Annotated[
         float,
-        typer.Option(
-            "--late-penalty",
-            metavar="X",
-            min=0,
-            help="Reward that the record has less for each step by which a delivery is late.",
+        option(
+            "--late-penalty X",
+            "Reward that the record has less for each step by which a delivery is late.",
+            (0, None),
         ),
     ] = 0.0,
-    backend: BackendOption = "grid",
-    view_radius: ViewRadiusOption = 2,
+    backend: options.Backend = "grid",
+    view_radius: options.ViewRadius = 2,
     shifts: Annotated[
         int,
-        typer.Option(
-            "--episodes",
-            "-n",
-            metavar="N",
-            min=1,
-            max=MAX_SHIFTS,
-            help="Shifts, of one seed after the other. Of several the means are printed, with "
+        option(
+            "--episodes -n N",
+            "Shifts, of one seed after the other. Of several the means are printed, with "
             "95% intervals, and the first is shown.",
+            (1, MAX_SHIFTS),
         ),
     ] = 1,
-    seed: SeedOption = None,
+    seed: options.Seed = None,
     *,
-    save: SaveOption,
-    show: ShowOption = None,
-    speed: SpeedOption = 1.0,
+    save: options.Save,
+    show: options.Show = None,
+    speed: options.Speed = 1.0,
 ) -> None:
     """Run a shift of several robots and replay it.
 
@@ -197,8 +146,6 @@ def fleet(
         raise typer.BadParameter("--planner directs all robots; leave out --agent")
     if planner is None and assignment is not None:
         raise typer.BadParameter("--assignment is for a --planner")
-    if plan_seconds <= 0:
-        raise typer.BadParameter(f"--plan-seconds is {plan_seconds}; it must be above 0")
     watched = parse_robots(show_plans, robots)
     if planner is None and (watched or show_pushes):
         raise typer.BadParameter("--show-plans and --show-pushes are for a --planner")
@@ -256,13 +203,20 @@ def fleet(
         replay_or_save(records[0], save, show, speed=speed, plans=log.plans if log else ())
 
     try:
-        run_shifts(run_seed, range(first, first + shifts), keep)
-    except EpisodeError:
-        finish(show, ", not finished")
+        with warnings_printed():
+            for each in tracked(range(first, first + shifts)):
+                keep(run_seed(each))
+    except (EpisodeError, EpisodeInterrupted) as error:
+        is_interrupted = isinstance(error, EpisodeInterrupted)
+        keep(error.episode)
+        finish(False if is_interrupted else show, ", not finished")
+        if is_interrupted:
+            raise typer.Abort from error
         raise
-    except EpisodeInterrupted as error:
-        finish(False, ", not finished")
-        raise typer.Abort from error
+    except WarehouseError:
+        raise
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from error
     finish(show)
 
 
@@ -276,31 +230,6 @@ def warn_of_lost_steps(agent: FleetAgent, seed: int, name: str) -> None:
             f"seed {seed}, step {step}, planner {name}: {reason}; all robots waited{more}",
             stacklevel=2,
         )
-
-
-def run_shifts(
-    run: Callable[[int], Episode],
-    seeds: Sequence[int],
-    keep: Callable[[Episode], None],
-) -> None:
-    """Run a shift for each seed, and ``keep`` each record, the unfinished one of an error too.
-
-    Raises:
-        EpisodeError: an agent failed.
-        EpisodeInterrupted: Ctrl-C was pressed.
-        typer.BadParameter: the fleet cannot be made.
-    """
-    try:
-        with warnings_printed():
-            for seed in tracked(seeds):
-                keep(run(seed))
-    except (EpisodeError, EpisodeInterrupted) as error:
-        keep(error.episode)
-        raise
-    except WarehouseError:
-        raise
-    except ValueError as error:
-        raise typer.BadParameter(str(error)) from error
 
 
 def tracked(seeds: Sequence[int]) -> Iterable[int]:

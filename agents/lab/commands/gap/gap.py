@@ -11,22 +11,15 @@ from typing import Annotated
 import typer
 
 from agents.fleet.planned import PLAN_SECONDS
-from agents.lab.commands.fleet.options import (
-    AssignmentOption,
-    FleetBatteryOption,
-    FleetLayoutOption,
-    PlanSecondsOption,
-    RobotsOption,
-    parse_battery,
-    parse_due,
-)
 from agents.lab.commands.gap.summary import Scores, gap_table, losses, message
 from agents.lab.commands.gap.trial import Score, Setting, make_env, run_trial
 from agents.lab.commands.gap.worlds import WORLDS, Shocks, make_world
-from agents.lab.commands.planners.compare_planners import MAX_SEEDS
-from agents.lab.console.options import JobsOption, save_option
+from agents.lab.commands.planners.compare_planners import Seeds
+from agents.lab.console import options
+from agents.lab.console.options import MANY, option, writable
 from agents.lab.console.table import print_table
 from agents.lab.console.terminal import print_error, say
+from agents.lab.console.values import parse_battery, parse_due
 from agents.lab.trials.interval import MIN_VALUES
 from agents.lab.trials.workers import run_trials
 from agents.registry import PLANNERS, make_fleet_agent
@@ -41,78 +34,56 @@ PAGE, VALUES = ".html", ".csv"
 
 
 def gap(
-    robots: RobotsOption = 12,
+    robots: options.Robots = 12,
     planner: Annotated[
         str,
-        typer.Option(
-            "--planner",
-            metavar="NAME",
-            help=f"Directs all robots: {', '.join(PLANNERS)}, or your own as file.py:Class.",
+        option(
+            "--planner NAME",
+            f"Directs all robots: {', '.join(PLANNERS)}, or your own as file.py:Class.",
         ),
     ] = "pibt-lanes",
-    assignment: AssignmentOption = None,
-    plan_seconds: PlanSecondsOption = PLAN_SECONDS,
+    assignment: options.Assignment = None,
+    plan_seconds: options.PlanSeconds = PLAN_SECONDS,
     orders: Annotated[
-        float,
-        typer.Option("--orders", metavar="RATE", help="Orders that arrive in a second on average."),
+        float, option("--orders RATE", "Orders that arrive in a second on average.")
     ] = 0.4,
-    count: Annotated[
-        int,
-        typer.Option("--count", metavar="N", min=1, max=MAX_ORDERS, help="Orders of a run."),
-    ] = 40,
+    count: Annotated[int, option("--count N", "Orders of a run.", (1, MAX_ORDERS))] = 40,
     due: Annotated[
         str | None,
-        typer.Option(
-            "--due",
-            metavar="FEWEST:MOST",
-            help=f"Seconds from release to due time. Default: {DUE[0]}:{DUE[1]}.",
+        option(
+            "--due FEWEST:MOST", f"Seconds from release to due time. Default: {DUE[0]}:{DUE[1]}."
         ),
     ] = None,
-    layout: FleetLayoutOption = Path(DEPOT),
-    battery: FleetBatteryOption = "30000joules",
+    layout: options.FleetLayout = Path(DEPOT),
+    battery: options.FleetBattery = "30000joules",
     noise: Annotated[
         float,
-        typer.Option(
-            "--noise",
-            metavar="SHARE",
-            min=0,
-            max=0.5,
-            help="Disturbed: standard deviation of the robots' speeds, as a share.",
+        option(
+            "--noise SHARE",
+            "Disturbed: standard deviation of the robots' speeds, as a share.",
+            (0, 0.5),
         ),
     ] = 0.05,
     stop: Annotated[
         float,
-        typer.Option(
-            "--stop",
-            metavar="SECONDS",
-            min=0,
-            help="Disturbed: one robot stands still for so long; 0: none, inf: it dies.",
+        option(
+            "--stop SECONDS",
+            "Disturbed: one robot stands still for so long; 0: none, inf: it dies.",
+            (0, None),
         ),
     ] = 60.0,
-    seeds: Annotated[
-        int,
-        typer.Option(
-            "--seeds",
-            "-n",
-            metavar="N",
-            min=1,
-            max=MAX_SEEDS,
-            help="Runs in each world, with starts and orders of their own; intervals need "
-            f"{MIN_VALUES}.",
-        ),
-    ] = MIN_VALUES,
-    seed: Annotated[
-        int, typer.Option("--seed", metavar="N", min=0, help="Seed of the first run.")
-    ] = 0,
-    jobs: JobsOption = None,
+    seeds: Seeds = MIN_VALUES,
+    seed: options.FirstSeed = 0,
+    jobs: options.Jobs = None,
     *,
     save: Annotated[
         list[Path],
-        save_option(
+        option(
+            "--save FILE",
             "Write a page with the table, where time is lost, and all worlds side by side, "
             "as .html; or the values of each run, as .csv. May be given more than once.",
-            PAGE,
-            VALUES,
+            callback=writable(PAGE, VALUES),
+            **MANY,
         ),
     ],
 ) -> None:
@@ -128,8 +99,6 @@ def gap(
     """
     if not 0 < orders < float("inf"):
         raise typer.BadParameter(f"--orders is {orders:g}; it must be above 0 orders a second")
-    if plan_seconds <= 0:
-        raise typer.BadParameter(f"--plan-seconds is {plan_seconds}; it must be above 0")
     setting = Setting(
         find_layout(layout), robots, planner, assignment, plan_seconds, parse_battery(battery),
         orders, count, parse_due(due, DUE, "seconds"), Shocks(noise, stop),
@@ -160,12 +129,7 @@ def gap(
 
 
 def check(setting: Setting, seed: int) -> None:
-    """Raise if the fleet of a setting cannot be made, before any run.
-
-    Raises:
-        WarehouseError: a planner, an assignment, a layout or a backend is wrong.
-        typer.BadParameter: another value is.
-    """
+    """Raise before any run if the fleet of a setting cannot be made."""
     try:
         make_fleet_agent(setting.planner, setting.assignment, seed, setting.layout, 1)
         orders = setting.orders(seed)
@@ -189,11 +153,7 @@ def title_of(setting: Setting, layout: str, seeds: Sequence[int]) -> str:
 
 
 def write_values(path: Path, scores: Scores, seeds: Sequence[int]) -> None:
-    """Write a line for each run, whole or not at all.
-
-    Raises:
-        OSError: the file cannot be written.
-    """
+    """Write a line for each run, whole or not at all."""
     from agents.lab.commands.gap.spent_time import KINDS
 
     names = [name for name in Score._fields if name != "spent"]

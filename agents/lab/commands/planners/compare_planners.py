@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
 from functools import partial
 from itertools import product
-from pathlib import Path
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -13,10 +12,11 @@ import typer
 
 from agents.errors import PlanError
 from agents.lab.commands.planners.floors import KIVA, FloorOption, find_floor
-from agents.lab.commands.planners.mapf import PlannerOption, TimeLimitOption
-from agents.lab.commands.planners.runs import BOUND, STEPPERS, Unhindered, make_stepper
-from agents.lab.console.options import MAX_COUNT, JobsOption
-from agents.lab.console.output import PICTURES, save_picture
+from agents.lab.commands.planners.mapf import Planners, TimeLimit
+from agents.lab.commands.planners.runs import BOUND, STEPPERS, Stepper, Unhindered, make_stepper
+from agents.lab.console import options
+from agents.lab.console.options import MAX_COUNT, option
+from agents.lab.console.output import save_picture
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import print_error, say
 from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
@@ -24,12 +24,18 @@ from agents.lab.trials.wording import above_interval
 from agents.lab.trials.workers import run_trials
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import run_lifelong
-from agents.mapf.planner import Planner
-from warehouse_core.files.atomic import check_suffix, check_target
 from warehouse_core.wording import counted
 
 SIZES = "32,64,96,128,160,192"
-MAX_SEEDS = 1000
+
+Seeds = Annotated[
+    int,
+    option(
+        "--seeds -n N",
+        f"Runs of each, with starts and goals or orders of their own; intervals need {MIN_VALUES}.",
+        (1, 1000),
+    ),
+]
 
 
 class Outcome(NamedTuple):
@@ -40,31 +46,12 @@ class Outcome(NamedTuple):
     lost: int
 
 
-class Result(NamedTuple):
-    """Means of a planner with a number of robots, over the seeds.
-
-    Attributes:
-        throughput: goals that are reached in a step.
-        milliseconds: mean time of a step.
-        lost: steps that were cut off.
-    """
-
-    throughput: Interval
-    milliseconds: float
-    lost: int
+Case = tuple[str, int]
+"""A planner, or ``BOUND``, and a number of robots."""
 
 
-def run_trial(
-    case: tuple[str, int], seed: int, *, layout: str | None, steps: int, seconds: float
-) -> Outcome:
-    """Return the outcome of a run.
-
-    Args:
-        case: name of a planner, or ``BOUND``, and number of robots.
-        seed: seed of starts, goals and the planner.
-        layout: name or file of the layout, see ``find_floor``.
-        steps: steps of the run.
-        seconds: time after which a step is cut off.
+def run_trial(case: Case, seed: int, *, layout: str | None, steps: int, seconds: float) -> Outcome:
+    """Return the outcome of a run in which a step is cut off after some seconds.
 
     Raises:
         AgentError: the planner is unknown.
@@ -72,46 +59,24 @@ def run_trial(
     """
     (name, robots), floor = case, find_floor(layout)
     graph = Graph(floor.layout)
-    stepper = None
-    planner: Planner = Unhindered(graph)
+    planner: Unhindered | Stepper = Unhindered(graph)
     if name != BOUND:
-        planner = stepper = make_stepper(name, seed, floor.layout, robots, seconds)
+        planner = make_stepper(name, seed, floor.layout, robots, seconds)
     run = run_lifelong(graph, planner, robots, steps, seed, floor.starts, floor.goals)
-    lost = len(stepper.lost) if stepper is not None else 0
+    lost = len(planner.lost) if isinstance(planner, Stepper) else 0
     return Outcome(run.throughput, 1000 * float(run.seconds.mean()), lost)
 
 
 def compare_planners(
-    planner: PlannerOption = None,
-    robots: Annotated[
-        str, typer.Option("--robots", "-r", metavar="N,N,...", help="Fleet sizes.")
-    ] = SIZES,
-    seeds: Annotated[
-        int,
-        typer.Option(
-            "--seeds",
-            "-n",
-            metavar="N",
-            min=1,
-            max=MAX_SEEDS,
-            help=f"Runs of each, with starts and goals of their own; intervals need {MIN_VALUES}.",
-        ),
-    ] = MIN_VALUES,
-    seed: Annotated[
-        int, typer.Option("--seed", metavar="N", min=0, help="Seed of the first run.")
-    ] = 0,
+    planner: Planners = None,
+    robots: Annotated[str, option("--robots -r N,N,...", "Fleet sizes.")] = SIZES,
+    seeds: Seeds = MIN_VALUES,
+    seed: options.FirstSeed = 0,
     layout: FloorOption = None,
-    steps: Annotated[
-        int, typer.Option("--steps", metavar="N", min=1, max=MAX_COUNT, help="Steps of a run.")
-    ] = 256,
-    time_limit: TimeLimitOption = 10.0,
-    jobs: JobsOption = None,
-    save: Annotated[
-        Path | None,
-        typer.Option(
-            "--save", metavar="FILE", help="Draw throughput against robots, as .png or .svg."
-        ),
-    ] = None,
+    steps: Annotated[int, option("--steps N", "Steps of a run.", (1, MAX_COUNT))] = 256,
+    time_limit: TimeLimit = 10.0,
+    jobs: options.Jobs = None,
+    save: options.SaveFigure = None,
 ) -> None:
     """Compare planners over fleet sizes and seeds.
 
@@ -121,9 +86,6 @@ def compare_planners(
     Example: warehouse compare-planners --planner pibt --planner windowed --save curve.png
     """
     sizes = parse_sizes(robots)
-    if save is not None:
-        check_suffix(save, PICTURES)
-        check_target(save)
     names = list(dict.fromkeys(planner or STEPPERS))
     floor = find_floor(layout)
     for name in names:
@@ -136,7 +98,11 @@ def compare_planners(
     call = partial(run_trial, layout=layout, steps=steps, seconds=time_limit)
     cases = list(product((*names, BOUND), sizes))
     outcomes = run_trials(call, cases, range(seed, seed + seeds), jobs)
-    results = {case: summary(each) for case, each in outcomes.items()}
+    rates, times, lost = dict[Case, Interval](), dict[Case, float](), dict[Case, int]()
+    for case, each in outcomes.items():
+        throughputs, milliseconds, cut_off = np.array(each).T
+        rates[case] = mean_interval(throughputs) or Interval(math.nan)
+        times[case], lost[case] = float(milliseconds.mean()), int(cut_off.sum())
     title = (
         f"Goals reached in a step: layout {layout or KIVA}, {counted(steps, 'step')}, "
         f"{counted(seeds, 'seed')} from {seed}"
@@ -145,16 +111,20 @@ def compare_planners(
     if save is not None:
         from agents.lab.commands.planners.picture import throughput_figure
 
-        curves = {
-            name: {size: results[name, size].throughput for size in sizes}
-            for name in (*names, BOUND)
-        }
+        curves = {name: {size: rates[name, size] for size in sizes} for name in (*names, BOUND)}
         save_picture(throughput_figure(curves, BOUND, title), save)
-    print_table(throughput_table(names, sizes, results, title))
-    for (name, size), result in results.items():
-        if result.lost:
+    rows = []
+    for size in sizes:
+        cells = [
+            f"{above_interval(rates[name, size])}\n{times[name, size]:.1f} ms a step"
+            for name in names
+        ]
+        rows.append((str(size), *cells, f"{rates[BOUND, size].estimate:.2f}"))
+    print_table(Table(("robots", *names, BOUND), rows, title))
+    for (name, size), count in lost.items():
+        if count:
             print_error(
-                f"warning: {name}, {counted(size, 'robot')}: {counted(result.lost, 'step')} took "
+                f"warning: {name}, {counted(size, 'robot')}: {counted(count, 'step')} took "
                 f"more than {time_limit:g} s; all robots waited"
             )
     if save is not None:
@@ -174,28 +144,3 @@ def parse_sizes(text: str) -> list[int]:
                 f"--robots has {part!r}; it must be whole numbers, at least 1, as in {SIZES}"
             )
     return sorted(set(map(int, parts)))
-
-
-def summary(outcomes: Sequence[Outcome]) -> Result:
-    """Return the means of outcomes, of which there is at least one."""
-    rates, times, lost = map(np.array, zip(*outcomes, strict=True))
-    interval = mean_interval(rates)
-    assert interval is not None, "there is at least one seed"
-    return Result(interval, float(times.mean()), int(lost.sum()))
-
-
-def throughput_table(
-    names: Sequence[str],
-    sizes: Sequence[int],
-    results: dict[tuple[str, int], Result],
-    title: str,
-) -> Table:
-    """Return a table with a row for each fleet size."""
-    rows = []
-    for size in sizes:
-        cells = [
-            f"{above_interval(result.throughput)}\n{result.milliseconds:.1f} ms a step"
-            for result in (results[name, size] for name in names)
-        ]
-        rows.append((str(size), *cells, f"{results[BOUND, size].throughput.estimate:.2f}"))
-    return Table(("robots", *names, BOUND), rows, title)

@@ -6,9 +6,9 @@ from pathlib import Path
 from typing import Annotated, NamedTuple
 
 import numpy as np
-import typer
 
 from agents.errors import PlanError
+from agents.lab.console.options import option
 from agents.mapf.graph import CLOSED, Graph, Integers
 from agents.mapf.problem import Problem
 from warehouse_core import Layout
@@ -22,10 +22,9 @@ KIVA = "kiva"
 
 FloorOption = Annotated[
     str | None,
-    typer.Option(
-        "--layout",
-        metavar="FILE",
-        help="Layout file (rows of # . P D C, or a MovingAI .map), or a name: kiva (33 x 46 cells, "
+    option(
+        "--layout FILE",
+        "Layout file (rows of # . P D C, or a MovingAI .map), or a name: kiva (33 x 46 cells, "
         f"with 192 starts and 480 goals, as in papers), {', '.join(NAMES)}. Default: kiva.",
         show_default=False,
     ),
@@ -48,15 +47,7 @@ class Floor(NamedTuple):
 
 
 def find_floor(name: str | None) -> Floor:
-    """Return the floor of a name or a file; robots are in the largest of its parts.
-
-    Args:
-        name: ``None`` is ``KIVA``.
-
-    Raises:
-        LayoutError: as for ``find_layout``.
-        OSError: the file cannot be read.
-    """
+    """Return the floor of a name or a file, by default ``KIVA``; robots are in its largest part."""
     if name is None or name == KIVA:
         layout, starts, goals = kiva_warehouse()
         places = layout.cells(goals)
@@ -95,14 +86,10 @@ def random_problem(floor: Floor, robots: int, seed: int) -> Problem:
 def scenario_problem(path: Path, layout_file: str | None, robots: int | None) -> Problem:
     """Return the problem of the first scenarios of a ``.scen``, one for each robot.
 
-    Args:
-        path: path of the file.
-        layout_file: path of its map; ``None`` is the file that it names, beside it.
-        robots: ``None`` is one for each scenario.
+    Without a map it is the file that the scenarios name, beside them; by default a robot has each.
 
     Raises:
         LayoutError: a file has another format, or they do not fit each other.
-        OSError: a file cannot be read.
         PlanError: there are fewer scenarios, or no plan can exist.
     """
     scenarios = load_scenarios(path)

@@ -2,89 +2,22 @@ import sys
 from pathlib import Path
 
 import pytest
-import typer
-from helpers.command_line import command, refusal
+from helpers.command_line import Refused
 
-from agents.lab.console.options import (
-    BatteryOption,
-    SaveOption,
-    SaveReplayOption,
-    greedy_with,
-    load_layout,
-    load_place,
-)
+from agents.lab.console.values import greedy_with, load_layout, load_place
 from agents.lab.place import Place, Stations
 from warehouse_core import DEFAULT_LAYOUT, LayoutError
 from warehouse_core.world.map_files import save_layout
 
-app = typer.Typer(add_completion=False)
 
-
-@app.command()
-def charge(battery: BatteryOption = 5) -> None:
-    print(battery)
-
-
-@app.command()
-def keep(*, save: SaveOption) -> None:
-    print(*save)
-
-
-@app.command()
-def film(*, save: SaveReplayOption) -> None:
-    print(*save)
-
-
-def test_wrong_usage_is_one_line_and_ends_with_2(capsys: pytest.CaptureFixture[str]) -> None:
-    assert command(capsys, "charge", "--battery", "7", app=app) == (0, "7\n", "")
-    for words in (["--battery", "0"], ["--battery", "x"], ["--battery"], ["--fast"], ["more"]):
-        assert refusal(capsys, "charge", *words, code=2, app=app), words
-
-
-def test_every_format_and_the_record_may_be_saved(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    suffixes = ("gif", "mp4", "html", "svg", "png", "npz", "NPZ")
-    targets = [str(tmp_path / f"film.{suffix}") for suffix in suffixes]
-    words = [word for target in targets for word in ("--save", target)]
-    assert command(capsys, "keep", *words, app=app).out.split() == targets
-    assert command(capsys, "keep", app=app).out == "\n"
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_an_mp4_without_its_library_is_refused_before_the_command_runs(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_each_file_is_checked_before_the_command_runs(
+    refused: Refused, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    for name in ("keep", "film"):
-        words = ["--save", tmp_path / "film.gif", "--save", tmp_path / "film.MP4"]
-        line = refusal(capsys, name, *words, app=app)
+    for name in ("run", "demo"):
+        line = refused(name, "--save", tmp_path / "a.GIF", "--save", tmp_path / "a.MP4")
         assert line == "saving as .mp4 needs imageio-ffmpeg: pip install 'imageio-ffmpeg>=0.5'"
-        assert command(capsys, name, *words[:2], app=app).code == 0
-
-
-@pytest.mark.parametrize(
-    ("name", "target", "message"),
-    [
-        ("keep", "film.txt", "film.txt: cannot save as .txt; allowed: .gif, "),
-        ("film", "film.npz", "film.npz: cannot save as .npz; allowed: .gif, "),
-        ("keep", "film", "film: cannot save as a file without a suffix"),
-        ("keep", "missing/film.gif", "the folder missing does not exist"),
-        ("keep", "folder.gif", "folder.gif is a folder, not a file"),
-    ],
-)
-def test_a_file_that_cannot_be_saved_is_an_error(
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-    tmp_path: Path,
-    name: str,
-    target: str,
-    message: str,
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "folder.gif").mkdir()
-    words = (name, "--save", "good.gif", "--save", target)
-    assert refusal(capsys, *words, app=app).startswith(message)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_layout_is_the_built_in_one_unless_there_is_a_file(tmp_path: Path) -> None:
@@ -161,9 +94,3 @@ def test_memory_and_escape_are_arguments_of_the_greedy_agent(
     agent: str, memory: int | None, escape: bool | None, name: str
 ) -> None:
     assert greedy_with(agent, memory, escape) == name
-
-
-@pytest.mark.parametrize(("memory", "escape"), [(5, None), (None, True), (None, False)])
-def test_other_agents_have_no_memory_and_no_escape(memory: int | None, escape: bool | None) -> None:
-    with pytest.raises(typer.BadParameter, match="are of agent greedy, not of 'astar'"):
-        greedy_with("astar", memory, escape)

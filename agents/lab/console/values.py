@@ -1,0 +1,109 @@
+"""What the texts of options mean: layouts, places, cells, batteries and times."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import typer
+
+from agents.lab.place import Place, Stations, check_stations, usual_stations, what_to_draw
+from warehouse_core import DEFAULT_LAYOUT, Cell, Layout
+from warehouse_core.arguments import MAX_STEPS
+from warehouse_core.batch.fleet.battery import JOULES, STEPS
+from warehouse_core.fleet import Battery
+from warehouse_core.world.layout import check_open
+from warehouse_core.world.named_layouts import find_layout
+
+DUE = 50, 150
+"""Steps from release to due time of an order, at least and at most."""
+
+
+def load_layout(path: Path | None) -> Layout:
+    """Return the layout in a file or of a name, or the chapter's without one."""
+    return DEFAULT_LAYOUT if path is None else find_layout(path)
+
+
+def load_place(path: Path | None, stations: Stations | None, start: str | None) -> Place:
+    """Return where episodes take place.
+
+    Args:
+        path: file of the layout, or its name; ``None`` is the chapter's.
+        stations: ``None`` keeps the stations of a file that has any, and draws them otherwise.
+        start: ``ROW,COL``, or ``None`` to draw it.
+
+    Raises:
+        LayoutError: a bad layout, a start that is not open, or no station of a kind to be kept.
+        typer.BadParameter: ``start`` is no cell.
+    """
+    layout, cell = load_layout(path), parse_cell(start, "--start")
+    if cell is not None:
+        check_open(layout, cell, "--start")
+    chosen = stations or usual_stations(layout, is_default=layout is DEFAULT_LAYOUT)
+    check_stations(layout, chosen, path, "--stations drawn")
+    return Place(layout, cell, what_to_draw(chosen, cell))
+
+
+def greedy_with(agent: str, memory: int | None, escape: bool | None) -> str:
+    """Return the name of an agent with what the options say of its memory and its escape.
+
+    Raises:
+        typer.BadParameter: they are given, and the agent has neither.
+    """
+    arguments = [] if memory is None else [f"memory={memory}"]
+    arguments += ["escape_steps=0"] if escape is False else []
+    name, colon, _ = agent.partition(":")
+    if name != "greedy" and (memory is not None or escape is not None):
+        raise typer.BadParameter(f"--memory and --escape are of agent greedy, not of {agent!r}")
+    return f"{agent}{',' if colon else ':'}{','.join(arguments)}" if arguments else agent
+
+
+def parse_cell(text: str | None, option: str) -> Cell | None:
+    """Return the cell in a text ``ROW,COL``, or ``None`` without a text.
+
+    Raises:
+        typer.BadParameter: the text is not of that form.
+    """
+    if text is None:
+        return None
+    cell = re.fullmatch(r"\s*(-?[0-9]{1,9})\s*,\s*(-?[0-9]{1,9})\s*", text)
+    if cell is None:
+        raise typer.BadParameter(f"{option} is {text!r}; it must be ROW,COL as in 1,2")
+    return int(cell[1]), int(cell[2])
+
+
+def parse_due(text: str | None, usual: tuple[int, int] = DUE, unit: str = STEPS) -> tuple[int, int]:
+    """Return the fewest and most steps, or seconds, in a text ``FEWEST:MOST``.
+
+    Args:
+        text: value of ``--due``.
+        usual: times without a text.
+        unit: unit of both times.
+
+    Raises:
+        typer.BadParameter: the text is not of that form, or they are out of order.
+    """
+    if text is None:
+        return usual
+    times = re.fullmatch(r"([0-9]{1,9}):([0-9]{1,9})", text)
+    fewest, most = map(int, times.groups()) if times else (1, 0)
+    if fewest > most:
+        raise typer.BadParameter(
+            f"--due is {text!r}; it must be FEWEST:MOST {unit} from release to due time, as in "
+            f"{usual[0]}:{usual[1]}"
+        )
+    return fewest, most
+
+
+def parse_battery(text: str) -> Battery:
+    """Return the battery in a text such as ``400``, ``400steps`` or ``20000joules``.
+
+    Raises:
+        typer.BadParameter: the text is not of that form, or out of range.
+    """
+    battery = re.fullmatch(rf"([0-9]{{1,12}}) ?({STEPS}|{JOULES})?", text)
+    if battery is None or not 1 <= int(battery[1]) <= MAX_STEPS:
+        raise typer.BadParameter(
+            f"--battery is {text!r}; it must be 1..{MAX_STEPS} steps or joules, as in 400steps"
+        )
+    return Battery(int(battery[1]), battery[2] or STEPS)
