@@ -4,7 +4,7 @@ import random
 
 import pytest
 
-from agents.fleet.pilot import ENOUGH, NEARLY_FULL, PATIENCE, Pilot, Site
+from agents.fleet.team import ENOUGH, NEARLY_FULL, PATIENCE, Pilot, Site
 from agents.registry import make_team
 from warehouse_core import FleetEnv, Layout, Observation, OrderStream
 from warehouse_core.fleet import Battery

@@ -10,8 +10,7 @@ from matplotlib.transforms import Bbox
 
 from agents.search.algorithms import Solution, weighted_astar_search
 from agents.search.heuristics import manhattan
-from agents.search.panel import PATH
-from agents.search.picture import MAX_FRAMES, search_replay
+from agents.search.picture import MAX_FRAMES, PATH, search_replay
 from agents.search.problems import RouteProblem
 from agents.search.trace import FRONTIER, MAX_PANELS, SHADES, UNTOUCHED, WAITS, SearchCourse
 from warehouse_core import DEFAULT_LAYOUT, Layout

@@ -4,10 +4,18 @@ import numpy as np
 import pytest
 
 from agents.search.algorithms import weighted_astar_search
-from agents.search.course_track import COLORS, FIRST_SHADE, NOW, WAITING, track_of_course
 from agents.search.heuristics import manhattan
 from agents.search.problems import RouteProblem
-from agents.search.trace import UNTOUCHED, WAITS, SearchCourse
+from agents.search.trace import (
+    FIRST_SHADE,
+    MARK_COLORS,
+    NOW,
+    UNTOUCHED,
+    WAITING,
+    WAITS,
+    SearchCourse,
+    track_of_course,
+)
 from warehouse_core import DEFAULT_LAYOUT, Layout, random_layout
 from warehouse_core.world.tiles import Cell
 
@@ -52,7 +60,7 @@ def test_the_marks_are_those_of_the_search(
     is_expanded = shown.marks_after(count) > 0
     assert (codes[is_expanded] == FIRST_SHADE + quarters[is_expanded]).all()
     assert next_mark == len(marks.times)
-    assert max(marks.values) < len(COLORS) == len(marks.names)
+    assert max(marks.values) < len(MARK_COLORS) == len(marks.names)
 
 
 def test_frames_count_what_is_expanded_and_end_with_the_path() -> None:
