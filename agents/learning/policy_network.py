@@ -56,12 +56,7 @@ def input_size(view_radius: int, tiles: Tiles = MARKED_TILES) -> int:
 
 
 class PolicyNetwork:
-    """A network with fixed weights.
-
-    Args:
-        view_radius: view radius of its observations.
-        layers: ``LAYERS`` layers, from the first to the last.
-        tiles: tiles that it tells apart.
+    """A network of ``LAYERS`` layers with fixed weights.
 
     Raises:
         ValueError: the layers do not fit together or hold numbers that are not finite.
