@@ -121,17 +121,11 @@ class EpisodeRecorder:
         self._keep_frame(reward)
         return observation
 
-    def run(self, agent: Agent, observation: Observation | None = None) -> None:
-        """Reset an agent and let it act until the episode is over.
-
-        Args:
-            agent: Agent that chooses the actions.
-            observation: Present observation; ``None`` asks the environment for it.
-        """
+    def run(self, agent: Agent) -> None:
+        """Reset an agent and let it act until the episode is over."""
         agent.reset()
         self._is_acting = True
-        if observation is None:
-            observation = self._env.observe()
+        observation = self._env.observe()
         while not self.ended:
             action = agent.act(observation)
             observation = self.step(action, reason=str(explanation_of(agent)))
