@@ -26,7 +26,7 @@ from agents.search.trace import (
     WAITS,
     SearchCourse,
     track_of_course,
-)  # fmt: skip
+)
 from warehouse_core import DEFAULT_LAYOUT, Layout
 from warehouse_core.render.palette import COLORS
 from warehouse_core.viz.replay import Replay
