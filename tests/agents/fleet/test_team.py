@@ -9,7 +9,6 @@ import pytest
 
 from agents.fleet.team import ENOUGH, NEARLY_FULL, PATIENCE, Pilot, Site, Team
 from agents.registry import make_team
-from agents.search.agents import SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import FleetEnv, Layout, Observation, OrderStream
 from warehouse_core.errors import EndedError
@@ -76,6 +75,7 @@ def test_the_observations_of_all_robots_are_those_of_each() -> None:
 def test_the_same_seed_repeats_a_shift_with_the_same_team_and_a_new_one() -> None:
     env, team = make_env(8), make_team("bfs", 8, 5, ROOM)  # who has no random moves of its own
     first = record_fleet_episode(env, team, seed=2)
+    assert first.measures.delivered >= 4
     assert record_fleet_episode(env, team, seed=2) == first
     assert record_fleet_episode(env, make_team("bfs", 8, 5, ROOM), seed=2) == first
     assert record_fleet_episode(env, make_team("bfs", 8, 6, ROOM), seed=2) != first
@@ -94,13 +94,6 @@ def test_the_agents_of_a_team_have_different_seeds_and_see_walls_alone(tmp_path:
     assert (lone.seed, lone.memory) == (7, 3)
     unseeded = make_team("greedy", 2).agents
     assert [agent.seed for agent in unseeded] == [None, None]  # type: ignore[attr-defined]
-
-
-def test_agents_that_know_the_walls_deliver_the_orders_of_their_robots() -> None:
-    env = make_env(2)
-    team = make_team("bfs", 2, 1, ROOM)
-    assert isinstance(team.agents[0], SearchAgent)
-    assert record_fleet_episode(env, team, seed=1).measures.delivered >= 4
 
 
 class Checked(GreedyAgent):

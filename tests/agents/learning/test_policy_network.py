@@ -63,13 +63,6 @@ def test_each_layer_is_a_weighted_sum_with_tanh_except_the_last() -> None:
     assert network.logits(inputs) == pytest.approx(values, abs=1e-5)
 
 
-def test_a_batch_has_the_outputs_of_its_rows() -> None:
-    network = random_network(1)
-    inputs = np.random.default_rng(2).random((5, input_size(2)), np.float32)
-    each = np.array([network.logits(row) for row in inputs])
-    assert network.logits(inputs) == pytest.approx(each, abs=1e-5)
-
-
 def test_battery_and_steps_are_not_inputs() -> None:
     for radius in (0, 3):
         blind = WarehouseEnv(view_radius=radius).reset()
