@@ -5,9 +5,11 @@ import signal
 import tracemalloc
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from functools import partial
 from pathlib import Path
 
 import pytest
+from helpers.command_line import Refused, Warehouse, command, refusal
 from hypothesis import settings
 
 from warehouse_core import Episode, WarehouseEnv, record_episode
@@ -53,6 +55,18 @@ def saved(episode: Episode, tmp_path: Path) -> Path:
     path = tmp_path / "episode.npz"
     episode.save(path)
     return path
+
+
+@pytest.fixture
+def warehouse(capsys: pytest.CaptureFixture[str]) -> Warehouse:
+    """Return what runs a command of ``warehouse`` in this process."""
+    return partial(command, capsys)
+
+
+@pytest.fixture
+def refused(capsys: pytest.CaptureFixture[str]) -> Refused:
+    """Return what runs a command that must fail with one line, and returns the line."""
+    return partial(refusal, capsys)
 
 
 @pytest.fixture

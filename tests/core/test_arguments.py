@@ -54,8 +54,7 @@ def test_a_real_number_comes_back_as_a_float() -> None:
 
 def test_a_cell_is_two_integers() -> None:
     assert as_cell("start", [np.int64(1), 2]) == (1, 2)
+    message = r"^start is .*; it must be two integers \(row, column\)$"
     for value in (5, (1,), (1, 2, 3), (1.5, 2), "ab", (True, 2)):
-        with pytest.raises(
-            TypeError, match=r"^start is .*; it must be two integers \(row, column\)$"
-        ):
+        with pytest.raises(TypeError, match=message):
             as_cell("start", value)

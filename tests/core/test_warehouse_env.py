@@ -1,8 +1,8 @@
 import copy
 import inspect
 import random
-from collections.abc import Callable
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -84,10 +84,6 @@ def test_the_default_grid_is_the_chapters() -> None:
     }
 
 
-def test_a_new_environment_can_be_stepped_at_once() -> None:
-    assert WarehouseEnv().step("E")[0]["robot_pos"] == (1, 2)
-
-
 def test_a_start_of_none_is_the_usual_start() -> None:
     env = WarehouseEnv(["#P", "D#"], start_pos=None)
     assert env.start_pos == env.reset()["robot_pos"] == (0, 1)
@@ -105,12 +101,8 @@ def test_a_reset_to_a_wall_raises_and_changes_nothing() -> None:
 
 
 def test_numpy_integers_are_integers() -> None:
-    env = WarehouseEnv(
-        start_pos=(np.int64(1), np.int32(2)),
-        max_steps=np.int64(9),
-        battery=np.int8(8),
-        view_radius=np.uint8(1),
-    )
+    limits = {"max_steps": np.int64(9), "battery": np.int8(8), "view_radius": np.uint8(1)}
+    env = WarehouseEnv(start_pos=(np.int64(1), np.int32(2)), **limits)
     assert env.reset(seed=np.int64(5))["robot_pos"] == (1, 2)
     assert env.step(np.int64(2))[1] == pytest.approx(-0.1)
     assert type(env.max_steps) is type(env.max_battery) is type(env.start_pos[0]) is int
@@ -123,17 +115,9 @@ def test_the_rewards_of_a_delivery_follow_the_table() -> None:
     rewards = [-1.1, -0.6, -0.1, 4.9, -0.6, -0.1, -0.6, -0.1, 9.9]
     assert [reward for _, reward, *_ in steps] == pytest.approx(rewards)
     assert [terminated for _, _, terminated, *_ in steps] == [False] * 8 + [True]
-    assert [observation["has_item"] for observation, *_ in steps] == [False] * 3 + [True] * 5 + [
-        False
-    ]
+    loaded = [observation["has_item"] for observation, *_ in steps]
+    assert loaded == [False] * 3 + [True] * 5 + [False]
     assert [info for *_, info in steps] == [{}] * 9
-
-
-def test_a_delivery_with_the_last_unit_sets_both_flags() -> None:
-    env = WarehouseEnv(["PD"], start_pos=(0, 0), battery=3)
-    env.step("PICK")
-    env.step("E")
-    assert env.step("DROP")[2:4] == (True, True)
 
 
 def test_render_shows_the_robot_on_top() -> None:
@@ -242,15 +226,9 @@ def test_a_step_of_a_robot_put_on_a_wall_raises(cell: tuple[int, int]) -> None:
     ("arguments", "message"),
     [
         ({"grid": []}, "the layout is empty"),
-        (
-            {"grid": ["...", "..x"]},
-            r"row 1, column 2: 'x' is not a tile; allowed: # \(wall\), \. \(",
-        ),
+        ({"grid": ["...", "..x"]}, r"row 1, column 2: 'x' is not .*: # \(wall\), \. \("),
         ({"start_pos": (0, 0)}, "start_pos row 0, column 0 is wall"),
-        (
-            {"start_pos": (7, 1)},
-            r"start_pos row 7, column 1 is off the grid \(rows 0..6, columns 0..11",
-        ),
+        ({"start_pos": (7, 1)}, r"start_pos row 7, column 1 is off .*\(rows 0..6, columns 0..11"),
         ({"grid": ["."]}, "start_pos row 1, column 1 is off the grid"),
         ({"view_radius": -1}, "view_radius is -1; it must be at least 0"),
         ({"max_steps": 0}, "max_steps is 0; it must be at least 1"),
@@ -262,22 +240,20 @@ def test_an_invalid_value_raises(arguments: dict[str, Any], message: str) -> Non
         WarehouseEnv(**arguments)
 
 
-@pytest.mark.parametrize("name", ["max_steps", "battery", "view_radius"])
-def test_a_number_must_be_an_integer(name: str) -> None:
-    with pytest.raises(TypeError, match=f"{name} is .*; it must be an integer"):
-        WarehouseEnv(**{name: 1.0})
-
-
-@pytest.mark.parametrize("value", [5, (1, 1, 1), "11"])
-def test_a_start_must_be_two_integers(value: Any) -> None:
-    with pytest.raises(TypeError, match=r"start_pos is .*; it must be two integers"):
-        WarehouseEnv(start_pos=value)
-
-
-@pytest.mark.parametrize("grid", ["...", [5]])
-def test_a_grid_must_be_a_list_of_strings(grid: Any) -> None:
-    with pytest.raises(TypeError, match="string"):
-        WarehouseEnv(grid)
+@pytest.mark.parametrize(
+    ("name", "values", "message"),
+    [
+        ("max_steps", [1.0], "max_steps is .*; it must be an integer"),
+        ("battery", [1.0], "battery is .*; it must be an integer"),
+        ("view_radius", [1.0], "view_radius is .*; it must be an integer"),
+        ("start_pos", [5, (1, 1, 1), "11"], "start_pos is .*; it must be two integers"),
+        ("grid", ["...", [5]], "string"),
+    ],
+)
+def test_a_value_of_another_type_raises(name: str, values: list[Any], message: str) -> None:
+    for value in values:
+        with pytest.raises(TypeError, match=message):
+            WarehouseEnv(**{name: value})
 
 
 @pytest.mark.parametrize("action", [None, 1.5, b"N"])
@@ -285,9 +261,8 @@ def test_an_action_of_another_type_raises_and_changes_nothing(action: Any) -> No
     env = WarehouseEnv()
     env.step("E")
     before = everything(env)
-    with pytest.raises(
-        TypeError, match="allowed: one of N, E, S, W, WAIT, PICK, DROP or its index"
-    ):
+    allowed = "allowed: one of N, E, S, W, WAIT, PICK, DROP or its index"
+    with pytest.raises(TypeError, match=allowed):
         env.step(action)
     assert everything(env) == before
     assert env.step("E")[0]["robot_pos"] == (1, 3)
@@ -303,42 +278,22 @@ def test_a_seed_of_another_type_raises_and_changes_nothing(seed: Any, randomize:
     assert everything(env) == before
 
 
-class Unreliable(GridMotion):
-    """Raises on request."""
-
-    broken = False
-
-    def advance(self, *arguments: Any) -> Any:
-        if self.broken:
-            raise ArithmeticError("broken down")
-        return super().advance(*arguments)
-
-
-def test_an_error_of_the_motion_leaves_the_state_unchanged() -> None:
-    motion = Unreliable()
-    env = WarehouseEnv(backend=motion)
+def test_an_error_of_the_motion_leaves_the_state_unchanged(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    env = WarehouseEnv()
     env.step("E")
     before = everything(env)
-    motion.broken = True
+    monkeypatch.setattr(env.motion, "advance", Mock(side_effect=ArithmeticError("broken down")))
     with pytest.raises(ArithmeticError):
         env.step("E")
     assert everything(env) == before
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        lambda env: setattr(env, "grid", ["..."]),
-        lambda env: setattr(env, "start_pos", (1, 2)),
-        lambda env: setattr(env, "view_radius", 3),
-        lambda env: setattr(env, "height", 3),
-    ],
-)
-def test_properties_cannot_be_assigned(
-    change: Callable[[WarehouseEnv], None],
-) -> None:
+@pytest.mark.parametrize("name", ["grid", "start_pos", "view_radius", "height"])
+def test_properties_cannot_be_assigned(name: str) -> None:
     with pytest.raises(AttributeError):
-        change(WarehouseEnv())
+        setattr(WarehouseEnv(), name, 3)
 
 
 # What a reset draws.

@@ -1,9 +1,11 @@
 """Helpers for tests of pictures: a short episode, and the colours in a drawn figure."""
 
 import dataclasses
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib.backend_bases import KeyEvent
 from numpy.typing import NDArray
 
 from warehouse_core import Episode, EpisodeRecorder, Layout, WarehouseEnv
@@ -43,6 +45,14 @@ def replay_of(frames: Any, metrics: Any = None, **options: Any) -> Replay:
     replay = replay_animation(frames, metrics, window=False, **options)
     assert replay is not None
     return replay
+
+
+def press(replay: Replay, *keys: str, at: Sequence[float] = (0, 0)) -> None:
+    """Press keys of the keyboard while the mouse is at a place of the figure, in pixels."""
+    canvas = replay.figure.canvas
+    for key in keys:
+        event = KeyEvent("key_press_event", canvas, key, *at)  # type: ignore[arg-type]
+        canvas.callbacks.process("key_press_event", event)
 
 
 def pixels(replay: Replay) -> NDArray[np.int64]:

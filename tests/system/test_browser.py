@@ -100,30 +100,6 @@ def test_replays_play_inside_the_page(page: Path, browser: Any, scheme: str, pap
         assert errors == []
 
 
-def test_a_narrow_page_does_not_scroll_sideways(page: Path) -> None:
-    name = "a_very_long_name_" * 20
-    write_page(page, a_page_of(name))
-    text = page.read_text(encoding="utf-8")
-    # The policy forbids other scripts, so it is removed from this copy, which a script measures.
-    assert POLICY.search(text)
-    probe = page.with_name("probe.html")
-    measure = (
-        "<script>addEventListener('load', () => {const images = [...document.images];"
-        "document.title = [document.documentElement.scrollWidth, innerWidth, images.length,"
-        "...images.map(image => image.naturalWidth)].join(' ')})</script>"
-    )
-    probe.write_text(
-        POLICY.sub("", text).replace("</body>", f"{measure}</body>"),
-        encoding="utf-8",
-    )
-    dom = chromium(page.parent, "--window-size=500,900", "--dump-dom", probe.as_uri())
-    title = dom.partition("<title>")[2].partition("</title>")[0]
-    whole, window, images, *widths = map(int, title.split())
-    assert whole <= window == 500
-    assert images == len(widths) == 1
-    assert widths == [300], "it has been loaded"
-
-
 def test_a_dark_scheme_has_a_dark_background_around_figures(page: Path) -> None:
     write_page(page, a_page())
     light = screenshot(page, WIDE, LIGHT)
@@ -186,6 +162,15 @@ def inspected(page: Path, expression: str, *words: str) -> str:
     )
     dom = chromium(page.parent, "--virtual-time-budget=9000", *words, "--dump-dom", frame.as_uri())
     return unescape(dom.partition("<title>")[2].partition("</title>")[0])
+
+
+def test_a_page_of_long_names_does_not_scroll_sideways_on_a_phone(page: Path) -> None:
+    write_page(page, a_page_of("a_very_long_name_" * 20))
+    images = "[...document.images].map(image => image.naturalWidth)"
+    sizes = inspected(page, f"[document.documentElement.scrollWidth, innerWidth, ...{images}]")
+    whole, window, *widths = map(int, sizes.split(","))
+    assert whole <= window == PHONE
+    assert widths == [300], "it has been loaded"
 
 
 def test_nothing_but_what_scrolls_in_its_box_is_wider_than_a_phone(drawn: Path) -> None:

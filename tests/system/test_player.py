@@ -48,23 +48,17 @@ def steps(page: Shown) -> int:
     return step
 
 
-def test_keys_go_to_steps(page: Shown, track: Track) -> None:
+def test_keys_and_buttons_go_to_steps(page: Shown, track: Track) -> None:
     last = track.steps
-    walk = [
+    keys = [
         ("ArrowRight", 1), ("ArrowRight", 2), ("ArrowLeft", 1), ("Home", 0), ("ArrowLeft", 0),
         ("End", last), ("ArrowRight", last), ("ArrowLeft", last - 1),
     ]  # fmt: skip
-    for key, step in walk:
+    for key, step in keys:
         page.press(key)
         assert (key, steps(page)) == (key, step)
-
-
-def test_buttons_do_what_the_keys_do(page: Shown, track: Track) -> None:
-    names = [
-        ("One step on", 1), ("One step on", 2), ("One step back", 1), ("To the end", track.steps),
-        ("To the start", 0),
-    ]  # fmt: skip
-    for name, step in names:
+    names = {"To the start": 0, "One step on": 1, "One step back": 0, "To the end": last}
+    for name, step in names.items():
         page.page.get_by_role("button", name=name, exact=True).click()
         assert (name, steps(page)) == (name, step)
 
@@ -290,6 +284,9 @@ def test_a_robot_is_chosen_by_a_click_and_by_its_number(crowd: Shown, fleet: Tra
         click_robot(crowd, robot)
         assert crowd.read("player.chosen") == robot
         assert number.input_value() == str(robot)
+    crowd.page.locator("canvas.floor").click(position={"x": 2, "y": 2})
+    assert crowd.read("player.chosen") is None, "beside all robots"
+    click_robot(crowd, 3)
     crowd.seek(10)
     pose = fleet.frames[10].robots[3]
     assert pose
@@ -310,12 +307,6 @@ def test_typing_a_number_does_not_play_or_step(crowd: Shown) -> None:
     number.click()
     crowd.press("2", "Home", "n", "f", "Space")
     assert crowd.read("[player.chosen, player.step, player.isPlaying]") == [2, 0, False]
-
-
-def test_a_click_beside_all_robots_chooses_none(crowd: Shown) -> None:
-    crowd.read("player.choose(1)")
-    crowd.page.locator("canvas.floor").click(position={"x": 2, "y": 2})
-    assert crowd.read("player.chosen") is None
 
 
 def test_the_heat_of_held_up_robots_is_a_layer(crowd: Shown) -> None:

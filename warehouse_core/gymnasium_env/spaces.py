@@ -121,12 +121,7 @@ class Limited:
 
 
 def check_options(options: object, allowed: set[str]) -> dict[str, Any]:
-    """Return ``options`` as a dict of allowed keys.
-
-    Raises:
-        TypeError: not a dict.
-        ValueError: an unknown key.
-    """
+    """Return ``options`` as a dict, which may have no other keys than these."""
     if options is None:
         return {}
     if not isinstance(options, dict):
@@ -140,10 +135,6 @@ def check_options(options: object, allowed: set[str]) -> dict[str, Any]:
 
 
 def check_render_mode(mode: str | None, allowed: list[str]) -> None:
-    """Raise if a render mode is unknown.
-
-    Raises:
-        ValueError: listing those allowed.
-    """
+    """Raise ``ValueError`` if a render mode is unknown."""
     if mode is not None and mode not in allowed:
         raise ValueError(f"render_mode is {mode!r}; allowed: None, {', '.join(allowed)}")

@@ -248,11 +248,7 @@ def start_recording(
 ) -> Recorder:
     """Reset an environment and return the recorder of the episode that begins.
 
-    Args:
-        env: Environment of a lone robot or of a fleet, with any backend.
-        seed: Seed for ``env.reset``; a fleet draws one if it is ``None``.
-        agent: Name of the agent.
-        randomize: Argument of a lone robot's ``env.reset``; a fleet has settings in its place.
+    The arguments are the same as in ``record_episode``, but for the name of the agent.
     """
     if isinstance(env, FleetEnv):
         return FleetRecorder(env, seed=seed, agent=agent)

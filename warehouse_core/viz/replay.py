@@ -208,11 +208,8 @@ def replay_of_tracks(
 ) -> Replay:
     """Return the replay of a track, or of several side by side.
 
-    Args:
-        tracks: tracks, at least one, each with at least one frame.
-        interval_ms: milliseconds between frames at speed 1.
-        speed: factor on the playing speed.
-        window: draw into a window, which ``show`` opens; ``None`` means if there is a display.
+    ``interval_ms`` is from one frame to the next at speed 1. ``show`` opens a window, if there is
+    one; ``None`` makes one if there is a display.
 
     Raises:
         ValueError: ``interval_ms`` or ``speed`` is not a positive finite number.

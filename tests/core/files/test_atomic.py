@@ -37,24 +37,20 @@ def test_two_writers_of_one_target_do_not_mix(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [target]
 
 
+@pytest.mark.parametrize("old", ["old", None])
 @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt])
-def test_an_error_leaves_the_old_file_and_no_temporary_file(
-    tmp_path: Path, error: type[BaseException]
+def test_an_error_leaves_the_old_file_if_there_was_one_and_no_temporary_file(
+    tmp_path: Path, error: type[BaseException], old: str | None
 ) -> None:
     target = tmp_path / "film.gif"
-    target.write_text("old")
+    if old is not None:
+        target.write_text(old)
+    before = [*tmp_path.iterdir()]
     with pytest.raises(error), atomic_path(target) as part:  # noqa: PT012
         part.write_text("half of")
         raise error
-    assert target.read_text() == "old"
-    assert list(tmp_path.iterdir()) == [target]
-
-
-def test_an_error_leaves_no_file_if_there_was_none(tmp_path: Path) -> None:
-    with pytest.raises(RuntimeError), atomic_path(tmp_path / "film.gif") as part:  # noqa: PT012
-        part.write_text("half of")
-        raise RuntimeError
-    assert list(tmp_path.iterdir()) == []
+    assert [*tmp_path.iterdir()] == before
+    assert old is None or target.read_text() == old
 
 
 def test_a_block_that_writes_nothing_raises(tmp_path: Path) -> None:

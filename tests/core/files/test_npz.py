@@ -148,20 +148,27 @@ def test_arrays_above_the_limit_are_not_written(
         (zipped({"words.npy": WORDS}), "1 arrays; there must be 2"),
         (MORE, "3 arrays; there must be 2"),
         (with_end_record(MORE, entries=2, here=2), "'more.npy'"),
-        *[(zipped({name: WORDS, "points.npy": POINTS}), "there must be")
-          for name in ("wordy.npy", "words", "../words.npy", "WORDS.npy")],
+        *[
+            (zipped({name: WORDS, "points.npy": POINTS}), "there must be")
+            for name in ("wordy.npy", "words", "../words.npy", "WORDS.npy")
+        ],
         (CROWDED, "60000 arrays"),
         (with_end_record(CROWDED, entries=2, here=2), "directory of"),
-        *[(with_end_record(zipped(GOOD), **{field: value}), "")
-          for field in ("size", "offset") for value in (1, 0xFFFFFFFF)],
+        *[
+            (with_end_record(zipped(GOOD), **{field: value}), "")
+            for field in ("size", "offset")
+            for value in (1, 0xFFFFFFFF)
+        ],
         (in_directory(zipped(GOOD), 8, b"\x01\x00"), "encrypted"),
-        *[(in_directory(zipped(GOOD), 10, struct.pack("<H", method)), f"compression {method}")
-          for method in (9, 14)],
-        *[(in_directory(zipped(GOOD, method), 16, bytes(4)), "CRC")
-          for method in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)],
+        (in_directory(zipped(GOOD), 10, b"\x09\x00"), "array words: unknown compression 9"),
+        (in_directory(zipped(GOOD), 10, b"\x0e\x00"), "array words: unknown compression 14"),
+        *[
+            (in_directory(zipped(GOOD, method), 16, bytes(4)), "CRC")
+            for method in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+        ],
         (in_directory(zipped(GOOD), 24, b"\xff\xff\xff\x7f"), f"MAX_BYTES = {MAX_BYTES}"),
     ],
-)  # fmt: skip
+)
 def test_a_file_of_another_kind_raises(refused: Refused, data: bytes, message: str) -> None:
     assert message in refused(data)
 
@@ -212,10 +219,12 @@ def header_of(kind: str, shape: str = "(5,)", fortran_order: bool = False) -> st
         ("(" * 118, "damaged header"),
         ("\0", "damaged header"),
         ("__import__('os').getcwd()", "damaged header"),
-        *[((text * depth)[: min(depth, 0xFFFF - 1)], "damaged header")
-          for text, depth in (("-", 9_000), ("{1:", 9_000), ("(", 60_000))],
+        *[
+            ((text * depth)[: min(depth, 0xFFFF - 1)], "damaged header")
+            for text, depth in (("-", 9_000), ("{1:", 9_000), ("(", 60_000))
+        ],
     ],
-)  # fmt: skip
+)
 def test_a_member_with_a_wrong_header_raises(refused: Refused, header: str, message: str) -> None:
     words = npy_with_header(header, bytes(20))
     assert message in refused(zipped(GOOD | {"words.npy": words}))

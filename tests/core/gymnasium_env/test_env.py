@@ -12,6 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 from typing import Any, ClassVar
+from unittest.mock import Mock
 
 import gymnasium
 import numpy as np
@@ -26,7 +27,7 @@ from gymnasium.wrappers import (
     TimeAwareObservation,
     TimeLimit,
 )
-from helpers.gymnasium_envs import CORRIDOR, NAME, ROOM, make, make_vec, plain, same, walk
+from helpers.gymnasium_envs import CORRIDOR, NAME, ROOM, make, plain, same, walk
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError, WarehouseEnv, random_layout
 from warehouse_core.errors import NoDisplayError
@@ -159,16 +160,6 @@ def test_stations_and_start_are_random_only_with_randomize() -> None:
         assert len({tuple(start[key]) for start in drawn}) > 2
 
 
-def test_both_backends_return_the_same_values() -> None:
-    grid, physics = (
-        walk(plain(layout=ROOM, backend=backend, max_steps=30), seed=1)
-        for backend in ("grid", "physics")
-    )
-    for one, other in zip(grid, physics, strict=True):
-        assert same(one[:-1], other[:-1])
-        assert same(one[-1]["action_mask"], other[-1]["action_mask"])
-
-
 @over_backends
 def test_info_has_the_outcome_of_the_motion(backend: str) -> None:
     env = plain(layout=ROOM, backend=backend, randomize=False, max_steps=50)
@@ -242,8 +233,9 @@ def test_changing_returned_values_changes_nothing_else(form: str) -> None:
 
 def test_a_step_after_the_end_raises_until_a_reset() -> None:
     env = plain(layout=ROOM, randomize=False)
-    with pytest.raises(ResetNeeded, match=r"step\(\): there has been no reset\(\) yet"):
-        env.step(EAST)
+    for name, arguments in (("step", [EAST]), ("action_masks", [])):
+        with pytest.raises(ResetNeeded, match=rf"{name}\(\): there has been no reset\(\) yet"):
+            getattr(env, name)(*arguments)
     env.reset()
     for action in (PICK, EAST, EAST):
         assert env.step(action)[2:4] == (False, False)
@@ -255,6 +247,9 @@ def test_a_step_after_the_end_raises_until_a_reset() -> None:
     assert pickle.dumps(env) == before
     env.reset()
     assert env.step(EAST)[0]["steps"].tolist() == [1]
+    env.close()
+    with pytest.raises(ResetNeeded, match="the environment has been closed"):
+        env.step(WAIT)
 
 
 @pytest.mark.parametrize(
@@ -292,7 +287,8 @@ def test_options_apply_to_one_episode() -> None:
     drawn = [env.reset(options={"randomize": True})[0] for _ in range(9)]
     assert len({tuple(each["robot_pos"]) for each in drawn}) > 2
     assert same(env.reset()[0], usual)
-    assert same(env.reset(options={})[0], usual)
+    for options in ({}, {"layout": None}):
+        assert same(env.reset(options=options)[0], usual)
     env = plain(layout=ROOM)
     found, _ = env.reset(seed=1, options={"randomize": False})
     assert found["pickup_pos"].tolist() == [1, 1]
@@ -345,11 +341,7 @@ def test_invalid_options_raise_and_change_nothing(
 @pytest.mark.parametrize(
     ("settings", "error", "message"),
     [
-        (
-            {"observation": "text"},
-            ValueError,
-            "observation is 'text'; allowed: dict, vector, image",
-        ),
+        ({"observation": "text"}, ValueError, "observation is 'text'; .*: dict, vector, image"),
         ({"backend": "boat"}, ValueError, "no backend is called 'boat'"),
         ({"layout": ["#."]}, LayoutError, "two open cells"),
         ({"layout": [".x."]}, LayoutError, "row 0, column 1: 'x' is not a tile"),
@@ -358,11 +350,7 @@ def test_invalid_options_raise_and_change_nothing(
         ({"max_steps": 0}, ValueError, "max_steps is 0"),
         ({"view_radius": -1}, ValueError, "view_radius is -1"),
         ({"tile_pixels": 0}, ValueError, "tile_pixels is 0; it must be at least 2"),
-        (
-            {"render_mode": "video"},
-            ValueError,
-            "render_mode is 'video'; allowed: None,.* rgb_array",
-        ),
+        ({"render_mode": "video"}, ValueError, "render_mode is 'video'; .*: None,.* rgb_array"),
     ],
     ids=repr,
 )
@@ -418,28 +406,12 @@ def test_rendering_without_a_mode_warns() -> None:
         assert batch.render() is None
 
 
-class FakeWindow:
-    """Replaces a window and records the pictures that it shows."""
-
-    opened: "list[FakeWindow]"
-
-    def __init__(self, title: str) -> None:
-        self.title, self.closed = title, 0
-        self.shown: list[tuple[Any, float]] = []
-        self.opened.append(self)
-
-    def show(self, picture: Any, fps: float) -> None:
-        self.shown.append((picture, fps))
-
-    def close(self) -> None:
-        self.closed += 1
-
-
 def test_the_window_shows_every_reset_and_step(monkeypatch: pytest.MonkeyPatch) -> None:
-    FakeWindow.opened = []
-    monkeypatch.setattr(gymnasium_env_module, "PictureWindow", FakeWindow)
+    window, opened = Mock(), Mock()
+    opened.return_value = window
+    monkeypatch.setattr(gymnasium_env_module, "PictureWindow", opened)
     env, still = (plain(render_mode=mode) for mode in ("human", "rgb_array"))
-    assert not FakeWindow.opened
+    opened.assert_not_called()
     for each in (env, still):
         each.reset(seed=0)
     expected = [still.render()]
@@ -447,13 +419,13 @@ def test_the_window_shows_every_reset_and_step(monkeypatch: pytest.MonkeyPatch) 
         env.step(action), still.step(action)
         expected.append(still.render())
     assert env.render() is None
-    (window,) = FakeWindow.opened
-    assert window.title == "Warehouse"
-    assert [fps for _, fps in window.shown] == [RENDER_FPS] * 4
-    assert same(tuple(picture for picture, _ in window.shown), tuple(expected))
+    opened.assert_called_once_with("Warehouse")
+    pictures, rates = zip(*(call.args for call in window.show.call_args_list), strict=True)
+    assert rates == (RENDER_FPS,) * 4
+    assert same(pictures, tuple(expected))
     env.close()
     env.close()
-    assert window.closed == 1
+    window.close.assert_called_once()
 
 
 def test_a_window_without_a_display_raises(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -493,16 +465,13 @@ def test_a_video_is_recorded(tmp_path: Path) -> None:
         episode_trigger=lambda episode: episode == 0,
     )
     env.reset(seed=0)
-    steps = 0
-    over = False
-    while not over:
-        *_, terminated, truncated, _ = env.step(WAIT)
-        over, steps = terminated or truncated, steps + 1
+    for _ in range(12):
+        env.step(WAIT)
     env.reset()
     env.close()
     (video,) = folder.glob("*.mp4")
     frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(video))
-    assert frames == steps + 1 == 13
+    assert frames == 12 + 1
     assert seconds == pytest.approx(13 / RENDER_FPS, abs=0.2)
 
 
@@ -516,12 +485,9 @@ def test_wrappers_of_gymnasium_work() -> None:
     ends = [found[-1]["episode"] for found in walk(counted, seed=0) if "episode" in found[-1]]
     assert ends
     assert {int(end["l"]) for end in ends} == {4}
-    short = TimeLimit(make(), max_episode_steps=3)
-    short.reset(seed=0)
-    assert [short.step(WAIT)[3] for _ in range(3)] == [False, False, True]
-    short = make(max_episode_steps=3)
-    short.reset(seed=0)
-    assert [short.step(WAIT)[3] for _ in range(3)] == [False, False, True]
+    for short in (TimeLimit(make(), max_episode_steps=3), make(max_episode_steps=3)):
+        short.reset(seed=0)
+        assert [short.step(WAIT)[3] for _ in range(3)] == [False, False, True]
 
 
 def test_the_spec_has_the_limit_of_steps() -> None:
@@ -579,29 +545,9 @@ def test_episodes_are_the_same_in_every_process_and_version() -> None:
     assert done.stdout.strip() == trajectory_hash() == HASH
 
 
-def test_a_layout_of_none_in_the_options_is_that_of_the_environment() -> None:
-    env = make(layout=ROOM, randomize=False)
-    env.reset(options={"layout": None})
-    assert env.unwrapped.warehouse.layout == ROOM
-
-
 def test_environments_given_the_same_motion_do_not_share_it() -> None:
     motion = GridMotion()
     one, other = (plain(backend=motion) for _ in range(2))
     at = one.reset(seed=1)[0]["robot_pos"]
     other.reset(seed=2)
     assert one.step(WAIT)[0]["robot_pos"].tolist() == at.tolist()
-
-
-def test_masks_before_a_reset_raise() -> None:
-    for env in (plain(), make_vec(2, "NextStep")):
-        with pytest.raises(ResetNeeded):
-            env.action_masks()
-
-
-def test_a_step_after_close_raises() -> None:
-    env = plain()
-    env.reset(seed=0)
-    env.close()
-    with pytest.raises(ResetNeeded, match="the environment has been closed"):
-        env.step(WAIT)

@@ -52,7 +52,9 @@ def test_gymnasium_records_statistics_of_a_batch(mode: str) -> None:
     assert info["episode"]["l"].tolist() == [4, 4, 4]
 
 
-def assert_infos_equal(found: dict[str, Any], expected: dict[str, Any]) -> None:
+def assert_infos_equal(
+    found: dict[str, Any], expected: dict[str, Any], is_exact: bool = True
+) -> None:
     """Compare each key in the rows that it applies to; motions have another form."""
     for key in sorted({*found, *expected} - {"motion", "_motion"}):
         if key.startswith("_"):
@@ -61,7 +63,7 @@ def assert_infos_equal(found: dict[str, Any], expected: dict[str, Any]) -> None:
             continue
         rows = np.flatnonzero(expected[f"_{key}"])
         if key == "final_info":
-            assert_infos_equal(found[key], expected[key])
+            assert_infos_equal(found[key], expected[key], is_exact)
         elif key == "final_obs":
             assert found[key].dtype == expected[key].dtype == object
             for one, other in zip(found[key], expected[key], strict=True):
@@ -81,7 +83,9 @@ def assert_infos_equal(found: dict[str, Any], expected: dict[str, Any]) -> None:
     for row in rows:
         for key, values in found["motion"].items():
             if not key.startswith("_"):
-                assert values[row] == getattr(expected["motion"][row], key)
+                # Bodies of a batch share a space, in which terms are summed in another order.
+                one = getattr(expected["motion"][row], key)
+                assert values[row] == one if is_exact else values[row] == pytest.approx(one)
 
 
 def equal_values(value: Any, other: Any) -> bool:
@@ -94,19 +98,20 @@ def equal_values(value: Any, other: Any) -> bool:
 
 
 @pytest.mark.parametrize(
-    ("mode", "form", "randomize"),
-    [(mode, "dict", True) for mode in MODES]
+    ("mode", "form", "randomize", "backend"),
+    [(mode, "dict", True, backend) for mode in MODES for backend in ("grid", "physics")]
     + [
-        (MODES[0], "dict", False),
-        (MODES[0], "vector", True),
-        (MODES[len(MODES) // 2], "image", True),
+        (MODES[0], "dict", False, "grid"),
+        (MODES[0], "vector", True, "grid"),
+        (MODES[len(MODES) // 2], "image", True, "grid"),
     ],
 )
 def test_a_batch_equals_a_sync_vector_env_bit_for_bit(
-    mode: str, form: str, randomize: bool
+    mode: str, form: str, randomize: bool, backend: str
 ) -> None:
     count = 5
     settings = {"layout": ROOM, "observation": form, "randomize": randomize, "max_steps": 14}
+    settings["backend"] = backend
     batch, sync = (kind(count, mode, **settings) for kind in (make_vec, make_sync))
     for name in ("observation_space", "single_observation_space", "action_space"):
         assert getattr(batch, name) == getattr(sync, name)
@@ -139,7 +144,7 @@ def test_a_batch_equals_a_sync_vector_env_bit_for_bit(
         for one, other in zip(*(each[:4] for each in found), strict=True):
             assert same(one, other)
         assert found[0][0] in batch.observation_space
-        assert_infos_equal(found[0][4], found[1][4])
+        assert_infos_equal(found[0][4], found[1][4], backend == "grid")
         ended = found[0][2] | found[0][3]
         ends += int(found[0][2].sum())
     assert ends
@@ -178,26 +183,6 @@ def test_rows_without_a_seed_have_the_seeds_that_they_tell() -> None:
     fixed = WarehouseVectorEnv(2, ROOM, randomize=False)
     fixed.reset(seed=7)
     assert fixed.np_random_seed == (7, 8)
-
-
-@over_modes
-def test_a_batch_of_physics_equals_a_sync_vector_env(mode: str) -> None:
-    settings = {"layout": ROOM, "backend": "physics", "max_steps": 9}
-    batch, sync = (kind(3, mode, **settings) for kind in (make_vec, make_sync))
-    with closing(batch), closing(sync):
-        assert same(*(each.reset(seed=2)[0] for each in (batch, sync)))
-        for actions in np.random.default_rng(4).integers(7, size=(24, 3)):
-            found = [each.step(actions) for each in (batch, sync)]
-            assert same(*(each[:4] for each in found))
-            rows = np.flatnonzero(found[0][4]["_motion"])
-            for row in rows:
-                motion = found[1][4]["motion"][row]
-                assert found[0][4]["motion"]["blocked"][row] == motion.blocked
-                assert found[0][4]["motion"]["seconds"][row] == pytest.approx(motion.seconds)
-            ended = found[0][2] | found[0][3]
-            if mode == "Disabled" and ended.any():
-                starts = [each.reset(options={"reset_mask": ended})[0] for each in (batch, sync)]
-                assert same(*starts)
 
 
 @allow_fork
@@ -281,6 +266,8 @@ def test_invalid_calls_raise_the_errors_of_gymnasium() -> None:
     batch = WarehouseVectorEnv(2, max_steps=1, autoreset_mode="Disabled")
     with pytest.raises(ResetNeeded, match=r"step\(\) needs a reset\(\) before it"):
         batch.step([0, 0])
+    with pytest.raises(ResetNeeded):
+        batch.action_masks()
     with pytest.raises(ResetNeeded, match=r"the first reset\(\) must be of all rows"):
         batch.reset(options={"reset_mask": np.ones(2, bool)})
     batch.reset(seed=0)

@@ -3,6 +3,7 @@
 import warnings
 from functools import partial
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 
@@ -66,16 +67,9 @@ def test_max_cycles() -> None:
 
 
 def test_pictures(settings: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
-    shown = []
-
-    class Window:
-        def __init__(self, title: str) -> None: ...
-
-        def show(self, picture: Any, fps: int) -> None:
-            shown.append(picture)
-
-        def close(self) -> None: ...
-
-    monkeypatch.setattr("warehouse_core.pettingzoo_env.parallel.PictureWindow", Window)
+    window = Mock()
+    monkeypatch.setattr(
+        "warehouse_core.pettingzoo_env.parallel.PictureWindow", Mock(return_value=window)
+    )
     render_test(partial(pettingzoo_env.env, **settings))
-    assert len({picture.tobytes() for picture in shown}) > 1
+    assert len({call.args[0].tobytes() for call in window.show.call_args_list}) > 1

@@ -15,7 +15,6 @@ from warehouse_core.pettingzoo_env.spaces import MAX_STATE_ORDERS
 from warehouse_core.task.encoding import FLEET_TILES, vector
 
 YARD = Layout(["......", ".P..D.", "..##.C"])
-ROW = Layout(["P..D"])
 
 
 def arrays_in(value: Any) -> list[np.ndarray]:
@@ -70,17 +69,6 @@ def test_no_two_calls_share_memory() -> None:
 
 
 def test_a_robot_that_has_ended_leaves_the_agents_and_stays_in_the_way() -> None:
-    env = pettingzoo_env.parallel_env(ROW, 2, starts=[(0, 0), (0, 1)])
-    env.reset(seed=1)
-    env.step({"robot_0": 5, "robot_1": 1})
-    env.step({"robot_0": 1, "robot_1": 1})
-    env.step({"robot_0": 1, "robot_1": 4})
-    assert env.fleet.cells == [(0, 2), (0, 3)]
-    env = pettingzoo_env.parallel_env(ROW, 2, starts=[(0, 3), (0, 0)])
-    env.reset(seed=1)
-    for actions in ((3, 4), (3, 5), (4, 1)):
-        env.step({"robot_0": actions[0], "robot_1": actions[1]})
-    assert env.agents == ["robot_0", "robot_1"]
     env = pettingzoo_env.parallel_env(["PD.", "..."], 2, starts=[(0, 0), (1, 1)])
     env.reset(seed=1)
     env.step({"robot_0": 5, "robot_1": 4})

@@ -114,12 +114,8 @@ def test_a_batch_of_pictures_equals_single_pictures(radius: int) -> None:
         if seed == 4:
             env.state.robot_pos = env.layout.dropoffs[0]
         each.append(encode(env.observe()))
-    together: Any = {
-        key: np.stack([np.asarray(arrays[key]) for arrays in each]).reshape(
-            2, 3, *np.shape(each[0][key])
-        )
-        for key in each[0]
-    }
+    stacks = {key: np.stack([np.asarray(arrays[key]) for arrays in each]) for key in each[0]}
+    together: Any = {key: all_.reshape(2, 3, *all_.shape[1:]) for key, all_ in stacks.items()}
     found = image.paint(together)
     assert found.shape == (2, 3, *image.shape)
     assert np.array_equal(found.reshape(6, *image.shape), np.stack([*map(image.paint, each)]))

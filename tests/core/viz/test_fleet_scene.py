@@ -1,6 +1,5 @@
 """The pixels and texts of a fleet's scene."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +19,13 @@ from warehouse_core.render.palette import (
     STRANDED,
     WARNING,
 )
+from warehouse_core.viz.figure import make_figure
+from warehouse_core.viz.legend import draw_legend
 from warehouse_core.viz.replay import Replay, replay_of_tracks
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import FleetFrame, Frame, Pose, Track, Waiting
 from warehouse_core.viz.view import FEW
+from warehouse_core.warehouse_viz import FLEET_LEGEND_INCHES
 
 FLOOR = Layout(["......", ".P....", "......", "......"])
 
@@ -33,32 +35,27 @@ def episode() -> FleetEpisode:
     return fleet_episode()
 
 
-@pytest.fixture
-def drawn(episode: FleetEpisode) -> Callable[..., tuple[Replay, Any]]:
-    """Return a function that draws a frame of a fleet on ``FLOOR``."""
-
-    def draw(
-        *robots: Pose,
-        people: tuple[Pose, ...] = (),
-        waiting: tuple[Waiting, ...] = (),
-        items: tuple[int | None, ...] | None = None,
-        battery: tuple[float, ...] | None = None,
-        rows: tuple[str, ...] = FLOOR.rows,
-    ) -> tuple[Replay, Any]:
-        count = len(robots)
-        fleet = FleetFrame(waiting, items or (None,) * count, battery or (1.0,) * count)
-        frame = Frame(rows, (*robots, *people), 0.0, fleet=fleet)
-        replay = replay_of_tracks(Track([frame], {}), window=False)
-        return replay, pixels(replay)
-
-    return draw
+def drawn(
+    *robots: Pose,
+    people: tuple[Pose, ...] = (),
+    waiting: tuple[Waiting, ...] = (),
+    items: tuple[int | None, ...] | None = None,
+    battery: tuple[float, ...] | None = None,
+    rows: tuple[str, ...] = FLOOR.rows,
+) -> tuple[Replay, Any]:
+    """Return the replay of a frame of a fleet, by default on ``FLOOR``, and its pixels."""
+    count = len(robots)
+    fleet = FleetFrame(waiting, items or (None,) * count, battery or (1.0,) * count)
+    frame = Frame(rows, (*robots, *people), 0.0, fleet=fleet)
+    replay = replay_of_tracks(Track([frame], {}), window=False)
+    return replay, pixels(replay)
 
 
 def at(row: int, col: int, *, loaded: bool = False) -> Pose:
     return Pose((col + 0.5, row + 0.5), 0.0, loaded)
 
 
-def test_a_robot_has_its_number_and_a_loaded_one_its_item(drawn: Any) -> None:
+def test_a_robot_has_its_number_and_a_loaded_one_its_item() -> None:
     replay, image = drawn(at(0, 0), at(2, 2, loaded=True), items=(None, 1))
     empty, loaded = (patch(replay, image, x + 0.3, x + 0.3, x + 0.7, x + 0.7) for x in (0, 2))
     assert count_color(empty, PAPER) > 20 > count_color(empty, INK)
@@ -72,7 +69,7 @@ def test_a_robot_has_its_number_and_a_loaded_one_its_item(drawn: Any) -> None:
     assert not np.array_equal(one, two)
 
 
-def test_an_item_that_is_late_is_dark_with_a_light_edge(drawn: Any) -> None:
+def test_an_item_that_is_late_is_dark_with_a_light_edge() -> None:
     replay, image = drawn(at(2, 2, loaded=True), items=(3,))
     item = patch(replay, image, 2.6, 2.0, 2.95, 2.4)
     assert count_color(item, ORDER_COLORS[3]) > 20
@@ -80,7 +77,7 @@ def test_an_item_that_is_late_is_dark_with_a_light_edge(drawn: Any) -> None:
 
 
 @pytest.mark.parametrize("age", range(4))
-def test_orders_are_a_number_in_a_box_of_the_colour_of_their_age(drawn: Any, age: int) -> None:
+def test_orders_are_a_number_in_a_box_of_the_colour_of_their_age(age: int) -> None:
     replay, image = drawn(at(0, 0), waiting=(Waiting((1.5, 1.5), 3, age),))
     assert ("3!" if age == 3 else "3") in texts(replay)
     box = patch(replay, image, 1.6, 1.7, 2.2, 2.3)
@@ -91,21 +88,11 @@ def test_orders_are_a_number_in_a_box_of_the_colour_of_their_age(drawn: Any, age
 def test_boxes_come_and_go_with_the_orders() -> None:
     places = ((0.5, 0.5), (1.5, 1.5), (2.5, 0.5))
     counts = ((1, 2, 3), (4,), (), (5, 6))
-    frames = [
-        Frame(
-            FLOOR.rows,
-            (at(3, 3),),
-            float(step),
-            fleet=FleetFrame(
-                tuple(
-                    Waiting(place, number, 0) for place, number in zip(places, each, strict=False)
-                ),
-                (None,),
-                (1.0,),
-            ),
-        )
-        for step, each in enumerate(counts)
-    ]
+    frames = []
+    for step, each in enumerate(counts):
+        waiting = [Waiting(at_, n, 0) for at_, n in zip(places, each, strict=False)]
+        fleet = FleetFrame(tuple(waiting), (None,), (1.0,))
+        frames.append(Frame(FLOOR.rows, (at(3, 3),), float(step), fleet=fleet))
     replay = replay_of_tracks(Track(frames, {}), window=False)
     for step in (0, 1, 2, 3, 0):
         replay.go_to(step)
@@ -114,7 +101,7 @@ def test_boxes_come_and_go_with_the_orders() -> None:
         assert numbers == [*counts[step]]
 
 
-def test_a_person_is_a_diamond(drawn: Any) -> None:
+def test_a_person_is_a_diamond() -> None:
     replay, image = drawn(at(0, 0), people=(at(2, 3),))
     for dx, dy in ((0.5, 0.5), (0.5, 0.25), (0.25, 0.5), (0.75, 0.5)):
         assert is_color(image[point_of(replay, 3 + dx, 2 + dy)], COLORS["H"])
@@ -122,33 +109,30 @@ def test_a_person_is_a_diamond(drawn: Any) -> None:
         assert is_color(image[point_of(replay, 3 + dx, 2 + dy)], COLORS["."])
 
 
-def test_few_robots_show_their_batteries(drawn: Any) -> None:
-    replay, image = drawn(at(0, 0), at(2, 2), battery=(0.9, 0.1))
+@pytest.mark.parametrize("others", [0, FEW])
+def test_many_robots_show_only_low_batteries(others: int) -> None:
+    robots = [at(0, 0), at(2, 2), *[at(3, 5)] * others]
+    replay, image = drawn(*robots, battery=(0.9, 0.1, *[0.9] * others))
     full, low = (patch(replay, image, x + 0.1, x + 0.8, x + 0.9, x + 0.95) for x in (0, 2))
-    assert count_color(full, BATTERY) > 2 * count_color(low, WARNING) > 0
-    assert count_color(full, PAPER) < count_color(low, PAPER)
-
-
-def test_of_many_robots_only_low_batteries_are_shown(drawn: Any) -> None:
-    robots = [at(0, 0), at(2, 2), *[at(3, 5)] * FEW]
-    replay, image = drawn(*robots, battery=(0.9, 0.1, *[0.9] * FEW))
-    full, low = (patch(replay, image, x + 0.1, x + 0.8, x + 0.9, x + 0.95) for x in (0, 2))
-    assert count_color(full, BATTERY) == 0
     assert count_color(low, WARNING) > 0
+    if others:
+        assert count_color(full, BATTERY) == 0
+    else:
+        assert count_color(full, BATTERY) > 2 * count_color(low, WARNING)
+        assert count_color(full, PAPER) < count_color(low, PAPER)
 
 
-def test_a_robot_without_battery_is_grey(drawn: Any) -> None:
+def test_a_robot_without_battery_is_grey() -> None:
     replay, image = drawn(at(0, 0), battery=(0.0,))
     assert is_color(image[point_of(replay, 0.25, 0.5)], STRANDED)
 
 
-@pytest.mark.parametrize(("robots", "side", "legible"), [(1, 6, True), (50, 40, True),
-                                                         (9, 200, False)])  # fmt: skip
-def test_numbers_are_drawn_if_they_are_legible(
-    drawn: Any, robots: int, side: int, legible: bool
-) -> None:
-    replay, image = drawn(*[at(0, robot % side) for robot in range(robots)],
-                          rows=("." * side,) * 4)  # fmt: skip
+@pytest.mark.parametrize(
+    ("robots", "side", "legible"), [(1, 6, True), (50, 40, True), (9, 200, False)]
+)
+def test_numbers_are_drawn_if_they_are_legible(robots: int, side: int, legible: bool) -> None:
+    places = [at(0, robot % side) for robot in range(robots)]
+    replay, image = drawn(*places, rows=("." * side,) * 4)
     row = patch(replay, image, 0.0, 0.0, min(robots, side) - 0.01, 0.99)
     assert (count_color(row, PAPER) > 5 * robots) == legible
     assert count_color(row, COLORS["R"]) > 5 * robots
@@ -176,9 +160,8 @@ def test_charts_grow_with_the_frames(episode: FleetEpisode) -> None:
         assert sorted(on_time) == sorted(each for each in late if each <= 0)
         assert sorted(too_late) == sorted(each for each in late if each > 0)
         mean, lowest = ([*line.get_ydata()][-1] for line in energy.lines)
-        assert (mean, lowest) == pytest.approx(
-            (episode.battery[step].mean(), episode.battery[step].min())
-        )
+        battery = episode.battery[step]
+        assert (mean, lowest) == pytest.approx((battery.mean(), battery.min()))
     (area,) = replay.figure.axes[-1].patches
     assert area.get_path().vertices[:, 1].max() == pytest.approx(measures.joules / 1000)
     assert energy.get_xlabel() == "step"
@@ -211,10 +194,6 @@ def test_the_legend_has_room_beside_the_charts(robots: int, layout: Layout) -> N
 
 
 def test_the_legend_is_a_file_of_its_own(episode: FleetEpisode, tmp_path: Path) -> None:
-    from warehouse_core.viz.figure import make_figure
-    from warehouse_core.viz.legend import draw_legend
-    from warehouse_core.warehouse_viz import FLEET_LEGEND_INCHES
-
     figure = make_figure(FLEET_LEGEND_INCHES)
     draw_legend(figure, [track_of_record(episode)], columns=6)
     figure.pixels()
@@ -254,8 +233,3 @@ def test_a_fleet_is_saved_as_gif_and_svg(tmp_path: Path) -> None:
     for name in names:
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
     assert b"orders delivered" not in (tmp_path / "one" / names[0]).read_bytes()
-
-
-def test_a_record_of_a_fleet_has_its_own_metrics(episode: FleetEpisode) -> None:
-    with pytest.raises(TypeError, match="a record has its own metrics"):
-        replay_of(episode, {"rewards": [0.0]})

@@ -172,11 +172,9 @@ def boxes(scene: Scene) -> Iterator[Any]:
     """Yield the boxes of everything that must not overlap."""
     scene.root.canvas.draw()
     words = [text for text in scene.root.texts if text.get_text() and text.get_visible()]
-    for artist in (*words, *scene.root.legends):
-        yield artist.get_window_extent()
     bounds: dict[Any, Any] = {axes.bbox.bounds: axes for axes in scene.root.axes}
-    for axes in bounds.values():
-        yield axes.get_window_extent()
+    for artist in (*words, *scene.root.legends, *bounds.values()):
+        yield artist.get_window_extent()
 
 
 LONG = "goes round a wall that it has met before, because every other way is longer still " * 3

@@ -3,10 +3,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.pictures import pixels, replay_of, short_episode, texts
+from helpers.pictures import pixels, press, replay_of, short_episode, texts
 from helpers.player import page_in, said_by
 from matplotlib.animation import PillowWriter
-from matplotlib.backend_bases import KeyEvent
 
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.viz.replay import Replay
@@ -20,12 +19,6 @@ def replay() -> Replay:
     replay = replay_of(short_episode().frames)
     replay.figure.canvas.draw()
     return replay
-
-
-def press(replay: Replay, *keys: str) -> None:
-    for key in keys:
-        event = KeyEvent("key_press_event", replay.figure.canvas, key)
-        replay.figure.canvas.callbacks.process("key_press_event", event)
 
 
 def tick(replay: Replay, times: int = 1) -> None:

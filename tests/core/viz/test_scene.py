@@ -362,9 +362,8 @@ def test_rows_and_columns_are_numbered_from_0() -> None:
     assert [label.get_text() for label in axes.get_xticklabels()] == ["0", "1", "2", "3", "4"]
     assert [label.get_text() for label in axes.get_yticklabels()] == ["0", "1", "2", "3"]
     wide = replay_of([["R" + "." * 40]]).figure.axes[0]
-    assert [label.get_text() for label in wide.get_xticklabels()] == [
-        str(column) for column in range(0, 41, 5)
-    ]
+    numbers = [label.get_text() for label in wide.get_xticklabels()]
+    assert numbers == [str(column) for column in range(0, 41, 5)]
 
 
 # The charts.
@@ -417,9 +416,7 @@ def test_rewards_are_bars_and_their_sum_is_a_line() -> None:
     assert list(line.get_ydata()) == pytest.approx([0, -1.1, -1.2, 3.7])
     (bars,) = [found for found in axes.collections if isinstance(found, LineCollection)]
     assert [bar[1][1] for bar in bars.get_segments()] == pytest.approx([0, -1.1, -0.1, 4.9])
-
-
-def test_a_missing_reward_counts_as_0() -> None:
+    # A missing reward counts as 0.
     replay = replay_of(frames_at((2, 1), (2, 2), (2, 3)), {"rewards": [1.0, None, 2.0]})
     replay.go_to(2)
     assert list(axes_titled(replay, REWARDS).lines[1].get_ydata()) == [1, 1, 3]
@@ -489,19 +486,9 @@ def test_a_low_battery_turns_red() -> None:
 
 
 def test_a_scene_shows_a_track_that_has_grown() -> None:
-    episode = short_episode()
-    whole = track_of_record(episode)
-    start = track_of_record(
-        short_episode(
-            cells=episode.cells[:1],
-            loaded=[False],
-            battery=[10],
-            rewards=[0.0],
-            actions=[],
-            reasons=[],
-            motions=[],
-        )
-    )
+    whole = track_of_record(short_episode())
+    metrics = {name: values[:1] for name, values in whole.metrics.items()}
+    start = dataclasses.replace(whole, frames=whole.frames[:1], metrics=metrics, ending="")
     scene = Scene([start], make_figure, length=31)
     assert "step 0 of 30" in [text.get_text() for text in scene.root.texts]
     before = scene.root.axes[1].get_ylim()

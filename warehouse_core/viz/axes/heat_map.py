@@ -89,13 +89,7 @@ def blocked_heat_map(episode: FleetEpisode) -> Figure:
 def heat_map(
     rows: Sequence[str], panels: Mapping[str, Counts], *, with_stations: bool = False
 ) -> Figure:
-    """Return the heat maps of a layout.
-
-    Args:
-        rows: tiles of the layout.
-        panels: ``[H, W]`` counts by title; at least one.
-        with_stations: mark the pickup and the dropoff of the layout.
-    """
+    """Return the heat maps of a layout, whose ``[H, W]`` counts are given by title."""
     columns = min(len(panels), MAX_COLUMNS)
     room = WIDTH / columns - LEFT - RIGHT
     cell = min(room / len(rows[0]), MAX_GRID_HEIGHT / len(rows), MAX_CELL)

@@ -24,16 +24,10 @@ def draw_grid(
     label_size: float = 7.0,
     pad: float = 1.0,
 ) -> None:
-    """Prepare axes for a layout, in units of cells, row 0 on top.
+    """Prepare axes for a layout of ``size`` rows and columns, in units of cells, row 0 on top.
 
-    Args:
-        axes: axes to draw into.
-        size: rows and columns of the layout.
-        every: rows and columns from one number to the next.
-        line_width: width of the lines between cells, in points; 0 draws none.
-        zorder: drawing order of these lines.
-        label_size: size of the numbers, in points.
-        pad: room between the numbers and the grid, in points.
+    Each ``every``th row and column has a number, whose size and distance from the grid are in
+    points, as is the width of the lines between cells; 0 draws none.
     """
     height, width = size
     axes.set(xlim=(0, width), ylim=(height, 0), facecolor=COLORS[EMPTY])

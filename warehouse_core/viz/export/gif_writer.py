@@ -17,24 +17,14 @@ LAST_FRAME_MS = 2000
 MIN_FRAME_MS, MAX_FRAME_MS = 20, 655_350
 """Viewers play shorter frames slowly; the file has 16 bits for hundredths of a second."""
 
-KEEP_FRAME = 1
-"""The disposal method of a GIF that draws each frame over the one before."""
-
 MAX_COLOR = 0xFFFFFF
 """Red, green and blue in three bytes."""
-
-TRAILER = b";"
 
 Pixels = NDArray[np.uint8]
 
 
 class GifWriter:
-    """Writes each frame when the next one comes, so that a long replay fits into memory.
-
-    Args:
-        file: binary file to write to.
-        frame_ms: milliseconds between frames.
-    """
+    """Writes each frame when the next one comes, so that a long replay fits into memory."""
 
     def __init__(self, file: IO[bytes], frame_ms: float) -> None:
         self._file = file
@@ -46,11 +36,9 @@ class GifWriter:
         self._pending: tuple[Image.Image, tuple[int, int]] | None = None
 
     def add(self, frame: Pixels, changed: tuple[int, int, int, int]) -> None:
-        """Add a frame.
+        """Add a frame, ``[height, width, 4]``, which differs from the last one in a box at most.
 
-        Args:
-            frame: pixels ``[height, width, 4]``, of one size.
-            changed: top, bottom, left and right of what may differ from the frame before.
+        The box is given by its top, bottom, left and right.
         """
         colors = frame.view("<u4")[..., 0]
         if self._last is None:
@@ -77,7 +65,7 @@ class GifWriter:
     def finish(self) -> None:
         """Write the last frame and the end of the file."""
         self._write(LAST_FRAME_MS)
-        self._file.write(TRAILER)
+        self._file.write(b";")
 
     def _indices_of(self, colors: NDArray[np.uint32]) -> Pixels:
         """Return the indices of colours into the palette, each looked up once."""
@@ -95,7 +83,7 @@ class GifWriter:
         if self._pending is None:
             return
         image, offset = self._pending
-        options = {"transparency": self._unchanged, "disposal": KEEP_FRAME}
+        options = {"transparency": self._unchanged, "disposal": 1}  # draw over the frame before
         self._file.writelines(GifImagePlugin.getdata(image, offset, duration=duration, **options))
 
 

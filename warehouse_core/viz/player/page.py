@@ -78,9 +78,7 @@ def save_page(
 def player_frame(
     tracks: Sequence[Track], *, title: str = "", speed: float = 1.0, height: int = FRAME_HEIGHT
 ) -> str:
-    """Return what ``player_page`` returns as a frame of another page, such as a notebook.
-
-    The frame is ``height`` pixels high.
+    """Return ``player_page`` as a frame of another page, ``height`` pixels high.
 
     Its script cannot reach the page around it. If that has a Content-Security-Policy, it must allow
     ``digest(script())``.

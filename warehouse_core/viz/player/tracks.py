@@ -8,16 +8,7 @@ from typing import Any
 import numpy as np
 
 from warehouse_core.orders.order import Order
-from warehouse_core.render.palette import (
-    BATTERY,
-    COLORS,
-    HIT,
-    ITEM,
-    ORDER_COLORS,
-    STRANDED,
-    WARNING,
-    Color,
-)
+from warehouse_core.render import palette
 from warehouse_core.viz.player.charts import packed_charts
 from warehouse_core.viz.player.columns import Columns
 from warehouse_core.viz.tracks.track import Frame, Track
@@ -238,15 +229,15 @@ def _indexed(texts: Iterable[str]) -> tuple[list[str], list[int]]:
 
 def _colors() -> dict[str, Any]:
     return {
-        **{tile: _hex(color) for tile, color in COLORS.items()},
-        "battery": _hex(BATTERY),
-        "hit": _hex(HIT),
-        "item": _hex(ITEM),
-        "warning": _hex(WARNING),
-        "stranded": _hex(STRANDED),
-        "orders": [_hex(color) for color in ORDER_COLORS],
+        **{tile: _hex(color) for tile, color in palette.COLORS.items()},
+        "battery": _hex(palette.BATTERY),
+        "hit": _hex(palette.HIT),
+        "item": _hex(palette.ITEM),
+        "warning": _hex(palette.WARNING),
+        "stranded": _hex(palette.STRANDED),
+        "orders": [_hex(color) for color in palette.ORDER_COLORS],
     }
 
 
-def _hex(color: Color) -> str:
+def _hex(color: palette.Color) -> str:
     return "#" + "".join(f"{round(255 * part):02x}" for part in color)

@@ -11,9 +11,6 @@ from warehouse_core.world.tiles import Cell
 class History:
     """Where a robot was after each step, and what became of items.
 
-    Args:
-        robot: index of the robot.
-
     Attributes:
         frames: number of the frame at the end of each step.
         cells: cell of the robot at the end of each step.

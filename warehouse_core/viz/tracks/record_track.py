@@ -243,7 +243,7 @@ class _Orders:
 
 
 def _fleet_metrics(episode: Episode) -> dict[str, Sequence[float]]:
-    """Return the ``FLEET_METRICS`` of a record."""
+    """Return what the charts of a fleet show after each step."""
     steps = episode.steps
     if episode.settings.orders is None:
         gone = episode.loaded[:-1] & ~episode.loaded[1:]
@@ -286,15 +286,9 @@ def frames_along(
     frame_seconds: float,
     caption: str,
 ) -> Iterator[Frame]:
-    """Yield the frames along the paths of one action of each robot, the last where they end.
+    """Yield the frames along the paths of one action of each body, the last where they end.
 
-    Args:
-        start: last frame before the action.
-        motions: outcome for each body of ``start``.
-        loaded: true for each body that holds an item after the action.
-        cell_size: side of a cell in metres.
-        frame_seconds: simulated time between two frames.
-        caption: words of each frame.
+    They follow ``start``; ``loaded`` tells which bodies hold an item after the action.
     """
     seconds, joules = max(motion.seconds for motion in motions), motions[0].joules
     count = max(1, round(seconds / frame_seconds))

@@ -27,10 +27,6 @@ INTERVAL_MS = 150
 METRICS = ("rewards", "battery", "dist_pickup", "dist_dropoff")
 """Names of what the charts of one robot show."""
 
-FLEET_METRICS = ("released", "delivered", "battery_mean", "battery_lowest", "joules")
-"""Names of what the charts of a fleet show: orders released and delivered, and joules used, all so
-far; mean and lowest share of a full battery."""
-
 Rows = tuple[str, ...]
 Point = tuple[float, float]
 
@@ -130,8 +126,8 @@ class Track:
 
     Attributes:
         frames: frames, at least one; all have the same number of robots.
-        metrics: ``[S]`` what charts show, by ``METRICS`` or, of fleets, ``FLEET_METRICS``; NaN is
-            not drawn.
+        metrics: ``[S]`` what charts show, by ``METRICS``, NaN where nothing is drawn; of fleets
+            orders released and delivered and joules used so far, and shares of full batteries.
         is_continuous: true if frames have a speed, and show moments inside a step.
         full_battery: units of a full battery.
         title: shown above the grid.

@@ -9,9 +9,8 @@ from warehouse_core.viz.axes.congestion import congestion_picture, held_up_cells
 
 
 def driven(*actions: list[str]) -> FleetEpisode:
-    env = FleetEnv(
-        Layout(["...C.", "....."]), 2, orders=None, starts=[(0, 1), (1, 4)], max_steps=20
-    )
+    layout, starts = Layout(["...C.", "....."]), [(0, 1), (1, 4)]
+    env = FleetEnv(layout, 2, orders=None, starts=starts, max_steps=20)
     recorder = FleetRecorder(env, seed=1)
     for each in actions:
         recorder.step(each)
@@ -39,15 +38,10 @@ def test_the_panels_have_one_scale_and_their_deliveries() -> None:
     few, many = fleet_episode(max_steps=20), fleet_episode(max_steps=80)
     highest = max(int(held_up_cells(each).max()) for each in (few, many))
     assert held_up_cells(few).max() < highest
-    figure = congestion_picture(
-        {"a few": few, "many": many}, "two fleets", lambda size: Figure(figsize=size)
-    )
-    heats = [
-        each
-        for axes in figure.axes[:2]
-        for each in axes.collections
-        if each.get_array() is not None
-    ]
+    panels = {"a few": few, "many": many}
+    figure = congestion_picture(panels, "two fleets", lambda size: Figure(figsize=size))
+    drawn = [each for axes in figure.axes[:2] for each in axes.collections]
+    heats = [each for each in drawn if each.get_array() is not None]
     assert [heat.get_clim() for heat in heats] == [(0, highest)] * 2
     assert [int(heat.get_array().sum()) for heat in heats] == [  # type: ignore[union-attr]
         int(held_up_cells(each).sum()) for each in (few, many)

@@ -30,14 +30,8 @@ def test_what_must_be_told_apart_has_contrast(scheme: str, eyes: str) -> None:
     for name in ("ink", "quiet", "accent", "warning"):
         assert apart(colors[name], colors["paper"]), name
     # Letters and numbers on robots, people and stations; items have dark and light edges.
-    for sign, letters in (
-        ("R", "light"),
-        ("r", "dark"),
-        ("H", "light"),
-        ("P", "dark"),
-        ("D", "dark"),
-    ):
-        assert apart(COLORS[sign], colors[letters]), sign
+    for letters, signs in (("light", "RH"), ("dark", "rPD")):
+        assert all(apart(COLORS[sign], colors[letters]) for sign in signs), signs
     assert apart(STRANDED, colors["light"])
     for color in ORDER_COLORS:
         assert apart(color, colors["dark"]) or apart(color, colors["light"])
