@@ -121,7 +121,7 @@ def make_planner(
     Names are as for ``make_agent``, but with ``PLANNERS``. A class of a user that has
     ``next_cells`` is a ``Planner``, one that has ``act`` a ``FleetAgent``. Besides seed and layout
     it gets ``robots`` if it takes them and the name does not give them, and if it takes a
-    ``graph`` that of the layout, where ways lead around chargers.
+    ``graph`` the graph of the layout, where ways lead around chargers.
 
     Raises:
         AgentError: as ``make_agent``.
