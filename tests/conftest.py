@@ -5,9 +5,12 @@ import signal
 import tracemalloc
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from functools import partial
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
+from helpers.command_line import Refused, Warehouse, command, refusal
 from hypothesis import settings
 
 from warehouse_core import Episode, WarehouseEnv, record_episode
@@ -56,6 +59,18 @@ def saved(episode: Episode, tmp_path: Path) -> Path:
 
 
 @pytest.fixture
+def warehouse(capsys: pytest.CaptureFixture[str]) -> Warehouse:
+    """Return what runs a command of ``warehouse`` in this process."""
+    return partial(command, capsys)
+
+
+@pytest.fixture
+def refused(capsys: pytest.CaptureFixture[str]) -> Refused:
+    """Return what runs a command that must fail with one line, and returns the line."""
+    return partial(refusal, capsys)
+
+
+@pytest.fixture
 def small_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw small pictures without their texts, which are most of the work."""
     from matplotlib.backends.backend_agg import RendererAgg
@@ -65,6 +80,25 @@ def small_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     for make in (figure.make_figure, figure.make_window):
         monkeypatch.setattr(make, "__defaults__", (20,))
     monkeypatch.setattr(RendererAgg, "draw_text", lambda *_, **__: None)
+
+
+@pytest.fixture
+def install(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., None]]:
+    """Return a function that replaces the entry points of all installed backends."""
+    from warehouse_core.motion import backends
+
+    def forget() -> None:
+        backends._entry_points.cache_clear()
+        backends.load_backend.cache_clear()
+
+    def install(*points: EntryPoint) -> None:
+        monkeypatch.setattr("importlib.metadata.entry_points", lambda group: list(points))
+        forget()
+
+    forget()
+    yield install
+    monkeypatch.undo()
+    forget()
 
 
 @pytest.fixture

@@ -159,18 +159,18 @@ def backend(value: Any) -> str:
 
 def due_times(value: Any) -> str:
     """Check that a value is the fewest and the most steps until an order is due."""
-    found = re.fullmatch(r"(0|[1-9]\d{0,8}):(0|[1-9]\d{0,8})", str(value))
-    if found is None or int(found[1]) > int(found[2]):
+    times = re.fullmatch(r"(0|[1-9]\d{0,8}):(0|[1-9]\d{0,8})", str(value))
+    if times is None or int(times[1]) > int(times[2]):
         raise ValueError('"FEWEST:MOST" steps, such as "50:150"')
-    return found[0]
+    return times[0]
 
 
 def size(value: Any) -> str:
     """Check that a value is a height and a width such as ``7x12``."""
-    found = re.fullmatch(r"([1-9]\d{0,3})x([1-9]\d{0,3})", str(value))
-    if found is None or min(map(int, found.groups())) < 4:
+    sides = re.fullmatch(r"([1-9]\d{0,3})x([1-9]\d{0,3})", str(value))
+    if sides is None or min(map(int, sides.groups())) < 4:
         raise ValueError('a size "HEIGHTxWIDTH" of at least 4x4, such as "7x12"')
-    return found[0]
+    return sides[0]
 
 
 PARAMETERS = {
@@ -294,12 +294,7 @@ def field_defaults(group: str) -> dict[str, float]:
 
 
 def checked(name: str, value: Any, check: Callable[[Any], Value] | None = None) -> Value:
-    """Return a value of a parameter as it is stored.
-
-    Args:
-        name: name of the parameter.
-        value: value to check.
-        check: used instead of the parameter's own check.
+    """Return a value of a parameter as it is stored, by its own check or by another one.
 
     Raises:
         ParameterError: the value is not allowed; the message says what is.

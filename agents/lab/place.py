@@ -48,16 +48,9 @@ def usual_stations(layout: Layout, *, is_default: bool) -> Stations:
 
 
 def check_stations(layout: Layout, stations: Stations, name: object, to_draw: str) -> None:
-    """Check that stations can be drawn or kept.
+    """Raise ``LayoutError`` if a layout has no station of a kind to keep, or no room to draw them.
 
-    Args:
-        layout: layout.
-        stations: choice for its stations.
-        name: name of the layout.
-        to_draw: words by which a user lets them be drawn.
-
-    Raises:
-        LayoutError: there is no station of a kind, or no room to draw them.
+    The message has the name of the layout, and the words by which a user lets them be drawn.
     """
     if stations is Stations.DRAWN:
         empty = len(empty_cells(layout))

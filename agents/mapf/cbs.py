@@ -82,15 +82,10 @@ that follow it.
 
 @dataclass(eq=False)
 class Node:
-    """A node of the conflict tree.
+    """A node of the conflict tree: the cheapest way of each robot, and all conflicts between them.
 
-    Attributes:
-        parent: node above, ``None`` for the root.
-        constraint: constraint that this node adds to its parent's.
-        ways: cheapest way of each robot under the constraints.
-        cost: the sum of the costs of the ways.
-        conflicts: all conflicts between the ways.
-        split: the conflict that its children forbid, or ``None`` if it has none.
+    ``constraint`` is what it adds to its parent's, and ``split`` the conflict that its children
+    forbid. The root has no parent and no constraint, and a leaf no split.
     """
 
     parent: Node | None

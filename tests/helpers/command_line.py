@@ -3,7 +3,7 @@
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -41,6 +41,11 @@ class Result(NamedTuple):
     code: int
     out: str
     err: str
+
+
+Warehouse = Callable[..., Result]
+Refused = Callable[..., str]
+"""The fixtures ``warehouse`` and ``refused``: ``command`` and ``refusal`` without ``capsys``."""
 
 
 def command(

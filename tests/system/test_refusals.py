@@ -10,9 +10,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.command_line import LEAVES, refusal, without_display
+from helpers.command_line import LEAVES, Refused, without_display
+
+from agents.lab.trials.random_layouts import TRAINING_LAYOUTS
 
 MANY = 10**9
+ORDERS = "released,due,pickup_row,pickup_col,dropoff_row,dropoff_col,robot"
 LIMITS = {
     "--battery": {(1, MANY)},
     "--count": {(1, 10**6)},
@@ -78,6 +81,125 @@ MALFORMED = {
     "--goal": {"1,2,3": "--goal is '1,2,3'; it must be ROW,COL as in 1,2"},
     "--start": {"1": "--start is '1'; it must be ROW,COL as in 1,2"},
 }
+RATE = "it must be a rate of orders a step, or a .csv file"
+PLANS = "--show-plans and --show-pushes are for a --planner"
+ROBOTS = "it must be numbers of robots, 0..7, as in 0,3"
+BATTERY = "it must be 1..2147483647 steps or joules, as in 400steps"
+ABOVE_0 = "it must be above 0"
+SIZES = "it must be whole numbers, at least 1, as in 32,64"
+WEIGHT = "each must be 0..1000000 or inf"
+DENSITY = "it must be LOW:HIGH as in 0.1:0.4, or one number"
+UNUSED = "is of random layouts; add --layout random"
+GREEDY = "--memory and --escape are of agent greedy, not of 'astar'"
+WAREHOUSE = "is not a warehouse; allowed: five whole numbers C-R-L-W-A, such as 10-20-10-2-1"
+
+WRONG = {
+    "run --agent astar --memory 5": GREEDY,
+    "run --agent astar --escape": GREEDY,
+    "run --agent astar --no-escape": GREEDY,
+    "fleet --orders -1": "--orders -1: rate is -1.0; it must be at least 0",
+    "fleet --orders often": f"'often'; {RATE}",
+    "fleet --due 9": "'9'; it must be FEWEST:MOST steps from release to due time, as in 50:150",
+    "fleet --due 9:8": "'9:8'; it must be FEWEST:MOST",
+    "fleet --orders orders.csv --due 5:9": "--due is for a rate",
+    "fleet --battery 0": f"--battery is '0'; {BATTERY}",
+    "fleet --battery 5kg": f"--battery is '5kg'; {BATTERY}",
+    "fleet --battery 9999999999": f"--battery is '9999999999'; {BATTERY}",
+    "fleet --show-plans 1": PLANS,
+    "fleet --show-pushes": PLANS,
+    "fleet --planner pibt --show-plans 8": f"--show-plans is '8'; {ROBOTS}",
+    "fleet --planner pibt --show-plans 0,": f"--show-plans is '0,'; {ROBOTS}",
+    "fleet --seed -1": "seed is -1; it must be at least 0",
+    "fleet --people 100000": "robots and people is 100008; it must be at most",
+    "fleet --agent bfs --planner a.py:A": "--planner directs all robots; leave out --agent",
+    "fleet --assignment urgent": "--assignment is for a --planner",
+    "fleet --planner pibt --plan-seconds 0": f"--plan-seconds is 0; {ABOVE_0}",
+    "gap --plan-seconds nan": f"--plan-seconds is nan; {ABOVE_0}",
+    "gap --orders 0": f"--orders is 0; {ABOVE_0} orders a second",
+    "gap --orders nan": f"--orders is nan; {ABOVE_0}",
+    "gap --due 9:3": "FEWEST:MOST seconds from release to due time, as in 100:300",
+    "mapf --time-limit 0": f"--time-limit is 0; {ABOVE_0}",
+    "mapf --time-limit inf": f"--time-limit is inf; {ABOVE_0}",
+    "mapf x.txt": "x.txt is no problem; allowed: .scen or .json",
+    "mapf x.scen --steps 9": "--steps is for lifelong runs",
+    "mapf x.json --layout hall": "a League problem names its own map",
+    "mapf -o a.json": "--output is for the paths of one --planner",
+    "mapf -o a.json --planner pibt --planner cbs": "--output is for the paths of one --planner",
+    "compare-planners --robots 4,x": f"--robots has 'x'; {SIZES}",
+    "compare-planners --robots 0": f"--robots has '0'; {SIZES}",
+    "search --weights 1,-2": f"--weights has '-2'; {WEIGHT}",
+    "search --weights much": f"--weights has 'much'; {WEIGHT}",
+    "search --weights 1,2,3,4,5,6,7": "--weights '1,2,3,4,5,6,7' are 7; at most 6",
+    "search --heuristic luck": "no heuristic is called 'luck'; allowed: manhattan, true, zero",
+    "compare-agents --size 7x12": f"--size {UNUSED}",
+    "compare-agents --density 0.2": f"--density {UNUSED}",
+    "train ppo --layouts 3": f"--layouts {UNUSED}",
+    "compare-agents --layout random --size 7": "--size is '7'; it must be HxW as in 7x12",
+    "compare-agents --layout random --density 0.1:x": f"--density is '0.1:x'; {DENSITY}",
+    "train ppo --layout random --density 0.1:0.2:0.3": DENSITY,
+    "compare-agents --layout random --start 1,1": "in random layouts it is always drawn",
+    "train ppo --layout random --robots 2": "--layout random is for one robot, not for --robots",
+    "demo --save a.gif": "--save is of a demo; allowed: delivery",
+    "demo ballet": "no demo is called 'ballet'; allowed: delivery",
+    "grade . --save a.html": "--save is of one agent",
+    "grade mine.py -o a.csv": "--output is of a folder, and 'mine.py' is none",
+}
+"""Command lines that are wrong usage, and what is said of them."""
+
+IMPOSSIBLE = {
+    "run --layout tiny.txt": "tiny.txt: pickup and dropoff are drawn from the empty cells; ",
+    "fleet --robots 5000": "5000 robots and 0 people have no room",
+    "fleet --orders nowhere.csv": "nowhere.csv: No such file",
+    "fleet --orders orders.csv": "orders.csv: line 2, column 6: dropoff_col is 'x'",
+    "fleet --planner pibt --assignment x": "no assignment is called 'x'; allowed: fifo, nearest",
+    "fleet --orders 1e9": "MAX_ORDERS",
+    "fleet --planner windowed --show-pushes": "does not say which robots push",
+    "gap --robots 400": "400",
+    "gap --assignment none": "no assignment is called 'none'",
+    "gap --layout bare.txt": "the layout has no pickup",
+    "mapf --planner x": "no planner is called 'x'; allowed: pibt, lacam, prioritised, cbs, pibt-",
+    "mapf --planner cbs --steps 9": "no planner is called 'cbs'; allowed: pibt, pibt-lanes, ",
+    "mapf none.scen": "none.scen: No such file",
+    "mapf --robots 193": "193 robots; allowed: up to 192 on this layout",
+    "mapf --robots 193 --steps 9": "193 robots; allowed: 1 to 192",
+    "mapf -o x.txt": "x.txt: cannot save as .txt; allowed: .json",
+    "compare-planners --layout hall --robots 999": "--robots has 999; allowed: 1 to 98",
+    "compare-agents --layout random --size 3x9": "the size is 3 x 9; it must be at least 4 x 4",
+    "compare-agents --layout random --density 0.2:0.5": "density is 0.5; it must be 0..0.4",
+    "compare-agents --layout random --density 0.4:0.1": "density is from 0.4 to 0.1",
+    f"compare-agents -n 2 --layout random --seed {TRAINING_LAYOUTS - 1}": (
+        f"the seed of a random layout is {TRAINING_LAYOUTS}; allowed: 0.."
+    ),
+    "train ppo --layout random --size 4x4": "is one of the 1024 of the training; use a larger",
+    "train ppo --output m.zip": "m.zip: cannot save as .zip; allowed: .npz",
+    "train q --output q.zip": "q.zip: cannot save as .zip; allowed: .npz",
+    "train q --output missing/q.npz": "the folder missing does not exist",
+    "train q --layout tiny.txt": "randomize needs two open cells",
+    "layout generate -o missing/hall.txt": "the folder missing does not exist",
+    "layout generate --height -3": "the size is -3 x 16",
+    "layout shelves --rows 0": "shelf_rows is 0",
+    "layout warehouse 10-20-10-0-1": "depth is 0; it must be at least 1",
+    "layout warehouse 999999999-1-1-1-1": "more than MAX_CELLS",
+    "layout warehouse 10-20-10-2": f"'10-20-10-2' {WAREHOUSE}",
+    "layout warehouse 10-20-10-2-1-1": WAREHOUSE,
+    "layout warehouse 1-1-1-1-x": f"'1-1-1-1-x' {WAREHOUSE}",
+    f"layout warehouse 1-1-1-1-{'9' * 5000}": "'1-1-1-1-9999",
+    "layout check missing.txt": "missing.txt: No such file or directory",
+    "layout print missing.txt": "missing.txt: No such file or directory",
+    "layout check bad.txt": "bad.txt: row 1, column 2: 'x' is not a tile",
+    "grade none.py": "agent file none.py: there is no such file",
+    "grade waiter.py --rubric none.toml": "none.toml: No such file or directory",
+    "grade . -o a.txt": "a.txt: cannot save as .txt; allowed: .csv",
+    "grade inner": "inner: there is no .py file in it, nor a folder with one",
+    "export e.npz t.csv": "t.csv: cannot save as .csv; allowed: .mcap",
+    "export e.npz t": "t: cannot save as a file without a suffix; allowed: .mcap",
+    "export e.npz e.mcap": "e.npz: No such file or directory",
+    "export r.sqlite e.mcap": "e.mcap: cannot save as .mcap; allowed: .csv, .parquet",
+    "export r.sqlite t": "allowed: .csv, .parquet",
+    "export r.sqlite t.csv": "r.sqlite: there is no such file",
+}
+"""Command lines that are well formed, and what is said of those that cannot be carried out."""
+
 PICTURES = ".gif, .mp4, .html, .svg, .png"
 SUFFIXES = {
     "run": f"{PICTURES}, .npz",
@@ -138,6 +260,9 @@ def folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[None]:
     (tmp_path / "wrong.py").write_text("x = 1\nclass Agent(:\n")
     (tmp_path / "waiter.py").write_text("class Waiter:\n    pass\n")
     (tmp_path / "bad.txt").write_text("P..D\n..x.\n")
+    (tmp_path / "bare.txt").write_text("....\n....\n")
+    (tmp_path / "tiny.txt").write_text("###\n#.#\n###\n")
+    (tmp_path / "orders.csv").write_text(f"{ORDERS}\n0,90,2,5,11,x,\n")
     (tmp_path / "inner").mkdir()
     before = {*tmp_path.iterdir()}
     yield
@@ -146,10 +271,23 @@ def folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[None]:
 
 @pytest.mark.parametrize(("name", "option", "value", "code", "message"), [*cases()])
 def test_a_wrong_value_is_refused_before_any_work(
-    capsys: pytest.CaptureFixture[str], name: str, option: str, value: str, code: int, message: str
+    refused: Refused, name: str, option: str, value: str, code: int, message: str
 ) -> None:
-    line = refusal(capsys, *name.split(), *ARGUMENTS.get(name, ()), option, value, code=code)
+    line = refused(*name.split(), *ARGUMENTS.get(name, ()), option, value, code=code)
     assert message in line
+
+
+@pytest.mark.parametrize(
+    ("line", "code", "message"),
+    [
+        *((line, 2, message) for line, message in WRONG.items()),
+        *((line, 1, message) for line, message in IMPOSSIBLE.items()),
+    ],
+)
+def test_options_that_do_not_fit_are_refused_before_any_work(
+    refused: Refused, line: str, code: int, message: str
+) -> None:
+    assert message in refused(*line.split(), code=code)
 
 
 def test_the_limits_of_numbers_are_those_of_the_table() -> None:
@@ -166,19 +304,17 @@ def test_the_limits_of_numbers_are_those_of_the_table() -> None:
 
 
 @each_command
-def test_what_a_command_does_not_have_is_wrong_usage(
-    capsys: pytest.CaptureFixture[str], name: str
-) -> None:
+def test_what_a_command_does_not_have_is_wrong_usage(refused: Refused, name: str) -> None:
     words = (*name.split(), *ARGUMENTS.get(name, ()))
-    assert "--frobnicate" in refusal(capsys, *words, "--frobnicate", code=2)
+    assert "--frobnicate" in refused(*words, "--frobnicate", code=2)
     arguments = [option for option in options_of(name) if not option.startswith("-")]
     extra = ["much"] * (1 + len(arguments) - len(ARGUMENTS.get(name, ())))
-    assert "unexpected extra argument" in refusal(capsys, *words, *extra, code=2)
+    assert "unexpected extra argument" in refused(*words, *extra, code=2)
 
 
 @pytest.mark.parametrize("name", ARGUMENTS)
-def test_a_missing_argument_is_wrong_usage(capsys: pytest.CaptureFixture[str], name: str) -> None:
-    assert "Missing argument" in refusal(capsys, *name.split(), code=2)
+def test_a_missing_argument_is_wrong_usage(refused: Refused, name: str) -> None:
+    assert "Missing argument" in refused(*name.split(), code=2)
 
 
 def test_all_commands_that_save_are_in_the_table() -> None:
@@ -187,18 +323,18 @@ def test_all_commands_that_save_are_in_the_table() -> None:
 
 @pytest.mark.parametrize("name", SUFFIXES)
 def test_a_file_is_saved_in_a_folder_in_one_of_the_allowed_formats(
-    capsys: pytest.CaptureFixture[str], name: str
+    refused: Refused, name: str
 ) -> None:
     words = (*name.split(), *ARGUMENTS.get(name, ()), "--save")
-    line = refusal(capsys, *words, "a.xyz")
+    line = refused(*words, "a.xyz")
     assert line == f"a.xyz: cannot save as .xyz; allowed: {SUFFIXES[name]}"
     suffix = SUFFIXES[name].split(", ")[0]
-    line = refusal(capsys, *words, f"missing/a{suffix}")
+    line = refused(*words, f"missing/a{suffix}")
     assert line == "the folder missing does not exist"
     folder = Path(f"inner/a{suffix}")
     folder.mkdir()
-    assert refusal(capsys, *words, folder) == f"{folder} is a folder, not a file"
+    assert refused(*words, folder) == f"{folder} is a folder, not a file"
 
 
-def test_a_command_that_is_not_known_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
-    assert "frobnicate" in refusal(capsys, "frobnicate", code=2)
+def test_a_command_that_is_not_known_is_wrong_usage(refused: Refused) -> None:
+    assert "frobnicate" in refused("frobnicate", code=2)

@@ -121,15 +121,11 @@ class EpisodeRecorder:
         self._keep_frame(reward)
         return observation
 
-    def run(self, agent: Agent, observation: Observation | None = None) -> None:
-        """Reset an agent and let it act until the episode is over.
-
-        The present observation is asked for if it is not given.
-        """
+    def run(self, agent: Agent) -> None:
+        """Reset an agent and let it act until the episode is over."""
         agent.reset()
         self._is_acting = True
-        if observation is None:
-            observation = self._env.observe()
+        observation = self._env.observe()
         while not self.ended:
             action = agent.act(observation)
             observation = self.step(action, reason=str(explanation_of(agent)))

@@ -111,12 +111,7 @@ def make_tasks(
     stations: Stations | None,
     start: str | None,
 ) -> list[Task]:
-    """Return a task for each size of random layouts, or the one in a layout, from the options.
-
-    Raises:
-        LayoutError: as for ``load_place`` and ``random_layouts``.
-        typer.BadParameter: likewise; or a start in random layouts.
-    """
+    """Return a task for each size of random layouts, or the one in a layout, from the options."""
     if not random_layouts.are_wanted(layout, size=sizes, density=density):
         place = load_place(layout, stations, start)
         return [Task(place.layout, start_pos=place.start_pos, randomize=place.randomize)]
@@ -138,12 +133,7 @@ def title_of(task: Task, seeds: range) -> str:
 
 
 def evaluate_watched(name: str, shown: str, task: Task, seeds: Sequence[int]) -> Scores:
-    """Return the scores of an agent by its name, with a progress bar.
-
-    Raises:
-        EpisodeError: the agent failed; the message has the seed, the step and the line.
-        typer.Abort: Ctrl-C was pressed.
-    """
+    """Return the scores of an agent by its name, with a progress bar."""
     from agents.lab.console.progress import track
 
     def make(seed: int) -> Agent:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import cycle
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PlannedFleet
-from agents.lab.commands.lanes_demo import BATTERY, ROBOTS, lanes_compared
 from agents.lab.commands.run import run_episode
 from agents.lab.console import options
 from agents.lab.console.output import Film, show_or_save, show_or_save_picture
@@ -18,6 +18,7 @@ from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import run
 from agents.mapf.cbs import ConflictTree
 from agents.mapf.graph import Graph
+from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import PIBT
 from agents.mapf.problem import Problem
 from agents.warehouse_agent_greedy import GreedyAgent
@@ -53,12 +54,21 @@ CBS_SECONDS = 10.0
 HALL = Layout(["#######", "#.....#", "#.....#", "#.....#", "#######"])
 
 
+SHELF_ROWS, SHELF_COLUMNS, SHELF, MARGIN = 5, 2, 8, 2
+"""Rows and columns of shelves, their length, and the cells at both sides of them."""
+
+STATIONS = "PD.."
+"""Tiles along shelves, again and again."""
+
+ROBOTS, RATE, STEPS, BATTERY = 60, 6.0, 300, 10_000
+"""Orders arrive faster than they can be delivered, and nobody has to charge."""
+
+
 class Demo(NamedTuple):
-    """A sentence computed from the results, and the track or two tracks to show."""
+    """A sentence computed from the results, and the tracks to show side by side."""
 
     said: str
-    track: Track
-    beside: Track | None = None
+    tracks: list[Track]
 
 
 class Picture(NamedTuple):
@@ -75,7 +85,7 @@ def delivery() -> Demo:
         f"{episode.outcome} in {episode.steps} steps, "
         f"{episode.seconds:.0f} s and {episode.joules:.0f} J"
     )
-    return Demo(said, _titled(track_of_record(episode), "A delivery"))
+    return Demo(said, [_titled(track_of_record(episode), "A delivery")])
 
 
 def bump() -> Demo:
@@ -94,7 +104,7 @@ def bump() -> Demo:
     title = f"A bump in slow motion: {contact.impulse:.0f} N·s, {force:.0f} N"
     track = track_of_record(episode, frame_seconds=SLOW_MOTION)
     track.metrics, track.ending = {}, ""
-    return Demo(said, _titled(track, title))
+    return Demo(said, [_titled(track, title)])
 
 
 def load() -> Demo:
@@ -107,8 +117,7 @@ def load() -> Demo:
         f"empty {empty.seconds:.1f} s and {empty.joules:.0f} J, "
         f"loaded {loaded.seconds:.1f} s and {loaded.joules:.0f} J"
     )
-    tracks = [_titled(track_of_record(e), e.agent.title()) for e in (empty, loaded)]
-    return Demo(said, tracks[0], tracks[1])
+    return Demo(said, [_titled(track_of_record(e), e.agent.title()) for e in (empty, loaded)])
 
 
 def slip() -> Demo:
@@ -125,11 +134,8 @@ def slip() -> Demo:
     beside.ending = slipped.outcome if slipped.terminated else "not delivered"
     beside.frames[-1].caption = ended
     said = f"the plan delivers in {planned.steps} steps on the grid; on the slippery floor {ended}"
-    return Demo(
-        said,
-        _titled(track_of_record(planned), "The plan, on the grid"),
-        _titled(beside, "The same actions, columns 3 and 4 slippery"),
-    )
+    plan_track = _titled(track_of_record(planned), "The plan, on the grid")
+    return Demo(said, [plan_track, _titled(beside, "The same actions, columns 3 and 4 slippery")])
 
 
 def head_on() -> Demo:
@@ -138,7 +144,7 @@ def head_on() -> Demo:
     hit = episode.motions[0][0].contacts[0]
     said = f"they meet after {hit.seconds:.2f} s with {hit.impulse:.1f} N·s, and both go back"
     ending = "both blocked" if (episode.stopped_by >= 0).all() else ""
-    return Demo(said, _together(episode, f"Two robots head-on: {hit.impulse:.0f} N·s", ending))
+    return Demo(said, [_together(episode, f"Two robots head-on: {hit.impulse:.0f} N·s", ending)])
 
 
 def ring() -> Demo:
@@ -147,22 +153,19 @@ def ring() -> Demo:
     moved = int((episode.cells[0] != episode.cells[-1]).sum())
     seconds = float(episode.seconds.max())
     said = f"{moved} of {episode.robots} robots move on in {seconds:.1f} s, without an empty cell"
-    return Demo(said, _together(episode, "A ring of four robots", f"{moved} moved on"))
+    return Demo(said, [_together(episode, "A ring of four robots", f"{moved} moved on")])
 
 
 def pibt() -> Demo:
     """Robots that push others out of their way by PIBT, and the ways of three of them."""
     layout, log = find_layout(DEPOT), PlanLog([0, 1, 2], pushes=True)
     fleet = PlannedFleet(PIBT(Graph(layout)), "hungarian", log=log)
-    env = FleetEnv(
-        layout, 30, orders=OrderStream(1.0), max_steps=60, battery=BATTERY, dispatch=False
-    )
-    episode = run(env, fleet, 1, slow_steps_told(fleet, "PIBT"), name="PIBT")
+    episode = lead(fleet, "PIBT", layout, 30, 1.0, 60)
     pushes = sum(len(plans.pushers) for plans in log.plans)
     said = f"{counted(episode.robots, 'robot')} push {pushes} times in {episode.steps} steps"
     track = track_of_record(episode, plans=log.plans)
     track.metrics, track.orders = {}, None
-    return Demo(said, _titled(track, f"PIBT: {said}; arrows show who pushes whom"))
+    return Demo(said, [_titled(track, f"PIBT: {said}; arrows show who pushes whom")])
 
 
 def cbs() -> Picture:
@@ -187,7 +190,10 @@ def cbs() -> Picture:
 
 def lanes() -> Picture:
     """Where robots are held up, without lanes and with."""
-    episodes = lanes_compared()
+    layout, episodes = crowded_floor(), {}
+    for name, costs in (("Without lanes", None), ("With lanes", lane_costs(layout))):
+        fleet = PlannedFleet(PIBT(Graph(layout, costs), seed=1), "hungarian")
+        episodes[name] = lead(fleet, name, layout, ROBOTS, RATE, STEPS)
     without, with_lanes = (episode.measures.per_hour for episode in episodes.values())
     said = (
         f"{without:,.0f} deliveries an hour without lanes, {with_lanes:,.0f} with: "
@@ -249,6 +255,28 @@ def drive_together(moves: Mapping[Cell, str]) -> Episode:
     return recorder.episode
 
 
+def crowded_floor() -> Layout:
+    """Return rows of shelves between single aisles, with stations above and below them."""
+    tiles, ends = cycle(STATIONS), "." * MARGIN
+
+    def row_of(tile: str) -> str:
+        shelves = ("".join(tile or next(tiles) for _ in range(SHELF)) for _ in range(SHELF_COLUMNS))
+        return f"{ends}{'.'.join(shelves)}{ends}"
+
+    blocks = ((row_of(""), row_of("#"), row_of(""), row_of(".")) for _ in range(SHELF_ROWS))
+    return Layout([row_of("."), *(row for block in blocks for row in block)])
+
+
+def lead(
+    fleet: PlannedFleet, name: str, layout: Layout, robots: int, rate: float, steps: int
+) -> Episode:
+    """Let a planner lead robots whose batteries last, with orders at a rate, and one seed."""
+    env = FleetEnv(
+        layout, robots, orders=OrderStream(rate), max_steps=steps, battery=BATTERY, dispatch=False
+    )
+    return run(env, fleet, 1, slow_steps_told(fleet, name), name=name)
+
+
 def demo(
     name: Annotated[
         str | None, typer.Argument(help=f"One of {', '.join([*DEMOS, *STILLS])}.")
@@ -280,9 +308,7 @@ def demo(
         load_backend("physics")
     shown = DEMOS[name]()
     say(shown.said)
-
-    tracks = [shown.track, shown.beside] if shown.beside else [shown.track]
-    show_or_save(Film(lambda: tracks), save, show, f"demo-{name}.gif")
+    show_or_save(Film(lambda: shown.tracks), save, show, f"demo-{name}.gif")
 
 
 def _together(episode: Episode, title: str, ending: str) -> Track:

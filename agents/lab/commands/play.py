@@ -36,13 +36,8 @@ HELP = "arrows or NESW move, P picks, D drops, space waits, Enter starts another
 class Driver:
     """A window in which keys drive the robot of an environment.
 
-    Args:
-        env: the environment.
-        seed: seed of the first episode; each further one adds 1.
-        place: place of the episodes.
-
-    Attributes:
-        games: the records of all episodes, the last of which may be unfinished.
+    The seed is the first episode's; each further one adds 1. ``games`` has the records of all
+    episodes, the last of which may be unfinished.
     """
 
     def __init__(self, env: WarehouseEnv, seed: int, place: Place) -> None:

@@ -47,15 +47,7 @@ Pool = Annotated[
 
 
 def are_wanted(layout: Path | None, **options: object) -> bool:
-    """Return whether ``--layout`` asks for random layouts, and check what goes with it.
-
-    Args:
-        layout: value of ``--layout``.
-        options: values of options that only random layouts have, by name.
-
-    Raises:
-        typer.BadParameter: one of these options is given without random layouts.
-    """
+    """Return whether ``--layout`` asks for random layouts, and refuse their options if not."""
     if layout == Path(RANDOM):
         return True
     for name, value in options.items():

@@ -23,10 +23,9 @@ from agents.search.algorithms import (
     check_weight,
     weighted_astar_search,
 )
-from agents.search.course_track import track_of_course
 from agents.search.heuristics import manhattan, true_distance, zero
 from agents.search.problems import RouteProblem
-from agents.search.trace import MAX_PANELS, SearchCourse
+from agents.search.trace import MAX_PANELS, SearchCourse, track_of_course
 from warehouse_core.errors import LayoutError
 from warehouse_core.world.distances import distances
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout, check_open
@@ -58,11 +57,7 @@ def algorithm(weight: float) -> str:
 
 
 def parse_weights(text: str) -> list[float]:
-    """Return the weights in a text, separated by commas.
-
-    Raises:
-        typer.BadParameter: a wrong weight, or too many.
-    """
+    """Return the weights in a text, separated by commas."""
     weights = [_parse_weight(part) for part in text.split(",")]
     if len(weights) > MAX_PANELS:
         raise typer.BadParameter(
@@ -74,18 +69,10 @@ def parse_weights(text: str) -> list[float]:
 def choose_ends(
     layout: Layout, start: Cell | None, goal: Cell | None, seed: int | None
 ) -> tuple[Cell, Cell]:
-    """Return the start and the goal.
+    """Return the start and the goal, random cells if they are not given and a seed is.
 
-    Args:
-        layout: the layout.
-        start: ``None`` for a random cell, or for the farthest from the goal if there is no seed.
-        goal: ``None`` for a random cell, or for the first pickup if there is no seed.
-        seed: seed of the random cells.
-
-    In the chapter's layout, without any of them, they are ``ALL_DIFFER``.
-
-    Raises:
-        LayoutError: no cell is open, or there is no pickup to go to.
+    Without a seed they are the first pickup, and the cell that is farthest from it; in the
+    chapter's layout ``ALL_DIFFER``. If there is none, it is a ``LayoutError``.
     """
     if seed is None:
         if goal is None and not layout.pickups:

@@ -107,11 +107,7 @@ def train_ppo(
 
 
 def make_learner(task: Task | FleetTask, steps: int, seed: int) -> PPOLearner:
-    """Return a learner for a task.
-
-    Raises:
-        AgentError: a library is missing; the message has the command that installs it.
-    """
+    """Return a learner for a task; an ``AgentError`` says how to install what is missing."""
     try:
         from agents.learning.ppo_training import ENVS, FOR_RANDOM_LAYOUTS, PPOLearner
     except ImportError as error:
@@ -161,15 +157,8 @@ def fill_table(table: QTable, task: Task, steps: int, seed: int, watch: Watch) -
 class Training:
     """A training with a progress bar, and the files and the table that it results in.
 
-    Args:
-        name: name of the method of learning.
-        task: task to learn.
-        steps: steps of the whole training.
-        seed: seed of the training.
-        output: file of the agent; the picture of the learning curve goes beside it.
-
-    Raises:
-        FormatError: ``output`` is no ``.npz``.
+    The picture of the learning curve goes beside the file of the agent, ``output``. If that is no
+    ``.npz``, it is a ``FormatError``.
     """
 
     name: str
@@ -186,17 +175,10 @@ class Training:
             )
 
     def run(self, learn: Learn, writers: Mapping[str, Writer]) -> None:
-        """Train an agent, write its files, and compare it with the greedy agent.
+        """Train an agent, write its files by suffix, and compare it with the greedy agent.
 
         An interrupt ends the training; if there has been an examination by then, the files are
-        written all the same.
-
-        Args:
-            learn: trains the agent.
-            writers: writers of the files of the agent, by suffix.
-
-        Raises:
-            OSError: a file cannot be written; raised before the training if its folder is missing.
+        written all the same. A file that cannot be written is an ``OSError`` before the training.
         """
         for suffix in (*writers, CURVE_SUFFIX):
             check_target(self.output.with_suffix(suffix))

@@ -32,12 +32,8 @@ Draw = Callable[[Callable[[tuple[float, float]], "SceneFigure"]], "SceneFigure"]
 class Film:
     """What a command shows. Matplotlib is imported for a window or a picture, not for a page.
 
-    Attributes:
-        tracks: returns the tracks; called when they are needed.
-        title: title of a page; by default the titles of the tracks.
-        record: record of the episode, which can be saved too.
-        speed: factor on the playing speed.
-        draw: makes the replay with a window or without one; by default the tracks are replayed.
+    ``tracks`` makes the tracks when they are needed; their titles are the default of a page's. The
+    replay is theirs, unless ``draw`` makes another, with a window or without one.
     """
 
     tracks: Callable[[], Sequence[Track]]

@@ -9,14 +9,7 @@ from agents.lab.console.terminal import printable_lines, say
 
 
 class Table(NamedTuple):
-    """A table of texts.
-
-    Attributes:
-        header: the title of each column.
-        rows: the cells; the first of a row is its name.
-        title: a line above the table.
-        caption: a line below it.
-    """
+    """A table of texts, with lines above and below it; the first cell of a row is its name."""
 
     header: tuple[str, ...]
     rows: list[tuple[str, ...]]
@@ -56,14 +49,10 @@ def print_table(table: Table) -> None:
 
 
 def _widths(columns: Sequence[Sequence[str]], room: int) -> list[int]:
-    """Return widths of columns that break no word; empty if there is not enough room.
+    """Return widths of columns that break no word; empty if there is not enough room for all.
 
     The room that is left goes to the cells of the first columns first, which have the names, and
     then to titles.
-
-    Args:
-        columns: title and cells of each column.
-        room: characters for all columns together.
     """
     from rich.cells import cell_len
 

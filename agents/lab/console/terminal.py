@@ -13,10 +13,7 @@ MAX_LENGTH = 2000
 def say(text: object, *, error: bool = False, bold: bool = False) -> None:
     """Print text; names in it may have any characters, and the terminal is not given its own.
 
-    Args:
-        text: text of one or more lines.
-        error: print on standard error.
-        bold: print it in bold, if the stream is a terminal.
+    It is on standard error if it is an ``error``, and ``bold`` if the stream is a terminal.
     """
     lines = printable_lines(str(text))
     typer.echo(typer.style(lines, bold=True) if bold else lines, err=error)

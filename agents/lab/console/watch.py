@@ -19,12 +19,7 @@ SLOW_SECONDS, LOOK_SECONDS = 5.0, 0.5
 
 
 def slow_steps_told(agent: object, name: str) -> Watch:
-    """Return what reports on standard error each step of an agent that takes long.
-
-    Args:
-        agent: agent whose line of code is named.
-        name: name of the agent.
-    """
+    """Return what reports on standard error each step of an agent that takes long, and its line."""
     file = file_of(own_code(agent))
 
     def watch(place: Place) -> AbstractContextManager[None]:

@@ -186,29 +186,12 @@ def test_the_exploring_agent_takes_a_shortest_path_if_it_sees_the_whole_map() ->
         assert episode.steps == fewest(episode)
 
 
-def test_the_exploring_agent_makes_a_new_plan_if_its_path_is_blocked() -> None:
-    layout = Layout(["#########", "#.......#", "#.#####.#", "#P....#D#", "#.....#.#", "#########"])
-    env = WarehouseEnv(layout, (3, 1), view_radius=1)
-    agent = ExploringAgent()
-    episode = record_episode(env, agent, randomize=False)
-    assert episode.outcome == DELIVERED
-    assert "meets a wall, plans round it" in episode.reasons
-    assert episode.steps > fewest(episode)
-
-
 def test_without_a_view_the_agent_delivers_on_the_default_layout_and_in_mazes() -> None:
     cases = [(DEFAULT_LAYOUT, seed) for seed in range(60)]
     cases += [(maze(11, seed), seed) for seed in range(30)]
     for layout, seed in cases:
         episode = run(ExploringAgent(), layout, seed, view_radius=0, max_steps=2000, battery=2000)
         assert episode.outcome == DELIVERED, f"seed {seed}"
-
-
-def test_reset_clears_the_belief() -> None:
-    agent = ExploringAgent()
-    first = run(agent, DEFAULT_LAYOUT, 5)
-    assert agent.belief.known
-    assert run(agent, DEFAULT_LAYOUT, 5) == first
 
 
 @pytest.mark.parametrize(

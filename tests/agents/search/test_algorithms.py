@@ -8,7 +8,7 @@ from dataclasses import replace
 import networkx as nx
 import pytest
 from helpers.plan_validator import open_places, random_rows, replay_route, route_graph
-from helpers.romania import ROADS, STRAIGHT_LINE, Travel, romania, straight_line
+from helpers.romania import Travel, romania, straight_line
 
 from agents.search.algorithms import (
     Solution,
@@ -52,15 +52,6 @@ def random_route(stream: random.Random) -> tuple[list[str], RouteProblem]:
     rows = random_rows(stream)
     start, goal = (stream.choice(open_places(rows)) for _ in range(2))
     return rows, RouteProblem(Layout(rows), start, goal)
-
-
-def test_the_map_is_that_of_the_book() -> None:
-    """Twenty cities and 23 roads, each consistent with the straight lines to Bucharest."""
-    assert len(ROADS) == 23
-    assert {city for road in ROADS for city in road} == STRAIGHT_LINE.keys()
-    assert len(STRAIGHT_LINE) == 20
-    for (here, there), miles in ROADS.items():
-        assert abs(STRAIGHT_LINE[here] - STRAIGHT_LINE[there]) <= miles
 
 
 def test_astar_goes_to_bucharest_through_pitesti() -> None:

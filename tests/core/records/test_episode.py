@@ -133,7 +133,7 @@ def test_a_recorder_is_driven_by_hand() -> None:
     assert recorder.step("PICK", reason="here it is")["has_item"]
     assert not recorder.ended
     assert recorder.episode.outcome == "unfinished"
-    recorder.run(Script("E", "E", "E", "DROP"), env.observe())
+    recorder.run(Script("E", "E", "E", "DROP"))
     assert recorder.ended
     assert recorder.place == "step 6"
     assert (recorder.episode.agent, recorder.episode.seed) == ("me", None)

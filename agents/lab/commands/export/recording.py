@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from agents.lab.commands.export.contacts import contacts_of
 from agents.lab.commands.export.messages import (
     Message,
     bodies_scene,
@@ -41,11 +40,14 @@ from warehouse_core import Episode
 from warehouse_core.errors import FormatError
 from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.motion.base import robot_contact
+from warehouse_core.motion.base import WALL_CONTACT, Contact, centre_of, robot_contact
+from warehouse_core.motion.batch import NOTHING, WALL
+from warehouse_core.motion.grid import NOMINAL_KG, NOMINAL_SECONDS
 from warehouse_core.viz.export import progress_bar
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Frame
 from warehouse_core.wording import printable
+from warehouse_core.world.actions import DISPLACEMENTS
 
 MCAP = ".mcap"
 
@@ -67,7 +69,6 @@ def save_recording(target: Path, record: Episode) -> None:
     Raises:
         FormatError: mcap is not installed.
         RecordError: its motions take more than ``MAX_FRAMES`` frames.
-        OSError: the file cannot be written.
     """
     try:
         from mcap.writer import Writer
@@ -91,11 +92,7 @@ def save_recording(target: Path, record: Episode) -> None:
 
 
 def entries(record: Episode) -> Iterator[Entry]:
-    """Yield the messages of a record in order of time.
-
-    Raises:
-        RecordError: its motions take more than ``MAX_FRAMES`` frames.
-    """
+    """Yield the messages of a record in order of time."""
     recording = _Recording(record)
     frames = track_of_record(record, POSE_SECONDS).frames
     yield Entry(0, LAYOUT, layout_scene(record.layout, recording.size))
@@ -107,6 +104,40 @@ def entries(record: Episode) -> Iterator[Entry]:
             yield from sorted(recording.step(step, begin, moments), key=lambda entry: entry.time)
             begin, done = moments[-1].clock, done + len(moments)
             progress(done - 1, None)
+
+
+def contacts_of(record: Episode, step: int) -> Iterator[tuple[int, Contact]]:
+    """Yield the contacts in a step, and for each the body that it is of; step 0 has none.
+
+    Bodies are the robots and then the people, which are numbered on as counterparts too.
+    """
+    if step == 0:
+        return
+    if not record.motions:
+        yield from _nominal(record, step - 1)
+        return
+    motions = record.motions[step - 1]
+    for body, motion in enumerate(motions if record.is_fleet else (motions,)):
+        for contact in motion.contacts:
+            yield body, contact
+
+
+def _nominal(record: Episode, step: int) -> Iterator[tuple[int, Contact]]:
+    """Yield the contacts of ``GridMotion``, which a fleet's record does not keep."""
+    size = record.cell_size
+    for robot in np.flatnonzero(record.stopped_by[step] != NOTHING).tolist():
+        by = int(record.stopped_by[step, robot])
+        down, right = DISPLACEMENTS[int(record.actions[step, robot])]
+        x, y = centre_of(record.layout.cell(record.cells[step, robot]), size)
+        yield (
+            robot,
+            Contact(
+                NOMINAL_SECONDS / 2,
+                NOMINAL_KG * size / NOMINAL_SECONDS,
+                (x + right * size / 2, y + down * size / 2),
+                WALL_CONTACT if by == WALL else robot_contact(by),
+            ),
+        )
 
 
 class _Recording:
@@ -162,10 +193,9 @@ class _Recording:
 
 def _about(record: Episode) -> dict[str, str]:
     """Return what the recording says of the episode as a whole."""
-    backend = record.backend
     about = {
         "agent": record.agent,
-        "backend": backend,
+        "backend": record.backend,
         "seed": "" if record.seed is None else str(record.seed),
         "outcome": record.outcome,
     }

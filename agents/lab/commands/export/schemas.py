@@ -17,6 +17,10 @@ def _object(**properties: Schema) -> Schema:
     return {"type": "object", "properties": properties, "required": list(properties)}
 
 
+def _numbers(*names: str) -> dict[str, Schema]:
+    return dict.fromkeys(names, _NUMBER)
+
+
 def _list(items: Schema) -> Schema:
     return {"type": "array", "items": items}
 
@@ -25,31 +29,19 @@ _TEXT, _FLAG = {"type": "string"}, {"type": "boolean"}
 _WHOLE, _NUMBER = {"type": "integer"}, {"type": "number"}
 _TIME = {"title": "time", **_object(sec=_WHOLE, nsec=_WHOLE)}
 _DURATION = {"title": "duration", **_object(sec=_WHOLE, nsec=_WHOLE)}
-_VECTOR = _object(x=_NUMBER, y=_NUMBER, z=_NUMBER)
-_QUATERNION = _object(x=_NUMBER, y=_NUMBER, z=_NUMBER, w=_NUMBER)
+_VECTOR, _QUATERNION = _object(**_numbers(*"xyz")), _object(**_numbers(*"xyzw"))
 _POSE = _object(position=_VECTOR, orientation=_QUATERNION)
-_COLOR = _object(r=_NUMBER, g=_NUMBER, b=_NUMBER, a=_NUMBER)
-_ARROW = _object(
-    pose=_POSE,
-    shaft_length=_NUMBER,
-    shaft_diameter=_NUMBER,
-    head_length=_NUMBER,
-    head_diameter=_NUMBER,
-    color=_COLOR,
-)
+_COLOR = _object(**_numbers(*"rgba"))
+_LENGTHS = _numbers("shaft_length", "shaft_diameter", "head_length", "head_diameter")
+_ARROW = _object(pose=_POSE, **_LENGTHS, color=_COLOR)
 _CUBE = _object(pose=_POSE, size=_VECTOR, color=_COLOR)
-_CYLINDER = _object(pose=_POSE, size=_VECTOR, bottom_scale=_NUMBER, top_scale=_NUMBER, color=_COLOR)
+_SCALES = _numbers("bottom_scale", "top_scale")
+_CYLINDER = _object(pose=_POSE, size=_VECTOR, **_SCALES, color=_COLOR)
 _NOTHING = _object()
 
 _PRIMITIVES = {
-    "arrows": _ARROW,
-    "cubes": _CUBE,
-    "spheres": _CUBE,
-    "cylinders": _CYLINDER,
-    "lines": _NOTHING,
-    "triangles": _NOTHING,
-    "texts": _NOTHING,
-    "models": _NOTHING,
+    **{"arrows": _ARROW, "cubes": _CUBE, "spheres": _CUBE, "cylinders": _CYLINDER},
+    **dict.fromkeys(("lines", "triangles", "texts", "models"), _NOTHING),
 }
 PRIMITIVES = tuple(_PRIMITIVES)
 """The lists of shapes in an entity of a scene."""
@@ -64,20 +56,12 @@ _ENTITY = _object(
     **{name: _list(shape) for name, shape in _PRIMITIVES.items()},
 )
 _SCENE = _object(deletions=_list(_NOTHING), entities=_list(_ENTITY))
-_TRANSFORM = _object(
-    timestamp=_TIME,
-    parent_frame_id=_TEXT,
-    child_frame_id=_TEXT,
-    translation=_VECTOR,
-    rotation=_QUATERNION,
-)
+_FRAMES = {"parent_frame_id": _TEXT, "child_frame_id": _TEXT}
+_TRANSFORM = _object(timestamp=_TIME, **_FRAMES, translation=_VECTOR, rotation=_QUATERNION)
+_METRES = {**_NUMBER, "description": "m, in the frame 'warehouse'"}
+_IMPULSE = {**_NUMBER, "description": "N s"}
 _CONTACT = _object(
-    timestamp=_TIME,
-    robot=_TEXT,
-    counterpart=_TEXT,
-    impulse={**_NUMBER, "description": "N s"},
-    x={**_NUMBER, "description": "m, in the frame 'warehouse'"},
-    y={**_NUMBER, "description": "m, in the frame 'warehouse'"},
+    timestamp=_TIME, robot=_TEXT, counterpart=_TEXT, impulse=_IMPULSE, x=_METRES, y=_METRES
 )
 _ENERGY = _object(
     timestamp=_TIME,
@@ -98,10 +82,8 @@ LAYOUT, BODIES, POSES, HITS = "/layout", "/bodies", "/tf", "/hits"
 CONTACTS, ENERGY = "/contacts", "/energy"
 
 SCHEMA_OF = {
-    LAYOUT: "foxglove.SceneUpdate",
-    BODIES: "foxglove.SceneUpdate",
+    **dict.fromkeys((LAYOUT, BODIES, HITS), "foxglove.SceneUpdate"),
     POSES: "foxglove.FrameTransforms",
-    HITS: "foxglove.SceneUpdate",
     CONTACTS: "warehouse.Contact",
     ENERGY: "warehouse.Energy",
 }

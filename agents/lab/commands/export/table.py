@@ -33,16 +33,10 @@ Line = tuple[Any, ...]
 
 
 def save_table(target: Path, results: Path, suffix: str) -> None:
-    """Write the episodes of a sweep as one table, whole or not at all.
-
-    Args:
-        target: the file to write.
-        results: a file of ``Store``.
-        suffix: ``CSV`` or ``PARQUET``.
+    """Write the episodes of a sweep as one table, ``CSV`` or ``PARQUET``, whole or not at all.
 
     Raises:
         StoreError: the results cannot be read, or pyarrow is not installed.
-        OSError: the table cannot be written.
     """
     write = {CSV: _write_csv, PARQUET: _write_parquet}[suffix]
     with Store(results, read_only=True) as store, atomic_path(target) as part:

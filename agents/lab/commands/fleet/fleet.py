@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
@@ -13,9 +13,8 @@ from typing import Annotated
 import typer
 
 from agents.errors import EpisodeError, EpisodeInterrupted
-from agents.fleet.director import wants_dispatch
 from agents.fleet.plan_log import PlanLog
-from agents.fleet.planned import PLAN_SECONDS, PlannedFleet
+from agents.fleet.planned import PLAN_SECONDS, PlannedFleet, wants_dispatch
 from agents.lab.commands.fleet.report import Result, report_shifts, result_of
 from agents.lab.console import options
 from agents.lab.console.options import MAX_COUNT, number_option, option
@@ -40,17 +39,7 @@ RATE = "0.06"
 
 
 def parse_orders(text: str, due: str | None) -> Orders:
-    """Return the orders in a text: a rate, or the name of a file.
-
-    Args:
-        text: value of ``--orders``.
-        due: value of ``--due``, which only a rate takes.
-
-    Raises:
-        OrderError: the file has a wrong line.
-        OSError: it cannot be read.
-        typer.BadParameter: a wrong rate or due time.
-    """
+    """Return the orders in a text: a rate, with the due times of ``--due``, or a file's name."""
     try:
         rate = float(text)
     except ValueError:
@@ -59,9 +48,7 @@ def parse_orders(text: str, due: str | None) -> Orders:
                 f"--orders is {text!r}; it must be a rate of orders a step, or a .csv file"
             ) from None
         if due is not None:
-            raise typer.BadParameter(
-                "--due is for a rate of orders; a file has due times"
-            ) from None
+            raise typer.BadParameter("--due is for a rate of orders; a file has them") from None
         return load_orders(text)
     try:
         return OrderStream(rate, parse_due(due))
@@ -70,17 +57,13 @@ def parse_orders(text: str, due: str | None) -> Orders:
 
 
 def parse_robots(text: str | None, robots: int) -> list[int]:
-    """Return the numbers of robots in a text such as ``0,3``; of ``None`` none.
-
-    Raises:
-        typer.BadParameter: the text is not of that form, or has a robot that does not exist.
-    """
-    found = [] if text is None else text.split(",")
-    if not all(re.fullmatch(r"[0-9]{1,9}", each) and int(each) < robots for each in found):
+    """Return the numbers of robots in a text such as ``0,3``; of ``None`` none."""
+    numbers = [] if text is None else text.split(",")
+    if not all(re.fullmatch(r"[0-9]{1,9}", each) and int(each) < robots for each in numbers):
         raise typer.BadParameter(
             f"--show-plans is {text!r}; it must be numbers of robots, 0..{robots - 1}, as in 0,3"
         )
-    return [int(each) for each in found]
+    return [int(each) for each in numbers]
 
 
 def fleet(
@@ -219,13 +202,20 @@ def fleet(
         replay_or_save(records[0], save, show, speed=speed, plans=log.plans if log else ())
 
     try:
-        run_shifts(run_seed, range(first, first + shifts), keep)
-    except EpisodeError:
-        finish(show, ", not finished")
+        with warnings_printed():
+            for each in tracked(range(first, first + shifts)):
+                keep(run_seed(each))
+    except (EpisodeError, EpisodeInterrupted) as error:
+        is_interrupted = isinstance(error, EpisodeInterrupted)
+        keep(error.episode)
+        finish(False if is_interrupted else show, ", not finished")
+        if is_interrupted:
+            raise typer.Abort from error
         raise
-    except EpisodeInterrupted as error:
-        finish(False, ", not finished")
-        raise typer.Abort from error
+    except WarehouseError:
+        raise
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from error
     finish(show)
 
 
@@ -239,31 +229,6 @@ def warn_of_lost_steps(agent: FleetAgent, seed: int, name: str) -> None:
             f"seed {seed}, step {step}, planner {name}: {reason}; all robots waited{more}",
             stacklevel=2,
         )
-
-
-def run_shifts(
-    run: Callable[[int], Episode],
-    seeds: Sequence[int],
-    keep: Callable[[Episode], None],
-) -> None:
-    """Run a shift for each seed, and ``keep`` each record, the unfinished one of an error too.
-
-    Raises:
-        EpisodeError: an agent failed.
-        EpisodeInterrupted: Ctrl-C was pressed.
-        typer.BadParameter: the fleet cannot be made.
-    """
-    try:
-        with warnings_printed():
-            for seed in tracked(seeds):
-                keep(run(seed))
-    except (EpisodeError, EpisodeInterrupted) as error:
-        keep(error.episode)
-        raise
-    except WarehouseError:
-        raise
-    except ValueError as error:
-        raise typer.BadParameter(str(error)) from error
 
 
 def tracked(seeds: Sequence[int]) -> Iterable[int]:

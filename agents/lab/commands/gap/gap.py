@@ -129,12 +129,7 @@ def gap(
 
 
 def check(setting: Setting, seed: int) -> None:
-    """Raise if the fleet of a setting cannot be made, before any run.
-
-    Raises:
-        WarehouseError: a planner, an assignment, a layout or a backend is wrong.
-        typer.BadParameter: another value is.
-    """
+    """Raise before any run if the fleet of a setting cannot be made."""
     try:
         make_fleet_agent(setting.planner, setting.assignment, seed, setting.layout, 1)
         orders = setting.orders(seed)
@@ -158,11 +153,7 @@ def title_of(setting: Setting, layout: str, seeds: Sequence[int]) -> str:
 
 
 def write_values(path: Path, scores: Scores, seeds: Sequence[int]) -> None:
-    """Write a line for each run, whole or not at all.
-
-    Raises:
-        OSError: the file cannot be written.
-    """
+    """Write a line for each run, whole or not at all."""
     from agents.lab.commands.gap.spent_time import KINDS
 
     names = [name for name in Score._fields if name != "spent"]

@@ -25,12 +25,8 @@ def draw_orders(
 ) -> list[TimedOrder]:
     """Return the first orders of a Poisson process, in order of release.
 
-    Args:
-        layout: layout with the stations, each of which is drawn equally often.
-        rate: mean number of orders released in a second, above 0.
-        count: number of orders.
-        due: fewest and most seconds from release to due time, drawn uniformly.
-        seed: seed of all that is drawn.
+    Stations are drawn equally often, and so are times between the fewest and the most seconds from
+    release to due time. In a second ``rate`` orders are released on average.
 
     Raises:
         LayoutError: the layout has no pickup or no dropoff.
@@ -58,9 +54,8 @@ def in_steps(orders: Sequence[TimedOrder], seconds: float) -> list[Order]:
 
     None is released too early, and none is due too late, unless it is due before it is released.
     """
-    found = []
-    for order in orders:
-        released = math.ceil(order.released / seconds)
-        due = max(math.floor(order.due / seconds), released)
-        found.append(Order(released, due, order.pickup, order.dropoff))
-    return found
+    releases = [math.ceil(order.released / seconds) for order in orders]
+    return [
+        Order(released, max(math.floor(order.due / seconds), released), *order[2:])
+        for released, order in zip(releases, orders, strict=True)
+    ]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 from markupsafe import Markup
@@ -41,31 +41,6 @@ MIN_SHARE = 0.04
 """Least share of the longest bar that a part must have for its number to be written on it."""
 
 
-class Part(NamedTuple):
-    """A part of a bar: the seconds of one of ``KINDS``, and what is written on it."""
-
-    seconds: float
-    label: str
-
-
-class Bar(NamedTuple):
-    """The time of the robots of a world, by what they spend it on.
-
-    Attributes:
-        world: name of the world.
-        width: width in percent of the longest bar.
-        total: seconds a delivery.
-        parts: one for each of ``KINDS``.
-        words: the same as text.
-    """
-
-    world: str
-    width: float
-    total: str
-    parts: list[Part]
-    words: str
-
-
 def write_gap_page(
     path: Path,
     setting: Setting,
@@ -73,18 +48,7 @@ def write_gap_page(
     table: console.Table,
     records: Mapping[str, FleetEpisode],
 ) -> None:
-    """Write the page, whole or not at all.
-
-    Args:
-        path: path of the file.
-        setting: setting of all runs.
-        scores: scores of all worlds.
-        table: table of the measures.
-        records: records of the first seed, by world.
-
-    Raises:
-        OSError: the file cannot be written.
-    """
+    """Write the page, whole or not at all, with the records of the first seed by world."""
     rows = tuple(tuple(cell.replace("\n", " ") for cell in row) for row in table.rows)
     note = " ".join(filter(None, (NOTE, table.caption)))
     tracks = [track_of(record, world) for world, record in records.items()]
@@ -121,21 +85,21 @@ def spent_of(scores: Scores, world: str) -> Times:
     return found
 
 
-def bars_of(scores: Scores) -> list[Bar]:
-    """Return a bar for each world."""
+def bars_of(scores: Scores) -> list[dict[str, Any]]:
+    """Return a bar for each world, in percent of the longest; it has a part for each kind."""
     spent = {world: spent_of(scores, world) for world in scores}
     longest = max(float(each.sum()) for each in spent.values())
     bars = []
     for world, each in spent.items():
-        parts = [
-            Part(round(seconds, 3), f"{seconds:.0f}" if seconds >= MIN_SHARE * longest else "")
-            for seconds in each.tolist()
-        ]
-        total = float(each.sum())
+        total, parts = float(each.sum()), []
+        for seconds in each.tolist():
+            label = f"{seconds:.0f}" if seconds >= MIN_SHARE * longest else ""
+            parts.append({"seconds": round(seconds, 3), "label": label})
         words = ", ".join(
-            f"{kind} {part.seconds:.1f} s" for kind, part in zip(KINDS, parts, strict=True)
+            f"{kind} {part['seconds']:.1f} s" for kind, part in zip(KINDS, parts, strict=True)
         )
-        bars.append(Bar(world, round(100 * total / longest, 2), f"{total:.0f}", parts, words))
+        bar = {"world": world, "width": round(100 * total / longest, 2), "total": f"{total:.0f}"}
+        bars.append(bar | {"parts": parts, "words": words})
     return bars
 
 

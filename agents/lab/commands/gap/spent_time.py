@@ -28,11 +28,8 @@ Times = NDArray[np.float64]
 def time_spent(episode: FleetEpisode, top_speed: float) -> Times:
     """Return the seconds that all robots together have spent on each of ``KINDS``.
 
-    They add up to the number of robots times the simulated time.
-
-    Args:
-        episode: the record; of its orders those are known that an agent has assigned.
-        top_speed: top speed of the robots in m/s.
+    They add up to the number of robots times the simulated time. The top speed is in m/s. Of the
+    orders of the record those count that an agent has assigned.
     """
     steps = episode.seconds.max(axis=1, initial=0.0)[:, None]
     moving, metres = _motion(episode)

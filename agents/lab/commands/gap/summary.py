@@ -20,12 +20,7 @@ Scores = Mapping[str, Sequence[Score]]
 
 
 class Measure(NamedTuple):
-    """A column of the table; its values are means over the seeds.
-
-    Attributes:
-        title: title of the column.
-        value: returns the value from a run and from the run on the grid with the same seed.
-    """
+    """A column of the table: a value of a run, and of the run on the grid with the same seed."""
 
     title: str
     value: Callable[[Score, Score], float]
@@ -51,8 +46,8 @@ def ratio(score: Score, plan: Score) -> float:
 def measured(scores: Scores, world: str, measure: Measure) -> Interval:
     """Return the mean of a measure of a world, with the interval from the values of the seeds."""
     pairs = zip(scores[world], scores[PLAN], strict=True)
-    interval = mean_interval(np.array([measure.value(score, plan) for score, plan in pairs]))
-    return interval or Interval(math.nan)
+    values = np.array([measure.value(score, plan) for score, plan in pairs])
+    return mean_interval(values[~np.isnan(values)]) or Interval(math.nan)
 
 
 def gap_table(scores: Scores, title: str) -> Table:
@@ -69,6 +64,8 @@ def gap_table(scores: Scores, title: str) -> Table:
 
 def _cell(interval: Interval) -> str:
     """Return a mean, and its interval if it has a width, on two lines."""
+    if math.isnan(interval.estimate):  # a share of nothing
+        return "none"
     if interval.estimate.is_integer() and (interval.low == interval.high or not interval.is_known):
         return f"{interval.estimate:,.0f}"
     return above_interval(interval)
@@ -76,8 +73,9 @@ def _cell(interval: Interval) -> str:
 
 def message(scores: Scores, shocks: Shocks) -> str:
     """Return in a sentence what the worlds bring of what the plan promises."""
+    shares = {world: measured(scores, world, OF_THE_PLAN).estimate / 100 for world in scores}
     parts = {
-        world: percent(measured(scores, world, OF_THE_PLAN).estimate / 100) for world in scores
+        world: "none" if math.isnan(share) else percent(share) for world, share in shares.items()
     }
     what = shocks_in_words(shocks)
     disturbed = f" ({parts[DISTURBED]} with {what})" if what else ""
@@ -97,12 +95,7 @@ def shocks_in_words(shocks: Shocks) -> str:
 
 
 def losses(scores: Scores, orders: int) -> list[str]:
-    """Return a warning for each world that lost robots, orders or steps.
-
-    Args:
-        scores: scores of the worlds.
-        orders: number of orders of each run.
-    """
+    """Return a warning for each world that lost robots, steps, or some of each run's orders."""
     found = []
     for world, runs in scores.items():
         counts = {

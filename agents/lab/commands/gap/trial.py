@@ -11,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.errors import EpisodeError
-from agents.fleet.director import wants_dispatch
-from agents.fleet.planned import PlannedFleet
+from agents.fleet.planned import PlannedFleet, wants_dispatch
 from agents.lab.commands.gap.orders import TimedOrder, draw_orders, in_steps
 from agents.lab.commands.gap.spent_time import time_spent
 from agents.lab.commands.gap.worlds import Shocks, World, make_world
@@ -34,17 +33,8 @@ MAX_SECONDS = 600.0
 class Setting:
     """The fleet, floor and orders that the worlds have in common.
 
-    Attributes:
-        layout: layout with stations, and perhaps chargers.
-        robots: number of robots.
-        planner: name of the planner, see ``make_fleet_agent``.
-        assignment: name of the assignment, or ``None`` for the default.
-        plan_seconds: time after which the plan of a step is cut off.
-        battery: battery of each robot.
-        rate: mean number of orders released in a second.
-        count: number of orders.
-        due: fewest and most seconds from release to due time.
-        shocks: shocks in the disturbed world.
+    Of the ``count`` orders ``rate`` are released in a second on average; each is due after the
+    fewest to the most seconds of ``due``. Shocks happen in the disturbed world only.
     """
 
     layout: Layout
@@ -97,13 +87,7 @@ class Result(NamedTuple):
 
 
 def run_trial(world: str, seed: int, *, setting: Setting, kept: int | None = None) -> Result:
-    """Run a fleet until all orders are delivered.
-
-    Args:
-        world: name of the world.
-        seed: seed of starts, orders and shocks.
-        setting: fleet, floor and orders that the worlds have in common.
-        kept: seed whose record is kept.
+    """Run a fleet until all orders are delivered; the record of the seed ``kept`` is kept.
 
     Raises:
         EpisodeError: the planner failed.
@@ -128,11 +112,7 @@ def run_trial(world: str, seed: int, *, setting: Setting, kept: int | None = Non
 def make_env(
     setting: Setting, world: World, orders: list[TimedOrder], dispatch: bool = True
 ) -> FleetEnv:
-    """Return the fleet of a setting in a world.
-
-    Raises:
-        ValueError: it cannot be made.
-    """
+    """Return the fleet of a setting in a world; a ``ValueError`` says why it cannot be made."""
     last = max(order.due for order in orders)
     seconds = last + MAX_SECONDS * math.ceil(len(orders) / setting.robots)
     with warnings.catch_warnings():
@@ -149,13 +129,7 @@ def make_env(
 
 
 def score_of(record: FleetEpisode, orders: list[TimedOrder], late_plans: int) -> Score:
-    """Return the measures of a record.
-
-    Args:
-        record: record of the run.
-        orders: orders in seconds, from which the orders of the record were made, one by one.
-        late_plans: see ``Score``.
-    """
+    """Return the measures of a record, whose orders were made of ``orders``, one by one."""
     clock = np.concatenate([[0.0], record.seconds.max(axis=1).cumsum()])
     times = [
         clock[done.delivered] if done.delivered is not None else math.inf for done in record.orders

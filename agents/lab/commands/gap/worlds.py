@@ -21,9 +21,8 @@ through, and these with disturbances."""
 class Shocks(NamedTuple):
     """What happens in the world ``DISTURBED``.
 
-    Attributes:
-        noise: standard deviation of the speeds, as a share of the commanded ones.
-        stop: seconds for which one robot stands still; 0 for none, infinite if it dies.
+    ``noise`` is the standard deviation of the speeds as a share of the commanded ones. For ``stop``
+    seconds one robot stands still; with 0 none does, and with infinity it dies.
     """
 
     noise: float
@@ -31,12 +30,7 @@ class Shocks(NamedTuple):
 
 
 class World(NamedTuple):
-    """A motion that carries out the moves of a fleet.
-
-    Attributes:
-        motion: returns a new motion.
-        step_seconds: nominal seconds of a step.
-    """
+    """What makes the motion of a fleet, and the nominal seconds of a step."""
 
     motion: Callable[[], Motion]
     step_seconds: float
@@ -51,9 +45,9 @@ def make_world(name: str, shocks: Shocks, robots: int, busy_seconds: float, seed
     Args:
         name: one of ``WORLDS``.
         shocks: shocks in ``DISTURBED``.
-        robots: number of robots; the one that stops is drawn.
+        robots: number of robots, of which one is drawn to stop.
         busy_seconds: time in which orders come; in the first half of it the robot stops.
-        seed: seed of all that is drawn.
+        seed: seed of what is drawn.
 
     Raises:
         BackendError: pymunk is not installed.

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
 from concurrent.futures import Future, as_completed
 from pathlib import Path
 
 from agents.errors import GradeError, WorkerError
-from agents.lab.commands.grade.files import PAGE, RESULTS, write_report
 from agents.lab.console.table import Table, print_table
 from agents.lab.console.terminal import print_error, say
 from agents.lab.grading.grades import (
@@ -24,11 +23,31 @@ from agents.lab.grading.grades import (
     row_of,
     save_grades,
 )
+from agents.lab.grading.gradescope import results_of
 from agents.lab.grading.grading import Report, grade
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.submissions import Submission, in_folder
 from agents.lab.trials.workers import process_pool
+from warehouse_core.files.atomic import atomic_path
 from warehouse_core.wording import counted
+
+RESULTS, PAGE, TABLE = ".json", ".html", ".csv"
+
+
+def write_report(path: Path, report: Report) -> None:
+    """Write a report by the suffix of the file; the file is complete or not there.
+
+    On a page the words of the agent are escaped text.
+    """
+    if path.suffix.lower() == PAGE:
+        from agents.lab.reports.page import write_template  # Jinja takes long to import
+
+        title = f"{report.points:g} of {report.max_points:g} points"
+        write_template(path, "grade.html", title, has_players=False, report=report)
+        return
+    text = json.dumps(results_of(report), indent=2, ensure_ascii=True)
+    with atomic_path(path) as part:
+        part.write_text(f"{text}\n", encoding="utf-8")
 
 
 def grade_folder(
@@ -44,13 +63,15 @@ def grade_folder(
 
     Args:
         folder: folder of the submissions.
-        kind: the class of the agents, or ``None``.
+        kind: class of the agents, or ``None``.
         rubric: criteria, cases and limits.
-        target: the table.
+        target: file of the table.
         pages: folder for the page and the results of each, or ``None``.
-        user: see ``Sandbox``.
-        jobs: processes.
+        user: user that runs agents, see ``Sandbox``.
+        jobs: number of processes.
     """
+    from agents.lab.console.progress import progress_bar  # Rich takes long to import
+
     found = list(in_folder(folder, kind))
     if not found:
         raise GradeError(f"{folder}: there is no .py file in it, nor a folder with one")
@@ -67,7 +88,16 @@ def grade_folder(
     unchanged = len(found) - len(waiting)
     save_grades(target, columns_of(rubric), rows)
     try:
-        _grade_all(waiting, rubric, user, jobs, pages, rows, target)
+        with (
+            process_pool(max(min(jobs, len(waiting)), 1)) as (pool, _),
+            progress_bar(len(waiting), "submissions") as advance,
+        ):
+            futures = {pool.submit(_grade, each, rubric, user, pages): each for each in waiting}
+            for number, future in enumerate(as_completed(futures), 1):
+                each = futures[future]
+                rows[each.name] = _row(future, each, rubric)
+                save_grades(target, columns_of(rubric), rows)
+                advance(number, each.name)
     except KeyboardInterrupt:
         done = f"{len(rows)} of {counted(len(found), 'submission')} are in {target}"
         print_error(f"{done}; run the same command again to resume")
@@ -85,29 +115,6 @@ def _is_done(each: Submission, before: dict[str, Row], rubric: Rubric, pages: Pa
 
 def _files(pages: Path, each: Submission) -> list[Path]:
     return [pages / f"{each.name}{suffix}" for suffix in (PAGE, RESULTS)]
-
-
-def _grade_all(
-    waiting: Sequence[Submission],
-    rubric: Rubric,
-    user: str | None,
-    jobs: int,
-    pages: Path | None,
-    rows: dict[str, Row],
-    target: Path,
-) -> None:
-    from agents.lab.console.progress import progress_bar  # Rich takes long to import
-
-    with (
-        process_pool(max(min(jobs, len(waiting)), 1)) as (pool, _),
-        progress_bar(len(waiting), "submissions") as advance,
-    ):
-        futures = {pool.submit(_grade, each, rubric, user, pages): each for each in waiting}
-        for number, future in enumerate(as_completed(futures), 1):
-            each = futures[future]
-            rows[each.name] = _row(future, each, rubric)
-            save_grades(target, columns_of(rubric), rows)
-            advance(number, each.name)
 
 
 def _grade(each: Submission, rubric: Rubric, user: str | None, pages: Path | None) -> Report:

@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import os
+from itertools import count
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from agents.lab.commands.grade.files import PAGE, RESULTS, TABLE, write_report
-from agents.lab.commands.grade.folder import grade_folder
+from agents.lab.commands.grade.folder import (
+    PAGE,
+    RESULTS,
+    TABLE,
+    grade_folder,
+    write_report,
+)
 from agents.lab.console import options
 from agents.lab.console.options import MANY, option, writable
 from agents.lab.console.terminal import say
 from agents.lab.grading.gradescope import lines_of
 from agents.lab.grading.grading import Report
 from agents.lab.grading.grading import grade as grade_agent
-from agents.lab.grading.rubric import MINI_LAB, Rubric, load_rubric
-from agents.lab.grading.submissions import Submission, find_submission
+from agents.lab.grading.rubric import MINI_LAB, load_rubric
+from agents.lab.grading.submissions import find_submission
 from warehouse_core.files.atomic import check_suffix, check_target
 
 
@@ -120,27 +126,16 @@ def grade(
     for name, value in (("--output", output), ("--pages", pages), ("--class", kind)):
         if value is not None:
             raise typer.BadParameter(f"{name} is of a folder, and {agent!r} is none")
-    report = grade_one(find_submission(agent), wanted, user)
+    from agents.lab.console.progress import progress_bar  # Rich takes long to import
+
+    submission, done = find_submission(agent), count(1)
+    with progress_bar(sum(case.episodes for case in wanted.used_cases), "episodes") as show:
+        report = grade_agent(submission, wanted, user, lambda: show(next(done)))
     for path in save:
         write_report(path, report)
     print_report(report)
     for path in save:
         say(f"saved {path}")
-
-
-def grade_one(submission: Submission, rubric: Rubric, user: str | None) -> Report:
-    """Grade an agent, with a progress bar."""
-    from agents.lab.console.progress import progress_bar  # Rich takes long to import
-
-    total, done = sum(case.episodes for case in rubric.used_cases), 0
-    with progress_bar(total, "episodes") as show:
-
-        def advance() -> None:
-            nonlocal done
-            done += 1
-            show(done)
-
-        return grade_agent(submission, rubric, user, advance)
 
 
 def print_report(report: Report) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
 from functools import partial
 from itertools import product
 from typing import Annotated, NamedTuple
@@ -13,7 +13,7 @@ import typer
 from agents.errors import PlanError
 from agents.lab.commands.planners.floors import KIVA, FloorOption, find_floor
 from agents.lab.commands.planners.mapf import Planners, TimeLimit
-from agents.lab.commands.planners.runs import BOUND, STEPPERS, Unhindered, make_stepper
+from agents.lab.commands.planners.runs import BOUND, STEPPERS, Stepper, Unhindered, make_stepper
 from agents.lab.console import options
 from agents.lab.console.options import MAX_COUNT, option
 from agents.lab.console.output import save_picture
@@ -24,7 +24,6 @@ from agents.lab.trials.wording import above_interval
 from agents.lab.trials.workers import run_trials
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import run_lifelong
-from agents.mapf.planner import Planner
 from warehouse_core.wording import counted
 
 SIZES = "32,64,96,128,160,192"
@@ -47,31 +46,12 @@ class Outcome(NamedTuple):
     lost: int
 
 
-class Result(NamedTuple):
-    """Means of a planner with a number of robots, over the seeds.
-
-    Attributes:
-        throughput: goals that are reached in a step.
-        milliseconds: mean time of a step.
-        lost: steps that were cut off.
-    """
-
-    throughput: Interval
-    milliseconds: float
-    lost: int
+Case = tuple[str, int]
+"""A planner, or ``BOUND``, and a number of robots."""
 
 
-def run_trial(
-    case: tuple[str, int], seed: int, *, layout: str | None, steps: int, seconds: float
-) -> Outcome:
-    """Return the outcome of a run.
-
-    Args:
-        case: name of a planner, or ``BOUND``, and number of robots.
-        seed: seed of starts, goals and the planner.
-        layout: name or file of the layout, see ``find_floor``.
-        steps: steps of the run.
-        seconds: time after which a step is cut off.
+def run_trial(case: Case, seed: int, *, layout: str | None, steps: int, seconds: float) -> Outcome:
+    """Return the outcome of a run in which a step is cut off after some seconds.
 
     Raises:
         AgentError: the planner is unknown.
@@ -79,12 +59,11 @@ def run_trial(
     """
     (name, robots), floor = case, find_floor(layout)
     graph = Graph(floor.layout)
-    stepper = None
-    planner: Planner = Unhindered(graph)
+    planner: Unhindered | Stepper = Unhindered(graph)
     if name != BOUND:
-        planner = stepper = make_stepper(name, seed, floor.layout, robots, seconds)
+        planner = make_stepper(name, seed, floor.layout, robots, seconds)
     run = run_lifelong(graph, planner, robots, steps, seed, floor.starts, floor.goals)
-    lost = len(stepper.lost) if stepper is not None else 0
+    lost = len(planner.lost) if isinstance(planner, Stepper) else 0
     return Outcome(run.throughput, 1000 * float(run.seconds.mean()), lost)
 
 
@@ -119,7 +98,11 @@ def compare_planners(
     call = partial(run_trial, layout=layout, steps=steps, seconds=time_limit)
     cases = list(product((*names, BOUND), sizes))
     outcomes = run_trials(call, cases, range(seed, seed + seeds), jobs)
-    results = {case: summary(each) for case, each in outcomes.items()}
+    rates, times, lost = dict[Case, Interval](), dict[Case, float](), dict[Case, int]()
+    for case, each in outcomes.items():
+        throughputs, milliseconds, cut_off = np.array(each).T
+        rates[case] = mean_interval(throughputs) or Interval(math.nan)
+        times[case], lost[case] = float(milliseconds.mean()), int(cut_off.sum())
     title = (
         f"Goals reached in a step: layout {layout or KIVA}, {counted(steps, 'step')}, "
         f"{counted(seeds, 'seed')} from {seed}"
@@ -128,16 +111,20 @@ def compare_planners(
     if save is not None:
         from agents.lab.commands.planners.picture import throughput_figure
 
-        curves = {
-            name: {size: results[name, size].throughput for size in sizes}
-            for name in (*names, BOUND)
-        }
+        curves = {name: {size: rates[name, size] for size in sizes} for name in (*names, BOUND)}
         save_picture(throughput_figure(curves, BOUND, title), save)
-    print_table(throughput_table(names, sizes, results, title))
-    for (name, size), result in results.items():
-        if result.lost:
+    rows = []
+    for size in sizes:
+        cells = [
+            f"{above_interval(rates[name, size])}\n{times[name, size]:.1f} ms a step"
+            for name in names
+        ]
+        rows.append((str(size), *cells, f"{rates[BOUND, size].estimate:.2f}"))
+    print_table(Table(("robots", *names, BOUND), rows, title))
+    for (name, size), count in lost.items():
+        if count:
             print_error(
-                f"warning: {name}, {counted(size, 'robot')}: {counted(result.lost, 'step')} took "
+                f"warning: {name}, {counted(size, 'robot')}: {counted(count, 'step')} took "
                 f"more than {time_limit:g} s; all robots waited"
             )
     if save is not None:
@@ -157,28 +144,3 @@ def parse_sizes(text: str) -> list[int]:
                 f"--robots has {part!r}; it must be whole numbers, at least 1, as in {SIZES}"
             )
     return sorted(set(map(int, parts)))
-
-
-def summary(outcomes: Sequence[Outcome]) -> Result:
-    """Return the means of outcomes, of which there is at least one."""
-    rates, times, lost = map(np.array, zip(*outcomes, strict=True))
-    interval = mean_interval(rates)
-    assert interval is not None, "there is at least one seed"
-    return Result(interval, float(times.mean()), int(lost.sum()))
-
-
-def throughput_table(
-    names: Sequence[str],
-    sizes: Sequence[int],
-    results: dict[tuple[str, int], Result],
-    title: str,
-) -> Table:
-    """Return a table with a row for each fleet size."""
-    rows = []
-    for size in sizes:
-        cells = [
-            f"{above_interval(result.throughput)}\n{result.milliseconds:.1f} ms a step"
-            for result in (results[name, size] for name in names)
-        ]
-        rows.append((str(size), *cells, f"{results[BOUND, size].throughput.estimate:.2f}"))
-    return Table(("robots", *names, BOUND), rows, title)

@@ -47,15 +47,7 @@ class Floor(NamedTuple):
 
 
 def find_floor(name: str | None) -> Floor:
-    """Return the floor of a name or a file; robots are in the largest of its parts.
-
-    Args:
-        name: ``None`` is ``KIVA``.
-
-    Raises:
-        LayoutError: as for ``find_layout``.
-        OSError: the file cannot be read.
-    """
+    """Return the floor of a name or a file, by default ``KIVA``; robots are in its largest part."""
     if name is None or name == KIVA:
         layout, starts, goals = kiva_warehouse()
         places = layout.cells(goals)
@@ -94,14 +86,10 @@ def random_problem(floor: Floor, robots: int, seed: int) -> Problem:
 def scenario_problem(path: Path, layout_file: str | None, robots: int | None) -> Problem:
     """Return the problem of the first scenarios of a ``.scen``, one for each robot.
 
-    Args:
-        path: path of the file.
-        layout_file: path of its map; ``None`` is the file that it names, beside it.
-        robots: ``None`` is one for each scenario.
+    Without a map it is the file that the scenarios name, beside them; by default a robot has each.
 
     Raises:
         LayoutError: a file has another format, or they do not fit each other.
-        OSError: a file cannot be read.
         PlanError: there are fewer scenarios, or no plan can exist.
     """
     scenarios = load_scenarios(path)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 import typer
@@ -37,7 +38,6 @@ from agents.mapf.lifelong import LifelongRun, lead, run_lifelong
 from agents.mapf.planner import Planner
 from agents.mapf.problem import Problem
 from agents.registry import PLANNERS
-from warehouse_core import Layout
 from warehouse_core.batch.fleet.settings import MAX_BODIES
 from warehouse_core.wording import counted
 from warehouse_core.world.robot_runners import League, load_league
@@ -124,37 +124,26 @@ def mapf(
     kind = check_file(file, layout, steps)
     if output is not None and len(planner or ()) != 1:
         raise typer.BadParameter("--output is for the paths of one --planner")
-    options = Options(seed, time_limit, output, drive)
+    trials = Trials(seed, time_limit, output, drive)
     if file is not None and kind == LEAGUE:
-        run_league(load_league(file), planner, robots, steps or STEPS, options, str(file))
+        run_league(load_league(file), planner, robots, steps or STEPS, trials, str(file))
         return
     if file is not None:
-        problem = scenario_problem(file, layout, robots)
-        solve_all(problem, planner, options, str(file))
+        solve_all(scenario_problem(file, layout, robots), planner, trials, str(file))
         return
     name, floor, count = layout or KIVA, find_floor(layout), robots or ROBOTS
     if steps is None:
         title = f"layout {name}, seed {seed}"
-        solve_all(random_problem(floor, count, seed), planner, options, title)
+        solve_all(random_problem(floor, count, seed), planner, trials, title)
         return
+    graph = Graph(floor.layout)
 
     def start(planner: Planner) -> tuple[LifelongRun, Record]:
-        run = run_lifelong(
-            Graph(floor.layout), planner, count, steps, seed, floor.starts, floor.goals
-        )
+        run = run_lifelong(graph, planner, count, steps, seed, floor.starts, floor.goals)
         return run, record_of_run(run)
 
     title = f"{counted(count, 'robot')}, {counted(steps, 'step')}, layout {name}, seed {seed}"
-    run_all(Graph(floor.layout), planner, options, start, "goals reached", title)
-
-
-class Options(NamedTuple):
-    """Options of all kinds of problems: see the command."""
-
-    seed: int
-    seconds: float
-    output: Path | None
-    drive: bool
+    run_all(graph, planner, trials, start, "goals reached", title)
 
 
 def check_file(file: Path | None, layout: str | None, steps: int | None) -> str:
@@ -175,81 +164,90 @@ def check_file(file: Path | None, layout: str | None, steps: int | None) -> str:
     return kind
 
 
-def solve_all(
-    problem: Problem, planners: Sequence[str] | None, options: Options, title: str
-) -> None:
+@dataclass
+class Trials:
+    """Planners on one problem: the options of all kinds of problems, and the rows to print."""
+
+    seed: int
+    seconds: float
+    output: Path | None
+    drive: bool
+    rows: list[tuple[str, ...]] = field(default_factory=list)
+    executed: list[tuple[str, ...]] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    def add(
+        self, name: str, measures: Sequence[str], graph: Graph, cells: Integers, *result: Any
+    ) -> None:
+        """Add what a planner has reached, drive its paths and write them, if that is wanted.
+
+        Args:
+            name: name of the planner.
+            measures: cells of its row.
+            graph: graph of the floor.
+            cells: ``[T + 1, R]``, the cells of the robots.
+            result: further arguments of ``write_result``.
+        """
+        self.rows.append((name, *measures))
+        if self.drive:
+            from agents.mapf.execution import EXECUTIONS  # here, because it loads pymunk
+
+            for way, run in EXECUTIONS.items():
+                took = run(graph.layout, cells)
+                numbers = f"{took.seconds:.1f}", f"{took.joules:,.0f}", str(took.hits)
+                self.executed.append((name, way, *numbers))
+        if self.output is not None:
+            write_result(self.output, graph, cells, *result)
+
+    def show(self, header: tuple[str, ...], title: str, caption: str) -> None:
+        """Print the table, what plans take on bodies if they were driven, and the notes."""
+        print_table(Table(header, self.rows, title, caption))
+        if self.executed:
+            header = ("planner", "on bodies", "seconds", "joules", "hits")
+            caption = "until all robots are at rest; a hit of two robots counts for both"
+            print_table(Table(header, self.executed, caption=caption))
+        for note in self.notes:
+            print_error(note)
+
+
+def solve_all(problem: Problem, planners: Sequence[str] | None, trials: Trials, title: str) -> None:
     """Print the plans of planners for a problem.
 
     Raises:
         AgentError: a planner is unknown.
         typer.Exit: none has found a plan.
     """
-    names = planners or list(SOLVERS)
-    solvers = [make_solver(name, options.seed, problem, options.seconds) for name in names]
-    ways = [
-        float(problem.graph.distances(goal)[start])
-        for start, goal in zip(problem.starts, problem.goals, strict=True)
-    ]
+    names, graph = planners or list(SOLVERS), problem.graph
+    solvers = [make_solver(name, trials.seed, problem, trials.seconds) for name in names]
+    ends = zip(problem.starts, problem.goals, strict=True)
+    ways = [float(graph.distances(goal)[start]) for start, goal in ends]
     shortest, total = max(ways, default=0.0), sum(ways)
-    rows: list[tuple[str, ...]] = [("lower bound", f"{shortest:.0f}", f"{total:.0f}", "1.000", "")]
-    failures, executed = [], list[tuple[str, ...]]()
+    trials.rows.append(("lower bound", f"{shortest:.0f}", f"{total:.0f}", "1.000", ""))
     for name, solve in zip(names, solvers, strict=True):
         begin = time.perf_counter()
         try:
-            plan = solve(problem, options.seconds)
+            plan = solve(problem, trials.seconds)
         except PlanError as error:
-            failures.append(f"{name}: {error}")
-            rows.append((name, "none", "none", "none", f"{time.perf_counter() - begin:.3f}"))
+            trials.notes.append(f"{name}: {error}")
+            trials.rows.append((name, *["none"] * 3, f"{time.perf_counter() - begin:.3f}"))
             continue
-        seconds = time.perf_counter() - begin
-        ratio = plan.sum_of_costs / total if total else 1.0
-        rows.append(
-            (name, str(plan.makespan), str(plan.sum_of_costs), f"{ratio:.3f}", f"{seconds:.3f}")
-        )
-        if options.drive:
-            executed += execute(name, problem.graph.layout, plan.cells)
-        if options.output is not None:
-            write_result(
-                options.output, problem.graph, plan.cells, record_of_plan(plan),
-                plan.sum_of_costs, [seconds],
-            )  # fmt: skip
-    header = ("planner", "makespan", "sum of costs", "times the bound", "seconds")
-    caption = "lower bound: the longest of the shortest ways, and their sum"
-    print_table(Table(header, rows, f"{counted(problem.robots, 'robot')}, {title}", caption))
-    print_executed(executed)
-    for failure in failures:
-        print_error(failure)
-    if len(failures) == len(names):
+        seconds, cost = time.perf_counter() - begin, plan.sum_of_costs
+        ratio = cost / total if total else 1.0
+        measures = str(plan.makespan), str(cost), f"{ratio:.3f}", f"{seconds:.3f}"
+        trials.add(name, measures, graph, plan.cells, record_of_plan(plan), cost, [seconds])
+    trials.show(
+        ("planner", "makespan", "sum of costs", "times the bound", "seconds"),
+        f"{counted(problem.robots, 'robot')}, {title}",
+        "lower bound: the longest of the shortest ways, and their sum",
+    )
+    if len(trials.notes) == len(names):
         raise typer.Exit(1)
-
-
-def execute(name: str, layout: Layout, plan: Integers) -> list[tuple[str, ...]]:
-    """Return what a plan takes on bodies, a row of a table for each way to execute it.
-
-    Raises:
-        PlanError: as for ``drive_through``.
-    """
-    from agents.mapf.execution import EXECUTIONS  # here, because it loads pymunk
-
-    found = [(way, run(layout, plan)) for way, run in EXECUTIONS.items()]
-    return [
-        (name, way, f"{took.seconds:.1f}", f"{took.joules:,.0f}", str(took.hits))
-        for way, took in found
-    ]
-
-
-def print_executed(rows: list[tuple[str, ...]]) -> None:
-    """Print what plans take on bodies, if any has been executed."""
-    if rows:
-        header = ("planner", "on bodies", "seconds", "joules", "hits")
-        caption = "until all robots are at rest; a hit of two robots counts for both"
-        print_table(Table(header, rows, caption=caption))
 
 
 def run_all(
     graph: Graph,
     planners: Sequence[str] | None,
-    options: Options,
+    trials: Trials,
     start: Callable[[Planner], tuple[LifelongRun, Record]],
     what: str,
     title: str,
@@ -260,39 +258,30 @@ def run_all(
         AgentError: a planner is unknown.
         PlanError: a planner fails, or a step of it has a conflict.
     """
-    names = planners or STEPPERS
     run, record = start(Unhindered(graph))
-    robots = run.cells.shape[1]
+    most, steps, robots = record.finished, len(run.seconds), run.cells.shape[1]
+    names = planners or STEPPERS
     steppers = [
-        make_stepper(name, options.seed, graph.layout, robots, options.seconds) for name in names
+        make_stepper(name, trials.seed, graph.layout, robots, trials.seconds) for name in names
     ]
-    most, steps = record.finished, len(run.seconds)
-    bound = (BOUND, str(most), f"{most / steps:.3f}", "", "", "")
-    rows: list[tuple[str, ...]] = [bound]
-    lost, executed = [], list[tuple[str, ...]]()
+    trials.rows.append((BOUND, str(most), f"{most / steps:.3f}", "", "", ""))
     for name, stepper in zip(names, steppers, strict=True):
         run, record = start(stepper)
         share = f"{record.finished / most:.1%}" if most else ""
         times = [f"{1000 * of(run.seconds):.2f}" for of in (np.mean, np.max)]
-        rows.append((name, str(record.finished), f"{record.finished / steps:.3f}", share, *times))
-        if stepper.lost:
-            lost.append(
-                f"{name}: {counted(len(stepper.lost), 'step')} took more than "
-                f"{options.seconds:g} s, first step {stepper.lost[0]}; all robots waited"
+        measures = str(record.finished), f"{record.finished / steps:.3f}", share, *times
+        cost, lost = run.cells[1:].size, stepper.lost
+        trials.add(name, measures, graph, run.cells, record, cost, run.seconds.tolist(), lost)
+        if lost:
+            trials.notes.append(
+                f"warning: {name}: {counted(len(lost), 'step')} took more than "
+                f"{trials.seconds:g} s, first step {lost[0]}; all robots waited"
             )
-        if options.drive:
-            executed += execute(name, graph.layout, run.cells)
-        if options.output is not None:
-            write_result(
-                options.output, graph, run.cells, record, run.cells[1:].size,
-                run.seconds.tolist(), stepper.lost,
-            )  # fmt: skip
-    header = ("planner", what, "a step", "of the bound", "ms a step", "longest ms")
-    caption = f"{BOUND}: each robot by a shortest way, as if it were alone"
-    print_table(Table(header, rows, title, caption))
-    print_executed(executed)
-    for each in lost:
-        print_error(f"warning: {each}")
+    trials.show(
+        ("planner", what, "a step", "of the bound", "ms a step", "longest ms"),
+        title,
+        f"{BOUND}: each robot by a shortest way, as if it were alone",
+    )
 
 
 def run_league(
@@ -300,7 +289,7 @@ def run_league(
     planners: Sequence[str] | None,
     robots: int | None,
     steps: int,
-    options: Options,
+    trials: Trials,
     title: str,
 ) -> None:
     """Print how many tasks of a League problem planners finish.
@@ -316,7 +305,7 @@ def run_league(
     cells = layout.numbers(league.starts[:count])
     tasks = [layout.numbers(task).tolist() for task in league.tasks]
     part = parts(graph)
-    for what, places in (("robot", [[cell] for cell in cells.tolist()]), ("task", tasks)):
+    for what, places in (("robot", cells[:, None].tolist()), ("task", tasks)):
         for number, each in enumerate(places):
             for cell in each:
                 if part[cell] != part[cells[0]]:
@@ -332,4 +321,4 @@ def run_league(
         return run, Record(pool.tasks, pool.given, pool.errands, pool.finished)
 
     words = f"{counted(count, 'robot')}, {counted(steps, 'step')}, {title}"
-    run_all(graph, planners, options, start, "tasks finished", words)
+    run_all(graph, planners, trials, start, "tasks finished", words)

@@ -29,14 +29,7 @@ TIMEOUT = "the planner took too long; all robots waited"
 
 
 class Record(NamedTuple):
-    """The course of tasks, from their release to their end.
-
-    Attributes:
-        tasks: step at which each was revealed, and its cells.
-        given: steps at which each robot got a task, with the number of the task.
-        errands: errands in the order of their steps.
-        finished: the number of tasks that were finished.
-    """
+    """The course of tasks, from their release to their end; see ``TaskPool``."""
 
     tasks: Sequence[tuple[int, Sequence[int]]]
     given: Sequence[Sequence[tuple[int, int]]]
@@ -85,10 +78,7 @@ def write_result(
         record: record of their tasks.
         sum_of_costs: sum of the costs of the robots.
         seconds: time of each call of the planner.
-        lost: the steps in which it took too long, from 0.
-
-    Raises:
-        OSError: the file cannot be written.
+        lost: steps that took too long, from 0.
     """
     robots = cells.shape[1]
     moves = (graph.neighbours[cells[:-1]] == cells[1:, :, None]).argmax(axis=2)

@@ -21,13 +21,7 @@ Curve = Mapping[int, Interval]
 
 
 def throughput_figure(curves: Mapping[str, Curve], bound: str, title: str) -> SceneFigure:
-    """Draw throughput with its 95% intervals, where they are known.
-
-    Args:
-        curves: curves of the planners by name, and of the bound.
-        bound: the name of the bound, which is drawn as a dashed line.
-        title: title of the picture.
-    """
+    """Draw the throughput of planners with its 95% intervals; the line of the bound is dashed."""
     figure = make_figure(SIZE, DPI)
     axes = figure.subplots()
     figure.subplots_adjust(left=0.075, right=0.975, top=0.9, bottom=0.125)

@@ -48,11 +48,7 @@ def make_stepper(name: str, seed: int, layout: Layout, robots: int, seconds: flo
 
 
 def make_solver(name: str, seed: int, problem: Problem, seconds: float) -> Solver:
-    """Return a solver by name, or one that asks a planner of the registry for each step.
-
-    Raises:
-        AgentError: as for ``make_stepper``; the message names the solvers too.
-    """
+    """Return a solver by name, or one that asks a planner of the registry for each step."""
     if name in SOLVERS:
         return SOLVERS[name]
     if ":" not in name and name not in PLANNERS:
@@ -125,13 +121,9 @@ class Unhindered:
 
 
 class Errand(NamedTuple):
-    """A place of a task that a robot has been at.
+    """A visit to a place of a task.
 
-    Attributes:
-        step: step after which it was there, from 1.
-        robot: number of the robot.
-        task: number of the task.
-        place: number of the task's places that it has been at then.
+    Steps are counted from 1, and ``place`` is how many of the task's places have been visited then.
     """
 
     step: int

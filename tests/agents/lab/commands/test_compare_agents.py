@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from helpers.command_line import command, refusal
+from helpers.command_line import Refused, Warehouse
 from PIL import Image
 
 from agents.lab.commands import compare_agents
@@ -13,12 +13,18 @@ from agents.lab.trials.scores import EXPLANATION
 SMALL = ("compare-agents", "-n", 2, "--backend", "grid", "--max-steps", 40)
 
 
-def test_the_command_prints_a_row_for_each_agent(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+def test_the_command_prints_a_row_for_each_agent_and_saves_a_figure(
+    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")
-    code, out, err = command(capsys, *SMALL, "--seed", 5)
+    code, out, err = warehouse(*SMALL, "--seed", 5, "--save", "figure.png")
     assert (code, err) == (0, "")
+    assert out.endswith("saved figure.png\n")
+    with Image.open("figure.png") as picture:
+        assert picture.width > 900
+    others = [warehouse(*SMALL, "--seed", seed).out.splitlines() for seed in (5, 6)]
+    assert others[0] == out.splitlines()[:-1]
+    assert others[0][1:] != others[1][1:], "the title has the seed"
     assert "2 episodes each, backend grid, seeds from 5, stations drawn" in out
     lines = out.splitlines()
     names = [line.split("\u2502")[1].strip() for line in lines if line.startswith("\u2502")]
@@ -26,12 +32,6 @@ def test_the_command_prints_a_row_for_each_agent(
     assert max(map(len, lines)) <= 80
     assert EXPLANATION in out.replace("\n", " ")
     assert "none" not in "".join(line for line in lines if "A*" in line)
-
-
-def test_the_same_seeds_give_the_same_table(capsys: pytest.CaptureFixture[str]) -> None:
-    tables = [command(capsys, *SMALL, "--seed", seed).out for seed in (1, 1, 2)]
-    rows = [table.partition("\n")[2] for table in tables]  # the title has the seed
-    assert rows[0] == rows[1] != rows[2]
 
 
 MINE = """
@@ -48,81 +48,50 @@ class Mine:
 
 
 def test_agents_are_added_once_with_their_arguments(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "30")
-    monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(MINE.replace("4", "-1"))
-    more = [
-        word for name in ("mine.py:Mine", "greedy:memory=3", "astar") for word in ("--agent", name)
-    ]
-    lines = command(capsys, *SMALL, *more).out.splitlines()
+    more = "--agent mine.py:Mine --agent greedy:memory=3 --agent astar"
+    lines = warehouse(*SMALL, *more.split()).out.splitlines()
     names = [*AGENTS.values(), "mine.py:Mine", "greedy:memory=3"]
     assert [line for line in lines if line in names] == 2 * names
 
 
 def test_the_options_set_the_start_and_the_stations(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tasks = []
     monkeypatch.setattr(
         compare_agents, "evaluate_watched", lambda _, __, task, ___: tasks.append(task)
     )
     monkeypatch.setattr(compare_agents, "scores_tables", lambda *_: [])
-    file = tmp_path / "hall.txt"
-    file.write_text("P.D.\n")
+    Path("hall.txt").write_text("P.D.\n")
     for words in ([], ["--start", "0,1"], ["--stations", "drawn"]):
-        assert command(capsys, *SMALL, "--layout", file, *words).code == 0
+        assert warehouse(*SMALL, "--layout", "hall.txt", *words).code == 0
     places = list(dict.fromkeys((task.start_pos, task.randomize) for task in tasks))
     assert places == [(None, "start"), ((0, 1), False), (None, True)]
 
 
 def test_an_agent_that_fails_is_a_one_line_error_with_its_seed_and_step(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    refused: Refused, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(MINE)
-    line = refusal(capsys, *SMALL, "--seed", 6, "--agent", "mine.py:Mine")
+    line = refused(*SMALL, "--seed", 6, "--agent", "mine.py:Mine")
     assert line == "seed 6, step 4, agent mine.py:Mine: ValueError: too far (mine.py, line 9)"
     ran = []
     monkeypatch.setattr(compare_agents, "evaluate_watched", lambda *_: ran.append(1))
-    assert "no class 'Yours'" in refusal(capsys, *SMALL, "--agent", "mine.py:Yours")
+    assert "no class 'Yours'" in refused(*SMALL, "--agent", "mine.py:Yours")
     assert not ran
 
 
-def test_the_figure_is_saved_even_if_the_output_is_closed(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_the_figure_is_saved_even_if_the_output_is_closed(monkeypatch: pytest.MonkeyPatch) -> None:
     def leave(_: object) -> None:
         raise BrokenPipeError
 
     monkeypatch.setattr(compare_agents, "print_table", leave)
     with pytest.raises(BrokenPipeError):
         compare_agents.compare_agents(
-            episodes=1, backend="grid", max_steps=2, save=tmp_path / "figure.svg"
+            episodes=1, backend="grid", max_steps=2, save=Path("figure.svg")
         )
-    assert (tmp_path / "figure.svg").exists()
-
-
-@pytest.mark.parametrize("name", ["figure.png", "figure.svg"])
-def test_the_figure_is_saved(capsys: pytest.CaptureFixture[str], tmp_path: Path, name: str) -> None:
-    path = tmp_path / name
-    assert command(capsys, *SMALL, "--save", path).out.endswith(f"saved {path}\n")
-    if path.suffix == ".png":
-        with Image.open(path) as picture:
-            assert picture.width > 900
-    else:
-        assert "<svg" in path.read_text(encoding="utf-8")
-
-
-def test_a_file_that_cannot_be_written_is_an_error_before_the_episodes(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    line = refusal(capsys, *SMALL, "--save", tmp_path / "figure.gif")
-    assert line == f"{tmp_path / 'figure.gif'}: cannot save as .gif; allowed: .svg, .png"
-    assert "nowhere" in refusal(capsys, *SMALL, "--save", tmp_path / "nowhere" / "figure.png")
-
-
-def test_invalid_options_are_errors(capsys: pytest.CaptureFixture[str]) -> None:
-    assert "--episodes" in refusal(capsys, "compare-agents", "-n", 0, code=2)
-    assert "antigravity" in refusal(capsys, "compare-agents", "--backend", "antigravity")
+    assert "<svg" in Path("figure.svg").read_text(encoding="utf-8")

@@ -2,7 +2,7 @@ import re
 from pathlib import Path
 
 import pytest
-from helpers.command_line import command
+from helpers.command_line import Warehouse
 from PIL import Image
 
 from agents.lab.commands.compare_backends import ROWS, comparison_table, first_difference
@@ -47,21 +47,19 @@ def test_the_table_has_both_backends_and_every_row(grid: Episode) -> None:
 
 
 def test_compare_prints_the_table_and_saves_both_replays(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
+    warehouse: Warehouse, tmp_path: Path
 ) -> None:
     target = tmp_path / "both.png"
-    result = command(capsys, "compare", "--seed", 12, "--max-steps", 2, "--save", target)
+    result = warehouse("compare", "--seed", 12, "--max-steps", 2, "--save", target)
     assert result.code == 0
     with Image.open(target) as image:
         assert image.width > 1.5 * image.height
     assert all(word in result.out for word in ("grid", "physics", "joules", "out of time"))
 
 
-def test_compare_keeps_the_stations_of_a_file(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_compare_keeps_the_stations_of_a_file(warehouse: Warehouse, tmp_path: Path) -> None:
     (tmp_path / "room.txt").write_text("P..D\n")
     words = ("compare", "--layout", tmp_path / "room.txt", "--start", "0,1", "--seed", 1)
-    out = command(capsys, *words, "--no-show").out
+    out = warehouse(*words, "--no-show").out
     assert out.count("delivered") == 2
     assert re.search(r"steps +\u2502 +6 \u2502 +6 ", out)

@@ -1,23 +1,10 @@
 import re
 
 import pytest
-from helpers.command_line import command, refusal, without_display
 from matplotlib.backend_bases import KeyEvent
 from PIL import Image
 
-from agents.lab.commands.demos import (
-    DEMOS,
-    STILLS,
-    bump,
-    cbs,
-    delivery,
-    head_on,
-    lanes,
-    load,
-    pibt,
-    ring,
-    slip,
-)
+from agents.lab.commands.demos import DEMOS, STILLS
 from agents.lab.console import output
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.replay import replay_of_tracks
@@ -29,13 +16,13 @@ def places_of(track, robot=0):
 
 
 def test_the_delivery_delivers():
-    demo = delivery()
-    assert demo.track.ending == "delivered"
+    demo = DEMOS["delivery"]()
+    assert demo.tracks[0].ending == "delivered"
     assert demo.said.startswith("delivered in 23 steps")
 
 
 def test_the_bump_flashes_with_its_impulse_and_goes_back():
-    track = bump().track
+    [track] = DEMOS["bump"]().tracks
     hits = [hit for frame in track.frames for hit in frame.hits]
     assert hits
     assert all("N·s" in hit.label for hit in hits)
@@ -45,8 +32,7 @@ def test_the_bump_flashes_with_its_impulse_and_goes_back():
 
 
 def test_a_load_makes_the_same_route_slower_and_costlier():
-    demo = load()
-    empty, loaded = demo.track, demo.beside
+    empty, loaded = DEMOS["load"]().tracks
     assert not empty.frames[0].robots[0].loaded
     assert loaded.frames[0].robots[0].loaded
     assert loaded.frames[-1].clock > empty.frames[-1].clock
@@ -55,14 +41,13 @@ def test_a_load_makes_the_same_route_slower_and_costlier():
 
 
 def test_the_plan_fails_on_the_slippery_floor():
-    demo = slip()
-    assert demo.track.ending == "delivered"
-    assert demo.beside.ending == "not delivered"
-    assert "slippery" in demo.beside.title
+    plan, slipped = DEMOS["slip"]().tracks
+    assert (plan.ending, slipped.ending) == ("delivered", "not delivered")
+    assert "slippery" in slipped.title
 
 
 def test_the_two_robots_meet_and_both_go_back():
-    track = head_on().track
+    [track] = DEMOS["head-on"]().tracks
     left, right = places_of(track), places_of(track, 1)
     gap = min(b[0] - a[0] for a, b in zip(left, right, strict=True))
     assert gap == pytest.approx(0.7, abs=0.02)
@@ -73,7 +58,7 @@ def test_the_two_robots_meet_and_both_go_back():
 
 
 def test_the_robots_of_a_ring_follow_each_other():
-    track = ring().track
+    [track] = DEMOS["ring"]().tracks
     before, after = ([pose.at for pose in track.frames[frame].robots] for frame in (0, -1))
     for robot in range(4):
         assert after[robot] == pytest.approx(before[(robot + 1) % 4], abs=1e-3)
@@ -81,7 +66,7 @@ def test_the_robots_of_a_ring_follow_each_other():
 
 
 def test_robots_push_each_other_only_to_cells_beside_them():
-    frames = pibt().track.frames
+    frames = DEMOS["pibt"]().tracks[0].frames
     pushes = [(frame, pair) for frame in frames for pair in frame.fleet.plans.pushers.items()]
     assert len(pushes) > 50
     for frame, pair in pushes:
@@ -91,11 +76,11 @@ def test_robots_push_each_other_only_to_cells_beside_them():
 
 
 def test_the_optimal_plan_costs_more_than_the_ways_alone():
-    assert cbs().said == "the ways alone cost 8, the optimal plan 11, found after 9 nodes"
+    assert STILLS["cbs"]().said == "the ways alone cost 8, the optimal plan 11, found after 9 nodes"
 
 
 def test_lanes_deliver_much_more_on_the_crowded_floor():
-    picture = lanes()
+    picture = STILLS["lanes"]()
     without, with_lanes, gain = re.findall(r"[\d,]+(?= del| with:)|[+-]\d+%", picture.said)
     assert int(with_lanes.replace(",", "")) > 1.4 * int(without.replace(",", ""))
     assert gain.startswith("+")
@@ -103,9 +88,9 @@ def test_lanes_deliver_much_more_on_the_crowded_floor():
     assert {"Without lanes", "With lanes", f"{without} deliveries an hour"} <= {*texts}
 
 
-@pytest.mark.parametrize("make", [bump, head_on, ring])
-def test_a_single_step_is_in_seconds_from_0_beside_a_large_map(make):
-    figure = replay_of_tracks(make().track, window=False).figure
+@pytest.mark.parametrize("name", ["bump", "head-on", "ring"])
+def test_a_single_step_is_in_seconds_from_0_beside_a_large_map(name):
+    figure = replay_of_tracks(*DEMOS[name]().tracks, window=False).figure
     floor, speed, energy = figure.axes
     assert speed.get_xlabel() == "seconds"
     assert speed.get_ylim()[0] == energy.get_ylim()[0] == 0
@@ -115,39 +100,23 @@ def test_a_single_step_is_in_seconds_from_0_beside_a_large_map(make):
 
 
 @pytest.mark.parametrize("name", ["load", "head-on", "cbs"])
-def test_every_demo_is_one_command_and_one_picture(name, tmp_path, capsys):
+def test_every_demo_is_one_command_and_one_picture(name, tmp_path, warehouse):
     target = tmp_path / f"{name}.png"
-    result = command(capsys, "demo", name, "--save", target)
+    result = warehouse("demo", name, "--save", target)
     assert (result.code, "saved" in result.out) == (0, True)
     with Image.open(target) as image:
         assert len(image.convert("RGB").getcolors(1 << 20)) > 10
 
 
-def test_without_a_display_the_animation_goes_to_a_file(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.delenv("DISPLAY", raising=False)
-    monkeypatch.setenv("MPLBACKEND", "agg")
-    assert "demo-bump.gif" in command(capsys, "demo", "bump").out
-    with Image.open(tmp_path / "demo-bump.gif") as image:
-        assert image.n_frames > 20
-
-
 @pytest.mark.parametrize("name", ["demo-cbs.gif", "demo-cbs.html", "demo-cbs"])
-def test_a_picture_has_no_frames_to_save(name, tmp_path, monkeypatch, capsys):
+def test_a_picture_has_no_frames_to_save(name, tmp_path, monkeypatch, refused):
     monkeypatch.setitem(STILLS, "cbs", lambda: pytest.fail("computed before the check"))
-    error = refusal(capsys, "demo", "cbs", "--save", tmp_path / name)
+    error = refused("demo", "cbs", "--save", tmp_path / name)
     assert name in error
     assert ".svg" in error
 
 
-def test_a_picture_is_saved_as_svg_and_opens_no_window(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(output, "has_display", lambda: pytest.fail("a window was asked for"))
-    target = tmp_path / "tree.svg"
-    assert command(capsys, "demo", "cbs", "--save", target).code == 0
-    assert target.read_text(encoding="utf-8").startswith("<?xml")
-
-
-def test_a_picture_is_shown_in_a_window_that_q_closes(monkeypatch, capsys):
+def test_a_picture_is_shown_in_a_window_that_q_closes(monkeypatch, warehouse):
     import matplotlib.pyplot as plt
 
     figures = []
@@ -164,26 +133,12 @@ def test_a_picture_is_shown_in_a_window_that_q_closes(monkeypatch, capsys):
     monkeypatch.setattr(output, "has_display", lambda: True)
     monkeypatch.setattr(plt, "show", show)
     plt.switch_backend("agg")
-    assert "q closes the window" in command(capsys, "demo", "cbs").out
+    assert "q closes the window" in warehouse("demo", "cbs").out
     assert len(figures) == 1
     assert plt.get_fignums() == []
 
 
-def test_without_a_display_a_picture_goes_to_a_file(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    without_display(monkeypatch)
-    out = command(capsys, "demo", "cbs").out
-    assert "so the picture goes to a file\nsaved demo-cbs.png" in out
-    assert (tmp_path / "demo-cbs.png").exists()
-
-
-def test_without_a_name_the_demos_are_listed(capsys):
-    lines = command(capsys, "demo").out.splitlines()
+def test_without_a_name_the_demos_are_listed(warehouse):
+    lines = warehouse("demo").out.splitlines()
     assert [line.split()[0] for line in lines] == [*DEMOS, *STILLS]
     assert "A robot runs into a wall" in lines[1]
-
-
-def test_no_demo_to_save_and_an_unknown_one_are_named(capsys, tmp_path):
-    words = ("demo", "--save", tmp_path / "a.gif")
-    assert "--save is of a demo; allowed: delivery" in refusal(capsys, *words, code=2)
-    assert "no demo is called 'ballet'; allowed: " in refusal(capsys, "demo", "ballet", code=2)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import pytest
-from helpers.command_line import command, refusal
+from helpers.command_line import Refused, Warehouse
 from helpers.pictures import ROOM
 from matplotlib.backend_bases import KeyEvent
 from PIL import Image
@@ -135,12 +135,11 @@ def keys(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
 
 
 def test_play_reports_and_saves_a_game(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, keys: Callable[..., None]
+    warehouse: Warehouse, tmp_path: Path, keys: Callable[..., None]
 ) -> None:
     ROOM.save(tmp_path / "room.txt")
     keys(*DELIVERY, "q")
-    result = command(
-        capsys,
+    result = warehouse(
         *("play", "--layout", "room.txt", "--stations", "drawn", "--seed", SEED),
         *("--save", "e.npz", "--save", "e.png"),
     )
@@ -163,11 +162,9 @@ def test_play_reports_and_saves_a_game(
         assert image.format == "PNG"
 
 
-def test_every_game_is_reported_and_saved(
-    capsys: pytest.CaptureFixture[str], keys: Callable[..., None]
-) -> None:
+def test_every_game_is_reported_and_saved(warehouse: Warehouse, keys: Callable[..., None]) -> None:
     keys("n", "enter", "e", "e", "enter", "q")
-    result = command(capsys, "play", "--seed", 8, "--save", "e.npz", "--save", "e.svg")
+    result = warehouse("play", "--seed", 8, "--save", "e.npz", "--save", "e.svg")
     games = [Episode.load(name) for name in ("e.npz", "e-2.npz")]
     assert [(game.seed, game.actions) for game in games] == [(8, ["N"]), (9, ["E", "E"])]
     lines = result.out.splitlines()
@@ -178,25 +175,21 @@ def test_every_game_is_reported_and_saved(
     assert lines[-4:] == ["saved e.npz", "saved e.svg", "saved e-2.npz", "saved e-2.svg"]
 
 
-def test_play_takes_battery_and_steps(
-    capsys: pytest.CaptureFixture[str], keys: Callable[..., None]
-) -> None:
+def test_play_takes_battery_and_steps(warehouse: Warehouse, keys: Callable[..., None]) -> None:
     keys(*[" "] * 9, "q")
     words = ["play", "--seed", 1, "--save", "e.npz"]
-    command(capsys, *words, "--battery", 4)
+    warehouse(*words, "--battery", 4)
     assert Episode.load("e.npz").outcome == "battery depleted"
-    command(capsys, *words, "--max-steps", 5)
+    warehouse(*words, "--max-steps", 5)
     assert Episode.load("e.npz").steps == 5
 
 
 def test_play_has_a_random_seed_and_may_be_closed_at_once(
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-    keys: Callable[..., None],
+    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch, keys: Callable[..., None]
 ) -> None:
     keys("q")
     monkeypatch.setattr(module, "draw_seed", lambda: 77)
-    result = command(capsys, "play", "--save", "e.npz", "--save", "e.svg")
+    result = warehouse("play", "--save", "e.npz", "--save", "e.svg")
     assert result.code == 0
     assert result.out.startswith(
         "game 1\nYou on the grid backend, seed 77, stations drawn\noutcome         unfinished\n"
@@ -204,7 +197,7 @@ def test_play_has_a_random_seed_and_may_be_closed_at_once(
     assert Episode.load("e.npz").steps == 0
 
 
-def test_play_needs_a_display(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    message = refusal(capsys, "play", "--seed", 1, "--save", "e.npz")
+def test_play_needs_a_display(refused: Refused, tmp_path: Path) -> None:
+    message = refused("play", "--seed", 1, "--save", "e.npz")
     assert message == "play needs a window, and there is no display here"
     assert list(tmp_path.iterdir()) == []

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 import typer
-from helpers.command_line import Result, command
+from helpers.command_line import Result, Warehouse
 
 from agents.errors import AgentError
 from agents.lab.console.terminal import MAX_LENGTH
 from warehouse_core import LayoutError
 
 
-def outcome_of(capsys: pytest.CaptureFixture[str], error: BaseException | None) -> Result:
+def outcome_of(warehouse: Warehouse, error: BaseException | None) -> Result:
     """Return the result of a command that raises ``error``."""
     app = typer.Typer(add_completion=False)
 
@@ -23,7 +23,7 @@ def outcome_of(capsys: pytest.CaptureFixture[str], error: BaseException | None) 
         if error is not None:
             raise error
 
-    return command(capsys, app=app)
+    return warehouse(app=app)
 
 
 ESCAPED = r"\x1b[2Jclean\x07 \udcff \u202e Müller"
@@ -48,18 +48,16 @@ ESCAPED = r"\x1b[2Jclean\x07 \udcff \u202e Müller"
     ids=lambda value: type(value).__name__ if isinstance(value, BaseException) else "",
 )
 def test_an_error_that_a_user_may_cause_is_a_code_and_one_line(
-    capsys: pytest.CaptureFixture[str], error: BaseException | None, code: int, message: str
+    warehouse: Warehouse, error: BaseException | None, code: int, message: str
 ) -> None:
     line = f"warehouse: {message}\n" if message else ""
-    assert outcome_of(capsys, error) == (code, "working\n", line)
+    assert outcome_of(warehouse, error) == (code, "working\n", line)
 
 
 @pytest.mark.parametrize("kind", [ValueError, RuntimeError])
-def test_any_other_error_keeps_its_traceback(
-    capsys: pytest.CaptureFixture[str], kind: type[Exception]
-) -> None:
+def test_any_other_error_keeps_its_traceback(warehouse: Warehouse, kind: type[Exception]) -> None:
     with pytest.raises(kind):
-        outcome_of(capsys, kind("a bug"))
+        outcome_of(warehouse, kind("a bug"))
 
 
 def test_a_closed_pipe_leaves_no_traceback(tmp_path: Path) -> None:

@@ -2,8 +2,7 @@ import sys
 from pathlib import Path
 
 import pytest
-import typer
-from helpers.command_line import refusal
+from helpers.command_line import Refused
 
 from agents.lab.console.values import greedy_with, load_layout, load_place
 from agents.lab.place import Place, Stations
@@ -12,11 +11,11 @@ from warehouse_core.world.map_files import save_layout
 
 
 def test_each_file_is_checked_before_the_command_runs(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    refused: Refused, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     for name in ("run", "demo"):
-        line = refusal(capsys, name, "--save", tmp_path / "a.GIF", "--save", tmp_path / "a.MP4")
+        line = refused(name, "--save", tmp_path / "a.GIF", "--save", tmp_path / "a.MP4")
         assert line == "saving as .mp4 needs imageio-ffmpeg: pip install 'imageio-ffmpeg>=0.5'"
     assert list(tmp_path.iterdir()) == []
 
@@ -95,9 +94,3 @@ def test_memory_and_escape_are_arguments_of_the_greedy_agent(
     agent: str, memory: int | None, escape: bool | None, name: str
 ) -> None:
     assert greedy_with(agent, memory, escape) == name
-
-
-@pytest.mark.parametrize(("memory", "escape"), [(5, None), (None, True), (None, False)])
-def test_other_agents_have_no_memory_and_no_escape(memory: int | None, escape: bool | None) -> None:
-    with pytest.raises(typer.BadParameter, match="are of agent greedy, not of 'astar'"):
-        greedy_with("astar", memory, escape)

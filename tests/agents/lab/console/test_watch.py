@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.command_line import command
+from helpers.command_line import Warehouse
 from PIL import Image
 
 from agents.lab.commands.run import run_episode
@@ -57,17 +57,17 @@ def agent_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, small_pictures: 
     ],
 )
 def test_the_episode_so_far_is_reported_and_saved(
-    capsys: pytest.CaptureFixture[str], name: str, code: int, line: str
+    warehouse: Warehouse, name: str, code: int, line: str
 ) -> None:
     words = ("run", "--agent", f"mine.py:{name}", "--seed", 4, "--save", "e.npz")
-    result = command(capsys, *words)
+    result = warehouse(*words)
     assert (result.code, result.err) == (code, f"warehouse: {line}\n")
     assert "outcome         unfinished\n" in result.out
     assert Episode.load("e.npz").actions == ["N", "N"]
 
 
-def test_a_failure_is_replayed_up_to_its_step(capsys: pytest.CaptureFixture[str]) -> None:
-    assert command(capsys, "run", "--agent", "mine.py:Fails", "--seed", 4).code == 1
+def test_a_failure_is_replayed_up_to_its_step(warehouse: Warehouse) -> None:
+    assert warehouse("run", "--agent", "mine.py:Fails", "--seed", 4).code == 1
     with Image.open("replay-Fails-grid-4.gif") as image:
         assert image.n_frames == 3  # type: ignore[attr-defined]
 

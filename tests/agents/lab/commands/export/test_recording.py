@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.command_line import command, refusal
+from helpers.command_line import Refused, Warehouse
 from helpers.fleets import SHELVES, Couriers
 from mcap.reader import make_reader
 
@@ -246,12 +246,12 @@ def test_messages_have_the_fields_of_their_schemas(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("record", [lambda: lone("physics"), lambda: crowd("grid")[0]])
 def test_a_record_always_gives_the_same_bytes(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, record: Callable[[], Any]
+    warehouse: Warehouse, tmp_path: Path, record: Callable[[], Any]
 ) -> None:
     record().save(tmp_path / "e.NPZ")
     for name in ("a.mcap", "b.MCAP"):
         target = tmp_path / name
-        result = command(capsys, "export", tmp_path / "e.NPZ", target)
+        result = warehouse("export", tmp_path / "e.NPZ", target)
         assert result == (0, f"saved {target}\n", "")
     assert (tmp_path / "a.mcap").read_bytes() == (tmp_path / "b.MCAP").read_bytes()
 
@@ -272,37 +272,20 @@ def record(tmp_path: Path) -> Path:
     return tmp_path / "e.npz"
 
 
-@pytest.mark.parametrize("name", ["t.csv", "t"])
-def test_an_episode_has_one_suffix(
-    capsys: pytest.CaptureFixture[str], record: Path, name: str
-) -> None:
-    target = record.with_name(name)
-    given = target.suffix or "a file without a suffix"
-    line = refusal(capsys, "export", record, target)
-    assert line == f"{target}: cannot save as {given}; allowed: .mcap"
-
-
-def test_results_are_no_episode(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    line = refusal(capsys, "export", tmp_path / "r.sqlite", tmp_path / "e.mcap")
-    assert "allowed: .csv, .parquet" in line
-
-
-def test_a_damaged_record_is_an_error_with_its_name(
-    capsys: pytest.CaptureFixture[str], record: Path
-) -> None:
+def test_a_damaged_record_is_an_error_with_its_name(refused: Refused, record: Path) -> None:
     record.write_bytes(record.read_bytes()[:-100])
-    assert refusal(capsys, "export", record, record.with_suffix(".mcap")).startswith(f"{record}: ")
+    assert refused("export", record, record.with_suffix(".mcap")).startswith(f"{record}: ")
     missing = record.with_name("none.npz")
-    line = refusal(capsys, "export", missing, record.with_suffix(".mcap"))
+    line = refused("export", missing, record.with_suffix(".mcap"))
     assert line == f"{missing}: No such file or directory"
     assert [path.name for path in record.parent.iterdir()] == ["e.npz"]
 
 
 def test_without_mcap_the_error_gives_the_command_that_installs_it(
-    capsys: pytest.CaptureFixture[str], record: Path, monkeypatch: pytest.MonkeyPatch
+    refused: Refused, record: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "mcap.writer", None)
-    line = refusal(capsys, "export", record, record.with_suffix(".mcap"))
+    line = refused("export", record, record.with_suffix(".mcap"))
     assert line == "saving as .mcap needs mcap: pip install 'mcap>=1.2.2'"
 
 

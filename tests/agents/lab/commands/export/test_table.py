@@ -10,7 +10,7 @@ from typing import Any
 
 import pyarrow as pa
 import pytest
-from helpers.command_line import command, refusal
+from helpers.command_line import Refused, Warehouse
 from helpers.results_files import fleet_row
 from pyarrow import parquet
 
@@ -74,10 +74,10 @@ def test_each_line_is_an_episode_with_its_settings(results: Path) -> None:
 
 @pytest.mark.parametrize("suffix", [".csv", ".CSV"])
 def test_csv_has_the_values_of_the_store(
-    capsys: pytest.CaptureFixture[str], results: Path, tmp_path: Path, suffix: str
+    warehouse: Warehouse, results: Path, tmp_path: Path, suffix: str
 ) -> None:
     target = tmp_path / f"t{suffix}"
-    assert command(capsys, "export", results, target) == (0, f"saved {target}\n", "")
+    assert warehouse("export", results, target) == (0, f"saved {target}\n", "")
     expected = [
         {name: "" if value is None else str(value) for name, value in line.items()}
         for line in table_of(results)
@@ -88,15 +88,11 @@ def test_csv_has_the_values_of_the_store(
 
 @pytest.mark.parametrize("lines", [4, 50_000])
 def test_parquet_has_the_values_of_the_store_with_their_types(
-    capsys: pytest.CaptureFixture[str],
-    results: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    lines: int,
+    warehouse: Warehouse, results: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lines: int
 ) -> None:
     monkeypatch.setattr(table_export, "LINES_AT_ONCE", lines)
     target = tmp_path / "t.parquet"
-    assert command(capsys, "export", results, target).code == 0
+    assert warehouse("export", results, target).code == 0
     found = parquet.read_table(target)
     assert found.to_pylist() == table_of(results)
     kinds = {field.name: field.type for field in found.schema}
@@ -119,11 +115,11 @@ def test_parquet_has_the_values_of_the_store_with_their_types(
     ids=["special characters", "no UTF-8", "a formula", "a number", "a tab"],
 )
 def test_names_are_kept_and_run_nowhere(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, name: str, in_csv: str, in_parquet: str
+    warehouse: Warehouse, tmp_path: Path, name: str, in_csv: str, in_parquet: str
 ) -> None:
     results = stored(tmp_path / "r.sqlite", {**make_case({}), "agent": name})
     for target in ("t.csv", "t.parquet"):
-        assert command(capsys, "export", results, tmp_path / target).code == 0
+        assert warehouse("export", results, tmp_path / target).code == 0
     lines = read_csv(tmp_path / "t.csv")
     assert {line["agent"] for line in lines} == {in_csv}
     assert {line["reward"] for line in lines} == {str(-0.1 - 0.2)}, "a negative number is kept"
@@ -131,13 +127,11 @@ def test_names_are_kept_and_run_nowhere(
     assert set(column.to_pylist()) == {in_parquet}
 
 
-def test_results_without_episodes_are_an_empty_table(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_results_without_episodes_are_an_empty_table(warehouse: Warehouse, tmp_path: Path) -> None:
     results = tmp_path / "r.sqlite"
     Store(results).close()
     for name in ("t.csv", "t.parquet"):
-        assert command(capsys, "export", results, tmp_path / name).code == 0
+        assert warehouse("export", results, tmp_path / name).code == 0
     assert (tmp_path / "t.csv").read_text().splitlines() == [",".join([*Row._fields, "program"])]
     assert parquet.read_table(tmp_path / "t.parquet").num_rows == 0
 
@@ -155,22 +149,18 @@ def test_results_without_episodes_are_an_empty_table(
     ],
 )
 def test_files_that_cannot_be_read_or_written_are_named(
-    capsys: pytest.CaptureFixture[str], results: Path, source: str, target: str, message: str
+    refused: Refused, results: Path, source: str, target: str, message: str
 ) -> None:
     folder = results.parent
     for name in ("folder.csv", "folder.parquet"):
         (folder / name).mkdir()
-    assert message in refusal(capsys, "export", folder / source, folder / target)
+    assert message in refused("export", folder / source, folder / target)
     assert names(folder) == {"r.sqlite", "folder.csv", "folder.parquet"}
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
 def test_an_export_that_fails_keeps_the_existing_file(
-    capsys: pytest.CaptureFixture[str],
-    results: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    suffix: str,
+    refused: Refused, results: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
 ) -> None:
     monkeypatch.setattr(table_export, "LINES_AT_ONCE", 1)
     target = tmp_path / f"t{suffix}"
@@ -178,44 +168,43 @@ def test_an_export_that_fails_keeps_the_existing_file(
     with closing(sqlite3.connect(results)) as database:
         database.execute("UPDATE episodes SET mode = CAST(x'ff' AS TEXT) WHERE case_id = 3")
         database.commit()
-    assert str(results) in refusal(capsys, "export", results, target)
+    assert str(results) in refused("export", results, target)
     assert target.read_text() == "existing"
     assert names(tmp_path) == {"r.sqlite", target.name}
 
 
 def test_without_pyarrow_the_error_gives_the_command_that_installs_it(
-    capsys: pytest.CaptureFixture[str],
+    warehouse: Warehouse,
+    refused: Refused,
     results: Path,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    line = refusal(capsys, "export", results, tmp_path / "t.parquet")
+    line = refused("export", results, tmp_path / "t.parquet")
     assert line == "Parquet needs pyarrow: pip install 'pyarrow>=15'"
-    assert command(capsys, "export", results, tmp_path / "t.csv").code == 0
+    assert warehouse("export", results, tmp_path / "t.csv").code == 0
     assert names(tmp_path) == {"r.sqlite", "t.csv"}
 
 
 @pytest.mark.parametrize("value", ["many", True, 10**30, [3]])
 def test_an_invalid_setting_or_result_in_the_file_is_a_one_line_error(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, value: object
+    refused: Refused, tmp_path: Path, value: object
 ) -> None:
     results = stored(tmp_path / "r.sqlite", make_case({}), {**make_case({}), "battery": value})
-    line = refusal(capsys, "export", results, tmp_path / "t.parquet")
+    line = refused("export", results, tmp_path / "t.parquet")
     assert line.startswith(f"{results}: ")
     with closing(sqlite3.connect(results)) as database:
         database.execute("DELETE FROM cases WHERE id = 2")
         database.execute("UPDATE episodes SET steps = 'many' WHERE case_id = 1")
         database.commit()
-    assert "many" in refusal(capsys, "export", results, tmp_path / "t.parquet")
+    assert "many" in refused("export", results, tmp_path / "t.parquet")
     assert names(tmp_path) == {"r.sqlite"}
 
 
-def test_an_export_does_not_change_the_results(
-    capsys: pytest.CaptureFixture[str], results: Path
-) -> None:
+def test_an_export_does_not_change_the_results(warehouse: Warehouse, results: Path) -> None:
     before = results.read_bytes(), os.stat(results).st_mtime_ns
-    command(capsys, "export", results, results.with_name("t.csv"))
+    warehouse("export", results, results.with_name("t.csv"))
     assert (results.read_bytes(), os.stat(results).st_mtime_ns) == before
 
 

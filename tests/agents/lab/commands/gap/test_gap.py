@@ -6,7 +6,7 @@ from math import inf, nan
 from pathlib import Path
 
 import pytest
-from helpers.command_line import command, refusal
+from helpers.command_line import Warehouse
 
 from agents.lab.commands.gap.spent_time import KINDS
 from agents.lab.commands.gap.summary import gap_table, losses, message
@@ -30,10 +30,8 @@ def scores(stopping: float, driving: float, disturbed: float) -> dict[str, list[
     }
 
 
-def test_worlds_are_compared_in_a_table_a_page_and_a_file_of_values(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    code, out, _ = command(capsys, *SMALL, "--seeds", 2, "--save", "gap.html", "--save", "gap.csv")
+def test_worlds_are_compared_in_a_table_a_page_and_a_file_of_values(warehouse: Warehouse) -> None:
+    code, out, _ = warehouse(*SMALL, "--seeds", 2, "--save", "gap.html", "--save", "gap.csv")
     assert code == 0
     lines = Path("gap.csv").read_text(encoding="utf-8").splitlines()
     rows = {row["world"] + row["seed"]: row for row in csv.DictReader(lines)}
@@ -79,40 +77,3 @@ def test_what_is_lost_is_said() -> None:
     assert losses(found, 4) == []
     found[DISTURBED][1] = PLAIN._replace(delivered=3, lost=1, on_time=nan)
     assert losses(found, 4) == ["disturbed, 2 seeds: 1 x order not delivered, 1 x robot lost"]
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("--orders", "0"), "--orders is 0; it must be above 0 orders a second"),
-        (("--orders", "nan"), "--orders is nan; it must be above 0 orders a second"),
-        (("--due", "9:3"), "FEWEST:MOST seconds from release to due time, as in 100:300"),
-        (("--battery", "many"), "--battery is 'many'"),
-        (("--plan-seconds", "nan"), "--plan-seconds is nan; it must be above 0 s"),
-        (("--plan-seconds", "0"), "--plan-seconds is 0; it must be above 0 s"),
-    ],
-)
-def test_wrong_values_are_refused_before_any_run(
-    capsys: pytest.CaptureFixture[str], words: tuple[str, str], message: str
-) -> None:
-    assert message in refusal(capsys, *SMALL, *words, code=2)
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (("--robots", "400"), "400"),
-        (("--planner", "none"), "no planner is called 'none'"),
-        (("--assignment", "none"), "no assignment is called 'none'"),
-        (("--save", "gap.png"), "gap.png"),
-    ],
-)
-def test_wrong_names_are_refused_before_any_run(
-    capsys: pytest.CaptureFixture[str], words: tuple[str, str], message: str
-) -> None:
-    assert message in refusal(capsys, *SMALL, *words)
-
-
-def test_a_layout_without_stations_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    Path("bare.txt").write_text("....\n....\n", encoding="utf-8")
-    assert "the layout has no pickup" in refusal(capsys, *SMALL, "--layout", "bare.txt")

@@ -10,12 +10,11 @@ from pathlib import Path
 from time import sleep
 
 import pytest
-from helpers.command_line import ROOT, command, refusal
+from helpers.command_line import ROOT, Refused, Warehouse
 from helpers.documents import executable_nodes
 from helpers.submissions import (
     GOOD,
     RUBRIC,
-    SUBMISSIONS,
     idle,
     running_in,
     write_rubric,
@@ -41,9 +40,7 @@ def rows_of(path: str) -> dict[str, dict[str, str]]:
         return {row["submission"]: row for row in csv.DictReader(file)}
 
 
-def test_each_replay_of_a_worst_case_shows_what_the_report_says(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_each_replay_of_a_worst_case_shows_what_the_report_says(warehouse: Warehouse) -> None:
     """On the chapter's layout, another one, generated ones, and where the agent fails."""
     text = RUBRIC.replace("visible = false", "").replace("first_seed = 77123", "battery = 50")
     write_rubric(
@@ -69,7 +66,7 @@ class Mine:
             one.replace('cases = ["chapter", "loops", "unseen"]', f'cases = ["{name}"]'),
             encoding="utf-8",
         )
-        out = command(capsys, "grade", "mine.py", "--rubric", "one.toml").out
+        out = warehouse("grade", "mine.py", "--rubric", "one.toml").out
         found = REPLAY.findall(out)
         assert len(found) >= 3
         for worst, line in found:
@@ -77,23 +74,19 @@ class Mine:
             for part in line.split(" && "):
                 words = part.split()
                 assert words.pop(0) == "warehouse"
-                result = command(capsys, *words, *(["--no-show"] if words[0] == "run" else []))
+                result = warehouse(*words, *(["--no-show"] if words[0] == "run" else []))
                 shown += " ".join((result.out + result.err).split())
             evidence = worst.rpartition(": ")[2].partition(";")[0].partition(" (")[0]
             assert evidence in shown, (worst, line, shown)
 
 
-def test_results_have_the_form_that_gradescope_reads(
-    capsys: pytest.CaptureFixture[str], rubric: Path
-) -> None:
+def test_results_have_the_form_that_gradescope_reads(warehouse: Warehouse, rubric: Path) -> None:
     """As gradescope-autograders.readthedocs.io/en/latest/specs says."""
     rubric.write_text(
         rubric.read_text().replace("points = 20\n", 'points = 20\nvisibility = "after_due_date"\n')
     )
     [file] = write_submissions(Path(), "none_without_way")
-    code, out, _ = command(
-        capsys, "grade", f"{file}:Agent", "--rubric", rubric, "--save", "results.json"
-    )
+    code, out, _ = warehouse("grade", f"{file}:Agent", "--rubric", rubric, "--save", "results.json")
     assert code == 0
     results = json.loads(Path("results.json").read_text(encoding="utf-8"))
     assert results["score"] == 70 == sum(test["score"] for test in results["tests"])
@@ -110,11 +103,11 @@ def test_results_have_the_form_that_gradescope_reads(
 
 
 def test_the_page_loads_nothing_and_escapes_what_agents_say(
-    capsys: pytest.CaptureFixture[str], rubric: Path
+    warehouse: Warehouse, rubric: Path
 ) -> None:
     [file] = write_submissions(Path(), "raises_markup")
     saved = [*("--save", "report.html"), *("--save", "report.json")]
-    out = command(capsys, "grade", file, "--rubric", rubric, *saved).out
+    out = warehouse("grade", file, "--rubric", rubric, *saved).out
     page = Path("report.html").read_text(encoding="utf-8")
     assert executable_nodes(Path("report.html")) == []
     assert "&lt;script&gt;alert(1)" in page
@@ -123,13 +116,13 @@ def test_the_page_loads_nothing_and_escapes_what_agents_say(
 
 
 def test_a_folder_is_graded_once_and_again_where_something_has_changed(
-    capsys: pytest.CaptureFixture[str], rubric: Path
+    warehouse: Warehouse, rubric: Path
 ) -> None:
     write_submissions(Path("all"), "searches", "picks", "syntax")
     Path("all", "=cmd.py").write_text(idle("pass"), encoding="utf-8")
     Path("all", "none").mkdir()
     words = ("grade", "all", "--rubric", rubric, "-o", "grades.csv", "--jobs", 1)
-    result = command(capsys, *words, "--jobs", 2, "--pages", "pages")
+    result = warehouse(*words, "--jobs", 2, "--pages", "pages")
     assert result.code == 0
     assert "4 graded, 1 as they were" in result.out
     rows, first = rows_of("grades.csv"), Path("grades.csv").read_bytes()
@@ -138,13 +131,13 @@ def test_a_folder_is_graded_once_and_again_where_something_has_changed(
     assert rows["syntax"]["failure"].startswith("cannot be loaded: SyntaxError")
     assert rows["none"]["failure"] == "it has 0 .py files, and none is agent.py"
     assert len(list(Path("pages").iterdir())) == 8
-    assert "0 graded, 5 as they were" in command(capsys, *words).out
+    assert "0 graded, 5 as they were" in warehouse(*words).out
     assert Path("grades.csv").read_bytes() == first
     Path("all", "picks", "agent.py").write_text(GOOD, encoding="utf-8")
-    assert "1 graded, 4 as they were" in command(capsys, *words).out
+    assert "1 graded, 4 as they were" in warehouse(*words).out
     assert rows_of("grades.csv")["picks"]["points"] == "100"
     rubric.write_text(RUBRIC.replace("points = 20", "points = 10"), encoding="utf-8")
-    assert "4 graded, 1 as they were" in command(capsys, *words).out
+    assert "4 graded, 1 as they were" in warehouse(*words).out
     assert rows_of("grades.csv")["searches"]["points"] == "90"
 
 
@@ -162,13 +155,13 @@ class Agent:
 
 
 def test_an_agent_that_ends_the_grader_has_no_points_and_the_others_have_theirs(
-    capsys: pytest.CaptureFixture[str], rubric: Path, tmp_path: Path
+    warehouse: Warehouse, rubric: Path, tmp_path: Path
 ) -> None:
     """Only compiled code can, here the system's, and only in a process of its own submission."""
     write_submissions(tmp_path / "all", "searches", "picks")
     Path("all", "a.py").write_text(KILLER, encoding="utf-8")
     words = ("grade", "all", "--rubric", rubric, "-o", "grades.csv", "--jobs", 1)
-    assert command(capsys, *words).code == 0
+    assert warehouse(*words).code == 0
     rows = rows_of("grades.csv")
     assert {name: row["points"] for name, row in rows.items()} == {
         "a.py": "0", "searches": "100", "picks": "0",
@@ -177,11 +170,11 @@ def test_an_agent_that_ends_the_grader_has_no_points_and_the_others_have_theirs(
         "it ended the grader: its process was ended by signal"
     )
     assert not running_in(tmp_path / "all")
-    assert "0 graded, 3 as they were" in command(capsys, *words).out
+    assert "0 graded, 3 as they were" in warehouse(*words).out
 
 
 def test_an_interrupted_folder_is_resumed_and_nothing_is_left_running(
-    capsys: pytest.CaptureFixture[str], rubric: Path, tmp_path: Path
+    warehouse: Warehouse, rubric: Path, tmp_path: Path
 ) -> None:
     rubric.write_text(RUBRIC.replace("give_up_after = 1", "give_up_after = 99"), encoding="utf-8")
     write_submissions(tmp_path / "all", "searches", "sleeps")
@@ -206,34 +199,18 @@ def test_an_interrupted_folder_is_resumed_and_nothing_is_left_running(
     assert list(rows_of("grades.csv")) == ["searches"]
     assert not running_in(tmp_path / "all")
     Path("all", "sleeps", "agent.py").write_text(WORSE, encoding="utf-8")
-    assert "1 graded, 1 as they were" in command(capsys, *words).out
+    assert "1 graded, 1 as they were" in warehouse(*words).out
     assert list(rows_of("grades.csv")) == ["searches", "sleeps"]
 
 
-def test_the_rubric_of_the_mini_lab_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
-    out = command(capsys, "grade", "--print-rubric").out
+def test_the_rubric_of_the_mini_lab_is_printed(warehouse: Warehouse) -> None:
+    out = warehouse("grade", "--print-rubric").out
     assert out == MINI_LAB.read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize(
-    ("words", "message", "code"),
-    [
-        (("all", "--save", "a.html"), "--save is of one agent", 2),
-        (("mine.py", "-o", "a.csv"), "--output is of a folder, and 'mine.py' is none", 2),
-        (("mine.py", "--save", "a.png"), "a.png: cannot save as .png; allowed: .json, .html", 1),
-        (("none.py",), "agent file none.py: there is no such file", 1),
-        (("all", "-o", "a.txt"), "a.txt: cannot save as .txt; allowed: .csv", 1),
-        (("all", "-o", "other.csv"), "other.csv: it is no table of grades", 1),
-        (("empty",), "empty: there is no .py file in it, nor a folder with one", 1),
-        (("mine.py", "--rubric", "none.toml"), "none.toml: No such file or directory", 1),
-    ],
-)
-def test_wrong_words_are_refused(
-    capsys: pytest.CaptureFixture[str], words: tuple[str, ...], message: str, code: int
-) -> None:
+def test_another_table_is_not_written_over(refused: Refused) -> None:
     write_submissions(Path("all"), "searches")
-    Path("empty").mkdir()
-    Path("mine.py").write_text(SUBMISSIONS["waits"].source, encoding="utf-8")
     Path("other.csv").write_text("a,b\n1,2\n", encoding="utf-8")
-    assert message in refusal(capsys, "grade", *words, code=code)
+    said = refused("grade", "all", "-o", "other.csv")
+    assert said.startswith("other.csv: it is no table of grades")
     assert Path("other.csv").read_text(encoding="utf-8") == "a,b\n1,2\n"

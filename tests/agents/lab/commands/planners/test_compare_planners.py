@@ -1,18 +1,15 @@
 """The command ``warehouse compare-planners``."""
 
 from functools import partial
+from pathlib import Path
 
 import numpy as np
-import pytest
-from helpers.command_line import command, refusal
+from helpers.command_line import Warehouse
 from PIL import Image
 
 from agents.lab.commands.planners.compare_planners import (
     BOUND,
-    Outcome,
-    parse_sizes,
     run_trial,
-    summary,
 )
 from agents.lab.commands.planners.floors import find_floor
 from agents.lab.commands.planners.picture import throughput_figure
@@ -22,13 +19,21 @@ from agents.lab.trials.workers import run_trials
 SMALL = ("compare-planners", "--layout", "hall", "--robots", "4,2", "--steps", 30, "--jobs", 1)
 
 
+SLOW = """
+class Slow:
+    def reset(self):
+        pass
+
+    def next_cells(self, situation):
+        while True:
+            pass
+"""
+
 run_in_hall = partial(run_trial, layout="hall", steps=30, seconds=10.0)
 
 
-def test_planners_are_compared_by_size_beside_the_bound(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    code, out, err = command(capsys, *SMALL, "--seeds", 20, "--save", "curve.png")
+def test_planners_are_compared_by_size_beside_the_bound(warehouse: Warehouse) -> None:
+    code, out, err = warehouse(*SMALL, "--seeds", 20, "--save", "curve.png")
     assert (code, err) == (0, "")
     assert "30 steps, 20 seeds from 0" in " ".join(out.split())
     assert out.index("2 \u2502") < out.index("4 \u2502")
@@ -38,11 +43,6 @@ def test_planners_are_compared_by_size_beside_the_bound(
     assert "saved curve.png" in out
     with Image.open("curve.png") as image:
         assert image.format == "PNG"
-
-
-def test_a_picture_is_also_written_as_svg(capsys: pytest.CaptureFixture[str], tmp_path) -> None:
-    assert command(capsys, *SMALL, "--seeds", 1, "--save", "curve.svg").code == 0
-    assert (tmp_path / "curve.svg").read_text().startswith("<?xml")
 
 
 def test_the_bound_is_more_than_any_planner_reaches_and_exact_for_one_robot() -> None:
@@ -55,21 +55,22 @@ def test_the_bound_is_more_than_any_planner_reaches_and_exact_for_one_robot() ->
 def test_processes_give_the_same_as_one() -> None:
     cases = [("pibt", 3), ("pibt-lanes", 2)]
     alone, together = (run_trials(run_in_hall, cases, range(3, 6), jobs) for jobs in (1, 2))
-    throughputs = [
-        {case: [each.throughput for each in outcomes] for case, outcomes in found.items()}
-        for found in (alone, together)
+    for case in cases:
+        expected = [run_in_hall(case, seed).throughput for seed in (3, 4, 5)]
+        for outcomes in (alone, together):
+            assert [each.throughput for each in outcomes[case]] == expected
+
+
+def test_steps_that_took_too_long_are_told(warehouse: Warehouse) -> None:
+    Path("slow.py").write_text(SLOW)
+    words = ("--planner", "slow.py:Slow", "--steps", 2, "--time-limit", 0.02, "--seeds", 2)
+    code, _, err = warehouse(*SMALL, *words)
+    assert code == 0
+    assert err.splitlines() == [
+        f"warehouse: warning: slow.py:Slow, {robots} robots: 4 steps took more than 0.02 s; "
+        "all robots waited"
+        for robots in (2, 4)
     ]
-    assert throughputs[0] == throughputs[1]
-    assert throughputs[0] == {
-        case: [run_in_hall(case, seed).throughput for seed in (3, 4, 5)] for case in cases
-    }
-
-
-def test_outcomes_are_summed_up_with_an_interval() -> None:
-    found = summary([Outcome(rate, 2.0, 1) for rate in np.linspace(1, 2, 20)])
-    assert found.throughput.low < found.throughput.estimate == pytest.approx(1.5)
-    assert (found.milliseconds, found.lost) == (2.0, 20)
-    assert not summary([Outcome(1.0, 2.0, 0)]).throughput.is_known
 
 
 def test_the_picture_has_a_line_for_each_planner_and_its_interval() -> None:
@@ -81,27 +82,6 @@ def test_the_picture_has_a_line_for_each_planner_and_its_interval() -> None:
     intervals = axes.collections[0].get_segments()
     assert [each[:, 1].tolist() for each in intervals] == [[0.9, 1.1], [1.4, 1.7]]
     assert [text.get_text() for text in axes.get_legend().get_texts()] == ["$a$", BOUND]
-
-
-@pytest.mark.parametrize(
-    ("options", "words", "code"),
-    [
-        ("--robots 4,x", "--robots has 'x'; it must be whole numbers", 2),
-        ("--robots 0", "--robots has '0'; it must be", 2),
-        ("--robots 999", "--robots has 999; allowed: 1 to 98", 1),
-        ("--planner x", "no planner is called 'x'; allowed: pibt, pibt-lanes", 1),
-        ("--time-limit 0", "--time-limit is 0; it must be above 0 s", 2),
-        ("--save a.gif", "cannot save as .gif; allowed: .svg, .png", 1),
-    ],
-)
-def test_wrong_options_are_named(
-    options: str, words: str, code: int, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert words in refusal(capsys, *SMALL, *options.split(), code=code)
-
-
-def test_sizes_are_read_in_ascending_order() -> None:
-    assert parse_sizes("64, 8,64") == [8, 64]
 
 
 def test_planners_that_learn_know_the_goals_of_the_warehouse_of_papers() -> None:
