@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise, product
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -266,12 +266,10 @@ class RobotView:
         colors: dict[Cell, Any] = {}
         here = self._history.cells[step]
         if here is not None and self._view_radius is not None:
-            sides = zip(here, (len(rows), len(rows[0])), strict=True)
-            radius = self._view_radius
-            down, right = (
-                range(max(0, at - radius), min(end, at + radius + 1)) for at, end in sides
-            )
-            colors = dict.fromkeys(product(down, right), SEEN)
+            (row, col), radius = here, self._view_radius
+            for line in range(max(0, row - radius), min(len(rows), row + radius + 1)):
+                for place in range(max(0, col - radius), min(len(rows[0]), col + radius + 1)):
+                    colors[line, place] = SEEN
         for cell, visits in self._history.visits(step).items():
             if visits > 1:
                 colors[cell] = VISITED[min(visits // 2, len(VISITED)) - 1]
