@@ -248,29 +248,6 @@ def test_events_are_only_recorded_on_request() -> None:
         assert search(romania()) == replace(full, events=())
 
 
-def test_breadth_first_search_finds_the_fewest_actions_regardless_of_cost() -> None:
-    """Against networkx, on random roads of random cost, some of them 0."""
-    stream = random.Random(6)
-    dearer = 0
-    for _ in range(150):
-        names = "ABCDEFGHIJ"
-        pairs = [(here, there) for here in names for there in names if here != there]
-        roads = {pair: stream.randrange(80) / 8 for pair in stream.sample(pairs, 20)}
-        graph = nx.DiGraph()
-        graph.add_nodes_from(names)
-        graph.add_weighted_edges_from((*pair, cost) for pair, cost in roads.items())
-        found = breadth_first_search(Travel(roads, "A", "J"))
-        if not found.found:
-            assert not nx.has_path(graph, "A", "J")
-            continue
-        assert len(found.actions) == nx.shortest_path_length(graph, "A", "J")
-        assert found.cost == sum(roads[road] for road in nx.utils.pairwise(found.states))
-        least = uniform_cost_search(Travel(roads, "A", "J")).cost
-        assert least == nx.dijkstra_path_length(graph, "A", "J")
-        dearer += found.cost > least
-    assert dearer, "the path of the fewest actions was always the cheapest"
-
-
 def test_a_heuristic_that_overestimates_once_misses_the_best_path() -> None:
     """Two paths to G: through A for 2, through B for 3. An estimate of 10 hides A."""
     roads = {("S", "A"): 1, ("A", "G"): 1, ("S", "B"): 1, ("B", "G"): 2}
