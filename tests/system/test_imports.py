@@ -183,6 +183,11 @@ batch = BatchEnv(3)
 batch.reset(seed=1)
 batch.step([1, 2, 3])
 """,
+    "pictures": """
+import warehouse_core.render.window
+from warehouse_core.render.painter import TilePainter, bar
+TilePainter(16).picture(warehouse_core.DEFAULT_LAYOUT, (1, 1), True), bar(0.5, 10, 4)
+""",
     "planners": "import agents.mapf.lanes, agents.mapf.lacam, agents.mapf.prioritised",
     "agents": """
 from agents import *
