@@ -20,7 +20,6 @@ from agents.lab.experiments.case import is_fleet, make_case
 from agents.lab.experiments.episodes import run_task
 from agents.lab.experiments.store import Store
 from agents.lab.reports.analysis.answers import answers
-from agents.lab.reports.analysis.design import make_design
 from agents.lab.reports.analysis.results import FLEETS, LONE, Experiment
 from agents.lab.reports.examples import find_examples
 from agents.lab.runs.programs import program_for
@@ -41,8 +40,7 @@ def read(path: Path) -> None:
     with Store(path, read_only=True) as store:
         find_examples(store)
         for kind in (LONE, FLEETS):
-            experiment = Experiment(store, kind)
-            answers(experiment, make_design(experiment.cases))
+            answers(Experiment(store, kind))
         store.mixed(), store.episodes()
         for _ in lines_of(store, columns_of(store)):
             pass

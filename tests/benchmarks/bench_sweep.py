@@ -37,7 +37,7 @@ def peak_in_kb():
     with open("/proc/self/status") as file:
         return next(int(line.split()[1]) for line in file if line.startswith("VmHWM"))
 
-def report(rows):
+def report(rows, failures):
     global done
     done += len(rows)
     while done >= 20_000 * (len(peaks) + 1):

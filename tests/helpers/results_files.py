@@ -1,11 +1,15 @@
 """Files of results with given episodes and settings."""
 
-from collections.abc import Sequence
+import sqlite3
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.store import Store
+from agents.lab.reports.analysis.results import LONE, Experiment, Kind
 from agents.lab.trials.rows import AnyRow, FleetRow, Row
 from agents.lab.trials.scores import Scores
 
@@ -16,7 +20,11 @@ def row(seed: int, mode: str = "delivered", steps: int = 20, **others: Any) -> R
     return plain._replace(**others)
 
 
-def fill(path: Path, cases: Sequence[tuple[dict[str, Any], Sequence[AnyRow]]]) -> Path:
+Cases = Sequence[tuple[Mapping[str, Any], Sequence[AnyRow]]]
+ON, OFF = {"escape": True}, {"escape": False}
+
+
+def fill(path: Path, cases: Cases) -> Path:
     """Write the episodes of some cases, each given by its settings."""
     with Store(path) as store:
         for settings, rows in cases:
@@ -24,6 +32,25 @@ def fill(path: Path, cases: Sequence[tuple[dict[str, Any], Sequence[AnyRow]]]) -
             case = {**make_case({**settings, "agent": "greedy"}), **settings}
             store.add(store.case_id(case), rows)
     return path
+
+
+@contextmanager
+def experiment_of(cases: Cases, kind: Kind = LONE) -> Iterator[Experiment]:
+    """Yield the results of some cases, in a file of their own."""
+    with TemporaryDirectory() as folder:
+        path = fill(Path(folder, "r.sqlite"), cases)
+        with Store(path, read_only=True) as store:
+            yield Experiment(store, kind)
+
+
+def change(path: Path, script: str, *values: object) -> None:
+    """Change a file of results as no sweep does, by a statement with values or by several."""
+    with closing(sqlite3.connect(path)) as connection:
+        if values:
+            connection.execute(script, values)
+            connection.commit()
+        else:
+            connection.executescript(script)
 
 
 def outcomes(words: str, seed: int = 0, steps: int = 20) -> list[Row]:

@@ -30,13 +30,7 @@ from agents.lab.parameters import (
     shown,
     text,
 )
-from agents.lab.place import (
-    RANDOM,
-    Stations,
-    check_stations,
-    usual_stations,
-    what_to_draw,
-)
+from agents.lab.place import RANDOM, Stations, check_stations, usual_stations, what_to_draw
 from agents.lab.runs.programs import fingerprint
 from agents.lab.trials.rows import AnyRow, FleetRow, Row
 from agents.registry import agent_file, agent_module, make_agent, make_fleet_agent, make_team
@@ -77,9 +71,7 @@ _layout = lru_cache(2)(Layout)
 def make_case(values: Mapping[str, Value]) -> dict[str, Any]:
     """Return the case of some checked values; the other parameters have their defaults.
 
-    Raises:
-        ValueError: a layout, an agent or a robot that cannot be used.
-        OSError: a file that cannot be read.
+    Raises ``ValueError`` for a layout, an agent or a robot that cannot be used, and ``OSError``.
     """
     case: dict[str, Any] = {}
     if any(find(name).of_fleets for name in values):
@@ -131,12 +123,10 @@ def key_of(case: Case) -> str:
 
 
 def read_case(written: str) -> Case:
-    """Return the case that ``key_of`` has written as text, checked as the values of a plan are.
+    """Return the case that ``key_of`` has written as text, or raise ``ValueError``.
 
-    Its backend need not be installed here, and its agent is not looked for.
-
-    Raises:
-        ValueError: it is not such a text, a key is missing or unknown, or a value is not allowed.
+    Its values are checked as those in a plan, but its backend need not be installed here, and its
+    agent is not looked for.
     """
     if sum(map(written.count, "[{")) > MAX_BRACKETS:
         raise ValueError(f"there are more than MAX_BRACKETS = {MAX_BRACKETS} brackets")
@@ -209,35 +199,24 @@ def cells_of(case: Case) -> int:
     """Return how many cells the layouts of a case have."""
     if TILES in case:
         return len(case[TILES]) * len(case[TILES][0])
-    return math.prod(_size(case))
+    return math.prod(_pair(case["size"], "x"))
 
 
 def layout_for(case: Case, seed: int) -> Layout:
-    """Return the layout of one episode; a fleet's has as many chargers as the case.
-
-    Raises:
-        LayoutError: there are fewer chargers.
-    """
+    """Return the layout of one episode; a fleet's has as many chargers as the case, or fails."""
     if TILES in case:
         layout = layout_of(case)
     else:
-        layout = random_layout(*_size(case), case["density"], seed)
+        layout = random_layout(*_pair(case["size"], "x"), case["density"], seed)
     if not is_fleet(case):
         return layout
     return layout.with_chargers(_some(layout.chargers, case["chargers"]))
 
 
 def make_env(case: Case, layout: Layout, *, dispatch: bool = True) -> WarehouseEnv | FleetEnv:
-    """Return a new environment for one episode.
-
-    Args:
-        case: Case of the episode.
-        layout: Layout of the episode.
-        dispatch: The fleet gives orders to the nearest robots, see ``FleetEnv``.
-    """
-    shared: dict[str, Any] = {
-        name: case[name] for name in ("max_steps", "battery", "view_radius")
-    } | {"backend": _backend(case)}
+    """Return a new environment for one episode; for ``dispatch`` see ``FleetEnv``."""
+    shared: dict[str, Any] = {name: case[name] for name in ("max_steps", "battery", "view_radius")}
+    shared["backend"] = _backend(case)
     if not is_fleet(case):
         return WarehouseEnv(layout, start_pos=None, **shared)
     with warnings.catch_warnings():
@@ -246,7 +225,7 @@ def make_env(case: Case, layout: Layout, *, dispatch: bool = True) -> WarehouseE
         return FleetEnv(
             layout,
             case[FLEET],
-            orders=OrderStream(case["order_rate"], _due(case)),
+            orders=OrderStream(case["order_rate"], _pair(case["due"], ":")),
             people=case["people"],
             dispatch=dispatch,
             **shared,
@@ -284,28 +263,19 @@ def _some(chargers: Sequence[Cell], count: int) -> list[Cell]:
     return [chargers[number * len(chargers) // count] for number in range(count)]
 
 
-def _due(case: Case) -> tuple[int, int]:
-    fewest, most = map(int, case["due"].split(":"))
-    return fewest, most
-
-
-def _size(case: Case) -> tuple[int, int]:
-    height, width = map(int, case["size"].split("x"))
-    return height, width
+def _pair(words: str, separator: str) -> tuple[int, int]:
+    first, second = map(int, words.split(separator))
+    return first, second
 
 
 def _backend(case: Case) -> Backend:
-    groups = {
-        group: {
-            name.removeprefix(f"{group}."): value
-            for name, value in case.items()
-            if name.startswith(f"{group}.")
-        }
-        for group in PHYSICAL
-    }
+    groups: dict[str, dict[str, Any]] = {group: {} for group in PHYSICAL}
+    for name, value in case.items():
+        group, dot, field = name.partition(".")
+        if dot:
+            groups[group][field] = value
     if not any(groups.values()):
-        backend: str = case["backend"]
-        return backend
+        return str(case["backend"])
     from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
 
     return RigidBodyMotion(RobotSpec(**groups["robot"]), Disturbances(**groups["disturbances"]))

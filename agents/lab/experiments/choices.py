@@ -26,7 +26,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from agents.errors import ParameterError
-from agents.lab.parameters import PHYSICAL, find
+from agents.lab.experiments.plan import MAX_SEED
+from agents.lab.parameters import PHYSICAL, Whole, checked, find
 
 MAX_BYTES = 100_000
 """Limit on a plan file. The time to parse TOML grows with the square of a key's depth, so that is
@@ -40,17 +41,13 @@ MAX_DEPTH = 10
 
 _DEEP = re.compile(rf"""(?<![\w-])((?:[\w-]++|"[^"]*+"|'[^']*+')[ \t]*+\.[ \t]*+){{{MAX_DEPTH}}}""")
 
+NUMBERS = {"episodes": Whole(1), "seed": Whole(0, MAX_SEED)}
+
 WORDS: dict[str, bool] = {"on": True, "off": False, "true": True, "false": False}
 
 
 class PlanFile(NamedTuple):
-    """The content of a plan file.
-
-    Attributes:
-        choices: value, list of values or range of each parameter.
-        episodes: number of episodes of each combination, or ``None``.
-        seed: the first seed, or ``None``.
-    """
+    """The value, list of values or range of each parameter, and two numbers if they are given."""
 
     choices: dict[str, Any]
     episodes: int | None = None
@@ -58,12 +55,7 @@ class PlanFile(NamedTuple):
 
 
 def read_plan_file(path: Path) -> PlanFile:
-    """Read a plan file.
-
-    Raises:
-        ParameterError: the content is not allowed; the message names the file, the key and what is.
-        OSError: the file cannot be read.
-    """
+    """Read a plan file; a ``ParameterError`` names the file, the key and what is allowed."""
     with path.open("rb") as file:
         data = file.read(MAX_BYTES + 1)
     if len(data) > MAX_BYTES:
@@ -86,7 +78,7 @@ def _check_lines(data: bytes) -> None:
 
 
 def _parse(content: Mapping[str, Any]) -> PlanFile:
-    allowed = ["episodes", "seed", "settings", *PHYSICAL]
+    allowed = [*NUMBERS, "settings", *PHYSICAL]
     unknown = [key for key in content if key not in allowed]
     if unknown:
         raise ParameterError(f"unknown key {unknown[0]!r}; allowed: {', '.join(allowed)}")
@@ -101,25 +93,14 @@ def _parse(content: Mapping[str, Any]) -> PlanFile:
             if name in choices:
                 raise ParameterError(f"{name} is given twice")
             choices[name] = choice
-    return PlanFile(choices, _whole(content, "episodes", 1), _whole(content, "seed", 0))
-
-
-def _whole(content: Mapping[str, Any], key: str, minimum: int) -> int | None:
-    value: int | None = content.get(key)
-    if value is not None and (type(value) is not int or value < minimum):
-        raise ParameterError(f"{key} is {value!r}; it must be a whole number, at least {minimum}")
-    return value
+    numbers: dict[str, Any] = {
+        key: checked(key, content[key], check) for key, check in NUMBERS.items() if key in content
+    }
+    return PlanFile(choices, **numbers)
 
 
 def parse_flags(flags: Sequence[str]) -> dict[str, Any]:
-    """Return the choices that flags give.
-
-    Args:
-        flags: ``NAME=VALUE``, ``NAME=VALUE,VALUE,...`` or ``NAME=FROM:TO:STEP``.
-
-    Raises:
-        ParameterError: naming the flag and what is allowed.
-    """
+    """Return the choices of ``NAME=VALUE``, ``NAME=VALUE,VALUE,...`` or ``NAME=FROM:TO:STEP``."""
     choices: dict[str, Any] = {}
     for flag in flags:
         name, equals, words = flag.partition("=")

@@ -20,11 +20,8 @@ from warehouse_core.extras import install_command
 if TYPE_CHECKING:
     from distributed import Client
 
-CONNECT_SECONDS = 10
-"""Longest time in which a scheduler must answer."""
-
-PROBE_SECONDS = 10.0
-"""Longest time in which a worker must run a call that does nothing."""
+ANSWER_SECONDS = 10.0
+"""Longest time in which a scheduler must answer, and a worker must run a call that does nothing."""
 
 SILENT_SECONDS = 10.0
 """Time without any worker until that is reported, or without an answer until one counts as gone."""
@@ -35,10 +32,8 @@ def cluster(address: str) -> Iterator[tuple[Executor, int]]:
     """Yield the Dask cluster whose scheduler is at ``tcp://HOST:PORT``, and its threads.
 
     A call that does not return occupies its worker even after its client has gone. Such workers
-    are restarted; those without a nanny cannot be restarted and are retired.
-
-    Raises:
-        ClusterError: Dask is not installed, no scheduler answers, or the cluster fails.
+    are restarted; those without a nanny cannot be restarted and are retired. All that goes wrong
+    is a ``ClusterError``.
     """
     try:
         from distributed import Client, KilledWorker
@@ -50,7 +45,7 @@ def cluster(address: str) -> Iterator[tuple[Executor, int]]:
         stack.callback(logging.disable, logging.root.manager.disable)
         logging.disable()
         try:
-            client = stack.enter_context(Client(address, timeout=CONNECT_SECONDS))
+            client = stack.enter_context(Client(address, timeout=ANSWER_SECONDS))
         except (OSError, ValueError) as error:
             raise ClusterError(f"no Dask scheduler answers at {address}: {error}") from error
         try:
@@ -75,7 +70,7 @@ def _free_workers(client: Client) -> None:
         worker: client.submit(os.getpid, workers=[worker], pure=False)
         for worker in client.nthreads()
     }
-    end = monotonic() + PROBE_SECONDS
+    end = monotonic() + ANSWER_SECONDS
     while not all(probe.done() for probe in probes.values()) and monotonic() < end:
         sleep(0.01)
     calls, results = client.processing(), client.has_what()

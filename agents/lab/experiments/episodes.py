@@ -8,7 +8,7 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 from agents.errors import AgentError, EpisodeError, EpisodeInterrupted, reason_of
-from agents.fleet.director import wants_dispatch
+from agents.fleet.planned import wants_dispatch
 from agents.lab.console.watch import slow_reported
 from agents.lab.experiments.case import (
     FINGERPRINT,
@@ -34,14 +34,9 @@ SLOW_SECONDS = 10.0
 
 
 class Done(NamedTuple):
-    """The outcome of a task.
+    """The outcome of a task: its time, its episodes up to one that failed, and their program.
 
-    Attributes:
-        seconds: Time that it took.
-        rows: Episodes up to the one that failed.
-        program: Name of the program that ran them, see ``program_for``.
-        failure: Message of the error that ended the last one. It is text, because an exception of
-            a user agent may not be picklable.
+    A failure is text, because an exception of a user agent may not be picklable.
     """
 
     seconds: float
@@ -62,7 +57,8 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
     except EpisodeError as error:
         return Done(perf_counter() - start, rows, program, str(error))
     file, tell = agent_file(director_of(case)), teller()
-    seed, place = seeds[0], _nowhere
+    nowhere: Place = str  # which returns ""
+    seed, place = seeds[0], nowhere
 
     def present() -> str:
         return about(case, seed, place())
@@ -78,7 +74,7 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
     try:
         with slow_reported(lambda: seed, SLOW_SECONDS, file, tell_slow):
             for seed in seeds:
-                place = _nowhere
+                place = nowhere
                 rows.append(row_of(run_one(case, seed, watch)))
     # User agents may raise anything, even SystemExit.
     except BaseException as error:
@@ -88,22 +84,13 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
     return Done(perf_counter() - start, rows, program, failure)
 
 
-def _nowhere() -> str:
-    return ""
-
-
 def about(case: Case, seed: int, place: str = "") -> str:
     """Return an episode in words: its seed, a place in it, and what is not the default."""
     return f"seed {seed}{place and f', {place},'} with {in_words(case)}"
 
 
 def run_one(case: Case, seed: int, watch: Watch = nullcontext) -> Episode:
-    """Run one episode of a case and return its record.
-
-    Raises:
-        EpisodeError: the agent failed, see ``cause_of``.
-        EpisodeInterrupted: Ctrl-C was pressed, or the agent raised ``KeyboardInterrupt``.
-    """
+    """Run one episode of a case and return its record; for its errors see ``run``."""
     layout = layout_for(case, seed)
     agent: Any = make_agent_for(case, seed, layout)
     made: Any = make_env(case, layout, dispatch=is_fleet(case) and wants_dispatch(agent))
@@ -121,11 +108,7 @@ def cause_of(error: BaseException) -> BaseException:
 
 
 def check_fingerprint(case: Case) -> None:
-    """Raise if the code of a case's agent is not that which the case was made with.
-
-    Raises:
-        EpisodeError: a file has changed, or cannot be read.
-    """
+    """Raise ``EpisodeError`` if the code of a case's agent has changed since the case was made."""
     if FINGERPRINT not in case:
         return
     try:

@@ -10,7 +10,7 @@ from typing import Any
 
 from agents.errors import ParameterError
 from agents.lab.experiments.case import Case, key_of, make_case
-from agents.lab.parameters import MAX_VALUE, Value, checked, find
+from agents.lab.parameters import MAX_VALUE, Value, Whole, checked, find
 
 MAX_CASES = 10_000
 MAX_EPISODES = 100_000_000
@@ -24,13 +24,7 @@ MAX_SEED = 2**62
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """The episodes to run.
-
-    Attributes:
-        cases: different cases.
-        episodes: number of episodes of each case; their seeds are ``seed``, ``seed + 1``, ...
-        seed: the first seed.
-    """
+    """The episodes to run: as many of each case, with seeds ``seed``, ``seed + 1``, ..."""
 
     cases: tuple[Case, ...]
     episodes: int
@@ -48,22 +42,16 @@ class Plan:
 
 
 def make_plan(choices: Mapping[str, Any], episodes: int, seed: int) -> Plan:
-    """Return the plan of every combination of choices.
+    """Return the plan of every combination of choices, or raise for what cannot be used.
 
     Args:
-        choices: value, list of values, or ``{from, to, step}`` of each parameter.
-        episodes: number of episodes of each combination.
-        seed: seed of the first episode of each combination.
-
-    Raises:
-        ParameterError: a value, layout or robot that cannot be used, or too many of them.
-        AgentError: an agent that cannot be used.
-        OSError: a file that cannot be read.
+        choices: Value, list of values, or ``{from, to, step}`` of each parameter.
+        episodes: Number of episodes of each combination.
+        seed: Seed of the first episode of each combination.
     """
     values = {name: spread(name, choice) for name, choice in choices.items()}
     _check_number(values, episodes)
-    if not 0 <= seed <= MAX_SEED:
-        raise ParameterError(f"seed is {seed}; it must be a whole number 0..{MAX_SEED}")
+    checked("seed", seed, Whole(0, MAX_SEED))
     try:
         combinations = [
             make_case(dict(zip(values, combination, strict=True)))
@@ -79,11 +67,7 @@ def make_plan(choices: Mapping[str, Any], episodes: int, seed: int) -> Plan:
 
 
 def spread(name: str, choice: Any) -> list[Value]:
-    """Return the values of a choice, each checked.
-
-    Raises:
-        ParameterError: naming the parameter, the value and what is allowed.
-    """
+    """Return the values of a choice, each checked."""
     if isinstance(choice, Mapping):
         return [checked(name, value) for value in _range(name, choice)]
     values = choice if isinstance(choice, list) else [choice]

@@ -12,10 +12,10 @@ again has failed.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from itertools import islice
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from agents.lab.experiments.case import Case
 from agents.lab.experiments.episodes import Done, about, run_task
@@ -43,14 +43,8 @@ MAX_SUSPECTS = 16
 """Seeds whose worker has ended that may wait until the other episodes have been run."""
 
 
-class Report(Protocol):
-    """Called with rows after they are stored, and with messages of failures; often with neither.
-
-    What it raises ends the run.
-    """
-
-    def __call__(self, rows: Sequence[AnyRow], failures: Sequence[str] = ()) -> None:
-        """Report on the run."""
+Report = Callable[[Sequence[AnyRow], Sequence[str]], None]
+"""Takes rows after they are stored, and messages of failures, often neither; may end the run."""
 
 
 class Task(NamedTuple):
@@ -62,29 +56,19 @@ class Task(NamedTuple):
     is_retry: bool = False
 
 
-class Pace:
-    """How many episodes make a task, learnt from those that have been run."""
-
-    def __init__(self) -> None:
-        self.episodes = 1
-
-    def learn(self, episodes: int, seconds: float) -> None:
-        """Take account of a task that is done."""
-        wanted = episodes * TASK_SECONDS / max(seconds, 1e-6)
-        # At most four times as many: one short episode proves little.
-        self.episodes = max(1, min(round(wanted), 4 * episodes, MAX_TASK_EPISODES))
+def paced(episodes: int, seconds: float) -> int:
+    """Return how many episodes make the next tasks, after some took so many seconds."""
+    wanted = episodes * TASK_SECONDS / max(seconds, 1e-6)
+    # At most four times as many: one short episode proves little.
+    return max(1, min(round(wanted), 4 * episodes, MAX_TASK_EPISODES))
 
 
 class Queue:
-    """The tasks of a plan that are to be run.
-
-    Attributes:
-        failed: number of episodes that have failed, by the number of their case.
-    """
+    """The tasks of a plan that are to be run, and the number of failures of each case."""
 
     def __init__(self, plan: Plan, store: Store) -> None:
-        self.failed, self._pace = Counter[int](), Pace()
-        self._missing = missing_tasks(plan, store, self._pace, self.failed)
+        self.failed, self._task_episodes = Counter[int](), 1
+        self._missing = self._missing_tasks(plan, store)
         self._rests, self._suspects = list[Task](), list[Task]()
 
     def take(self, count: int, running: Collection[Task]) -> list[Task]:
@@ -102,7 +86,7 @@ class Queue:
     def done(self, task: Task, outcome: Done) -> list[str]:
         """Take account of a task that is done, and return the messages of failures."""
         if outcome.failure is None:
-            self._pace.learn(len(task.seeds), outcome.seconds)
+            self._task_episodes = paced(len(task.seeds), outcome.seconds)
             return []
         messages = self._failed(task, outcome.failure)
         rest = task._replace(seeds=task.seeds[len(outcome.rows) + 1 :])
@@ -128,6 +112,16 @@ class Queue:
     def _next(self) -> Task | None:
         return self._rests.pop() if self._rests else next(self._missing, None)
 
+    def _missing_tasks(self, plan: Plan, store: Store) -> Iterator[Task]:
+        """Yield what is missing in tasks of the present size, while few have failed."""
+        for case in plan.cases:
+            case_id = store.case_id(case)
+            seeds = _missing_seeds(store, case_id, plan.seeds)
+            while self.failed[case_id] < MAX_FAILURES:
+                if not (some := list(islice(seeds, self._task_episodes))):
+                    break
+                yield Task(case_id, case, some)
+
     def _is_wanted(self, task: Task) -> bool:
         return self.failed[task.case_id] < MAX_FAILURES
 
@@ -135,14 +129,9 @@ class Queue:
 def run_missing(
     plan: Plan, store: Store, executor: Executor, workers: int, report: Report
 ) -> Counter[int]:
-    """Run every episode of a plan that is not in the store.
+    """Run what is not in the store, and return how many episodes of each case have failed.
 
-    Returns:
-        The number of episodes that have failed, by the number of their case.
-
-    Raises:
-        StoreError: rows cannot be written; those written before stay.
-        Exception: whatever ``report`` raises, between two writes, or the executor.
+    An error of the store, the executor or ``report`` ends the run; the rows written before stay.
     """
     queue, running = Queue(plan, store), dict[Future[Done], Task]()
     while True:
@@ -151,9 +140,9 @@ def run_missing(
         if not running:
             return queue.failed
         done, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
-        report([])
+        report([], [])
         # Those without an outcome come last, because they may end the run.
-        for future in sorted(done, key=_has_error):
+        for future in sorted(done, key=lambda each: each.cancelled() or bool(each.exception())):
             task, ending = running.pop(future), ending_of(future.exception())
             if ending is None:
                 outcome = future.result()
@@ -163,24 +152,9 @@ def run_missing(
                 report([], queue.ended(task, ending))
 
 
-def missing_tasks(
-    plan: Plan, store: Store, pace: Pace, failed: Mapping[int, int]
-) -> Iterator[Task]:
-    """Yield what is missing in tasks of the present size of ``pace``, while few have failed."""
-    for case in plan.cases:
-        case_id = store.case_id(case)
-        seeds = _missing_seeds(store, case_id, plan.seeds)
-        while failed[case_id] < MAX_FAILURES and (some := list(islice(seeds, pace.episodes))):
-            yield Task(case_id, case, some)
-
-
 def _missing_seeds(store: Store, case_id: int, seeds: range) -> Iterator[int]:
     """Yield the seeds that are not in the store, looked up in parts to save memory."""
     for start in range(0, len(seeds), SEEDS_AT_ONCE):
         some = seeds[start : start + SEEDS_AT_ONCE]
         done = store.seeds_done(case_id, some)
         yield from (seed for seed in some if seed not in done)
-
-
-def _has_error(future: Future[Done]) -> bool:
-    return future.cancelled() or future.exception() is not None

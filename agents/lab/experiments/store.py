@@ -41,14 +41,13 @@ UNKNOWN = "an unknown program"
 class Store:
     """A file of results, created if there is none. It is a context manager.
 
+    All that goes wrong, such as a damaged file or a full disk, is a ``StoreError`` with its path.
+
     Args:
         path: Path of the file.
         read_only: Create no file and write to none; one without write permission can be read.
         mix: Add episodes to cases that another program has begun.
         check: Function to call while another program holds a lock; what it raises ends the wait.
-
-    Raises:
-        StoreError: it cannot be opened, is damaged, or is something else.
     """
 
     def __init__(
@@ -73,7 +72,7 @@ class Store:
             )
             self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_LENGTH)
             try:
-                self._prepare(read_only)
+                self._prepare()
             except BaseException:
                 self._connection.close()
                 raise
@@ -119,14 +118,7 @@ class Store:
     def add(self, case_id: int, rows: Sequence[AnyRow], program: str = UNKNOWN) -> None:
         """Write the episodes of a case, all or none; those that are stored already stay unchanged.
 
-        Args:
-            case_id: Number of the case.
-            rows: Episodes of the case.
-            program: Name of the program that ran them, see ``program_for``.
-
-        Raises:
-            StoreError: the disk is full, the file cannot be written or is no longer there, or the
-                case has episodes of another program, which are not to be mixed.
+        The case may have no episodes of another program, unless they are to be mixed.
         """
         # SQLite would continue to write to a file that has been removed.
         if _identity(self.path) != self._identity:
@@ -180,11 +172,7 @@ class Store:
         return [(name or UNKNOWN, count) for name, count in self.query(statement)]
 
     def cases(self) -> dict[int, Case]:
-        """Return every case by its number.
-
-        Raises:
-            StoreError: a case that no sweep has written.
-        """
+        """Return every case by its number, and raise for one that no sweep has written."""
         self._check_count()
         cases, layouts = dict[int, Case](), dict[tuple[str, ...], list[str]]()
         for number, text in self.query("SELECT id, settings FROM cases ORDER BY id"):
@@ -195,12 +183,7 @@ class Store:
         return cases
 
     def rows(self, case_id: int, kind: type[AnyRow] = Row) -> Iterator[tuple[AnyRow, str]]:
-        """Yield the episodes of a case and their programs in the order of their seeds.
-
-        Args:
-            case_id: Number of the case.
-            kind: Kind of its rows.
-        """
+        """Yield the episodes of a case and their programs in the order of their seeds."""
         statement = (
             f"SELECT {', '.join(kind._fields)}, "
             f"(SELECT {PROGRAM} FROM programs WHERE id = program_id) "
@@ -210,11 +193,7 @@ class Store:
             yield kind._make(values), program or UNKNOWN
 
     def check_rows(self) -> None:
-        """Raise if there are rows that no sweep has written; reports rely on this.
-
-        Raises:
-            StoreError: there is one.
-        """
+        """Raise if there are rows that no sweep has written; reports rely on this."""
         if self._is_checked:
             return
         for statement in DAMAGED.values():
@@ -246,9 +225,6 @@ class Store:
         """Return whether the file can only be read, and its folder does not allow new files.
 
         Even for reading SQLite creates files beside it, unless the file is opened as immutable.
-
-        Raises:
-            StoreError: another program writes to it, or was stopped while writing.
         """
         if not self.path.is_file() or all(
             os.access(each, os.W_OK) for each in (self.path, self.path.parent)
@@ -262,8 +238,8 @@ class Store:
             )
         return True
 
-    def _prepare(self, read_only: bool) -> None:
-        connection = self._connection
+    def _prepare(self) -> None:
+        connection, read_only = self._connection, self._read_only
         # In one transaction: another sweep may be creating the tables at this moment.
         with self._transaction("DEFERRED" if read_only else "IMMEDIATE"):
             is_empty = not has_tables(connection, self.path)

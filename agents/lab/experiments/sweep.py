@@ -23,21 +23,21 @@ from agents.lab.experiments.running import Report, run_missing
 from agents.lab.experiments.store import Store
 from agents.lab.parameters import PARAMETERS
 from agents.lab.trials.rows import AnyRow, FleetRow
-from agents.lab.trials.workers import Check, Pool, deferred_interrupts, process_pool
+from agents.lab.trials.workers import Check, deferred_interrupts, process_pool
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
 
 
 @contextmanager
-def sweep_bar(episodes: int) -> Iterator[Report]:
-    """Show a bar while the block runs, and yield the function that takes each stored row."""
+def sweep_bar(episodes: int, check: Check) -> Iterator[Report]:
+    """Show a bar while the block runs, and yield the function that takes rows and then checks."""
     from agents.lab.console.progress import progress_bar
 
     delivered = wanted = done = 0
     told = set[str]()
     with progress_bar(episodes) as advance:
 
-        def report(rows: Sequence[AnyRow], failures: Sequence[str] = ()) -> None:
+        def report(rows: Sequence[AnyRow], failures: Sequence[str]) -> None:
             nonlocal delivered, wanted, done
             for row in rows:
                 if isinstance(row, FleetRow):
@@ -50,6 +50,7 @@ def sweep_bar(episodes: int) -> Iterator[Report]:
             if rows:
                 done += len(rows)
                 advance(done, f"{delivered / max(wanted, 1):.0%} delivered")
+            check()
 
         yield report
 
@@ -67,7 +68,6 @@ VALUES = [
     *(f"{name} ({each.values.format(each.check)})" for name, each in PARAMETERS.items()),
     "robot.NUMBER, disturbances.NUMBER (a number of the backend physics, such as robot.mass)",
 ]
-SETTINGS = f"Names: {'; '.join(VALUES)}."
 """Values that each parameter takes, in words."""
 
 
@@ -86,7 +86,7 @@ def sweep(
             "--set",
             metavar="NAME=VALUES",
             help="A value (agent=astar), a list (battery=20,60) or a range FROM:TO:STEP "
-            f"(battery=20:200:20); may be repeated. {SETTINGS}",
+            f"(battery=20:200:20); may be repeated. Names: {'; '.join(VALUES)}.",
         ),
     ] = None,
     preset: Annotated[
@@ -172,7 +172,8 @@ def sweep(
         try:
             if missing:
                 pool = process_pool(count) if address is None else cluster(address)
-                failed = _run(plan, store, missing, pool, check)
+                with pool as (executor, workers), sweep_bar(missing, check) as report:
+                    failed = run_missing(plan, store, executor, workers, report)
         except KeyboardInterrupt:
             done = _done(plan, store)
             say(
@@ -217,13 +218,3 @@ def _warn_of_mixed(store: Store) -> None:
             f"warning: {counted(len(mixed), 'combination')} with episodes of several programs, "
             f"such as {listed(store.programs(mixed[0]))}"
         )
-
-
-def _run(plan: Plan, store: Store, missing: int, pool: Pool, check: Check) -> Counter[int]:
-    with pool as (executor, count), sweep_bar(missing) as show:
-
-        def report(rows: Sequence[AnyRow], failures: Sequence[str] = ()) -> None:
-            show(rows, failures)
-            check()
-
-        return run_missing(plan, store, executor, count, report)

@@ -15,11 +15,8 @@ from agents.errors import StoreError
 from agents.lab.trials.rows import MODES_OF, AnyRow, FleetRow, Row
 from warehouse_core.world.layout import MAX_CELLS
 
-APPLICATION = 0x57617265
-"""``application_id`` of a file of results."""
-
-VERSION = 3
-"""``user_version`` of a file of results."""
+APPLICATION, VERSION = 0x57617265, 3
+"""``application_id`` and ``user_version`` of a file of results."""
 
 TABLE_OF: dict[type[AnyRow], str] = {Row: "episodes", FleetRow: "shifts"}
 """Table that has the rows of each kind."""
@@ -29,22 +26,25 @@ BOTH = " UNION ALL ".join(
 )
 """Query that finds the rows of both kinds."""
 
+MAX_REAL = 1e30
+"""Limit on the absolute value of a number of a row."""
+
+TOO_LARGE = f"ifnull(abs({{0}}), 0) > {MAX_REAL}"
+
 COLUMN = {
-    int: "INTEGER NOT NULL", float: "REAL NOT NULL", str: "TEXT NOT NULL",
-    int | None: "INTEGER", float | None: "REAL",
-}  # fmt: skip
-"""Column of SQLite for each type of a field."""
+    int: ("INTEGER NOT NULL", "typeof({0}) != 'integer'"),
+    int | None: ("INTEGER", "typeof({0}) NOT IN ('integer', 'null')"),
+    float: ("REAL NOT NULL", f"typeof({{0}}) != 'real' OR {TOO_LARGE}"),
+    float | None: ("REAL", f"typeof({{0}}) NOT IN ('real', 'null') OR {TOO_LARGE}"),
+    str: ("TEXT NOT NULL", "FALSE"),
+}
+"""Column of SQLite for each type of a field, and the condition that its value is damaged."""
 
 
 def _create(kind: type[AnyRow], program: str) -> str:
-    """Return the statement that creates the table of a kind of rows.
-
-    Args:
-        kind: Kind of the rows.
-        program: Constraints of the column with the program.
-    """
+    """Return the statement that creates a table; ``program`` constrains its last column."""
     types = get_type_hints(kind)
-    columns = ", ".join(f"{name} {COLUMN[types[name]]}" for name in kind._fields)
+    columns = ", ".join(f"{name} {COLUMN[types[name]][0]}" for name in kind._fields)
     return (
         f"CREATE TABLE {TABLE_OF[kind]} ( case_id INTEGER NOT NULL REFERENCES cases, {columns}, "
         f"program_id INTEGER NOT NULL {program}, PRIMARY KEY (case_id, seed) ) WITHOUT ROWID"
@@ -84,9 +84,6 @@ PROGRAM = "CAST(substr(name, 1, 1000) AS TEXT)"
 MAX_SCHEMA_STEPS = 1_000_000
 """Steps of SQLite's machine for reading the schema at most; a hostile schema may have no end."""
 
-MAX_REAL = 1e30
-"""Limit on the absolute value of a number of a row."""
-
 BELOW_ZERO = {"battery_left"}
 """Whole numbers of a row that may be below 0."""
 
@@ -96,14 +93,7 @@ def _damaged(kind: type[AnyRow]) -> str:
     types = get_type_hints(kind)
     wrong = [f"mode NOT IN {MODES_OF[kind]}", "case_id NOT IN (SELECT id FROM cases)"]
     for name in kind._fields:
-        is_real = f"typeof({name}) {{}} OR ifnull(abs({name}), 0) > {MAX_REAL}"
-        wrong += {
-            int: [f"typeof({name}) != 'integer'"],
-            int | None: [f"typeof({name}) NOT IN ('integer', 'null')"],
-            float: [is_real.format("!= 'real'")],
-            float | None: [is_real.format("NOT IN ('real', 'null')")],
-            str: [],
-        }[types[name]]
+        wrong.append(COLUMN[types[name]][1].format(name))
         if types[name] is int and name not in BELOW_ZERO:
             wrong.append(f"{name} < 0")
     return f"SELECT case_id, seed FROM {TABLE_OF[kind]} WHERE {' OR '.join(wrong)} LIMIT 1"
@@ -115,12 +105,7 @@ DAMAGED = {kind: _damaged(kind) for kind in TABLE_OF}
 def has_tables(connection: sqlite3.Connection, path: Path) -> bool:
     """Return whether a file has the tables; without them it is empty.
 
-    Args:
-        connection: Connection in a transaction.
-        path: Path of the file, for messages.
-
-    Raises:
-        StoreError: there are other tables, or they are damaged.
+    The connection is in a transaction. Other tables and damaged ones are errors with the path.
     """
     connection.set_progress_handler(lambda: 1, MAX_SCHEMA_STEPS)
     try:

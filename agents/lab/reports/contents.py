@@ -5,23 +5,15 @@ from __future__ import annotations
 import platform
 from collections.abc import Iterator
 from importlib.metadata import version
-from typing import NamedTuple
 
 from agents.errors import StoreError
 from agents.lab.experiments.store import Store
 from agents.lab.parameters import shown
-from agents.lab.reports.analysis.answers import Answer, answers
-from agents.lab.reports.analysis.design import Design, described, make_design
-from agents.lab.reports.analysis.results import (
-    FLEETS,
-    LONE,
-    Experiment,
-    Kind,
-    Measure,
-    Results,
-)
+from agents.lab.reports.analysis.answers import answers
+from agents.lab.reports.analysis.design import Design
+from agents.lab.reports.analysis.results import FLEETS, LONE, Experiment, Measure, Results
 from agents.lab.reports.examples import Example
-from agents.lab.reports.figures.pictures import Picture, pictures
+from agents.lab.reports.figures.pictures import pictures
 from agents.lab.reports.page import Page, Table
 from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES
 from agents.lab.trials.rows import MODES_OF
@@ -42,33 +34,19 @@ METHODS = (
 MADE_WITH = ("warehouse-lab", "numpy", "scipy", "matplotlib")
 
 
-class Part(NamedTuple):
-    """The part of a page that is about the episodes of one kind."""
-
-    summary: str
-    answers: tuple[Answer, ...]
-    pictures: tuple[Picture, ...]
-    settings: tuple[tuple[str, str], ...]
-    table: Table
-
-
 def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
-    """Return the report on everything in a file of results.
-
-    Raises:
-        StoreError: there is no episode in it, or it cannot be read.
-    """
-    parts = [*_parts(store, LONE), *_parts(store, FLEETS)]
+    """Return the report on everything in a file of results, or raise if there is no episode."""
+    parts = [each for kind in (LONE, FLEETS) if (each := Experiment(store, kind)).cases]
     if not parts:
         raise StoreError(f"{store.path}: there is no episode in it")
     return Page(
         title=f"Report on {store.path.name}",
-        summary="; ".join([*(part.summary for part in parts), *_programs(store)]),
+        summary="; ".join([*map(_summary, parts), *_programs(store)]),
         methods=METHODS,
-        answers=tuple(answer for part in parts for answer in part.answers),
-        pictures=tuple(picture for part in parts for picture in part.pictures),
-        settings=tuple(setting for part in parts for setting in part.settings),
-        tables=tuple(part.table for part in parts),
+        answers=tuple(answer for part in parts for answer in answers(part)),
+        pictures=tuple(picture for part in parts for picture in pictures(part)),
+        settings=tuple(setting for part in parts for setting in _settings(part.design)),
+        tables=tuple(map(_table, parts)),
         examples=examples,
         made_with=(
             ("Python", platform.python_version()),
@@ -78,21 +56,7 @@ def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
     )
 
 
-def _parts(store: Store, kind: Kind) -> Iterator[Part]:
-    """Yield the part about the episodes of a kind, if there are any."""
-    experiment = Experiment(store, kind)
-    if experiment.cases:
-        design = make_design(experiment.cases)
-        yield Part(
-            _summary(experiment, design),
-            answers(experiment, design),
-            tuple(pictures(experiment)),
-            tuple(_settings(design)),
-            _table(experiment, design),
-        )
-
-
-def _summary(experiment: Experiment, design: Design) -> str:
+def _summary(experiment: Experiment) -> str:
     """Return the number of episodes, their seeds, and what is still missing."""
     everything = experiment.results(*experiment.cases)
     first, last = everything.seeds
@@ -108,7 +72,7 @@ def _summary(experiment: Experiment, design: Design) -> str:
         parts.append(f"{counted(experiment.unbegun, 'further combination')} not yet begun")
     mixed = [number for number in experiment.store.mixed() if number in experiment.cases]
     if mixed:
-        names = [_name_of(number, design) for number in mixed[:MAX_MIXED]]
+        names = [experiment.design.name_of(number) or "all of them" for number in mixed[:MAX_MIXED]]
         left = f" and {len(mixed) - len(names):,} more" if len(mixed) > len(names) else ""
         parts.append(f"episodes of different programs mixed in {'; '.join(names)}{left}")
     return ", ".join(parts)
@@ -123,12 +87,6 @@ def _programs(store: Store) -> Iterator[str]:
         yield f"run by different programs: {'; '.join(programs)}"
 
 
-def _name_of(case_id: int, design: Design) -> str:
-    """Return what differs in a case, in words."""
-    labels = {each.name: design.labels[case_id][each.name] for each in design.factors}
-    return described(labels) or "all of them"
-
-
 def _settings(design: Design) -> Iterator[tuple[str, str]]:
     """Yield the parameters that differ with their values, and then the others."""
     for factor in design.factors:
@@ -137,8 +95,9 @@ def _settings(design: Design) -> Iterator[tuple[str, str]]:
         yield name, shown(value)
 
 
-def _table(experiment: Experiment, design: Design) -> Table:
+def _table(experiment: Experiment) -> Table:
     """Return a line for each case: what differs, the number of episodes, and their results."""
+    design = experiment.design
     chosen = list(design.labels)[:MAX_CASES]
     results = {case_id: experiment.results(case_id) for case_id in chosen}
     modes = [
@@ -149,17 +108,16 @@ def _table(experiment: Experiment, design: Design) -> Table:
     is_measured = any(each.is_measured for each in results.values())
     measures = [each for each in experiment.kind.measures if is_measured or not each.is_physical]
     names = [factor.name for factor in design.factors]
-    rows = []
-    for case_id, each in results.items():
-        rows.append(
-            (
-                *(shown(design.labels[case_id][name]) for name in names),
-                f"{each.episodes:,}",
-                _seeds(each),
-                *(_cell(each, measure) for measure in measures),
-                *(f"{each.modes.get(mode, 0):,}" for mode in modes),
-            )
+    rows = (
+        (
+            *(shown(design.labels[case_id][name]) for name in names),
+            f"{each.episodes:,}",
+            _seeds(each),
+            *(_cell(each, measure) for measure in measures),
+            *(f"{each.modes.get(mode, 0):,}" for mode in modes),
         )
+        for case_id, each in results.items()
+    )
     left = len(design.labels) - len(chosen)
     note = f"{counted(left, 'further combination')} in the file." if left else ""
     columns = (measure.column for measure in measures)

@@ -81,11 +81,8 @@ def replay(found: Found, *, run_own_code: bool) -> Example:
     """Run an episode again and return its replay, or the reason why there is none.
 
     Agents and libraries may have changed since the results were written. User agents may raise
-    anything, which becomes the reason.
-
-    Args:
-        found: the episode.
-        run_own_code: run user agents too. The results name them, and may come from a stranger.
+    anything, which becomes the reason; they are run only if ``run_own_code``, because the results
+    name them, and may come from a stranger.
     """
     if is_own_code(found.case["agent"]) and not run_own_code:
         return Example(found, "Its agent is not part of this program; --replays runs it.")
@@ -122,8 +119,7 @@ def _too_much(found: Found) -> str | None:
     What limits it are numbers in the results, which may come from a stranger.
     """
     case = found.case
-    cells = cells_of(case)
-    view = (2 * case["view_radius"] + 1) ** 2
+    cells, view = cells_of(case), (2 * case["view_radius"] + 1) ** 2
     if cells > MAX_CELLS:
         return f"its map has {cells:,} cells, and at most {MAX_CELLS:,} are"
     work = max(cells, view, 1 if case["backend"] == "grid" else PHYSICS_WORK)

@@ -44,15 +44,10 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """The contents of the page.
+    """The contents of the page: the summary tells the episodes, and the methods what ranges mean.
 
-    Attributes:
-        summary: the number of episodes and their seeds.
-        methods: the meaning of brackets and whiskers.
-        settings: the name of each parameter and its value or values.
-        tables: tables of all cases, one for each kind.
-        examples: examples of the failure modes.
-        made_with: programs and their versions.
+    There is a setting for each parameter, a table for each kind of episodes, an example for each
+    failure mode, and the versions of the programs that it was made with.
     """
 
     title: str
@@ -67,11 +62,7 @@ class Page:
 
 
 def write_page(path: Path, page: Page) -> None:
-    """Write the page; the file is complete or not there.
-
-    Raises:
-        OSError: the file cannot be written.
-    """
+    """Write the page; the file is complete or not there."""
     has_players = any(example.track for example in page.examples)
     write_template(path, TEMPLATE, page.title, has_players, page=page)
 
@@ -81,15 +72,7 @@ def write_template(
 ) -> None:
     """Write a page by a template of this folder; the file is complete or not there.
 
-    Args:
-        path: path of the file.
-        template: name of the template.
-        title: title of the page.
-        has_players: the page has players, whose script its policy has to allow.
-        values: values that the template names.
-
-    Raises:
-        OSError: the file cannot be written.
+    Its policy has to allow the script of players; ``values`` are what the template names.
     """
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent),

@@ -31,8 +31,7 @@ ROOT = Path(__file__).parents[3]
 
 NO_EFFECT = {
     "viz", "warehouse_viz.py", "render", "gymnasium_env", "conformance", "reports", "grading",
-    "commands",
-    "console", "cli.py", "__main__.py", "run_episode.py",
+    "commands", "console", "__main__.py", "run_episode.py",
 }  # fmt: skip
 """Files and folders of these packages that have no effect on an episode of an experiment."""
 
@@ -111,15 +110,8 @@ def fingerprint(file: Path | None, module: str | None) -> str | None:
 
     The code is its file, or its module, and what these import from the same folder, also in
     functions. It is found without being run. A process imports a module once, so the digest of one
-    is made once too; files are read each time.
-
-    Args:
-        file: file of the agent, or ``None``.
-        module: name of the module if the agent is imported, or ``None``.
-
-    Raises:
-        AgentError: its file is a folder, a pipe or a device, or longer than ``MAX_BYTES``.
-        OSError: it cannot be read.
+    is made once too; files are read each time. A file that is a folder, a pipe, a device, or longer
+    than ``MAX_BYTES`` is an ``AgentError``.
     """
     if module is not None:
         return _module_fingerprint(module)
@@ -147,10 +139,7 @@ def _module_fingerprint(name: str) -> str | None:
 def _with_imports(files: Iterable[Path], folder: Path, own: str | None) -> set[Path]:
     """Return files, what they import from a folder, what that imports from there, and so on.
 
-    Args:
-        files: files to begin with.
-        folder: folder in which imports that are not relative are looked up.
-        own: package of the files. It alone is looked up in a folder of installed packages.
+    Of a folder of installed packages only the files' own package is looked up.
     """
     is_shared = folder.resolve() in _installed()
     reached, waiting = set[Path](), list(files)

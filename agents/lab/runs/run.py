@@ -6,9 +6,9 @@ A lone robot and a fleet are run by the same function.
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
-from typing import Any
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
+from typing import Any, cast
 
 from agents.errors import EpisodeError, EpisodeInterrupted, file_of, reason_of
 from agents.fleet.planned import PlannedFleet
@@ -56,43 +56,24 @@ def run(
         robot = agent.robot if isinstance(agent, Team) else None
         return recorder.place if robot is None else f"{recorder.place}, robot {robot}"
 
-    with _failures_named(place, name, agent, lambda: recorder.episode), watch(place):
-        recorder.run(agent)
-    episode: Episode = recorder.episode
-    return episode
+    file = file_of(own_code(agent))
+    try:
+        with watch(place):
+            recorder.run(agent)
+    except KeyboardInterrupt as error:
+        reason = reason_of(error, file).removeprefix("KeyboardInterrupt")
+        message = f"in {place()}, agent {name}{reason}"
+        raise EpisodeInterrupted(message, recorder.episode) from error
+    except (Exception, SystemExit) as error:  # an agent may raise anything
+        episode, reason = recorder.episode, reason_of(error, file)
+        message = f"seed {episode.seed}, {place()}, agent {name}: {reason}"
+        raise EpisodeError(message, episode) from error
+    return cast(Episode, recorder.episode)
 
 
 def draw_seed() -> int:
     """Return a random seed."""
     return random.SystemRandom().randint(0, MAX_SEED)
-
-
-@contextmanager
-def _failures_named(
-    place: Place, name: str, agent: object, record: Callable[[], Episode]
-) -> Iterator[None]:
-    """Name where an agent fails or is interrupted in a block.
-
-    Args:
-        place: tells where the episode is.
-        name: name of the agent.
-        agent: agent whose code is named.
-        record: returns the record so far.
-
-    Raises:
-        EpisodeError: the block raised an exception.
-        EpisodeInterrupted: Ctrl-C was pressed.
-    """
-    file = file_of(own_code(agent))
-    try:
-        yield
-    except KeyboardInterrupt as error:
-        reason = reason_of(error, file).removeprefix("KeyboardInterrupt")
-        raise EpisodeInterrupted(f"in {place()}, agent {name}{reason}", record()) from error
-    except (Exception, SystemExit) as error:  # an agent may raise anything
-        episode, reason = record(), reason_of(error, file)
-        message = f"seed {episode.seed}, {place()}, agent {name}: {reason}"
-        raise EpisodeError(message, episode) from error
 
 
 def own_code(agent: object) -> object:

@@ -31,15 +31,7 @@ LEARNER, GREEDY = COLORS[PICKUP], WARNING
 def save_learning_curve(
     path: Path, name: str, title: str, points: Sequence[Point], greedy: Scores | FleetScores
 ) -> None:
-    """Write the picture as PNG, whole or not at all.
-
-    Args:
-        path: path of the file.
-        name: name of the agent that learns.
-        title: title of the picture.
-        points: points of the curve, at least one.
-        greedy: scores of the greedy agent, for comparison.
-    """
+    """Write the picture of at least one point as PNG, whole or not at all."""
     figure = make_figure(SIZE, DPI)
     left, right = figure.subplots(1, 2)
     figure.subplots_adjust(left=0.065, right=0.975, top=0.82, bottom=0.21, wspace=0.16)
@@ -47,8 +39,13 @@ def save_learning_curve(
     method = "Wilson"
     if isinstance(greedy, FleetScores):
         method = "bootstrap"
-        _draw_rates(left, name, points, greedy)
-        _draw_blocked(right, name, points, greedy)
+        rate, blocked = "items delivered in an hour", "steps of robots that others blocked"
+        _draw(left, f"{rate} (mean)", name, points, greedy, lambda each: each.per_hour, "{:.0f}")
+        _draw(right, f"{blocked} (mean)", name, points, greedy, lambda each: each.blocked, "{:.1%}")
+        right.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
+        for axes in (left, right):
+            high = axes.get_ylim()[1]
+            axes.set_ylim(-0.1 * high, 1.1 * high)
     else:
         _draw_success(left, name, points, greedy)
         _draw_lengths(right, name, points, greedy)
@@ -68,18 +65,20 @@ def mean_length(scores: Scores) -> float:
 
 
 def _draw_success(axes: Axes, name: str, points: Sequence[Point], greedy: Scores) -> None:
-    _prepare(axes, "delivers, of random starts", points)
+    title = "delivers, of random starts"
+    _draw(axes, title, name, points, greedy, lambda scores: scores.success, "{:.1%}")
     axes.set_ylim(-0.1, 1.1)
     axes.set_yticks(np.linspace(0, 1, 6))
     axes.yaxis.set_major_formatter(PercentFormatter(1.0))
-    _draw_band(axes, points, lambda scores: scores.success)
-    _draw_lines(axes, name, points, greedy, lambda scores: scores.success.estimate, "{:.1%}")
 
 
 def _draw_lengths(axes: Axes, name: str, points: Sequence[Point], greedy: Scores) -> None:
-    _prepare(axes, "steps of an episode, failures included (mean)", points)
+    def length(scores: Any) -> Interval:
+        return Interval(mean_length(scores))
+
+    title = "steps of an episode, failures included (mean)"
+    _draw(axes, title, name, points, greedy, length, "{:.1f} steps")
     axes.set_yscale("log")
-    _draw_lines(axes, name, points, greedy, mean_length, "{:.1f} steps")
     each: list[Any] = [greedy, *(point.scores for point in points)]
     lengths = [mean_length(scores) for scores in each]
     low, high = min(lengths) / ROOM, max(lengths) * ROOM
@@ -89,44 +88,31 @@ def _draw_lengths(axes: Axes, name: str, points: Sequence[Point], greedy: Scores
     axes.set_ylim(low, high)
 
 
-def _draw_rates(axes: Axes, name: str, points: Sequence[Point], greedy: FleetScores) -> None:
-    _prepare(axes, "items delivered in an hour (mean)", points)
-    _draw_band(axes, points, lambda scores: scores.per_hour)
-    _draw_lines(axes, name, points, greedy, lambda scores: scores.per_hour.estimate, "{:.0f}")
-    high = axes.get_ylim()[1]
-    axes.set_ylim(-0.1 * high, 1.1 * high)
-
-
-def _draw_blocked(axes: Axes, name: str, points: Sequence[Point], greedy: FleetScores) -> None:
-    _prepare(axes, "steps of robots that others blocked (mean)", points)
-    _draw_band(axes, points, lambda scores: scores.blocked)
-    axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
-    _draw_lines(axes, name, points, greedy, lambda scores: scores.blocked.estimate, "{:.1%}")
-    high = axes.get_ylim()[1]
-    axes.set_ylim(-0.1 * high, 1.1 * high)
-
-
-def _draw_band(axes: Axes, points: Sequence[Point], of: Callable[[Any], Interval]) -> None:
-    _, low, high = zip(*(of(point.scores) for point in points), strict=True)
-    axes.fill_between(_steps(points), low, high, color=LEARNER, alpha=0.18, linewidth=0)
-
-
-def _draw_lines(
+def _draw(
     axes: Axes,
+    title: str,
     name: str,
     points: Sequence[Point],
     greedy: Scores | FleetScores,
-    measure: Callable[[Any], float],
+    measure: Callable[[Any], Interval],
     form: str,
 ) -> None:
-    """Draw the learner's line and the greedy agent's, each with its name and last value.
+    """Draw the learner's line with a band and the greedy one's, with their names and last values.
 
     The names are above the higher line and below the lower, so they cannot overlap.
     """
-    values = [measure(point.scores) for point in points]
-    axes.axhline(measure(greedy), color=GREEDY, linewidth=1.4, linestyle=(0, (5, 2)))
-    axes.plot(_steps(points), values, "-o", color=LEARNER, linewidth=1.8, markersize=3)
-    lines = [(name, values[-1], LEARNER), ("greedy", measure(greedy), GREEDY)]
+    axes.set_title(title, fontsize=9.5, loc="left", color=INK, pad=6)
+    axes.set_xlabel("steps of training", fontsize=8.5, color=INK)
+    axes.set_xlim(0, points[-1].steps * 1.01)
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=6))
+    axes.xaxis.set_major_formatter(EngFormatter(sep=""))
+    style_chart(axes)
+    steps, level = [point.steps for point in points], measure(greedy).estimate
+    values, low, high = zip(*(measure(point.scores) for point in points), strict=True)
+    axes.fill_between(steps, low, high, color=LEARNER, alpha=0.18, linewidth=0)
+    axes.axhline(level, color=GREEDY, linewidth=1.4, linestyle=(0, (5, 2)))
+    axes.plot(steps, values, "-o", color=LEARNER, linewidth=1.8, markersize=3)
+    lines = [(name, values[-1], LEARNER), ("greedy", level, GREEDY)]
     lower, higher = sorted(lines, key=lambda line: line[1])
     for (who, value, color), above in ((lower, False), (higher, True)):
         axes.annotate(
@@ -141,16 +127,3 @@ def _draw_lines(
             color=color,
             path_effects=[withStroke(linewidth=3, foreground=PAPER)],
         )
-
-
-def _prepare(axes: Axes, title: str, points: Sequence[Point]) -> None:
-    axes.set_title(title, fontsize=9.5, loc="left", color=INK, pad=6)
-    axes.set_xlabel("steps of training", fontsize=8.5, color=INK)
-    axes.set_xlim(0, points[-1].steps * 1.01)
-    axes.xaxis.set_major_locator(MaxNLocator(nbins=6))
-    axes.xaxis.set_major_formatter(EngFormatter(sep=""))
-    style_chart(axes)
-
-
-def _steps(points: Sequence[Point]) -> list[int]:
-    return [point.steps for point in points]

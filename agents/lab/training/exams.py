@@ -25,15 +25,9 @@ class Point(NamedTuple):
 
 
 class Examiner:
-    """Evaluates an agent at regular intervals during its training.
+    """Evaluates an agent at regular intervals during a training of some steps.
 
-    Args:
-        task: task that is learned.
-        steps: steps of the whole training.
-
-    Attributes:
-        points: one point for each examination.
-        summary: result of the last examination in words.
+    It has a point for each examination, and a summary of the last one in words.
     """
 
     def __init__(self, task: Task | FleetTask, steps: int) -> None:

@@ -91,12 +91,7 @@ def scores_figure(scores: Mapping[str, Scores], title: str, caption: str = "") -
 
 
 def sizes_figure(groups: Mapping[str, Mapping[str, Scores]], caption: str = "") -> SceneFigure:
-    """Draw the agents' scores in several tasks, such as layouts of several sizes.
-
-    Args:
-        groups: scores by the name of the agent, by the title of a task; the same agents in all.
-        caption: text below all panels.
-    """
+    """Draw the scores of the same agents in several tasks, such as layouts of several sizes."""
     said = [_lines(message(scores)) for scores in groups.values()]
     agents = len(next(iter(groups.values())))
     heights = [LINE * len(lines) + TITLE + ABOVE + ROW_HEIGHT * agents + BELOW for lines in said]

@@ -37,11 +37,7 @@ class Interval(NamedTuple):
 
 
 def share_interval(count: int, total: int) -> Interval:
-    """Return the Wilson interval of a share.
-
-    Args:
-        count: Number of successes.
-        total: Number of trials, at least one.
+    """Return the Wilson interval of a share of at least one trial.
 
     Source: Wilson (1927), Probable inference, the law of succession, and statistical inference.
     """
@@ -55,15 +51,9 @@ def ratio_interval(costs: np.ndarray, successes: np.ndarray) -> Interval | None:
     """Return the interval of a sum of costs divided by the number of successes.
 
     The ratio is linearised: its error is the error of the mean of
-    ``(cost - ratio * success) / share``.
-
-    Args:
-        costs: ``[n]`` cost of each trial.
-        successes: ``[n]`` success of each trial; fewer than ``MIN_VALUES`` successes have no
-            interval, as the linearisation is then poor.
-
-    Returns:
-        The interval, or ``None`` without a success.
+    ``(cost - ratio * success) / share``. That is poor with few successes, so fewer than
+    ``MIN_VALUES`` have no interval. Costs and successes are ``[n]``; without a success it is
+    ``None``.
 
     Source: Cochran (1977), Sampling techniques, 3rd ed., chapter 6.
     """
@@ -82,12 +72,8 @@ def mean_interval(values: np.ndarray) -> Interval | None:
     Of skewed values, as counts of steps are, it contains the mean more often than the percentile
     bootstrap does; ``tests/benchmarks/bench_intervals.py`` measures how often.
 
-    Args:
-        values: ``[n]`` values; fewer than ``MIN_VALUES`` have a mean and no interval, nor have
-            values of which nearly all are equal.
-
-    Returns:
-        The interval, or ``None`` if there are no values.
+    Fewer than ``MIN_VALUES`` of the ``[n]`` values have a mean and no interval, nor have values of
+    which nearly all are equal. Without any it is ``None``.
 
     Source: Efron and Tibshirani (1993), An introduction to the bootstrap, section 12.5.
     """

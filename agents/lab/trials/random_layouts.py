@@ -19,17 +19,12 @@ MAX_POOL = 100_000
 class RandomLayouts:
     """Random layouts of one size; every open cell of each can be reached.
 
+    The density of each is drawn between the lowest and the highest, in whole percents; what
+    ``random_layout`` does not allow is a ``LayoutError``.
+
     Args:
-        height: rows, border included, at least 4.
-        width: columns, border included, at least 4.
-        lowest: density of walls, see ``random_layout``. The density of each layout is drawn between
-            ``lowest`` and ``highest``, in whole percents.
-        highest: highest density, not below ``lowest``.
         count: layouts of the pool for training, 1 to ``MAX_POOL``.
         pool_seed: seed of this pool.
-
-    Raises:
-        LayoutError: a size, a density or a count that is not allowed.
     """
 
     height: int = 7
@@ -59,11 +54,7 @@ class RandomLayouts:
         )
 
     def layout(self, seed: int) -> Layout:
-        """Return the layout for the episode with a seed, which no pool has been given.
-
-        Raises:
-            LayoutError: the seed is not below ``TRAINING_LAYOUTS``.
-        """
+        """Return the layout for the episode with a seed below ``TRAINING_LAYOUTS``."""
         if seed >= TRAINING_LAYOUTS:
             raise LayoutError(
                 f"the seed of a random layout is {seed}; allowed: 0..{TRAINING_LAYOUTS - 1}, as "
@@ -77,11 +68,7 @@ class RandomLayouts:
         return [self._made(first + number) for number in range(self.count)]
 
     def check_unseen(self, seeds: Iterable[int]) -> None:
-        """Raise if the layout of an episode has the walls of one in the pool.
-
-        Raises:
-            LayoutError: a layout has these walls; the message names the seed of the episode.
-        """
+        """Raise ``LayoutError`` if the layout of an episode has the walls of one in the pool."""
         known = {_walls(layout) for layout in self.pool()}
         for seed in seeds:
             if _walls(self.layout(seed)) in known:

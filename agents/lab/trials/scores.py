@@ -27,11 +27,8 @@ class Scores:
     """The episodes of an agent of a lone robot, and what they come to.
 
     Steps, seconds and joules a delivery are sums over all episodes divided by the deliveries. Means
-    over the deliveries alone would favour an agent that delivers only what is near.
-
-    Attributes:
-        rows: Episodes of the agent.
-        nodes: Nodes that the agent expanded in each episode; 0 without a search.
+    over the deliveries alone would favour an agent that delivers only what is near. ``nodes`` are
+    those that the agent expanded in each episode; 0 without a search.
     """
 
     rows: Sequence[Row]
@@ -88,12 +85,7 @@ class Scores:
 
 @dataclass(frozen=True)
 class FleetScores:
-    """The episodes of a fleet, and what they come to.
-
-    Attributes:
-        rows: Episodes of the fleet.
-        robots: Number of robots.
-    """
+    """The episodes of a fleet, and what they come to."""
 
     rows: Sequence[FleetRow]
     robots: int
@@ -120,13 +112,9 @@ def _mean(values: Sequence[float]) -> Interval:
 
 
 class Measure(NamedTuple):
-    """A number by which agents are compared.
+    """A number by which agents are compared: its name in a table, and above a chart.
 
-    Attributes:
-        column: Name in a table.
-        title: Name above a chart.
-        of: Function that returns its value.
-        is_log: Its axis is logarithmic, because agents differ by orders of magnitude.
+    Its axis may be logarithmic, because agents differ by orders of magnitude.
     """
 
     column: str

@@ -24,33 +24,17 @@ MakeWatch = Callable[[object, str], Watch]
 """Makes what watches an agent, given its name, through an episode."""
 
 
-def unwatched(agent: object, name: str) -> Watch:
-    """Watch nothing."""
-    return nullcontext
-
-
 @runtime_checkable
 class Searching(Protocol):
-    """An agent that searches.
-
-    Attributes:
-        expanded: Nodes that it has expanded since its last reset.
-    """
+    """An agent that counts the nodes it has expanded since its last reset."""
 
     expanded: int
 
 
 class Task(NamedTuple):
-    """What a lone robot has to do.
+    """What a lone robot has to do, by arguments of ``WarehouseEnv`` and of its ``reset``.
 
-    Attributes:
-        layout: Walls, and the stations if they are not drawn; or random layouts, another one for
-            each seed.
-        battery: Units of a full battery.
-        max_steps: Limit on the steps of an episode.
-        backend: Name of a motion backend.
-        start_pos: Start if it is not drawn; ``None`` for the usual one.
-        randomize: Parts that are drawn, see ``WarehouseEnv.reset``.
+    The layout has walls, and the stations if they are not drawn; random ones differ for each seed.
     """
 
     layout: Layout | RandomLayouts = DEFAULT_LAYOUT
@@ -59,6 +43,11 @@ class Task(NamedTuple):
     backend: str = "grid"
     start_pos: Cell | None = None
     randomize: bool | str = True
+
+    @property
+    def seed_stride(self) -> int:
+        """1: each seed of an evaluation is used."""
+        return 1
 
     def layout_for(self, seed: int) -> Layout:
         """Return the layout of the episode with a seed."""
@@ -70,11 +59,6 @@ class Task(NamedTuple):
         return WarehouseEnv(
             layout, self.start_pos, self.max_steps, self.battery, backend=self.backend
         )
-
-    @property
-    def seed_stride(self) -> int:
-        """1: each seed of an evaluation is used."""
-        return 1
 
     def make_batch(self, rows: int) -> BatchEnv:
         """Return a batch for training, on the grid backend, with random stations and starts."""
@@ -92,20 +76,9 @@ class Task(NamedTuple):
         make_agent: MakeAgent,
         seeds: Iterable[int],
         name: str = "",
-        make_watch: MakeWatch = unwatched,
+        make_watch: MakeWatch = lambda agent, name: nullcontext,
     ) -> Scores:
-        """Run one whole episode for each seed.
-
-        Args:
-            make_agent: Function that makes the agent of each episode.
-            seeds: Seeds of the episodes.
-            name: Name of the agent, for messages.
-            make_watch: Function that makes what watches the agent.
-
-        Raises:
-            EpisodeError: the agent failed; the message has the seed, the step and the line.
-            EpisodeInterrupted: Ctrl-C was pressed.
-        """
+        """Run one whole episode for each seed, with an agent of its own; for errors see ``run``."""
         rows, expanded = [], []
         for seed in seeds:
             agent = make_agent(seed)
@@ -119,15 +92,7 @@ class Task(NamedTuple):
 
 
 class FleetTask(NamedTuple):
-    """What the robots of a fleet have to do.
-
-    Attributes:
-        layout: Layout with pickups and dropoffs.
-        robots: Number of robots.
-        orders: Mean number of orders released in a step.
-        battery: Units of a full battery.
-        max_steps: Limit on the steps of an episode.
-    """
+    """What the robots of a fleet have to do: arguments of ``FleetEnv`` and ``FleetBatch``."""
 
     layout: Layout = DEFAULT_LAYOUT
     robots: int = 4
@@ -142,32 +107,17 @@ class FleetTask(NamedTuple):
 
     def make_env(self) -> FleetEnv:
         """Return a fleet for the task."""
-        return FleetEnv(
-            self.layout,
-            self.robots,
-            orders=self.orders,
-            battery=self.battery,
-            max_steps=self.max_steps,
-        )
+        return FleetEnv(**self._asdict())
 
     def make_batch(self, rows: int) -> FleetBatch:
         """Return a batch for training, of at most so many robots and at least one fleet."""
-        return FleetBatch(
-            max(rows // self.robots, 1),
-            self.layout,
-            self.robots,
-            orders=self.orders,
-            battery=self.battery,
-            max_steps=self.max_steps,
-            autoreset_mode=SAME_STEP,
-        )
+        fleets = max(rows // self.robots, 1)
+        return FleetBatch(fleets, **self._asdict(), autoreset_mode=SAME_STEP)
 
     def evaluate(self, make_agent: MakeAgent, seeds: Iterable[int]) -> FleetScores:
         """Run one whole episode for each seed, with an agent for each robot, which does as it says.
 
-        Args:
-            make_agent: Function that makes an agent; each robot of each episode has its own seed.
-            seeds: Seeds of the episodes.
+        Each robot of each episode has its own seed.
         """
 
         def make_all(seed: int) -> FleetAgent:

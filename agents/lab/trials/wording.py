@@ -15,12 +15,9 @@ def share(interval: Interval) -> str:
 
 
 def mean(interval: Interval, unit: str, also: str = "") -> str:
-    """Return a mean with its interval to three digits, ``49.9 steps (47.6 to 52.3)``.
+    """Return a mean with its interval to three digits, ``49.9 steps (47.6 to 52.3; ALSO)``.
 
-    Args:
-        interval: interval of the mean; its ends are left out if they are unknown.
-        unit: unit of the mean, or "".
-        also: further text in the brackets.
+    Ends that are unknown are left out, and so is a unit of "".
     """
     estimate, low, high = interval
     digits = max(0, 2 - int(math.log10(max(abs(estimate), 1))))

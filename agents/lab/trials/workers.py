@@ -10,7 +10,7 @@ import threading
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from functools import partial
 from itertools import product
 from multiprocessing.connection import Connection
@@ -32,9 +32,6 @@ TOPIC = "warehouse sweep"
 
 Check = Callable[[], None]
 """Raises ``KeyboardInterrupt`` if a deferred signal has come."""
-
-Pool = AbstractContextManager[tuple[Executor, int]]
-"""Gives an executor, and how many calls it runs at once."""
 
 T = TypeVar("T")
 Group = TypeVar("Group")
@@ -241,17 +238,9 @@ def run_trials(
 ) -> dict[Group, list[T]]:
     """Return what a call returns for each group, in the order of the seeds, which all share.
 
-    A progress bar is shown. The first error of a call is raised.
-
-    Args:
-        call: function of a group and a seed, at the top level of its module.
-        groups: groups to compare, such as planners.
-        seeds: seeds of each group.
-        jobs: processes at once, 1 is this process; by default one for each processor.
-        label: label of the bar.
-
-    Raises:
-        WorkerError: a process ended early.
+    A progress bar is shown. The first error of a call is raised, or a ``WorkerError`` if its
+    process has ended. The call has to be at the top level of its module; ``jobs`` of 1 run it in
+    this process, and by default there are as many as processors.
     """
     from agents.lab.console.progress import progress_bar, track
 
@@ -279,15 +268,9 @@ def ending_of(error: BaseException | None) -> str | None:
         return str(error)
     if type(error).__name__ == "KilledWorker":  # of Dask, which may not be installed
         return "the Dask workers that ran it have ended"
-    if isinstance(error, ValueError) and _is_of_dask(error):
-        return "the Dask worker that ran it has ended"
+    if isinstance(error, ValueError):
+        # Dask takes a result for an error if the worker that has it ends at that moment.
+        frames = traceback.extract_tb(error.__traceback__)
+        if frames and frames[-1].name == "_cascade_future":
+            return "the Dask worker that ran it has ended"
     return None
-
-
-def _is_of_dask(error: ValueError) -> bool:
-    """Return whether an error comes from how Dask waits for a result.
-
-    It takes a result for an error if the worker that has it ends at that moment.
-    """
-    frames = traceback.extract_tb(error.__traceback__)
-    return bool(frames) and frames[-1].name == "_cascade_future"

@@ -26,15 +26,12 @@ class Costs(NamedTuple):
 
 
 class Comparison(NamedTuple):
-    """Two cases over the seeds that both have.
+    """Two cases over the seeds that both have, and which of these they deliver.
 
     Attributes:
         changes: the number of seeds with each pair of modes, of the first case and of the second.
-        only_first: number of seeds delivered by the first case and not by the second.
-        only_second: number of seeds delivered by the second and not by the first.
         chance: the probability of a split at least as uneven if neither were better; McNemar's
             exact test, times the number of pairs to choose from (Bonferroni).
-        both: number of seeds that both delivered.
         costs: costs of the seeds that both delivered, by column; empty if there are none.
     """
 
@@ -52,13 +49,7 @@ class Comparison(NamedTuple):
 
 
 def compare(store: Store, first: int, second: int, pairs_to_choose: int = 1) -> Comparison:
-    """Compare two cases.
-
-    Args:
-        store: the results.
-        first: the number of a case.
-        second: the number of the other case.
-        pairs_to_choose: the number of pairs from which this one was chosen by its results.
+    """Compare two cases, chosen by their results from so many pairs.
 
     Source: McNemar (1947), Note on the sampling error of the difference between correlated
     proportions or percentages.

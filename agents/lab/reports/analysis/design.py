@@ -34,12 +34,7 @@ MARK_LENGTH = 6
 
 @dataclass(frozen=True, slots=True)
 class Factor:
-    """A parameter that differs.
-
-    Attributes:
-        name: name of the parameter.
-        values: all but ``None``, in the order in which they are shown.
-    """
+    """A parameter that differs, and its values in the order in which they are shown."""
 
     name: str
     values: tuple[Value, ...]
@@ -56,12 +51,7 @@ class Factor:
 
 
 class Series(NamedTuple):
-    """Cases that differ in one factor alone.
-
-    Attributes:
-        others: the values of the other factors.
-        cases: the number of the case for each value of the factor, in its order.
-    """
+    """Cases that differ in one factor alone, by its values, and the values of the other factors."""
 
     others: Labels
     cases: dict[Value, int]
@@ -69,12 +59,9 @@ class Series(NamedTuple):
 
 @dataclass(frozen=True)
 class Design:
-    """The cases of an experiment by what differs between them.
+    """The cases of an experiment, by number, and which parameters differ between them.
 
-    Attributes:
-        labels: labels of each case by its number.
-        factors: parameters that differ, in the order of ``PARAMETERS``.
-        fixed: the parameters that are the same in all cases.
+    The factors are in the order of ``PARAMETERS``; the other parameters are fixed.
     """
 
     labels: dict[int, Labels]
@@ -99,6 +86,10 @@ class Design:
                 labels = dict(zip(others, combination, strict=True))
                 series.append(Series(labels, {v: cases[v] for v in factor.values if v in cases}))
         return sorted(series, key=lambda each: -_defaults_in(each.others))
+
+    def name_of(self, case_id: int) -> str:
+        """Return what differs in a case, in words."""
+        return described({each.name: self.labels[case_id][each.name] for each in self.factors})
 
 
 def make_design(cases: Mapping[int, Case]) -> Design:

@@ -75,12 +75,12 @@ def _verdict(question: Question, line: Line) -> str:
         return words
     best = max(line, key=lambda point: point.value)
     # The largest fleet that may be as good as the best.
-    *_, enough = [
-        value
-        for value, point in zip(question.factor.values, line, strict=True)
+    *_, (enough, largest) = [
+        (value, point)
+        for value, point in zip(question.main.cases, line, strict=True)
         if point is best or not _is_better(best, point)
     ]
-    if enough == question.factor.values[-1]:
+    if largest is line[-1]:
         return f"{shown(enough)} are not too many: {words}"
     return f"more than {shown(enough)} are too many: {words}"
 

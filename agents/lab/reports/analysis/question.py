@@ -30,12 +30,9 @@ MIN_CHANGE = 0.01
 
 
 class Point(NamedTuple):
-    """A value of the factor in question.
+    """A value of the factor in question: its name, such as ``battery 20``, and its case.
 
-    Attributes:
-        name: Factor and value, ``battery 20``; empty if nothing differs.
-        case_id: Number of the case.
-        results: Results of the case.
+    The name is empty if nothing differs.
     """
 
     name: str
@@ -54,14 +51,7 @@ class Point(NamedTuple):
 
 
 class Question(NamedTuple):
-    """What a factor changes.
-
-    Attributes:
-        experiment: Results with the cases.
-        factor: Factor in question.
-        main: Series that answers the question.
-        others: Further series of the factor.
-    """
+    """What a factor changes: answered by its main series, and summarised for the others."""
 
     experiment: Experiment
     factor: Factor
@@ -103,14 +93,10 @@ class Question(NamedTuple):
         *,
         is_clear: bool | None = None,
     ) -> str:
-        """Return the verdict on the factor.
+        """Return the verdict on the factor, by the name, the unit and the words of a measure.
 
-        Args:
-            words: Function that gives a value of the main measure as text.
-            measure: Name of the main measure.
-            unit: Unit of the main measure.
-            is_clear: ``True`` if the ends of a trend, or the first two of a ranking, differ seed by
-                seed; ``None`` if only their intervals tell.
+        It is clear if the ends of a trend, or the first two of a ranking, differ seed by seed, and
+        ``None`` if only their intervals tell.
         """
         line = self.line(self.main) if self.is_trend else self.ranked(self.main)
         places = [

@@ -6,13 +6,14 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from agents.lab.experiments.case import Case, row_type
 from agents.lab.experiments.store import Store
 from agents.lab.experiments.tables import TABLE_OF
+from agents.lab.reports.analysis.design import Design, make_design
 from agents.lab.trials.interval import Interval, mean_interval, share_interval
 from agents.lab.trials.rows import MODES_OF, AnyRow, FleetRow, Row
 from agents.lab.trials.wording import mean, share
@@ -25,9 +26,7 @@ class Measure(NamedTuple):
     """A number that reports give: in the table, in a chart, and in sentences.
 
     Attributes:
-        name: Name of its picture.
-        column: Title of its column in the table of all cases.
-        title: Title of its chart.
+        name: Name of its picture; its column in the table and its chart have other titles.
         unit: Unit; ``"%"`` for a share.
         value: Expression of SQL that gives the value of an episode, ``NULL`` if it has none.
         what: Definition of the number, for the caption.
@@ -105,23 +104,11 @@ FLEETS = Kind(
 )  # fmt: skip
 
 
-class Tally(NamedTuple):
-    """The number of episodes of a case with one mode, and their first and last seeds."""
-
-    mode: str
-    episodes: int
-    first_seed: int
-    last_seed: int
-
-
 @dataclass(frozen=True, eq=False)
 class Results:
     """The episodes of some cases, read when they are needed.
 
     Attributes:
-        store: File with the episodes.
-        kind: Kind of the episodes.
-        case_ids: Numbers of the cases.
         modes: Number of episodes with each mode that occurs, in the order of ``MODES_OF``.
         seeds: First seed and last seed.
         is_measured: Seconds and joules are measured; the grid has nominal ones.
@@ -148,14 +135,12 @@ class Results:
     def interval(self, measure: Measure) -> Interval | None:
         """Return the mean or the share of a measure; ``None`` if there is nothing to measure."""
         if measure not in self._intervals:
-            self._intervals[measure] = self._measured(measure)
+            if measure is SUCCESS:
+                found: Interval | None = share_interval(self.count, self.episodes)
+            else:
+                found = mean_interval(self.values(measure.value))
+            self._intervals[measure] = found or (Interval(0.0) if measure is PER_HOUR else None)
         return self._intervals[measure]
-
-    def _measured(self, measure: Measure) -> Interval | None:
-        if measure is SUCCESS:
-            return share_interval(self.count, self.episodes)
-        interval = mean_interval(self.values(measure.value))
-        return interval or (Interval(0.0) if measure is PER_HOUR else None)
 
     @property
     def main(self) -> Interval:
@@ -186,39 +171,37 @@ class Results:
 class Experiment:
     """The cases of a file of results with episodes of one kind, and their results, computed once.
 
-    Args:
-        store: File of results.
-        kind: Kind of the episodes.
-
     Attributes:
         cases: Cases with episodes, by their numbers.
         unbegun: Number of cases of this kind without an episode.
-
-    Raises:
-        StoreError: it is damaged, or it cannot be read.
     """
 
     def __init__(self, store: Store, kind: Kind) -> None:
         self.store, self.kind = store, kind
         store.check_rows()
-        self._tallies: dict[int, list[Tally]] = {}
+        self._tallies: dict[int, list[tuple[Any, ...]]] = {}
         for case_id, *tally in store.query(
             "SELECT case_id, mode, count(*), min(seed), max(seed) "
             f"FROM {TABLE_OF[kind.row]} GROUP BY case_id, mode"
         ):
-            self._tallies.setdefault(case_id, []).append(Tally(*tally))
+            self._tallies.setdefault(case_id, []).append(tuple(tally))
         cases = store.cases()
         self.cases: dict[int, Case] = {case_id: cases[case_id] for case_id in self._tallies}
         self.unbegun = sum(row_type(case) is kind.row for case in cases.values()) - len(self.cases)
         self._results: dict[CaseIds, Results] = {}
 
+    @cached_property
+    def design(self) -> Design:
+        """What differs between the cases."""
+        return make_design(self.cases)
+
     def results(self, *case_ids: int) -> Results:
         """Return the results of some cases, pooled."""
-        tallies = [tally for case_id in case_ids for tally in self._tallies[case_id]]
-        modes = Counter[str]()
-        for tally in tallies:
-            modes[tally.mode] += tally.episodes
-        seeds = min(each.first_seed for each in tallies), max(each.last_seed for each in tallies)
+        modes, ends = Counter[str](), set[int]()
+        for case_id in case_ids:
+            for mode, episodes, *seeds in self._tallies[case_id]:
+                modes[mode] += episodes
+                ends.update(seeds)
         return self._results.setdefault(
             case_ids,
             Results(
@@ -226,7 +209,7 @@ class Experiment:
                 self.kind,
                 case_ids,
                 {mode: modes[mode] for mode in MODES_OF[self.kind.row] if mode in modes},
-                seeds,
+                (min(ends), max(ends)),
                 all(self.cases[case_id]["backend"] != "grid" for case_id in case_ids),
             ),
         )

@@ -20,13 +20,7 @@ MAX_FIRST = 3
 
 
 class Place(NamedTuple):
-    """A value of the factor in question, with its result.
-
-    Attributes:
-        name: the factor and its value, ``battery 20``.
-        result: interval by which values are compared.
-        words: the estimate as text, ``70%``.
-    """
+    """A value of the factor in question, such as ``battery 20``, its result, and that as text."""
 
     name: str
     result: Interval
@@ -36,13 +30,9 @@ class Place(NamedTuple):
 def ranking(
     ranked: Sequence[Place], verbs: tuple[str, str], unit: str, *, is_clear: bool | None = None
 ) -> str:
-    """Return which value is the first, or which ones cannot be told apart.
+    """Return which of two places or more is the first, or which ones cannot be told apart.
 
-    Args:
-        ranked: two places or more, in order of rank.
-        verbs: ``BEST`` or ``HARDEST``.
-        unit: unit of the results, said with the first.
-        is_clear: ``True`` if the first two differ; ``None`` if only their intervals tell.
+    It is clear if the first two differ, and ``None`` if only their intervals tell.
     """
     if not all(place.result.is_known for place in ranked):
         return f"too few episodes to tell: {_ends(ranked, unit)}"
@@ -69,10 +59,7 @@ def ranking(
 def trend(measure: str, line: Sequence[Place], *, is_clear: bool | None = None) -> str:
     """Return whether a measure rises or falls along a factor, or has its best or worst between.
 
-    Args:
-        measure: its name, singular.
-        line: a place for each value, in order.
-        is_clear: ``True`` if the ends differ; ``None`` if only their intervals tell.
+    It is clear if the ends differ, and ``None`` if only their intervals tell.
     """
     first, last = line[0], line[-1]
     if not all(place.result.is_known for place in line):

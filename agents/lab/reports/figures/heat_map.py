@@ -25,18 +25,9 @@ GROUP BY mode, row, col
 
 
 def stuck_cells(store: Store, rows: Sequence[str], case_ids: Sequence[int]) -> dict[str, Counts]:
-    """Count for each failure mode the cells where its episodes ended or were stuck.
+    """Count the cells ``[H, W]`` where episodes ended or were stuck, by mode in their usual order.
 
-    Args:
-        store: store of the results.
-        rows: rows of tiles, the layout of the cases.
-        case_ids: numbers of the cases.
-
-    Returns:
-        ``[H, W]`` counts by failure mode, in the order of ``MODES``.
-
-    Raises:
-        StoreError: an episode was stuck where there is no cell.
+    An episode that was stuck where the layout of the cases has no cell is a ``StoreError``.
     """
     stuck: dict[str, Counts] = {}
     for mode, row, col, count in store.query(STUCK, json.dumps(list(case_ids))):
@@ -54,13 +45,9 @@ def stuck_heat_map(
     *,
     with_stations: bool = False,
 ) -> Figure:
-    """Return the heat maps of a layout, one panel per mode.
+    """Return the heat maps of a layout, one panel for each mode that ``stuck_cells`` gives.
 
-    Args:
-        rows: rows of tiles.
-        stuck: ``[H, W]`` counts of each mode, as ``stuck_cells`` gives them; one mode or more.
-        episodes: the number of all episodes, deliveries included.
-        with_stations: mark the pickup and the dropoff of the layout.
+    Shares are of all episodes, deliveries included.
     """
     counts = {mode: int(cells.sum()) for mode, cells in stuck.items()}
     titles = {mode: f"{mode}: {count:,} ({count / episodes:.1%})" for mode, count in counts.items()}

@@ -46,17 +46,7 @@ DODGE = 0.012
 def measure_chart(
     experiment: Experiment, design: Design, title: str, measure: Measure
 ) -> SceneFigure | None:
-    """Draw a measure with its intervals.
-
-    Args:
-        experiment: Results of the cases.
-        design: Design of the cases that are drawn.
-        title: Title of the chart.
-        measure: Measure to draw.
-
-    Returns:
-        ``None`` if nothing differs or there is nothing to measure.
-    """
+    """Draw a measure with its intervals, unless nothing differs or there is nothing to measure."""
     roles = roles_of(design)
     if roles.axis is None:
         return None

@@ -11,7 +11,6 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import PercentFormatter
 
 from agents.lab.parameters import shown
-from agents.lab.reports.analysis.design import Design
 from agents.lab.reports.analysis.results import Experiment, Results
 from agents.lab.reports.figures.panels import (
     MAX_TICKS,
@@ -24,41 +23,28 @@ from agents.lab.reports.figures.panels import (
     name_panel,
 )
 from agents.lab.reports.figures.roles import lines_of, roles_of
+from warehouse_core.records import failure_modes as modes
 from warehouse_core.records.episode import BATTERY_DEPLETED, DELIVERED, OUT_OF_TIME, UNFINISHED
-from warehouse_core.records.failure_modes import (
-    CONGESTED,
-    DEADLOCK,
-    IDLE,
-    INEFFECTIVE,
-    LATE,
-    OSCILLATION,
-    SERVED,
-    STALLED,
-    STARVATION,
-    STRANDED,
-    UNREACHABLE,
-    WANDERING,
-)
 from warehouse_core.render.palette import PAPER
 from warehouse_core.viz.figure import SceneFigure
 
 MODE_COLORS = {
     DELIVERED: "#2a9d5c",
-    UNREACHABLE: "#8c564b",
-    STALLED: "#8c4fa3",
-    INEFFECTIVE: "#5f5f68",
-    OSCILLATION: "#d1495b",
-    WANDERING: "#edae49",
+    modes.UNREACHABLE: "#8c564b",
+    modes.STALLED: "#8c4fa3",
+    modes.INEFFECTIVE: "#5f5f68",
+    modes.OSCILLATION: "#d1495b",
+    modes.WANDERING: "#edae49",
     BATTERY_DEPLETED: "#2e6fa7",
     OUT_OF_TIME: "#8ab6d6",
     UNFINISHED: "#c9c9ce",
-    SERVED: "#2a9d5c",
-    STRANDED: "#2e6fa7",
-    DEADLOCK: "#d1495b",
-    STARVATION: "#8c4fa3",
-    CONGESTED: "#edae49",
-    IDLE: "#c9c9ce",
-    LATE: "#8ab6d6",
+    modes.SERVED: "#2a9d5c",
+    modes.STRANDED: "#2e6fa7",
+    modes.DEADLOCK: "#d1495b",
+    modes.STARVATION: "#8c4fa3",
+    modes.CONGESTED: "#edae49",
+    modes.IDLE: "#c9c9ce",
+    modes.LATE: "#8ab6d6",
 }
 
 LUMINANCE = (0.299, 0.587, 0.114)
@@ -72,10 +58,10 @@ MAX_NUMBERED = 15
 
 
 @mpl.rc_context({"text.parse_math": False})
-def modes_chart(experiment: Experiment, design: Design, title: str) -> SceneFigure:
+def modes_chart(experiment: Experiment, title: str) -> SceneFigure:
     """Draw the shares of the outcomes as stacked bars."""
-    roles = roles_of(design)
-    lines = lines_of(experiment, design, roles)
+    roles = roles_of(experiment.design)
+    lines = lines_of(experiment, experiment.design, roles)
     everywhere = f"any {roles.axis.name}" if roles.axis else "all episodes"
     occurring = {mode for line in lines.values() for each in line.values() for mode in each.modes}
     figure, axes = make_panels(title, len(lines), list(occurring))

@@ -40,7 +40,7 @@ class Picture:
 
 def pictures(experiment: Experiment) -> Iterator[Picture]:
     """Yield the figures that are not empty."""
-    design, kind = make_design(experiment.cases), experiment.kind
+    design, kind = experiment.design, experiment.kind
     physical = make_design(
         {n: case for n, case in experiment.cases.items() if case["backend"] != "grid"}
     )
@@ -53,7 +53,7 @@ def pictures(experiment: Experiment) -> Iterator[Picture]:
             yield from _chart(experiment, design, measure, measure.title)
     name, title = kind.modes
     left_out = _left_out(experiment, design, _points(experiment, design))
-    chart = modes_chart(experiment, design, title)
+    chart = modes_chart(experiment, title)
     yield Picture(name, f"{title}, as shares{left_out}.", themed_svg(chart))
     if kind is LONE:
         yield from _maps(experiment)

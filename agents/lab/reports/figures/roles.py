@@ -17,14 +17,9 @@ MAX_POINTS = 400
 
 
 class Roles(NamedTuple):
-    """The factors of a chart.
+    """The factors along the axis, of the lines and of the panels, if any; others are pooled.
 
-    Attributes:
-        axis: factor along the axis, with the values that are drawn; ``None`` if nothing differs.
-        color: factor of the lines; ``None`` if there is one line in a panel.
-        panel: factor of the panels; ``None`` if there is one panel.
-        pooled: factors that are not shown.
-        values: the number of all values of the factor along the axis.
+    The axis has the values that are drawn, of so many in all.
     """
 
     axis: Factor | None

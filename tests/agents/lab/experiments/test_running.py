@@ -17,7 +17,7 @@ from agents.lab.experiments.running import (
     MAX_SUSPECTS,
     MAX_TASK_EPISODES,
     TASK_SECONDS,
-    Pace,
+    paced,
     run_missing,
 )
 from agents.lab.experiments.store import Store
@@ -96,46 +96,29 @@ def test_the_table_has_the_rows_of_the_episodes(expected: list[Any]) -> None:
     assert len({found[1:] for found in expected}) > 20
 
 
-def test_processes_give_the_same_rows(tmp_path: Path, expected: list[Any]) -> None:
-    with process_pool(2) as (executor, workers):
+def test_processes_threads_and_any_order_give_the_same_rows(
+    tmp_path: Path, expected: list[Any]
+) -> None:
+    with process_pool(2) as (processes, workers), ThreadPoolExecutor(3) as threads:
         assert workers == 2
-        assert run(tmp_path / "r.sqlite", executor, workers=workers) == expected
-
-
-def test_threads_give_the_same_rows(tmp_path: Path, expected: list[Any]) -> None:
-    with ThreadPoolExecutor(3) as executor:
-        assert run(tmp_path / "r.sqlite", executor, workers=3) == expected
-
-
-def test_the_order_does_not_matter(tmp_path: Path, expected: list[Any]) -> None:
-    assert run(tmp_path / "r.sqlite", LastFirst()) == expected
+        for number, executor in enumerate((processes, threads, LastFirst())):
+            assert run(tmp_path / f"{number}.sqlite", executor) == expected
     backwards = Plan(PLAN.cases[::-1], PLAN.episodes, PLAN.seed)
     assert run(tmp_path / "backwards.sqlite", Here(), backwards) == expected
 
 
-def test_stored_episodes_are_not_run_again(tmp_path: Path, expected: list[Any]) -> None:
-    path = tmp_path / "r.sqlite"
-    run(path, Here())
-    again = Here()
-    assert run(path, again) == expected
-    assert again.seeds == []
-
-
-def test_more_episodes_run_only_the_new_seeds(tmp_path: Path) -> None:
-    path, more = tmp_path / "r.sqlite", Here()
-    before = run(path, Here(), make_plan({}, 3, 10))
-    after = run(path, more, make_plan({}, 6, 8))
-    assert more.seeds == [8, 9, 13]
+def test_only_new_seeds_and_new_cases_are_run(tmp_path: Path) -> None:
+    path, seeds, cases, again = tmp_path / "r.sqlite", Here(), Here(), Here()
+    before = run(path, Here(), make_plan({"battery": [20]}, 3, 10))
+    after = run(path, seeds, make_plan({"battery": [20]}, 6, 8))
+    assert seeds.seeds == [8, 9, 13]
     assert [found[1] for found in after] == [8, 9, 10, 11, 12, 13]
     assert set(before) < set(after)
-
-
-def test_further_values_run_only_the_new_cases(tmp_path: Path) -> None:
-    path, more = tmp_path / "r.sqlite", Here()
-    run(path, Here(), make_plan({"battery": [20]}, 3, 0))
-    after = run(path, more, make_plan({"battery": [20, 30]}, 3, 0))
-    assert len(more.seeds) == 3
-    assert len(after) == 6
+    more = run(path, cases, make_plan({"battery": [20, 30]}, 6, 8))
+    assert cases.seeds == [8, 9, 10, 11, 12, 13]
+    assert len(more) == 12
+    assert run(path, again, make_plan({"battery": [20, 30]}, 6, 8)) == more
+    assert again.seeds == []
 
 
 def test_after_a_worker_fails_finished_rows_are_kept_and_the_rest_can_be_run(
@@ -321,24 +304,10 @@ def test_an_agent_whose_file_is_changed_or_removed_during_a_sweep_is_an_error(
         file.write_text(file.read_text() + "# changed\n")
     else:
         file.unlink()
-    why = "has changed since the sweep began" if is_changed else "No such file"
+    why = "or what it imports, has changed since the sweep began" if is_changed else "No such file"
     messages = failures_of(path, Here(), plan)
     assert all(why in message for message in messages)
     assert seeds_done(path, plan) == [set(range(10)), set()]
-
-
-def test_an_agent_whose_import_is_changed_during_a_sweep_is_an_error(tmp_path: Path) -> None:
-    file, helper = tmp_path / "agent.py", tmp_path / "helper.py"
-    helper.write_text("WORD = 'N'\n")
-    file.write_text("from helper import WORD\n" + GLOBAL_STREAMS)
-    plan = make_plan({"agent": f"{file}:Own"}, 3, 0)
-    run(tmp_path / "r.sqlite", Here(), plan)
-    helper.write_text("WORD = 'S'\n")
-    more = Plan(plan.cases, 5, 0)
-    messages = failures_of(tmp_path / "r.sqlite", Here(), more)
-    assert len(messages) == 2
-    assert all("or what it imports, has changed since the sweep" in each for each in messages)
-    assert make_plan({"agent": f"{file}:Own"}, 3, 0).cases != plan.cases
 
 
 def test_a_worker_of_another_program_is_an_error_and_its_rows_are_not_stored(
@@ -404,19 +373,14 @@ def test_processes_end_without_warnings_while_tasks_are_waiting(tmp_path: Path) 
             run_missing(plan, store, executor, 20, report)
 
 
-def test_the_pace_grows_gradually_to_tasks_of_about_half_a_second() -> None:
-    pace = Pace()
-    assert pace.episodes == 1
-    sizes = []
+def test_the_pace_grows_gradually_to_tasks_of_about_half_a_second(tmp_path: Path) -> None:
+    sizes = [1]
     for _ in range(12):
-        pace.learn(pace.episodes, pace.episodes * 0.001)
-        sizes.append(pace.episodes)
-    assert sizes[:4] == [4, 16, 64, 256]
+        sizes.append(paced(sizes[-1], sizes[-1] * 0.001))
+    assert sizes[:5] == [1, 4, 16, 64, 256]
     assert sizes[-1] == TASK_SECONDS / 0.001
-    pace.learn(500, 50)
-    assert pace.episodes == 5
-    pace.learn(5, 500)
-    assert pace.episodes == 1
-    for _ in range(30):
-        pace.learn(pace.episodes, 0)
-    assert pace.episodes == MAX_TASK_EPISODES
+    assert (paced(500, 50), paced(5, 500), paced(9_999, 0)) == (5, 1, MAX_TASK_EPISODES)
+    executor = Dying()
+    run(tmp_path / "r.sqlite", executor, make_plan({"max_steps": 1}, 600, 0), workers=1)
+    assert list(map(len, executor.tasks[:2])) == [1, 1], "submitted before any is done"
+    assert max(map(len, executor.tasks[2:])) > 4

@@ -23,10 +23,10 @@ def shown(monkeypatch: pytest.MonkeyPatch, screen: io.StringIO, *news: Sequence[
     monkeypatch.setattr(sys, "stderr", screen)
     monkeypatch.setenv("COLUMNS", "100")
     monkeypatch.setenv("TERM", "xterm")
-    with sweep_bar(8) as report:
+    with sweep_bar(8, lambda: None) as report:
         for each in news:
             time.sleep(0.02)  # without it the rate would be too large for the line
-            report(each)
+            report(each, [])
     return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", screen.getvalue())
 
 
@@ -72,7 +72,7 @@ def test_nothing_is_written_if_the_output_is_not_a_terminal(
 def test_a_failure_that_comes_again_is_told_once(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with sweep_bar(8) as report:
+    with sweep_bar(8, lambda: None) as report:
         for failures in (["a is broken", "a is broken"], ["a is broken", "b is broken"]):
             report([], failures)
     lines = sorted(capsys.readouterr().err.splitlines())

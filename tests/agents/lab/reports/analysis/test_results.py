@@ -1,29 +1,14 @@
 """Counts, shares and means of the episodes of selected cases."""
 
-import sqlite3
 from pathlib import Path
 
 import pytest
-from helpers.results_files import fill, fleet_row, outcomes, row
+from helpers.results_files import OFF, ON, change, experiment_of, fill, fleet_row, outcomes, row
 
 from agents.errors import StoreError
 from agents.lab.experiments.store import Store
-from agents.lab.reports.analysis.results import (
-    FLEETS,
-    JOULES,
-    LONE,
-    PER_HOUR,
-    Experiment,
-    Results,
-)
+from agents.lab.reports.analysis.results import FLEETS, JOULES, LONE, PER_HOUR, Experiment, Results
 from agents.lab.trials.interval import Interval, share_interval
-
-ON, OFF = {"escape": True}, {"escape": False}
-
-
-@pytest.fixture
-def path(tmp_path: Path) -> Path:
-    return tmp_path / "r.sqlite"
 
 
 def estimates(results: Results) -> list[float | None]:
@@ -31,16 +16,14 @@ def estimates(results: Results) -> list[float | None]:
     return [interval and interval.estimate for interval in intervals]
 
 
-def test_counts_shares_and_means_are_those_of_the_selected_cases(path: Path) -> None:
+def test_counts_shares_and_means_are_those_of_the_selected_cases() -> None:
     cases = [
         (ON, [row(0, steps=10, needed=8), row(1, steps=30, needed=12), row(2, "wandering")]),
         (OFF, [row(0, "oscillation"), row(1, "oscillation")]),
         ({"battery": 30}, [row(0, steps=99)]),
     ]
-    with Store(fill(path, cases), read_only=True) as store:
-        first, second, both = (
-            Experiment(store, LONE).results(*case_ids) for case_ids in ((1,), (2,), (1, 2))
-        )
+    with experiment_of(cases) as experiment:
+        first, second, both = (experiment.results(*case_ids) for case_ids in ((1,), (2,), (1, 2)))
         assert first.modes == {"delivered": 2, "wandering": 1}
         assert (first.episodes, first.count, first.needed) == (3, 2, 10)
         assert first.main == share_interval(2, 3)
@@ -51,51 +34,50 @@ def test_counts_shares_and_means_are_those_of_the_selected_cases(path: Path) -> 
         assert second.needed is None
 
 
-def test_time_and_energy_are_those_of_deliveries(path: Path) -> None:
+def test_time_and_energy_are_those_of_deliveries() -> None:
     rows = [row(n, seconds=10.0 * n, joules=7.0) for n in range(1, 40)]
-    fill(path, [({"backend": "physics"}, [*rows, row(99, "stalled", seconds=1e9, joules=1e9)])])
-    with Store(path, read_only=True) as store:
-        results = Experiment(store, LONE).results(1)
+    rows.append(row(99, "stalled", seconds=1e9, joules=1e9))
+    with experiment_of([({"backend": "physics"}, rows)]) as experiment:
+        results = experiment.results(1)
         assert estimates(results)[2:] == [200, 7]
         assert results.interval(JOULES) == Interval(7.0, 7.0, 7.0)
         assert results.is_measured
 
 
-def test_the_measures_of_a_fleet_are_means_of_the_episodes_that_have_them(path: Path) -> None:
+def test_the_measures_of_a_fleet_are_means_of_the_episodes_that_have_them() -> None:
     rows = [
         fleet_row(0, distance=100, blocked_by_robot=60, blocked_by_wall=30, blocked_by_person=10),
         fleet_row(1, distance=0, blocked_by_robot=0, on_time=None, mean_lateness=None,
                   joules_per_delivery=None, per_hour=60.0),
     ]  # fmt: skip
-    with Store(fill(path, [({"robots": 2}, rows)]), read_only=True) as store:
-        results = Experiment(store, FLEETS).results(1)
+    with experiment_of([({"robots": 2}, rows)], FLEETS) as experiment:
+        results = experiment.results(1)
         assert estimates(results) == [120, 0.5, 4, 1, 0.3]
         assert results.main == results.interval(PER_HOUR)
         assert (results.episodes, results.count) == (2, 2)
 
 
-def test_a_fleet_without_any_measure_delivers_nothing(path: Path) -> None:
+def test_a_fleet_without_any_measure_delivers_nothing() -> None:
     rows = [fleet_row(0, per_hour=None, on_time=None)]
-    with Store(fill(path, [({"robots": 2}, rows)]), read_only=True) as store:
-        assert estimates(Experiment(store, FLEETS).results(1))[:2] == [0, None]
+    with experiment_of([({"robots": 2}, rows)], FLEETS) as experiment:
+        assert estimates(experiment.results(1))[:2] == [0, None]
 
 
 @pytest.mark.parametrize("backends", [["grid"], ["grid", "physics"]])
-def test_time_and_energy_of_the_grid_are_not_measured(path: Path, backends: list[str]) -> None:
-    fill(path, [({"backend": backend}, [row(0)]) for backend in backends])
-    with Store(path, read_only=True) as store:
-        assert not Experiment(store, LONE).results(*store.cases()).is_measured
+def test_time_and_energy_of_the_grid_are_not_measured(backends: list[str]) -> None:
+    with experiment_of([({"backend": name}, [row(0)]) for name in backends]) as experiment:
+        assert not experiment.results(*experiment.cases).is_measured
 
 
-def test_the_seeds_are_from_the_first_to_the_last_of_all_cases(path: Path) -> None:
-    fill(path, [(ON, outcomes("dd", seed=7)), (OFF, outcomes("ddd", seed=5))])
-    with Store(path, read_only=True) as store:
-        assert Experiment(store, LONE).results(1, 2).seeds == (5, 8)
-        assert Experiment(store, LONE).results(1).seeds == (7, 8)
+def test_the_seeds_are_from_the_first_to_the_last_of_all_cases() -> None:
+    cases = [(ON, outcomes("dd", seed=7)), (OFF, outcomes("ddd", seed=5))]
+    with experiment_of(cases) as experiment:
+        assert experiment.results(1, 2).seeds == (5, 8)
+        assert experiment.results(1).seeds == (7, 8)
 
 
 @pytest.mark.parametrize(
-    "change",
+    "statement",
     [
         "UPDATE episodes SET mode = 'sold'",
         "UPDATE episodes SET steps = 'many'",
@@ -104,22 +86,18 @@ def test_the_seeds_are_from_the_first_to_the_last_of_all_cases(path: Path) -> No
         "UPDATE episodes SET case_id = 77",
     ],
 )
-def test_invalid_rows_are_errors(path: Path, change: str) -> None:
-    fill(path, [(ON, outcomes("dw"))])
-    connection = sqlite3.connect(path)
-    connection.execute(f"{change} WHERE seed = 1")
-    connection.commit()
-    connection.close()
+def test_invalid_rows_are_errors(tmp_path: Path, statement: str) -> None:
+    path = fill(tmp_path / "r.sqlite", [(ON, outcomes("dw"))])
+    change(path, f"{statement} WHERE seed = 1")
     with Store(path, read_only=True) as store, pytest.raises(StoreError) as caught:
         Experiment(store, LONE)
     assert str(caught.value).startswith(f"{path}: the row of case ")
     assert "seed 1 is damaged" in str(caught.value)
 
 
-def test_rows_that_a_sweep_adds_later_are_not_counted(path: Path) -> None:
-    fill(path, [(ON, outcomes("dd"))])
-    with Store(path, read_only=True) as store, Store(path) as writer:
-        experiment = Experiment(store, LONE)
+def test_rows_that_a_sweep_adds_later_are_not_counted() -> None:
+    cases = [(ON, outcomes("dd"))]
+    with experiment_of(cases) as experiment, Store(experiment.store.path) as writer:
         writer.add(1, outcomes("dd", seed=50, steps=99))
         results = experiment.results(1)
         assert (results.episodes, estimates(results)[1]) == (2, 20)

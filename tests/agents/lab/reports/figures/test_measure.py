@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.results_files import fill, outcomes, row
+from helpers.results_files import experiment_of, outcomes, row
 from matplotlib.axes import Axes
 
 from agents.lab.experiments.plan import make_plan
-from agents.lab.experiments.store import Store
 from agents.lab.reports.analysis.design import make_design
-from agents.lab.reports.analysis.results import LONE, STEPS, SUCCESS, Experiment
+from agents.lab.reports.analysis.results import STEPS, SUCCESS, Experiment
 from agents.lab.reports.figures import roles as roles_module
 from agents.lab.reports.figures.measure import measure_chart
 from agents.lab.reports.figures.modes import MODE_COLORS, ink_on, modes_chart
@@ -31,7 +30,7 @@ def roles(**choices: Any) -> list[Any]:
 
 
 @pytest.fixture
-def store(tmp_path: Path) -> Iterator[Store]:
+def experiment() -> Iterator[Experiment]:
     """Yield results of three batteries with escape and of two without."""
     cases = [
         ({"battery": battery, "escape": escape}, outcomes(words))
@@ -40,15 +39,14 @@ def store(tmp_path: Path) -> Iterator[Store]:
             (20, False, "oooo"), (200, False, "dooo"),
         )
     ]  # fmt: skip
-    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as opened:
+    with experiment_of(cases) as opened:
         yield opened
 
 
-def draw(store: Store, *, modes: bool = False) -> SceneFigure:
-    design = make_design(store.cases())
+def draw(experiment: Experiment, *, modes: bool = False) -> SceneFigure:
     if modes:
-        return modes_chart(Experiment(store, LONE), design, "Modes")
-    figure = measure_chart(Experiment(store, LONE), design, "Success", SUCCESS)
+        return modes_chart(experiment, "Modes")
+    figure = measure_chart(experiment, experiment.design, "Success", SUCCESS)
     assert figure is not None
     return figure
 
@@ -77,8 +75,8 @@ def test_a_factor_with_too_many_values_for_colours_and_panels_is_pooled() -> Non
     assert found == ["battery", "memory", None, "view_radius"]
 
 
-def test_points_and_their_intervals_are_at_the_values_of_the_data(store: Store) -> None:
-    [axes] = draw(store).axes
+def test_points_and_their_intervals_are_at_the_values_of_the_data(experiment: Experiment) -> None:
+    [axes] = draw(experiment).axes
     (first_x, first_y), (second_x, second_y) = middles(axes)
     assert first_y == [0.25, 0.5, 0.75]
     assert second_y == [0.0, 0.25]
@@ -86,23 +84,23 @@ def test_points_and_their_intervals_are_at_the_values_of_the_data(store: Store) 
     assert second_x == pytest.approx([0, 180], abs=2)
     assert first_x[0] < second_x[0]  # so that neither interval hides the other
     bars = axes.containers[0].lines[2][0].get_segments()
-    results = Experiment(store, LONE).results(1)
+    results = experiment.results(1)
     assert bars[0][:, 1].tolist() == pytest.approx(results.main[1:])
 
 
-def test_the_legend_names_each_line_in_order(store: Store) -> None:
-    [legend] = draw(store).legends
+def test_the_legend_names_each_line_in_order(experiment: Experiment) -> None:
+    [legend] = draw(experiment).legends
     assert [text.get_text() for text in legend.get_texts()] == ["escape on", "escape off"]
 
 
-def test_a_case_that_does_not_depend_on_the_axis_is_a_horizontal_line(tmp_path: Path) -> None:
+def test_a_case_that_does_not_depend_on_the_axis_is_a_horizontal_line() -> None:
     cases = [
         ({"memory": 2}, outcomes("dw")),
         ({"memory": 9}, outcomes("dd")),
         ({"escape": False}, outcomes("dooo")),
     ]
-    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
-        figure = draw(store)
+    with experiment_of(cases) as experiment:
+        figure = draw(experiment)
     [axes] = figure.axes
     [line] = [each for each in axes.lines if each.get_linestyle() == "--"]
     assert np.asarray(line.get_ydata()).tolist() == [0.25, 0.25]
@@ -110,23 +108,21 @@ def test_a_case_that_does_not_depend_on_the_axis_is_a_horizontal_line(tmp_path: 
     assert [text.get_text() for text in legend.get_texts()] == ["escape on", "escape off"]
 
 
-def test_without_deliveries_there_is_no_chart_of_steps(tmp_path: Path) -> None:
+def test_without_deliveries_there_is_no_chart_of_steps() -> None:
     cases = [({"battery": battery}, outcomes("ww")) for battery in (1, 2)]
-    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
-        design = make_design(store.cases())
-        assert measure_chart(Experiment(store, LONE), design, "", STEPS) is None
+    with experiment_of(cases) as experiment:
+        assert measure_chart(experiment, experiment.design, "", STEPS) is None
 
 
-def test_a_single_case_has_bars_but_no_chart_of_a_measure(tmp_path: Path) -> None:
-    with Store(fill(tmp_path / "r.sqlite", [({}, outcomes("dw"))]), read_only=True) as store:
-        design = make_design(store.cases())
-        assert measure_chart(Experiment(store, LONE), design, "", SUCCESS) is None
-        [axes] = modes_chart(Experiment(store, LONE), design, "").axes
+def test_a_single_case_has_bars_but_no_chart_of_a_measure() -> None:
+    with experiment_of([({}, outcomes("dw"))]) as experiment:
+        assert measure_chart(experiment, experiment.design, "", SUCCESS) is None
+        [axes] = modes_chart(experiment, "").axes
         assert [label.get_text() for label in axes.get_xticklabels()] == ["all episodes"]
 
 
-def test_stacked_bars_add_up_to_1(store: Store) -> None:
-    on, off = draw(store, modes=True).axes
+def test_stacked_bars_add_up_to_1(experiment: Experiment) -> None:
+    on, off = draw(experiment, modes=True).axes
     assert (on.get_title(loc="left"), off.get_title(loc="left")) == ("escape on", "escape off")
     heights = [
         (round(bar.get_x() + 0.4), bar.get_y(), bar.get_height())
@@ -140,8 +136,8 @@ def test_stacked_bars_add_up_to_1(store: Store) -> None:
     assert [label.get_text() for label in off.get_xticklabels()] == ["20", "200"]
 
 
-def test_each_mode_has_its_own_colour_and_a_name_in_the_legend(store: Store) -> None:
-    figure = draw(store, modes=True)
+def test_each_mode_has_its_own_colour_and_a_name_in_the_legend(experiment: Experiment) -> None:
+    figure = draw(experiment, modes=True)
     [legend] = figure.legends
     assert [text.get_text() for text in legend.get_texts()] == [
         "delivered",
@@ -163,8 +159,8 @@ def test_long_names_do_not_overlap(tmp_path: Path) -> None:
     for file in files:
         file.write_text("#####\n#P.D#\n#####")
     cases = [({"layout": str(file)}, outcomes("dw")) for file in files]
-    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
-        for figure in (draw(store), draw(store, modes=True)):
+    with experiment_of(cases) as experiment:
+        for figure in (draw(experiment), draw(experiment, modes=True)):
             figure.pixels()
             labels = [label.get_window_extent() for label in figure.axes[0].get_xticklabels()]
             assert len(labels) == 5
@@ -173,14 +169,14 @@ def test_long_names_do_not_overlap(tmp_path: Path) -> None:
             assert len(set(names)) == 5
 
 
-def test_pooled_cases_are_one_point(tmp_path: Path) -> None:
+def test_pooled_cases_are_one_point() -> None:
     cases = [
         ({"battery": battery, "view_radius": radius}, outcomes("dw" if radius else "dd"))
         for battery in range(1, 12)
         for radius in range(9)
     ]
-    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
-        [axes] = draw(store).axes
+    with experiment_of(cases) as experiment:
+        [axes] = draw(experiment).axes
     [(_, shares)] = middles(axes)
     assert shares == [pytest.approx(10 / 18)] * 11
     [whiskers] = axes.containers[0].lines[2]
@@ -196,19 +192,19 @@ def test_of_many_values_some_are_shown_at_equal_distances(
         for battery in range(1, 101)
         for escape in (True, False)
     ]
-    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
-        lines = middles(draw(store).axes[0])
-        bars = draw(store, modes=True).axes[0]
+    with experiment_of(cases) as experiment:
+        lines = middles(draw(experiment).axes[0])
+        bars = draw(experiment, modes=True).axes[0]
     assert [len(places) for places, _ in lines] == [10, 10]
     assert [round(place) for place in lines[0][0]] == [-1, 10, 21, 32, 43, 54, 65, 76, 87, 98]
     assert len(bars.containers) == 20
 
 
-def test_many_values_have_few_ticks(tmp_path: Path) -> None:
+def test_many_values_have_few_ticks() -> None:
     cases = [({"battery": battery}, outcomes("dw")) for battery in range(1, 60)]
-    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
-        assert len(draw(store).axes[0].get_xticks()) <= MAX_TICKS
-        assert len(draw(store, modes=True).axes[0].get_xticks()) <= MAX_TICKS
+    with experiment_of(cases) as experiment:
+        assert len(draw(experiment).axes[0].get_xticks()) <= MAX_TICKS
+        assert len(draw(experiment, modes=True).axes[0].get_xticks()) <= MAX_TICKS
 
 
 @pytest.mark.parametrize("name", ["$x_{", "a_b^c$x$", "100%"])
@@ -217,15 +213,15 @@ def test_names_are_not_parsed_as_formulas(tmp_path: Path, name: str) -> None:
     file.write_text("#####\n#P.D#\n#####")
     places = [{"layout": name, "stations": "kept"} for name in ("default", str(file))]
     cases = [(place, outcomes("dw")) for place in places]
-    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
-        for figure in (draw(store), draw(store, modes=True)):
+    with experiment_of(cases) as experiment:
+        for figure in (draw(experiment), draw(experiment, modes=True)):
             figure.pixels()
             labels = [label.get_text() for label in figure.axes[0].get_xticklabels()]
             assert labels == ["default", name]
 
 
-def test_everything_drawn_is_inside_the_figure(store: Store) -> None:
-    for figure in (draw(store), draw(store, modes=True)):
+def test_everything_drawn_is_inside_the_figure(experiment: Experiment) -> None:
+    for figure in (draw(experiment), draw(experiment, modes=True)):
         figure.pixels()
         drawn = figure.get_tightbbox(figure.canvas.get_renderer())
         width, height = figure.get_size_inches()
@@ -239,10 +235,10 @@ def test_roles_are_none_where_nothing_differs() -> None:
     assert roles_of(make_design({1: make_plan({}, 1, 0).cases[0]})) == Roles(None, None, None, ())
 
 
-def test_means_of_few_deliveries_have_no_whiskers(tmp_path: Path) -> None:
+def test_means_of_few_deliveries_have_no_whiskers() -> None:
     cases = [({"battery": battery}, [row(0, steps=battery)]) for battery in (10, 20)]
-    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
-        figure = measure_chart(Experiment(store, LONE), make_design(store.cases()), "", STEPS)
+    with experiment_of(cases) as experiment:
+        figure = measure_chart(experiment, experiment.design, "", STEPS)
     assert figure is not None
     [(_, means)] = middles(figure.axes[0])
     assert means == [10, 20]
@@ -251,11 +247,11 @@ def test_means_of_few_deliveries_have_no_whiskers(tmp_path: Path) -> None:
     figure.pixels()
 
 
-def test_only_ordered_values_are_joined_by_a_line(tmp_path: Path) -> None:
-    for number, settings in enumerate(({"battery": [1, 2]}, {"escape": [True, False]})):
+def test_only_ordered_values_are_joined_by_a_line() -> None:
+    for settings in ({"battery": [1, 2]}, {"escape": [True, False]}):
         [(name, values)] = settings.items()
         cases = [({name: value}, outcomes("dw")) for value in values]
-        with Store(fill(tmp_path / f"{number}.sqlite", cases), read_only=True) as store:
-            [axes] = draw(store).axes
+        with experiment_of(cases) as experiment:
+            [axes] = draw(experiment).axes
         line = axes.containers[0].lines[0]
         assert line.get_linestyle() == ("-" if name == "battery" else "None")

@@ -5,24 +5,20 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.results_files import fill, hall, outcomes, row
+from helpers.results_files import OFF, ON, Cases, experiment_of, hall, outcomes, row
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from agents.lab.experiments.store import Store
-from agents.lab.reports.analysis.design import make_design
-from agents.lab.reports.analysis.results import LONE, STEPS, Experiment
+from agents.lab.reports.analysis.results import STEPS
 from agents.lab.reports.figures import pictures as picture_module
 from agents.lab.reports.figures import roles
 from agents.lab.reports.figures.measure import measure_chart
 from agents.lab.reports.figures.pictures import MAX_MAPS, Picture, pictures
 
-ON, OFF = {"escape": True}, {"escape": False}
 
-
-def drawn(path: Path, cases: list[Any]) -> dict[str, Picture]:
-    with Store(fill(path / "r.sqlite", cases), read_only=True) as store:
-        found = list(pictures(Experiment(store, LONE)))
+def drawn(cases: Cases) -> dict[str, Picture]:
+    with experiment_of(cases) as experiment:
+        found = list(pictures(experiment))
     for picture in found:
         assert ElementTree.fromstring(picture.svg).tag.endswith("svg")
         assert picture.caption.endswith(".")
@@ -31,27 +27,26 @@ def drawn(path: Path, cases: list[Any]) -> dict[str, Picture]:
     return {picture.name: picture for picture in found}
 
 
-def test_the_figures_of_two_cases_on_the_grid(tmp_path: Path) -> None:
-    found = drawn(tmp_path, [(ON, outcomes("ddww")), (OFF, outcomes("ddoo"))])
+def test_the_figures_of_two_cases_on_the_grid() -> None:
+    found = drawn([(ON, outcomes("ddww")), (OFF, outcomes("ddoo"))])
     assert list(found) == ["success", "steps", "modes", "stuck-1"]
     assert "Wilson's 95% intervals" in found["success"].caption
     assert "of 8 episodes" in found["stuck-1"].caption
     assert "random in each episode" in found["stuck-1"].caption
 
 
-def test_time_and_energy_are_drawn_only_where_they_are_measured(tmp_path: Path) -> None:
+def test_time_and_energy_are_drawn_only_where_they_are_measured() -> None:
     cases = [
         ({"backend": backend, "escape": escape}, [row(0, joules=77), row(1)])
         for backend in ("grid", "physics")
         for escape in (True, False)
     ]
-    found = drawn(tmp_path, cases)
+    found = drawn(cases)
     assert {"seconds", "joules"} <= found.keys()
     assert found["seconds"].svg != found["joules"].svg
     assert "Time of a delivery, backend physics" in found["seconds"].caption
     assert "Energy of a delivery, backend physics" in found["joules"].caption
-    (tmp_path / "grid").mkdir()
-    assert not {"seconds", "joules"} & drawn(tmp_path / "grid", cases[:2]).keys()
+    assert not {"seconds", "joules"} & drawn(cases[:2]).keys()
 
 
 @pytest.mark.parametrize(
@@ -64,12 +59,11 @@ def test_time_and_energy_are_drawn_only_where_they_are_measured(tmp_path: Path) 
     ],
     ids=["a single case", "too large to be seen", "no failure", "random layouts"],
 )
-def test_a_map_is_drawn_of_a_layout_with_failures(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+def test_a_map_is_drawn_of_a_layout_with_failures(monkeypatch: pytest.MonkeyPatch,
     cases: list[Any], max_cells: int, names: list[str],
 ) -> None:  # fmt: skip
     monkeypatch.setattr(picture_module, "MAX_CELLS", max_cells)
-    assert list(drawn(tmp_path, cases)) == names
+    assert list(drawn(cases)) == names
 
 
 def test_the_layouts_with_the_most_episodes_have_maps(tmp_path: Path) -> None:
@@ -77,7 +71,7 @@ def test_the_layouts_with_the_most_episodes_have_maps(tmp_path: Path) -> None:
     for number in range(MAX_MAPS + 2):
         file = hall(tmp_path, number)
         cases.append(({"layout": file}, outcomes("w" * (number + 1))))
-    found = drawn(tmp_path, cases)
+    found = drawn(cases)
     maps = [found[name].caption for name in found if name.startswith("stuck")]
     assert len(maps) == MAX_MAPS
     assert "hall5.txt: of 6 episodes" in maps[0]
@@ -85,13 +79,13 @@ def test_the_layouts_with_the_most_episodes_have_maps(tmp_path: Path) -> None:
     assert "hall2.txt: of 3 episodes" in maps[-1]
 
 
-def test_the_caption_names_pooled_settings(tmp_path: Path) -> None:
+def test_the_caption_names_pooled_settings() -> None:
     cases = [
         ({"battery": battery, "view_radius": radius}, outcomes("dw"))
         for battery in range(1, 10)
         for radius in range(8)
     ]
-    found = drawn(tmp_path, cases)
+    found = drawn(cases)
     assert found["success"].caption == (
         "Delivered: share of all episodes, without intervals: several combinations are pooled, "
         "which share their seeds; pooled over view_radius."
@@ -99,9 +93,9 @@ def test_the_caption_names_pooled_settings(tmp_path: Path) -> None:
     assert found["modes"].caption.endswith("as shares; pooled over view_radius.")
 
 
-def test_points_of_one_combination_each_have_intervals(tmp_path: Path) -> None:
+def test_points_of_one_combination_each_have_intervals() -> None:
     cases = [({"battery": n, "view_radius": n}, outcomes("dw")) for n in range(1, 10)]
-    assert drawn(tmp_path, cases)["success"].caption == (
+    assert drawn(cases)["success"].caption == (
         "Delivered: share of all episodes, with Wilson's 95% intervals; of different battery."
     )
 
@@ -118,15 +112,10 @@ def test_points_of_one_combination_each_have_intervals(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_the_caption_states_which_intervals_are_drawn(
-    tmp_path: Path, counts: tuple[int, int], words: str
-) -> None:
+def test_the_caption_states_which_intervals_are_drawn(counts: tuple[int, int], words: str) -> None:
     lines = [[row(n, steps=30 + n) for n in range(count)] for count in counts]
-    path = fill(tmp_path / "r.sqlite", list(zip((ON, OFF), lines, strict=True)))
-    with Store(path, read_only=True) as store:
-        experiment = Experiment(store, LONE)
-        design = make_design(experiment.cases)
-        chart = measure_chart(experiment, design, "", STEPS)
+    with experiment_of(list(zip((ON, OFF), lines, strict=True))) as experiment:
+        chart = measure_chart(experiment, experiment.design, "", STEPS)
         [steps] = [each.caption for each in pictures(experiment) if each.name == "steps"]
     assert chart is not None
     whiskers = [
@@ -138,25 +127,23 @@ def test_the_caption_states_which_intervals_are_drawn(
     assert steps == f"Steps of a delivery: mean of what was delivered, hard or easy, {words}."
 
 
-def test_the_caption_says_that_nearly_equal_values_have_no_interval(tmp_path: Path) -> None:
+def test_the_caption_says_that_nearly_equal_values_have_no_interval() -> None:
     rows = [row(n, steps=90 if n == 7 else 30) for n in range(40)]
-    assert drawn(tmp_path, [(ON, rows), (OFF, rows)])["steps"].caption.endswith(
+    assert drawn([(ON, rows), (OFF, rows)])["steps"].caption.endswith(
         "hard or easy, without intervals: nearly all values are equal."
     )
 
 
-def test_the_caption_states_how_many_values_are_drawn(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_caption_states_how_many_values_are_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(roles, "MAX_POINTS", 5)
-    found = drawn(tmp_path, [({"battery": n}, outcomes("dw")) for n in range(1, 40)])
+    found = drawn([({"battery": n}, outcomes("dw")) for n in range(1, 40)])
     assert "; 5 of 39 values of battery." in found["success"].caption
 
 
-def test_the_same_results_make_the_same_bytes(tmp_path: Path) -> None:
+def test_the_same_results_make_the_same_bytes() -> None:
     cases = [(ON, outcomes("ddww")), (OFF, outcomes("ddoo"))]
-    with Store(fill(tmp_path / "r.sqlite", cases), read_only=True) as store:
-        assert list(pictures(Experiment(store, LONE))) == list(pictures(Experiment(store, LONE)))
+    with experiment_of(cases) as experiment:
+        assert list(pictures(experiment)) == list(pictures(experiment))
 
 
 def test_each_text_of_a_figure_is_at_least_12_pixels_high_on_a_page(
@@ -174,7 +161,7 @@ def test_each_text_of_a_figure_is_at_least_12_pixels_high_on_a_page(
         for escape in (True, False)
         for modes in [[*enumerate(("delivered", "wandering", "oscillation"))]]
     ]
-    drawn(tmp_path, cases)
+    drawn(cases)
     assert len(figures) == 5
     letters = [{text.get_text() for text in each.findobj(Text)} & {"P", "D"} for each in figures]
     assert letters == [set(), set(), set(), set(), {"P", "D"}], "only of the layout that keeps them"
