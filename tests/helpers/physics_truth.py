@@ -42,14 +42,9 @@ def random_spec(stream: random.Random, *, is_round: bool, widest: float = 0.499)
 
 
 def random_robots_move_as_the_grid(moves: int, seed: int = 0) -> tuple[int, int]:
-    """Move random robots alone and in a batch, a hundred moves each.
+    """Compare random robots on the grid, alone and in a batch, in a hundred moves each.
 
-    Returns:
-        The number of moves, and of those by a robot that the floor brakes alone.
-
-    Raises:
-        AssertionError: one ended in another cell than on the grid, or off its middle; or a batch
-            differs from single motions.
+    Return how many moves were made, and how many by robots that the floor brakes alone.
     """
     made = braked = 0
     while made < moves:
@@ -193,11 +188,7 @@ class BookErrors(NamedTuple):
 
 
 def errors_of_the_books(moves: int, robots: int, seed: int = 0) -> BookErrors:
-    """Compare outcomes of random robots, alone or several, with a second book.
-
-    Raises:
-        AssertionError: the outcomes have other hits.
-    """
+    """Compare outcomes of random robots, alone or several, with a second book of equal hits."""
     errors = BookErrors([], [])
     while len(errors.joules) < moves:
         stream = random.Random(seed)

@@ -10,9 +10,7 @@ from helpers.batches import (
     MIXED,
     ROOM,
     TWO_CELLS,
-    over_modes,
     over_starts,
-    same,
     some_batch,
 )
 
@@ -73,30 +71,3 @@ def test_rows_without_a_seed_differ_from_each_other_and_between_batches() -> Non
     places = [BatchEnv(20, big).reset()[0]["robot_pos"].tolist() for _ in range(2)]
     assert places[0] != places[1]
     assert len({tuple(place) for place in places[0]}) > 10
-
-
-@over_starts
-@over_modes
-def test_a_reset_with_a_mask_does_not_change_other_rows(mode: str, randomize: bool | str) -> None:
-    """Neither their state nor their random stream."""
-    batch, twin = (some_batch(mode, randomize=randomize, max_steps=30) for _ in range(2))
-    moves = np.random.default_rng(0).integers(7, size=(3, len(MIXED)))
-    for each in (batch, twin):
-        each.reset(seed=1)
-        for actions in moves:
-            each.step(actions)
-    mask = np.arange(len(MIXED)) % 3 == 0
-    # A list gives no seed to rows that are not reset.
-    arrays, info = batch.reset(list(range(100, 100 + len(MIXED))), mask)
-    assert info["_action_mask"].tolist() == mask.tolist()
-    assert np.array_equal(info["action_mask"], batch.action_masks())
-    assert (arrays["steps"][:, 0] == np.where(mask, 0, 3)).all()
-    mask[:] = True
-    expected = some_batch(randomize=randomize)
-    expected.reset(seed=100)
-    for row in range(len(MIXED)):
-        assert batch.row(row) == (expected if row % 3 == 0 else twin).row(row)
-    assert same(
-        batch.reset(mask=np.arange(len(MIXED)) == 1)[0]["robot_pos"][1],
-        twin.reset()[0]["robot_pos"][1],
-    )
