@@ -8,7 +8,7 @@ from typing import NamedTuple
 from pymunk import Vec2d
 
 from helpers.crowds import targets_of
-from helpers.rigid_bodies import STAY, STEPS, rows_differ
+from helpers.rigid_bodies import STAY, STEPS, rows_differ, together
 from warehouse_core import Cell, Layout, Outcome, random_layout
 from warehouse_core.motion.traffic import find_stops
 from warehouse_physics import RigidBodyMotion, RobotSpec
@@ -102,9 +102,7 @@ def differences_in_jams(moves: int, seed: int = 0) -> tuple[int, int, int]:
 def queue(layout: Layout, cells: list[Cell], loaded: bool = False) -> list[Outcome]:
     """Let each robot drive into the cell of the next; the last one waits."""
     moves = [(b[0] - a[0], b[1] - a[1]) for a, b in pairwise(cells)]
-    motion = RigidBodyMotion(record_path=False)
-    motion.reset(layout, cells, 0)
-    return list(motion.advance([*moves, STAY], [loaded] * len(cells)))
+    return together(layout, cells, [*moves, STAY], None, [loaded] * len(cells), record_path=False)
 
 
 def straight_queue(robots: int) -> tuple[Layout, list[Cell]]:

@@ -3,6 +3,7 @@
 import math
 import random
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,6 +30,20 @@ def motion_in(
     motion = RigidBodyMotion(spec, path_every=path_every)
     motion.reset(layout, [cell], 0)
     return motion
+
+
+def together(
+    layout: Layout,
+    cells: Sequence[Cell],
+    moves: Sequence[Cell],
+    spec: RobotSpec | None = None,
+    loaded: Sequence[bool] | None = None,
+    **options: Any,
+) -> list[Outcome]:
+    """Let robots make one move each; nobody is loaded unless it is said."""
+    motion = RigidBodyMotion(spec, **options)
+    motion.reset(layout, cells, 0)
+    return list(motion.advance(moves, loaded or [False] * len(cells)))
 
 
 def move(motion: RigidBodyMotion, displacement: Cell, loaded: bool = False) -> Outcome:
