@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from helpers.command_line import refusal
+from helpers.command_line import Refused
 
 from agents.errors import ParameterError
 from agents.lab.experiments.case import key_of, make_case
@@ -65,11 +65,11 @@ INVALID = {
 
 @pytest.mark.parametrize(("text", "named"), INVALID.values(), ids=INVALID)
 def test_an_invalid_plan_is_a_one_line_error_and_no_file_is_written(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, text: str, named: str
+    refused: Refused, tmp_path: Path, text: str, named: str
 ) -> None:
     plan, output = tmp_path / "plan.toml", tmp_path / "r.sqlite"
     plan.write_text(text)
-    line = refusal(capsys, "sweep", plan, "-o", output, *(() if "episodes" in text else ("-n", 1)))
+    line = refused("sweep", plan, "-o", output, *(() if "episodes" in text else ("-n", 1)))
     assert named in line
     assert list(tmp_path.iterdir()) == [plan]
 
@@ -80,11 +80,11 @@ def test_an_invalid_plan_is_a_one_line_error_and_no_file_is_written(
     ids=["not UTF-8", "too long", "a directory"],
 )
 def test_a_plan_that_is_not_a_text_file_is_an_error_with_its_name(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, content: bytes | None, named: str
+    refused: Refused, tmp_path: Path, content: bytes | None, named: str
 ) -> None:
     plan = tmp_path / "plan.toml"
     plan.mkdir() if content is None else plan.write_bytes(content)
-    line = refusal(capsys, "sweep", plan, "-o", tmp_path / "r.sqlite")
+    line = refused("sweep", plan, "-o", tmp_path / "r.sqlite")
     assert str(plan) in line
     assert named in line
     assert list(tmp_path.iterdir()) == [plan]
@@ -131,9 +131,9 @@ FLAGS = {
 
 @pytest.mark.parametrize("flag", FLAGS)
 def test_an_invalid_flag_is_an_error_and_no_file_is_written(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, flag: str
+    refused: Refused, tmp_path: Path, flag: str
 ) -> None:
-    line = refusal(capsys, "sweep", "--set", flag, "-o", tmp_path / "r.sqlite")
+    line = refused("sweep", "--set", flag, "-o", tmp_path / "r.sqlite")
     assert FLAGS[flag] in line
     assert not list(tmp_path.iterdir())
 

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.command_line import refusal
+from helpers.command_line import Refused
 
 from agents.errors import ParameterError
 from agents.lab.experiments.plan import MAX_CASES, MAX_EPISODES, MAX_SEED, Plan, make_plan, spread
@@ -39,10 +39,10 @@ def test_the_seeds_of_a_plan_are_consecutive() -> None:
 
 @pytest.mark.parametrize("seed", [-1, 10**25])
 def test_a_seed_that_cannot_be_stored_is_an_error(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, seed: int
+    refused: Refused, tmp_path: Path, seed: int
 ) -> None:
     output = tmp_path / "r.sqlite"
-    assert "seed" in refusal(capsys, "sweep", "-n", 1, "--seed", seed, "-o", output)
+    assert "seed" in refused("sweep", "-n", 1, "--seed", seed, "-o", output)
     assert not output.exists()
 
 

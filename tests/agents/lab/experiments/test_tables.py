@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from helpers.command_line import refusal
+from helpers.command_line import Refused
 from helpers.results_files import change, fill, fleet_row, row
 
 from agents.errors import StoreError
@@ -50,7 +50,7 @@ def path(tmp_path: Path) -> Path:
     return fill(tmp_path / "r.sqlite", [({}, [row(0, needed=None)])])
 
 
-def refused(path: Path) -> str:
+def reason(path: Path) -> str:
     """Return the message, which is the same for reading and for resuming."""
     messages = set()
     for read_only in (True, False):
@@ -78,7 +78,7 @@ def refused(path: Path) -> str:
 def test_a_file_with_anything_but_the_tables_is_refused(path: Path, script: str) -> None:
     change(path, script)
     before = path.read_bytes()
-    assert refused(path) == ELSE
+    assert reason(path) == ELSE
     assert path.read_bytes() == before
 
 
@@ -104,22 +104,20 @@ def test_a_file_that_an_earlier_program_has_written_is_read_and_resumed(tmp_path
     ],
 )
 def test_a_wrong_byte_in_the_schema_is_an_error(
-    path: Path, capsys: pytest.CaptureFixture[str], old: bytes, new: bytes, message: str
+    path: Path, refused: Refused, old: bytes, new: bytes, message: str
 ) -> None:
     path.write_bytes(path.read_bytes().replace(old, new))
     for words in (["report", path], ["sweep", "-o", path], ["export", path, f"{path}.csv"]):
-        assert refusal(capsys, *words).startswith(f"{path}: ")
-    assert message in refused(path)
+        assert refused(*words).startswith(f"{path}: ")
+    assert message in reason(path)
 
 
 @pytest.mark.parametrize("column", ["settings", "mode", "name"])
-def test_a_wrong_byte_in_a_text_is_an_error(
-    path: Path, capsys: pytest.CaptureFixture[str], column: str
-) -> None:
+def test_a_wrong_byte_in_a_text_is_an_error(path: Path, refused: Refused, column: str) -> None:
     table = {"settings": "cases", "mode": "episodes", "name": "programs"}[column]
     change(path, f"UPDATE {table} SET {column} = CAST(x'61ff' AS TEXT)")
     for words in (["report", path], ["export", path, path.with_suffix(".csv")]):
-        assert refusal(capsys, *words).startswith(f"{path}: ")
+        assert refused(*words).startswith(f"{path}: ")
 
 
 def test_a_page_that_is_used_twice_is_refused(path: Path) -> None:
@@ -135,14 +133,14 @@ def test_a_page_that_is_used_twice_is_refused(path: Path) -> None:
     second = begin + int.from_bytes(data[begin + 14 : begin + 16])
     data[second : second + 4] = data[first : first + 4]
     path.write_bytes(data)
-    message = refused(path)
+    message = reason(path)
     assert message.startswith("it is damaged: ")
     assert "2nd reference to page" in message
 
 
 def test_a_schema_without_an_end_is_refused(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tables, "MAX_SCHEMA_STEPS", 1)
-    assert refused(path) == "its schema has no end"
+    assert reason(path) == "its schema has no end"
 
 
 def test_long_texts_are_not_read(path: Path) -> None:

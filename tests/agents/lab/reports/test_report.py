@@ -6,7 +6,7 @@ from typing import Any
 from xml.etree import ElementTree
 
 import pytest
-from helpers.command_line import command, refusal
+from helpers.command_line import Refused, Warehouse
 from helpers.results_files import fill, fleet_row, outcomes
 from helpers.sweeps import Here, nothing
 
@@ -28,9 +28,9 @@ def results(tmp_path: Path) -> Path:
 
 
 def test_the_command_prints_the_answers_and_writes_the_page(
-    results: Path, capsys: pytest.CaptureFixture[str]
+    results: Path, warehouse: Warehouse
 ) -> None:
-    code, out, err = command(capsys, "report", results, "--no-replays")
+    code, out, err = warehouse("report", results, "--no-replays")
     assert (code, err) == (0, "")
     lines = out.splitlines()
     assert lines[0] == "8 episodes in 2 combinations of settings, seeds from 0 to 3"
@@ -43,11 +43,9 @@ def test_the_command_prints_the_answers_and_writes_the_page(
     assert "<iframe" not in page
 
 
-def test_figures_are_saved_in_a_folder(
-    results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_figures_are_saved_in_a_folder(results: Path, tmp_path: Path, warehouse: Warehouse) -> None:
     page, folder = tmp_path / "page.html", tmp_path / "new" / "figures"
-    command(capsys, "report", results, "--no-replays", "-o", page, "--figures", folder)
+    warehouse("report", results, "--no-replays", "-o", page, "--figures", folder)
     names = {path.name for path in folder.iterdir()}
     assert names == {"success.svg", "steps.svg", "modes.svg", "stuck-1.svg"}
     assert page.exists()
@@ -67,7 +65,7 @@ def test_the_page_is_written_even_if_the_output_is_closed(
     assert (results.parent / "figures" / "modes.svg").exists()
 
 
-def test_each_outcome_is_replayed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_each_outcome_is_replayed(tmp_path: Path, warehouse: Warehouse) -> None:
     results = tmp_path / "r.sqlite"
     with Store(results) as store:
         run_missing(
@@ -77,7 +75,7 @@ def test_each_outcome_is_replayed(tmp_path: Path, capsys: pytest.CaptureFixture[
             1,
             nothing,
         )
-    assert command(capsys, "report", results).code == 0
+    assert warehouse("report", results).code == 0
     with Store(results, read_only=True) as store:
         modes = {mode for (mode,) in store.query("SELECT DISTINCT mode FROM episodes")}
     page = results.with_suffix(".html").read_text(encoding="utf-8")
@@ -88,32 +86,30 @@ def test_each_outcome_is_replayed(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert "<td>kept</td>" in page
 
 
-def test_a_report_changes_nothing_in_the_results(
-    results: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_report_changes_nothing_in_the_results(results: Path, warehouse: Warehouse) -> None:
     before = results.read_bytes()
-    command(capsys, "report", results, "--no-replays")
+    warehouse("report", results, "--no-replays")
     assert results.read_bytes() == before
     assert {path.name for path in results.parent.iterdir()} == {"r.sqlite", "r.html"}
 
 
 def test_invalid_results_and_outputs_are_errors(
-    results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    results: Path, tmp_path: Path, refused: Refused
 ) -> None:
-    assert refusal(capsys, "report", tmp_path / "no.sqlite").endswith("there is no such file")
+    assert refused("report", tmp_path / "no.sqlite").endswith("there is no such file")
     empty = tmp_path / "empty.sqlite"
     Store(empty).close()
-    assert refusal(capsys, "report", empty) == f"{empty}: there is no episode in it"
+    assert refused("report", empty) == f"{empty}: there is no episode in it"
     text = tmp_path / "r.txt"
     text.write_text("no results" * 100)
-    assert refusal(capsys, "report", text).startswith(f"{text}: ")
+    assert refused("report", text).startswith(f"{text}: ")
     nowhere = tmp_path / "nowhere" / "page.html"
-    assert str(nowhere.parent) in refusal(capsys, "report", results, "-o", nowhere)
-    assert refusal(capsys, "report", results, "-o", results) == (
+    assert str(nowhere.parent) in refused("report", results, "-o", nowhere)
+    assert refused("report", results, "-o", results) == (
         f"{results}: cannot save as .sqlite; allowed: .html"
     )
     html = results.rename(tmp_path / "r.html")
-    assert refusal(capsys, "report", html) == (
+    assert refused("report", html) == (
         f"{html}: this is the file of results; the page needs another name"
     )
     Store(html, read_only=True).close()
@@ -216,13 +212,13 @@ def test_lone_robots_and_fleets_have_a_table_each(tmp_path: Path) -> None:
 
 
 def test_a_layout_and_an_agent_whose_names_are_no_utf8_are_reported(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, warehouse: Warehouse
 ) -> None:
     hall = tmp_path / "hall\udcff.txt"
     hall.write_text("#######\n#P...D#\n#######")
     cases = [{}, {"layout": str(hall)}, {"agent": "a\udcff.py:Mine"}]
     path = fill(tmp_path / "r.sqlite", [(case, outcomes("dw")) for case in cases])
-    code, out, _ = command(capsys, "report", path, "--figures", tmp_path, "--no-replays")
+    code, out, _ = warehouse("report", path, "--figures", tmp_path, "--no-replays")
     assert code == 0
     assert "hall\\udcff.txt" in out
     assert "a\\udcff.py:Mine" in path.with_suffix(".html").read_text(encoding="utf-8")
