@@ -85,14 +85,10 @@ def test_flags_and_options_override_the_plan_file(warehouse: Warehouse, tmp_path
         assert {seed for (seed,) in store.query("SELECT seed FROM episodes")} == {7, 8}
 
 
-@pytest.mark.parametrize(
-    ("kills", "episodes"), [(2, 800), pytest.param(30, 8000, marks=pytest.mark.slow)]
-)
-def test_a_killed_sweep_loses_and_repeats_no_rows(
-    path: Path, tmp_path: Path, kills: int, episodes: int
-) -> None:
-    killed = kill_sweeps(path, episodes, kills)
-    assert killed >= kills * 2 // 3
+def test_a_killed_sweep_loses_and_repeats_no_rows(path: Path, tmp_path: Path) -> None:
+    """``bench_rows.py`` kills one 200 times."""
+    episodes = 800
+    assert kill_sweeps(path, episodes, 2) >= 1
     before = table(path)
     assert before
     sweep = Sweep(path, episodes)
