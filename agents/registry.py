@@ -118,14 +118,10 @@ def make_planner(
 ) -> Planner | FleetAgent:
     """Return a planner of the robots of a fleet, or an agent that directs them, by name.
 
-    Args:
-        name: one of ``PLANNERS``, or ``file.py:Class`` or ``package.module:Class``; arguments may
-            follow, as in ``pibt-lanes:wrong_way=3``. A class that has ``next_cells`` is a
-            ``Planner``, one that has ``act`` a ``FleetAgent``.
-        seed: see ``make_agent``.
-        layout: passed to the planner if it takes a ``layout``; if it takes a ``graph``, it gets
-            the graph of the layout, where ways lead around chargers.
-        robots: passed to the planner if it takes ``robots`` and the name does not give them.
+    Names are as for ``make_agent``, but with ``PLANNERS``. A class of a user that has
+    ``next_cells`` is a ``Planner``, one that has ``act`` a ``FleetAgent``. Besides seed and layout
+    it gets ``robots`` if it takes them and the name does not give them, and if it takes a
+    ``graph`` the graph of the layout, where ways lead around chargers.
 
     Raises:
         AgentError: as ``make_agent``.

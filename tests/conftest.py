@@ -6,6 +6,7 @@ import tracemalloc
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from functools import partial
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
@@ -79,6 +80,25 @@ def small_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     for make in (figure.make_figure, figure.make_window):
         monkeypatch.setattr(make, "__defaults__", (20,))
     monkeypatch.setattr(RendererAgg, "draw_text", lambda *_, **__: None)
+
+
+@pytest.fixture
+def install(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., None]]:
+    """Return a function that replaces the entry points of all installed backends."""
+    from warehouse_core.motion import backends
+
+    def forget() -> None:
+        backends._entry_points.cache_clear()
+        backends.load_backend.cache_clear()
+
+    def install(*points: EntryPoint) -> None:
+        monkeypatch.setattr("importlib.metadata.entry_points", lambda group: list(points))
+        forget()
+
+    forget()
+    yield install
+    monkeypatch.undo()
+    forget()
 
 
 @pytest.fixture

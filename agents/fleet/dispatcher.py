@@ -31,12 +31,8 @@ that happens every ``LARGE_EVERY`` steps, and in the others only robots without 
 class Robots(NamedTuple):
     """The robots before a step, ``[R]`` each; cells are numbers.
 
-    Attributes:
-        cells: cells of the robots, or cells where they are to stop; see ``Ways``.
-        goals: cells where they are to pick or drop, or ``NONE``.
-        loaded: true for robots that hold an item.
-        ended: true for robots whose episode has ended.
-        battery: units left.
+    Robots that drive through have the ``cells`` where they are to stop, see ``Ways``. The ``goals``
+    are cells where robots are to pick or drop, or ``NONE``.
     """
 
     cells: Integers

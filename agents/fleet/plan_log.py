@@ -17,11 +17,7 @@ from warehouse_core.records.plans import StepPlans
 
 
 class PlanLog:
-    """Keeps what a planner plans for some robots, and who pushes whom.
-
-    Args:
-        robots: numbers of the robots whose plans are kept.
-        pushes: keep who pushes whom, too; the planner must be a ``PushingPlanner``.
+    """Keeps what a planner plans for some robots, and with ``pushes`` who pushes whom.
 
     Attributes:
         plans: plans of the steps so far, as ``replay_animation`` takes them.

@@ -1,6 +1,8 @@
-"""A fleet that a planner and a task assignment direct."""
+"""A fleet that a planner and a task assignment direct, and who assigns the orders of a fleet."""
 
 from __future__ import annotations
+
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +14,7 @@ from agents.mapf.graph import CLOSED, Graph, Integers
 from agents.mapf.planner import GraphPlanner, Planner, PushingPlanner, Situation, check_step
 from agents.mapf.time_limit import time_limit
 from warehouse_core import FleetEnv
+from warehouse_core.records import FleetAgent
 from warehouse_core.records.plans import NO_PLANS
 from warehouse_core.world.actions import WAIT
 
@@ -19,6 +22,22 @@ DEFAULT_ASSIGNMENT = "urgent"
 
 PLAN_SECONDS = 10.0
 """Seconds that a planner may take for a step."""
+
+
+@runtime_checkable
+class Dispatching(Protocol):
+    """An agent that says who assigns the orders.
+
+    Attributes:
+        dispatch: true if the fleet does, see ``FleetEnv``; false if the agent does.
+    """
+
+    dispatch: bool
+
+
+def wants_dispatch(agent: FleetAgent) -> bool:
+    """Return whether a fleet assigns its orders itself, as it does unless its agent says no."""
+    return agent.dispatch if isinstance(agent, Dispatching) else True
 
 
 class PlannedFleet:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core import RecordError
+from warehouse_core.arguments import whole_number
 from warehouse_core.files.header import pack_header, unpack_header
 from warehouse_core.files.npz import Schema, read_arrays, write_arrays
 from warehouse_core.task.encoding import MARKED_TILES, OTHER_NUMBERS, Arrays, vector
@@ -55,12 +56,7 @@ def input_size(view_radius: int, tiles: Tiles = MARKED_TILES) -> int:
 
 
 class PolicyNetwork:
-    """A network with fixed weights.
-
-    Args:
-        view_radius: view radius of its observations.
-        layers: ``LAYERS`` layers, from the first to the last.
-        tiles: tiles that it tells apart.
+    """A network of ``LAYERS`` layers with fixed weights.
 
     Raises:
         ValueError: the layers do not fit together or hold numbers that are not finite.
@@ -112,13 +108,11 @@ class PolicyNetwork:
         arrays = read_arrays(path, SCHEMA)
         layers = [(arrays[f"weights_{n}"], arrays[f"biases_{n}"]) for n in range(LAYERS)]
         try:
-            header = unpack_header(arrays["header"], FORMAT)
-            radius, tiles = header.get("view_radius"), header.get("tiles", "".join(MARKED_TILES))
-            if type(radius) is not int or radius < 0:
-                must = "must be a whole number, at least 0"
-                raise ValueError(f"view_radius is {radius!r}; it {must}")
+            header: Any = unpack_header(arrays["header"], FORMAT)
+            radius = whole_number("view_radius", header.get("view_radius"), 0)
+            tiles = header.get("tiles", "".join(MARKED_TILES))
             if not isinstance(tiles, str) or not set(tiles) <= CELL_CODES.keys():
                 raise ValueError(f"tiles are {tiles!r}; allowed: {''.join(CELL_CODES)}")
             return PolicyNetwork(radius, layers, tuple(tiles))
-        except ValueError as error:
+        except (TypeError, ValueError) as error:
             raise RecordError(f"{path}: {error}") from error

@@ -13,6 +13,7 @@ import numpy as np
 from agents.errors import AgentError
 from agents.learning.policy_network import Floats, PolicyNetwork, network_input
 from agents.warehouse_agent_greedy import open_moves
+from warehouse_core.arguments import real_number
 from warehouse_core.task.encoding import FLEET_TILES, encode
 from warehouse_core.task.rules import useful_actions
 from warehouse_core.task.state import Observation
@@ -55,12 +56,12 @@ class PPOAgent:
     ) -> None:
         if sample is not None and not isinstance(sample, bool):
             raise AgentError(f"{name}: sample is {sample!r}; it must be True or False")
-        is_number = isinstance(revisit, (int, float)) and not isinstance(revisit, bool)
-        if not is_number or not 0 <= revisit < np.inf:
-            raise AgentError(f"{name}: revisit is {revisit!r}; it must be a number, at least 0")
+        try:
+            self.revisit = real_number("revisit", revisit)
+        except ValueError as error:
+            raise AgentError(f"{name}: {error}") from None
         self._network, self._name, self._seed = network, name, seed
         self.samples = network.tiles == FLEET_TILES if sample is None else sample
-        self.revisit = revisit
         self.reset()
 
     @classmethod

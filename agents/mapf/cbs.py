@@ -82,15 +82,10 @@ that follow it.
 
 @dataclass(eq=False)
 class Node:
-    """A node of the conflict tree.
+    """A node of the conflict tree: the cheapest way of each robot, and all conflicts between them.
 
-    Attributes:
-        parent: node above, ``None`` for the root.
-        constraint: constraint that this node adds to its parent's.
-        ways: cheapest way of each robot under the constraints.
-        cost: the sum of the costs of the ways.
-        conflicts: all conflicts between the ways.
-        split: the conflict that its children forbid, or ``None`` if it has none.
+    ``constraint`` is what it adds to its parent's, and ``split`` the conflict that its children
+    forbid. The root has no parent and no constraint, and a leaf no split.
     """
 
     parent: Node | None
@@ -233,12 +228,15 @@ class ConflictTree:
         """Return how many of its robots a conflict costs more, and the conflict to split."""
         one, other = (self._mdd(node, each.robot) for each in conflict)
         forced = _is_forced(one, conflict.one) + _is_forced(other, conflict.other)
-        if forced < CARDINAL and self._are_dependent(one, other):
-            ends = (
-                Constraint(each.robot, len(node.ways[each.robot]) - 1, None) for each in conflict
-            )
-            return CARDINAL, Conflict(*ends)
-        return forced, conflict
+        if forced == CARDINAL:
+            return forced, conflict
+        key = id(one), id(other)  # the MDDs live as long as the tree
+        if key not in self._dependent:
+            self._dependent[key] = _meet(one, other)
+        if not self._dependent[key]:
+            return forced, conflict
+        ends = (Constraint(each.robot, len(node.ways[each.robot]) - 1, None) for each in conflict)
+        return CARDINAL, Conflict(*ends)
 
     def _mdd(self, node: Node, robot: int) -> MDD:
         """Return all ways of a robot that cost as much as its way in a node."""
@@ -266,13 +264,6 @@ class ConflictTree:
         self._mdds[robot, constraints] = [*moves, {goal: [goal]}]
         return self._mdds[robot, constraints]
 
-    def _are_dependent(self, one: MDD, other: MDD) -> bool:
-        """Return whether every pair of ways has a conflict; very many pairs are not looked at."""
-        key = id(one), id(other)  # the MDDs live as long as the tree
-        if key not in self._dependent:
-            self._dependent[key] = _meet(one, other)
-        return self._dependent[key]
-
 
 def solve_cbs(problem: Problem, seconds: float) -> Plan:
     """Return an optimal plan; see ``problem.Solver``."""
@@ -294,9 +285,8 @@ def _conflicts(ways: Sequence[list[int]], one: int, other: int) -> Iterator[Conf
 
 def _is_forced(mdd: MDD, constraint: Constraint) -> bool:
     """Return whether all ways of an MDD break a constraint that one of them breaks."""
-    times = (
-        [constraint.time] if constraint.before is None else [constraint.time - 1, constraint.time]
-    )
+    first = constraint.time - (constraint.before is not None)
+    times = range(first, constraint.time + 1)
     return all(len(mdd[min(time, len(mdd) - 1)]) == 1 for time in times)
 
 

@@ -202,7 +202,11 @@ class Fields:
             if not self._free:
                 self._free_rows(goals)
             self._row_of[goal] = row = self._free.pop()
-            self._fill(row, self.graph.distances(goal, keep=False))
+            field = self.graph.distances(goal, keep=False)
+            field = np.where(np.isinf(field), FAR, field)
+            if self.matrix.dtype == np.uint16 and ((field % 1 != 0) | (field > FAR)).any():
+                self.matrix = self.matrix.astype(np.float32)
+            self.matrix[row] = field
         return self._row_of[goals]
 
     def _free_rows(self, goals: Integers) -> None:
@@ -216,9 +220,3 @@ class Fields:
             more = max(rows // 2, 64)
             self.matrix.resize((rows + more, self.graph.places), refcheck=False)
             self._free = list(range(rows, rows + more))
-
-    def _fill(self, row: int, field: Costs) -> None:
-        field = np.where(np.isinf(field), FAR, field)
-        if self.matrix.dtype == np.uint16 and ((field % 1 != 0) | (field > FAR)).any():
-            self.matrix = self.matrix.astype(np.float32)
-        self.matrix[row] = field

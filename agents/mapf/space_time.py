@@ -99,7 +99,11 @@ def find_way(
             continue
         cell = place % size
         if state >= edge or (cell == goal and state >= free):
-            return Way(_trace(came, state, size), bound)
+            way = []
+            while state != NONE:
+                way.append(state % size)
+                state = came[state]
+            return Way(way[::-1], bound)
         if perf_counter() > deadline:
             raise TimeoutError
         after = time + (state < last)
@@ -119,11 +123,3 @@ def find_way(
                 came[reached] = state
                 heappush(heap, (total + field[there], -reached))
     return None
-
-
-def _trace(came: dict[int, int], state: int, size: int) -> list[int]:
-    way = []
-    while state != NONE:
-        way.append(state % size)
-        state = came[state]
-    return way[::-1]

@@ -32,9 +32,6 @@ class MoveTable(dict[Cell, Edges]):
     """The open moves from each cell, computed when a cell is first looked up.
 
     Equal cells of a table are one object: dictionaries find them faster.
-
-    Args:
-        is_open: function that tells whether a robot can drive to a cell.
     """
 
     def __init__(self, is_open: Callable[[Cell], bool]) -> None:

@@ -9,7 +9,7 @@ import pytest
 from helpers.rigid_bodies import STEPS, batch_in, drive_at_walls
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, WarehouseEnv, random_layout
-from warehouse_physics import Disturbances, RigidBodyMotion, stepping
+from warehouse_physics import Disturbances, RigidBodyMotion
 
 MOVES = 2_000
 """In a round of a measurement."""
@@ -85,19 +85,6 @@ def test_a_large_fleet_against_the_bare_space(times_faster) -> None:
             motion._arena.space.step(motion.spec.time_step)
 
     assert times_faster(advance, bare) >= 0.4
-
-
-def test_pymunks_own_step_gives_the_same_bits_over_thousands_of_moves(monkeypatch) -> None:
-    outcomes = []
-    for known in (True, False):
-        monkeypatch.setattr(stepping, "IS_KNOWN", known)
-        env = env_in(DEFAULT_LAYOUT, record_path=True)
-        outcomes.append([])
-        for action in random_moves(5 * MOVES):
-            env.step(action)
-            outcome = env.last_motion
-            outcomes[-1].append((outcome._replace(path=None), outcome.path.tobytes()))
-    assert outcomes[0] == outcomes[1]
 
 
 @pytest.mark.parametrize(

@@ -31,8 +31,8 @@ def public_steps(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_random_robots_move_as_on_the_grid_alone_and_in_a_batch(measured) -> None:
-    tally = random_robots_move_as_the_grid(MOVES)
-    what = f"{tally.moves:,} moves of random robots, {tally.braked_by_floor:,} braked by the floor"
+    made, braked = random_robots_move_as_the_grid(MOVES)
+    what = f"{made:,} moves of random robots, {braked:,} braked by the floor"
     measured(what, "0 differences to the grid and between batch and single")
 
 

@@ -1,6 +1,7 @@
 """Batches of warehouses, and the single warehouse that each of their rows equals."""
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -122,6 +123,92 @@ class Single:
             assert found.dtype == np.asarray(value).dtype, key
             assert np.array_equal(found, value), (key, row, found, value)
         assert mask[row].tolist() == self.mask()
+
+
+class Walk:
+    """A batch and a single warehouse for each row, stepped with the same actions."""
+
+    def __init__(self, batch: BatchEnv, rows: Sequence[Single], seed: int) -> None:
+        self.mode, self.seen = batch.autoreset_mode, Counter[str]()
+        self.batch, self.rows = batch, rows
+        for number, row in enumerate(self.rows):
+            row.begin(seed + number)
+        self.compare(*self.batch.reset(seed))
+
+    def compare(self, arrays: Any, info: dict[str, Any]) -> None:
+        for index, row in enumerate(self.rows):
+            row.assert_seen(arrays, index, info["action_mask"])
+            assert self.batch.row(index) == (row.env.layout, row.env.state)
+
+    def reset(self, chosen: np.ndarray) -> None:
+        """Reset some rows."""
+        arrays, info = self.batch.reset(mask=chosen)
+        for index in np.flatnonzero(chosen):
+            self.rows[index].begin()
+        assert set(info) == {"action_mask", "_action_mask"}
+        assert info["_action_mask"].tolist() == chosen.tolist()
+        self.compare(arrays, info)
+
+    def step(self, actions: list[int]) -> None:
+        arrays, rewards, terminated, truncated, info = self.batch.step(np.array(actions))
+        assert (rewards.dtype, terminated.dtype, truncated.dtype) == (float, bool, bool)
+        assert info["action_mask"].dtype == np.int8
+        for index, row in enumerate(self.rows):
+            verdict = (rewards[index], terminated[index], truncated[index])
+            assert verdict == self.step_row(row, actions[index], index, info)
+        self.compare(arrays, info)
+        self.check_keys(info, terminated | truncated)
+
+    def step_row(self, row: Single, action: int, index: int, info: dict[str, Any]) -> Any:
+        """Step the single warehouse of a row, and compare its motion with info."""
+        if row.ended:
+            row.begin()
+            assert not info["_motion"][index]
+            assert [info["motion"][key][index] for key in MOTION] == [0, 0, 0]
+            self.seen["fresh"] += 1
+            return 0.0, False, False
+        units = row.env.state.battery
+        verdict = row.step(action)
+        _, delivered, truncated = verdict
+        blocked, *_ = moved = row.motion()
+        self.seen.update({"delivered": delivered, "truncated": truncated, "blocked": blocked})
+        self.seen["charged"] += row.env.state.battery > units
+        source = info
+        if row.ended and self.mode == SAME_STEP:
+            source = info["final_info"]
+            row.assert_seen(info["final_obs"], index, source["action_mask"])
+            row.begin()
+        assert info["_motion"][index] == (source is info)
+        expected = tuple(source["motion"][key][index] for key in MOTION)
+        assert moved == pytest.approx(expected, rel=1e-12)  # bodies add up joules in another order
+        return verdict
+
+    def go(self, steps: int = 90) -> None:
+        """Take random steps, and reset rows now and then."""
+        stream = np.random.default_rng(9)
+        for number in range(steps):
+            chosen = np.array([row.ended for row in self.rows])
+            if self.mode != DISABLED:
+                chosen |= stream.random(len(chosen)) < 0.3
+            if chosen.any() and (self.mode == DISABLED or number % 15 == 14):
+                self.reset(chosen)
+            self.step([row.choose(stream) for row in self.rows])
+
+    def check_keys(self, info: dict[str, Any], ended: np.ndarray) -> None:
+        """Check the keys of info and the flags of the rows that they apply to."""
+        finals = {"final_obs", "_final_obs", "final_info", "_final_info"}
+        has_finals = self.mode == SAME_STEP and ended.any()
+        keys = {"action_mask", "_action_mask", "motion", "_motion"}
+        assert set(info) == (keys | finals if has_finals else keys)
+        assert tuple(info["motion"]) == MOTION
+        assert info["_action_mask"].all()
+        if has_finals:
+            final = info["final_info"]
+            assert set(final) == keys
+            assert set(final["motion"]) == {*MOTION, *(f"_{key}" for key in MOTION)}
+            flags = [info["_final_obs"], info["_final_info"], final["_motion"]]
+            flags += [final["_action_mask"], *(final["motion"][f"_{key}"] for key in MOTION)]
+            assert all(flag.tolist() == ended.tolist() for flag in flags)
 
 
 def some_batch(mode: str = NEXT_STEP, layouts: Any = None, **settings: Any) -> BatchEnv:

@@ -2,6 +2,7 @@
 
 import random
 from collections import Counter
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +14,45 @@ from warehouse_core.motion.traffic import Obstacle, find_stops
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.tiles import moved
 
+STAY, NORTH, EAST, SOUTH, WEST = (0, 0), (-1, 0), (0, 1), (1, 0), (0, -1)
+
+CASES: dict[str, tuple[list[Cell], list[Cell], list[Obstacle]]] = {
+    "waiting": ([(2, 2)], [STAY], [None]),
+    "waiting side by side": ([(2, 2), (2, 3)], [STAY, STAY], [None, None]),
+    "free": ([(2, 2)], [EAST], [None]),
+    "wall": ([(0, 0), (3, 3)], [NORTH, NORTH], ["wall", None]),
+    "same target": ([(2, 1), (2, 3)], [EAST, WEST], [1, 0]),
+    "same target round a corner": ([(2, 1), (3, 2)], [EAST, NORTH], [1, 0]),
+    "three at one": ([(2, 1), (1, 2), (2, 3)], [EAST, SOUTH, WEST], [1, 0, 0]),
+    "four at one": ([(2, 1), (1, 2), (2, 3), (3, 2)], [EAST, SOUTH, WEST, NORTH], [1, 0, 0, 0]),
+    "head-on": ([(2, 2), (2, 3)], [EAST, WEST], [1, 0]),
+    "head-on down a column": ([(2, 2), (3, 2)], [SOUTH, NORTH], [1, 0]),
+    "occupied by a waiting robot": ([(2, 2), (2, 3)], [EAST, STAY], [1, None]),
+    "queue at a wall": ([(2, 2), (2, 4), (2, 5)], [EAST] * 3, [None, 2, "wall"]),
+    "occupied spreads backwards": ([(2, 5), (2, 4), (2, 3)], [EAST] * 3, ["wall", 0, 1]),
+    "same target goes first": ([(2, 1), (2, 2), (2, 3)], [EAST, EAST, WEST], [2, 2, 0]),
+    "occupied from both sides": (
+        [(2, 1), (2, 2), (2, 3), (2, 4)],
+        [EAST, STAY, STAY, WEST],
+        [1, None, None, 2],
+    ),
+    "following": ([(2, 1), (2, 2), (2, 3)], [EAST] * 3, [None] * 3),
+    "following round a corner": ([(2, 1), (2, 2), (3, 2)], [EAST, SOUTH, SOUTH], [None] * 3),
+    "cycle": ([(2, 2), (2, 3), (3, 3), (3, 2)], [EAST, SOUTH, WEST, NORTH], [None] * 4),
+    "a fifth robot stops the cycle": (
+        [(2, 2), (2, 3), (3, 3), (3, 2), (1, 3)],
+        [EAST, SOUTH, WEST, NORTH, SOUTH],
+        [4, 2, 3, 0, 0],
+    ),
+}
+"""Cells and moves of robots in a hall of 6 x 6 cells, and what stops each by the table."""
+
 LINES = ("waiting", "wall", "same target", "head-on", "occupied", "following", "cycle")
 FLOORS, STEPS = 6, 5
-NORTH, EAST, SOUTH, WEST = range(4)
+
+
+def targets_of(cells: Sequence[Cell], moves: Sequence[Cell]) -> list[Cell]:
+    return list(map(moved, cells, moves))
 
 
 def table_line(
@@ -86,10 +123,10 @@ def ring_action(cell: Cell, layout: Layout) -> int:
     south, east = layout.height - 1 - row, layout.width - 1 - col
     inset = min(row, col, south, east)
     if row == inset < east:
-        return EAST
+        return 1
     if east == inset < south:
-        return SOUTH
-    return WEST if south == inset < col else NORTH
+        return 2
+    return 3 if south == inset < col else 0
 
 
 def some_actions(cells: list[Cell], layout: Layout, stream: random.Random) -> list[int]:
@@ -128,9 +165,7 @@ def check_crowds(moves: int, seed: int = 0) -> Counter[str]:
             for layout, cells, chosen, found in zip(
                 layouts, crowds, actions, outcome.stopped_by.reshape(FLOORS, -1), strict=True
             ):
-                targets = [
-                    moved(cell, DISPLACEMENTS[a]) for cell, a in zip(cells, chosen, strict=True)
-                ]
+                targets = targets_of(cells, [DISPLACEMENTS[action] for action in chosen])
                 table = [table_line(robot, layout, cells, targets) for robot in range(robots)]
                 expected = [stop for _, stop in table]
                 assert find_stops(layout, cells, targets) == expected

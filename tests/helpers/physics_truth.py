@@ -1,24 +1,20 @@
 """Rigid bodies held against what they must do: random robots, jams, queues, and a second book."""
 
-import math
 import random
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import NamedTuple
 
-import numpy as np
-import pytest
 from pymunk import Vec2d
 
-from helpers.rigid_bodies import STAY, STEPS, targets_of
+from helpers.crowds import targets_of
+from helpers.rigid_bodies import STAY, STEPS, rows_differ
 from warehouse_core import Cell, Layout, Outcome, random_layout
 from warehouse_core.motion.traffic import find_stops
-from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_physics import RigidBodyMotion, RobotSpec
 from warehouse_physics.robot import AT_REST, Robot
 
 PAYLOADS = (0.0, 20.0, 40.0, 90.0, 200.0, 340.0)
-ROWS = 4
 JOULES_TOLERANCE = 1e-5
 """Relative, between a batch and single motions: their solvers leave other speeds across the way."""
 
@@ -45,15 +41,11 @@ def random_spec(stream: random.Random, *, is_round: bool, widest: float = 0.499)
             continue
 
 
-class Tally(NamedTuple):
-    """How many moves were made, and how many of them by a robot that the floor brakes alone."""
-
-    moves: int
-    braked_by_floor: int
-
-
-def random_robots_move_as_the_grid(moves: int, seed: int = 0) -> Tally:
+def random_robots_move_as_the_grid(moves: int, seed: int = 0) -> tuple[int, int]:
     """Move random robots alone and in a batch, a hundred moves each.
+
+    Returns:
+        The number of moves, and of those by a robot that the floor brakes alone.
 
     Raises:
         AssertionError: one ended in another cell than on the grid, or off its middle; or a batch
@@ -61,40 +53,11 @@ def random_robots_move_as_the_grid(moves: int, seed: int = 0) -> Tally:
     """
     made = braked = 0
     while made < moves:
-        stream = random.Random(seed)
-        spec = random_spec(stream, is_round=bool(seed % 2))
-        layout = random_layout(5, 6, 0.25, seed=seed % 50)
-        made += _compare(spec, layout, stream, steps=25)
+        spec = random_spec(random.Random(seed), is_round=bool(seed % 2))
+        rows_differ(spec, rows=4, steps=25, seed=seed, joules=JOULES_TOLERANCE)
         is_braked = spec.floor_deceleration > spec.attainable_acceleration(loaded=True)
-        braked += 25 * ROWS * is_braked
-        seed += 1
-    return Tally(made, braked)
-
-
-def _compare(spec: RobotSpec, layout: Layout, stream: random.Random, steps: int) -> int:
-    singles = [RigidBodyMotion(spec, record_path=False) for _ in range(ROWS)]
-    cells = [layout.open_cell(stream.randrange(len(layout.open_cells))) for _ in singles]
-    batch = RigidBodyMotion(spec).batch([layout] * ROWS)
-    batch.place(np.arange(ROWS), np.array([row * layout.width + col for row, col in cells]))
-    for single, cell in zip(singles, cells, strict=True):
-        single.reset(layout, [cell], 0)
-    for _ in range(steps):
-        actions, loaded = stream.choices(range(4), k=ROWS), stream.choices([False, True], k=ROWS)
-        together = batch.advance(np.array(actions), np.array(loaded))
-        for row, single in enumerate(singles):
-            move = DISPLACEMENTS[actions[row]]
-            target = targets_of([cells[row]], [move])[0]
-            is_open = layout.is_open(target)
-            cells[row] = end = target if is_open else cells[row]
-            outcome = single.advance([move], [loaded[row]])[0]
-            assert outcome[:2] == (end, not is_open), spec
-            middle = (end[1] + 0.5) * spec.cell_size, (end[0] + 0.5) * spec.cell_size
-            assert math.dist(outcome.path[-1, 1:3], middle) <= 1.001e-3 * spec.cell_size, spec
-            assert divmod(int(together.cells[row]), layout.width) == end, spec
-            assert together.blocked[row] == outcome.blocked, spec
-            assert together.seconds[row] == pytest.approx(outcome.seconds, rel=1e-9), spec
-            assert together.joules[row] == pytest.approx(outcome.joules, rel=JOULES_TOLERANCE), spec
-    return steps * ROWS
+        made, braked, seed = made + 100, braked + 100 * is_braked, seed + 1
+    return made, braked
 
 
 def jams(seed: int, actions: int) -> Iterator[list[tuple[Outcome, Cell, bool]]]:

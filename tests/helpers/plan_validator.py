@@ -141,10 +141,7 @@ def route_graph(rows: Sequence[str]) -> nx.Graph:
 
 
 def delivery_graph(
-    rows: Sequence[str],
-    pickups: Collection[Place],
-    dropoffs: Collection[Place],
-    prices: Prices,
+    rows: Sequence[str], pickups: Collection[Place], dropoffs: Collection[Place], prices: Prices
 ) -> nx.DiGraph:
     """Return the graph of the states of a delivery, each edge with its ``weight``."""
     graph = nx.DiGraph()

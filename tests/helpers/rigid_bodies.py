@@ -1,15 +1,17 @@
 """Random moves of rigid bodies, alone, in fleets and in batches, compared with the grid."""
 
+import math
 import random
 from collections.abc import Sequence
 
 import numpy as np
 import pytest
 
-from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, Outcome, WarehouseEnv, random_layout
+from warehouse_core import Cell, Layout, Outcome, WarehouseEnv, random_layout
+from warehouse_core.motion.base import centre_of
 from warehouse_core.motion.batch import BatchOutcome
-from warehouse_core.motion.traffic import find_stops
 from warehouse_core.world.actions import DISPLACEMENTS
+from warehouse_core.world.tiles import moved
 from warehouse_physics import RigidBodyMotion, RobotSpec
 from warehouse_physics.batch.rigid_body_batch import RigidBodyBatch
 from warehouse_physics.rigid_body_motion import PATH_EVERY
@@ -67,34 +69,44 @@ def batch_in(layouts: Sequence[Layout], spec: RobotSpec | None = None) -> RigidB
 
 
 class Singles:
-    """A single motion for each row, for comparison."""
+    """A single motion for each row, held against the grid."""
 
     def __init__(self, spec: RobotSpec, layouts: Sequence[Layout]) -> None:
-        self.layouts = layouts
+        self.layouts, self._size = layouts, spec.cell_size
         self.motions = [RigidBodyMotion(spec, record_path=False) for _ in layouts]
+        self._cells: list[Cell] = [(0, 0)] * len(layouts)
 
     def place(self, row: int, cell: int) -> None:
-        layout = self.layouts[row]
-        self.motions[row].reset(layout, [divmod(cell, layout.width)], 0)
+        self._cells[row] = self.layouts[row].cell(cell)
+        self.motions[row].reset(self.layouts[row], [self._cells[row]], 0)
 
     def advance(self, actions: Sequence[int], loaded: Sequence[bool]) -> BatchOutcome:
-        moves = zip(self.motions, actions, loaded, strict=True)
-        each = [motion.advance([DISPLACEMENTS[move]], [load])[0] for motion, move, load in moves]
-        cells = [
-            outcome.cell[0] * layout.width + outcome.cell[1]
-            for outcome, layout in zip(each, self.layouts, strict=True)
-        ]
-        others = [(outcome.blocked, outcome.seconds, outcome.joules) for outcome in each]
-        return BatchOutcome(*map(np.array, (cells, *zip(*others, strict=True))))
+        """Move all.
+
+        Raises:
+            AssertionError: one ended in another cell than on the grid, or off its middle.
+        """
+        numbers, others = [], []
+        for row, (layout, motion) in enumerate(zip(self.layouts, self.motions, strict=True)):
+            move, home = DISPLACEMENTS[actions[row]], self._cells[row]
+            is_open = layout.is_open(moved(home, move))
+            self._cells[row] = end = moved(home, move) if is_open else home
+            outcome = motion.advance([move], [loaded[row]])[0]
+            assert outcome[:2] == (end, not is_open)
+            middle = centre_of(end, self._size)
+            assert math.dist(outcome.path[-1, 1:3], middle) <= 1.001e-3 * self._size
+            numbers.append(layout.number(end))
+            others.append((outcome.blocked, outcome.seconds, outcome.joules))
+        return BatchOutcome(*map(np.array, (numbers, *zip(*others, strict=True))))
 
 
-def rows_differ(spec: RobotSpec, rows: int, steps: int, seed: int = 0) -> int:
+def rows_differ(spec: RobotSpec, rows: int, steps: int, seed: int = 0, joules: float = 1e-6) -> int:
     """Drive a batch and single motions side by side and return how many moves were blocked.
 
     Single rows are placed again between the moves, and loads change at random.
 
     Raises:
-        AssertionError: something differs.
+        AssertionError: something differs, joules by more than this share.
     """
     stream, blocked = random.Random(seed), 0
     layouts = some_layouts(rows, stream)
@@ -114,45 +126,10 @@ def rows_differ(spec: RobotSpec, rows: int, steps: int, seed: int = 0) -> int:
         expected = singles.advance(actions, loaded)
         for name in ("cells", "blocked"):
             assert getattr(outcome, name).tolist() == getattr(expected, name).tolist(), (name, step)
-        for name in ("seconds", "joules"):
-            ours, theirs = getattr(outcome, name), getattr(expected, name)
-            assert ours == pytest.approx(theirs, rel=1e-6), (name, step)
+        assert outcome.seconds == pytest.approx(expected.seconds, rel=1e-9), step
+        assert outcome.joules == pytest.approx(expected.joules, rel=joules), step
         blocked += int(outcome.blocked.sum())
     return blocked
-
-
-def targets_of(cells: list[Cell], moves: list[Cell]) -> list[Cell]:
-    return [
-        (row + down, col + right) for (row, col), (down, right) in zip(cells, moves, strict=True)
-    ]
-
-
-def fleet_keeps_the_table(
-    spec: RobotSpec, robots: int, seed: int, actions: int, size: tuple[int, int] = (6, 8)
-) -> None:
-    """Move a fleet at random in a hall, half of it loaded; seed 0 is the chapter's layout.
-
-    Raises:
-        AssertionError: a robot ended in another cell than ``find_stops`` says.
-    """
-    stream = random.Random(100 * seed + robots)
-    layout = random_layout(*size, 0.15, seed=seed) if seed else DEFAULT_LAYOUT
-    cells = [layout.open_cell(i) for i in stream.sample(range(len(layout.open_cells)), robots)]
-    motion = RigidBodyMotion(spec, record_path=False)
-    motion.reset(layout, cells, 0)
-    for _ in range(actions):
-        moves = stream.choices(STEPS, k=robots)
-        loaded = [stream.random() < 0.5 for _ in cells]
-        targets = targets_of(cells, moves)
-        stops = find_stops(layout, cells, targets)
-        outcomes = motion.advance(moves, loaded)
-        assert [outcome.blocked for outcome in outcomes] == [stop is not None for stop in stops]
-        cells = [
-            target if stop is None else cell
-            for cell, target, stop in zip(cells, targets, stops, strict=True)
-        ]
-        assert [outcome.cell for outcome in outcomes] == cells
-        assert len(set(cells)) == robots
 
 
 LAYOUTS = 20

@@ -90,5 +90,4 @@ def test_random_robots_keep_both_books(robots: int) -> None:
 
 
 def test_random_robots_move_as_on_the_grid_alone_and_in_a_batch() -> None:
-    tally = random_robots_move_as_the_grid(COMPARED_MOVES)
-    assert tally.braked_by_floor > 0
+    assert random_robots_move_as_the_grid(COMPARED_MOVES)[1] > 0

@@ -5,26 +5,14 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from helpers.rigid_bodies import (
-    EAST,
-    NORTH,
-    SOUTH,
-    STAY,
-    STEPS,
-    WEST,
-    fleet_keeps_the_table,
-    targets_of,
-)
+from helpers.crowds import CASES, targets_of
+from helpers.rigid_bodies import EAST, NORTH, SOUTH, STAY, STEPS, WEST
 
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, Outcome, random_layout
 from warehouse_core.motion.backends import make_fleet_motion
 from warehouse_core.motion.base import WALL_CONTACT, robot_contact
 from warehouse_core.motion.batch import NOTHING, WALL
-from warehouse_core.motion.traffic import find_stops
 from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
-
-ACTIONS = 40
-"""Random actions of each fleet; the benchmarks make more."""
 
 HALL = Layout(["......"] * 6)
 
@@ -50,47 +38,14 @@ def places_at(times: np.ndarray, outcome: Outcome) -> np.ndarray:
     return np.array([np.interp(times, clock, x), np.interp(times, clock, y)])
 
 
-CASES = [
-    pytest.param([(2, 2)], [STAY], id="waiting"),
-    pytest.param([(2, 2), (2, 3)], [STAY, STAY], id="waiting side by side"),
-    pytest.param([(0, 0), (3, 3)], [NORTH, NORTH], id="wall"),
-    pytest.param([(2, 1), (2, 3)], [EAST, WEST], id="same target"),
-    pytest.param([(2, 1), (3, 2)], [EAST, NORTH], id="same target round a corner"),
-    pytest.param([(2, 1), (1, 2), (2, 3)], [EAST, SOUTH, WEST], id="three at one"),
-    pytest.param([(2, 1), (1, 2), (2, 3), (3, 2)], [EAST, SOUTH, WEST, NORTH], id="four at one"),
-    pytest.param([(2, 2), (2, 3)], [EAST, WEST], id="head-on"),
-    pytest.param([(2, 2), (3, 2)], [SOUTH, NORTH], id="head-on down a column"),
-    pytest.param([(2, 2), (2, 3)], [EAST, STAY], id="occupied"),
-    pytest.param([(2, 2), (2, 4), (2, 5)], [EAST] * 3, id="queue at the edge"),
-    pytest.param([(2, 5), (2, 4), (2, 3)], [EAST] * 3, id="occupied spreads backwards"),
-    pytest.param([(2, 1), (2, 2), (2, 3)], [EAST, EAST, WEST], id="same target goes first"),
-    pytest.param([(2, 1), (2, 2), (2, 3), (2, 4)], [EAST, STAY, STAY, WEST], id="both sides"),
-    pytest.param([(2, 1), (2, 2), (2, 3)], [EAST] * 3, id="following"),
-    pytest.param([(2, 1), (2, 2), (3, 2)], [EAST, SOUTH, SOUTH], id="following round a corner"),
-    pytest.param([(2, 2), (2, 3), (3, 3), (3, 2)], [EAST, SOUTH, WEST, NORTH], id="cycle"),
-    pytest.param(
-        [(2, 2), (2, 3), (3, 3), (3, 2), (1, 3)],
-        [EAST, SOUTH, WEST, NORTH, SOUTH],
-        id="a fifth robot spoils the cycle",
-    ),
-]
-
-
-@pytest.mark.parametrize(("cells", "moves"), CASES)
-def test_bodies_end_as_the_table_says(cells, moves) -> None:
+@pytest.mark.parametrize(("cells", "moves", "stops"), CASES.values(), ids=CASES)
+def test_bodies_end_as_the_table_says(cells, moves, stops) -> None:
     targets = targets_of(cells, moves)
-    stops = find_stops(HALL, cells, targets)
     for spec, loaded in ((RobotSpec(), False), (RobotSpec.fast(), True)):
         for robot, outcome in enumerate(together(cells, moves, spec, loaded)):
-            stop = stops[robot]
-            assert outcome.cell == (targets[robot] if stop is None else cells[robot])
-            assert outcome.blocked == (stop is not None)
-
-
-@over_specs
-@pytest.mark.parametrize("robots", [2, 5, 10])
-def test_random_moves_end_as_the_table_says(robots: int, spec: RobotSpec) -> None:
-    fleet_keeps_the_table(spec, robots, robots % 2, ACTIONS)
+            is_stopped = stops[robot] is not None
+            assert outcome.cell == (cells[robot] if is_stopped else targets[robot])
+            assert outcome.blocked == is_stopped
 
 
 @over_specs
@@ -156,16 +111,20 @@ def test_a_robot_that_is_pushed_out_of_its_cell_is_reported_where_it_is() -> Non
     assert not outcomes[0].blocked
 
 
+@pytest.mark.parametrize(
+    ("backend", "steps"),
+    [("physics", 125), (f"physics:time_step={1 / 30}", 20), ("physics:turn_seconds=0.4", 20)],
+)
 @pytest.mark.parametrize("robots", [2, 3, 5, 10])
-def test_a_batch_of_fleets_equals_the_grid(robots: int) -> None:
+def test_a_batch_of_fleets_equals_the_grid(robots: int, backend: str, steps: int) -> None:
     """What stops a robot too, but for those stopped by several: bodies touch one of them first."""
     layouts = [DEFAULT_LAYOUT, *(random_layout(6, 8, 0.15, seed=seed) for seed in range(3))]
-    batches = [make_fleet_motion(name, layouts, robots) for name in ("physics", "grid")]
+    batches = [make_fleet_motion(name, layouts, robots) for name in (backend, "grid")]
     stream, same, blocked = np.random.default_rng(robots), 0, 0
     cells = np.concatenate([stream.permutation(it.open_cells)[:robots] for it in layouts])
     for batch in batches:
         batch.place(np.arange(len(cells)), cells, seeds=range(len(layouts)))
-    for _ in range(125):
+    for _ in range(steps):
         move = stream.integers(0, 6, len(cells)), stream.random(len(cells)) < 0.5
         bodies, grid = (batch.advance(*move) for batch in batches)
         assert bodies.cells.tolist() == grid.cells.tolist()

@@ -2,15 +2,14 @@
 
 import subprocess
 import sys
-from collections.abc import Iterator
 from importlib.metadata import EntryPoint
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from warehouse_core import BackendError
-from warehouse_core.motion import backends
-from warehouse_core.motion.backends import load_backend
+from warehouse_core.motion.backends import GROUP, load_backend
 from warehouse_physics import RigidBodyMotion
 from warehouse_physics.pymunk_version import check_version
 
@@ -80,29 +79,11 @@ def test_the_error_of_an_unsupported_version_names_it(version: str) -> None:
         check_version(version)
 
 
-@pytest.fixture
-def only_physics(monkeypatch: pytest.MonkeyPatch) -> Iterator[EntryPoint]:
-    """Make the plugin the only backend that is installed."""
-    point = EntryPoint("physics", "warehouse_physics:RigidBodyMotion", backends.GROUP)
-
-    def forget() -> None:
-        backends._entry_points.cache_clear()
-        load_backend.cache_clear()
-
-    monkeypatch.setattr("importlib.metadata.entry_points", lambda group: [point])
-    forget()
-    yield point
-    monkeypatch.undo()
-    forget()
-
-
-@pytest.mark.usefixtures("only_physics")
-def test_the_plugin_is_found_by_its_entry_point() -> None:
+def test_the_plugin_is_found_by_its_entry_point(install: Any) -> None:
+    install(EntryPoint("physics", "warehouse_physics:RigidBodyMotion", GROUP))
     assert load_backend("physics") is RigidBodyMotion
-    assert isinstance(backends.make_motion("physics"), RigidBodyMotion)
-
-
-def test_a_plugin_without_its_class_raises_one_line(only_physics: EntryPoint) -> None:
-    vars(only_physics).update(value="warehouse_physics:NoSuchMotion", dist=None)
+    point = EntryPoint("physics", "warehouse_physics:NoSuchMotion", GROUP)
+    vars(point).update(dist=None)
+    install(point)
     with pytest.raises(BackendError, match=r"^backend 'physics' cannot be loaded: .*NoSuchMotion"):
         load_backend("physics")

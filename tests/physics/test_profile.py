@@ -49,37 +49,25 @@ def profile_over(start, length, angle, *limits) -> Profile:
     return plan_profile(start, target, *limits)
 
 
-@settings(max_examples=40)
+@settings(max_examples=60)
 @given(places, lengths, angles, speeds, accelerations, time_steps)
-def test_a_profile_ends_at_rest_at_its_target(start, length, angle, speed, pace, step) -> None:
+def test_a_profile_ends_at_rest_at_its_target_as_early_as_its_limits_allow(
+    start, length, angle, speed, pace, step
+) -> None:
     profile = profile_over(start, length, angle, speed, pace, step)
     positions, reached = drive(profile, pace, step)
     assert positions[-1] == pytest.approx(length, rel=1e-6, abs=1e-9)
     assert abs(reached[-1]) <= 1e-7 * speed
     direction = math.atan2(profile.velocity[1], profile.velocity[0])
     assert math.remainder(direction - angle, math.tau) == pytest.approx(0, abs=1e-9)
-
-
-@settings(max_examples=40)
-@given(places, lengths, angles, speeds, accelerations, time_steps)
-def test_a_profile_keeps_to_speed_and_acceleration(start, length, angle, speed, pace, step) -> None:
-    profile = profile_over(start, length, angle, speed, pace, step)
-    positions, reached = drive(profile, pace, step)
     assert max(reached) <= speed * (1 + 1e-6)
     changes = [after - before for before, after in itertools.pairwise(reached)]
     assert max(map(abs, changes)) <= pace * step * (1 + 1e-6)
     assert positions == sorted(positions)
-
-
-@settings(max_examples=40)
-@given(places, lengths, angles, speeds, accelerations, time_steps)
-def test_no_profile_has_fewer_substeps(start, length, angle, speed, pace, step) -> None:
-    profile = profile_over(start, length, angle, speed, pace, step)
-    if profile.go > 1:
+    if profile.go > 1:  # with one substep less it would be too fast, or too sudden
         hurried = length / ((profile.go - 1) * step)
-        too_fast = hurried > speed * (1 - 1e-6)
-        too_sudden = hurried > (profile.go - 1) * pace * step * (1 - 1e-6)
-        assert too_fast or too_sudden
+        allowed = min(speed, (profile.go - 1) * pace * step)
+        assert hurried > allowed * (1 - 1e-6)
 
 
 @settings(max_examples=60)

@@ -22,31 +22,21 @@ def robots_that(*moves: Cell) -> list[Robot]:
     return robots
 
 
-@pytest.mark.parametrize(
-    ("push", "point", "gives_up"),
-    [
-        ((-1.0, 0.0), (2.9, 0.5), True),
-        ((-0.8, 0.6), (2.9, 0.5), True),
-        ((-0.6, 0.8), (2.9, 0.5), False),
-        ((1.0, 0.0), (2.9, 0.5), False),
-        ((-1.0, 0.0), (2.9, 0.99), True),
-        ((-1.0, 0.0), (2.9, 1.01), False),
-        ((-1.0, 0.0), (2.9, -0.01), False),
-        ((-1.0, 0.0), (3.49, 0.5), True),
-        ((-1.0, 0.0), (3.51, 0.5), False),
-    ],
-    ids=[
-        "ahead",
-        "askew",
-        "rather from the side",
-        "from behind",
-        "in the lane",
-        "beside the lane",
-        "on its other side",
-        "before the goal",
-        "beyond the goal",
-    ],
-)
+WALLS = {
+    "ahead": ((-1.0, 0.0), (2.9, 0.5), True),
+    "askew": ((-0.8, 0.6), (2.9, 0.5), True),
+    "rather from the side": ((-0.6, 0.8), (2.9, 0.5), False),
+    "from behind": ((1.0, 0.0), (2.9, 0.5), False),
+    "in the lane": ((-1.0, 0.0), (2.9, 0.99), True),
+    "beside the lane": ((-1.0, 0.0), (2.9, 1.01), False),
+    "on its other side": ((-1.0, 0.0), (2.9, -0.01), False),
+    "before the goal": ((-1.0, 0.0), (3.49, 0.5), True),
+    "beyond the goal": ((-1.0, 0.0), (3.51, 0.5), False),
+}
+"""The push of a hit, where it is, and whether the robot gives up."""
+
+
+@pytest.mark.parametrize(("push", "point", "gives_up"), WALLS.values(), ids=WALLS)
 def test_a_wall_is_in_the_way_that_reaches_into_the_lane_and_pushes_back(
     push: tuple[float, float], point: tuple[float, float], gives_up: bool
 ) -> None:

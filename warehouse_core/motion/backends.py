@@ -55,7 +55,6 @@ def make_batch_motion(backend: Backend, layouts: Sequence[Layout]) -> BatchMotio
 
     Raises:
         BackendError: as for ``make_motion``; or the backend has no ``batch``.
-        TypeError: as for ``make_motion``.
         ValueError: the settings of the motion do not allow a batch.
     """
     motion = make_motion(backend)
@@ -73,7 +72,6 @@ def make_fleet_motion(backend: Backend, layouts: Sequence[Layout], robots: int) 
 
     Raises:
         BackendError: as for ``make_motion``; or an instance that would have to be several motions.
-        TypeError: as for ``make_motion``.
     """
     motion = make_motion(backend)
     if isinstance(motion, FleetBatchable):

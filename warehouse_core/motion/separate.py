@@ -37,11 +37,8 @@ class SeparateMotions:
     ) -> None:
         """Put the robots of some floors in their cells; see ``BatchMotion.place``.
 
-        Raises:
-            LayoutError: a cell is a wall, off the grid, or given twice on a floor; nothing has
-                changed.
-            ValueError: the rows are not all robots of different floors in order, or there is
-                another number of cells or seeds; nothing has changed.
+        Cells that are not open or given twice on a floor, and rows that are not all robots of
+        different floors in order, change nothing but raise ``LayoutError`` or ``ValueError``.
         """
         floors = self._whole_floors(rows)
         seeds = [None] * len(floors) if seeds is None else seeds

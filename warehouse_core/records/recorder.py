@@ -121,15 +121,11 @@ class EpisodeRecorder:
         self._keep_frame(reward)
         return observation
 
-    def run(self, agent: Agent, observation: Observation | None = None) -> None:
-        """Reset an agent and let it act until the episode is over.
-
-        The present observation is asked for if it is not given.
-        """
+    def run(self, agent: Agent) -> None:
+        """Reset an agent and let it act until the episode is over."""
         agent.reset()
         self._is_acting = True
-        if observation is None:
-            observation = self._env.observe()
+        observation = self._env.observe()
         while not self.ended:
             action = agent.act(observation)
             observation = self.step(action, reason=str(explanation_of(agent)))
@@ -240,16 +236,13 @@ class FleetRecorder:
             self._columns[name].append(values)
 
 
-Recorder = EpisodeRecorder | FleetRecorder
-
-
 def start_recording(
     env: WarehouseEnv | FleetEnv,
     *,
     seed: int | None = None,
     agent: str = "",
     randomize: bool | str = True,
-) -> Recorder:
+) -> EpisodeRecorder | FleetRecorder:
     """Reset an environment and return the recorder of the episode that begins.
 
     The arguments are the same as in ``record_episode``, but for the name of the agent.

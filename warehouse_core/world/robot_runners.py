@@ -108,13 +108,7 @@ def _given(given: dict[str, Any], key: str, kind: type, least: int | None = None
 
 
 def load_agents(path: str | Path, layout: Layout) -> list[Cell]:
-    """Read a ``.agents`` for a map: the start of each robot.
-
-    Raises:
-        LayoutError: the file has another format, a location is not an open cell of the layout, or
-            there are more than ``MAX_LOCATIONS``; the message starts with the file's name.
-        OSError: the file cannot be read.
-    """
+    """Read a ``.agents`` for a map: the start of each robot; raise errors as ``load_tasks``."""
     return [cell for [cell] in _load(path, layout, "robots", 1)]
 
 
@@ -122,7 +116,8 @@ def load_tasks(path: str | Path, layout: Layout) -> list[tuple[Cell, ...]]:
     """Read a ``.tasks`` for a map: the cells that each task visits, one or more, in this order.
 
     Raises:
-        LayoutError: as for ``load_agents``.
+        LayoutError: the file has another format, a location is not an open cell of the layout, or
+            there are more than ``MAX_LOCATIONS``; the message starts with the file's name.
         OSError: the file cannot be read.
     """
     return _load(path, layout, "tasks")

@@ -38,8 +38,6 @@ class Scenario(NamedTuple):
     Attributes:
         bucket: number of a group of scenarios of about equal difficulty.
         map_name: file name of the map, as given in the scenario.
-        start: first cell of the path.
-        goal: last cell of the path.
         octile_length: length in cells of a shortest path that may use diagonal moves;
             ``distances`` gives the length without them.
     """

@@ -28,10 +28,8 @@ MAX_TABLE_BYTES = 2**30
 class LayoutSet:
     """The layouts of ``B`` rows, with equal layouts stored once.
 
-    Args:
-        layouts: layout of each row.
-        others: layouts that rows may change to; any other layout can be added later.
-        bare: remove pickups and dropoffs from all layouts.
+    Rows may change to ``others``, or to any other layout. Pickups and dropoffs are removed from all
+    layouts that are to be ``bare``.
 
     Attributes:
         kinds: the different layouts.

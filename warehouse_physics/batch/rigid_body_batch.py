@@ -61,11 +61,8 @@ class RigidBodyBatch:
     ) -> None:
         """Put some of the robots at rest in a cell; see ``BatchMotion.place``.
 
-        Raises:
-            LayoutError: a cell is a wall or off the grid; nothing has changed.
-            ValueError: not one cell for each row, or a row that does not exist or is given
-                twice; nothing has changed.
-            RuntimeError: after ``close``, or while another call is running.
+        Cells that are not open, and rows that do not exist or are given twice, change nothing but
+        raise ``LayoutError`` or ``ValueError``; so it is for the other calls.
         """
         parts = self._in_use("place")
         rows = self._checked_rows(rows)
@@ -78,14 +75,7 @@ class RigidBodyBatch:
 
     @exclusive
     def change(self, floors: Integers, layouts: Sequence[Layout]) -> None:
-        """Replace the layouts of some floors; see ``ChangesLayouts``.
-
-        Raises:
-            LayoutError: a layout is not as large as the one it replaces; nothing has changed.
-            ValueError: not one layout for each floor, or a floor that does not exist or is given
-                twice; nothing has changed.
-            RuntimeError: after ``close``, or while another call is running.
-        """
+        """Replace the layouts of some floors by others of their sizes; see ``ChangesLayouts``."""
         parts = self._in_use("change")
         rows = self._checked_rows(floors).tolist()
         for row, layout in zip(rows, layouts, strict=True):
@@ -105,8 +95,6 @@ class RigidBodyBatch:
         """Carry out one action for each robot; see ``BatchMotion.advance``.
 
         Raises:
-            ValueError: not one action and one load for each row, or an action that does not
-                exist; nothing has changed.
             RuntimeError: before every row has been placed, after ``close``, or while another call
                 is running.
         """

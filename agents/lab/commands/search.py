@@ -23,10 +23,9 @@ from agents.search.algorithms import (
     check_weight,
     weighted_astar_search,
 )
-from agents.search.course_track import track_of_course
 from agents.search.heuristics import manhattan, true_distance, zero
 from agents.search.problems import RouteProblem
-from agents.search.trace import MAX_PANELS, SearchCourse
+from agents.search.trace import MAX_PANELS, SearchCourse, track_of_course
 from warehouse_core.errors import LayoutError
 from warehouse_core.world.distances import distances
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout, check_open

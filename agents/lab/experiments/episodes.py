@@ -8,7 +8,7 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 from agents.errors import AgentError, EpisodeError, EpisodeInterrupted, reason_of
-from agents.fleet.director import wants_dispatch
+from agents.fleet.planned import wants_dispatch
 from agents.lab.console.watch import slow_reported
 from agents.lab.experiments.case import (
     FINGERPRINT,

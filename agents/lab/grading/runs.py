@@ -149,10 +149,10 @@ def _count_useless(episode: Episode) -> Counter[int]:
 @lru_cache(maxsize=100_000)
 def greedy_steps(case: Case, seed: int) -> int:
     """Return the steps of the greedy agent in an episode, see ``Run.charged_steps``."""
-    env, observation = case.begin(seed)
+    env, _ = case.begin(seed)
     with closing(env):
         recorder = EpisodeRecorder(env, seed=seed)
-        recorder.run(GreedyAgent(seed), observation)
+        recorder.run(GreedyAgent(seed))
         episode = recorder.episode
     return episode.steps if episode.terminated else max(episode.steps, full_length(case))
 

@@ -1,18 +1,22 @@
-"""Teams of agents, and the shifts that they work."""
+"""Teams of agents, the shifts that they work, and what directs each of their robots."""
 
+import random
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from agents.fleet import Team
+from agents.fleet.team import ENOUGH, NEARLY_FULL, PATIENCE, Pilot, Site, Team
 from agents.registry import make_team
-from agents.search.agents import SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import FleetEnv, Layout, Observation, OrderStream
 from warehouse_core.errors import EndedError
+from warehouse_core.fleet import Battery
+from warehouse_core.fleet.observation import FleetObservation
 from warehouse_core.records.recorder import record_fleet_episode, replay_fleet_episode
+from warehouse_core.world.actions import WAIT
+from warehouse_core.world.named_layouts import named_layout
 
 ROOM = Layout(["########", "#P....P#", "#......#", "#D....D#", "########"])
 MINE = """
@@ -71,6 +75,7 @@ def test_the_observations_of_all_robots_are_those_of_each() -> None:
 def test_the_same_seed_repeats_a_shift_with_the_same_team_and_a_new_one() -> None:
     env, team = make_env(8), make_team("bfs", 8, 5, ROOM)  # who has no random moves of its own
     first = record_fleet_episode(env, team, seed=2)
+    assert first.measures.delivered >= 4
     assert record_fleet_episode(env, team, seed=2) == first
     assert record_fleet_episode(env, make_team("bfs", 8, 5, ROOM), seed=2) == first
     assert record_fleet_episode(env, make_team("bfs", 8, 6, ROOM), seed=2) != first
@@ -89,13 +94,6 @@ def test_the_agents_of_a_team_have_different_seeds_and_see_walls_alone(tmp_path:
     assert (lone.seed, lone.memory) == (7, 3)
     unseeded = make_team("greedy", 2).agents
     assert [agent.seed for agent in unseeded] == [None, None]  # type: ignore[attr-defined]
-
-
-def test_agents_that_know_the_walls_deliver_the_orders_of_their_robots() -> None:
-    env = make_env(2)
-    team = make_team("bfs", 2, 1, ROOM)
-    assert isinstance(team.agents[0], SearchAgent)
-    assert record_fleet_episode(env, team, seed=1).measures.delivered >= 4
 
 
 class Checked(GreedyAgent):
@@ -119,3 +117,180 @@ def test_agents_of_robots_that_drive_through_act_at_rest() -> None:
         assert max(steps) == 1
         assert len(agent.places) < 2 * episode.steps / 3
     assert np.array_equal(episode.cells, replay_fleet_episode(episode).cells)
+
+
+# One robot.
+
+
+HALL = Layout(["#######", "#P...C#", "#.....#", "#D...C#", "#######"])
+EAST, WEST = 1, 3
+
+
+class Noting:
+    """Drives in one direction, and notes what it is given."""
+
+    def __init__(self, action: object = "W") -> None:
+        self.action, self.resets = action, 0
+        self.seen: list[Observation] = []
+
+    def reset(self) -> None:
+        self.resets += 1
+
+    def act(self, observation: Observation) -> str:
+        self.seen.append(observation)
+        return self.action  # type: ignore[return-value]
+
+
+def hall_env(robots: int = 1, layout: Layout = HALL, **settings: object) -> FleetEnv:
+    return FleetEnv(layout, robots, max_steps=500, **settings)  # type: ignore[arg-type]
+
+
+def make_pilot(agent: Noting | None = None, **settings: object) -> tuple[Pilot, Noting]:
+    agent = agent or Noting()
+    return Pilot(agent, Site(hall_env(**settings)), random.Random(1)), agent
+
+
+def seen(**changed: object) -> FleetObservation:
+    """Return what a robot in the middle of the room observes."""
+    observation: dict[str, object] = {
+        "local_grid": [".....", ".....", "..R..", ".....", "....."],
+        "robot_pos": (2, 3),
+        "has_item": False,
+        "battery": 200,
+        "steps": 0,
+        "pickup_pos": (1, 1),
+        "dropoff_pos": (3, 1),
+        "due": 50,
+        "charger_pos": (1, 5),
+    }
+    return observation | changed  # type: ignore[return-value]
+
+
+def test_the_agent_gets_the_goal_of_the_order_and_is_reset_for_each() -> None:
+    pilot, agent = make_pilot()
+    assert pilot.act(seen()) == WEST
+    pilot.act(seen(robot_pos=(2, 2)))
+    pilot.act(seen(robot_pos=(2, 1), has_item=True, pickup_pos=None))
+    assert agent.resets == 1  # one order is one episode, its pick included
+    pilot.act(seen(dropoff_pos=(3, 3)))
+    assert agent.resets == 2
+    goals = [(each["pickup_pos"], each["dropoff_pos"]) for each in agent.seen]
+    assert goals == [((1, 1), (3, 1)), ((1, 1), (3, 1)), (None, (3, 1)), ((1, 1), (3, 3))]
+
+
+def test_a_second_order_between_the_same_stations_is_another_episode() -> None:
+    pilot, agent = make_pilot()
+    for has_item in (False, True, False):
+        pilot.act(seen(has_item=has_item, pickup_pos=None if has_item else (1, 1)))
+    assert agent.resets == 2
+
+
+@pytest.mark.parametrize("has_item", [False, True])
+def test_a_robot_drives_to_a_charger_in_time_and_stays_until_nearly_full(has_item: bool) -> None:
+    pilot, agent = make_pilot()
+    goal = {"has_item": has_item, "pickup_pos": None if has_item else (1, 1)}
+    reserve = Site(hall_env()).reserve((2, 3))
+    assert reserve == 2 * 3 + 10
+    pilot.act(seen(battery=16, **goal))
+    assert agent.seen[-1]["dropoff_pos"] == (3, 1)
+    pilot.act(seen(battery=15, **goal))
+    assert (agent.seen[-1]["pickup_pos"], agent.seen[-1]["dropoff_pos"]) == ((1, 5), (1, 5))
+    assert agent.seen[-1]["has_item"] is has_item
+    full = int(NEARLY_FULL * 200)
+    for battery in (13, full - 1):
+        assert pilot.act(seen(robot_pos=(1, 5), battery=battery, **goal)) == WAIT
+        assert pilot.reason == "charges"
+    assert pilot.act(seen(robot_pos=(1, 5), battery=full, **goal)) == WEST
+    assert agent.seen[-1]["dropoff_pos"] == (3, 1)
+
+
+def test_the_reserve_is_in_the_unit_of_the_battery() -> None:
+    steps, joules = (
+        Site(hall_env(battery=Battery(100_000, unit))).reserve((2, 3))
+        for unit in ("steps", "joules")
+    )
+    cost = Battery(100_000, "joules").step_cost(1.0)
+    assert joules == pytest.approx(steps * cost)
+    assert cost > 10
+
+
+def test_more_robots_than_chargers_go_earlier_but_none_with_enough() -> None:
+    def reserve(robots: int, battery: int) -> float:
+        return Site(hall_env(robots, battery=battery)).reserve((2, 3))
+
+    assert reserve(2, 400) == reserve(1, 400) < reserve(3, 400) < reserve(4, 400)
+    assert reserve(8, 100) == ENOUGH * 100
+
+
+def test_two_robots_take_two_chargers_and_the_next_goes_on_until_one_is_free() -> None:
+    site = Site(hall_env(3, battery=400))
+    pilots = [Pilot(Noting(), site, random.Random(1)) for _ in range(3)]
+    low = seen(battery=20)
+    for pilot in pilots:
+        pilot.act(low)
+    goals = [pilot._agent.seen[-1]["pickup_pos"] for pilot in pilots]  # type: ignore[attr-defined]
+    assert goals == [(1, 5), (3, 5), (1, 1)]
+    pilots[1].act(seen(robot_pos=(3, 5), battery=400))
+    pilots[2].act(low)
+    assert pilots[2]._agent.seen[-1]["pickup_pos"] == (3, 5)  # type: ignore[attr-defined]
+
+
+def test_a_robot_with_an_empty_battery_leaves_its_charger_to_others() -> None:
+    site = Site(hall_env(layout=Layout(["P.....C.....D"])))
+    pilots = [Pilot(Noting(), site, random.Random(1)) for _ in range(2)]
+    where = {"robot_pos": (0, 3), "charger_pos": (0, 6)}
+    pilots[0].act(seen(battery=1, **where))
+    assert pilots[0].act(seen(battery=0, **where)) == WAIT
+    assert pilots[0].reason == "battery empty"
+    pilots[1].act(seen(battery=5, **where))
+    assert pilots[1]._agent.seen[-1]["pickup_pos"] == (0, 6)  # type: ignore[attr-defined]
+
+
+def test_a_robot_without_an_order_waits_but_leaves_stations_and_goes_to_charge() -> None:
+    pilot, agent = make_pilot()
+    idle = {"pickup_pos": None, "dropoff_pos": None}
+    assert pilot.act(seen(**idle)) == WAIT
+    assert pilot.reason == "no order"
+    for cell in (*HALL.pickups, *HALL.dropoffs, *HALL.chargers):
+        assert pilot.act(seen(robot_pos=cell, **idle)) < WAIT
+        assert pilot.reason == "leaves a station"
+    assert not agent.seen
+    pilot.act(seen(battery=int(ENOUGH * 200) - 1, **idle))
+    assert agent.seen[-1]["pickup_pos"] == (1, 5)
+
+
+def test_who_makes_way_goes_neither_into_others_nor_onto_stations() -> None:
+    pilot, _ = make_pilot(layout=Layout(["PPD", "PP.", "PPP"]))
+    idle = {"pickup_pos": None, "dropoff_pos": None, "robot_pos": (1, 1)}
+    beside = {pilot.act(seen(local_grid=["...", ".R.", "..."], **idle)) for _ in range(20)}
+    assert beside == {EAST}
+    others = {pilot.act(seen(local_grid=[".O.", "oR#", ".H."], **idle)) for _ in range(20)}
+    assert (others, pilot.reason) == ({WAIT}, "shut in")
+    onto = {pilot.act(seen(local_grid=[".O.", ".R#", ".H."], **idle)) for _ in range(20)}
+    assert onto == {WEST}
+    blind = {pilot.act(seen(local_grid=["R"], **idle)) for _ in range(20)}
+    assert blind == {EAST}
+
+
+def test_a_robot_that_cannot_move_gives_way_after_some_steps() -> None:
+    pilot, agent = make_pilot()
+    actions = [pilot.act(seen(local_grid=["...", "OR#", ".#."])) for _ in range(PATIENCE + 2)]
+    assert actions == [WEST] * PATIENCE + [0, WEST]
+    agent.action = "WAIT"  # who waits has not failed
+    assert {pilot.act(seen()) for _ in range(PATIENCE + 2)} == {WAIT}
+
+
+def test_an_action_that_is_none_is_an_error() -> None:
+    pilot, _ = make_pilot(Noting(None))
+    with pytest.raises(TypeError, match="action None is NoneType"):
+        pilot.act(seen())
+
+
+def test_greedy_robots_deliver_and_none_runs_empty_where_chargers_suffice() -> None:
+    depot = named_layout("depot")
+    env = FleetEnv(depot, 6, orders=OrderStream(0.04), max_steps=800, battery=300)
+    measures = record_fleet_episode(env, make_team("greedy", 6, 1, depot), seed=1).measures
+    env.close()
+    assert measures.stranded == 0
+    assert measures.charging > 100
+    assert measures.delivered > 0.8 * measures.orders > 20

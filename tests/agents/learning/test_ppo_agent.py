@@ -7,7 +7,7 @@ from helpers.networks import constant_network, random_network
 from agents.errors import AgentError
 from agents.learning.policy_network import PolicyNetwork, input_size, network_input
 from agents.learning.ppo_agent import PPOAgent, useful_now
-from warehouse_core import Layout, WarehouseEnv, record_episode
+from warehouse_core import Cell, Layout, WarehouseEnv, record_episode
 from warehouse_core.batch import BatchEnv
 from warehouse_core.task.encoding import FLEET_TILES, encode
 from warehouse_core.task.rules import useful_actions
@@ -28,12 +28,9 @@ def test_useful_actions_follow_from_the_observation(layout: Layout | None, radiu
             assert useful_now(env.observe()) == expected, cell
 
 
-def test_without_a_view_every_move_is_allowed() -> None:
+def test_what_is_not_seen_is_open_and_without_a_station_nothing_is_picked_or_dropped() -> None:
     env = WarehouseEnv(view_radius=0)
     assert useful_now(env.reset()) == (True, True, True, True, True, False, False)
-
-
-def test_without_a_station_neither_pick_nor_drop_is_useful() -> None:
     env = WarehouseEnv(["...", ".D."])
     assert env.reset()["pickup_pos"] is None
     assert not any(useful_now(env.reset())[5:])
@@ -52,28 +49,24 @@ def test_the_useful_action_with_the_highest_output_is_chosen() -> None:
     assert agent.act(observation) == "W"
 
 
-def test_the_reason_is_the_probability_among_the_useful_actions() -> None:
+def test_the_reason_is_the_probability_among_the_useful_actions_without_overflow() -> None:
     agent = PPOAgent(constant_network(9, np.log(3), -50, -50, 0, 90, 90))
     corner = WarehouseEnv(["...", "P.D"], start_pos=(0, 0))
     assert agent.act(corner.reset()) == "E"
     assert agent.reason == "75% sure"
     agent.reset()
     assert agent.reason == ""
-
-
-def test_large_outputs_do_not_overflow() -> None:
-    agent = PPOAgent(constant_network(1e30, -1e30, 1e30, 0, 0, 0, 0))
-    env = WarehouseEnv(ROOM, start_pos=(1, 2))
-    assert agent.act(env.reset()) == "S"
-    assert agent.reason == "100% sure"
+    large = PPOAgent(constant_network(1e30, -1e30, 1e30, 0, 0, 0, 0))
+    assert large.act(WarehouseEnv(ROOM, start_pos=(1, 2)).reset()) == "S"
+    assert large.reason == "100% sure"
 
 
 CORRIDOR = Layout(["P...D"])
 
 
-def walk(agent: PPOAgent, layout: Layout, steps: int) -> list[str]:
-    """Return the actions of an agent from the layout's usual start."""
-    env = WarehouseEnv(layout, layout.usual_start())
+def walk(agent: PPOAgent, layout: Layout, steps: int, start: Cell | None = None) -> list[str]:
+    """Return the actions of an agent from a start, by default the layout's usual one."""
+    env = WarehouseEnv(layout, start or layout.usual_start())
     observation, actions = env.reset(), []
     agent.reset()
     for _ in range(steps):
@@ -99,16 +92,14 @@ def test_the_penalty_grows_with_the_visits() -> None:
 
 def test_visits_are_forgotten_when_the_goal_changes_and_between_episodes() -> None:
     """With the item the robot goes back where it came from, rather than where it has not been."""
-    network = constant_network(0, 0, 0, 2, -9, 5, 5)
-    agent = PPOAgent(network, revisit=10)
-    env = WarehouseEnv(Layout(["D..P", "...."]), start_pos=(0, 1))
+    agent = PPOAgent(constant_network(0, 0, 0, 2, -9, 5, 5), revisit=10)
     for _ in range(2):
-        observation, actions = env.reset(), []
-        agent.reset()
-        for _ in range(11):
-            actions.append(agent.act(observation))
-            observation, *_ = env.step(actions[-1])
-        assert actions == [*"WSEENE", "PICK", *"WWW", "DROP"]
+        assert walk(agent, Layout(["D..P", "...."]), 11, (0, 1)) == [
+            *"WSEENE",
+            "PICK",
+            *"WWW",
+            "DROP",
+        ]
 
 
 def test_actions_are_drawn_if_asked_and_repeat_with_the_seed() -> None:

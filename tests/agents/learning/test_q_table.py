@@ -6,7 +6,7 @@ import pytest
 
 from agents.errors import AgentError
 from agents.learning.q_learning import QTable
-from agents.learning.q_table import SCHEMA, load_agent, load_table, save_table
+from agents.learning.q_table import load_agent, load_table, save_table
 from warehouse_core import Layout, RecordError
 from warehouse_core.task.encoding import NOWHERE
 
@@ -43,12 +43,6 @@ def test_a_table_is_read_back_from_its_file(saved: Path) -> None:
     assert all(isinstance(loaded, bool) for _, _, loaded in again)
     save_table(QTable(), ROOM, saved)
     assert load_table(saved)[0] == {}
-
-
-def test_the_file_holds_plain_arrays(saved: Path) -> None:
-    with np.load(saved, allow_pickle=False) as file:
-        assert set(file.files) == set(SCHEMA)
-        assert file["states"].shape == (3, 5)
 
 
 def test_the_agent_gets_table_and_seed(saved: Path) -> None:

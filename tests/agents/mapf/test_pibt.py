@@ -31,15 +31,6 @@ def test_a_ring_turns() -> None:
         assert after == [*cells[1:], cells[0]]
 
 
-def test_two_that_meet_in_a_corridor_never_change_places() -> None:
-    planner, cells, layout = PIBT(Graph(Layout(["...."]))), [1, 2], Layout(["...."])
-    for _ in range(50):
-        after = next_cells(planner, cells, [3, 0])
-        assert step_conflict(layout.rows, cells, after) is None
-        assert after[0] < after[1]
-        cells = after
-
-
 def test_one_that_comes_pushes_one_that_is_at_its_goal() -> None:
     planner = PIBT(Graph(Layout(["...", "#.#"])))
     assert next_cells(planner, [0, 1], [2, 1])[0] == 1
@@ -60,19 +51,6 @@ def test_a_chain_that_is_blocked_at_its_end_stays() -> None:
     cells = list(range(3_000))
     assert next_cells(planner, cells, [2_999, *cells[1:]]) == cells
     assert set(planner.pushers.tolist()) == {NOBODY}
-
-
-def test_robots_that_stay_and_closed_cells_are_obeyed() -> None:
-    planner = PIBT(Graph(Layout(["...", "..."])))
-    assert next_cells(planner, [0, 1], [2, 5], stays=[0, 1]) == [0, 1]
-    assert next_cells(planner, [0, 1], [2, 1], stays=[1])[0] != 1
-    assert next_cells(planner, [0], [2], closed=[1, 3]) == [0]
-    assert next_cells(planner, [0, 3], [2, 0], closed=[0, 1]) != [0, 0]
-
-
-def test_a_robot_in_a_closed_cell_may_stay_there() -> None:
-    planner = PIBT(Graph(Layout(["..."])))
-    assert next_cells(planner, [0, 2], [0, 0], closed=[0, 1]) == [0, 2]
 
 
 def test_goals_that_cannot_be_reached_or_are_shared_do_no_harm() -> None:

@@ -9,7 +9,6 @@ from agents.errors import PlanError
 from agents.mapf.graph import Graph
 from agents.mapf.prioritised import WindowedPlanner, solve_prioritised
 from warehouse_core import Layout, random_layout
-from warehouse_physics import RigidBodyMotion
 
 BAY = ["....", "#.##"]
 """Cells 0 to 3 in a row, and the bay 5 below 1."""
@@ -18,11 +17,6 @@ BAY = ["....", "#.##"]
 def test_plans_of_random_problems_are_valid() -> None:
     solved = check_solver(solve_prioritised, random_problems(120, seed=3), seconds=0.1)
     assert solved > 80
-
-
-def test_plans_are_driven_by_bodies_too() -> None:
-    problems = random_problems(5, seed=5)
-    assert check_solver(solve_prioritised, problems, 0.1, RigidBodyMotion) > 2
 
 
 def test_who_finds_no_way_becomes_the_first() -> None:
@@ -57,11 +51,6 @@ def test_windowed_steps_are_valid(options: dict[str, float]) -> None:
         for number, problem in enumerate(random_problems(25, seed=4, max_robots=20))
     ]
     assert sum(reached) > 100
-
-
-def test_windowed_steps_are_driven_by_bodies_too() -> None:
-    problem = random_problem(random_layout(10, 10, 0.1, seed=1), 20, seed=1)
-    assert check_planner(WindowedPlanner, problem, 30, RigidBodyMotion()) > 40
 
 
 def test_robots_behind_one_that_stays_wait() -> None:

@@ -23,20 +23,6 @@ def taken() -> Reservations:
     return Reservations(20)
 
 
-def test_nobody_changes_places(taken: Reservations) -> None:
-    taken.add(0, [7, 6], stays=True)
-    assert way_of(taken, 6, 7) is None
-    taken = Reservations(20)
-    taken.add(0, [8, 7, 6, 6, 7, 12], stays=True)
-    way = way_of(taken, 6, 8)
-    assert way is None  # the other comes to 6 and would be in its way, or change places
-
-
-def test_following_is_allowed(taken: Reservations) -> None:
-    taken.add(0, [7, 8], stays=True)
-    assert way_of(taken, 6, 7) == [6, 7]
-
-
 def test_a_goal_is_occupied_for_good(taken: Reservations) -> None:
     taken.add(0, [12, 7], stays=True)
     assert way_of(taken, 6, 8) is None

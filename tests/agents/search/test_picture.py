@@ -1,19 +1,31 @@
-"""Animated searches: the marks, counts and colours of every panel and frame."""
+"""Courses of searches, their tracks, and the panels and frames of their pictures."""
+
+from typing import Any
 
 import numpy as np
 import pytest
 from helpers.pictures import HOSTILE_NAMES, is_color, patch, pixels, texts
 from helpers.player import page_in, said_by
-from matplotlib.backend_bases import KeyEvent
 from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
 
 from agents.search.algorithms import Solution, weighted_astar_search
 from agents.search.heuristics import manhattan
-from agents.search.panel import PATH
-from agents.search.picture import MAX_FRAMES, search_replay
+from agents.search.picture import MAX_FRAMES, PATH, search_replay
 from agents.search.problems import RouteProblem
-from agents.search.trace import FRONTIER, MAX_PANELS, SHADES, UNTOUCHED, WAITS, SearchCourse
+from agents.search.trace import (
+    FIRST_SHADE,
+    FRONTIER,
+    MARK_COLORS,
+    MAX_PANELS,
+    NOW,
+    SHADES,
+    UNTOUCHED,
+    WAITING,
+    WAITS,
+    SearchCourse,
+    track_of_course,
+)
 from warehouse_core import DEFAULT_LAYOUT, Layout
 from warehouse_core.render.palette import COLORS
 from warehouse_core.viz.replay import Replay
@@ -44,11 +56,6 @@ def replay(
 ) -> Replay:
     courses = [course(weight, layout, start, goal) for weight in weights]
     return search_replay(courses, title)
-
-
-def press(shown: Replay, key: str) -> None:
-    event = KeyEvent("key_press_event", shown.figure.canvas, key)
-    shown.figure.canvas.callbacks.process("key_press_event", event)
 
 
 def counts(shown: Replay) -> list[str]:
@@ -96,6 +103,69 @@ def test_a_search_without_events_is_an_error() -> None:
     silent = weighted_astar_search(problem, manhattan(problem), 1)
     with pytest.raises(ValueError, match=r"A\* has 0 events .* with_events=True"):
         SearchCourse("A*", HALL, (START, GOAL), silent)
+
+
+SEARCHES = [
+    *((weight, DEFAULT_LAYOUT, (2, 10), (1, 3)) for weight in (0, 1, 5, INF)),
+    (1, SPLIT, (1, 1), (2, 5)),
+    (1, SPLIT, (1, 1), (1, 1)),
+    (0, random_layout(30, 40, 0.2, seed=3), (1, 1), (28, 38)),
+]
+
+
+@pytest.mark.parametrize("search", SEARCHES)
+def test_the_marks_of_a_track_are_those_of_the_search(search: Any) -> None:
+    shown = course(*search)
+    layout, ends = shown.layout, shown.ends
+    marks = track_of_course(shown).marks
+    assert marks is not None
+    assert marks.ends == ends
+    assert list(marks.times) == sorted(marks.times)
+    codes, next_mark = np.full((layout.height, layout.width), -1), 0
+    for count in range(len(shown) + 1):
+        while next_mark < len(marks.times) and marks.times[next_mark] <= count:
+            codes[marks.cells[next_mark]] = marks.values[next_mark]
+            next_mark += 1
+        expected = shown.marks_after(count)
+        assert ((codes == WAITING) == (expected == WAITS)).all(), count
+        assert ((codes == -1) == (expected == UNTOUCHED)).all(), count
+        now = np.argwhere(codes == NOW).tolist()
+        assert now == ([list(at)] if (at := shown.expanded_by(count)) else []), count
+    quarters = (shown.marks_after(count) - 1) * 4 // max(len(shown), 1)
+    is_expanded = shown.marks_after(count) > 0
+    assert (codes[is_expanded] == FIRST_SHADE + quarters[is_expanded]).all()
+    assert next_mark == len(marks.times)
+    assert max(marks.values) < len(MARK_COLORS) == len(marks.names)
+
+
+def test_frames_count_what_is_expanded_and_end_with_the_path() -> None:
+    shown = course(*SEARCHES[1])
+    start, goal = shown.ends
+    track = track_of_course(shown)
+    assert [frame.clock for frame in track.frames] == list(range(len(shown) + 1))
+    assert track.frames[0].caption == "expanded 0, frontier 1"
+    last = track.frames[-1]
+    assert last.caption.startswith(f"expanded {len(shown)}, frontier ")
+    assert last.caption.endswith(", cost 12")
+    assert last.route[0] == (start[1] + 0.5, start[0] + 0.5)
+    assert last.route[-1] == (goal[1] + 0.5, goal[0] + 0.5)
+    assert len(last.route) == 13
+    assert not any(frame.route for frame in track.frames[:-1])
+
+
+def test_a_long_search_has_few_frames() -> None:
+    shown = course(*SEARCHES[-1])
+    track = track_of_course(shown)
+    assert len(shown) > 500
+    assert len(track) == 300
+    assert track.frames[-1].clock == len(shown)
+    assert [track.step_at(index) for index in range(len(track))] == list(range(len(track)))
+
+
+def test_without_a_path_there_is_none_to_draw() -> None:
+    track = track_of_course(course(*SEARCHES[4]))
+    assert track.frames[-1].caption.endswith("no path")
+    assert not any(frame.route for frame in track.frames)
 
 
 def test_every_panel_counts_its_own_search_and_keeps_its_last_count() -> None:
@@ -172,17 +242,13 @@ def test_a_long_search_has_at_most_max_frames() -> None:
     assert "cost" not in counts(shown)[0]
 
 
-def test_the_keys_step_forward_and_back_to_the_same_picture() -> None:
-    shown = replay(0, 1)
-    press(shown, "right")
-    once = pixels(shown)
-    press(shown, "right")
-    assert not np.array_equal(pixels(shown), once)
-    press(shown, "left")
-    assert shown.frame == 1
-    assert np.array_equal(pixels(shown), once)
-    press(shown, " ")
-    assert shown.playing
+def test_a_frame_is_the_same_picture_each_time() -> None:
+    shown, images = replay(0, 1), []
+    for frame in (1, 2, 1):
+        shown.go_to(frame)
+        images.append(pixels(shown))
+    assert np.array_equal(images[0], images[2])
+    assert not np.array_equal(images[0], images[1])
 
 
 @pytest.mark.parametrize("panels", [1, 2, 3, 5, MAX_PANELS])

@@ -51,22 +51,6 @@ def test_windows_show_stations_only_where_they_are(radius: int) -> None:
                 assert window == codes(expected.window(cell, bool(has_item))), (cell, pickup)
 
 
-def test_stations_of_the_layout_are_used_unless_they_move() -> None:
-    shop = Layout(["P.D", "DP."])
-    floor, marked = (
-        Floor(LayoutSet([shop] * 2), 1, moving_stations=False, tiles=tiles)
-        for tiles in ((), MARKED_TILES)
-    )
-    cells, loaded = np.array([1, 5]), np.array([False, True])
-    given = np.arange(2), cells, loaded, floor.places(np.arange(2), cells)
-    found = floor.windows(*given)
-    assert found.tolist() == [
-        codes(["###", "PRD", "DP."]),
-        codes([".D#", "Pr#", "###"]),
-    ]
-    assert np.array_equal(marked.windows(*given), marks(found, MARKED_TILES))
-
-
 def test_windows_whose_marks_are_too_large_are_codes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("warehouse_core.batch.shell.floor.MAX_TABLE_BYTES", 3 * 12 * 9 - 1)
     kinds = {}

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.batches import CORRIDOR, MOTION, ROOM, Single, over_modes, over_starts, same
+from helpers.batches import CORRIDOR, ROOM, Single, Walk, over_modes, over_starts
 
 from warehouse_core import BackendError, Layout, LayoutError, random_layout
 from warehouse_core.batch import BatchEnv
-from warehouse_core.batch.shell.env import DISABLED, NEXT_STEP, SAME_STEP
+from warehouse_core.batch.shell.env import SAME_STEP
 from warehouse_core.motion.grid import GridMotion
 from warehouse_core.task.encoding import MARKED_TILES, vector
 
@@ -22,11 +22,14 @@ POOL.append(Layout(["#######", "##....#", "#.#P#.#", "#.D..C#", "#######"]))
 class FromPool(Single):
     """A single warehouse that draws its layout from the pool before its start."""
 
+    drawn: Counter[Layout]
+
     def begin(self, seed: int | None = None) -> None:
         if seed is not None:
             self.stream = np.random.default_rng(seed)
         self.layout = POOL[int(self.stream.random() * len(POOL))]
         self.usual = self.layout.usual_start()
+        self.drawn[self.layout] += 1
         super().begin()
 
 
@@ -38,68 +41,23 @@ def test_each_row_equals_a_single_environment_in_the_layouts_it_draws(
 ) -> None:
     limits: dict[str, Any] = {"max_steps": 9, "battery": 8, "backend": backend}
     batch = BatchEnv(ROWS, pool=POOL, randomize=randomize, autoreset_mode=mode, **limits)
-    singles = [FromPool(POOL[0], randomize, **limits) for _ in range(ROWS)]
-    arrays, info = batch.reset(seed=5)
-    for row, single in enumerate(singles):
-        single.begin(5 + row)
-    stream, seen = np.random.default_rng(1), Counter[Layout]()
-    for _ in range(40):
-        for row, single in enumerate(singles):
-            single.assert_seen(arrays, row, info["action_mask"])
-            assert batch.row(row)[0] == single.env.layout
-            seen[single.layout] += single.env.state.steps == 0
-        actions = [single.choose(stream) for single in singles]
-        before = [single.ended for single in singles]
-        arrays, rewards, *ends, info = batch.step(actions)
-        for row, (single, action) in enumerate(zip(singles, actions, strict=True)):
-            if mode == NEXT_STEP and before[row]:
-                single.begin()
-                continue
-            assert (rewards[row], *(end[row] for end in ends)) == single.step(action)
-            found = [info["motion"][key][row] for key in MOTION]
-            assert found == pytest.approx(single.motion(), rel=1e-6)
-            if mode == SAME_STEP and single.ended:
-                single.begin()
-        if mode == DISABLED and any(single.ended for single in singles):
-            arrays, info = batch.reset(mask=np.array([single.ended for single in singles]))
-            for single in singles:
-                if single.ended:
-                    single.begin()
-    assert set(seen) == set(POOL)
+    FromPool.drawn = Counter()
+    Walk(batch, [FromPool(POOL[0], randomize, **limits) for _ in range(ROWS)], seed=5).go(40)
+    assert set(FromPool.drawn) == set(POOL)
 
 
-def test_marks_are_those_of_the_layouts_that_are_drawn() -> None:
+@over_starts
+def test_marks_are_those_of_the_layouts_that_are_drawn(randomize: bool | str) -> None:
     settings: dict[str, Any] = {"pool": POOL, "autoreset_mode": SAME_STEP, "max_steps": 5}
-    batches = [BatchEnv(ROWS, **settings, marked=marked) for marked in ((), MARKED_TILES)]
+    batches = [
+        BatchEnv(ROWS, **settings, randomize=randomize, marked=marked)
+        for marked in ((), MARKED_TILES)
+    ]
     seen = [batch.reset(seed=1)[0] for batch in batches]
     for actions in np.random.default_rng(0).integers(7, size=(20, ROWS)):
         codes, marks = map(vector, seen)
         assert np.array_equal(codes, marks)
         seen = [batch.step(actions)[0] for batch in batches]
-
-
-def test_layouts_are_drawn_uniformly_and_by_the_seed() -> None:
-    count = 4000
-    batch, twin = (BatchEnv(count, pool=POOL, randomize="start") for _ in range(2))
-    assert same(batch.reset(seed=1), twin.reset(seed=1))
-    drawn = Counter(batch.row(row)[0] for row in range(count))
-    expected = count / len(POOL)
-    # The 0.999 quantile of chi-squared with 3 degrees of freedom; the seed is fixed.
-    assert sum((number - expected) ** 2 / expected for number in drawn.values()) < 16.3
-    assert sum(drawn.values()) == count
-    first = [batch.row(row)[0] for row in range(20)]
-    batch.reset()
-    assert first != [batch.row(row)[0] for row in range(20)]
-
-
-def test_without_a_pool_nothing_more_is_drawn() -> None:
-    """A pool of one layout draws a number for it, which shifts all that follow."""
-    alone, pooled = BatchEnv(3, ROOM), BatchEnv(3, pool=[ROOM])
-    starts = [batch.reset(seed=1)[0]["pickup_pos"].tolist() for batch in (alone, pooled)]
-    stream = np.random.default_rng(1)
-    cells = [divmod(int(cell), ROOM.width) for cell in ROOM.open_cells]
-    first, second = (cells[int(stream.random() * len(cells))] for _ in range(2))
-    assert (tuple(starts[0][0]), tuple(starts[1][0])) == (first, second)
 
 
 def test_one_start_pos_holds_in_all_layouts_of_a_pool() -> None:

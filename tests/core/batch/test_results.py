@@ -6,15 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.batches import (
-    CHARGED,
-    DISABLED,
-    MIXED,
-    leaves,
-    over_modes,
-    same,
-    some_batch,
-)
+from helpers.batches import CHARGED, DISABLED, MIXED, leaves, over_modes, same, some_batch
 
 from warehouse_core import Layout
 from warehouse_core.batch import BatchEnv

@@ -7,9 +7,7 @@ from warehouse_core.batch.shell.verdicts import (
     charging,
     judge_all,
     masks,
-    sides_number,
     spend_and_charge,
-    station_numbers,
 )
 from warehouse_core.task.rules import judge, useful_actions
 
@@ -43,20 +41,6 @@ def test_batteries_change_like_a_single_one() -> None:
     for found, (action, station, before) in zip(battery.tolist(), cases, strict=True):
         charges = (action, station) == (WAIT, CHARGER)
         assert found == (min(12, before + 9) if charges else before - 1)
-
-
-def test_sides_are_numbered_north_first() -> None:
-    sides = np.array(
-        [[YES, NO, NO, NO], [NO, NO, NO, YES], [YES] * 4, [NO] * 4, [NO, YES, YES, NO]]
-    )
-    assert sides_number(sides).tolist() == [8, 1, 15, 0, 6]
-
-
-def test_pickups_dropoffs_and_chargers_are_stations() -> None:
-    floor, wall, pickup, dropoff, robot, _, charger = range(7)
-    tiles = np.array([pickup, floor, dropoff, wall, charger, robot, pickup], np.uint8)
-    expected = [PICKUP, EMPTY, DROPOFF, EMPTY, CHARGER, EMPTY, PICKUP]
-    assert station_numbers(tiles).tolist() == expected
 
 
 def test_masks_are_the_useful_actions() -> None:

@@ -1,4 +1,4 @@
-"""Many fleets together equal separate ones, and the same seed gives the same episode."""
+"""Many fleets at once: each equals a ``FleetEnv``; the same seed gives the same episode."""
 
 import os
 import subprocess
@@ -10,87 +10,143 @@ import numpy as np
 import pytest
 from helpers.fleet_truth import charged_layout, plain
 
-from warehouse_core import FleetEnv, OrderStream
-from warehouse_core.batch.fleet.engine import FleetEngine
-from warehouse_core.batch.fleet.settings import FleetSettings, as_orders
-from warehouse_core.fleet import Battery, People
-from warehouse_core.orders.order import OrderQueue
-from warehouse_core.world.layout import Layout
+from warehouse_core import FleetEnv, Layout, OrderQueue, OrderStream
+from warehouse_core.batch import AUTORESET_MODES
+from warehouse_core.errors import EndedError
+from warehouse_core.fleet import Battery, FleetBatch, People
+from warehouse_core.motion.grid import GridFleetBatch
 
-SIZES = (8, 7, 9, 8)
-LAYOUTS: list[Layout] = [charged_layout(8, width, 2, seed=width) for width in SIZES]
-ROBOTS, STEPS = 5, 70
+YARD = Layout(["......", ".P..D.", "..##.C"])
+FLEETS, ROBOTS, STEPS = 4, 5, 90
+LAYOUTS = [charged_layout(8, width, 2, seed=width) for width in (8, 7, 9, 8)]
 
 KINDS: dict[str, dict[str, Any]] = {
     "stream": {"orders": (OrderStream(0.4, (5, 20)), OrderStream(1.0, (5, 9), start=30))},
     "queue": {"orders": OrderQueue(3, (5, 20)), "battery": Battery(1500, "joules")},
     "open": {"orders": 0.5, "dispatch": False, "late_penalty": 0.5},
     "none": {"people": People(3, "aisles"), "view_radius": 0},
-    "people": {"people": People(2), "orders": 0.3, "team_reward": True, "view_radius": 3},
+    "people": {"people": 2, "orders": 0.3, "team_reward": True, "view_radius": 3},
+    "bodies": {"backend": "physics", "orders": 0.3, "people": 1, "max_steps": 5},
 }
 
 over_kinds = pytest.mark.parametrize("kind", KINDS)
 
 
 def settings_of(kind: str) -> dict[str, Any]:
-    usual = {"max_steps": 60, "battery": Battery(40), "view_radius": 1, "dispatch": True}
-    chosen = usual | {"people": People(0), "late_penalty": 0.0, "team_reward": False} | KINDS[kind]
-    return chosen | {"orders": as_orders(chosen.get("orders"))}
+    return {"max_steps": 45, "battery": 35, "view_radius": 1} | KINDS[kind]
 
 
-def helpful_actions(found: Any, stream: np.random.Generator) -> np.ndarray:
+def helpful_actions(mask: np.ndarray, stream: np.random.Generator) -> np.ndarray:
     """Return random actions that do something, more often than not what only stations allow."""
-    weights = found["action_mask"] * np.array([1, 1, 1, 1, 1, 20, 20])
+    weights = mask * np.array([1, 1, 1, 1, 1, 20, 20])
     return (stream.random(weights.shape) * weights).argmax(axis=1)
 
 
+def equal(seen: Any, masks: np.ndarray, fleet: int, expected: tuple[Any, dict[str, Any]]) -> None:
+    """Compare the rows of a fleet with a ``FleetEnv``, which observes no charger if it has none."""
+    rows = slice(fleet * ROBOTS, (fleet + 1) * ROBOTS)
+    arrays, info = expected
+    assert arrays.keys() <= seen.keys()
+    for key, values in seen.items():
+        assert np.array_equal(values[rows], arrays.get(key, [[-1, -1]] * ROBOTS)), key
+    assert np.array_equal(masks[rows], info["action_mask"])
+
+
 @over_kinds
-def test_fleets_together_equal_separate_ones(kind: str) -> None:
-    settings = FleetSettings(robots=ROBOTS, starts=None, **settings_of(kind))
-    groups = [LAYOUTS, *([layout] for layout in LAYOUTS)]
-    together, *apart = (FleetEngine(group, settings, "grid") for group in groups)
-    stream, rows = np.random.default_rng(1), np.arange(len(LAYOUTS))
-    together.begin(rows, [3, 4, 5, 6])
-    for seed, fleets in enumerate(apart, 3):
-        fleets.begin(rows[:1], [seed])
-    picked = 0
-    for number in range(STEPS):
-        if number in (25, 40):  # some of them start again, with a seed and without
-            some = np.array([2, 0])
-            together.begin(some, [None, 9])
-            apart[2].begin(rows[:1], [None])
-            apart[0].begin(rows[:1], [9])
-        masks = together.robots.masks()
-        actions = helpful_actions({"action_mask": masks}, stream)
-        step = together.step(actions)
-        seen = together.observe()
-        for floor, fleets in enumerate(apart):
-            part = slice(floor * ROBOTS, (floor + 1) * ROBOTS)
-            assert np.array_equal(fleets.robots.masks(), masks[part])
-            mine = fleets.step(actions[part])
-            for ours, theirs in zip(mine.outcome[:5], step.outcome[:5], strict=True):
-                assert np.array_equal(ours, theirs[part])
-            for ours, theirs in zip(mine[1:], step[1:], strict=True):
-                assert np.array_equal(ours, theirs[part])
-            for key, value in fleets.observe().items():
-                assert np.array_equal(value, seen[key][part]), key  # type: ignore[literal-required]
-            assert repr(fleets.measures(0)) == repr(together.measures(floor))
-            assert np.array_equal(fleets.crowd.cells[0], together.crowd.cells[floor])
-        picked += int(together.robots.has_item.sum())
-    assert picked > 20
+@pytest.mark.parametrize("mode", AUTORESET_MODES)
+def test_each_fleet_is_a_fleet_env_that_restarts(mode: str, kind: str) -> None:
+    """Some of them are reset in between, with a seed and without."""
+    settings, steps = settings_of(kind), 12 if kind == "bodies" else STEPS
+    many = FleetBatch(FLEETS, LAYOUTS, ROBOTS, autoreset_mode=mode, **settings)
+    single = [FleetEnv(layout, ROBOTS, **settings) for layout in LAYOUTS]
+    stream, restarts, picked = np.random.default_rng(2), 0, 0
+    chosen, seeds = np.ones(FLEETS, np.bool_), [7, 8, 9, 3]
+    for number in range(steps):
+        if chosen.any():
+            arrays, info = many.reset(seeds, chosen if number else None)
+            for fleet in np.flatnonzero(chosen).tolist():
+                equal(arrays, info["action_mask"], fleet, single[fleet].reset(seeds[fleet]))
+        over, actions = many._ended(), helpful_actions(many.action_masks(), stream)
+        arrays, rewards, terminated, truncated, info = many.step(actions)
+        motion = info["motion"]
+        for fleet, env in enumerate(single):
+            rows = slice(fleet * ROBOTS, (fleet + 1) * ROBOTS)
+            if over[fleet]:  # in this step no action is taken
+                seen, said = env.reset()
+                zeros = rewards[rows], truncated[rows], *(motion[key][rows] for key in motion)
+                assert not np.any(zeros)
+            else:
+                seen, *verdicts, said = env.step(actions[rows])
+                verdicts += [said["motion"][key] for key in motion]
+                mine = rewards, terminated, truncated, *motion.values()
+                for ours, theirs in zip(mine, verdicts, strict=True):
+                    assert np.array_equal(ours[rows], theirs)
+            picked, restarts = picked + sum(env.loaded), restarts + all(env.ended)
+            is_final = mode == "SameStep" and all(env.ended)
+            assert (info["_motion"][rows] != (over[fleet] or is_final)).all()
+            if is_final:
+                assert info["_final_obs"][rows].all()
+                final = info["final_info"]["action_mask"]
+                equal(info["final_obs"], final, fleet, (seen, said))
+                seen, said = env.reset()
+            assert repr(many.measures(fleet)) == repr(env.measures)
+            equal(arrays, info["action_mask"], fleet, (seen, said))
+        chosen = many._ended() & (mode == "Disabled")
+        chosen[[0, 2]] |= number == steps // 3
+        seeds = [None, None, 5, None]
+    assert restarts >= FLEETS
+    assert picked > 20 or kind == "bodies"
+    many.close()
 
 
-def episode(kind: str, seed: int, backend: str = "grid") -> Any:
+def test_a_fleet_restarts_when_its_last_robot_has_ended() -> None:
+    layout = Layout(["PD..", "...."])
+    many = FleetBatch(2, layout, 2, max_steps=6, autoreset_mode="SameStep", view_radius=0)
+    assert (many.num_envs, many.size) == (4, (2, 4))
+    many.reset(seed=1)
+    flags = []
+    for step in range(6):
+        _, rewards, terminated, truncated, info = many.step(np.full(4, 4))
+        flags.append((terminated | truncated).tolist())
+        assert ("final_obs" in info) == (step == 5)
+        assert rewards.all()
+    assert flags == [[False] * 4] * 5 + [[True] * 4]
+
+
+@pytest.mark.parametrize("robots", [1, 2])
+def test_fleets_on_the_grid_are_moved_by_arrays(robots: int) -> None:
+    """A motion for each floor would be a hundred times slower for thousands of lone robots."""
+    many = FleetBatch(3, YARD, robots, orders=0.3)
+    assert isinstance(many._engine.motion, GridFleetBatch)
+
+
+def test_a_mask_resets_some_fleets_only() -> None:
+    many = FleetBatch(3, YARD, 2)
+    with pytest.raises(EndedError, match="first reset"):
+        many.reset(mask=np.ones(3, np.bool_))
+    many.reset(seed=1)
+    many.step(np.full(6, 4))
+    arrays, info = many.reset(mask=np.array([False, True, False]))
+    assert arrays["steps"].ravel().tolist() == [1, 1, 0, 0, 1, 1]
+    assert info["_action_mask"].tolist() == [False, False, True, True, False, False]
+
+
+def test_bad_input_is_an_error() -> None:
+    with pytest.raises(ValueError, match="2 layouts for 3 rows"):
+        FleetBatch(3, [YARD, YARD], 2)
+    with pytest.raises(TypeError, match="unexpected keyword argument 'speed'"):
+        FleetBatch(3, YARD, 2, speed=1)
+    with pytest.raises(ValueError, match=r"^fleet is 3; it must be at most 2"):
+        FleetBatch(3, YARD, 2).measures(3)
+
+
+def episode(kind: str, seed: int) -> Any:
     """Return all that a random episode shows, without arrays."""
-    settings = settings_of(kind)
-    fleet = FleetEnv(LAYOUTS[0], ROBOTS, backend=backend, **settings)
-    stream = np.random.default_rng(1)
-    found: list[Any] = [fleet.reset(seed=seed)]
-    ended = np.zeros(ROBOTS, np.bool_)
-    while not ended.all():
-        found.append(fleet.step(helpful_actions(found[-1][-1], stream)))
-        ended = found[-1][2] | found[-1][3]
-    return plain(found), fleet.orders, repr(fleet.measures), fleet.people
+    fleet, stream = FleetEnv(LAYOUTS[0], ROBOTS, **settings_of(kind)), np.random.default_rng(1)
+    seen: list[Any] = [fleet.reset(seed=seed)]
+    while not all(fleet.ended):
+        seen.append(fleet.step(helpful_actions(seen[-1][-1]["action_mask"], stream)))
+    return plain(seen), fleet.orders, repr(fleet.measures), fleet.people
 
 
 @over_kinds
@@ -100,18 +156,13 @@ def test_the_same_seed_gives_the_same_episode(kind: str) -> None:
     assert episode(kind, 4) != first
 
 
-@pytest.mark.parametrize("backend", ["grid", "physics"])
-def test_the_same_seed_gives_the_same_episode_in_another_process(backend: str) -> None:
-    code = f"import test_fleets; print(test_fleets.episode('people', 3, {backend!r}))"
+def test_the_same_seed_gives_the_same_episodes_in_another_process() -> None:
+    kinds = "people", "none", "bodies"
+    code = f"import test_fleets; print([test_fleets.episode(kind, 3) for kind in {kinds}])"
     path = os.pathsep.join([str(Path(__file__).parent), *sys.path])
-    said = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        check=True,
-        text=True,
-        env=os.environ | {"PYTHONPATH": path},
-    )
-    assert said.stdout.strip() == str(episode("people", 3, backend))
+    environment = os.environ | {"PYTHONPATH": path}
+    said = subprocess.check_output([sys.executable, "-c", code], text=True, env=environment)
+    assert said.strip() == str([episode(kind, 3) for kind in kinds])
 
 
 def test_starts_are_drawn_from_empty_cells_first() -> None:

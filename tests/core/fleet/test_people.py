@@ -1,18 +1,15 @@
-import subprocess
-import sys
 from typing import Any
 
 import numpy as np
 import pytest
-from helpers.fleet_truth import EAST, WAIT, state_of
+from helpers.fleet_truth import EAST, WAIT
 
-from warehouse_core import FleetEnv, Layout, random_layout, shelf_layout
+from warehouse_core import FleetEnv, Layout, random_layout
 from warehouse_core.batch.fleet import people
 from warehouse_core.fleet import People
 from warehouse_core.motion.backends import Backend
 
 CORRIDOR = Layout(["....."])
-SHOP = shelf_layout(2, 3, 3, 1, seed=1)
 
 over_habits = pytest.mark.parametrize("habit", people.HABITS)
 
@@ -117,37 +114,12 @@ def test_a_person_in_front_of_a_robot_that_waits_turns_back() -> None:
     assert len(set(cells.tolist())) > 2
 
 
-@over_habits
-def test_the_same_seed_walks_the_same_ways_in_another_process_too(habit: str) -> None:
-    one, same, other = (walk(SHOP, People(4, habit), 40, seed=seed) for seed in (5, 5, 6))
-    assert np.array_equal(one, same)
-    assert not np.array_equal(one, other)
-    code = f"""
-from warehouse_core import FleetEnv, shelf_layout
-from warehouse_core.fleet import People
-layout = shelf_layout(2, 3, 3, 1, seed=1)
-last = layout.open_cell(len(layout.open_cells) - 1)
-fleet = FleetEnv(layout, 1, starts=[last], people=People(4, {habit!r}))
-fleet.reset(seed=5)
-for _ in range(39):
-    fleet.step(["WAIT"])
-print(fleet.people)
-"""
-    said = subprocess.run([sys.executable, "-c", code], capture_output=True, check=True, text=True)
-    assert said.stdout.strip() == str([tuple(cell) for cell in one[-1].tolist()])
-
-
 def test_people_and_their_ways_are_limited(monkeypatch: pytest.MonkeyPatch) -> None:
     stations = Layout(["PD" * 40, "." * 80])
     assert len(people._goals(stations)) == 27
     monkeypatch.setattr(people, "MAX_GOAL_CELLS", 5 * 160)
     assert len(people._goals(stations)) == 5
     assert len(people._goals(CORRIDOR)) == 5
-    fleet = FleetEnv(stations, 1, people=2)
-    fleet.reset(seed=1)
-    before = state_of(fleet)
-    fleet.reset(seed=1)
-    assert state_of(fleet) == before
 
 
 @pytest.mark.parametrize(
@@ -155,13 +127,11 @@ def test_people_and_their_ways_are_limited(monkeypatch: pytest.MonkeyPatch) -> N
     [
         ({"count": -1}, ValueError, "^people is -1; it must be at least 0$"),
         ({"count": True}, TypeError, "^people is True; it must be an integer$"),
-        ({"count": "3"}, TypeError, "^people is '3'"),
         (
             {"count": 1, "pause": 1.5},
             ValueError,
             "^pause is 1.5; it must be at least 0 and at most",
         ),
-        ({"count": 1, "pause": float("nan")}, ValueError, "^pause is nan"),
         ({"count": 1, "habit": "run"}, ValueError, "^habit is 'run'; allowed: stations, aisles$"),
     ],
 )

@@ -64,7 +64,7 @@ def test_a_charger_saves_a_robot_with_its_last_unit_and_fills_it_no_more_than_fu
     fleet.step([NORTH, WAIT])
     assert fleet.battery == [1, 1]
     truncated = fleet.step([WAIT, WAIT])[3]
-    assert (fleet.battery, truncated.tolist()) == ([3, 0], [False, True])
+    assert (fleet.battery, truncated.tolist()) == ([3, 0], fleet.ended) == ([3, 0], [False, True])
     fleet = begun(AISLE, 1, starts=[(0, 6)], battery=Battery(100, charge=30), max_steps=99)
     units = []
     for action in [NORTH] * 50 + [WAIT] * 3:
@@ -112,21 +112,6 @@ def test_a_robot_with_an_empty_battery_stays_in_the_way() -> None:
         fleet.step([WAIT, WAIT])
     fleet.reset()
     assert fleet.battery == [25, 25]
-
-
-def test_who_has_ended_is_seen() -> None:
-    fleet = FleetEnv(["...."], 2, starts=[(0, 1), (0, 2)], battery=2, max_steps=9)
-    fleet.reset(seed=1)
-    fleet._engine.battery[0] = 1
-    assert fleet.ended == [False, False]
-    fleet.step([WAIT, WAIT])
-    assert fleet.ended == [True, False]
-
-
-def test_max_steps_truncates_all() -> None:
-    fleet = begun(AISLE, 3, max_steps=2)
-    assert not fleet.step([WAIT] * 3)[3].any()
-    assert fleet.step([WAIT] * 3)[3].tolist() == [True] * 3
 
 
 def test_a_robot_that_has_delivered_waits_in_the_way_of_others() -> None:

@@ -1,4 +1,4 @@
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from importlib.metadata import EntryPoint
 from types import MappingProxyType
 from typing import Any
@@ -31,24 +31,6 @@ def entry_point(name: str, value: str, distribution: Any = None) -> EntryPoint:
     point = EntryPoint(name, value, GROUP)
     vars(point).update(dist=distribution)
     return point
-
-
-@pytest.fixture
-def install(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
-    """Return a function that replaces all installed entry points."""
-
-    def forget() -> None:
-        backends_module._entry_points.cache_clear()
-        load_backend.cache_clear()
-
-    def install(*points: EntryPoint) -> None:
-        monkeypatch.setattr("importlib.metadata.entry_points", lambda group: list(points))
-        forget()
-
-    forget()
-    yield install
-    monkeypatch.undo()
-    forget()
 
 
 def test_the_grid_is_installed() -> None:
@@ -112,12 +94,6 @@ def test_a_failed_import_is_tried_again(install: Any) -> None:
     assert isinstance(make_motion("late"), GridMotion)
 
 
-def test_a_third_party_backend_is_found_by_its_name(install: Any) -> None:
-    install(entry_point("mine", "warehouse_core.motion.grid:GridMotion"))
-    assert backend_names() == ["mine"]
-    assert isinstance(make_motion("mine"), GridMotion)
-
-
 @pytest.mark.parametrize("backend", [None, dict, b"grid"])
 def test_a_backend_of_another_type_raises(backend: Any) -> None:
     with pytest.raises(TypeError, match=r"allowed: a name \(.*grid.*\), or a class or instance"):
@@ -159,7 +135,7 @@ def test_fleets_of_one_robot_and_more_are_moved_by_arrays_if_the_backend_can(rob
 
 def test_a_batch_of_lone_robots_needs_a_backend_that_has_one() -> None:
     assert type(make_batch_motion(LoneBatch, [Layout(["..."])])) is GridBatch
-    with pytest.raises(BackendError, match="cannot move a batch"):
+    with pytest.raises(BackendError, match=r"cannot move a batch; .* a method batch\(layouts\)"):
         make_batch_motion(WithoutBatch, [Layout(["..."])])
 
 
@@ -179,7 +155,7 @@ class Numbered(GridMotion):
 
 def test_numbers_may_follow_the_name_of_a_backend(install) -> None:
     install(entry_point("numbered", f"{__name__}:Numbered"))
-    load_backend.cache_clear()
+    assert backend_names() == ["numbered"]
     motion = make_motion("numbered:speed=2,mass=1e2")
     assert isinstance(motion, Numbered)
     assert motion.numbers == {"speed": 2.0, "mass": 100.0}

@@ -1,7 +1,6 @@
 import math
 import random
 
-import numpy as np
 import pytest
 
 from warehouse_core import DEFAULT_LAYOUT, Contact, Layout, Outcome, random_layout
@@ -94,13 +93,6 @@ def test_the_cached_outcomes_equal_those_of_several_robots() -> None:
         assert moved(alone, move, loaded) == first
 
 
-def test_the_cache_is_cleared_for_another_layout() -> None:
-    motion = started((0, 0), layout=Layout([".."]))
-    assert not moved(motion, EAST).blocked
-    motion.reset(Layout([".#"]), [(0, 0)], None)
-    assert moved(motion, EAST).blocked
-
-
 def test_the_cache_has_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(grid_motion_module, "MAX_CACHED", 3)
     motion = started((0, 0))
@@ -108,32 +100,6 @@ def test_the_cache_has_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
         for move in (EAST, SOUTH, WEST, NORTH):
             moved(motion, move)
             assert len(motion._lone) <= 3
-
-
-@pytest.mark.parametrize("move", [(2, 0), (-1, -1)])
-def test_a_move_by_more_than_a_cell_raises(move: tuple[int, int]) -> None:
-    motion = started((2, 2))
-    with pytest.raises(ValueError, match="of robot 0; allowed"):
-        moved(motion, move)
-    assert moved(motion, STAY).cell == (2, 2)
-    with pytest.raises(ValueError, match="of robot 1; allowed"):
-        started((0, 0), (2, 2)).advance([EAST, move], [False, False])
-
-
-@pytest.mark.parametrize(("moves", "loads"), [(0, 0), (3, 2), (2, 1)])
-def test_every_robot_needs_one_move_and_one_load(moves: int, loads: int) -> None:
-    motion = started((0, 0), (2, 2))
-    message = f"{moves} displacements and {loads} loads for 2 robots"
-    with pytest.raises(ValueError, match=message):
-        motion.advance([EAST] * moves, [False] * loads)
-
-
-def test_the_error_of_an_invalid_start_names_the_robot() -> None:
-    motion = GridMotion()
-    with pytest.raises(ValueError, match="robot 1: row 0, column 0 is wall"):
-        motion.reset(DEFAULT_LAYOUT, [(1, 1), (0, 0)], None)
-    with pytest.raises(ValueError, match=r"robots 0 and 2 are both given \(1, 1\)"):
-        motion.reset(DEFAULT_LAYOUT, [(1, 1), (1, 2), (1, 1)], None)
 
 
 def test_it_can_be_reset_after_a_close() -> None:
@@ -162,13 +128,6 @@ def test_outcomes_are_equal_when_every_value_is() -> None:
     assert one != one._replace(joules=one.joules + 1)
     assert one != "an outcome"
     assert hash(one) == hash(twin)
-
-
-def test_paths_are_read_only_float64() -> None:
-    path = moved(started((2, 2)), EAST).path
-    assert path.dtype == np.float64
-    with pytest.raises(ValueError, match="read-only"):
-        path[0, 0] = 1
 
 
 @pytest.mark.parametrize("limit", [32_000_000, 100])

@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 
 from warehouse_core import Layout, random_layout
-from warehouse_core.motion.batch import Batchable
 from warehouse_core.motion.grid import GridBatch, GridMotion, nominal_joules
 from warehouse_core.world.actions import DISPLACEMENTS
 
@@ -15,44 +14,6 @@ LAYOUTS = [OPEN, random_layout(5, 7, 0.3, seed=1), Layout([".#."]), OPEN, Layout
 
 def batch_of(layouts: list[Layout]) -> GridBatch:
     return GridMotion(0.5).batch(layouts)
-
-
-def test_every_action_in_every_cell_equals_the_motion_of_one_robot() -> None:
-    """At borders too: a robot does not leave a row in the west and enter the row above."""
-    motion = GridMotion()
-    assert isinstance(motion, Batchable)
-    for layout in set(LAYOUTS):
-        cells = np.repeat(layout.open_cells, 7)
-        actions = np.tile(np.arange(7), len(layout.open_cells))
-        # Another layout comes first, so that the base is not 0.
-        batch = motion.batch([LAYOUTS[1], *[layout] * len(cells)])
-        batch.place(np.arange(1 + len(cells)), np.array([LAYOUTS[1].open_cells[0], *cells]))
-        found = batch.advance(np.array([WAIT, *actions]), np.zeros(1 + len(cells), bool))
-        for row, (cell, action) in enumerate(zip(cells, actions, strict=True), start=1):
-            start = divmod(int(cell), layout.width)
-            motion.reset(layout, [start], None)
-            expected = motion.advance([DISPLACEMENTS[action]], [False])[0]
-            assert divmod(int(found.cells[row]), layout.width) == expected.cell
-            assert (found.blocked[row], found.seconds[row], found.joules[row]) == expected[1:4]
-
-
-def test_time_and_cost_are_the_nominal_ones() -> None:
-    batch = batch_of([OPEN] * 4)
-    batch.place(np.arange(4), np.zeros(4, int))
-    found = batch.advance(np.array([EAST, NORTH, WAIT, DROP]), np.ones(4, bool))
-    assert found.cells.tolist() == [1, 0, 0, 0]
-    assert found.blocked.tolist() == [False, True, False, False]
-    assert found.seconds.tolist() == [1.0] * 4
-    assert found.joules.tolist() == [MOVING, MOVING, STANDING, STANDING]
-    assert [values.dtype for values in found[:4]] == [np.intp, bool, float, float]
-    assert found.stopped_by is None
-
-
-def test_some_robots_can_be_placed() -> None:
-    batch = batch_of([OPEN, Layout(["...."]), OPEN])
-    batch.place(np.arange(3), np.array([0, 1, 2]))
-    batch.place(np.array([2, 1]), np.array([4, 3]))
-    assert batch.advance(np.full(3, WAIT), np.zeros(3, bool)).cells.tolist() == [0, 3, 4]
 
 
 def test_the_arrays_of_an_outcome_belong_to_the_caller() -> None:
@@ -95,15 +56,3 @@ def test_the_outcomes_of_a_floor_are_those_of_the_single_motion(robots: int) -> 
             chosen = actions[floor * robots :][:robots]
             moves = [DISPLACEMENTS[action] for action in chosen.tolist()]
             assert batch.outcomes(floor) == motion.advance(moves, [False] * robots)
-
-
-def test_a_fleet_can_be_placed_and_closed() -> None:
-    batch = GridMotion().fleet_batch([OPEN, Layout(["...."])], 2)
-    batch.place(np.arange(4), np.array([0, 1, 2, 3]))
-    batch.place(np.arange(2), np.array([5, 4]))
-    found = batch.advance(np.array([NORTH, WEST, WEST, WEST]), np.zeros(4, bool))
-    assert found.cells.tolist() == [3, 4, 1, 2]
-    assert found.stopped_by.tolist() == [-1, -2, -1, -1]
-    batch.close()
-    with pytest.raises(RuntimeError, match="after close"):
-        batch.advance(np.full(4, WAIT), np.zeros(4, bool))

@@ -11,10 +11,7 @@ from warehouse_core.orders.order import MAX_ORDERS, OrderQueue
     ("settings", "error", "message"),
     [
         ({"rate": -0.1}, ValueError, r"^rate is -0.1; it must be at least 0 and finite$"),
-        ({"rate": math.inf}, ValueError, "^rate is inf; it must be"),
-        ({"rate": math.nan}, ValueError, "^rate is nan; it must be"),
         ({"rate": "1"}, ValueError, "^rate is '1'; it must be a number$"),
-        ({"rate": True}, ValueError, "^rate is True; it must be a number$"),
         ({"start": -1}, ValueError, "^start is -1; it must be at least 0$"),
         ({"start": 2**31}, ValueError, "^start is 2147483648; it must be at most 2147483647$"),
         ({"start": True}, TypeError, "^start is True; it must be an integer$"),
@@ -22,7 +19,6 @@ from warehouse_core.orders.order import MAX_ORDERS, OrderQueue
         ({"due": (-1, 4)}, ValueError, r"^due is \(-1, 4\)"),
         ({"due": (0, 2**31)}, ValueError, r"^due is \(0, 2147483648\)"),
         ({"due": 5}, TypeError, r"^due is 5; it must be two integers \(fewest, most\)$"),
-        ({"due": (1, 2.0)}, TypeError, r"^due is \(1, 2.0\); it must be two integers"),
         ({"pickup_weights": 5}, TypeError, "^pickup_weights is 5; it must be a tuple of numbers$"),
         ({"pickup_weights": "12"}, TypeError, "^pickup_weights is '12'; it must be a tuple"),
         ({"pickup_weights": (1, -1)}, ValueError, r"^pickup_weights\[1\] is -1; it must be"),

@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from warehouse_core import Layout, LayoutError, WarehouseEnv, random_layout, shelf_layout
-from warehouse_core.world import layout as layout_module
 from warehouse_core.world.generators import MAX_DENSITY, benchmark_warehouse, kiva_warehouse
 from warehouse_core.world.tiles import manhattan_distance
 
@@ -101,26 +100,6 @@ def test_stations_of_random_layouts_can_be_anywhere() -> None:
     assert {layout.dropoffs[0] for layout in layouts} == {(1, 1), (1, 2), (2, 1), (2, 2)}
 
 
-def test_a_random_layout_that_is_too_large_raises(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(layout_module, "MAX_CELLS", 30)
-    assert random_layout(5, 6, 0.1, seed=0).width == 6
-    with pytest.raises(LayoutError, match="MAX_CELLS = 30"):
-        random_layout(6, 6, 0.1, seed=0)
-
-
-def test_the_default_shelves_look_like_this() -> None:
-    walls = [row.replace("P", ".").replace("D", ".") for row in shelf_layout().rows]
-    assert walls == [
-        "##################",
-        "#................#",
-        "#.####.####.####.#",
-        "#................#",
-        "#.####.####.####.#",
-        "#................#",
-        "##################",
-    ]
-
-
 @settings(max_examples=30)
 @given(counts, counts, counts, counts, counts, seeds)
 def test_shelves_can_always_be_served(
@@ -194,21 +173,20 @@ def test_chargers_are_on_both_sides() -> None:
 
 def test_one_station_of_a_kind_is_where_it_was_before_there_could_be_several() -> None:
     assert shelf_layout(3, 4, 4, 2, 1, seed=1).rows == SHELVES
+    assert shelf_layout() == shelf_layout(2, 3, 4, 1, 1, seed=0)
 
 
 @pytest.mark.parametrize(
     ("sizes", "width", "height", "open_cells"),
-    [
-        ((10, 20, 10, 2, 1), 161, 63, 5699),
-        ((20, 40, 10, 2, 2), 340, 164, 38756),
-    ],
+    [((10, 20, 10, 2, 1), 161, 63, 5699), ((20, 40, 10, 2, 2), 340, 164, 38756)],
 )
 def test_the_published_warehouses_have_their_sizes(
     sizes: tuple[int, int, int, int, int], width: int, height: int, open_cells: int
 ) -> None:
     layout = benchmark_warehouse(*sizes)
     assert (layout.width, layout.height) == (width, height)
-    assert len(layout.open_cells) == open_cells
+    assert len(layout.open_cells) == len(layout.reachable_from((1, 1))) == open_cells
+    assert layout.pickups == layout.dropoffs == ()
 
 
 def test_a_benchmark_warehouse_has_the_smaller_margin_on_the_left() -> None:
@@ -223,33 +201,8 @@ def test_a_benchmark_warehouse_has_the_smaller_margin_on_the_left() -> None:
         "#.........#",
         "###########",
     )
-    assert benchmark_warehouse(2, 1, 2, 1, 3).rows[4] == "#.....##...##.....#"
-
-
-@settings(max_examples=30)
-@given(counts, counts, counts, counts, counts)
-def test_a_benchmark_warehouse_has_the_given_sizes(
-    columns: int, rows: int, length: int, depth: int, aisle: int
-) -> None:
-    layout = benchmark_warehouse(columns, rows, length, depth, aisle)
-    assert layout.width == columns * (length + aisle) - aisle + 5 * columns + 2
-    assert layout.height == rows * (depth + aisle) + aisle + 2
-    inside = (layout.height - 2) * (layout.width - 2)
-    assert inside - len(layout.open_cells) == columns * rows * length * depth
-    assert len(layout.reachable_from((1, 1))) == len(layout.open_cells)
-    assert layout.pickups == layout.dropoffs == ()
-
-
-def test_a_benchmark_warehouse_that_is_too_large_raises_before_it_is_built(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    with pytest.raises(LayoutError, match="cells are more than MAX_CELLS = 16000000"):
-        benchmark_warehouse(10**12, 1, 1, 1, 1)
-    monkeypatch.setattr(layout_module, "MAX_CELLS", 45)
-    assert benchmark_warehouse(1, 1, 2, 1, 1).height == 5
-    monkeypatch.setattr(layout_module, "MAX_CELLS", 44)
-    with pytest.raises(LayoutError, match="5 x 9 cells are more than MAX_CELLS = 44"):
-        benchmark_warehouse(1, 1, 2, 1, 1)
+    wide = benchmark_warehouse(2, 1, 2, 1, 3)
+    assert (wide.height, wide.rows[4]) == (9, "#.....##...##.....#")
 
 
 def test_the_warehouse_of_papers_has_the_published_size_and_goals_along_shelves() -> None:
@@ -291,6 +244,10 @@ BLOCK_SIZES = ("columns", "rows", "length", "depth", "aisle")
         ),
         (lambda: kiva_warehouse(0, 1, 1), "rows is 0; it must be at least 1"),
         (lambda: kiva_warehouse(1, 10**9, 1), "MAX_CELLS"),
+        # Too large to be built before it is checked.
+        (lambda: random_layout(4, 10**12, 0, 0), f"4 x {10**12} cells are more than MAX_CELLS"),
+        (lambda: shelf_layout(1, 1, 10**12), f"5 x {10**12 + 4} cells are more than MAX_CELLS"),
+        (lambda: benchmark_warehouse(1, 1, 10**12, 1, 2), f"7 x {10**12 + 7} cells are more"),
     ],
 )
 def test_a_wrong_size_is_named(make: Callable[[], object], message: str) -> None:

@@ -239,25 +239,20 @@ def test_new_chargers_replace_all_others_and_leave_the_stations(
     assert (after.pickups, after.dropoffs) == (before.pickups, before.dropoffs)
 
 
-def test_a_cell_with_two_tiles_raises() -> None:
-    layout = Layout(["P.DC"])
-    with pytest.raises(LayoutError, match="row 0, column 2 is to be dropoff and charger; a cell"):
-        layout.with_chargers([(0, 1), (0, 2)])
-    with pytest.raises(LayoutError, match="row 0, column 3 is to be pickup and charger"):
-        layout.with_stations((0, 3), None)
-    with pytest.raises(LayoutError, match="row 0, column 1 is to be pickup and dropoff"):
-        layout.with_stations((0, 1), (0, 1))
-    with pytest.raises(LayoutError, match="charger row 0, column 4 is off the grid"):
-        layout.with_chargers([(0, 4)])
-
-
-@pytest.mark.parametrize("cell", [(0, 0), (-1, 1)])
-def test_a_station_needs_an_open_cell(cell: tuple[int, int]) -> None:
-    layout = Layout(["#.."])
-    with pytest.raises(LayoutError, match=f"pickup row {cell[0]}, column {cell[1]} is"):
-        layout.with_stations(cell, None)
-    with pytest.raises(LayoutError, match="dropoff row"):
-        layout.with_stations(None, cell)
+@pytest.mark.parametrize(
+    ("tiles", "message"),
+    [
+        (([], [(0, 2)], [(0, 1), (0, 2)]), "row 0, column 2 is to be dropoff and charger; a cell"),
+        (([(0, 3)], [], [(0, 3)]), "row 0, column 3 is to be pickup and charger"),
+        (([(0, 1)], [(0, 1)], []), "row 0, column 1 is to be pickup and dropoff"),
+        (([], [], [(0, 5)]), "charger row 0, column 5 is off the grid"),
+        (([(0, 4)], [], []), "pickup row 0, column 4 is wall"),
+        (([], [(-1, 1)], []), "dropoff row -1, column 1 is off"),
+    ],
+)
+def test_a_station_or_charger_needs_an_open_cell_of_its_own(tiles: Any, message: str) -> None:
+    with pytest.raises(LayoutError, match=message):
+        Layout(["P.DC#"]).with_tiles(*tiles)
 
 
 def test_reachable_cells_are_those_with_a_path() -> None:

@@ -10,13 +10,7 @@ from hypothesis import given, settings
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError
 from warehouse_core.world import layout as layout_module
 from warehouse_core.world.layout import MAX_CELLS, MAX_ROWS
-from warehouse_core.world.map_files import (
-    MAX_BLANKS,
-    load_layout,
-    load_map,
-    save_layout,
-    save_map,
-)
+from warehouse_core.world.map_files import MAX_BLANKS, load_layout, load_map, save_layout, save_map
 
 HALL = Layout(["####", "#P.#", "#.D#", "####"])
 
@@ -35,11 +29,6 @@ def refused(file: Path, data: str | bytes, *, robot_runners: bool = False) -> st
 def test_every_terrain_is_floor_or_wall(hall: Path) -> None:
     hall.write_text("type octile\nheight 1\nwidth 7\nmap\n.GS@OTW\n")
     assert load_map(hall).rows == ("...####",)
-
-
-def test_the_first_line_of_a_map_is_the_top_row(hall: Path) -> None:
-    hall.write_text(f"{HEADER}..@\n.@@\n")
-    assert load_map(hall).rows == ("..#", ".##")
 
 
 def test_emitters_of_the_dialect_are_pickups_and_service_points_are_dropoffs(hall: Path) -> None:

@@ -23,21 +23,6 @@ def scenario(**changed: object) -> Scenario:
     return Scenario(0, "hall.map", 4, 3, (0, 1), (2, 3), 3.41421)._replace(**changed)
 
 
-def test_x_is_the_column(ways: Path) -> None:
-    ways.write_text(WAYS)
-    assert load_scenarios(ways) == [
-        Scenario(
-            bucket=0,
-            map_name="hall.map",
-            width=4,
-            height=3,
-            start=(0, 1),
-            goal=(2, 3),
-            octile_length=3.41421,
-        )
-    ]
-
-
 @pytest.mark.parametrize(
     "text",
     [
@@ -49,7 +34,7 @@ def test_x_is_the_column(ways: Path) -> None:
     ],
     ids=["spaces", "both", "Windows", "1.0", "empty lines"],
 )
-def test_variants_of_the_format_are_read(ways: Path, text: str) -> None:
+def test_x_is_the_column_in_all_variants_of_the_format(ways: Path, text: str) -> None:
     ways.write_bytes(text.encode())
     assert load_scenarios(ways) == [scenario()]
 

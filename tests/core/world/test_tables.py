@@ -6,9 +6,6 @@ from warehouse_core.world import tables as floor_tables
 from warehouse_core.world.tables import (
     LayoutSet,
     places_table,
-    sides_table,
-    tile_codes,
-    tiles_table,
     windows_table,
 )
 
@@ -49,46 +46,6 @@ def test_rows_change_to_layouts_that_are_known_and_to_new_ones() -> None:
     assert layouts.width.tolist() == [3, 4, 5]
 
 
-def test_tiles_are_codes_in_order_of_layouts_and_rows() -> None:
-    assert tiles_table([SHOP, LANE]).tolist() == [2, 0, 1, 3, 0, 0, 0, 1, 2, 0]
-    assert tile_codes(LANE).tolist() == [[0, 1, 2, 0]]
-
-
-def test_places_are_relative_to_their_layout() -> None:
-    found = places_table([SHOP, LANE])
-    assert found.tolist() == [
-        *([0, 0], [0, 1], [0, 2], [1, 0], [1, 1], [1, 2]),
-        *([0, 0], [0, 1], [0, 2], [0, 3]),
-    ]
-    assert found.dtype == np.int32
-    assert found.flags.c_contiguous, "or every take would copy the table"
-
-
-def test_sides_are_open_if_the_neighbour_is() -> None:
-    """Neighbours across an edge do not belong to the next row or layout."""
-    assert sides_table([SHOP, LANE]).tolist() == [
-        [NO, YES, YES, NO],
-        [NO, NO, YES, YES],
-        [NO, NO, YES, YES],
-        [YES, YES, NO, NO],
-        [YES, YES, NO, YES],
-        [NO, NO, NO, YES],
-        [NO, NO, NO, NO],
-        [NO, YES, NO, YES],
-        [NO, YES, NO, NO],
-        [NO, NO, NO, YES],
-    ]
-
-
-def test_windows_contain_walls_outside_the_grid() -> None:
-    found = windows_table([SHOP, LANE], 1)
-    assert found.shape == (10, 9)
-    assert found[0].reshape(3, 3).tolist() == [[1, 1, 1], [1, 2, 0], [1, 3, 0]]
-    assert found[4].reshape(3, 3).tolist() == [[2, 0, 1], [3, 0, 0], [1, 1, 1]]
-    assert found[8].reshape(3, 3).tolist() == [[1, 1, 1], [1, 2, 0], [1, 1, 1]]
-    assert windows_table([SHOP], 0).ravel().tolist() == tiles_table([SHOP]).tolist()
-
-
 def test_windows_above_the_limit_raise_before_they_are_allocated(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -97,3 +54,7 @@ def test_windows_above_the_limit_raise_before_they_are_allocated(
         LayoutError, match=r"windows of 20001 x 20001 for 2 layouts take 400\d{7} b"
     ):
         windows_table([SHOP, LANE], 10_000)
+
+
+def test_the_places_of_cells_are_stored_in_the_order_in_which_they_are_taken() -> None:
+    assert places_table([SHOP, LANE]).flags.c_contiguous, "or every take would copy the table"

@@ -34,10 +34,7 @@ def test_a_body_that_is_driven_into_a_wall_hits_it() -> None:
 def test_two_bodies_that_meet_both_report_it() -> None:
     cells = [(0, 0), (0, 1)]
     hits = hits_of(Layout(["..."]), cells, [(0.4, 0.0), (-0.2, 0.0)], loaded=[1])
-    assert [(hit.robot, hit.other) for hit in sorted(hits)] == [
-        (0, 1),
-        (1, 0),
-    ]
+    assert [(hit.robot, hit.other) for hit in sorted(hits)] == [(0, 1), (1, 0)]
     assert [hit.push for hit in sorted(hits)] == [(-1.0, 0.0), (1.0, 0.0)]
     assert [hit.velocity[0] for hit in sorted(hits)] == pytest.approx([0.4, -0.2])
     reduced = 50 * 100 / 150

@@ -42,9 +42,7 @@ class FleetFloor(Floor):
         self._is_bare = settings.bodies == 1 and not has_orders
         kinds = layouts.kinds
         strides = [kind.width + 2 * radius for kind in kinds]
-        sizes = [
-            (kind.height + 2 * radius) * stride for kind, stride in zip(kinds, strides, strict=True)
-        ]
+        sizes = [(kind.height + 2 * radius) * (kind.width + 2 * radius) for kind in kinds]
         ends = np.cumsum(layouts.of_rows(sizes))
         self._corner = np.concatenate([[0], ends[:-1]])
         self._corner_of = np.repeat(self._corner, robots)

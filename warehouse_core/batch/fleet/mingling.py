@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +12,6 @@ from warehouse_core.batch.fleet.people import Crowd
 from warehouse_core.motion.base import Outcome
 from warehouse_core.motion.batch import BatchOutcome, CanFail, FleetBatchMotion
 from warehouse_core.world.tables import Flags, Integers
-
-Kind = TypeVar("Kind", bound=np.generic)
 
 
 class MingledMotion:
@@ -65,10 +63,10 @@ class MingledMotion:
         """Return the values of all bodies, from robots ``[F * R]`` and people ``[F, P]``."""
         return np.hstack([np.reshape(robots, (len(people), -1)), people]).ravel()
 
-    def _of_people(self, bodies: NDArray[Kind]) -> NDArray[Kind]:
+    def _of_people(self, bodies: NDArray[Any]) -> NDArray[Any]:
         """Return the values of the people ``[F, P]`` from the values of all bodies."""
         return bodies.reshape(-1, self._bodies)[:, self._robots :]
 
-    def _of_robots(self, bodies: NDArray[Kind]) -> NDArray[Kind]:
+    def _of_robots(self, bodies: NDArray[Any]) -> NDArray[Any]:
         """Return the values of the robots ``[N]`` from the values of all bodies."""
         return bodies.reshape(-1, self._bodies)[:, : self._robots].ravel()

@@ -134,18 +134,12 @@ class _ShortestWays:
     """
 
     def __init__(self, layouts: LayoutSet) -> None:
-        goals = [_goals(layout) for layout in layouts.kinds]
-        self._size = layouts.of_rows([size_of(layout) for layout in layouts.kinds])
-        self._count = layouts.of_rows([len(each) for each in goals])
-        lengths = [
-            len(each) * size_of(kind) for each, kind in zip(goals, layouts.kinds, strict=True)
-        ]
-        self._first = layouts.of_rows(np.cumsum([0, *lengths])[:-1])
-        fields = [
-            distances(kind, [goal])
-            for kind, each in zip(layouts.kinds, goals, strict=True)
-            for goal in each
-        ]
+        goals = [_goals(kind) for kind in layouts.kinds]
+        counts, sizes = list(map(len, goals)), list(map(size_of, layouts.kinds))
+        self._count, self._size = layouts.of_rows(counts), layouts.of_rows(sizes)
+        self._first = layouts.of_rows(np.cumsum([0, *np.multiply(counts, sizes)])[:-1])
+        pairs = zip(layouts.kinds, goals, strict=True)
+        fields = [distances(kind, [goal]) for kind, each in pairs for goal in each]
         self._is_goal = np.concatenate([(field == 0).ravel() for field in fields])
         self._is_nearer = np.concatenate([_is_nearer(field) for field in fields])
 

@@ -89,9 +89,7 @@ class FleetSettings:
         return self.robots + self.people.count
 
 
-def as_orders(
-    orders: object,
-) -> tuple[OrderStream, ...] | tuple[Order, ...] | OrderQueue | None:
+def as_orders(orders: object) -> tuple[OrderStream, ...] | tuple[Order, ...] | OrderQueue | None:
     """Return orders given as a rate, a stream, a queue, or a sequence of streams or of orders."""
     if orders is None or isinstance(orders, OrderQueue):
         return orders

@@ -13,9 +13,8 @@ from typing import Annotated
 import typer
 
 from agents.errors import EpisodeError, EpisodeInterrupted
-from agents.fleet.director import wants_dispatch
 from agents.fleet.plan_log import PlanLog
-from agents.fleet.planned import PLAN_SECONDS, PlannedFleet
+from agents.fleet.planned import PLAN_SECONDS, PlannedFleet, wants_dispatch
 from agents.lab.commands.fleet.report import Result, report_shifts, result_of
 from agents.lab.console import options
 from agents.lab.console.options import MAX_COUNT, number_option, option

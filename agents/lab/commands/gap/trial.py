@@ -11,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.errors import EpisodeError
-from agents.fleet.director import wants_dispatch
-from agents.fleet.planned import PlannedFleet
+from agents.fleet.planned import PlannedFleet, wants_dispatch
 from agents.lab.commands.gap.orders import TimedOrder, draw_orders, in_steps
 from agents.lab.commands.gap.spent_time import time_spent
 from agents.lab.commands.gap.worlds import Shocks, World, make_world
