@@ -10,7 +10,6 @@ Closer Look at Invalid Action Masking in Policy Gradient Algorithms*, 2022.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -50,8 +49,6 @@ SETTINGS: dict[str, Any] = {
 FOR_RANDOM_LAYOUTS: dict[str, Any] = {"gamma": 0.98, "policy_kwargs": {"net_arch": [128, 128]}}
 """Settings for another layout in each episode: ways are longer, and there is more to learn."""
 
-NO_SETTINGS: Mapping[str, Any] = {}
-
 
 class PPOLearner:
     """Learns from the episodes of a batch.
@@ -64,9 +61,7 @@ class PPOLearner:
         settings: settings that differ from ``SETTINGS``, such as ``FOR_RANDOM_LAYOUTS``.
     """
 
-    def __init__(
-        self, batch: Batch, steps: int, seed: int, settings: Mapping[str, Any] = NO_SETTINGS
-    ) -> None:
+    def __init__(self, batch: Batch, steps: int, seed: int, **settings: Any) -> None:
         torch.set_num_threads(1)  # the network is small, and sums are repeatable
         self._view_radius, self._tiles = batch.view_radius, tiles_of(batch)
         self._round = batch.num_envs * ROUND
@@ -77,7 +72,7 @@ class PPOLearner:
             # ``left`` has been reduced by the round whose update uses the rate.
             learning_rate=lambda left: LEARNING_RATE * (left + 1 / rounds),
             seed=seed,
-            **SETTINGS | dict(settings),
+            **SETTINGS | settings,
         )
 
     def learn(self, watch: Watch) -> MakeAgent:

@@ -48,11 +48,9 @@ independent, which weakens the bound but never makes it wrong.
 
 
 class Constraint(NamedTuple):
-    """What a robot must not do.
+    """What a robot must not do in a joint step.
 
     Attributes:
-        robot: its number.
-        time: joint step at which the constraint holds.
         cell: cell that the robot must not be in at the time; ``None`` forbids the robot to be in
             its goal for good by then.
         before: cell that the robot must not come from; ``None`` forbids the cell altogether.
@@ -109,10 +107,7 @@ class Node:
 
 
 class ConflictTree:
-    """The tree of a problem, which grows until it has a plan.
-
-    Args:
-        problem: any problem. Lanes do not count: the cost of a way is its length.
+    """The tree of a problem, which grows until it has a plan; the cost of a way is its length.
 
     Attributes:
         nodes: all nodes so far, the root first.
@@ -228,12 +223,15 @@ class ConflictTree:
         """Return how many of its robots a conflict costs more, and the conflict to split."""
         one, other = (self._mdd(node, each.robot) for each in conflict)
         forced = _is_forced(one, conflict.one) + _is_forced(other, conflict.other)
-        if forced < CARDINAL and self._are_dependent(one, other):
-            ends = (
-                Constraint(each.robot, len(node.ways[each.robot]) - 1, None) for each in conflict
-            )
-            return CARDINAL, Conflict(*ends)
-        return forced, conflict
+        if forced == CARDINAL:
+            return forced, conflict
+        key = id(one), id(other)  # the MDDs live as long as the tree
+        if key not in self._dependent:
+            self._dependent[key] = _meet(one, other)
+        if not self._dependent[key]:
+            return forced, conflict
+        ends = (Constraint(each.robot, len(node.ways[each.robot]) - 1, None) for each in conflict)
+        return CARDINAL, Conflict(*ends)
 
     def _mdd(self, node: Node, robot: int) -> MDD:
         """Return all ways of a robot that cost as much as its way in a node."""
@@ -261,13 +259,6 @@ class ConflictTree:
         self._mdds[robot, constraints] = [*moves, {goal: [goal]}]
         return self._mdds[robot, constraints]
 
-    def _are_dependent(self, one: MDD, other: MDD) -> bool:
-        """Return whether every pair of ways has a conflict; very many pairs are not looked at."""
-        key = id(one), id(other)  # the MDDs live as long as the tree
-        if key not in self._dependent:
-            self._dependent[key] = _meet(one, other)
-        return self._dependent[key]
-
 
 def solve_cbs(problem: Problem, seconds: float) -> Plan:
     """Return an optimal plan; see ``problem.Solver``."""
@@ -289,9 +280,8 @@ def _conflicts(ways: Sequence[list[int]], one: int, other: int) -> Iterator[Conf
 
 def _is_forced(mdd: MDD, constraint: Constraint) -> bool:
     """Return whether all ways of an MDD break a constraint that one of them breaks."""
-    times = (
-        [constraint.time] if constraint.before is None else [constraint.time - 1, constraint.time]
-    )
+    first = constraint.time - (constraint.before is not None)
+    times = range(first, constraint.time + 1)
     return all(len(mdd[min(time, len(mdd) - 1)]) == 1 for time in times)
 
 

@@ -209,20 +209,15 @@ class WindowedPlanner:
             robot = queue.pop()
             way = self._find(robot)
             if way is None and pushes > 0:
-                rivals = self._remove_rivals(robot)
+                through = self._find(robot, TOLL)
+                rivals = self._taken.rivals(robot, through.cells, self._now) if through else set()
+                for rival in rivals:
+                    self._taken.remove(rival)
                 queue += sorted(rivals, key=self._rank, reverse=True)
                 pushes -= len(rivals)
                 way = self._find(robot)
             if way is not None:
                 self._add(robot, *way)
-
-    def _remove_rivals(self, robot: int) -> set[int]:
-        """Remove and return the robots on the way of a robot with the fewest conflicts."""
-        way = self._find(robot, TOLL)
-        rivals = set() if way is None else self._taken.rivals(robot, way.cells, self._now)
-        for rival in rivals:
-            self._taken.remove(rival)
-        return rivals
 
     def _rank(self, robot: int) -> tuple[bool, int, float]:
         """Return what puts robots in the order of their priorities: those to go nowhere last."""

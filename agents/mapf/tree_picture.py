@@ -61,13 +61,19 @@ def tree_picture(tree: ConflictTree, make: MakeFigure = make_figure) -> SceneFig
     cell = min(FLOOR_CELL, MAX_FLOOR / max(layout.width, layout.height))
     floor = (cell * layout.width, cell * layout.height)
     across, down = CARD[0] + GAP[0], CARD[1] + GAP[1]
-    wide = (max(x for x, _ in places) + 1) * across - GAP[0]
-    high = (max(y for _, y in places) + 1) * down - GAP[1]
+    wide = (max(x for x, _ in places.values()) + 1) * across - GAP[0]
+    high = (max(y for _, y in places.values()) + 1) * down - GAP[1]
     left = MARGIN + 0.2 + max(floor[0], MIN_FLOOR) + 2 * MARGIN
     size = left + wide + MARGIN, TITLE + max(high, floor[1] + 2.2) + MARGIN
     figure = make(size)
     figure.set_facecolor(PAPER)
-    _draw_title(figure, tree, size)
+    cost = f"cost {tree.solution.cost}" if tree.solution else "no plan yet"
+    robots, nodes = counted(tree.problem.robots, "robot"), counted(len(tree.nodes), "node")
+    figure.text(
+        MARGIN / size[0], 1 - TITLE / 2 / size[1],
+        f"Conflict-based search, {robots}: {cost} after {nodes}", fontsize=TITLE_SIZE,
+        fontweight="bold", color=INK, va="center",
+    )  # fmt: skip
     _draw_floor(figure.add_axes(box_in(size, MARGIN + 0.2, TITLE + 0.2, *floor)), tree, 72 * cell)
     figure.text(
         MARGIN / size[0], 1 - (TITLE + floor[1] + 0.45) / size[1], HOW_TO_READ, fontsize=SMALL,
@@ -76,9 +82,7 @@ def tree_picture(tree: ConflictTree, make: MakeFigure = make_figure) -> SceneFig
     axes = figure.add_axes(box_in(size, left, TITLE, wide, high))
     axes.set(xlim=(0, wide), ylim=(high, 0))
     axes.axis("off")
-    corners = {
-        node: (x * across, y * down) for node, (x, y) in zip(tree.nodes, places, strict=True)
-    }
+    corners = {node: (x * across, y * down) for node, (x, y) in places.items()}
     for node, corner in corners.items():
         if node.parent is not None:
             x, y = corners[node.parent]
@@ -89,22 +93,22 @@ def tree_picture(tree: ConflictTree, make: MakeFigure = make_figure) -> SceneFig
     return figure
 
 
-def places_of(nodes: list[Node]) -> list[tuple[float, int]]:
+def places_of(nodes: list[Node]) -> dict[Node, tuple[float, int]]:
     """Return the column and the level of each node: leaves side by side, parents above them."""
     children: dict[Node | None, list[Node]] = {}
     for node in nodes:
         children.setdefault(node.parent, []).append(node)
-    found: dict[Node, tuple[float, int]] = {}
+    placed: dict[Node, tuple[float, int]] = {}
     leaves = iter(range(len(nodes)))
 
     def place(node: Node, level: int) -> float:
         below = [place(child, level + 1) for child in children.get(node, [])]
         column = sum(below) / len(below) if below else float(next(leaves))
-        found[node] = column, level
+        placed[node] = column, level
         return column
 
     place(nodes[0], 0)
-    return [found[node] for node in nodes]
+    return {node: placed[node] for node in nodes}
 
 
 def words_of(tree: ConflictTree, what: Constraint | Conflict | None) -> str:
@@ -174,13 +178,3 @@ def _draw_floor(axes: Axes, tree: ConflictTree, cell_points: float) -> None:
                 x, y, str(robot), fontsize=0.62 * size, fontweight="bold", color=ink, ha="center",
                 va="center_baseline", zorder=4,
             )  # fmt: skip
-
-
-def _draw_title(figure: SceneFigure, tree: ConflictTree, size: tuple[float, float]) -> None:
-    cost = f"cost {tree.solution.cost}" if tree.solution else "no plan yet"
-    nodes = counted(len(tree.nodes), "node")
-    title = f"Conflict-based search, {counted(tree.problem.robots, 'robot')}: {cost} after {nodes}"
-    figure.text(
-        MARGIN / size[0], 1 - TITLE / 2 / size[1], title, fontsize=TITLE_SIZE, fontweight="bold",
-        color=INK, va="center",
-    )  # fmt: skip

@@ -44,15 +44,15 @@ def warehouse() -> Layout:
 LAYOUT = warehouse()
 
 
+def fleet_of(layout: Layout, robots: int, battery: int, **settings: Any) -> FleetEnv:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        orders = OrderQueue(2 * robots, DUE)
+        return FleetEnv(layout, robots, orders=orders, battery=battery, dispatch=False, **settings)
+
+
 def run(assignment: str, seed: int, steps: int, planner: str = PLANNER) -> FleetMeasures:
-    env = FleetEnv(
-        LAYOUT,
-        ROBOTS,
-        orders=OrderQueue(2 * ROBOTS, DUE),
-        max_steps=steps,
-        battery=400,
-        dispatch=False,
-    )
+    env = fleet_of(LAYOUT, ROBOTS, 400, max_steps=steps)
     agent = make_fleet_agent(planner, assignment, seed, LAYOUT)
     env.reset(seed=seed)
     agent.reset()
@@ -120,11 +120,7 @@ def test_time_of_a_step_without_the_planner(robots: int, measured) -> None:
     layout = LAYOUT if robots == 100 else shelf_layout(24, 12, 9, 2, 2, **STATIONS)
     times = []
     for assignment in ASSIGNMENTS:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            env = FleetEnv(
-                layout, robots, orders=OrderQueue(2 * robots, DUE), battery=1000, dispatch=False
-            )
+        env = fleet_of(layout, robots, 1000)
         agent: Any = make_fleet_agent(PLANNER, assignment, 1, layout)
         env.reset(seed=1)
         agent.reset()

@@ -11,6 +11,7 @@ from time import perf_counter
 
 import networkx as nx
 import pytest
+from helpers.plan_validator import route_graph
 from helpers.timing import seconds
 
 from agents.search.agents import SearchAgent
@@ -48,7 +49,7 @@ def pairs(warehouse: Layout) -> list[Pair]:
 
 @pytest.fixture(scope="module")
 def graph(warehouse: Layout) -> nx.Graph:
-    return as_graph(warehouse)
+    return route_graph(warehouse.rows)
 
 
 def random_pairs(cells: Sequence[Cell], count: int) -> list[Pair]:
@@ -62,17 +63,8 @@ def random_walls(size: int) -> tuple[Layout, list[Pair]]:
     stream = random.Random(size)
     rows = ["".join(".#"[stream.random() < WALLS] for _ in range(size)) for _ in range(size)]
     layout = Layout(rows)
-    largest = max(nx.connected_components(as_graph(layout)), key=len)
+    largest = max(nx.connected_components(route_graph(layout.rows)), key=len)
     return layout, random_pairs(sorted(largest), 40)
-
-
-def as_graph(layout: Layout) -> nx.Graph:
-    """Return a layout as a graph of networkx."""
-    rows = layout.rows
-    graph = nx.grid_2d_graph(layout.height, layout.width)
-    walls = [(r, c) for r, row in enumerate(rows) for c, tile in enumerate(row) if tile == "#"]
-    graph.remove_nodes_from(walls)
-    return graph
 
 
 def grid_distance(here: Cell, there: Cell) -> int:
@@ -119,7 +111,9 @@ def test_in_a_warehouse_astar_is_ten_times_as_fast_as_networkx(
 def test_among_random_walls_astar_is_one_and_a_half_times_as_fast_as_networkx(
     times_faster: Callable[..., float],
 ) -> None:
-    cases = [(layout, pairs, as_graph(layout)) for layout, pairs in map(random_walls, SIZES)]
+    cases = [
+        (layout, pairs, route_graph(layout.rows)) for layout, pairs in map(random_walls, SIZES)
+    ]
 
     def all_ours() -> list[list[int]]:
         return [[cost for cost, _ in ours(layout, pairs)] for layout, pairs, _ in cases]

@@ -236,13 +236,6 @@ def test_a_mistake_in_the_frames_makes_no_folder(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_file_cannot_be_the_folder(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("mine")
-    with pytest.raises(OSError, match="file"):
-        svg_folder(tmp_path / "file")
-    assert (tmp_path / "file").read_text() == "mine"
-
-
 def test_a_failure_leaves_the_frames_before_it_and_no_part(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 from helpers.player_pages import Files, Shown, headless_chromium, shown
-from helpers.windows import stop
+from helpers.windows import Shower, stop
 
 
 @pytest.fixture(scope="module")
@@ -37,6 +37,19 @@ def display() -> Iterator[str]:
         yield f":{number}"
     finally:
         stop(server)
+
+
+@pytest.fixture
+def start(display: str, tmp_path: Path) -> Iterator[Callable[..., Shower]]:
+    """Return a function that starts a program with a window; it ends with the test."""
+    with ExitStack() as stack:
+
+        def begin(*words: object) -> Shower:
+            program = Shower(display, tmp_path, *words)
+            stack.callback(program.close)
+            return program
+
+        yield begin
 
 
 @pytest.fixture(scope="session")

@@ -2,8 +2,7 @@
 
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -42,21 +41,13 @@ def painted(pixels: int, row: int, col: int) -> NDArray[np.uint8]:
     return TilePainter(pixels).picture(DEFAULT_LAYOUT, (row, col), False)
 
 
-@pytest.fixture
-def start(display: str, tmp_path: Path) -> Iterator[Callable[[str], Shower]]:
-    """Return a function that starts a program with a window that is not open yet."""
-    programs: list[Shower] = []
-
-    def begin(text: str) -> Shower:
-        programs.append(Shower(display, tmp_path, BEGIN + text))
-        return programs[-1]
-
-    yield begin
-    for program in programs:
-        program.close()
-
-
 Start = Callable[[str], Shower]
+
+
+@pytest.fixture
+def start(start: Callable[..., Shower]) -> Start:
+    """Return a function that starts a program with a window that is not open yet."""
+    return lambda text: start(BEGIN + text)
 
 
 @in_a_window

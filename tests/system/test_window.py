@@ -3,7 +3,7 @@
 No test measures time: each waits for the output of the program, ``TIMEOUT`` seconds at most.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -33,20 +33,6 @@ replay.figure.canvas.mpl_connect("draw_event", report)
 replay.show()
 print("closed", flush=True)
 """
-
-
-@pytest.fixture
-def start(display: str, tmp_path: Path) -> Iterator[Callable[..., Program]]:
-    """Return a function that starts a program, which ends with the test."""
-    programs: list[Program] = []
-
-    def begin(*words: object) -> Program:
-        programs.append(Program(display, tmp_path, *words))
-        return programs[-1]
-
-    yield begin
-    for program in programs:
-        program.close()
 
 
 @pytest.fixture

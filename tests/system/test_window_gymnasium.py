@@ -1,11 +1,13 @@
 """``render_mode="human"`` on a real display. Run with ``pytest -m window``."""
 
-from pathlib import Path
+from collections.abc import Callable
 
 import pytest
-from helpers.windows import Program, Shower
+from helpers.windows import Shower
 
 pytestmark = pytest.mark.window
+
+Start = Callable[..., Shower]
 
 CHECK = """
 import sys, warnings
@@ -51,43 +53,27 @@ print("ended")
     [("dict", "grid"), ("vector", "grid"), ("image", "grid"), ("dict", "physics")],
 )
 def test_the_checker_of_gymnasium_passes_in_every_render_mode(
-    display: str,
-    tmp_path: Path,
-    form: str,
-    backend: str,
-    render_mode: str | None,
+    start: Start, form: str, backend: str, render_mode: str | None
 ) -> None:
-    program = Program(display, tmp_path, CHECK, form, backend, render_mode)
-    try:
-        assert program.rest() == ["checked"]
-        assert program.code() == 0
-    finally:
-        program.close()
+    program = start(CHECK, form, backend, render_mode)
+    assert program.rest() == ["checked"]
+    assert program.code() == 0
 
 
-def test_an_episode_continues_after_its_window_is_closed(display: str, tmp_path: Path) -> None:
-    program = Shower(display, tmp_path, WALK)
-    try:
-        program.wait_for("None")
-        program.wait_for("open", 3)
-        program.ask_to_close(program.focus())
-        program.wait_for("closed")
-        assert program.rest() == ["ended"]
-        assert program.code() == 0
-    finally:
-        program.close()
+def test_an_episode_continues_after_its_window_is_closed(start: Start) -> None:
+    program = start(WALK)
+    program.wait_for("None")
+    program.wait_for("open", 3)
+    program.ask_to_close(program.focus())
+    program.wait_for("closed")
+    assert program.rest() == ["ended"]
+    assert program.code() == 0
 
 
-def test_closing_the_environment_closes_its_window(
-    display: str,
-    tmp_path: Path,
-) -> None:
+def test_closing_the_environment_closes_its_window(start: Start) -> None:
     wait = "import time; print('after close', flush=True); time.sleep(60)"
-    program = Shower(display, tmp_path, WALK.replace("range(400)", "range(9)") + wait)
-    try:
-        program.wait_for("open")
-        assert len(program.windows()) == 1
-        program.wait_for("after close")
-        assert program.windows() == []
-    finally:
-        program.close()
+    program = start(WALK.replace("range(400)", "range(9)") + wait)
+    program.wait_for("open")
+    assert len(program.windows()) == 1
+    program.wait_for("after close")
+    assert program.windows() == []

@@ -236,16 +236,13 @@ class FleetRecorder:
             self._columns[name].append(values)
 
 
-Recorder = EpisodeRecorder | FleetRecorder
-
-
 def start_recording(
     env: WarehouseEnv | FleetEnv,
     *,
     seed: int | None = None,
     agent: str = "",
     randomize: bool | str = True,
-) -> Recorder:
+) -> EpisodeRecorder | FleetRecorder:
     """Reset an environment and return the recorder of the episode that begins.
 
     The arguments are the same as in ``record_episode``, but for the name of the agent.

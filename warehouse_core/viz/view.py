@@ -413,8 +413,14 @@ class FleetView:
 
     def _show_waiting(self, waiting: tuple[Waiting, ...]) -> None:
         """Write the number of orders at each pickup into a box of the colour of their age."""
+        size = max(MIN_BOX_POINTS, 0.36 * self._cell_points)
         while len(self._waiting) < len(waiting):
-            self._waiting.append(self._box_for_a_number())
+            text = self._axes.text(
+                0, 0, "", fontsize=size, fontweight="bold", ha="center", va="center_baseline",
+                zorder=ABOVE_TILES + 1,
+            )  # fmt: skip
+            self._figure.add_mover(text)
+            self._waiting.append(text)
         for text in self._waiting[len(waiting) :]:
             text.set_visible(False)
         for text, orders in zip(self._waiting, waiting, strict=False):
@@ -427,15 +433,6 @@ class FleetView:
             )
             box = {"facecolor": ORDER_COLORS[orders.age], "edgecolor": text.get_color()}
             text.set_bbox(NUMBER_BOX | box)
-
-    def _box_for_a_number(self) -> Text:
-        size = max(MIN_BOX_POINTS, 0.36 * self._cell_points)
-        text = self._axes.text(
-            0, 0, "", fontsize=size, fontweight="bold", ha="center", va="center_baseline",
-            zorder=ABOVE_TILES + 1,
-        )  # fmt: skip
-        self._figure.add_mover(text)
-        return text
 
 
 def nose_of(pose: Pose, radius: float, tip: float = TIP) -> NDArray[np.float64]:

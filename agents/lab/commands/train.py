@@ -117,7 +117,7 @@ def make_learner(task: Task | FleetTask, steps: int, seed: int) -> PPOLearner:
             f"training by PPO needs {error.name}, which is not installed: {install_command('rl')}"
         ) from error
     differs = FOR_RANDOM_LAYOUTS if isinstance(task.layout, RandomLayouts) else {}
-    return PPOLearner(task.make_batch(ENVS), steps, seed, differs)
+    return PPOLearner(task.make_batch(ENVS), steps, seed, **differs)
 
 
 def train_q(

@@ -19,6 +19,7 @@ from agents.fleet.planned import part
 from agents.lab.runs.run import run
 from agents.mapf.graph import Graph, Integers
 from agents.mapf.planner import Planner, Situation, check_step
+from agents.mapf.prioritised import WindowedPlanner
 from agents.registry import make_fleet_agent, make_planner
 from warehouse_core import FleetEnv, Layout, Order, OrderQueue, OrderStream, shelf_layout
 from warehouse_core.records.recorder import record_fleet_episode, replay_fleet_episode
@@ -50,25 +51,9 @@ class Does(Waits):
         return self._plan(situation)
 
 
-class Greedy(Waits):
-    """Robots go the shortest way, if nobody is where they go or is to be there."""
-
-    def __init__(self, layout: Layout) -> None:
-        self.graph = Graph(layout)
-
-    def next_cells(self, situation: Situation) -> Integers:
-        super().next_cells(situation)
-        chosen = situation.cells.copy()
-        taken = {*chosen.tolist(), *situation.closed.tolist()}
-        for robot in np.flatnonzero(~situation.stays):
-            ways = self.graph.distances(int(situation.goals[robot]))
-            sides = self.graph.neighbours[chosen[robot], :4]
-            sides = sides[sides >= 0]
-            best = sides[ways[sides].argmin()]
-            if ways[best] < ways[chosen[robot]] and int(best) not in taken:
-                chosen[robot] = best
-                taken.add(int(best))
-        return chosen
+def windowed(layout: Layout) -> Does:
+    """Return a planner that notes the situations."""
+    return Does(WindowedPlanner(Graph(layout)).next_cells)
 
 
 def fleet_of(layout: Layout, robots: int = 2, **settings: Any) -> FleetEnv:
@@ -80,7 +65,7 @@ def fleet_of(layout: Layout, robots: int = 2, **settings: Any) -> FleetEnv:
 
 def test_orders_are_assigned_picked_and_dropped() -> None:
     env = fleet_of(ROOM, 1, orders=[Order(0, 50, (1, 1), (3, 6))], starts=[(1, 3)])
-    planner = Greedy(ROOM)
+    planner = windowed(ROOM)
     episode = record_fleet_episode(env, PlannedFleet(planner), seed=1)
     [order] = episode.orders
     assert (order.taken, order.delivered) == (3, 11)
@@ -156,7 +141,7 @@ def test_a_robot_that_goes_to_charge_gives_its_order_to_another() -> None:
 
 @pytest.mark.parametrize(("battery", "goal"), [(60, 9), (40, 3)])
 def test_an_item_is_delivered_before_charging_if_the_battery_lasts(battery: int, goal: int) -> None:
-    planner = Greedy(LINE)
+    planner = windowed(LINE)
     env = fleet_of(LINE, 1, orders=[Order(0, 99, (0, 0), (0, 9))], starts=[(0, 0)], battery=90)
     agent = PlannedFleet(planner)
     agent.reset()
@@ -212,7 +197,7 @@ def test_a_fleet_without_orders_delivers_an_item_each() -> None:
 
 def test_robots_without_a_task_leave_stations_and_stay_elsewhere() -> None:
     env = fleet_of(ROOM, 3, orders=0.0, starts=[(1, 1), (2, 3), (3, 6)], max_steps=12)
-    record_fleet_episode(env, PlannedFleet(Greedy(ROOM)), seed=1)
+    record_fleet_episode(env, PlannedFleet(windowed(ROOM)), seed=1)
     stations = {*ROOM.pickups, *ROOM.dropoffs, *ROOM.chargers}
     assert not stations & set(env.cells)
     assert env.cells[1] == (2, 3)

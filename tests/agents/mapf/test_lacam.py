@@ -3,9 +3,8 @@
 import random
 from itertools import permutations, product
 
-import numpy as np
 import pytest
-from helpers.mapf_problems import problem_of
+from helpers.mapf_problems import problem_of, random_problem
 from helpers.mapf_validator import plan_conflict, step_conflict
 
 from agents.errors import PlanError
@@ -50,11 +49,11 @@ def test_it_solves_exactly_what_can_be_solved(rows: list[str]) -> None:
 
 @pytest.mark.parametrize("seed", range(8))
 def test_crowds_get_plans_without_conflicts(seed: int) -> None:
-    layout, stream = random_layout(12, 12, 0.2, seed), np.random.default_rng(seed)
-    costs = lane_costs(layout) if seed % 2 else None
-    starts, goals = (stream.permutation(layout.open_cells)[:25].tolist() for _ in range(2))
-    plans = [lacam(Problem(Graph(layout, costs), starts, goals), SHORT, seed) for _ in range(2)]
-    assert plan_conflict(layout.rows, starts, goals, plans[0].cells) is None
+    layout = random_layout(12, 12, 0.2, seed)
+    ends = random_problem(layout, 25, seed)
+    graph = Graph(layout, lane_costs(layout) if seed % 2 else None)
+    plans = [lacam(Problem(graph, ends.starts, ends.goals), SHORT, seed) for _ in range(2)]
+    assert plan_conflict(layout.rows, ends.starts, ends.goals, plans[0].cells) is None
     assert (plans[0].cells == plans[1].cells).all()
 
 

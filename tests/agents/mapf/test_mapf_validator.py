@@ -1,7 +1,6 @@
 """The validator of plans finds each fault, and the joint A* knows the costs of small problems."""
 
 import pytest
-from helpers.mapf_problems import smallest_cost
 from helpers.mapf_validator import check_traffic, plan_conflict, step_conflict
 
 from warehouse_core import Layout
@@ -46,17 +45,3 @@ def test_the_traffic_table_blocks_what_the_validator_reports() -> None:
     check_traffic(GridMotion(), layout, [[0, 1], [1, 2], [1, 5]])
     with pytest.raises(AssertionError, match=r"step 0: blocked \[0, 1\]"):
         check_traffic(GridMotion(), layout, [[0, 1], [1, 0]])
-
-
-@pytest.mark.parametrize(
-    ("rows", "starts", "goals", "cost"),
-    [
-        (["..."], [0], [2], 2),
-        (["..."], [0, 2], [2, 0], None),
-        (["...", "#.#"], [0, 2], [2, 0], 7),  # one waits once, the other goes aside
-        (["....."], [0, 2], [4, 3], None),
-        (["..", ".."], [0, 1, 3, 2], [1, 3, 2, 0], 4),
-    ],
-)
-def test_smallest_costs(rows: list[str], starts: list[int], goals: list[int], cost: int) -> None:
-    assert smallest_cost(rows, starts, goals) == cost

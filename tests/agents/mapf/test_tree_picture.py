@@ -51,7 +51,7 @@ def test_the_tree_has_a_card_for_each_node_and_marks_the_solution() -> None:
 
 def test_lines_lead_from_parents_to_children_and_no_cards_overlap() -> None:
     tree = grown([5, 9], [9, 5])
-    places = dict(zip(tree.nodes, places_of(tree.nodes), strict=True))
+    places = places_of(tree.nodes)
     for node, (column, level) in places.items():
         children = [places[each] for each in tree.nodes if each.parent is node]
         assert {below for _, below in children} <= {level + 1}

@@ -1,7 +1,7 @@
 """Search agents deliver by a shortest path, or report that there is none."""
 
 import random
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import pytest
@@ -17,6 +17,7 @@ from warehouse_core import (
 )
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.records.failure_modes import fewest_steps
+from warehouse_core.world.named_layouts import named_layout
 
 EXACT = ["bfs", "ucs", "astar"]
 CUT_OFF = Layout(["#######", "#P.#.D#", "#######"])
@@ -39,26 +40,6 @@ def layouts(count: int) -> Iterable[Layout]:
         yield random_layout(
             stream.randint(5, 12), stream.randint(5, 12), stream.uniform(0, 0.4), seed
         )
-
-
-def maze(size: int, seed: int) -> Layout:
-    """Return a maze of odd size with one path between any two cells, by a depth-first search."""
-    stream, path = random.Random(seed), [(1, 1)]
-    tiles = {(1, 1)}
-    while path:
-        row, col = path[-1]
-        ends = [
-            (down, right)
-            for down, right in ((row - 2, col), (row + 2, col), (row, col - 2), (row, col + 2))
-            if 0 < down < size and 0 < right < size and (down, right) not in tiles
-        ]
-        if not ends:
-            path.pop()
-            continue
-        path.append(stream.choice(ends))
-        tiles |= {path[-1], ((row + path[-1][0]) // 2, (col + path[-1][1]) // 2)}
-    cells = range(size)
-    return Layout(["".join(".#"[(row, col) not in tiles] for col in cells) for row in cells])
 
 
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
@@ -99,22 +80,20 @@ def test_an_agent_plans_once_and_follows_the_plan() -> None:
     assert list(dict.fromkeys(episode.reasons)) == ["has a plan", "follows its plan"]
 
 
+UNREACHABLE = ["#######", "#..#.P#", "#D.#..#", "#######"]
+
+
+@pytest.mark.parametrize("rows", [CUT_OFF.rows, UNREACHABLE])
 @pytest.mark.parametrize("kind", ["search", "exploring"])
-def test_without_a_path_an_agent_waits_and_gives_the_reason(kind: str) -> None:
-    agent: Any = SearchAgent(CUT_OFF) if kind == "search" else ExploringAgent()
-    env = WarehouseEnv(CUT_OFF, (1, 1), max_steps=8)
-    episode = record_episode(env, agent, randomize=False)
+def test_without_a_path_an_agent_waits_and_gives_the_reason(kind: str, rows: Sequence[str]) -> None:
+    agent: Any = SearchAgent(Layout(rows)) if kind == "search" else ExploringAgent()
+    episode = record_episode(WarehouseEnv(rows, (1, 1), max_steps=8), agent, randomize=False)
     assert episode.actions[-1] == "WAIT"
-    assert episode.reasons[-1].startswith("no way leads to")
     assert agent.plans <= 2
-
-
-def test_with_an_unreachable_pickup_the_agent_does_not_move() -> None:
-    layout = Layout(["#######", "#..#.P#", "#D.#..#", "#######"])
-    env = WarehouseEnv(layout, (1, 1), max_steps=5)
-    episode = record_episode(env, SearchAgent(layout), randomize=False)
-    assert set(episode.actions) == {"WAIT"}
-    assert episode.reasons[-1] == "no way leads to the pickup and dropoff"
+    assert episode.reasons[-1].startswith("no way leads to")
+    if kind == "search" and rows == UNREACHABLE:
+        assert set(episode.actions) == {"WAIT"}
+        assert episode.reasons[-1] == "no way leads to the pickup and dropoff"
 
 
 def test_an_agent_that_is_off_its_plan_makes_a_new_one() -> None:
@@ -186,9 +165,9 @@ def test_the_exploring_agent_takes_a_shortest_path_if_it_sees_the_whole_map() ->
         assert episode.steps == fewest(episode)
 
 
-def test_without_a_view_the_agent_delivers_on_the_default_layout_and_in_mazes() -> None:
+def test_without_a_view_the_agent_delivers_on_the_default_layout_and_in_a_maze() -> None:
     cases = [(DEFAULT_LAYOUT, seed) for seed in range(60)]
-    cases += [(maze(11, seed), seed) for seed in range(30)]
+    cases += [(named_layout("maze"), seed) for seed in range(30)]
     for layout, seed in cases:
         episode = run(ExploringAgent(), layout, seed, view_radius=0, max_steps=2000, battery=2000)
         assert episode.outcome == DELIVERED, f"seed {seed}"

@@ -34,14 +34,10 @@ def test_the_cells_in_view_are_known() -> None:
     }
 
 
-def test_cells_outside_the_grid_are_walls() -> None:
+def test_cells_outside_the_grid_are_walls_and_unseen_cells_are_assumed_to_be_free() -> None:
     belief, _ = believed(view_radius=3)
     assert belief.known[-1, 1] == WALL
     assert not belief.is_free((-1, 1))
-
-
-def test_unseen_cells_are_assumed_to_be_free() -> None:
-    belief, _ = believed()
     assert belief.is_free((77, -3))
     assert not belief.is_free((2, 2))
 

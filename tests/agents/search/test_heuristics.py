@@ -18,7 +18,7 @@ from helpers.plan_validator import (
     route_graph,
 )
 
-from agents.search.algorithms import astar_search, uniform_cost_search
+from agents.search.algorithms import astar_search
 from agents.search.costs import ActionCosts
 from agents.search.heuristics import (
     MAX_COMPARED,
@@ -81,20 +81,6 @@ def test_heuristics_of_deliveries_never_overestimate_and_are_consistent() -> Non
         for estimate in (zero, without_walls):
             for here, there, price in graph.edges.data("weight"):
                 assert estimate(states[here]) <= price + estimate(states[there])
-
-
-def test_without_walls_the_estimate_is_the_cost() -> None:
-    """The estimate includes both distances, the pick and the drop, for the best stations."""
-    costs = ActionCosts(2.0, 3.0, 5.0, 7.0)
-    layout = Layout(["P....", ".....", "..P.D"])
-    problem = DeliveryProblem(layout, (0, 2), costs=costs)
-    estimate = manhattan_delivery(problem)
-    assert estimate((0, 2, False)) == 2 * 2 + 5 + 3 * 2 + 7
-    assert estimate((0, 2, True)) == 3 * 4 + 7
-    for cell in open_places(layout.rows):
-        for load in (False, True):
-            begun = DeliveryProblem(layout, cell, load, costs=costs)
-            assert estimate((*cell, load)) == uniform_cost_search(begun).cost
 
 
 def test_with_many_stations_the_estimate_is_the_least_over_all_pairs() -> None:

@@ -111,16 +111,6 @@ def test_an_environment_can_be_recreated_from_json() -> None:
     assert again.unwrapped.warehouse.start_pos == (2, 2)
 
 
-def test_a_layout_is_given_as_a_layout_rows_text_or_a_file(tmp_path: Path) -> None:
-    file = tmp_path / "hall.txt"
-    ROOM.save(file)
-    text = f"\n    {ROOM.rows[0]}\n    #P.D#"
-    for layout in (ROOM, ROOM.rows, list(ROOM.rows), str(ROOM), text, file, str(file)):
-        env = plain(layout=layout, randomize=False)
-        assert env.warehouse.layout.rows[:2] == ROOM.rows[:2]
-    assert plain(randomize=False).warehouse.layout is DEFAULT_LAYOUT
-
-
 @over_forms
 def test_observations_equal_those_of_the_chapters_environment(form: str) -> None:
     env = plain(layout=ROOM, observation=form, max_steps=12)

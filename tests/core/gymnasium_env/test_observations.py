@@ -1,43 +1,12 @@
 """Cached observations and masks equal those of the environment."""
 
-from typing import Any
-
 import numpy as np
 from helpers.gymnasium_envs import ROOM, plain
 
 from warehouse_core import Layout, random_layout
-from warehouse_core.task.encoding import encode
 from warehouse_core.task.rules import useful_actions
 
 NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
-
-
-def assert_same(arrays: Any, expected: Any) -> None:
-    assert list(arrays) == list(expected)
-    for key, value in expected.items():
-        assert type(arrays[key]) is type(value)
-        assert np.asarray(arrays[key]).dtype == np.asarray(value).dtype
-        assert np.array_equal(arrays[key], value), key
-
-
-def test_observations_are_correct_in_cells_visited_before() -> None:
-    env = plain(layout=ROOM, randomize=False)
-    arrays, info = env.reset()
-    for action in (WEST, PICK, EAST, WEST, EAST, EAST, WEST, WEST, PICK, EAST):
-        assert_same(arrays, encode(env.warehouse.observe()))
-        for key in arrays.keys() - {"has_item"}:
-            arrays[key][:] = 9
-        info["action_mask"][:] = 9
-        arrays, *_, info = env.step(action)
-    assert env.warehouse.state.has_item
-
-
-def test_observations_show_new_stations() -> None:
-    env = plain(layout=ROOM, randomize=False)
-    env.reset()
-    arrays, _ = env.reset(options={"layout": ROOM.with_stations((2, 2), None)})
-    assert_same(arrays, encode(env.warehouse.observe()))
-    assert arrays["dropoff_pos"].tolist() == [-1, -1]
 
 
 def test_the_mask_marks_the_actions_that_have_an_effect() -> None:

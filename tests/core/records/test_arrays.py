@@ -11,13 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.fleets import fleet_episode
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (
     DEFAULT_LAYOUT,
-    Contact,
     Episode,
     Outcome,
     RecordError,
@@ -28,14 +25,8 @@ from warehouse_core.files.npz import Arrays
 from warehouse_core.records.arrays import (
     FLEET_COLUMNS,
     LONE_COLUMNS,
-    MAX_NUMBER,
-    MOTION_COLUMNS,
-    decode_words,
-    encode_words,
     pack,
-    pack_motions,
     unpack,
-    unpack_motions,
 )
 from warehouse_core.world.layout import MAX_CELLS, MAX_ROWS
 from warehouse_physics import Disturbances, RigidBodyMotion
@@ -104,15 +95,6 @@ def test_fields_load_as_they_were_packed(kind: str) -> None:
     assert Episode(**unpack(arrays_of(kind))) == episode
     motions = episode.motions if kind == LONE else sum(episode.motions, ())
     assert any(motion.contacts for motion in motions)
-
-
-def test_the_file_can_be_read_with_numpy_and_json_alone() -> None:
-    arrays, episode = arrays_of(LONE), episode_of(LONE)
-    header = header_of(arrays)
-    assert header["format"] == "warehouse-lab episode 1"
-    assert [header["actions"][code] for code in arrays["actions"]] == episode.actions
-    assert arrays["layout"].tobytes().decode() == "".join(episode.layout.rows)
-    assert arrays["rewards"].tolist() == episode.rewards
 
 
 @pytest.mark.parametrize("kind", [LONE, FLEET])
@@ -258,15 +240,6 @@ def test_arrays_of_other_shapes_are_refused(
             assert f"{name} has the shape {other.shape}; it must be {array.shape}" in message
 
 
-@pytest.mark.parametrize("name", ["header", "rewards", "loaded"])
-def test_another_type_is_refused(refused: Refused, name: str) -> None:
-    other = np.float32 if name != "rewards" else np.int64
-    array = arrays_of(LONE)[name]
-    assert f"array {name} is" in refused(LONE, **{name: array.astype(other)})
-    assert f"array {name} is" in refused(LONE, **{name: array[..., np.newaxis]})
-    assert f"array {name} is object" in refused(LONE, **{name: array.astype(object)})
-
-
 def test_an_additional_array_is_refused(refused: Refused) -> None:
     assert "18 arrays; there must be 17, 24 or 25" in refused(LONE, more=np.zeros(1))
 
@@ -409,36 +382,6 @@ def test_a_layout_of_another_size_is_refused_before_its_rows_are_made(
     arrays_of(LONE)
     with little_memory():
         assert message in refused(LONE, layout=layout)
-
-
-# Any motions and words.
-
-floats = st.floats(-MAX_NUMBER, MAX_NUMBER)
-contacts = st.builds(
-    Contact, floats, floats, st.tuples(floats, floats), st.sampled_from(["wall", "robot 3"])
-)
-paths = st.lists(st.tuples(floats, floats, floats, floats), min_size=2, max_size=5).map(np.array)
-cells = st.tuples(st.integers(0, 2**31 - 1), st.integers(0, 2**31 - 1))
-hits = st.lists(contacts, max_size=3).map(tuple)
-outcomes = st.builds(Outcome, cells, st.booleans(), floats, floats, paths, hits, st.just(False))
-
-
-@settings(max_examples=20)
-@given(st.lists(outcomes, max_size=6))
-def test_outcomes_load_as_they_were_packed(motions: list[Outcome]) -> None:
-    arrays, counterparts = pack_motions(motions)
-    typed = {name: arrays[name].astype(dtype) for name, (dtype, _) in MOTION_COLUMNS.items()}
-    axes = {name: len(axes) for name, (_, axes) in MOTION_COLUMNS.items()}
-    assert {name: array.ndim for name, array in arrays.items()} == axes
-    assert unpack_motions(typed, {"counterparts": counterparts}) == motions
-
-
-@settings(max_examples=30)
-@given(st.lists(st.text(max_size=2) | st.integers()))
-def test_words_load_in_their_order(words: list[str | int]) -> None:
-    vocabulary, codes = encode_words(words)
-    assert len(set(vocabulary)) == len(vocabulary)
-    assert decode_words({"words": vocabulary}, "words", codes, {str, int}) == words
 
 
 # Files of version 0.1.

@@ -29,7 +29,6 @@ from warehouse_core import (
     record_episode,
     replay_episode,
 )
-from warehouse_core.files import npz as safe_npz_module
 from warehouse_core.fleet import Battery, People
 from warehouse_core.motion.base import Outcome
 from warehouse_core.motion.grid import GridMotion
@@ -316,15 +315,6 @@ def test_a_record_without_a_step_loads_as_it_was_saved(tmp_path: Path) -> None:
     episode = EpisodeRecorder(WarehouseEnv()).episode
     episode.save(tmp_path / "empty.npz")
     assert Episode.load(tmp_path / "empty.npz") == episode
-
-
-def test_a_record_that_is_too_large_raises_before_a_file_is_created(
-    episode: Episode, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(safe_npz_module, "MAX_BYTES", 1000)
-    with pytest.raises(RecordError, match=r"large\.npz: .* are more than MAX_BYTES = 1000"):
-        episode.save(tmp_path / "large.npz")
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_values_of_a_fleet_that_would_load_as_others_are_not_saved(tmp_path: Path) -> None:

@@ -337,28 +337,6 @@ def test_an_export_that_fails_keeps_the_existing_file_and_leaves_no_part(
     assert "step 2 of 6" in texts(replay), "the replay shows what it showed before"
 
 
-@pytest.mark.parametrize("broken", [
-    "warehouse_core.viz.export.gif_writer.GifWriter.add",
-    "warehouse_core.viz.export.gif_writer.GifWriter.finish",
-])  # fmt: skip
-def test_an_interrupted_export_leaves_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, broken: str
-) -> None:
-    def interrupted(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(broken, interrupted)
-    with pytest.raises(KeyboardInterrupt):
-        saved(tmp_path, ".gif")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_the_folder_must_exist(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError, match="missing does not exist"):
-        saved(tmp_path / "missing", ".png")
-    assert list(tmp_path.iterdir()) == []
-
-
 # The progress bar.
 
 

@@ -4,7 +4,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.pictures import pixels, press, replay_of, short_episode, texts
-from helpers.player import page_in, said_by
 from matplotlib.animation import PillowWriter
 
 from warehouse_core.errors import NoDisplayError
@@ -159,16 +158,6 @@ def test_a_writer_of_matplotlib_gets_every_frame(replay: Replay, tmp_path: Path)
         assert film.n_frames == LAST + 1  # type: ignore[attr-defined]
     assert seen == list(range(LAST + 1))
     assert shown(replay) == 4
-
-
-# In a notebook.
-
-
-def test_a_notebook_shows_a_player(replay: Replay) -> None:
-    frame = replay._repr_html_()
-    assert frame.count("<") == 2, "the page is the value of an attribute"
-    said = said_by(page_in(frame))
-    assert len(said["tracks"][0]["progress"]) == LAST + 1
 
 
 def test_a_replay_that_is_never_drawn_causes_no_warning() -> None:

@@ -318,27 +318,6 @@ def test_the_words_of_each_frame_count_steps_and_say_what_was_done() -> None:
         assert ("DELIVERED" in texts(replay)) == (frame == 6)
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"terminated": False, "truncated": True}, "OUT OF TIME"),
-        ({"terminated": False, "battery": [6, 5, 4, 3, 2, 1, 0]}, "BATTERY DEPLETED"),
-    ],
-)
-def test_the_ending_names_how_it_ended(changes: dict[str, Any], words: str) -> None:
-    replay = replay_of(short_episode(**changes))
-    assert words not in texts(replay)
-    replay.go_to(6)
-    assert words in texts(replay)
-
-
-def test_names_are_not_read_as_mathematics() -> None:
-    replay = replay_of(short_episode(agent="$\\frac$", reasons=["$x_$"] * 6))
-    replay.go_to(1)
-    assert {"$\\frac$ on the grid backend, seed 4", "N ($x_$)"} <= {*texts(replay)}
-    pixels(replay)
-
-
 def test_the_legend_has_what_is_in_the_picture_and_nothing_else() -> None:
     def legend_of(frames: Any) -> list[str]:
         (legend,) = replay_of(frames).figure.legends
@@ -501,13 +480,6 @@ def test_a_scene_shows_a_track_that_has_grown() -> None:
     assert high > 13
     scene.show(0, start)
     assert scene.root.axes[1].get_ylim() == (low, high), "the range is never narrowed"
-
-
-def test_a_picture_may_be_without_its_legend() -> None:
-    track = track_of_record(short_episode())
-    small, whole = Scene([track], make_figure, legend=False), Scene([track], make_figure)
-    assert small.root.legends == []
-    assert small.root.get_figwidth() < whole.root.get_figwidth()
 
 
 def test_every_robot_of_a_track_is_drawn_with_its_trail() -> None:
