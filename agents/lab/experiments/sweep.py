@@ -195,15 +195,13 @@ def sweep(
 
 def _given(file: Path | None, preset: str | None) -> PlanFile:
     """Return the plan file, or the preset as one; flags are added to it."""
-    if file is not None and preset is not None:
-        raise ParameterError(f"both {file} and --preset {preset} are given; give one of them")
-    if file is not None:
-        return read_plan_file(file)
-    if preset is None:
-        return PlanFile({})
-    if preset not in PRESETS:
-        raise ParameterError(f"no preset is called {preset!r}; allowed: {', '.join(PRESETS)}")
-    return read_plan_file(PRESETS[preset])
+    if preset is not None:
+        if file is not None:
+            raise ParameterError(f"both {file} and --preset {preset} are given; give one of them")
+        if preset not in PRESETS:
+            raise ParameterError(f"no preset is called {preset!r}; allowed: {', '.join(PRESETS)}")
+        file = PRESETS[preset]
+    return PlanFile({}) if file is None else read_plan_file(file)
 
 
 def _done(plan: Plan, store: Store) -> int:
