@@ -75,6 +75,24 @@ def refusal(
     return line.removeprefix("warehouse: ").rstrip("\n")
 
 
+def write_mine(method: str, line: str, returned: str, step: int = 4) -> None:
+    """Write a file ``mine.py`` with a class ``Mine``, an agent or a planner by its method.
+
+    It executes the line, the 9th of the file, in one of its steps, and returns ``returned``.
+    """
+    Path("mine.py").write_text(f"""
+class Mine:
+    def reset(self):
+        self.steps = 0
+
+    def {method}(self, seen):
+        self.steps += 1
+        if self.steps == {step}:
+            {line}
+        return {returned}
+""")
+
+
 def in_a_process(*words: object, folder: Path, **variables: str) -> Result:
     """Run Python with ``words`` in its own process, without a display."""
     environment = {

@@ -3,6 +3,7 @@
 import os
 from contextlib import suppress
 from pathlib import Path
+from textwrap import indent
 from typing import NamedTuple
 
 RUBRIC = """
@@ -122,8 +123,8 @@ GOOD = f'NO_WAY = "WAIT"\n{SEARCH}'
 
 def idle(body: str, before: str = "", place: str = "act") -> str:
     """Return an agent that runs a body in ``act``, ``reset`` or ``__init__``, and waits."""
-    lines = "\n".join(f"        {line}" for line in body.splitlines())
-    bodies = dict.fromkeys(("__init__", "reset", "act"), "        pass") | {place: lines}
+    bodies = dict.fromkeys(("__init__", "reset", "act"), "        pass")
+    bodies[place] = indent(body, 8 * " ")
     return f"""{before}
 class Agent:
     def __init__(self):
@@ -138,8 +139,7 @@ class Agent:
 
 def good(method: str, body: str, before: str = "") -> str:
     """Return the agent that searches, with a method of its own."""
-    lines = "\n".join(f"        {line}" for line in body.splitlines())
-    return f"{before}\n{GOOD}\n    def {method}:\n{lines}\n"
+    return f"{before}\n{GOOD}\n    def {method}:\n{indent(body, 8 * ' ')}\n"
 
 
 class Expected(NamedTuple):

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from helpers.command_line import ROOT, in_a_process, refusal
+from helpers.command_line import ROOT, Refused, in_a_process
 from helpers.dask_cluster import MAX_WAIT, Cluster, dask_cluster, start_worker
 from helpers.sweeps import AGENT, check_is_usable, table, uninterrupted, words
 
@@ -184,6 +184,6 @@ def test_no_scheduler_is_one_line_and_exit_code_1(tmp_path: Path) -> None:
     assert result.err.startswith("warehouse: no Dask scheduler answers at tcp://127.0.0.1:9")
 
 
-def test_no_address_is_one_line(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    line = refusal(capsys, *words(tmp_path / "r.sqlite", 3), "--cluster", "nowhere:x:y")
+def test_no_address_is_one_line(refused: Refused, tmp_path: Path) -> None:
+    line = refused(*words(tmp_path / "r.sqlite", 3), "--cluster", "nowhere:x:y")
     assert "nowhere" in line

@@ -24,8 +24,7 @@ from agents.lab.experiments.store import Store
 from agents.lab.trials.rows import AnyRow
 from agents.lab.trials.workers import ending_of
 
-TASK_SECONDS = 0.5
-MAX_TASK_EPISODES = 10_000
+TASK_SECONDS, MAX_TASK_EPISODES = 0.5, 10_000
 
 SEEDS_AT_ONCE = 100_000
 """Seeds that are looked up in the store at once."""

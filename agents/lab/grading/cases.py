@@ -15,20 +15,12 @@ from warehouse_core.world.named_layouts import DEFAULT, find_layout
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """Episodes that differ by their seed alone.
+    """Episodes that differ by their seed alone, as a table of the rubric asks for them.
 
     Attributes:
-        name: name of the table in the rubric.
-        layout: a name, the path of a file, or ``RANDOM``.
-        size: height and width of random layouts.
-        density: share of walls of random layouts.
-        first_seed: seed of the first episode; the others follow.
-        episodes: number of episodes.
+        layout: a name, the path of a file, or ``RANDOM``; its size and density are of that alone.
         stations: source of pickup and dropoff; ``None`` leaves it to the rule of ``warehouse run``.
         start: start cell, or ``None`` to draw it.
-        battery: units of a full battery.
-        max_steps: steps after which an episode is truncated.
-        view_radius: cells seen in each direction.
         visible: the report may tell the seeds and what happened.
     """
 

@@ -237,11 +237,7 @@ def find_class(module: Any, task: dict[str, Any]) -> Any:
 
 
 def as_action(action: Any) -> str | int:
-    """Return an action as it is sent, a word or an index.
-
-    Raises:
-        TypeError: it is neither.
-    """
+    """Return an action as it is sent, a word or an index; ``TypeError`` if it is neither."""
     if isinstance(action, str):
         return str(action[:MAX_TEXT])
     try:

@@ -23,14 +23,10 @@ class Measure(NamedTuple):
     """A number by which an agent is judged.
 
     Attributes:
-        asked: says what is asked, with ``{}`` for the number.
-        shown: returns a number as text.
-        value: returns the number, from episodes.
+        asked: says what is asked, with ``{}`` for the number as it is ``shown``.
         badness: the worst episode is the first that has the largest.
-        counts: returns ``True`` for an episode that counts.
-        counted: the episodes that count, in words.
+        counts: returns ``True`` for an episode that counts; ``counted`` are these in words.
         seen: says what was seen, beside the number.
-        more_is_better: a larger number is better.
         is_secret: the number is not told, because it is different each time; such a measure gives
             all points or none.
     """
@@ -56,8 +52,6 @@ class Criterion(NamedTuple):
     """A measure of some episodes, and its points.
 
     Attributes:
-        name: name of the criterion.
-        points: points for ``full`` or better.
         kind: the name of its measure.
         cases: names of the cases whose episodes it judges.
         full: the number that gives all points.

@@ -48,9 +48,7 @@ def plain(text: str) -> str:
 def load_grades(path: Path) -> dict[str, Row]:
     """Return the lines of a table by the name of the submission; none without the file.
 
-    Raises:
-        GradeError: the file is another one, which is not to be overwritten.
-        OSError: it cannot be read.
+    Another file is a ``GradeError``, so that it is not overwritten.
     """
     if not path.exists():
         return {}

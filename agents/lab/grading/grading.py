@@ -15,12 +15,9 @@ from warehouse_core.wording import counted, printable
 
 
 class Grade(NamedTuple):
-    """The points for a criterion.
+    """The points for a criterion, and the evidence that was seen, in words.
 
     Attributes:
-        criterion: the criterion that was judged.
-        points: points for it.
-        seen: evidence, in words.
         worst: course of the worst episode in words, or "" if all points were given.
         command: command that shows the worst episode, or "" if there is none or it is hidden.
     """
@@ -38,16 +35,14 @@ class Grade(NamedTuple):
 
 
 class Report(NamedTuple):
-    """The grade of an agent.
+    """The grade of an agent, with one for each criterion.
 
     Attributes:
         agent: name of the agent and of its class.
         title: title of the rubric.
         rubric: the digest of the rubric.
         code: the digest of the code of the agent.
-        grades: one for each criterion.
         failure: reason why no episode could begin, or "".
-        episodes: number of episodes.
     """
 
     agent: str
@@ -78,16 +73,14 @@ def grade(
     """Run the episodes of a rubric with an agent, and judge them.
 
     The report depends on the agent and the rubric alone, if the agent does, except that an answer
-    near a time limit may be within it or not.
+    near a time limit may be within it or not. If no episode counts for a criterion, or agents
+    cannot be run here, that is a ``GradeError``.
 
     Args:
         submission: the agent.
         rubric: criteria, cases and limits.
         user: runs the agent as this user, see ``Sandbox``.
         advance: called after each episode.
-
-    Raises:
-        GradeError: no episode counts for a criterion, or agents cannot be run here.
     """
     code = submission.digest
     # Hidden ones last: what an agent keeps of them in files is not told in visible ones.

@@ -33,14 +33,9 @@ Check = Callable[[Any], Any]
 
 @dataclass(frozen=True, slots=True)
 class Rubric:
-    """The criteria by which an agent is graded, and the episodes that it has to run.
+    """The criteria by which an agent is graded, in the order of the file, and its episodes.
 
-    Attributes:
-        title: title of the report.
-        limits: limits on the agent.
-        cases: cases by name.
-        criteria: criteria in the order of the file.
-        digest: digest of the file and of the layouts that it names.
+    The digest is of the file and of the layouts that it names.
     """
 
     title: str
@@ -160,12 +155,7 @@ class _Reader:
 
 
 def load_rubric(path: Path) -> Rubric:
-    """Read a rubric.
-
-    Raises:
-        GradeError: it cannot be used; the message has the line, the key and what is allowed.
-        OSError: the file cannot be read.
-    """
+    """Read a rubric; a ``GradeError`` has the line, the key and what is allowed."""
     with path.open("rb") as file:
         data = file.read(MAX_BYTES + 1)
     if len(data) > MAX_BYTES:

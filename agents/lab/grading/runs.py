@@ -23,17 +23,11 @@ class Run(NamedTuple):
     """The outcome of one episode.
 
     Attributes:
-        case: case of the episode.
-        seed: seed of the episode.
         needed: the fewest steps of a delivery, ``None`` without a way.
-        delivered: the item was delivered.
-        steps: the length of the episode.
         useless: actions that had no effect, waits not counted.
         unknown: unknown actions.
-        mode: the failure mode, or ``"delivered"``.
-        sentence: the evidence for it.
-        failure: failure of the agent, or ``None``.
-        step: step at which it failed; 0 is before the first.
+        mode: the failure mode, or ``"delivered"``; the sentence is the evidence for it.
+        step: step at which the agent failed; 0 is before the first.
         slowest: seconds of the slowest answer.
         agent: the name of its class, if it was loaded.
     """
@@ -85,15 +79,7 @@ def run_cases(
     user: str | None,
     advance: Callable[[], None],
 ) -> list[Run]:
-    """Run all episodes of cases.
-
-    Args:
-        submission: the agent.
-        cases: cases to run, with each of their seeds.
-        limits: limits on the agent.
-        user: see ``Sandbox``.
-        advance: called after each episode.
-    """
+    """Run all episodes of cases, with each of their seeds; ``advance`` is called after each."""
     runs, hopeless = list[Run](), 0
     with Sandbox(submission, limits, user) as sandbox:
         for case in cases:
@@ -135,10 +121,7 @@ def run_case(sandbox: Sandbox, submission: Submission, case: Case, seed: int) ->
         except AgentFailureError as failure:
             step = recorder.episode.steps + 1 if run.agent else 0
             run = run._replace(failure=failure, step=step)
-    return _judged(run, recorder.episode)
-
-
-def _judged(run: Run, episode: Episode) -> Run:
+    episode = recorder.episode
     diagnosis, counts = diagnose(episode), _count_useless(episode)
     return run._replace(
         delivered=episode.outcome == DELIVERED,

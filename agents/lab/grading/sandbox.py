@@ -38,14 +38,11 @@ VARIABLES = {
 }  # fmt: skip
 """All environment variables of an agent; no others, which may have secrets."""
 
-MAX_LINE = 65_536
-"""Most bytes of an answer."""
+MAX_LINE, MAX_TEXT = 65_536, 200
+"""Most bytes of an answer, and most characters of a name or a message of an agent."""
 
 MAX_FILES = 256
 """Most files that an agent may have open."""
-
-MAX_TEXT = 200
-"""Most characters of a name or a message of an agent."""
 
 IMPORT_SECONDS = 60.0
 """Longest time in which the fork server imports the modules that all agent processes share."""
@@ -115,12 +112,7 @@ LOAD, FAILS, SLOW, ENDS = "cannot be loaded", "fails", "takes too long", "ends i
 
 
 class AgentProcess:
-    """An agent in the process of one episode.
-
-    Attributes:
-        name: name of its class, after ``start``.
-        slowest: seconds of the slowest answer.
-    """
+    """An agent in the process of one episode: its class, once started, and its slowest answer."""
 
     def __init__(self, questions: int, answers: int, limits: Limits, user: Ids | None) -> None:
         self._questions, self._answers = questions, answers
@@ -129,11 +121,7 @@ class AgentProcess:
         self.name, self.slowest = "", 0.0
 
     def start(self, submission: Submission, seed: int) -> None:
-        """Load and reset the agent.
-
-        Raises:
-            AgentFailureError: it cannot be loaded, or takes too long.
-        """
+        """Load and reset the agent, or raise its ``AgentFailureError``."""
         task = {
             "limits": self._limits.of_process(),
             "user": self._user,
@@ -153,11 +141,7 @@ class AgentProcess:
             raise
 
     def act(self, observation: Observation) -> str | int:
-        """Return the action for an observation.
-
-        Raises:
-            AgentFailureError: there is none.
-        """
+        """Return the action for an observation, or raise the ``AgentFailureError``."""
         begin, seconds = monotonic(), min(self._limits.answer_seconds, self._left)
         answer = self._ask({"observation": observation}, seconds)
         taken = monotonic() - begin
@@ -222,10 +206,7 @@ def _failure(answer: dict[str, Any]) -> AgentFailureError:
 class Sandbox:
     """Starts the processes of a submission; to be used as a context manager.
 
-    Args:
-        submission: the agent.
-        limits: limits on the agent.
-        user: runs the agent as this user, which only root may; ``None`` for this one.
+    The agent runs as another user if there is one, which only root may choose.
     """
 
     def __init__(self, submission: Submission, limits: Limits, user: str | None = None) -> None:
@@ -248,9 +229,7 @@ class Sandbox:
     def episode(self) -> Iterator[AgentProcess]:
         """Yield an agent in a new process, which is killed at the end of the block.
 
-        Raises:
-            AgentFailureError: the agent failed in the block; the message says how its process
-                ended, if it did.
+        The failure of an agent in the block says how its process ended, if it did.
         """
         (theirs, questions), (answers, also_theirs) = os.pipe(), os.pipe()
         try:

@@ -43,11 +43,7 @@ class Submission(NamedTuple):
     imports: tuple[str, ...] = ()
 
     def called(self, kind: str | None) -> str:
-        """Return the name by which ``warehouse run --agent`` finds it.
-
-        Args:
-            kind: the name of its class, if it has been loaded.
-        """
+        """Return the name by which ``warehouse run --agent`` finds it, with the class it loaded."""
         is_built_in = self.file is None and self.shown != self.module
         chosen = self.kind or kind
         return self.shown if is_built_in or chosen is None else f"{self.shown}:{chosen}"
@@ -61,9 +57,7 @@ class Submission(NamedTuple):
 def find_submission(name: str) -> Submission:
     """Return the agent ``file.py:Class``, ``file.py``, ``module:Class`` or a built-in one.
 
-    Raises:
-        AgentError: there is no such file or agent, or it needs the map.
-        OSError: the file cannot be read.
+    If there is none, or it needs the map, that is an ``AgentError``.
     """
     if name.endswith(".py"):
         return of_file(name, Path(name), None)
@@ -76,12 +70,7 @@ def find_submission(name: str) -> Submission:
 
 
 def of_file(name: str, file: Path, kind: str | None) -> Submission:
-    """Return the agent in a file.
-
-    Raises:
-        AgentError: there is no such file.
-        OSError: it cannot be read.
-    """
+    """Return the agent in a file; that there is none is an ``AgentError``."""
     if not file.is_file():
         raise AgentError(f"agent file {file}: {not_a_file(file) or 'there is no such file'}")
     folder = file.resolve().parent
@@ -110,12 +99,7 @@ def _built_in(name: str) -> Submission:
 def in_folder(folder: Path, kind: str | None) -> Iterator[Submission | str]:
     """Yield the submissions in a folder by name: each ``.py`` file, and each folder with one.
 
-    Args:
-        folder: folder of all submissions.
-        kind: the name of the class in each.
-
-    Yields:
-        A submission, or for a folder without exactly one agent, a line ``NAME: REASON``.
+    Of a folder without exactly one agent it is a line ``NAME: REASON``. Each has a class ``kind``.
     """
     for path in sorted(folder.iterdir()):
         if path.name.startswith((".", "__")):

@@ -103,7 +103,7 @@ class Processes(ThreadPoolExecutor):
         """Run a call; its future has a ``WorkerError`` if the process ends meanwhile."""
         return super().submit(self._run, partial(call, *args, **named))
 
-    def close(self) -> None:
+    def __exit__(self, *error: object) -> None:
         """Cancel the calls that wait, and kill the processes, whatever they have left running."""
         self.shutdown(wait=False, cancel_futures=True)
         for process in self._processes:
@@ -222,11 +222,8 @@ def process_pool(count: int) -> Iterator[tuple[Executor, int]]:
 
     At the end of the block they are killed at once, whatever their calls have left running.
     """
-    pool = Processes(count)
-    try:
+    with Processes(count) as pool:
         yield pool, count
-    finally:
-        pool.close()
 
 
 def run_trials(

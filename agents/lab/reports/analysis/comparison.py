@@ -64,8 +64,8 @@ def compare(store: Store, first: int, second: int, pairs_to_choose: int = 1) -> 
     )
     changes = {(mine, yours): count for mine, yours, count in modes}
     both = changes.get((DELIVERED, DELIVERED), 0)
-    only_first = _delivered(changes, 0) - both
-    only_second = _delivered(changes, 1) - both
+    only_first = sum(count for (a, b), count in changes.items() if a == DELIVERED != b)
+    only_second = sum(count for (a, b), count in changes.items() if a != DELIVERED == b)
     split = only_first + only_second
     names = ", ".join(f"a.{column}, b.{column}" for column in COLUMNS)
     rows = np.fromiter(
@@ -74,26 +74,10 @@ def compare(store: Store, first: int, second: int, pairs_to_choose: int = 1) -> 
         ),
         (float, 2 * len(COLUMNS)),
     )
-    return Comparison(
-        changes,
-        only_first,
-        only_second,
-        min(pairs_to_choose * float(binomtest(only_first, split).pvalue), 1.0) if split else 1.0,
-        both,
-        {
-            column: costs
-            for number, column in enumerate(COLUMNS)
-            if (costs := _costs(*rows[:, 2 * number : 2 * number + 2].T))
-        },
-    )
-
-
-def _delivered(changes: dict[tuple[str, str], int], side: int) -> int:
-    return sum(count for pair, count in changes.items() if pair[side] == DELIVERED)
-
-
-def _costs(first: np.ndarray, second: np.ndarray) -> Costs | None:
-    difference = mean_interval(second - first)
-    if difference is None:
-        return None
-    return Costs(float(first.mean()), float(second.mean()), difference)
+    costs = {}
+    for column, (one, other) in zip(COLUMNS, rows.T.reshape(len(COLUMNS), 2, -1), strict=True):
+        if difference := mean_interval(other - one):
+            costs[column] = Costs(float(one.mean()), float(other.mean()), difference)
+    chance = float(binomtest(only_first, split).pvalue) if split else 1.0
+    chance = min(pairs_to_choose * chance, 1.0)
+    return Comparison(changes, only_first, only_second, chance, both, costs)

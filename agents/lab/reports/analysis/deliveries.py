@@ -71,24 +71,22 @@ def trend(line: Sequence[Point]) -> str:
     first, last = line[0], line[-1]
     best, worst = (pick(line, key=lambda point: point.value) for pick in (max, min))
     if best.value - worst.value < MIN_CHANGE:
-        return (
-            f"success is all but the same, {share(first.results.main)} at {first.name} and "
-            f"{share(last.results.main)} at {last.name}"
-        )
+        return f"success is all but the same, {_at(first)} and {_at(last)}"
     change = last.value - first.value
     verb, joint = "rises from" if change > 0 else "falls from", "to"
     if abs(change) < MIN_CHANGE:
         verb, joint = "is nearly the same at both ends,", "and"
-    words = (
-        f"success {verb} {share(first.results.main)} at {first.name} {joint} "
-        f"{share(last.results.main)} at {last.name}"
-    )
+    words = f"success {verb} {_at(first)} {joint} {_at(last)}"
     ends = [point.results.main for point in (first, last)]
     if best.results.main.low > max(end.high for end in ends):
         words += f"; it is highest at {best.name}, {share(best.results.main)}"
     if worst.results.main.high < min(end.low for end in ends):
         words += f"; it is lowest at {worst.name}, {share(worst.results.main)}"
     return words
+
+
+def _at(point: Point) -> str:
+    return f"{share(point.results.main)} at {point.name}"
 
 
 def ranking(ranked: Sequence[Point]) -> str:
@@ -125,11 +123,11 @@ def costs_and_failures(line: Sequence[Point]) -> Iterator[str]:
 
     Deliveries with one value may be only the easy ones.
     """
-    lengths = []
-    for point in line:
-        steps, needed = point.results.interval(STEPS), point.results.needed
-        if steps and needed:
-            lengths.append(f"{mean(steps, 'steps', f'shortest ways {needed:.1f}')}{point.which}")
+    lengths = [
+        f"{mean(steps, 'steps', f'shortest ways {point.results.needed:.1f}')}{point.which}"
+        for point in line
+        if (steps := point.results.interval(STEPS)) and point.results.needed
+    ]
     if lengths:
         yield f"the mean of all deliveries, easy and hard, is {listed(lengths)}"
     for point in line:

@@ -78,8 +78,6 @@ class Kind(NamedTuple):
     """What reports on lone robots, or on fleets, are made of.
 
     Attributes:
-        name: Words for the episodes.
-        row: Kind of the rows.
         measures: Measures of the report; values are compared by the first.
         counted: Condition of SQL on the episodes that a mean is taken over.
         counts: The same condition in words.

@@ -49,7 +49,8 @@ def stuck_heat_map(
 
     Shares are of all episodes, deliveries included.
     """
-    counts = {mode: int(cells.sum()) for mode, cells in stuck.items()}
-    titles = {mode: f"{mode}: {count:,} ({count / episodes:.1%})" for mode, count in counts.items()}
-    found = {titles[mode]: cells for mode, cells in stuck.items()}
-    return heat_map(rows, found, with_stations=with_stations)
+    titled = {
+        f"{mode}: {cells.sum():,} ({cells.sum() / episodes:.1%})": cells
+        for mode, cells in stuck.items()
+    }
+    return heat_map(rows, titled, with_stations=with_stations)

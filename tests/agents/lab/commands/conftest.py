@@ -1,4 +1,4 @@
-"""The tests of commands draw small pictures, in a folder of their own and without a display."""
+"""Tests of commands draw small pictures, in a folder of their own and without a display."""
 
 from pathlib import Path
 
@@ -12,3 +12,4 @@ def in_a_folder_without_a_display(
 ) -> None:
     without_display(monkeypatch)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "120")

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from helpers.command_line import Refused, Warehouse
+from helpers.command_line import Refused, Warehouse, write_mine
 from PIL import Image
 
 from agents.lab.commands import compare_agents
@@ -34,24 +34,11 @@ def test_the_command_prints_a_row_for_each_agent_and_saves_a_figure(
     assert "none" not in "".join(line for line in lines if "A*" in line)
 
 
-MINE = """
-class Mine:
-    def reset(self):
-        self.steps = 0
-
-    def act(self, observation):
-        self.steps += 1
-        if self.steps == 4:
-            raise ValueError("too far")
-        return "N"
-"""
-
-
 def test_agents_are_added_once_with_their_arguments(
     warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "30")
-    Path("mine.py").write_text(MINE.replace("4", "-1"))
+    write_mine("act", "pass", "'N'")
     more = "--agent mine.py:Mine --agent greedy:memory=3 --agent astar"
     lines = warehouse(*SMALL, *more.split()).out.splitlines()
     names = [*AGENTS.values(), "mine.py:Mine", "greedy:memory=3"]
@@ -76,7 +63,7 @@ def test_the_options_set_the_start_and_the_stations(
 def test_an_agent_that_fails_is_a_one_line_error_with_its_seed_and_step(
     refused: Refused, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    Path("mine.py").write_text(MINE)
+    write_mine("act", "raise ValueError('too far')", "'N'")
     line = refused(*SMALL, "--seed", 6, "--agent", "mine.py:Mine")
     assert line == "seed 6, step 4, agent mine.py:Mine: ValueError: too far (mine.py, line 9)"
     ran = []

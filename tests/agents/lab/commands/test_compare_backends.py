@@ -1,49 +1,26 @@
 import re
 from pathlib import Path
 
-import pytest
 from helpers.command_line import Warehouse
 from PIL import Image
 
 from agents.lab.commands.compare_backends import ROWS, comparison_table, first_difference
 from agents.run_episode import run_episode
-from warehouse_core import Episode, replay_episode
+from warehouse_core import replay_episode
 
 
-@pytest.fixture(scope="module")
-def grid() -> Episode:
-    return run_episode(seed=12)
-
-
-def changed(episode: Episode, step: int, action: str) -> Episode:
-    """Return the episode, run again with another action at one step, counted from 1."""
-    again = replay_episode(episode)
-    again.actions[step - 1] = action
-    return replay_episode(again)
-
-
-def test_nominal_physics_does_what_the_grid_does(grid: Episode) -> None:
-    physics = run_episode(backend="physics", seed=12)
-    assert first_difference(grid, physics) is None
-    assert physics.settings.backend == "physics"
-    assert physics.seconds > grid.steps
-
-
-def test_the_first_step_that_differs_is_found(grid: Episode) -> None:
-    assert first_difference(grid, grid) is None
-    assert first_difference(grid, changed(grid, 4, "WAIT")) == 4
-
-
-def test_a_shorter_episode_differs_where_it_ends(grid: Episode) -> None:
-    shorter = run_episode(seed=12, max_steps=10)
+def test_the_first_step_that_differs_is_found() -> None:
+    grid, physics = (run_episode(backend=backend, seed=12) for backend in ("grid", "physics"))
+    other, shorter = replay_episode(grid), run_episode(seed=12, max_steps=10)
+    other.actions[3] = "WAIT"
+    assert first_difference(grid, grid) is first_difference(grid, physics) is None
+    assert first_difference(grid, replay_episode(other)) == 4
     assert first_difference(grid, shorter) == first_difference(shorter, grid) == 11
-
-
-def test_the_table_has_both_backends_and_every_row(grid: Episode) -> None:
-    table = comparison_table(grid, grid)
-    assert table.header == ("", "grid", "grid")
-    assert len(table.rows) == len(ROWS) + 1
-    assert [cell for _, cell, _ in table.rows[:3]] == ["delivered", "23", "12.70"]
+    header, rows, *_ = comparison_table(grid, physics)
+    assert header == ("", "grid", "physics")
+    assert [name for name, *_ in rows] == [*ROWS, "first step that differs"]
+    assert rows[:2] == [("outcome", "delivered", "delivered"), ("steps", "23", "23")]
+    assert float(rows[3][2]) > grid.steps
 
 
 def test_compare_prints_the_table_and_saves_both_replays(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.command_line import Warehouse
+from helpers.command_line import Warehouse, write_mine
 from PIL import Image
 
 from agents.lab.commands.fleet.fleet import parse_orders
@@ -20,17 +20,6 @@ from warehouse_core.orders import save_orders
 from warehouse_core.records.failure_modes import FleetDiagnosis, diagnose_fleet
 
 SMALL = ("fleet", "--robots", 3, "--steps", 60, "--seed", 5)
-TOO_FAR = """
-class Fails:
-    def reset(self):
-        self.steps = 0
-
-    def act(self, observation):
-        self.steps += 1
-        if self.steps == 4:
-            raise {}
-        return "N"
-"""
 
 
 def measured(**changed: float) -> FleetMeasures:
@@ -131,33 +120,14 @@ def test_the_verdict_and_the_diagnosis_say_what_went_wrong() -> None:
 
 
 def test_an_agent_that_fails_is_named_after_what_has_been_measured(warehouse: Warehouse) -> None:
-    Path("mine.py").write_text(TOO_FAR.format("ValueError('too far')"))
-    done = warehouse(*SMALL, "--orders", 1, "--agent", "mine.py:Fails", "--save", "a.npz")
+    write_mine("act", "raise ValueError('too far')", "'N'")
+    done = warehouse(*SMALL, "--orders", 1, "--agent", "mine.py:Mine", "--save", "a.npz")
     assert done.code == 1
     assert "not finished" in done.out
-    failure = r"agent mine.py:Fails: ValueError: too far \(mine.py, line 9\)"
+    failure = r"agent mine.py:Mine: ValueError: too far \(mine.py, line 9\)"
     found = re.fullmatch(rf"warehouse: seed 5, step (\d+), robot \d, {failure}\n", done.err)
     assert found
     assert FleetEpisode.load("a.npz").steps == int(found[1]) - 1
-
-
-PLANS = """
-class Plans:
-    def reset(self):
-        self.steps = 0
-
-    def next_cells(self, situation):
-        self.steps += 1
-        if self.steps == 4:
-            raise ValueError("too far")
-        return situation.cells
-
-
-class Hangs(Plans):
-    def next_cells(self, situation):
-        while True:
-            pass
-"""
 
 
 @pytest.mark.parametrize("planner", PLANNERS)
@@ -185,38 +155,35 @@ def test_the_replay_draws_the_plans_of_chosen_robots(warehouse: Warehouse) -> No
 
 
 def test_a_planner_that_fails_stops_the_shift_or_all_robots_wait(warehouse: Warehouse) -> None:
-    Path("mine.py").write_text(PLANS)
+    write_mine("next_cells", "raise ValueError('too far')", "seen.cells")
     own = (*SMALL, "--orders", 1, "--save", "a.npz", "--planner")
-    done = warehouse(*own, "mine.py:Plans")
-    reason = "mine.py:Plans: ValueError: too far (mine.py, line 9)"
+    done = warehouse(*own, "mine.py:Mine")
+    reason = "mine.py:Mine: ValueError: too far (mine.py, line 9)"
     assert (done.code, done.err) == (1, f"warehouse: seed 5, step 4, agent {reason}\n")
-    done = warehouse(*own, "mine.py:Plans", "--go-on")
+    done = warehouse(*own, "mine.py:Mine", "--go-on")
     lost = "all robots waited; 14 more steps lost"
     assert done.code == 0
     assert done.err == f"warehouse: warning: seed 5, step 4, planner {reason}; {lost}\n"
 
 
 def test_a_plan_that_takes_too_long_is_cut_off_and_reported(warehouse: Warehouse) -> None:
-    Path("mine.py").write_text(PLANS)
-    done = warehouse(*SMALL, "--steps", 2, "--planner", "mine.py:Hangs", "--plan-seconds", 0.02,
+    write_mine("next_cells", "while True: pass", "seen.cells", step=1)
+    done = warehouse(*SMALL, "--steps", 2, "--planner", "mine.py:Mine", "--plan-seconds", 0.02,
         "--save", "a.npz",
     )  # fmt: skip
     assert done.code == 0
     assert done.err == (
-        "warehouse: warning: seed 5, step 1, planner mine.py:Hangs: the plan took more than "
+        "warehouse: warning: seed 5, step 1, planner mine.py:Mine: the plan took more than "
         "0.02 s; all robots waited; 1 more step lost\n"
     )
 
 
 def test_an_interrupt_ends_the_shift_and_prints_the_measures(warehouse: Warehouse) -> None:
-    Path("mine.py").write_text(TOO_FAR.format("KeyboardInterrupt"))
-    done = warehouse(*SMALL, "--orders", 1, "--planner", "mine.py:Fails")
-    assert done.code == 1  # it returned one action for three robots
-    Path("mine.py").write_text(TOO_FAR.format("KeyboardInterrupt").replace('"N"', '["N"] * 3'))
-    done = warehouse(*SMALL, "--planner", "mine.py:Fails", "--save", "a.npz")
+    write_mine("act", "raise KeyboardInterrupt", "['N'] * 3")
+    done = warehouse(*SMALL, "--planner", "mine.py:Mine", "--save", "a.npz")
     assert done.code == 130
-    assert "3 robots (mine.py:Fails)" in done.out
-    assert done.err.startswith("warehouse: interrupted in step 4, agent mine.py:Fails")
+    assert "3 robots (mine.py:Mine)" in done.out
+    assert done.err.startswith("warehouse: interrupted in step 4, agent mine.py:Mine")
     assert FleetEpisode.load("a.npz").steps == 3
 
 

@@ -3,22 +3,14 @@ from pathlib import Path
 
 import pytest
 import typer
-from helpers.command_line import ROOT, Warehouse, in_a_process
+from helpers.command_line import ROOT, Warehouse, in_a_process, write_mine
 
 from agents.errors import AgentError
 from agents.lab.commands.run import report_episode, run, run_episode
 from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core import Layout, WarehouseEnv, record_episode, replay_episode
+from warehouse_core import Episode, Layout, WarehouseEnv, record_episode, replay_episode
 
 ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
-FAILS = """
-class Fails:
-    def reset(self):
-        pass
-
-    def act(self, observation):
-        return observation["x"]
-"""
 app = typer.Typer(add_completion=False)
 app.command()(run)
 
@@ -92,9 +84,27 @@ def test_the_command_passes_every_option_on(
 
 def test_the_file_is_the_command(tmp_path: Path) -> None:
     file = ROOT / "agents" / "run_episode.py"
-    (tmp_path / "mine.py").write_text(FAILS)
-    words = ("--agent", "mine.py:Fails", "--seed", 5, "--no-show")
+    write_mine("act", "raise KeyError('x')", "'N'", step=1)
+    words = ("--agent", "mine.py:Mine", "--seed", 5, "--no-show")
     result = in_a_process(file, *words, folder=tmp_path)
     assert result.code == 1
-    assert result.out.startswith("Fails on the grid backend, seed 5, stations drawn\n")
+    assert result.out.startswith("Mine on the grid backend, seed 5, stations drawn\n")
     assert re.fullmatch(r"warehouse: seed 5, step 1, .* KeyError: 'x' .*\n", result.err)
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "line"),
+    [
+        ("ValueError(3)", 1, "seed 4, step 4, agent mine.py:Mine: ValueError: 3 (mine.py, line 9)"),
+        ("KeyboardInterrupt", 130, "interrupted in step 4, agent mine.py:Mine (mine.py, line 9)"),
+    ],
+)
+def test_the_episode_until_an_agent_fails_is_reported_and_saved(
+    warehouse: Warehouse, error: str, code: int, line: str
+) -> None:
+    write_mine("act", f"raise {error}", "'N'")
+    words = ("run", "--agent", "mine.py:Mine", "--seed", 4, "--save", "e.npz")
+    result = warehouse(*words)
+    assert (result.code, result.err) == (code, f"warehouse: {line}\n")
+    assert "outcome         unfinished\n" in result.out
+    assert Episode.load("e.npz").actions == ["N"] * 3

@@ -20,12 +20,6 @@ def test_each_file_is_checked_before_the_command_runs(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_layout_is_the_built_in_one_unless_there_is_a_file(tmp_path: Path) -> None:
-    assert load_layout(None) is DEFAULT_LAYOUT
-    (tmp_path / "room.txt").write_text("P.D\n")
-    assert load_layout(tmp_path / "room.txt").rows == ("P.D",)
-
-
 DRAWN, KEPT = Stations.DRAWN, Stations.KEPT
 
 

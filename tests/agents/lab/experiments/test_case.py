@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.command_line import refusal
 
 from agents.errors import AgentError, EpisodeError, ParameterError
 from agents.fleet.planned import DEFAULT_ASSIGNMENT
@@ -41,7 +40,9 @@ def test_defaults_that_are_given_make_the_same_case() -> None:
     given = {
         name: parameter.default for name, parameter in PARAMETERS.items() if not parameter.of_fleets
     }
-    assert key_of(make_case(given)) == key_of(make_case({}))  # type: ignore[arg-type]
+    case = make_case({})
+    assert key_of(make_case(given)) == key_of(case)  # type: ignore[arg-type]
+    assert key_of(dict(reversed(case.items()))) == key_of(case), "in whatever order they are"
 
 
 @pytest.mark.parametrize(
@@ -55,9 +56,19 @@ def test_defaults_that_are_given_make_the_same_case() -> None:
          "robot.mass has no effect here; it applies only with backend=physics"),
         ({"disturbances.motor_strength": 0.5},
          "disturbances.motor_strength has no effect here; it applies only with backend=physics"),
+        ({"robots": 2, "stations": "drawn"}, "stations has no effect here; it applies only to "
+         "lone robots, without settings of fleets"),
+        ({"planner": "pibt", "memory": 4},
+         "memory has no effect here; it applies only with agent=greedy and escape=on"),
+        ({"robots": 2, "assignment": "fifo"},
+         "assignment has no effect here; it applies only with a planner"),
+        ({"robots": 100, "layout": "random", "size": "5x5"}, "100 robots and 0 people have no "
+         "room on the 7 open cells of the layout; one cell is needed for each"),
     ],
 )  # fmt: skip
-def test_a_choice_without_any_effect_is_an_error(choices: dict[str, Any], needs: str) -> None:
+def test_a_choice_without_any_effect_or_room_is_an_error(
+    choices: dict[str, Any], needs: str
+) -> None:
     with pytest.raises(ParameterError) as caught:
         make_plan(choices, 1, 0)
     assert str(caught.value) == needs
@@ -70,27 +81,15 @@ def test_a_choice_without_any_effect_is_an_error(choices: dict[str, Any], needs:
         ({"layout": ["default", "random"], "density": [0.1, 0.2]}, 3),
         ({"escape": [True, False], "memory": [2, 5]}, 3),
         ({"backend": ["grid", "physics"], "robot.mass": [50, 60, 70]}, 4),
+        ({"density": [0.1, 0.3], "layout": "random"}, 2),
+        ({"size": ["7x12", "8x8"], "layout": "random"}, 2),
+        ({"memory": [0, 10]}, 2),
+        ({"view_radius": [1, 2]}, 2),
+        ({"max_steps": [1, 2]}, 2),
     ],
 )
-def test_values_without_effect_add_no_cases(choices: dict[str, Any], cases: int) -> None:
+def test_only_values_with_an_effect_add_cases(choices: dict[str, Any], cases: int) -> None:
     assert len(make_plan(choices, 1, 0).cases) == cases
-
-
-@pytest.mark.parametrize(
-    "choices",
-    [
-        {"density": [0.1, 0.3], "layout": "random"},
-        {"size": ["7x12", "8x8"], "layout": "random"},
-        {"robot.mass": [50, 70], "backend": "physics"},
-        {"escape": [True, False]},
-        {"memory": [0, 10]},
-        {"view_radius": [1, 2]},
-        {"max_steps": [1, 2]},
-        {"backend": ["grid", "physics"]},
-    ],
-)
-def test_values_with_an_effect_add_cases(choices: dict[str, Any]) -> None:
-    assert len(make_plan(choices, 1, 0).cases) == 2
 
 
 def test_a_user_agent_has_neither_memory_nor_escape(tmp_path: Path) -> None:
@@ -145,20 +144,16 @@ def test_a_case_is_described_by_its_settings_that_are_not_defaults(tmp_path: Pat
     ],
     ids=["a file that fails", "a file that exits", "a class that fails"],
 )
-def test_an_agent_that_cannot_be_made_is_a_one_line_error_and_no_file_is_written(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, text: str, reason: str
+def test_an_agent_that_cannot_be_made_is_an_error_before_the_sweep(
+    tmp_path: Path, text: str, reason: str
 ) -> None:
     file = tmp_path / "own.py"
     file.write_text(text)
-    choice = ["--set", f"agent={file}:Own", "-o", tmp_path / "r.sqlite"]
-    line = refusal(capsys, "sweep", *choice)
-    expected = (
-        f"agent '{file}:Own' cannot be made"
-        if "class" in text
-        else f"cannot import agent file {file}"
-    )
-    assert line == f"{expected}: {reason}"
-    assert list(tmp_path.iterdir()) == [file]
+    with pytest.raises(ParameterError) as caught:
+        make_plan({"agent": f"{file}:Own"}, 1, 0)
+    what = f"agent '{file}:Own' cannot be made" if "class" in text else "cannot import agent file"
+    assert str(caught.value).startswith(what)
+    assert str(caught.value).endswith(f": {reason}")
 
 
 def test_random_layouts_and_agents_depend_on_the_seed() -> None:
@@ -230,17 +225,6 @@ def test_a_case_of_version_0_1_0_has_drawn_stations_and_is_resumed(tmp_path: Pat
         number = store.case_id(older)
         assert store.case_id(case) == number
         assert store.cases() == {number: case}
-
-
-def test_the_key_of_a_case_does_not_depend_on_the_order_of_its_settings() -> None:
-    case = make_case({})
-    assert key_of(dict(reversed(case.items()))) == key_of(case)
-
-
-def test_a_layout_may_be_a_movingai_map(tmp_path: Path) -> None:
-    path = tmp_path / "hall.map"
-    path.write_text("type octile\nheight 1\nwidth 4\nmap\n@..@\n")
-    assert make_case({"layout": str(path)})["tiles"] == ["#..#"]
 
 
 FLEET_CASE = {"robots": 3, "order_rate": 0.3, "max_steps": 40}
@@ -324,7 +308,3 @@ def test_a_planner_takes_the_place_of_the_agents(tmp_path: Path) -> None:
     assert "assignment" not in make_case(FLEET_CASE)
     with pytest.raises(AgentError, match="no planner is called 'pibbt'"):
         make_case({**FLEET_CASE, "planner": "pibbt"})
-    with pytest.raises(ParameterError, match="memory has no effect here"):
-        make_plan({"planner": "pibt", "memory": 4}, 1, 0)
-    with pytest.raises(ParameterError, match=r"assignment has no effect here; .* with a planner"):
-        make_plan({"robots": 2, "assignment": "fifo"}, 1, 0)

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from helpers.command_line import refusal
+from helpers.command_line import Refused
 
 from agents.errors import ParameterError
 from agents.lab.experiments.case import key_of, make_case
@@ -17,7 +17,7 @@ def to(text: str) -> str:
     return f"[settings]\n{text}"
 
 
-INVALID = {
+INVALID: dict[str, tuple[str | bytes | None, str]] = {
     "an unknown key": ("episode = 3", "episode"),
     "an unknown setting": (to("batery = 3"), "batery"),
     "an unknown group": ("[robots]\nmass = 3", "robots"),
@@ -60,32 +60,23 @@ INVALID = {
     "a huge seed": (f"seed = {10**25}", "seed"),
     "deep nesting": (to("battery = " + 1900 * "[\n" + 1900 * "]\n"), "recursion"),
     "not TOML": ("battery: 3", "line 1"),
+    "not UTF-8": (b"\xff\xfe", "plan.toml: 'utf-8' codec can't decode"),
+    "too long": (b"#" * (MAX_BYTES + 1), "plan.toml: it is longer"),
+    "a directory": (None, "plan.toml"),
 }
 
 
 @pytest.mark.parametrize(("text", "named"), INVALID.values(), ids=INVALID)
 def test_an_invalid_plan_is_a_one_line_error_and_no_file_is_written(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, text: str, named: str
+    refused: Refused, tmp_path: Path, text: str | bytes | None, named: str
 ) -> None:
     plan, output = tmp_path / "plan.toml", tmp_path / "r.sqlite"
-    plan.write_text(text)
-    line = refusal(capsys, "sweep", plan, "-o", output, *(() if "episodes" in text else ("-n", 1)))
-    assert named in line
-    assert list(tmp_path.iterdir()) == [plan]
-
-
-@pytest.mark.parametrize(
-    ("content", "named"),
-    [(b"\xff\xfe", "utf-8"), (b"#" * (MAX_BYTES + 1), "longer"), (None, "directory")],
-    ids=["not UTF-8", "too long", "a directory"],
-)
-def test_a_plan_that_is_not_a_text_file_is_an_error_with_its_name(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, content: bytes | None, named: str
-) -> None:
-    plan = tmp_path / "plan.toml"
-    plan.mkdir() if content is None else plan.write_bytes(content)
-    line = refusal(capsys, "sweep", plan, "-o", tmp_path / "r.sqlite")
-    assert str(plan) in line
+    if text is None:
+        plan.mkdir()
+    else:
+        plan.write_bytes(text.encode() if isinstance(text, str) else text)
+    few = () if isinstance(text, str) and "episodes" in text else ("-n", 1)
+    line = refused("sweep", plan, "-o", output, *few)
     assert named in line
     assert list(tmp_path.iterdir()) == [plan]
 
@@ -131,9 +122,9 @@ FLAGS = {
 
 @pytest.mark.parametrize("flag", FLAGS)
 def test_an_invalid_flag_is_an_error_and_no_file_is_written(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, flag: str
+    refused: Refused, tmp_path: Path, flag: str
 ) -> None:
-    line = refusal(capsys, "sweep", "--set", flag, "-o", tmp_path / "r.sqlite")
+    line = refused("sweep", "--set", flag, "-o", tmp_path / "r.sqlite")
     assert FLAGS[flag] in line
     assert not list(tmp_path.iterdir())
 

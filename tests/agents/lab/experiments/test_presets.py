@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from helpers.command_line import command, refusal
+from helpers.command_line import Refused, Warehouse
 from helpers.sweeps import Here, nothing
 
 from agents.lab.experiments.choices import read_plan_file
@@ -13,49 +13,43 @@ from agents.lab.experiments.store import Store
 from agents.lab.experiments.sweep import PRESETS
 from agents.lab.parameters import PARAMETERS
 
-over_presets = pytest.mark.parametrize("name", PRESETS)
 
-
-@over_presets
-def test_a_preset_is_a_plan_that_varies_a_parameter_with_a_question(name: str) -> None:
-    preset = read_plan_file(PRESETS[name])
-    plan = make_plan(preset.choices, preset.episodes, 0)
-    assert len(plan.cases) > 1
-    values = {name: {case[name] for case in plan.cases if name in case} for name in preset.choices}
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_preset_varies_a_parameter_with_a_question_and_can_be_run(
+    tmp_path: Path, name: str
+) -> None:
+    choices = read_plan_file(PRESETS[name]).choices
+    plan = make_plan(choices, 1, 0)
+    values = {name: {case[name] for case in plan.cases if name in case} for name in choices}
     varied = [name for name in values if len(values[name]) > 1]
     assert varied
     assert all(PARAMETERS[each].question.endswith("?") for each in varied)
-
-
-@over_presets
-def test_a_preset_can_be_run(tmp_path: Path, name: str) -> None:
-    plan = make_plan(read_plan_file(PRESETS[name]).choices, 1, 0)
     with Store(tmp_path / "r.sqlite") as store:
         run_missing(plan, store, Here(), 1, nothing)
         assert [store.count(case, plan.seeds) for case in plan.cases] == [1] * len(plan.cases)
 
 
 def test_the_preset_sets_the_number_of_episodes_unless_another_is_given(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    warehouse: Warehouse, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     text = PRESETS["escape"].read_text().replace("episodes = 2000", "episodes = 3")
     plan = tmp_path / "plan.toml"
     plan.write_text(text)
     monkeypatch.setitem(PRESETS, "escape", plan)
     words = ["--preset", "escape", "--set", "memory=5", "--workers", 1]
-    printed = command(capsys, "sweep", *words, "-o", tmp_path / "r.sqlite").out
+    printed = warehouse("sweep", *words, "-o", tmp_path / "r.sqlite").out
     assert printed.startswith("2 combinations, 3 episodes each, 0 done\n")
-    printed = command(capsys, "sweep", *words, "-n", 1, "-o", tmp_path / "r.sqlite").out
+    printed = warehouse("sweep", *words, "-n", 1, "-o", tmp_path / "r.sqlite").out
     assert printed.startswith("2 combinations, 1 episode each, 2 done\n")
 
 
 def test_an_unknown_preset_and_one_beside_a_plan_file_are_errors(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
+    refused: Refused, tmp_path: Path
 ) -> None:
     plan, path = tmp_path / "plan.toml", tmp_path / "r.sqlite"
     plan.write_text("")
-    line = refusal(capsys, "sweep", "--preset", "batery", "-o", path)
+    line = refused("sweep", "--preset", "batery", "-o", path)
     assert line == f"no preset is called 'batery'; allowed: {', '.join(PRESETS)}"
-    line = refusal(capsys, "sweep", plan, "--preset", "battery", "-o", path)
+    line = refused("sweep", plan, "--preset", "battery", "-o", path)
     assert line == f"both {plan} and --preset battery are given; give one of them"
     assert not path.exists()

@@ -4,7 +4,7 @@ import gc
 import os
 import sqlite3
 from collections.abc import Callable
-from contextlib import AbstractContextManager, closing, suppress
+from contextlib import suppress
 from functools import partial
 from multiprocessing import get_context
 from multiprocessing.synchronize import Barrier
@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 
 import pytest
 from helpers.command_line import ROOT, in_a_process
-from helpers.results_files import fleet_row
+from helpers.results_files import change, fill, fleet_row, row
 
 from agents.errors import StoreError
 from agents.lab.experiments.case import key_of, make_case
@@ -26,25 +26,25 @@ EVERY = range(2**63 - 1)
 ALL = f"SELECT case_id, {', '.join(Row._fields)} FROM episodes ORDER BY case_id, seed"
 
 
-def row(seed: int, mode: str = "delivered", needed: int | None = 9) -> Row:
-    return Row(seed, mode, 10, needed, -0.1 - 0.2, 3, 10.5, 1 / 3, 4, 5)
-
-
-def change(path: Path, statement: str, *values: object) -> None:
-    """Change a file as no sweep does."""
-    connection = sqlite3.connect(path)
-    connection.execute(statement, values)
-    connection.commit()
-    connection.close()
-
-
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     return tmp_path / "r.sqlite"
 
 
+def begun(path: Path) -> int:
+    """Write the first episode of a case, and return the number of the case."""
+    fill(path, [({"battery": 20}, [row(1)])])
+    return 1
+
+
+def refused(path: Path, *, read_only: bool = False) -> str:
+    with pytest.raises(StoreError) as caught:
+        Store(path, read_only=read_only)
+    return str(caught.value)
+
+
 def test_rows_are_equal_after_reopening(path: Path) -> None:
-    rows = [row(3), row(1, "stalled", None), row(2**62)]
+    rows = [row(3, reward=-0.1 - 0.2, joules=1 / 3), row(1, "stalled", needed=None), row(2**62)]
     with Store(path) as store:
         case_id = store.case_id(CASE)
         store.add(case_id, rows)
@@ -73,20 +73,13 @@ def test_each_case_has_its_own_seeds(path: Path) -> None:
         assert store.seeds_done(77, EVERY) == set()
         assert [store.count(CASE, range(*ends)) for ends in ((0, 5), (1, 4), (4, 9))] == [5, 3, 1]
         assert store.count(OTHER, range(0, 9)) == 1
-        assert store.count(make_case({}), range(0, 100)) == 0
+        assert store.count(make_case({}), range(0, 100)) == 0, "and no case is added"
         assert store.cases() == {first: CASE, second: OTHER}
 
 
-def test_counting_adds_no_case(path: Path) -> None:
-    with Store(path) as store:
-        store.count(CASE, range(9))
-        assert store.cases() == {}
-
-
 def test_rows_are_added_all_or_none(path: Path) -> None:
+    case_id = begun(path)
     with Store(path) as store:
-        case_id = store.case_id(CASE)
-        store.add(case_id, [row(1)])
         broken = row(3)._replace(steps={})  # type: ignore[arg-type]
         with pytest.raises(StoreError, match=r"r\.sqlite"):
             store.add(case_id, [row(2), broken, row(4)])
@@ -100,38 +93,14 @@ def test_each_batch_is_committed_and_synchronised_to_disk(path: Path) -> None:
         case_id = writer.case_id(CASE)
         writer.add(case_id, [row(1)])
         assert next(writer.query("PRAGMA synchronous")) == (2,)
+        assert next(writer.query("PRAGMA journal_mode")) == ("wal",), "a kill ends no half of it"
         with Store(path, read_only=True) as reader:
             assert reader.seeds_done(case_id, EVERY) == {1}
 
 
-def test_the_unfinished_transaction_of_a_killed_process_is_rolled_back(path: Path) -> None:
-    with Store(path) as store:
-        case_id = store.case_id(CASE)
-        store.add(case_id, [row(1)])
-    child = os.fork()
-    if child == 0:
-        try:
-            store = Store(path)
-            with store._transaction():
-                for number, each in enumerate((row(2), row(3)), start=1):
-                    places = ", ".join("?" * (2 + len(each)))
-                    store._connection.execute(
-                        f"INSERT INTO episodes VALUES ({places})", (case_id, *each, 0)
-                    )
-                    if number == 2:
-                        os._exit(7)
-        finally:
-            os._exit(1)
-    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
-    with Store(path, read_only=True) as store:
-        assert store.seeds_done(case_id, EVERY) == {1}
-
-
 def test_an_empty_file_becomes_a_file_of_results_with_its_id_and_version(path: Path) -> None:
     path.touch()
-    with pytest.raises(StoreError) as caught:
-        Store(path, read_only=True)
-    assert str(caught.value) == f"{path}: there are no results in it"
+    assert refused(path, read_only=True) == f"{path}: there are no results in it"
     with Store(path) as store:
         assert store.cases() == {}
         assert next(store.query("PRAGMA application_id")) == (APPLICATION,)
@@ -162,9 +131,7 @@ def test_another_file_is_an_error_and_is_not_changed(
 ) -> None:
     make(path)
     before = path.read_bytes() if path.is_file() else b""
-    with pytest.raises(StoreError) as caught:
-        Store(path, read_only=read_only)
-    assert str(caught.value) == f"{path}: {message}"
+    assert refused(path, read_only=read_only) == f"{path}: {message}"
     assert [each.name for each in path.parent.iterdir()] == [path.name], "it gets no journal"
     assert (path.read_bytes() if path.is_file() else b"") == before
 
@@ -173,16 +140,14 @@ def test_another_file_is_an_error_and_is_not_changed(
 def test_another_version_is_an_error(path: Path, version: int) -> None:
     Store(path).close()
     change(path, f"PRAGMA user_version = {version}")
-    with pytest.raises(StoreError) as caught:
-        Store(path)
-    assert str(caught.value) == f"{path}: its version is {version}; only {VERSION} can be read"
+    assert refused(path) == f"{path}: its version is {version}; only {VERSION} can be read"
 
 
-@pytest.mark.parametrize("name", ["nowhere/r.sqlite", "."])
-def test_a_path_that_cannot_be_opened_is_an_error_with_its_name(tmp_path: Path, name: str) -> None:
-    with pytest.raises(StoreError) as caught:
-        Store(tmp_path / name)
-    assert str(caught.value).startswith(f"{tmp_path / name}: ")
+def test_a_path_that_cannot_be_opened_is_an_error_with_its_name(path: Path) -> None:
+    for wrong in (path.parent, path.parent / "nowhere" / "r.sqlite"):
+        assert refused(wrong).startswith(f"{wrong}: ")
+    assert refused(path, read_only=True) == f"{path}: there is no such file"
+    assert not path.exists()
 
 
 AS_NOBODY = """
@@ -209,8 +174,7 @@ except StoreError as error:
 def test_a_file_without_write_permission_can_be_read_and_writing_is_an_error() -> None:
     with TemporaryDirectory() as folder:  # other users may not enter pytest's folders
         path = Path(folder) / "r.sqlite"
-        with Store(path) as store:
-            store.add(store.case_id(CASE), [row(1)])
+        begun(path)
         path.chmod(0o444)
         path.parent.chmod(0o555)
         result = in_a_process("-c", AS_NOBODY, path, folder=ROOT)
@@ -224,18 +188,10 @@ def test_a_file_without_write_permission_can_be_read_and_writing_is_an_error() -
     ]
 
 
-def test_opening_a_missing_file_read_only_does_not_create_it(path: Path) -> None:
-    with pytest.raises(StoreError) as caught:
-        Store(path, read_only=True)
-    assert str(caught.value) == f"{path}: there is no such file"
-    assert not path.exists()
-
-
 def test_writing_to_a_file_opened_read_only_is_an_error(path: Path) -> None:
-    with Store(path) as store:
-        case_id = store.case_id(CASE)
+    case_id = begun(path)
     with Store(path, read_only=True) as store, pytest.raises(StoreError, match="readonly"):
-        store.add(case_id, [row(1)])
+        store.add(case_id, [row(2)])
 
 
 def test_a_full_disk_is_an_error_and_earlier_rows_are_kept(path: Path) -> None:
@@ -276,23 +232,6 @@ def test_several_sweeps_may_create_and_use_the_same_file_at_once(tmp_path: Path)
             assert store.seeds_done(1, EVERY) == {*range(count), 99}
 
 
-def test_tables_that_another_sweep_has_created_first_are_used(
-    path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    begin, rivals = Store._transaction, []
-
-    def late(store: Store, kind: str = "IMMEDIATE") -> AbstractContextManager[None]:
-        if kind == "IMMEDIATE" and not rivals:
-            rivals.append(path)
-            with Store(path) as rival:
-                rival.add(rival.case_id(CASE), [row(1)])
-        return begin(store, kind)
-
-    monkeypatch.setattr(Store, "_transaction", late)
-    with Store(path) as store:
-        assert store.seeds_done(store.case_id(CASE), EVERY) == {1}
-
-
 def test_tables_that_another_sweep_creates_during_the_check_are_accepted(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -323,17 +262,16 @@ def test_the_wait_for_another_writer_ends_with_what_the_check_raises(
         if error := next(checks):
             raise error
 
-    with Store(path) as store:
-        case_id = store.case_id(CASE)
+    case_id = begun(path)
     other = sqlite3.connect(path, isolation_level=None)
     if is_open:
         with Store(path, check=check) as store:
             other.execute("BEGIN IMMEDIATE")
             with pytest.raises(KeyboardInterrupt):
-                store.add(case_id, [row(1)])
+                store.add(case_id, [row(2)])
             other.execute("ROLLBACK")
-            store.add(case_id, [row(2)])
-            assert store.seeds_done(case_id, EVERY) == {2}
+            store.add(case_id, [row(3)])
+            assert store.seeds_done(case_id, EVERY) == {1, 3}
     else:
         other.execute("BEGIN IMMEDIATE")
         with pytest.raises(KeyboardInterrupt):
@@ -345,32 +283,31 @@ def test_the_wait_for_another_writer_ends_with_what_the_check_raises(
 def test_only_a_busy_database_is_tried_again(
     path: Path, monkeypatch: pytest.MonkeyPatch, code: int
 ) -> None:
-    refused = []
+    failed = []
 
     class Busy(sqlite3.Connection):
         def execute(self, statement: str, *values: object) -> sqlite3.Cursor:
-            if statement == "PRAGMA journal_mode = WAL" and len(refused) < 3:
+            if statement == "PRAGMA journal_mode = WAL" and len(failed) < 3:
                 error = sqlite3.OperationalError("not now")
                 error.sqlite_errorcode = code
-                refused.append(error)
+                failed.append(error)
                 raise error
             return super().execute(statement, *values)
 
     monkeypatch.setattr(sqlite3, "connect", partial(sqlite3.connect, factory=Busy))
     if code == sqlite3.SQLITE_BUSY:
         Store(path).close()
-        assert len(refused) == 3
+        assert len(failed) == 3
         return
     with pytest.raises(StoreError, match="not now"):
         Store(path)
-    assert len(refused) == 1
+    assert len(failed) == 1
 
 
 @pytest.mark.parametrize("is_replaced", [False, True])
 def test_writing_to_a_removed_or_replaced_file_is_an_error(path: Path, is_replaced: bool) -> None:
+    case_id = begun(path)
     with Store(path) as store:
-        case_id = store.case_id(CASE)
-        store.add(case_id, [row(1)])
         path.rename(path.with_name("away.sqlite"))
         if is_replaced:
             path.write_bytes(b"")
@@ -467,8 +404,7 @@ def test_rows_in_a_write_ahead_log_that_cannot_be_read_are_an_error(
     with Store(path) as store:
         store.add(store.case_id(CASE), [row(1)])
         monkeypatch.setattr("os.access", lambda *_: False)
-        with pytest.raises(StoreError, match="its newest rows are still in r"):
-            Store(path, read_only=True)
+        assert "its newest rows are still in r" in refused(path, read_only=True)
 
 
 def test_a_name_that_sqlite_keeps_for_itself_is_a_file(
@@ -526,18 +462,3 @@ def test_the_rows_of_fleets_have_a_table_of_their_own(path: Path) -> None:
         assert store.episodes() == [("one", 3)]
         with pytest.raises(StoreError, match="are of one, and new ones would be of other"):
             store.add(number, [fleet_row(9)], "other")
-
-
-@pytest.mark.parametrize("change", [
-    "mode = 'delivered'", "seed = -1", "orders = 1.5", "seconds = 'x'", "per_hour = 1e31",
-    "on_time = 'x'", "case_id = 9",
-])  # fmt: skip
-def test_a_row_of_a_fleet_that_no_sweep_has_written_is_damage(path: Path, change: str) -> None:
-    with Store(path) as store:
-        store.add(store.case_id(make_case({"robots": 2})), [fleet_row(0)])
-        store.check_rows()
-    with closing(sqlite3.connect(path)) as connection:
-        connection.execute(f"UPDATE shifts SET {change}")
-        connection.commit()
-    with Store(path) as store, pytest.raises(StoreError, match=r"the row of case .* is damaged"):
-        store.check_rows()

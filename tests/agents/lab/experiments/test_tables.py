@@ -1,11 +1,10 @@
 """Files of results from strangers: only the tables of a sweep are read, and nothing else is run."""
 
-import sqlite3
-from contextlib import closing
 from pathlib import Path
 
 import pytest
-from helpers.command_line import refusal
+from helpers.command_line import Refused
+from helpers.results_files import change, fill, fleet_row, row
 
 from agents.errors import StoreError
 from agents.lab.experiments import tables
@@ -48,15 +47,10 @@ ELSE = "its tables are not those of a sweep"
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
-    path = tmp_path / "r.sqlite"
-    with Store(path) as store:
-        store.add(
-            store.case_id(make_case({})), [Row(0, "stalled", 1, None, 0.0, 3, 1.0, 2.0, 1, 1)]
-        )
-    return path
+    return fill(tmp_path / "r.sqlite", [({}, [row(0, needed=None)])])
 
 
-def refused(path: Path) -> str:
+def reason(path: Path) -> str:
     """Return the message, which is the same for reading and for resuming."""
     messages = set()
     for read_only in (True, False):
@@ -82,22 +76,19 @@ def refused(path: Path) -> str:
     ],
 )
 def test_a_file_with_anything_but_the_tables_is_refused(path: Path, script: str) -> None:
-    connection = sqlite3.connect(path)
-    connection.executescript(script)
-    connection.close()
+    change(path, script)
     before = path.read_bytes()
-    assert refused(path) == ELSE
+    assert reason(path) == ELSE
     assert path.read_bytes() == before
 
 
 def test_a_file_that_an_earlier_program_has_written_is_read_and_resumed(tmp_path: Path) -> None:
     path = tmp_path / "r.sqlite"
-    with closing(sqlite3.connect(path)) as connection:
-        connection.executescript(WRITTEN_BEFORE)
+    change(path, WRITTEN_BEFORE)
     Store(path, read_only=True).close()
     with Store(path) as store:
         number = store.case_id(make_case({}))
-        store.add(number, [Row(0, "stalled", 1, None, 0.0, -3, 1.0, 2.0, 1, 1)], "a program")
+        store.add(number, [row(0, battery_left=-3)], "a program")
         store.check_rows()
         assert store.episodes() == [("a program", 1)]
 
@@ -113,31 +104,25 @@ def test_a_file_that_an_earlier_program_has_written_is_read_and_resumed(tmp_path
     ],
 )
 def test_a_wrong_byte_in_the_schema_is_an_error(
-    path: Path, capsys: pytest.CaptureFixture[str], old: bytes, new: bytes, message: str
+    path: Path, refused: Refused, old: bytes, new: bytes, message: str
 ) -> None:
     path.write_bytes(path.read_bytes().replace(old, new))
     for words in (["report", path], ["sweep", "-o", path], ["export", path, f"{path}.csv"]):
-        assert refusal(capsys, *words).startswith(f"{path}: ")
-    assert message in refused(path)
+        assert refused(*words).startswith(f"{path}: ")
+    assert message in reason(path)
 
 
 @pytest.mark.parametrize("column", ["settings", "mode", "name"])
-def test_a_wrong_byte_in_a_text_is_an_error(
-    path: Path, capsys: pytest.CaptureFixture[str], column: str
-) -> None:
+def test_a_wrong_byte_in_a_text_is_an_error(path: Path, refused: Refused, column: str) -> None:
     table = {"settings": "cases", "mode": "episodes", "name": "programs"}[column]
-    connection = sqlite3.connect(path)
-    connection.execute(f"UPDATE {table} SET {column} = CAST(x'61ff' AS TEXT)")
-    connection.commit()
-    connection.close()
+    change(path, f"UPDATE {table} SET {column} = CAST(x'61ff' AS TEXT)")
     for words in (["report", path], ["export", path, path.with_suffix(".csv")]):
-        assert refusal(capsys, *words).startswith(f"{path}: ")
+        assert refused(*words).startswith(f"{path}: ")
 
 
 def test_a_page_that_is_used_twice_is_refused(path: Path) -> None:
     with Store(path) as store:
-        rows = [Row(n, "stalled", 1, None, 0.0, 3, 1.0, 2.0, 1, 1) for n in range(1, 2000)]
-        store.add(1, rows)
+        store.add(1, [row(n) for n in range(1, 2000)])
         [page_size] = next(store.query("PRAGMA page_size"))
         statement = "SELECT rootpage FROM sqlite_master WHERE name = 'episodes'"
         [root] = next(store.query(statement))
@@ -148,33 +133,44 @@ def test_a_page_that_is_used_twice_is_refused(path: Path) -> None:
     second = begin + int.from_bytes(data[begin + 14 : begin + 16])
     data[second : second + 4] = data[first : first + 4]
     path.write_bytes(data)
-    message = refused(path)
+    message = reason(path)
     assert message.startswith("it is damaged: ")
     assert "2nd reference to page" in message
 
 
 def test_a_schema_without_an_end_is_refused(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tables, "MAX_SCHEMA_STEPS", 1)
-    assert refused(path) == "its schema has no end"
+    assert reason(path) == "its schema has no end"
 
 
 def test_long_texts_are_not_read(path: Path) -> None:
-    connection = sqlite3.connect(path)
-    connection.execute("UPDATE cases SET settings = ?", ("x" * 70_000_000,))
-    connection.commit()
-    connection.close()
+    change(path, "UPDATE cases SET settings = ?", "x" * 70_000_000)
     with Store(path, read_only=True) as store, pytest.raises(StoreError, match="blob too big"):
         store.cases()
 
 
 @pytest.mark.parametrize(
-    "change",
-    ["seed = -1", "steps = -5", "row = -1", "seconds = 9e999", "reward = -9e999", "joules = 1e31"],
-)
-def test_numbers_that_no_episode_has_are_errors(path: Path, change: str) -> None:
-    connection = sqlite3.connect(path)
-    connection.execute(f"UPDATE episodes SET {change}")
-    connection.commit()
-    connection.close()
-    with Store(path, read_only=True) as store, pytest.raises(StoreError, match="is damaged"):
+    ("table", "statement"),
+    [
+        *(("episodes", each) for each in (
+            "mode = 'sold'", "seed = -1", "steps = -5", "steps = 'many'", "row = -1", "row = 1.5",
+            "seconds = 'long'", "seconds = 9e999", "reward = -9e999", "joules = 1e31",
+            "case_id = 77",
+        )),
+        *(("shifts", each) for each in (
+            "mode = 'delivered'", "seed = -1", "orders = 1.5", "seconds = 'x'", "per_hour = 1e31",
+            "on_time = 'x'", "case_id = 9",
+        )),
+    ],
+)  # fmt: skip
+def test_a_row_that_no_sweep_has_written_is_an_error(
+    path: Path, table: str, statement: str
+) -> None:
+    fill(path, [({"robots": 2}, [fleet_row(0)])])
+    with Store(path) as store:
         store.check_rows()
+    change(path, f"UPDATE {table} SET {statement}")
+    with Store(path, read_only=True) as store, pytest.raises(StoreError) as caught:
+        store.check_rows()
+    assert str(caught.value).startswith(f"{path}: the row of case ")
+    assert str(caught.value).endswith(" is damaged")

@@ -17,7 +17,6 @@ from helpers.submissions import (
     idle,
     running_in,
     write_rubric,
-    write_submissions,
 )
 
 from agents.errors import AgentError, GradeError
@@ -47,14 +46,12 @@ HIDDEN = re.sub(
 """The rubric with no visible episode."""
 
 
-def grade_file(folder: Path, file: Path, user: str | None = None) -> Report:
-    return grade(find_submission(str(file)), load_rubric(write_rubric(folder)), user)
-
-
-def grade_source(folder: Path, source: str, user: str | None = None) -> Report:
+def grade_source(
+    folder: Path, source: str, rubric: str = RUBRIC, user: str | None = None
+) -> Report:
     file = folder / "agent.py"
     file.write_text(source, encoding="utf-8")
-    return grade_file(folder, file, user)
+    return grade(find_submission(str(file)), load_rubric(write_rubric(folder, rubric)), user)
 
 
 @pytest.mark.parametrize(
@@ -67,14 +64,14 @@ def grade_source(folder: Path, source: str, user: str | None = None) -> Report:
 def test_agents_get_what_they_have_earned_and_leave_nothing_behind(
     tmp_path: Path, name: str, expected: Expected
 ) -> None:
-    [file] = write_submissions(tmp_path, name)
-    report = grade_file(tmp_path, file)
+    (tmp_path / name).mkdir()
+    report = grade_source(tmp_path / name, expected.source)
     said = report.failure or " ".join(each.worst for each in report.grades)
     assert (report.points, bool(report.failure)) == (expected.points, not expected.is_loaded), said
     assert expected.failure in said
     assert "LookupError" not in said, "it has found something in its memory"
     assert not running_in(tmp_path)
-    assert [path.name for path in file.parent.iterdir()] == ["agent.py"]
+    assert {path.name for path in (tmp_path / name).iterdir()} == {"agent.py", "rubric.toml"}
 
 
 def test_the_same_agent_has_the_same_report(tmp_path: Path) -> None:
@@ -91,10 +88,7 @@ class Agent:
         words = [*{"N", "E", "S", "W"}, random.choice("NESW"), str(numpy.random.choice(["PICK"]))]
         return words[numpy.random.randint(6)]
 """
-    (tmp_path / "agent.py").write_text(source, encoding="utf-8")
-    found = find_submission(str(tmp_path / "agent.py"))
-    rubric = load_rubric(write_rubric(tmp_path, RUBRIC + IN_TIME))
-    first, second = (grade(found, rubric) for _ in range(2))
+    first, second = (grade_source(tmp_path, source, RUBRIC + IN_TIME) for _ in range(2))
     assert json.dumps(results_of(first)) == json.dumps(results_of(second))
     assert not first.failure
     assert first.grades[-1].command.endswith("--seed 1 --max-steps 60"), "the first that is slow"
@@ -103,7 +97,6 @@ class Agent:
 @pytest.mark.parametrize(("error", "told"), [("ValueError", "ValueError"), ("Own", "an exception")])
 def test_hidden_episodes_stay_hidden(tmp_path: Path, error: str, told: str) -> None:
     """What an agent says of them is not told, and their seeds it does not know."""
-    rubric = write_rubric(tmp_path, HIDDEN)
     body = f"raise {error}(observation, self.seed)"
     source = f"""
 class Own(Exception):
@@ -117,8 +110,7 @@ class Agent:
     def act(self, observation):
         {body}
 """
-    (tmp_path / "agent.py").write_text(source, encoding="utf-8")
-    report = grade(find_submission(str(tmp_path / "agent.py")), load_rubric(rubric))
+    report = grade_source(tmp_path, source, HIDDEN)
     assert {(each.worst, each.command) for each in report.grades} == {
         (f"fails: {told} (a hidden episode)", "")
     }
@@ -127,8 +119,7 @@ class Agent:
 
 
 def test_what_hidden_episodes_end_with_is_told_without_places(tmp_path: Path) -> None:
-    rubric = load_rubric(write_rubric(tmp_path, HIDDEN))
-    report = grade(find_submission("reflex"), rubric)
+    report = grade(find_submission("reflex"), load_rubric(write_rubric(tmp_path, HIDDEN)))
     assert report.grades[0].worst == "oscillation (a hidden episode)"
     assert not report.grades[0].command
 
@@ -136,9 +127,7 @@ def test_what_hidden_episodes_end_with_is_told_without_places(tmp_path: Path) ->
 def test_the_answers_of_an_episode_have_a_limit_together(tmp_path: Path) -> None:
     """Not only each of them, so that an agent cannot use the limit 60 times over."""
     rubric = RUBRIC.replace("episode_seconds = 3.0", "episode_seconds = 0.5")
-    (tmp_path / "agent.py").write_text(idle("time.sleep(0.2)", "import time"), encoding="utf-8")
-    found = find_submission(str(tmp_path / "agent.py"))
-    report = grade(found, load_rubric(write_rubric(tmp_path, rubric)))
+    report = grade_source(tmp_path, idle("time.sleep(0.2)", "import time"), rubric)
     assert report.grades[0].worst.endswith("its answers took 0.5 s in all")
 
 
@@ -157,9 +146,7 @@ def test_an_agent_that_passes_by_the_rules_of_python_is_ended_with_all_it_has_st
         "libc.sleep(600)"
     )
     rubric = RUBRIC.replace("give_up_after = 1", "give_up_after = 2")
-    (tmp_path / "agent.py").write_text(idle(body, "import ctypes, os"), encoding="utf-8")
-    found = find_submission(str(tmp_path / "agent.py"))
-    report = grade(found, load_rubric(write_rubric(tmp_path, rubric)))
+    report = grade_source(tmp_path, idle(body, "import ctypes, os"), rubric)
     assert not (tmp_path / "alive").exists(), "it was there in the next episode"
     started = int((tmp_path / "started").read_text(encoding="utf-8"))
     assert not Path("/proc", str(started)).exists()
@@ -181,10 +168,8 @@ def test_an_agent_that_ends_or_stops_what_has_started_it_ends_no_other_episode(
         "    libc.sleep(600)"
     )
     source = good("before(self, observation)", body, "import ctypes, os")
-    (tmp_path / "agent.py").write_text(source, encoding="utf-8")
     rubric = RUBRIC.replace("give_up_after = 1", "give_up_after = 2")
-    submission = find_submission(str(tmp_path / "agent.py"))
-    report = grade(submission, load_rubric(write_rubric(tmp_path, rubric)))
+    report = grade_source(tmp_path, source, rubric)
     found = "ends its process" if number == signal.SIGKILL else "takes too long"
     assert report.grades[0].seen == f"88% of 8 episodes: 7 delivered and 1 {found}"
     assert not running_in(tmp_path)
@@ -204,20 +189,20 @@ def test_agents_can_run_as_another_user(tmp_path_factory: pytest.TempPathFactory
             "except PermissionError: return\n"
             "raise AssertionError('it can read private files')"
         )
-        report = grade_source(folder, good("begin(self)", body, "import os"), "nobody")
+        report = grade_source(folder, good("begin(self)", body, "import os"), user="nobody")
         assert report.points == 100, report.grades
         assert not running_in(folder)
         with pytest.raises(GradeError, match="--user no_such_user: there is no such user"):
-            grade_source(folder, GOOD, "no_such_user")
+            grade_source(folder, GOOD, user="no_such_user")
     finally:
         shutil.rmtree(folder)
 
 
 def test_a_folder_has_files_and_folders(tmp_path: Path) -> None:
-    write_submissions(tmp_path, "searches", "waits")
-    (tmp_path / "waits" / "other.py").touch()
-    (tmp_path / "two").mkdir()
-    for name in ("two/a.py", "two/b.py", "mine.py", "notes.txt", ".hidden.py"):
+    for name in ("searches", "waits", "two"):
+        (tmp_path / name).mkdir()
+    for name in ("searches/agent.py", "waits/agent.py", "waits/other.py", "two/a.py", "two/b.py",
+                 "mine.py", "notes.txt", ".hidden.py"):  # fmt: skip
         (tmp_path / name).touch()
     found = [each if isinstance(each, str) else each.shown for each in in_folder(tmp_path, None)]
     assert [each.removeprefix(f"{tmp_path}/") for each in found] == [

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from helpers.results_files import row
 
 from agents.errors import StoreError
 from agents.lab.experiments.case import FINGERPRINT, Case, make_case
@@ -13,8 +14,7 @@ from agents.lab.experiments.episodes import run_one as run_whole
 from agents.lab.experiments.episodes import run_task
 from agents.lab.experiments.store import Store
 from agents.lab.reports import examples
-from agents.lab.reports.examples import Found, find_examples, replay
-from agents.lab.trials.rows import Row
+from agents.lab.reports.examples import Example, Found, find_examples, replay
 from warehouse_core import Episode
 from warehouse_core.records.failure_modes import MODES
 
@@ -25,10 +25,6 @@ WAITING = """class Waiting:
     def act(self, observation):
         return "WAIT"
 """
-
-
-def row(seed: int, mode: str, steps: int) -> Row:
-    return Row(seed, mode, steps, 5, -1.0, 3, 10.5, 1.5, 1, 1)
 
 
 @pytest.fixture
@@ -67,7 +63,7 @@ def test_every_mode_that_occurs_has_an_example_in_the_order_of_definition(store:
     assert tuple(each.mode for each in find_examples(store)) == MODES[::2]
 
 
-def test_a_replay_shows_every_step_and_the_outcome(store: Store) -> None:
+def test_a_replay_shows_every_step_and_the_outcome_unless_it_is_another_now(store: Store) -> None:
     found = found_in(store)[0]
     example = replay(found, run_own_code=True)
     assert found.mode == "delivered"
@@ -76,6 +72,13 @@ def test_a_replay_shows_every_step_and_the_outcome(store: Store) -> None:
     assert example.track is not None
     assert example.track.steps == found.steps
     assert example.track.ending == "delivered"
+    longer = replay(replace(found, steps=found.steps + 1), run_own_code=True)
+    other = replay(replace(found, mode="stalled"), run_own_code=True)
+    for changed in (longer, other):
+        assert changed.track is None
+        assert f"delivered after {found.steps} steps" in changed.sentence
+    assert f"not delivered after {found.steps + 1}" in longer.sentence
+    assert f"not stalled after {found.steps}" in other.sentence
 
 
 def test_a_continuous_motion_is_shown_between_the_steps(store: Store) -> None:
@@ -84,29 +87,6 @@ def test_a_continuous_motion_is_shown_between_the_steps(store: Store) -> None:
     assert track is not None
     assert track.is_continuous
     assert track.steps == found.steps < len(track) - 1
-
-
-def test_an_episode_that_now_has_another_outcome_has_no_replay(store: Store) -> None:
-    found = found_in(store)[0]
-    longer = replay(replace(found, steps=found.steps + 1), run_own_code=True)
-    other = replay(replace(found, mode="stalled"), run_own_code=True)
-    for example in (longer, other):
-        assert example.track is None
-        assert f"delivered after {found.steps} steps" in example.sentence
-    assert f"not delivered after {found.steps + 1}" in longer.sentence
-    assert f"not stalled after {found.steps}" in other.sentence
-
-
-def test_a_missing_agent_file_is_named(tmp_path: Path, store: Store) -> None:
-    agent = agent_in(tmp_path)
-    [found] = found_in(store, episodes=1, agent=f"{agent}:Waiting", max_steps=12)
-    assert replay(found, run_own_code=True).track
-    agent.unlink()
-    example = replay(found, run_own_code=True)
-    assert example.track is None
-    assert example.sentence == (
-        f"It cannot be run again: the file of agent '{agent}:Waiting': No such file or directory."
-    )
 
 
 @pytest.mark.parametrize(
@@ -125,6 +105,12 @@ def test_an_agent_that_no_longer_works_has_no_replay(
 ) -> None:
     agent = agent_in(tmp_path)
     [found] = found_in(store, episodes=1, agent=f"{agent}:Waiting", max_steps=12)
+    assert replay(found, run_own_code=True).track
+    agent.unlink()
+    assert replay(found, run_own_code=True) == Example(
+        found,
+        f"It cannot be run again: the file of agent '{agent}:Waiting': No such file or directory.",
+    )
     agent_in(tmp_path, source)
     unmarked = {name: value for name, value in found.case.items() if name != FINGERPRINT}
     example = replay(replace(found, case=unmarked), run_own_code=True)

@@ -1,13 +1,12 @@
 """The command ``warehouse report``: its output, its files and its errors."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import pytest
-from helpers.command_line import command, refusal
-from helpers.results_files import fill, fleet_row, outcomes
+from helpers.command_line import Refused, Warehouse
+from helpers.results_files import experiment_of, fill, fleet_row, outcomes
 from helpers.sweeps import Here, nothing
 
 from agents.lab.experiments.case import make_case
@@ -27,10 +26,11 @@ def results(tmp_path: Path) -> Path:
     return fill(tmp_path / "r.sqlite", [(ON, outcomes("dddw")), (OFF, outcomes("dooo"))])
 
 
-def test_the_command_prints_the_answers_and_writes_the_page(
-    results: Path, capsys: pytest.CaptureFixture[str]
+def test_the_command_prints_the_answers_and_writes_the_page_and_nothing_else(
+    results: Path, warehouse: Warehouse
 ) -> None:
-    code, out, err = command(capsys, "report", results, "--no-replays")
+    before = results.read_bytes()
+    code, out, err = warehouse("report", results, "--no-replays")
     assert (code, err) == (0, "")
     lines = out.splitlines()
     assert lines[0] == "8 episodes in 2 combinations of settings, seeds from 0 to 3"
@@ -41,13 +41,13 @@ def test_the_command_prints_the_answers_and_writes_the_page(
     assert page.startswith("<!DOCTYPE html>")
     assert "Every failure with escape off is oscillation (3 episodes)." in page
     assert "<iframe" not in page
+    assert results.read_bytes() == before
+    assert {path.name for path in results.parent.iterdir()} == {"r.sqlite", "r.html"}
 
 
-def test_figures_are_saved_in_a_folder(
-    results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_figures_are_saved_in_a_folder(results: Path, tmp_path: Path, warehouse: Warehouse) -> None:
     page, folder = tmp_path / "page.html", tmp_path / "new" / "figures"
-    command(capsys, "report", results, "--no-replays", "-o", page, "--figures", folder)
+    warehouse("report", results, "--no-replays", "-o", page, "--figures", folder)
     names = {path.name for path in folder.iterdir()}
     assert names == {"success.svg", "steps.svg", "modes.svg", "stuck-1.svg"}
     assert page.exists()
@@ -67,7 +67,7 @@ def test_the_page_is_written_even_if_the_output_is_closed(
     assert (results.parent / "figures" / "modes.svg").exists()
 
 
-def test_each_outcome_is_replayed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_each_outcome_is_replayed(tmp_path: Path, warehouse: Warehouse) -> None:
     results = tmp_path / "r.sqlite"
     with Store(results) as store:
         run_missing(
@@ -77,7 +77,7 @@ def test_each_outcome_is_replayed(tmp_path: Path, capsys: pytest.CaptureFixture[
             1,
             nothing,
         )
-    assert command(capsys, "report", results).code == 0
+    assert warehouse("report", results).code == 0
     with Store(results, read_only=True) as store:
         modes = {mode for (mode,) in store.query("SELECT DISTINCT mode FROM episodes")}
     page = results.with_suffix(".html").read_text(encoding="utf-8")
@@ -88,49 +88,39 @@ def test_each_outcome_is_replayed(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert "<td>kept</td>" in page
 
 
-def test_a_report_changes_nothing_in_the_results(
-    results: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    before = results.read_bytes()
-    command(capsys, "report", results, "--no-replays")
-    assert results.read_bytes() == before
-    assert {path.name for path in results.parent.iterdir()} == {"r.sqlite", "r.html"}
-
-
 def test_invalid_results_and_outputs_are_errors(
-    results: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    results: Path, tmp_path: Path, refused: Refused
 ) -> None:
-    assert refusal(capsys, "report", tmp_path / "no.sqlite").endswith("there is no such file")
+    assert refused("report", tmp_path / "no.sqlite").endswith("there is no such file")
     empty = tmp_path / "empty.sqlite"
     Store(empty).close()
-    assert refusal(capsys, "report", empty) == f"{empty}: there is no episode in it"
+    assert refused("report", empty) == f"{empty}: there is no episode in it"
     text = tmp_path / "r.txt"
     text.write_text("no results" * 100)
-    assert refusal(capsys, "report", text).startswith(f"{text}: ")
+    assert refused("report", text).startswith(f"{text}: ")
     nowhere = tmp_path / "nowhere" / "page.html"
-    assert str(nowhere.parent) in refusal(capsys, "report", results, "-o", nowhere)
-    assert refusal(capsys, "report", results, "-o", results) == (
+    assert str(nowhere.parent) in refused("report", results, "-o", nowhere)
+    assert refused("report", results, "-o", results) == (
         f"{results}: cannot save as .sqlite; allowed: .html"
     )
     html = results.rename(tmp_path / "r.html")
-    assert refusal(capsys, "report", html) == (
+    assert refused("report", html) == (
         f"{html}: this is the file of results; the page needs another name"
     )
     Store(html, read_only=True).close()
 
 
-def page_of(folder: Path, cases: Sequence[Any]) -> Page:
-    with Store(fill(folder / "p.sqlite", cases), read_only=True) as store:
-        return make_page(store, ())
+def page_of(*cases: Any) -> Page:
+    with experiment_of(cases) as experiment:
+        return make_page(experiment.store, ())
 
 
-def test_the_table_has_a_row_for_each_case_and_states_what_it_leaves_out(
-    results: Path, monkeypatch: pytest.MonkeyPatch
+def test_the_table_has_a_row_for_each_case_and_the_page_all_settings_and_versions(
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    with Store(results, read_only=True) as store:
-        table = make_page(store, ()).tables[0]
-        monkeypatch.setattr(contents, "MAX_CASES", 1)
-        short = make_page(store, ()).tables[0]
+    cases = [(ON, outcomes("dddw")), (OFF, outcomes("dooo"))]
+    page = page_of(*cases)
+    [table] = page.tables
     assert table.columns == (
         "escape", "episodes", "seeds", "success", "steps", "delivered", "oscillation", "wandering",
     )  # fmt: skip
@@ -139,12 +129,6 @@ def test_the_table_has_a_row_for_each_case_and_states_what_it_leaves_out(
         ("off", "4", "0 to 3", "25.0% (4.6 to 69.9)", "20.0", "1", "3", "0"),
     )
     assert table.note == ""
-    assert (len(short.rows), short.note) == (1, "1 further combination in the file.")
-
-
-def test_the_page_lists_all_settings_and_versions(results: Path) -> None:
-    with Store(results, read_only=True) as store:
-        page = make_page(store, ())
     settings = dict(page.settings)
     assert (settings["escape"], settings["max_steps"], settings["battery"]) == (
         "on, off", "30", "200",
@@ -152,10 +136,13 @@ def test_the_page_lists_all_settings_and_versions(results: Path) -> None:
     assert {name for name, _ in page.made_with} == {
         "Python", "warehouse-lab", "numpy", "scipy", "matplotlib", "8 episodes",
     }  # fmt: skip
+    monkeypatch.setattr(contents, "MAX_CASES", 1)
+    [short] = page_of(*cases).tables
+    assert (len(short.rows), short.note) == (1, "1 further combination in the file.")
 
 
-def test_the_summary_states_what_is_missing_and_the_settings_leave_it_out(tmp_path: Path) -> None:
-    page = page_of(tmp_path, [(ON, outcomes("dd")), (OFF, outcomes("ddd")), ({"battery": 33}, [])])
+def test_the_summary_states_what_is_missing_and_the_settings_leave_it_out() -> None:
+    page = page_of((ON, outcomes("dd")), (OFF, outcomes("ddd")), ({"battery": 33}, []))
     assert page.summary == (
         "5 episodes in 2 combinations of settings, seeds from 0 to 2, 2 to 3 episodes each, "
         "1 further combination not yet begun"
@@ -192,22 +179,22 @@ def test_a_program_with_the_libraries_of_a_backend_is_no_other(tmp_path: Path) -
     }
 
 
-def test_the_table_states_gaps_in_the_seeds(tmp_path: Path) -> None:
-    cases = [(ON, [*outcomes("dd"), *outcomes("d", seed=9)]), (OFF, outcomes("d", seed=4))]
-    rows = page_of(tmp_path, cases).tables[0].rows
+def test_the_table_states_gaps_in_the_seeds() -> None:
+    gap = [*outcomes("dd"), *outcomes("d", seed=9)]
+    rows = page_of((ON, gap), (OFF, outcomes("d", seed=4))).tables[0].rows
     assert [row[2] for row in rows] == ["0 to 9 with gaps", "4 to 4"]
 
 
-def test_time_and_energy_in_the_table_are_only_measured_ones(tmp_path: Path) -> None:
+def test_time_and_energy_in_the_table_are_only_measured_ones() -> None:
     cases = [({"backend": name}, outcomes("d", steps=30)) for name in ("grid", "physics")]
-    table = page_of(tmp_path, cases).tables[0]
+    table = page_of(*cases).tables[0]
     assert table.columns[4:7] == ("steps", "seconds", "joules")
     assert [row[4:7] for row in table.rows] == [("30.0", "none", "none"), ("30.0", "30.0", "60.0")]
 
 
-def test_lone_robots_and_fleets_have_a_table_each(tmp_path: Path) -> None:
+def test_lone_robots_and_fleets_have_a_table_each() -> None:
     fleets = [fleet_row(0), fleet_row(1, on_time=None, joules_per_delivery=None)]
-    lone, fleet = page_of(tmp_path, [({}, outcomes("d")), ({"robots": 2}, fleets)]).tables
+    lone, fleet = page_of(({}, outcomes("d")), ({"robots": 2}, fleets)).tables
     assert lone.columns == ("episodes", "seeds", "success", "steps", "delivered")
     assert fleet.columns == (
         "episodes", "seeds", "items an hour", "on time", "lateness", "kJ each", "blocked", "served",
@@ -216,13 +203,13 @@ def test_lone_robots_and_fleets_have_a_table_each(tmp_path: Path) -> None:
 
 
 def test_a_layout_and_an_agent_whose_names_are_no_utf8_are_reported(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, warehouse: Warehouse
 ) -> None:
     hall = tmp_path / "hall\udcff.txt"
     hall.write_text("#######\n#P...D#\n#######")
     cases = [{}, {"layout": str(hall)}, {"agent": "a\udcff.py:Mine"}]
     path = fill(tmp_path / "r.sqlite", [(case, outcomes("dw")) for case in cases])
-    code, out, _ = command(capsys, "report", path, "--figures", tmp_path, "--no-replays")
+    code, out, _ = warehouse("report", path, "--figures", tmp_path, "--no-replays")
     assert code == 0
     assert "hall\\udcff.txt" in out
     assert "a\\udcff.py:Mine" in path.with_suffix(".html").read_text(encoding="utf-8")

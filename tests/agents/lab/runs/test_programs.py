@@ -30,14 +30,11 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_a_program_is_named_by_its_version_its_sources_and_its_libraries() -> None:
+def test_a_program_is_named_by_its_version_its_sources_and_its_libraries_unimported() -> None:
     own, numpy = program_for("grid").split(", ")
     assert own.startswith("warehouse-lab ")
     assert numpy.startswith("numpy ")
     assert program_for("physics").startswith(f"{own}, {numpy}, pymunk 7.")
-
-
-def test_naming_a_program_does_not_import_pymunk() -> None:
     look = (
         "import sys; from agents.lab.runs.programs import program_for; "
         "print(program_for('physics')); "

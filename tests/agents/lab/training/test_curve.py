@@ -12,7 +12,6 @@ from agents.lab.training.curve import (
     GREEDY,
     LEARNER,
     SIZE,
-    mean_length,
     save_learning_curve,
 )
 from agents.lab.training.exams import Point
@@ -72,9 +71,12 @@ def test_both_lines_are_in_the_picture(tmp_path: Path) -> None:
     assert [each.name for each in tmp_path.iterdir()] == ["curve.png"]
 
 
-def test_the_picture_has_its_captions(tmp_path: Path, drawn: list[SceneFigure]) -> None:
+def test_the_picture_has_its_captions_its_lines_and_the_band_of_their_intervals(
+    tmp_path: Path, drawn: list[SceneFigure]
+) -> None:
     save_learning_curve(tmp_path / "c.png", "PPO", "A title", POINTS, scores(0.87, 1000))
-    said = words(drawn[0])
+    [figure] = drawn
+    said = words(figure)
     for phrase in (
         "A title",
         "PPO 100.0%",
@@ -86,22 +88,12 @@ def test_the_picture_has_its_captions(tmp_path: Path, drawn: list[SceneFigure]) 
         "steps of training",
     ):
         assert phrase in said
-
-
-def test_the_lines_go_through_the_points(tmp_path: Path, drawn: list[SceneFigure]) -> None:
-    save_learning_curve(tmp_path / "c.png", "PPO", "", POINTS, scores(0.5))
-    success, length = (axes.lines[1].get_xydata() for axes in drawn[0].axes)
-    steps = [60_000, 120_000, 180_000, 240_000, 300_000]
-    assert np.asarray(success).tolist() == [
-        list(p) for p in zip(steps, (0, 0.1, 0.5, 0.98, 1), strict=True)
-    ]
+    success, length = (np.asarray(axes.lines[1].get_xydata()) for axes in figure.axes)
+    assert success[:, 0].tolist() == [60_000, 120_000, 180_000, 240_000, 300_000]
+    assert success[:, 1].tolist() == [0, 0.1, 0.5, 0.98, 1]
     expected = [200, 0.1 * 14 + 0.9 * 200, 107, 0.98 * 14 + 0.02 * 200, 14]
-    assert np.asarray(length)[:, 1] == pytest.approx(expected)
-
-
-def test_the_band_is_the_interval_of_each_point(tmp_path: Path, drawn: list[SceneFigure]) -> None:
-    save_learning_curve(tmp_path / "c.png", "PPO", "", POINTS, scores(0.5))
-    (band,) = drawn[0].axes[0].collections
+    assert length[:, 1] == pytest.approx(expected), "failures included"
+    (band,) = figure.axes[0].collections
     (outline,) = band.get_paths()
     corners = {(round(x), round(y, 4)) for x, y in np.asarray(outline.vertices).tolist()}
     for point in POINTS:
@@ -143,7 +135,3 @@ def test_a_picture_that_cannot_be_written_leaves_no_file(
     with pytest.raises(OSError, match="No space"):
         save_learning_curve(tmp_path / "c.png", "PPO", "", POINTS, scores(0.5))
     assert not list(tmp_path.iterdir())
-
-
-def test_the_mean_length_includes_failures() -> None:
-    assert mean_length(scores(0.5)) == 107

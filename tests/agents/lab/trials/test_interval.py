@@ -68,10 +68,6 @@ def test_large_values_lose_no_precision() -> None:
     assert far.high - far.low == pytest.approx(near.high - near.low, rel=0.01)
 
 
-def test_equal_values_have_an_interval_of_width_zero() -> None:
-    assert mean_interval(np.full(20, 7.0)) == Interval(7.0, 7.0, 7.0)
-
-
 def test_a_ratio_has_the_error_of_its_linearisation() -> None:
     stream = np.random.default_rng(5)
     delivered = stream.random(3000) < 0.4
@@ -93,7 +89,9 @@ def test_a_ratio_to_few_successes_has_no_interval(count: int, is_known: bool) ->
     assert ratio_interval(np.arange(5.0), np.zeros(5, bool)) is None
 
 
-def test_few_values_have_a_mean_and_no_interval() -> None:
+def test_few_values_have_a_mean_and_no_interval_and_equal_ones_one_of_width_zero() -> None:
+    assert mean_interval(np.array([])) is None
+    assert mean_interval(np.full(MIN_VALUES, 7.0)) == Interval(7.0, 7.0, 7.0)
     few = mean_interval(np.arange(MIN_VALUES - 1, dtype=float))
     assert few is not None
     assert few.estimate == (MIN_VALUES - 2) / 2
@@ -101,10 +99,6 @@ def test_few_values_have_a_mean_and_no_interval() -> None:
     enough = mean_interval(np.arange(MIN_VALUES, dtype=float))
     assert enough is not None
     assert enough.is_known
-
-
-def test_no_values_have_no_interval() -> None:
-    assert mean_interval(np.array([])) is None
 
 
 @pytest.mark.parametrize("value", [6.383, 1e6 / 7])

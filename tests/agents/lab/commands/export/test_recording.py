@@ -272,15 +272,6 @@ def record(tmp_path: Path) -> Path:
     return tmp_path / "e.npz"
 
 
-def test_a_damaged_record_is_an_error_with_its_name(refused: Refused, record: Path) -> None:
-    record.write_bytes(record.read_bytes()[:-100])
-    assert refused("export", record, record.with_suffix(".mcap")).startswith(f"{record}: ")
-    missing = record.with_name("none.npz")
-    line = refused("export", missing, record.with_suffix(".mcap"))
-    assert line == f"{missing}: No such file or directory"
-    assert [path.name for path in record.parent.iterdir()] == ["e.npz"]
-
-
 def test_without_mcap_the_error_gives_the_command_that_installs_it(
     refused: Refused, record: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

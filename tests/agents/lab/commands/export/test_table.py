@@ -1,7 +1,6 @@
 """``warehouse export`` of results: the same table as CSV and Parquet, never a partial file."""
 
 import csv
-import os
 import sqlite3
 import sys
 from contextlib import closing
@@ -76,8 +75,9 @@ def test_each_line_is_an_episode_with_its_settings(results: Path) -> None:
 def test_csv_has_the_values_of_the_store(
     warehouse: Warehouse, results: Path, tmp_path: Path, suffix: str
 ) -> None:
-    target = tmp_path / f"t{suffix}"
+    target, before = tmp_path / f"t{suffix}", (results.read_bytes(), results.stat().st_mtime_ns)
     assert warehouse("export", results, target) == (0, f"saved {target}\n", "")
+    assert (results.read_bytes(), results.stat().st_mtime_ns) == before
     expected = [
         {name: "" if value is None else str(value) for name, value in line.items()}
         for line in table_of(results)
@@ -136,26 +136,15 @@ def test_results_without_episodes_are_an_empty_table(warehouse: Warehouse, tmp_p
     assert parquet.read_table(tmp_path / "t.parquet").num_rows == 0
 
 
-@pytest.mark.parametrize(
-    ("source", "target", "message"),
-    [
-        ("none.sqlite", "t.csv", "none.sqlite: there is no such file"),
-        ("r.sqlite", "t.xlsx", "t.xlsx: cannot save as .xlsx; allowed: .csv, .parquet"),
-        ("r.sqlite", "t", "allowed: .csv, .parquet"),
-        ("r.sqlite", "nowhere/t.csv", "nowhere does not exist"),
-        ("r.sqlite", "nowhere/t.parquet", "nowhere does not exist"),
-        ("r.sqlite", "folder.csv", "folder.csv"),
-        ("r.sqlite", "folder.parquet", "folder.parquet"),
-    ],
-)
-def test_files_that_cannot_be_read_or_written_are_named(
-    refused: Refused, results: Path, source: str, target: str, message: str
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_files_that_cannot_be_written_are_named(
+    refused: Refused, results: Path, suffix: str
 ) -> None:
-    folder = results.parent
-    for name in ("folder.csv", "folder.parquet"):
-        (folder / name).mkdir()
-    assert message in refused("export", folder / source, folder / target)
-    assert names(folder) == {"r.sqlite", "folder.csv", "folder.parquet"}
+    folder = results.with_name(f"folder{suffix}")
+    folder.mkdir()
+    assert folder.name in refused("export", results, folder)
+    assert "nowhere does not exist" in refused("export", results, f"nowhere/t{suffix}")
+    assert names(results.parent) == {results.name, folder.name}
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
@@ -174,17 +163,12 @@ def test_an_export_that_fails_keeps_the_existing_file(
 
 
 def test_without_pyarrow_the_error_gives_the_command_that_installs_it(
-    warehouse: Warehouse,
-    refused: Refused,
-    results: Path,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    refused: Refused, results: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "pyarrow", None)
-    line = refused("export", results, tmp_path / "t.parquet")
+    line = refused("export", results, "t.parquet")
     assert line == "Parquet needs pyarrow: pip install 'pyarrow>=15'"
-    assert warehouse("export", results, tmp_path / "t.csv").code == 0
-    assert names(tmp_path) == {"r.sqlite", "t.csv"}
+    assert names(results.parent) == {"r.sqlite"}
 
 
 @pytest.mark.parametrize("value", ["many", True, 10**30, [3]])
@@ -200,12 +184,6 @@ def test_an_invalid_setting_or_result_in_the_file_is_a_one_line_error(
         database.commit()
     assert "many" in refused("export", results, tmp_path / "t.parquet")
     assert names(tmp_path) == {"r.sqlite"}
-
-
-def test_an_export_does_not_change_the_results(warehouse: Warehouse, results: Path) -> None:
-    before = results.read_bytes(), os.stat(results).st_mtime_ns
-    warehouse("export", results, results.with_name("t.csv"))
-    assert (results.read_bytes(), os.stat(results).st_mtime_ns) == before
 
 
 def test_lone_robots_and_fleets_share_a_table(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from agents.lab.commands.gap.worlds import DISTURBED, DRIVING, PLAN, STOPPING, W
 
 SMALL = (
     "gap", "--robots", 2, "--count", 3, "--orders", 0.1, "--seed", 5, "--jobs", 1, "--stop", 5,
-    "--layout", "shelves.txt",
+    "--layout", "shelves",
 )  # fmt: skip
 PLAIN = Score(100.0, 1.0, 2000.0, 0, 144.0, 4, 0, (1.0, 0.0, 0.0, 0.0, 0.0), 0)
 NO_SHOCKS = Shocks(0.0, 0.0)
@@ -70,6 +70,14 @@ def test_intervals_of_shares_are_of_pairs() -> None:
     rows = {name: cells for name, *cells in gap_table(many, "").rows}
     assert re.fullmatch(r"75\.0\n\(\d\d\.\d to \d\d\.\d\)", rows[PLAN][0])
     assert [rows[world][1] for world in WORLDS] == ["100", "50", "90", "80"]
+
+
+def test_a_plan_that_delivers_nothing_has_no_shares() -> None:
+    nothing = {world: [PLAIN._replace(per_hour=0.0)] for world in WORLDS}
+    assert [cells[2] for cells in gap_table(nothing, "").rows] == ["none"] * 4
+    assert message(nothing, NO_SHOCKS).startswith("Driving through brings none of what the plan")
+    half = {world: [*runs, PLAIN] for world, runs in nothing.items()}
+    assert [cells[2] for cells in gap_table(half, "").rows] == ["100"] * 4
 
 
 def test_what_is_lost_is_said() -> None:

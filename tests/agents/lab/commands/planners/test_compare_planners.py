@@ -1,10 +1,9 @@
 """The command ``warehouse compare-planners``."""
 
 from functools import partial
-from pathlib import Path
 
 import numpy as np
-from helpers.command_line import Warehouse
+from helpers.command_line import Warehouse, write_mine
 from PIL import Image
 
 from agents.lab.commands.planners.compare_planners import (
@@ -16,18 +15,8 @@ from agents.lab.commands.planners.picture import throughput_figure
 from agents.lab.trials.interval import Interval
 from agents.lab.trials.workers import run_trials
 
-SMALL = ("compare-planners", "--layout", "hall", "--robots", "4,2", "--steps", 30, "--jobs", 1)
+SMALL = ("compare-planners", "--layout", "hall", "--robots", "4, 2,4", "--steps", 30, "--jobs", 1)
 
-
-SLOW = """
-class Slow:
-    def reset(self):
-        pass
-
-    def next_cells(self, situation):
-        while True:
-            pass
-"""
 
 run_in_hall = partial(run_trial, layout="hall", steps=30, seconds=10.0)
 
@@ -62,12 +51,12 @@ def test_processes_give_the_same_as_one() -> None:
 
 
 def test_steps_that_took_too_long_are_told(warehouse: Warehouse) -> None:
-    Path("slow.py").write_text(SLOW)
-    words = ("--planner", "slow.py:Slow", "--steps", 2, "--time-limit", 0.02, "--seeds", 2)
+    write_mine("next_cells", "while True: pass", "seen.cells", step=1)
+    words = ("--planner", "mine.py:Mine", "--steps", 2, "--time-limit", 0.02, "--seeds", 2)
     code, _, err = warehouse(*SMALL, *words)
     assert code == 0
     assert err.splitlines() == [
-        f"warehouse: warning: slow.py:Slow, {robots} robots: 4 steps took more than 0.02 s; "
+        f"warehouse: warning: mine.py:Mine, {robots} robots: 4 steps took more than 0.02 s; "
         "all robots waited"
         for robots in (2, 4)
     ]

@@ -26,6 +26,9 @@ def test_factors_are_the_settings_that_differ() -> None:
     assert design.fixed["max_steps"] == 70
     assert design.fixed["memory"] == 10
     assert not {"escape", "battery", "tiles"} & design.fixed.keys()
+    assert [factor.is_ordered for factor in design.factors] == [False, True]
+    assert design_of().factors == ()
+    assert design_of().fixed["battery"] == 200
 
 
 def test_values_are_in_ascending_order() -> None:
@@ -36,11 +39,6 @@ def test_values_are_in_ascending_order() -> None:
     numbers = design_of(layout="random", density=[0.3, 0, 0.1]).factors[0]
     assert numbers.values == (0.0, 0.1, 0.3)
     assert numbers.is_numeric
-
-
-def test_a_flag_is_not_ordered() -> None:
-    [factor] = design_of(escape=[False, True]).factors
-    assert not factor.is_ordered
 
 
 def test_series_vary_one_factor_and_the_default_is_first() -> None:
@@ -61,12 +59,6 @@ def test_a_setting_without_effect_matches_any_value() -> None:
         ("memory 5", [True, False]),
     ]
     assert rows_of(design, "memory") == [("escape on", [2, 5, 10])]
-
-
-def test_a_single_case_has_no_factors() -> None:
-    design = design_of()
-    assert design.factors == ()
-    assert design.fixed["battery"] == 200
 
 
 def test_an_unbalanced_experiment_compares_the_cases_that_it_has() -> None:

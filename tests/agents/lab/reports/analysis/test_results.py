@@ -76,23 +76,11 @@ def test_the_seeds_are_from_the_first_to_the_last_of_all_cases() -> None:
         assert experiment.results(1).seeds == (7, 8)
 
 
-@pytest.mark.parametrize(
-    "statement",
-    [
-        "UPDATE episodes SET mode = 'sold'",
-        "UPDATE episodes SET steps = 'many'",
-        "UPDATE episodes SET seconds = 'long'",
-        "UPDATE episodes SET row = 1.5",
-        "UPDATE episodes SET case_id = 77",
-    ],
-)
-def test_invalid_rows_are_errors(tmp_path: Path, statement: str) -> None:
+def test_invalid_rows_are_errors(tmp_path: Path) -> None:
     path = fill(tmp_path / "r.sqlite", [(ON, outcomes("dw"))])
-    change(path, f"{statement} WHERE seed = 1")
-    with Store(path, read_only=True) as store, pytest.raises(StoreError) as caught:
+    change(path, "UPDATE episodes SET steps = 'many' WHERE seed = 1")
+    with Store(path, read_only=True) as store, pytest.raises(StoreError, match="seed 1 is damaged"):
         Experiment(store, LONE)
-    assert str(caught.value).startswith(f"{path}: the row of case ")
-    assert "seed 1 is damaged" in str(caught.value)
 
 
 def test_rows_that_a_sweep_adds_later_are_not_counted() -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.results_files import row
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -15,7 +16,6 @@ from numpy.typing import NDArray
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.store import Store
 from agents.lab.reports.figures.heat_map import stuck_cells, stuck_heat_map
-from agents.lab.trials.rows import Row
 from warehouse_core import DEFAULT_LAYOUT, random_layout
 from warehouse_core.records.failure_modes import MODES
 from warehouse_core.render.palette import COLORS
@@ -24,10 +24,6 @@ from warehouse_core.viz.axes.heat_map import HEAT
 ROWS = ("######", "#....#", "#..#.#", "#....#", "######")
 LARGE = random_layout(20, 40, 0.2, 3).rows
 TALL = ("#" * 4, *["#.P#", "#D.#"] * 20, "#" * 4)
-
-
-def row(seed: int, mode: str, cell: tuple[int, int]) -> Row:
-    return Row(seed, mode, 10, None, -1.0, 3, 10.5, 1.5, *cell)
 
 
 def counts(*places: tuple[int, int, int], rows: tuple[str, ...] = ROWS) -> NDArray[np.int64]:
@@ -63,10 +59,12 @@ def store(tmp_path: Path) -> Iterator[Store]:
 def test_episodes_are_counted_where_they_were_stuck(store: Store) -> None:
     first, second, other = (store.case_id(make_case({"memory": m})) for m in (1, 2, 3))
     cells = {"wandering": [(1, 2), (1, 2), (3, 3)], "unreachable": [(1, 1)], "delivered": [(2, 2)]}
-    rows = [row(0, mode, cell) for mode, found in cells.items() for cell in found]
+    rows = [
+        row(0, mode, row=cell[0], col=cell[1]) for mode, found in cells.items() for cell in found
+    ]
     store.add(first, [each._replace(seed=seed) for seed, each in enumerate(rows)])
-    store.add(second, [row(0, "wandering", (1, 2))])
-    store.add(other, [row(0, "wandering", (4, 4)), row(1, "stalled", (4, 4))])
+    store.add(second, [row(0, "wandering", row=1, col=2)])
+    store.add(other, [row(0, "wandering"), row(1, "stalled")])
     stuck = stuck_cells(store, DEFAULT_LAYOUT.rows, [first, second])
     assert list(stuck) == ["unreachable", "wandering"]
     assert stuck["wandering"].shape == (7, 12)
@@ -78,14 +76,10 @@ def test_episodes_are_counted_where_they_were_stuck(store: Store) -> None:
 
 def test_modes_are_in_the_order_of_definition(store: Store) -> None:
     case_id = store.case_id(make_case({}))
-    store.add(case_id, [row(n, mode, (1, 1)) for n, mode in enumerate(reversed(MODES))])
+    store.add(case_id, [row(99)])
+    assert stuck_cells(store, DEFAULT_LAYOUT.rows, [case_id]) == {}, "without failures"
+    store.add(case_id, [row(n, mode) for n, mode in enumerate(reversed(MODES))])
     assert tuple(stuck_cells(store, DEFAULT_LAYOUT.rows, [case_id])) == MODES[1:]
-
-
-def test_without_failures_there_is_nothing_to_draw(store: Store) -> None:
-    case_id = store.case_id(make_case({}))
-    store.add(case_id, [row(1, "delivered", (1, 1))])
-    assert stuck_cells(store, DEFAULT_LAYOUT.rows, [case_id]) == {}
 
 
 def test_the_title_of_a_panel_has_its_mode_its_count_and_its_share() -> None:
@@ -102,16 +96,10 @@ def test_more_episodes_have_a_hotter_colour_and_none_the_colour_of_the_floor() -
     np.testing.assert_allclose(hot, HEAT(1.0)[:3], atol=0.01)
     np.testing.assert_allclose(warm, HEAT(0.1)[:3], atol=0.02)
     assert hot.sum() < warm.sum()
+    np.testing.assert_allclose(color_in(figure, axes, 3.5, 2.5), COLORS["#"], atol=0.01)
     floor = color_in(figure, axes, 1.5, 2.5)
     np.testing.assert_allclose(floor, COLORS["."], atol=0.01)
     assert floor.sum() > warm.sum()
-
-
-def test_rows_go_down_and_columns_go_right() -> None:
-    figure = stuck_heat_map(ROWS, {"wandering": counts((3, 1, 5))}, 9)
-    [axes] = panels(figure)
-    np.testing.assert_allclose(color_in(figure, axes, 1.1, 3.9), HEAT(1.0)[:3], atol=0.01)
-    np.testing.assert_allclose(color_in(figure, axes, 3.5, 2.5), COLORS["#"], atol=0.01)
 
 
 def test_only_large_cells_show_their_number() -> None:

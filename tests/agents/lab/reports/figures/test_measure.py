@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.results_files import experiment_of, outcomes, row
+from helpers.results_files import experiment_of, outcomes
 from matplotlib.axes import Axes
 
 from agents.lab.experiments.plan import make_plan
@@ -15,9 +15,9 @@ from agents.lab.reports.analysis.design import make_design
 from agents.lab.reports.analysis.results import STEPS, SUCCESS, Experiment
 from agents.lab.reports.figures import roles as roles_module
 from agents.lab.reports.figures.measure import measure_chart
-from agents.lab.reports.figures.modes import MODE_COLORS, ink_on, modes_chart
+from agents.lab.reports.figures.modes import MODE_COLORS, modes_chart
 from agents.lab.reports.figures.panels import MAX_TICKS
-from agents.lab.reports.figures.roles import Roles, roles_of
+from agents.lab.reports.figures.roles import roles_of
 from warehouse_core.records.failure_modes import FLEET_MODES, MODES
 from warehouse_core.viz.figure import SceneFigure
 
@@ -108,13 +108,11 @@ def test_a_case_that_does_not_depend_on_the_axis_is_a_horizontal_line() -> None:
     assert [text.get_text() for text in legend.get_texts()] == ["escape on", "escape off"]
 
 
-def test_without_deliveries_there_is_no_chart_of_steps() -> None:
+def test_without_deliveries_or_differences_there_is_no_chart_of_a_measure() -> None:
     cases = [({"battery": battery}, outcomes("ww")) for battery in (1, 2)]
     with experiment_of(cases) as experiment:
         assert measure_chart(experiment, experiment.design, "", STEPS) is None
 
-
-def test_a_single_case_has_bars_but_no_chart_of_a_measure() -> None:
     with experiment_of([({}, outcomes("dw"))]) as experiment:
         assert measure_chart(experiment, experiment.design, "", SUCCESS) is None
         [axes] = modes_chart(experiment, "").axes
@@ -147,11 +145,6 @@ def test_each_mode_has_its_own_colour_and_a_name_in_the_legend(experiment: Exper
     assert set(MODE_COLORS) == {*MODES, *FLEET_MODES}
     for modes in (MODES, FLEET_MODES):
         assert len({MODE_COLORS[mode] for mode in modes}) == len(modes)
-
-
-def test_numbers_contrast_with_their_background() -> None:
-    assert ink_on("#ffffff") == "black"
-    assert ink_on("#000000") == "whitesmoke"
 
 
 def test_long_names_do_not_overlap(tmp_path: Path) -> None:
@@ -229,22 +222,6 @@ def test_everything_drawn_is_inside_the_figure(experiment: Experiment) -> None:
         assert drawn.y0 >= 0
         assert drawn.x1 <= width
         assert drawn.y1 <= height
-
-
-def test_roles_are_none_where_nothing_differs() -> None:
-    assert roles_of(make_design({1: make_plan({}, 1, 0).cases[0]})) == Roles(None, None, None, ())
-
-
-def test_means_of_few_deliveries_have_no_whiskers() -> None:
-    cases = [({"battery": battery}, [row(0, steps=battery)]) for battery in (10, 20)]
-    with experiment_of(cases) as experiment:
-        figure = measure_chart(experiment, experiment.design, "", STEPS)
-    assert figure is not None
-    [(_, means)] = middles(figure.axes[0])
-    assert means == [10, 20]
-    [whiskers] = figure.axes[0].containers[0].lines[2]
-    assert not any(len(segment) for segment in whiskers.get_segments())
-    figure.pixels()
 
 
 def test_only_ordered_values_are_joined_by_a_line() -> None:
