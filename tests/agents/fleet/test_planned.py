@@ -55,6 +55,14 @@ def fleet_of(layout: Layout, robots: int = 2, **settings: Any) -> FleetEnv:
         return FleetEnv(layout, robots, **given)
 
 
+def begun(env: FleetEnv, planner: Planner | None = None) -> PlannedFleet:
+    """Reset a fleet, and return an agent that directs it."""
+    agent = PlannedFleet(planner or Does())
+    agent.reset()
+    env.reset(seed=1)
+    return agent
+
+
 def test_orders_are_assigned_picked_and_dropped() -> None:
     env = fleet_of(ROOM, 1, orders=[Order(0, 50, (1, 1), (3, 6))], starts=[(1, 3)])
     planner = windowed(ROOM)
@@ -119,9 +127,7 @@ def test_a_robot_that_goes_to_charge_gives_its_order_to_another() -> None:
     env = fleet_of(
         LINE, 2, orders=[Order(0, 99, (0, 0), (0, 9))], starts=[(0, 5), (0, 8)], battery=60
     )
-    agent = PlannedFleet(Does())
-    agent.reset()
-    env.reset(seed=1)
+    agent = begun(env)
     env.step(agent.act(env))
     assert env.order_of == [0, None]  # both wait
     while env.order_of[0] == 0:
@@ -135,9 +141,7 @@ def test_a_robot_that_goes_to_charge_gives_its_order_to_another() -> None:
 def test_an_item_is_delivered_before_charging_if_the_battery_lasts(battery: int, goal: int) -> None:
     planner = windowed(LINE)
     env = fleet_of(LINE, 1, orders=[Order(0, 99, (0, 0), (0, 9))], starts=[(0, 0)], battery=90)
-    agent = PlannedFleet(planner)
-    agent.reset()
-    env.reset(seed=1)
+    agent = begun(env, planner)
     env.step(agent.act(env))
     assert env.loaded == [True]
     env._engine.battery[0] = battery
@@ -157,10 +161,8 @@ def test_an_order_for_one_robot_stays_with_it() -> None:
 
 def test_a_robot_takes_no_order_for_which_its_battery_does_not_last() -> None:
     env = fleet_of(LINE, 1, orders=[Order(0, 99, (0, 0), (0, 9))], starts=[(0, 8)], battery=130)
-    agent = PlannedFleet(Does())
     for battery, order in (65, None), (67, 0):  # 8 + 9 steps, and 6 to the charger
-        env.reset(seed=1)
-        agent.reset()
+        agent = begun(env)
         env._engine.battery[0] = battery
         agent.act(env)
         assert env.order_of == [order]
@@ -200,9 +202,8 @@ def test_robots_without_a_task_leave_stations_and_stay_elsewhere() -> None:
 @pytest.mark.parametrize("backend", ["grid", "driving"])
 def test_cells_that_people_are_in_or_leave_or_reach_are_closed(backend: str) -> None:
     env = fleet_of(ROOM, 3, people=3, max_steps=40, backend=backend)
-    planner = Does()
-    planned, on_the_way = PlannedFleet(planner), 0
-    env.reset(seed=1)
+    planner, on_the_way = Does(), 0
+    planned = begun(env, planner)
     for _ in range(40):
         env.step(planned.act(env))
         assert backend == "grid" or not any(outcome.contacts for outcome in env.last_motion)
@@ -260,10 +261,8 @@ def test_of_robots_that_share_a_cell_the_first_leaves_it_if_it_can() -> None:
     assert part(OPEN, closed, np.array([2, 0, 0])).tolist() == [2, 0, 0]
     planner = Does()
     env = fleet_of(ROOM, 2, orders=[Order(0, 50, (1, 1), (3, 6))], starts=[(1, 1), (1, 2)])
-    env.reset(seed=1)
+    agent = begun(env, planner)
     env._engine.robots.cells[1] = env._engine.robots.cells[0]
-    agent = PlannedFleet(planner)
-    agent.reset()
     assert agent.act(env).tolist() == [PICK, WAIT]
     assert planner.seen[0].stays.tolist() == [True, True]
 
