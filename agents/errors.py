@@ -36,11 +36,7 @@ class PlanError(WarehouseError, ValueError):
 
 
 class EpisodeError(WarehouseError):
-    """An episode that could not be run to its end; the message says which and why.
-
-    Attributes:
-        episode: the record so far, if there is one.
-    """
+    """An episode that could not be run to its end; ``episode`` is its record so far, if any."""
 
     def __init__(self, message: str, episode: Any = None) -> None:
         super().__init__(message)
@@ -48,11 +44,7 @@ class EpisodeError(WarehouseError):
 
 
 class EpisodeInterrupted(KeyboardInterrupt):
-    """An interrupt during an episode; the message says where it was.
-
-    Attributes:
-        episode: the record so far.
-    """
+    """An interrupt during an episode; ``episode`` is its record so far."""
 
     def __init__(self, message: str, episode: Any) -> None:
         super().__init__(message)

@@ -57,12 +57,12 @@ def costs_around_chargers(layout: Layout, costs: Costs | None = None) -> Costs |
     if not layout.chargers:
         return costs
     size = layout.height * layout.width
-    found = np.ones((size, len(MOVES)), np.float32) if costs is None else costs.copy()
+    around = np.ones((size, len(MOVES)), np.float32) if costs is None else costs.copy()
     chargers = layout.numbers(layout.chargers)
     for move in MOVES:
         down, right = DISPLACEMENTS[move]
-        found[(chargers - down * layout.width - right) % size, move] += INTO_CHARGER
-    return found
+        around[(chargers - down * layout.width - right) % size, move] += INTO_CHARGER
+    return around
 
 
 class Needs(NamedTuple):
@@ -88,10 +88,6 @@ class Chargers:
     in the order of the steps that their batteries last, each when the chargers are done with those
     before it. If one of them would run empty until then, it and all before it are to charge now.
     If it was wrong, turns end early for those that would run empty.
-
-    Args:
-        env: fleet, after its reset.
-        graph: graph of its floor.
 
     Attributes:
         cells: ``[C]``, cells of the chargers.
@@ -159,7 +155,7 @@ class Chargers:
         return found
 
     def _are_there(self, cells: Integers) -> NDArray[np.bool_]:
-        """Return whether each charger is one of some cells, ``[C]``."""
+        """Return whether each charger is one of some cells, ``[C]``; faster than ``isin``."""
         is_there = np.zeros(len(self.home), np.bool_)
         is_there[cells] = True
         return is_there[self.cells]

@@ -43,12 +43,7 @@ class Robots(NamedTuple):
 
 
 class Dispatcher:
-    """Gives the robots of a fleet, after its reset, orders, turns at chargers, and goals.
-
-    Attributes:
-        graph: graph of the floor.
-        chargers: chargers of the floor, and the turns at them.
-    """
+    """Gives the robots of a fleet, after its reset, orders, turns at chargers, and goals."""
 
     def __init__(self, env: FleetEnv, assignment: str) -> None:
         self.graph = Graph(env.layout)

@@ -83,15 +83,7 @@ class Pilot:
     The goal is given by its order: where to pick and where to drop. A robot whose battery is low
     has a charger for both as soon as one is free, and waits there until its battery is nearly full.
     A robot without an order waits, but not on a station or a charger. After ``PATIENCE`` moves that
-    failed it takes a random one.
-
-    Args:
-        agent: agent of the chapter; it is reset for each goal.
-        site: warehouse of the fleet.
-        stream: random numbers for moves out of the way.
-
-    Attributes:
-        reason: reason of the last action.
+    failed it takes a random one. After each action ``reason`` has its reason.
     """
 
     def __init__(self, agent: Agent, site: Site, stream: random.Random) -> None:

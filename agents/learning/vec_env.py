@@ -15,12 +15,10 @@ from warehouse_core.world.actions import ACTIONS
 
 
 class BatchVecEnv(VecEnv):
-    """All rows of a batch as one ``VecEnv``; ``vector_steps.py`` has its observations and infos.
+    """All rows of a batch with ``autoreset_mode="SameStep"`` as one ``VecEnv``.
 
-    The rows of a ``FleetBatch`` are its robots, which so share one policy.
-
-    Args:
-        batch: batch with ``autoreset_mode="SameStep"``.
+    The rows of a ``FleetBatch`` are its robots, which so share one policy. Observations and infos
+    are described in ``vector_steps.py``.
     """
 
     def __init__(self, batch: Batch) -> None:

@@ -82,8 +82,6 @@ def nearest_first(tasks: Tasks) -> NDArray[np.intp]:
     """
     ways = np.array(tasks.ways, np.float64)
     found = np.full(len(ways), NONE)
-    if not ways.size:
-        return found
     while np.isfinite(ways).any():
         order_of, robot_of = ways.argmin(axis=1), ways.argmin(axis=0)
         robots = np.flatnonzero(robot_of[order_of] == np.arange(len(ways)))

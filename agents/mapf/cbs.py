@@ -48,11 +48,9 @@ independent, which weakens the bound but never makes it wrong.
 
 
 class Constraint(NamedTuple):
-    """What a robot must not do.
+    """What a robot must not do in a joint step.
 
     Attributes:
-        robot: its number.
-        time: joint step at which the constraint holds.
         cell: cell that the robot must not be in at the time; ``None`` forbids the robot to be in
             its goal for good by then.
         before: cell that the robot must not come from; ``None`` forbids the cell altogether.
@@ -109,10 +107,7 @@ class Node:
 
 
 class ConflictTree:
-    """The tree of a problem, which grows until it has a plan.
-
-    Args:
-        problem: any problem. Lanes do not count: the cost of a way is its length.
+    """The tree of a problem, which grows until it has a plan; the cost of a way is its length.
 
     Attributes:
         nodes: all nodes so far, the root first.

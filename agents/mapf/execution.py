@@ -31,6 +31,9 @@ MAX_SLOWNESS = 10
 MAX_TRIES = 10
 """Attempts at a joint step from which disturbances keep robots."""
 
+SEED = 0
+"""Seed of the disturbances."""
+
 RESTS = 1e-5
 """Metres in which a robot may move from row to row of its path and is still said to rest."""
 
@@ -56,7 +59,6 @@ def drive_through(
     plan: Integers,
     spec: RobotSpec | None = None,
     disturbances: Disturbances | None = None,
-    seed: int = 0,
 ) -> Execution:
     """Let bodies drive through the cells of a joint plan.
 
@@ -65,7 +67,6 @@ def drive_through(
         plan: ``[T + 1, R]``, the ``cells`` of a ``Plan`` or of a ``LifelongRun``.
         spec: robot to use; ``None`` is the default robot.
         disturbances: departures from nominal physics.
-        seed: seed of the disturbances.
 
     Raises:
         PlanError: nobody moves any more before all have arrived; the message names robots.
@@ -73,7 +74,7 @@ def drive_through(
         ValueError: a joint step has a conflict, or the robots are too wide to follow each other.
     """
     motion, cells = DrivingMotion(spec, disturbances, path_every=1), [*map(layout.cells, plan)]
-    motion.reset(layout, cells[0], seed)
+    motion.reset(layout, cells[0], SEED)
     for targets in cells[1:]:
         motion.extend(targets)
     stops = [stop.seconds for stop in motion.disturbances.stops if stop.seconds < math.inf]
@@ -93,7 +94,6 @@ def drive_steps(
     plan: Integers,
     spec: RobotSpec | None = None,
     disturbances: Disturbances | None = None,
-    seed: int = 0,
 ) -> Execution:
     """Let bodies carry out a joint plan step by step; see ``drive_through``.
 
@@ -105,7 +105,7 @@ def drive_steps(
         ValueError: a robot is to move by more than a cell.
     """
     motion, cells = RigidBodyMotion(spec, disturbances), [*map(layout.cells, plan)]
-    motion.reset(layout, cells[0], seed)
+    motion.reset(layout, cells[0], SEED)
     record, here = _Record(motion.spec, len(cells[0])), cells[0]
     for step, targets in enumerate(cells[1:]):
         for _ in range(MAX_TRIES):

@@ -18,12 +18,7 @@ from agents.mapf.graph import Graph, Integers
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Robots that are to go from their starts to their goals, and to stay there.
-
-    Args:
-        graph: floor.
-        starts: ``[R]`` cells, all different.
-        goals: ``[R]`` cells, all different.
+    """Robots that are to go from ``[R]`` starts to ``[R]`` goals, and to stay there.
 
     Raises:
         PlanError: turns have a cost in the graph. Or no plan can exist, as can be seen at once: a

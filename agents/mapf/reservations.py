@@ -14,9 +14,6 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 class Reservations:
     """The states and moves that are taken.
 
-    Args:
-        size: ``H * W``.
-
     Attributes:
         size: ``H * W``.
         states: robot that has each taken state.

@@ -20,11 +20,9 @@ GAP = ROBOT_RADIUS + 0.05
 
 @dataclass(frozen=True, slots=True)
 class Insight:
-    """News and plan of an agent when it chose an action.
+    """Cells that an agent had not seen before it chose an action, and the cells of its plan.
 
-    Attributes:
-        seen: cells of the layout that it had not seen before, ``"#"`` or ``"."``.
-        route: the cells of its plan, beginning with the cell of the robot.
+    Tiles are ``"#"`` or ``"."``; the plan begins with the cell of the robot.
     """
 
     seen: dict[Cell, str]
