@@ -5,7 +5,6 @@ from pathlib import Path
 import pytest
 from helpers.command_line import Refused
 
-from agents.errors import ParameterError
 from agents.lab.experiments.case import key_of, make_case
 from agents.lab.experiments.choices import MAX_BYTES, PlanFile, parse_flags, read_plan_file
 from agents.lab.experiments.plan import make_plan
@@ -104,34 +103,6 @@ def test_an_empty_file_is_a_plan_of_defaults_and_a_byte_order_mark_is_ignored(
     path.write_bytes(content)
     assert read_plan_file(path) == PlanFile({}, episodes, None)
     assert [key_of(case) for case in make_plan({}, 1, 0).cases] == [key_of(make_case({}))]
-
-
-FLAGS = {
-    "battery": "battery",
-    "battery=": "battery",
-    "battery=1:2": "battery",
-    "battery=nan": "battery",
-    "battery=1,,2": "battery",
-    "battery=" + 5000 * "9": "battery",
-    "density=nan:inf:1": "density",
-    "escape=1": "escape",
-    "=3": "allowed",
-    "batery=3": "batery",
-}
-
-
-@pytest.mark.parametrize("flag", FLAGS)
-def test_an_invalid_flag_is_an_error_and_no_file_is_written(
-    refused: Refused, tmp_path: Path, flag: str
-) -> None:
-    line = refused("sweep", "--set", flag, "-o", tmp_path / "r.sqlite")
-    assert FLAGS[flag] in line
-    assert not list(tmp_path.iterdir())
-
-
-def test_a_flag_given_twice_is_an_error() -> None:
-    with pytest.raises(ParameterError, match=r"^battery is given twice"):
-        parse_flags(["battery=1", "battery=2"])
 
 
 def test_flags_may_be_lists_ranges_words_and_names_with_colons() -> None:

@@ -158,27 +158,6 @@ def test_agents_that_fail_or_end_their_process_are_named_and_the_others_go_on(
     assert len(table(path)) == 37
 
 
-THREADED = """
-import threading, time
-class Threaded:
-    def reset(self):
-        threading.Thread(target=time.sleep, args=(3600,)).start()
-
-    def act(self, observation):
-        return "N"
-"""
-
-
-def test_an_agent_that_leaves_threads_running_does_not_hold_up_the_end(path: Path) -> None:
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / "threaded.py"
-        file.write_text(THREADED)
-        sweep = Sweep(path, 8, [f"agent={file}:Threaded"])
-        code, out, err = sweep.end()
-    assert (code, err) == (0, "")
-    assert "8 episodes done; see" in out
-
-
 def test_there_are_no_more_workers_than_episodes(
     warehouse: Warehouse, path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
