@@ -173,6 +173,7 @@ IMPOSSIBLE = {
     "train ppo --layout random --size 4x4": "is one of the 1024 of the training; use a larger",
     "train ppo --output m.zip": "m.zip: cannot save as .zip; allowed: .npz",
     "train q --output q.zip": "q.zip: cannot save as .zip; allowed: .npz",
+    "train q --output q.NPZ": "q.NPZ: cannot save as .NPZ; allowed: .npz",
     "train q --output missing/q.npz": "the folder missing does not exist",
     "train q --layout tiny.txt": "randomize needs two open cells",
     "layout generate -o missing/hall.txt": "the folder missing does not exist",
